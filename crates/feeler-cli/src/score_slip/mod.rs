@@ -1,4 +1,4 @@
-//! `feeler score-slip`: slip detectors against the truth, the simulator's or that of labelled recordings.
+//! `feeler score-slip`: compares slip detectors with the simulator's ground truth or with labelled recordings.
 
 mod collected;
 mod in_order;
@@ -22,27 +22,33 @@ use recorded::RecordedArguments;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Name of the page.
+/// File name of the page.
 const PAGE: &str = "slip.html";
 
-/// With one name, an experiment: detectors are held against the simulator's truth. With LABELS (or --frame-labels),
-/// recordings of grasps: detectors are held against their labels, each with a threshold that was chosen without the
-/// recordings of its own group.
+/// Score slip detectors on an experiment or on labelled recordings.
+///
+/// With one argument, an experiment: detectors are compared with the simulator's ground truth. With LABELS (or
+/// --frame-labels), recordings of grasps: detectors are compared with the labels, each with a threshold chosen without
+/// the recordings of the same group.
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// An experiment file, or the name of a built-in experiment: its fingertip of finger 0, noise and thresholds. With LABELS,
-    /// recordings: a file or a folder of tables of `feeler sense`, of videos of a marker gel, or, with --taxels,
-    /// of tables of taxel arrays.
+    /// Experiment file, name of a built-in experiment, or recordings.
+    ///
+    /// Of an experiment, the fingertip of finger 0, the noise and the thresholds are used. With LABELS, recordings: a
+    /// file or a folder of tables of `feeler sense`, of videos of a marker gel, or, with --taxels, of tables of taxel
+    /// arrays.
     #[arg(value_name = "EXPERIMENT|RECORDINGS", default_value = "cap-closing")]
     source: String,
-    /// Labels of the recordings: a table with a column `recording`, `sequence` or `video` (or else its first), a column `slip`
-    /// of 0 and 1, and, where frames are labelled, a column `frame` from 0.
+    /// Table with the labels of the recordings.
+    ///
+    /// The recording is named in the column `recording`, `sequence` or `video`, or else in the first. The column `slip`
+    /// contains 0 or 1. If frames are labelled, the column `frame` contains their numbers from 0.
     labels: Option<PathBuf>,
-    /// Number of trials to score in simulation; as many others choose the thresholds.
+    /// Number of simulated trials to score; as many other trials are used to choose the thresholds.
     #[arg(long, default_value_t = 1000, conflicts_with_all = ["labels", "frame_labels"],
         value_parser = clap::value_parser!(u64).range(1..=100_000))]
     trials: u64,
-    /// Set any value of the experiment, as in sim.direct_sensing.shear_noise=0.005.
+    /// Set a value of the experiment, as in sim.direct_sensing.shear_noise=0.005.
     #[arg(long = "set", value_name = "KEY=VALUE", conflicts_with_all = ["labels", "frame_labels"])]
     settings: Vec<String>,
     /// Random seed of the simulation.
@@ -51,7 +57,7 @@ pub struct Arguments {
     seed: u64,
     #[command(flatten)]
     recorded: RecordedArguments,
-    /// The page's folder.
+    /// Folder of the page.
     #[arg(short, long, value_name = "DIR", default_value = "slip")]
     out: PathBuf,
     #[command(flatten)]
@@ -64,23 +70,21 @@ pub fn score_slip(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome,
     let labelled = arguments.labels.is_some() || arguments.recorded.frame_labels.is_some();
     if !labelled {
         if let Some(option) = arguments.recorded.given() {
-            let message = format!(
-                "{option} is for recordings; expected their LABELS, or --frame-labels, too"
-            );
+            let message = format!("{option} is for recordings; add their LABELS or --frame-labels");
             return Err(message.into());
         }
         let source = &arguments.source;
-        // A run of an experiment may have left a folder of its name.
+        // A run of an experiment may have created a folder with the experiment's name.
         let built_in = BUILT_IN.iter().any(|b| b.name == source);
         if !built_in && Path::new(source).is_dir() {
-            return Err(format!("{source}: it is a folder of recordings; expected their LABELS behind it, or --frame-labels").into());
+            return Err(format!("{source}: a folder of recordings requires LABELS as the second argument, or --frame-labels").into());
         }
         return simulated::score(arguments, out);
     }
     recorded::score(arguments, out)
 }
 
-/// Makes the output folder.
+/// Creates the output folder.
 fn make_folder(arguments: &Arguments) -> Result<(), CommandError> {
     create_folder(&arguments.out)
         .map_err(|e| format!("--out {}: {e}; expected a folder", arguments.out.display()).into())

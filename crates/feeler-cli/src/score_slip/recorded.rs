@@ -1,4 +1,4 @@
-//! `feeler score-slip RECORDINGS LABELS`: against the labels of recordings.
+//! `feeler score-slip RECORDINGS LABELS`: compares detectors with the labels of recordings.
 
 use super::super::bounded::parse_rate;
 use super::super::json;
@@ -18,44 +18,47 @@ use serde_json::json;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// What is said of recordings.
+/// Options for recordings.
 #[derive(Debug, Default, clap::Args)]
 pub struct RecordedArguments {
-    /// The tables are of a three-axis taxel array, of this layout: a file, or a built-in one (`feeler list`).
+    /// Read tables of a three-axis taxel array with this layout: a file or a built-in one (see `feeler list`).
     #[arg(long, value_name = "LAYOUT", conflicts_with = "layout")]
     pub taxels: Option<String>,
-    /// What the columns of an array begin with, where a table has several, as in left; again for each array.
+    /// Prefix of an array's columns if the tables have several arrays, as in left (repeatable, once for each array).
     #[arg(long = "prefix", value_name = "PREFIX", requires = "taxels")]
     pub prefixes: Vec<String>,
     /// Column whose value changes where another recording begins in the same table.
     #[arg(long, value_name = "COLUMN", requires = "taxels")]
     pub sequence: Option<String>,
-    /// Each recording is a folder with a table of this name; again for each array that felt the same grasp.
+    /// Name of the table in each recording's folder (repeatable, once for each array that measured the same grasp).
     #[arg(long = "table", value_name = "FILE")]
     pub tables: Vec<String>,
-    /// Layout of `feeler locate` of all recordings that have none beside them (NAME.toml beside NAME.csv).
+    /// Layout from `feeler locate` for all recordings that have none next to them (NAME.toml next to NAME.csv).
     #[arg(long, value_name = "FILE")]
     pub layout: Option<PathBuf>,
-    /// Rows (frames) per second, before any column of the time.
+    /// Rows (frames) per second; overrides any time column.
     #[arg(long, value_name = "HZ", value_parser = parse_rate)]
     pub rate: Option<f64>,
-    /// Where vectors are 0, nothing touches: recordings begin untouched. Only then is contact known of taxels.
+    /// Declare that recordings start without contact, so that vectors of 0 mean no contact. Taxels detect contact only
+    /// with this option.
     #[arg(long)]
     pub untouched: bool,
-    /// Column of LABELS that groups recordings, as by their object; without it, each is a group.
+    /// Column of LABELS that groups recordings, for example by object [default: each recording is a group]
     #[arg(long, value_name = "COLUMN", requires = "labels")]
     pub group: Option<String>,
-    /// Frames are labelled: in each recording's folder, a table of this name has a column `slip`, a row for each frame.
+    /// Name of a table in each recording's folder that labels its frames: a column `slip`, one row per frame.
     #[arg(long, value_name = "FILE")]
     pub frame_labels: Option<String>,
-    /// Judge with thresholds of other recordings, too, and their labels: tables of `feeler sense`, as those of `feeler
-    /// simulate-grasps`, videos, or, with --taxels, tables of the same array in files or folders as those of RECORDINGS.
+    /// Also judge with thresholds chosen on other recordings and their labels.
+    ///
+    /// Tables of `feeler sense`, such as those of `feeler simulate-grasps`, videos, or, with --taxels, tables of the
+    /// same array in the same arrangement of files or folders as RECORDINGS.
     #[arg(long, num_args = 2, value_names = ["RECORDINGS", "LABELS"])]
     pub thresholds_from: Vec<PathBuf>,
 }
 
 impl RecordedArguments {
-    /// An option that was given, if any was.
+    /// Returns the first given option that requires recordings.
     pub fn given(&self) -> Option<&'static str> {
         let given = [
             ("--taxels", self.taxels.is_some()),
@@ -71,7 +74,7 @@ impl RecordedArguments {
     }
 }
 
-/// The other recordings, from which thresholds are taken, and their name.
+/// Other recordings, from which thresholds are taken, and their name.
 struct Others {
     name: String,
     collected: Collected,
@@ -93,7 +96,7 @@ pub fn score(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
         .as_ref()
         .is_some_and(|others| others.of_frames != found.of_frames)
     {
-        let message = "--thresholds-from: labels of recordings on one side, of frames on the other; expected the same of both";
+        let message = "--thresholds-from: one side labels recordings, the other frames; expected the same kind of labels for both";
         return Err(message.into());
     }
     make_folder(arguments)?;
@@ -104,7 +107,7 @@ pub fn score(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
         .chain(recorded.layout.as_deref());
     let mut outputs = Outputs::new(arguments.overwrite, inputs.map(Some));
     let (page_path, scores_path) = (arguments.out.join(PAGE), arguments.out.join(SCORES));
-    // Opened first: scoring takes its time.
+    // Opened first, because scoring takes a long time.
     let page_file = outputs.create(&page_path, "--out")?;
     let scores_file = outputs.create(&scores_path, "--out")?;
 
@@ -178,7 +181,7 @@ fn judge(
         let says_nothing = outcome.unknown == labelled.len();
         if says_nothing {
             notes.add(detector.key(), || {
-                format!("{} says nothing of any recording", detector.name())
+                format!("{} gives no score for any recording", detector.name())
             });
         }
         detectors.push(GraspDetector {
@@ -226,8 +229,10 @@ fn judge(
     }
 }
 
-/// Whether a detector's numbers mean the same on both: drag is in deviations of the noise, and the load in spacings, where both
-/// are of patterns. All others are in a sensor's own unit, which is the same where both are of one kind of taxel array.
+/// Returns `true` if the detector's scores are in the same unit on both.
+///
+/// Drag is in standard deviations of the noise. The load is in spacings if both are of patterns. All others are in a
+/// sensor's unit, which is the same if both are of one kind of taxel array.
 fn is_comparable(detector: Detector, one: &Collected, other: &Collected) -> bool {
     match detector {
         Detector::Drag => true,

@@ -1,4 +1,4 @@
-//! `feeler score-slip [EXPERIMENT]`: against the simulator's truth.
+//! `feeler score-slip [EXPERIMENT]`: compares detectors with the simulator's ground truth.
 
 use super::super::json;
 use super::super::part_file::Outputs;
@@ -17,13 +17,13 @@ pub fn score(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
     make_folder(arguments)?;
     let path = arguments.out.join(PAGE);
     let inputs = [Some(Path::new(&arguments.source))];
-    // Opened first: scoring takes its time.
+    // Opened first, because scoring takes a long time.
     let file = Outputs::new(arguments.overwrite, inputs).create(&path, "--out")?;
     let bar = Steps::new(2 * arguments.trials as usize);
     let run = |part: u64| -> Result<Vec<Vec<Sample>>, CommandError> {
         (0..arguments.trials)
             .map(|number| {
-                // Even seeds are for choosing thresholds, odd ones for scoring: no trial is both.
+                // Even seeds choose thresholds, odd seeds are scored, so no trial does both.
                 let seed = arguments.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
                 let samples = trial(&experiment, seed.wrapping_add(2 * number + part))?;
                 bar.advance();

@@ -1,4 +1,4 @@
-//! `feeler sense`
+//! `feeler sense`: moments, forces or wrenches from images, cameras, recordings and taxel tables.
 
 mod assumed;
 mod beside;
@@ -34,92 +34,109 @@ use tally::Tally;
 use taxels::TaxelArguments;
 use track::Track;
 
-/// The experiment whose fingertip it is where nobody says otherwise.
+/// Experiment whose fingertip is assumed by default.
 const EXPERIMENT: &str = "cap-closing";
 
-/// Frames per second where nobody says otherwise.
+/// Default frame rate (Hz).
 const DEFAULT_RATE: f64 = 30.0;
 
 const DETAILS: &str = "\
-Pictures are PNG, JPEG, PNM, TIFF, BMP or WebP, of 8 bits or 16 (scaled to 8), turned as their EXIF orientation says; colours become grey. They must have the size of the sensor's. Of a video, frames are rotated as the file says, turned to grey (luma), and stamped with their times from the beginning of the file. Where nothing says whose they are, the first must be such as the fingertip of cap-closing gives.
+Images are PNG, JPEG, PNM, TIFF, BMP or WebP with 8 or 16 bits (scaled to 8). They are rotated by their EXIF orientation, converted to grey, and must have the size of the sensor's images. Video frames are rotated as the file states, converted to grey (luma), and stamped with their time from the start of the file. Without --layout, --experiment and --calibration, the first image must look like one of the cap-closing fingertip.
 
-One row for each element and frame: frame, stamp (s), element, integrated_gray (G, grey levels times m²), u_x and u_y (displacement of the centroid, m), and with --calibration f_x, f_y, f_z (N; frame, sign: the element's, z is compression; x and y are those of the picture where the layout has no dome). A field is empty where there is nothing to say: u in the dark, forces where a sub-region is dark or saturated, G and u of a recorded run.
+Output is one row per element and frame: frame, stamp (s), element, integrated_gray (G, grey levels times m²), u_x and u_y (displacement of the centroid, m), and with --calibration f_x, f_y, f_z (N). Forces are in the element's frame with the element's sign: z is compression; x and y are the image axes if the layout has no dome. A field is empty if it has no value: u of dark elements, forces of dark or saturated sub-regions, G and u of a recorded run.
 
-With --taxels, the source is a table with a row for each sample of a taxel array, or - for rows on standard input as they come. One row for each taxel and frame: frame, stamp (s), element, and f_x, f_y, f_z (N), or f_x_counts, f_y_counts, f_z_counts where the layout does not know how many counts make a newton; sequence before them, with --sequence.
+With --taxels, the source is a table with one row per sample of a taxel array, or - for rows on standard input. Output is one row per taxel and frame: frame, stamp (s), element, and f_x, f_y, f_z (N), or f_x_counts, f_y_counts, f_z_counts if the layout does not define counts per newton. With --sequence, a column sequence comes first.
 
-With the calibration of a wrench (feeler calibrate --wrench), one row for each frame instead: frame, stamp, f_x, f_y, f_z (N), m_x, m_y, m_z (N m) in the frame and of the sign in which they were measured, empty where not calibrated; valid: whether the picture is like those of the calibration; and novelty: how far it is from them, as a share of what is still valid. In MCAP, geometry_msgs/WrenchStamped, not a number where not calibrated or not valid.
+With a wrench calibration (feeler calibrate --wrench), output is one row per frame: frame, stamp, f_x, f_y, f_z (N), m_x, m_y, m_z (N m) in the frame and with the sign of the calibration's measurements, empty if not calibrated; valid: whether the image is similar to those of the calibration; and novelty: its distance from them, as a fraction of the largest valid distance. MCAP files contain geometry_msgs/WrenchStamped, with NaN for components that are not calibrated or not valid.
 
-u counts from where the centroids are without load: as the calibration says; without one, the mean over the first frames (--unloaded), or --reference.";
+u is measured from the unloaded centroids of the calibration. Without a calibration, it is measured from their mean over the first frames (--unloaded), or from --reference.";
 
 #[derive(Debug, clap::Args)]
 #[command(after_long_help = DETAILS)]
 pub struct Arguments {
-    /// Folder or files of pictures (in the natural order of names), a video file (.avi, .mp4, .mkv, .mov, .webm, .m4v; needs
-    /// ffmpeg), a recorded run, a recording made by `feeler sense --record-frames`, a camera (/dev/video0, genicam:ID as `feeler cameras` lists it, genicam: for the first), rig: for what `feeler
-    /// world` or `feeler rig --drives emulated` plays, or - for raw grey frames on standard input.
+    /// Source of images or readings.
+    ///
+    /// A folder or files of images (in natural order of their names), a video file (.avi, .mp4, .mkv, .mov, .webm,
+    /// .m4v; requires ffmpeg), a recorded run, a recording made by `feeler sense --record-frames`, a camera
+    /// (/dev/video0, genicam:ID as listed by `feeler cameras`, or genicam: for the first one), rig: for the images of
+    /// `feeler world` or `feeler rig --drives emulated`, or - for raw grey frames on standard input.
     #[arg(required = true, value_name = "SOURCE")]
     sources: Vec<PathBuf>,
-    /// The sensing elements as `feeler locate` found them, instead of an experiment's; without the
-    /// dome's geometry in it, G is in grey levels px² and u in px.
+    /// Use the sensing elements found by `feeler locate` instead of an experiment's.
+    ///
+    /// If the layout lacks the dome's geometry, G is in grey levels px² and u in px.
     #[arg(long, value_name = "LAYOUT.toml", conflicts_with = "experiment")]
     pub(super) layout: Option<PathBuf>,
-    /// The experiment whose fingertip the pictures are of: a file, or a built-in one.
-    /// [default: cap-closing, if the first picture may be of its fingertip]
+    /// Experiment whose fingertip the images show: a file or a built-in one [default: cap-closing, if the first image
+    /// matches its fingertip]
     #[arg(long)]
     pub(super) experiment: Option<String>,
-    /// Calibration of the fingertip, as `feeler calibrate` writes it.
+    /// Use this calibration of the fingertip, written by `feeler calibrate`.
     #[arg(long, value_name = "FILE")]
     pub(super) calibration: Option<PathBuf>,
-    /// Correct for a lamp that dims or brightens: the quarter of the elements that have brightened least are
-    /// taken as untouched, if they agree and have not moved, and their change is applied to all. While less than
-    /// a quarter of the elements is untouched, the last correction is kept.
+    /// Correct for a lamp that dims or brightens.
+    ///
+    /// The quarter of the elements that brightened least is assumed to be untouched, if these elements agree and have
+    /// not moved. Their change is applied to all elements. While less than a quarter of the elements is untouched, the
+    /// last correction remains in effect.
     #[arg(long, requires = "calibration")]
     pub(super) drift_correction: bool,
-    /// Output file: .csv, .jsonl or .mcap [default: a table on standard output]. It is called FILE.part until it is
-    /// whole; Ctrl-C completes a camera's or a stream's.
+    /// Output file: .csv, .jsonl or .mcap [default: a table on standard output]
+    ///
+    /// Written to FILE.part and renamed when complete. Ctrl-C completes the file if the source is a camera or a stream.
     #[arg(short, long, value_name = "FILE")]
     pub(super) output: Option<PathBuf>,
     #[command(flatten)]
     overwrite: Overwrite,
-    /// Keep each frame's picture beside its readings in the MCAP file (PNG, 0.1 to 0.2 MB for 640x480 px), so that
-    /// `feeler sense FILE.mcap` and `feeler calibrate` can sense it anew.
+    /// Record each frame's image next to its readings in the MCAP file.
+    ///
+    /// `feeler sense FILE.mcap` and `feeler calibrate` can then process the images again. A PNG image of 640x480 px
+    /// takes 0.1 to 0.2 MB.
     #[arg(long)]
     pub(super) record_frames: bool,
     /// Size of the raw frames on standard input, px.
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size)]
     raw: Option<(usize, usize)>,
-    /// Size of the camera's pictures, px [default: that of the fingertip's pictures]
+    /// Size of the camera's images, px [default: the size of the fingertip's images]
     #[arg(long, value_name = "WIDTHxHEIGHT", value_parser = parse_size)]
     size: Option<(usize, usize)>,
-    /// Frames per second: requested from a camera; assumed for pictures and raw frames [default: 30], for a video [default: the
-    /// file's own times], and for the rows of taxels [default: by their column of time, or as their layout says]
+    /// Frames per second [default: 30; for a video, the times in the file; for taxels, the time column or the layout's
+    /// rate]
+    ///
+    /// Requested from a camera; assumed for images, raw frames, videos and the rows of taxels.
     #[arg(long, value_name = "HZ", value_parser = parse_rate)]
     rate: Option<f64>,
     #[command(flatten)]
     camera: CameraArguments,
-    /// Follow every marker of the layout by identity, beyond its neighbours' places: through a video, or in single
-    /// pictures, each matched against the layout alone. u counts from the layout's places, px, with a confidence from
-    /// 0 (lost: the place is foretold by the neighbours) to 1.
+    /// Track the identity of every marker of the layout, even if markers move past their neighbours' positions.
+    ///
+    /// u is measured from the layout's positions (px). Each marker has a confidence from 0 (lost: the position is
+    /// predicted from the neighbours) to 1.
     #[arg(long, value_name = "HOW", num_args = 0..=1, default_missing_value = "video", require_equals = true,
         conflicts_with_all = ["calibration", "reference", "unloaded", "publish"])]
     track: Option<Track>,
-    /// Picture without load, from which u is measured.
+    /// Unloaded image from which u is measured.
     #[arg(long, value_name = "PICTURE", conflicts_with = "calibration")]
     reference: Option<PathBuf>,
-    /// Number of frames without load at the start, from whose mean u is measured [default: 1], or the forces of taxels
-    /// [default: as their layout says]
+    /// Number of unloaded frames at the start [default: 1; for taxels, as in the layout]
+    ///
+    /// u, or the force of each taxel, is measured from their mean.
     #[arg(long, value_name = "FRAMES", conflicts_with_all = ["calibration", "reference"],
         value_parser = clap::value_parser!(u32).range(1..=10_000))]
     unloaded: Option<u32>,
-    /// Share of a sub-region's pixels that may be saturated (of dark markers: black) before its force is left out
-    /// [default: 0.01; of dark markers 0.9, in pictures of two gray levels 0.98]
+    /// Maximum fraction of saturated pixels in a sub-region; above it, the force is omitted [default: 0.01; for dark
+    /// markers 0.9, or 0.98 in images of two grey levels]
+    ///
+    /// For dark markers, black pixels count instead of saturated ones.
     #[arg(long, value_name = "PART", value_parser = parse_part)]
     max_saturated: Option<f64>,
-    /// Finger of a recorded run, from 0 [default: 0]; of pictures, the finger of the experiment whose
-    /// fingertip they are of [default: what fingers have without one of their own]
+    /// Finger, from 0: of a recorded run [default: 0], or of the experiment whose fingertip the images show [default:
+    /// the fingertip shared by all fingers]
     #[arg(long, value_name = "NUMBER")]
     pub(super) finger: Option<usize>,
-    /// Publish what the finger feels, for `feeler hand`. Without --calibration, by the experiment's own.
+    /// Publish the readings of the finger for `feeler hand`.
+    ///
+    /// Without --calibration, the experiment's calibration is used.
     #[arg(long)]
     pub(super) publish: bool,
     #[command(flatten)]
@@ -131,13 +148,13 @@ pub struct Arguments {
 }
 
 impl Arguments {
-    /// Refuses what would change nothing.
+    /// Rejects options that have no effect.
     fn refuse_without_effect(&self) -> Result<(), CommandError> {
         let for_the_hand = self.values.given().or(self.link.given());
         if let Some(option) = for_the_hand.filter(|_| !self.publish) {
             return Err(format!(
-                "{option}: changes nothing without --publish; expected --publish beside it, or an experiment file \
-                 that says so"
+                "{option}: has no effect without --publish; add --publish, or edit the experiment file \
+                 instead"
             )
             .into());
         }
@@ -150,34 +167,34 @@ impl Arguments {
             .find(|&(_, given)| given && self.publish);
         match given {
             Some((option, _)) => Err(format!(
-                "{option}: changes nothing with --publish, where the calibration says what is without load"
+                "{option}: has no effect with --publish, because the calibration defines the unloaded state"
             )
             .into()),
             None => Ok(()),
         }
     }
 
-    /// Frames per second of pictures.
+    /// Frame rate assumed for images, or requested from a camera (Hz).
     fn rate(&self) -> f64 {
         self.rate.unwrap_or(DEFAULT_RATE)
     }
 
-    /// The experiment whose fingertip it is.
+    /// Name or path of the experiment whose fingertip is used.
     pub(super) fn experiment(&self) -> &str {
         self.experiment.as_deref().unwrap_or(EXPERIMENT)
     }
 
-    /// Whether nobody has said whose elements are looked at.
+    /// Returns `true` if no option identifies the fingertip.
     fn assumes_fingertip(&self) -> bool {
         self.experiment.is_none() && self.layout.is_none() && self.calibration.is_none()
     }
 
-    /// The finger under whose name pictures are kept, if they are.
+    /// Finger whose images are recorded, or `None` if images are not recorded.
     pub(super) fn recorded_finger(&self) -> Option<usize> {
         self.record_frames.then(|| self.finger.unwrap_or(0))
     }
 
-    /// Refuses to keep pictures where there is no place for them.
+    /// Rejects `--record-frames` if the output is not MCAP.
     fn refuse_pictures_elsewhere(&self) -> Result<(), CommandError> {
         let is_mcap = |path: &Path| path.extension().is_some_and(|e| e == "mcap");
         if !self.record_frames || self.output.as_deref().is_some_and(is_mcap) {
@@ -188,18 +205,18 @@ impl Arguments {
             None => "a table on standard output".into(),
         };
         Err(format!(
-            "--record-frames: only MCAP holds pictures; expected -o FILE.mcap, got {actual}"
+            "--record-frames: only MCAP files can contain images; expected -o FILE.mcap, got {actual}"
         )
         .into())
     }
 
-    /// Opens the output for what pictures say.
+    /// Opens the output for readings of images.
     pub(super) fn open_output(&self, forces: bool) -> Result<Box<dyn Output>, CommandError> {
         let pictures = self.recorded_finger();
         self.open_output_as(&OfPictures { forces, pictures })
     }
 
-    /// Lets a thread of its own write `output` where it is pictures, so that they hold up no sensor.
+    /// Moves `output` to a background thread if images are recorded, so that writing them does not block sensing.
     fn beside_the_sensor(
         &self,
         output: Box<dyn Output>,
@@ -216,12 +233,12 @@ impl Arguments {
         Ok(Box::new(Queued::start(output, full, true, tally.warner())?))
     }
 
-    /// Opens the output in this format.
+    /// Opens the output for rows or messages of this format.
     fn open_output_as(&self, format: &dyn Format) -> Result<Box<dyn Output>, CommandError> {
         output::open(self.output.as_deref(), self.outputs(), format)
     }
 
-    /// What may be written to: none of the files that are read.
+    /// Returns the set of output files, which rejects input files as outputs.
     fn outputs(&self) -> Outputs {
         let recordings: Vec<_> = self.sources.iter().map(|s| s.join(RECORDING)).collect();
         let named = [&self.layout, &self.calibration, &self.reference];
@@ -241,7 +258,7 @@ pub fn sense(arguments: &Arguments) -> Result<Outcome, CommandError> {
         Some(layout) => {
             arguments.refuse_without_effect()?;
             if arguments.record_frames {
-                return Err("--record-frames: taxels have no pictures".into());
+                return Err("--record-frames: taxels have no images".into());
             }
             taxels::sense(arguments, layout, &mut tally, &interrupted)?;
         }
@@ -256,7 +273,7 @@ pub fn sense(arguments: &Arguments) -> Result<Outcome, CommandError> {
     Ok(Outcome::Done)
 }
 
-/// Senses what is not a table.
+/// Senses a source other than a taxel table.
 fn sense_source(
     arguments: &Arguments,
     tally: &mut Tally,
@@ -266,11 +283,11 @@ fn sense_source(
     arguments.refuse_without_effect()?;
     match source {
         Source::Recording(_) if arguments.publish => {
-            let message = "--publish: expected pictures, a camera or rig:, not a recorded run";
+            let message = "--publish: expected images, a camera or rig:, got a recorded run";
             Err(message.into())
         }
         Source::Rig if !arguments.publish => {
-            Err("rig: is sensed for the hand; expected --publish beside it".into())
+            Err("rig: requires --publish, because it is sensed for the hand".into())
         }
         Source::Recording(path) => recorded::sense(arguments, &path, tally, interrupted),
         source if arguments.publish => publish::publish(arguments, &source, tally, interrupted),
@@ -281,9 +298,9 @@ fn sense_source(
     }
 }
 
-/// Closes `output` however sensing `ended`, and says how it went. What is not `whole` stays a partial file.
+/// Closes `output` and reports the result, also if sensing `ended` with an error.
 ///
-/// A reader that has had enough is no error.
+/// The file remains a partial file unless it is `whole`. A closed pipe (a reader that stops early) is not an error.
 pub(super) fn close(
     output: Box<dyn Output>,
     tally: &Tally,
@@ -320,7 +337,7 @@ fn is_closed_pipe(error: &CommandError) -> bool {
     error.is_some_and(|error| error.kind() == ErrorKind::BrokenPipe)
 }
 
-/// Whether to stop.
+/// Returns `true` if the program was interrupted.
 pub(super) fn is_raised(flag: &AtomicBool) -> bool {
     flag.load(Ordering::Relaxed)
 }
@@ -329,7 +346,7 @@ pub(super) fn parse_size(text: &str) -> Result<(usize, usize), String> {
     let side = |side: &str| side.parse().ok().filter(|side| (1..=16_384).contains(side));
     let size = text.split_once('x');
     size.and_then(|(width, height)| Some((side(width)?, side(height)?)))
-        .ok_or_else(|| "expected WIDTHxHEIGHT of 1 to 16384 px each, as in 640x480".into())
+        .ok_or_else(|| "expected WIDTHxHEIGHT, each from 1 to 16384 px, as in 640x480".into())
 }
 
 fn parse_part(text: &str) -> Result<f64, String> {

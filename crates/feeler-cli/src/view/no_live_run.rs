@@ -1,4 +1,4 @@
-//! In place of the live page where the program was built without it.
+//! Replacement for the live page in builds without it.
 
 use super::{MISSING, ServerArguments};
 use crate::CommandError;
@@ -7,11 +7,11 @@ use feeler_lab::experiment::{Instruments, SimulatedLoop};
 use feeler_record::RunEnd;
 use std::io::Write;
 
-/// There is none.
+/// A live page, which cannot exist in this build.
 pub enum LiveRun {}
 
 impl LiveRun {
-    /// Says that there is no such thing.
+    /// Returns an error, because this build has no live page.
     pub fn open(
         _: &Experiment,
         _: &ServerArguments,

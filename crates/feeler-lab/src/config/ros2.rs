@@ -16,8 +16,7 @@ pub struct RosConfig {
     #[serde(default = "joint_states")]
     pub joint_states: String,
     /// Topic of velocity commands (`std_msgs/Float64MultiArray`, rad/s) for a `forward_command_controller` whose
-    /// joints are in
-    /// the order of this table.
+    /// joints are in the order of this table.
     #[serde(default = "commands")]
     pub commands: String,
     /// The fingers, in the order of `hand.finger`.
@@ -65,7 +64,12 @@ impl RosConfig {
                 let field = format!("{key}.joints");
                 name(&field, joint, checker);
                 let value = format!("{joint:?}");
-                checker.require(&field, value, joints.insert(joint), "a different name for each joint");
+                checker.require(
+                    &field,
+                    value,
+                    joints.insert(joint),
+                    "a different name for each joint",
+                );
             }
             finger.check_sensor(&key, elements, checker);
         }
@@ -86,8 +90,9 @@ impl RosFingerConfig {
                 self.cloud.is_none(),
                 "a wrench or a cloud, not both",
             );
-            let expected =
-                format!("a fingertip of one element; this one has {elements}, which requires a cloud");
+            let expected = format!(
+                "a fingertip of one element; this one has {elements}, which requires a cloud"
+            );
             checker.require(&field, format!("{wrench:?}"), elements == 1, &expected);
         }
     }

@@ -71,6 +71,5 @@ fn step_into<'a>(item: &'a mut Item, part: &str) -> Result<&'a mut Item, String>
     }
     let table = item.as_table_like_mut();
     let entry = table.map(|table| table.entry(part).or_insert(Item::None));
-    entry
-        .ok_or_else(|| format!("{part}: there is no such key; its parent is a single value"))
+    entry.ok_or_else(|| format!("{part}: there is no such key; its parent is a single value"))
 }

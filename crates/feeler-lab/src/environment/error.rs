@@ -36,7 +36,10 @@ pub enum EnvironmentError {
         task: &'static str,
     },
     /// The varied values change the number of fingers or elements.
-    #[error("expected an episode with observations of {expected} numbers, got {actual}; the varied values must not change the fingers or elements")]
+    #[error(
+        "expected an episode with observations of {expected} numbers, got {actual}; varied values must not \
+         change the fingers or their elements"
+    )]
     ObservationLength {
         /// Length of the environment's observations.
         expected: usize,

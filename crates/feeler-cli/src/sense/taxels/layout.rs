@@ -1,26 +1,26 @@
-//! Which taxel array is meant.
+//! Selection of the taxel layout.
 
 use super::super::{Arguments, CommandError};
 use feeler::sensor::taxel::{BUILT_IN_TAXELS, BuiltInTaxels, TaxelLayout};
 use std::fs;
 use std::path::Path;
 
-/// What is said of a taxel array.
+/// Options for taxel arrays.
 #[derive(Debug, clap::Args)]
 pub struct TaxelArguments {
-    /// The source is the table of a three-axis taxel array, of this layout: a file, or a built-in one (`feeler list`).
+    /// Read a table of a three-axis taxel array with this layout: a file or a built-in one (see `feeler list`).
     #[arg(long, value_name = "LAYOUT", conflicts_with_all = [
         "layout", "calibration", "drift_correction", "reference", "raw", "size", "exposure"])]
     pub(in super::super) taxels: Option<String>,
-    /// What the columns of the array begin with, where a table has several arrays, as in left.
+    /// Prefix of the array's columns if the table has several arrays, as in left.
     #[arg(long, value_name = "PREFIX", requires = "taxels")]
     prefix: Option<String>,
-    /// Column whose value changes where another sequence begins, without load again.
+    /// Column whose value changes where a new sequence begins, which starts without load.
     #[arg(long, value_name = "COLUMN", requires = "taxels")]
     sequence: Option<String>,
 }
 
-/// The layout called `name` (a file, or a built-in one), with what the arguments say of it.
+/// Reads the layout `name` (a file or a built-in one) and applies the options in `arguments`.
 pub fn read(arguments: &Arguments, name: &str) -> Result<TaxelLayout, CommandError> {
     let text = text_of(name)?;
     let refused = |e| format!("--taxels {name}: {e}");
@@ -44,7 +44,7 @@ pub fn read(arguments: &Arguments, name: &str) -> Result<TaxelLayout, CommandErr
     Ok(layout)
 }
 
-/// The text of the layout called `name`, a file or a built-in one.
+/// Returns the text of the layout `name`, a file or a built-in one.
 pub fn text_of(name: &str) -> Result<String, CommandError> {
     match BuiltInTaxels::named(name) {
         Some(built_in) => Ok(built_in.text.to_owned()),
