@@ -218,24 +218,24 @@ def test_rendered_images_show_motion() -> None:
 
 def test_invalid_actions_are_rejected_with_a_message() -> None:
     env = TactileEnv("cap-closing", settings=SHORT)
-    with pytest.raises(RuntimeError, match="no episode under way"):
+    with pytest.raises(RuntimeError, match="no episode is active"):
         env.step(np.zeros(6))
     env.reset(seed=1)
     with pytest.raises(ValueError, match=r"action: expected float64 \[6\], got \[5\]"):
         env.step(np.zeros(5))
-    with pytest.raises(ValueError, match=r"action\[2\]: a finite number expected, NaN arrived"):
+    with pytest.raises(ValueError, match=r"action\[2\]: expected a finite number, got NaN"):
         env.step([0, 0, np.nan, 0, 0, 0])
     env.step(np.full(6, 1e9))
     envs = TactileVectorEnv(2, settings=SHORT)
     envs.reset(seed=1)
-    with pytest.raises(ValueError, match=r"environment 1: action\[0\]: a finite number expected"):
+    with pytest.raises(ValueError, match=r"environment 1: action\[0\]: expected a finite number"):
         envs.step([[0.0] * 6, [np.inf, 0, 0, 0, 0, 0]])
 
 
 def test_invalid_options_are_rejected_with_a_message() -> None:
     cases: list[tuple[dict[str, Any], str]] = [
         ({"experiment": "nowhere"}, "no experiment"),
-        ({"experiment": "friction-scan"}, "there are no rewards for task.friction_scan"),
+        ({"experiment": "friction-scan"}, "no rewards are defined for task.friction_scan"),
         ({"action": "torque"}, "action = .*: expected one of world, fingertip, joints"),
         ({"observation": "pixels"}, 'expected "flat" or "dict"'),
         ({"vary": {"friction": "gamma(1,2)"}}, "gamma"),

@@ -68,7 +68,7 @@ def test_forces_agree_with_grasp_force_and_flags(closing: feeler.Run) -> None:
 
 
 def test_no_run_is_written_over(closing: feeler.Run) -> None:
-    with pytest.raises(ValueError, match="there is a run already"):
+    with pytest.raises(ValueError, match="already contains a run"):
         feeler.run("cap-closing", sensing="direct", out=closing.folder)
 
 

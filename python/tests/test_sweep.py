@@ -67,9 +67,9 @@ def test_a_sweep_can_be_resumed_after_ctrl_c(swept: feeler.Sweep, tmp_path: Path
     assert 2 <= finished(folder) < 12
     with pytest.raises(FileNotFoundError, match="finished sweep"):
         feeler.Sweep(folder)
-    with pytest.raises(ValueError, match="there is a sweep already"):
+    with pytest.raises(ValueError, match="already contains a sweep"):
         short(folder, trials=12)
-    with pytest.raises(ValueError, match="its seed is 5, not 6; expected the sweep that was stopped"):
+    with pytest.raises(ValueError, match="its seed is 5, not 6; expected the interrupted sweep"):
         short(folder, trials=12, seed=6, resume=True)
     short(folder, trials=12, resume=True)
     same(folder, swept.folder)

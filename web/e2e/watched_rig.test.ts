@@ -35,7 +35,7 @@ describe("a rig in the browser", { skip }, () => {
     for (const finger of ["0", "1"]) start("sense", "rig:", "--publish", "--finger", finger, ...join);
     view = start("view", "cap-closing", "--no-open", ...join);
     ({ page, errors } = await open(browser, await view.url()));
-    await page.getByText("No hand was heard.").waitFor();
+    await page.getByText("No message from a hand.").waitFor();
     const listen = ["--listen", endpoint, "--speed=0.25", ...settings];
     hand = start("hand", "cap-closing", "--out=run", ...listen);
   });
@@ -61,7 +61,7 @@ describe("a rig in the browser", { skip }, () => {
     await page.getByText(/the hand is stopped.*the page of feeler view/).waitFor();
     await hand.says(/stopped: .*the page of feeler view/);
     await page.getByRole("button", { name: "Let the hand go on" }).click();
-    await page.getByText("Resume: the hand goes on.").waitFor();
+    await page.getByText("Resume: the hand continues.").waitFor();
   });
 
   test("stays as it is when nobody watches any more, which the page is told", async () => {

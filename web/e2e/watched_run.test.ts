@@ -69,7 +69,7 @@ describe("a run in the browser", { skip }, () => {
       await page.getByText("Stop: the hand stands still.").waitFor();
       await page.waitForTimeout(STANDS);
       await resume().click();
-      await page.getByText("Resume: the hand goes on.").waitFor();
+      await page.getByText("Resume: the hand continues.").waitFor();
       await page.waitForTimeout(WORKS);
     }
   });

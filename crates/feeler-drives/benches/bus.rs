@@ -1,7 +1,7 @@
-//! From the stamp of joint angles to the command on the bus, over the emulated bus at 4 Mbaud.
+//! Measures the delay from the stamp of joint angles to the command on the emulated bus at 4 Mbaud.
 //!
-//! Not a bench of divan's: what counts is when bytes arrive at another thread. Prints percentiles for two and three fingers at 100 Hz and
-//! 500 Hz.
+//! Not a divan benchmark, because the delay includes a second thread. Prints percentiles for two and three fingers at
+//! 100 Hz and 500 Hz.
 
 #[cfg(target_os = "linux")]
 #[path = "../tests/support/mod.rs"]
@@ -53,7 +53,7 @@ fn main() {
         delays.sort_by(f64::total_cmp);
         let at = |share: f64| delays[((delays.len() - 1) as f64 * share) as usize] * 1e3;
         println!(
-            "{fingers} fingers, {rate} Hz: joint angles to the command's last byte on the bus, {} periods: p50 {:.3} ms, p99 {:.3} ms, most {:.3} ms",
+            "{fingers} fingers, {rate} Hz: joint angles to the command's last byte on the bus, {} periods: p50 {:.3} ms, p99 {:.3} ms, max {:.3} ms",
             delays.len(),
             at(0.5),
             at(0.99),

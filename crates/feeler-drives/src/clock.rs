@@ -1,28 +1,28 @@
-//! The time of a rig, which may go slower than real time, or only when something is waited for, where the rig is emulated.
+//! Time of a rig. If the rig is emulated, time may be slower than real time, or advance only during waits (lockstep).
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::time::{Duration, Instant};
 
-/// Monotonic time since the rig was set up. All clones show the same.
+/// Monotonic time since the rig was set up. Clones share the same time.
 #[derive(Debug, Clone)]
 pub struct RigClock(Source);
 
 #[derive(Debug, Clone)]
 enum Source {
-    /// Real time, so many times as fast.
+    /// Real time multiplied by `speed`.
     Real { origin: Instant, speed: f64 },
-    /// The bits of a time, s, that an emulated bus moves on.
+    /// Bits of a time (s) that an emulated bus advances.
     Lockstep(Arc<AtomicU64>),
 }
 
 impl RigClock {
-    /// Real time, from now on.
+    /// Real time, starting at 0 now.
     pub fn real() -> Self {
         Self::at_speed(1.0)
     }
 
-    /// Time that goes `speed` times as fast as real time: above 0, and 1 for all that is not emulated.
+    /// Time that runs `speed` times as fast as real time. `speed` must be above 0, and 1 for real hardware.
     pub fn at_speed(speed: f64) -> Self {
         Self(Source::Real {
             origin: Instant::now(),
@@ -30,7 +30,7 @@ impl RigClock {
         })
     }
 
-    /// Time that stands still until it is [`set`](Self::set).
+    /// Time that advances only by [`set`](Self::set).
     #[cfg(target_os = "linux")]
     pub(crate) fn lockstep() -> Self {
         Self(Source::Lockstep(Arc::new(AtomicU64::new(
@@ -38,7 +38,7 @@ impl RigClock {
         ))))
     }
 
-    /// Moves a clock in lockstep on to `now`, s. Real time goes on by itself.
+    /// Sets the time of a clock in lockstep, s. Does not affect real time.
     #[cfg(target_os = "linux")]
     pub(crate) fn set(&self, now: f64) {
         if let Source::Lockstep(time) = &self.0 {
@@ -46,7 +46,7 @@ impl RigClock {
         }
     }
 
-    /// Seconds of the rig's time since it began.
+    /// Current time of the rig, s.
     pub fn now(&self) -> f64 {
         match &self.0 {
             Source::Real { origin, speed } => origin.elapsed().as_secs_f64() * speed,
@@ -54,7 +54,7 @@ impl RigClock {
         }
     }
 
-    /// How long so many `seconds` of the rig's time take; none where they are none, or where time waits for nobody's clock.
+    /// Converts `seconds` of the rig's time to real time; zero if negative or in lockstep.
     pub fn real_time(&self, seconds: f64) -> Duration {
         let seconds = match self.0 {
             Source::Real { speed, .. } => seconds / speed,

@@ -1,17 +1,17 @@
-//! Why a hand of servos does not move, or stopped.
+//! Errors of a hand of servos.
 
 use crate::bus::BusError;
 use feeler::check::Problem;
 use std::fmt;
 
-/// A joint, and the servo that moves it.
+/// A joint and the id of its servo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct JointName {
-    /// The finger, from 0.
+    /// Finger, from 0.
     pub finger: usize,
-    /// The joint: theta1 is 0.
+    /// Joint, from 0 for theta1.
     pub joint: usize,
-    /// The servo's id.
+    /// Id of the servo.
     pub id: u8,
 }
 
@@ -22,181 +22,179 @@ impl fmt::Display for JointName {
     }
 }
 
-/// Why a hand of servos does not move, or stopped.
+/// Error of a hand of servos.
 #[derive(Debug, thiserror::Error)]
 pub enum DriveError {
-    /// The table `[drives]` has values out of their ranges.
+    /// Values of the table `[drives]` are out of range.
     #[error("{}", list(.0))]
     Config(Vec<Problem>),
-    /// The bus fails, whichever servo was asked.
+    /// The bus failed, independently of a servo.
     #[error(transparent)]
     Bus(#[from] BusError),
-    /// A servo does not answer as it should.
+    /// Communication with a servo failed.
     #[error("theta{} of finger {}: {source}", joint.joint + 1, joint.finger)]
     Servo {
-        /// The joint that it moves.
+        /// Joint of the servo.
         joint: JointName,
-        /// What is wrong.
+        /// Error of the bus.
         source: BusError,
     },
-    /// Another model than the file says.
-    #[error("{joint} says that it is model {actual}: expected {expected}, a {name}")]
+    /// The model of a servo differs from the configuration.
+    #[error("{joint} reports model {actual}: expected {expected}, a {name}")]
     Model {
         /// The joint.
         joint: JointName,
-        /// Model number by the file.
+        /// Configured model number.
         expected: i64,
-        /// Its name.
+        /// Name of the configured model.
         name: &'static str,
-        /// Model number by the servo.
+        /// Model number reported by the servo.
         actual: i64,
     },
-    /// A servo's firmware is too old for what the file asks for.
+    /// A servo's firmware is too old for the configuration.
     #[error(
-        "{joint} has firmware {actual}: expected {expected} or newer for fast_sync_read = true; renew it with the vendor's program, or set fast_sync_read = false"
+        "{joint} has firmware {actual}: expected {expected} or newer for fast_sync_read = true; update it with the manufacturer's program, or set fast_sync_read = false"
     )]
     Firmware {
         /// The joint.
         joint: JointName,
-        /// The first firmware that will do.
+        /// First suitable firmware.
         expected: i64,
-        /// What it has.
+        /// Firmware of the servo.
         actual: i64,
     },
-    /// A servo allows less speed than the joint is to have.
+    /// A servo's velocity limit is below the joint's speed limit.
     #[error(
-        "{joint} turns at most at {actual:.2} rad/s as it is set: expected {expected:.2} rad/s, joint_speed_limit times gear_ratio"
+        "{joint} is limited to {actual:.2} rad/s: expected at least {expected:.2} rad/s, joint_speed_limit times gear_ratio"
     )]
     VelocityLimit {
         /// The joint.
         joint: JointName,
-        /// What it takes, rad/s at the servo.
+        /// Required velocity of the servo, rad/s.
         expected: f64,
-        /// What the servo allows, rad/s.
+        /// Velocity limit of the servo, rad/s.
         actual: f64,
     },
-    /// A servo does not keep what was written.
-    #[error("{joint} has {name} = {actual} after {expected} was written to it")]
+    /// A servo did not store a value.
+    #[error("{joint} has {name} = {actual} after {expected} was written")]
     NotSet {
         /// The joint.
         joint: JointName,
-        /// What was written.
+        /// Name of the value.
         name: &'static str,
-        /// What it should be.
+        /// Value written.
         expected: i64,
-        /// What it is.
+        /// Value read back.
         actual: i64,
     },
-    /// A servo says that it has a fault.
+    /// A servo reports a fault.
     #[error(
-        "{joint} reports a fault: {faults} ({bits:#04x}); when its cause is gone, switch its supply off and on"
+        "{joint} reports a fault: {faults} ({bits:#04x}); remove the cause, then switch its supply off and on"
     )]
     Fault {
         /// The joint.
         joint: JointName,
-        /// The faults in words.
+        /// Description of the faults.
         faults: String,
-        /// The bits.
+        /// Fault bits.
         bits: u8,
     },
     /// A servo is too hot.
     #[error(
-        "{joint} has {actual} degrees Celsius: at most {limit} expected (temperature_limit_celsius)"
+        "{joint} is at {actual} degrees Celsius: expected at most {limit} (temperature_limit_celsius)"
     )]
     Temperature {
         /// The joint.
         joint: JointName,
-        /// Its temperature, degrees Celsius.
+        /// Temperature, degrees Celsius.
         actual: f64,
-        /// The limit, degrees Celsius.
+        /// Maximum temperature, degrees Celsius.
         limit: f64,
     },
-    /// A servo's supply is too low or too high.
-    #[error("{joint} is supplied with {actual:.1} V: {low} to {high} V expected (voltage_range)")]
+    /// A servo's supply voltage is out of range.
+    #[error("{joint} is supplied with {actual:.1} V: expected {low} to {high} V (voltage_range)")]
     Voltage {
         /// The joint.
         joint: JointName,
-        /// Its voltage, V.
+        /// Supply voltage, V.
         actual: f64,
-        /// The least, V.
+        /// Minimum voltage, V.
         low: f64,
-        /// The most, V.
+        /// Maximum voltage, V.
         high: f64,
     },
-    /// A motor has no power though it was given some.
-    #[error("{joint} has its torque off: it was restarted, or somebody switched it off")]
+    /// A motor's torque is off although it was switched on.
+    #[error("{joint} has its torque off: it was restarted, or another program switched it off")]
     TorqueOff {
         /// The joint.
         joint: JointName,
     },
     /// A servo's watchdog stopped its motor.
     #[error(
-        "the bus watchdog of {joint} is {actual} instead of {expected}: it heard nothing for too long, or was restarted"
+        "the bus watchdog of {joint} is {actual} instead of {expected}: it received nothing for too long, or was restarted"
     )]
     Watchdog {
         /// The joint.
         joint: JointName,
-        /// What was written, 20 ms.
+        /// Value written, in 20 ms.
         expected: i64,
-        /// What it is; -1 once it has stopped the motor.
+        /// Value read; -1 after the watchdog has stopped the motor.
         actual: i64,
     },
     /// A joint is beyond its limits.
-    #[error("{joint} is at {angle:.4} rad: {lower:.4} to {upper:.4} rad expected")]
+    #[error("{joint} is at {angle:.4} rad: expected {lower:.4} to {upper:.4} rad")]
     BeyondLimits {
         /// The joint.
         joint: JointName,
-        /// Its angle, rad.
+        /// Joint angle, rad.
         angle: f64,
-        /// Its lower limit, rad.
+        /// Lower limit, rad.
         lower: f64,
-        /// Its upper limit, rad.
+        /// Upper limit, rad.
         upper: f64,
     },
-    /// A joint seems to turn faster than it can.
-    #[error("{joint} turns at {velocity:.2} rad/s: at most {limit:.2} rad/s expected")]
+    /// A joint appears to turn faster than possible.
+    #[error("{joint} turns at {velocity:.2} rad/s: expected at most {limit:.2} rad/s")]
     TooFast {
         /// The joint.
         joint: JointName,
-        /// Its velocity, rad/s.
+        /// Measured velocity, rad/s.
         velocity: f64,
-        /// What is possible, rad/s.
+        /// Maximum plausible velocity, rad/s.
         limit: f64,
     },
-    /// The command is not made of fresh joint angles.
-    #[error(
-        "the joint angles that the command was made of are {age:.4} s old: at most {limit:.4} s expected"
-    )]
+    /// The joint angles that a command is based on are too old.
+    #[error("the joint angles for the command are {age:.4} s old: expected at most {limit:.4} s")]
     Stale {
-        /// Age of the newest, s.
+        /// Age of the latest joint angles, s.
         age: f64,
-        /// Most allowed, s.
+        /// Maximum age, s.
         limit: f64,
     },
-    /// A command that no servo can follow.
-    #[error("{joint} was to turn at {velocity} rad/s: at most {limit:.2} rad/s expected")]
+    /// A command exceeds a joint's speed limit.
+    #[error("{joint} was commanded to turn at {velocity} rad/s: expected at most {limit:.2} rad/s")]
     Command {
         /// The joint.
         joint: JointName,
-        /// The velocity, rad/s.
+        /// Commanded velocity, rad/s.
         velocity: f64,
-        /// The limit, rad/s.
+        /// Speed limit, rad/s.
         limit: f64,
     },
-    /// A hand that a fault has stopped.
-    #[error("it was stopped before, and stays so until it is restarted: {fault}")]
+    /// The hand remains stopped after a fault.
+    #[error("the hand was stopped by a fault and remains stopped until it is restarted: {fault}")]
     Stopped {
-        /// What stopped it.
+        /// Message of the fault.
         fault: String,
     },
-    /// There is no such joint.
+    /// The hand has no such joint.
     #[error(
-        "finger {finger} and joint {joint}: expected a finger from 0 on that the hand has, and theta1 to theta3"
+        "finger {finger} and joint {joint}: expected a finger of the hand (from 0) and theta1 to theta3"
     )]
     NoJoint {
-        /// The finger, from 0.
+        /// Finger, from 0.
         finger: usize,
-        /// The joint, from 1.
+        /// Joint, from 1.
         joint: usize,
     },
 }

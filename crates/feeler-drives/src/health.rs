@@ -1,32 +1,32 @@
-//! Whether a servo is well, by what it says of itself.
+//! Health checks of servos.
 
 use crate::config::DrivesConfig;
 use crate::error::{DriveError, JointName};
 use crate::packet::Protocol;
 use crate::registers::Registers;
 
-/// What a servo says of itself.
+/// Health reported by a servo.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Health {
-    /// Bits of its faults.
+    /// Fault bits.
     pub fault: u8,
-    /// Degrees Celsius.
+    /// Temperature, degrees Celsius.
     pub temperature: f64,
     /// Supply voltage, V.
     pub voltage: f64,
 }
 
-/// What is allowed of it.
+/// Limits of a servo's health.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HealthLimits {
-    /// Degrees Celsius.
+    /// Maximum temperature, degrees Celsius.
     pub temperature: f64,
-    /// Lowest and highest supply voltage, V.
+    /// Minimum and maximum supply voltage, V.
     pub voltage: [f64; 2],
 }
 
 impl DrivesConfig {
-    /// What its servos may say of themselves.
+    /// Limits for the health of the servos.
     pub fn health_limits(&self) -> HealthLimits {
         HealthLimits {
             temperature: self.temperature_limit_celsius,
@@ -36,7 +36,7 @@ impl DrivesConfig {
 }
 
 impl Health {
-    /// What the bytes of [`Registers::motion`] say, where they say it.
+    /// Decodes the health from the bytes of [`Registers::motion`]; meaningful only if [`Registers::motion_has_health`].
     pub fn in_motion(registers: &Registers, bytes: &[u8]) -> Self {
         Self {
             fault: registers.in_motion(registers.fault, bytes) as u8,
@@ -45,10 +45,10 @@ impl Health {
         }
     }
 
-    /// Requires the servo of `joint` to be well.
+    /// Checks the health of the servo of `joint`.
     ///
     /// # Errors
-    /// What is wrong with it first: a fault that it reports, its temperature, its supply.
+    /// Returns the first problem: a reported fault, the temperature, or the supply voltage.
     pub fn check(
         &self,
         protocol: Protocol,
@@ -82,7 +82,7 @@ impl Health {
     }
 }
 
-/// The faults of the X series (address 70) and of STS servos (address 65), from bit 0.
+/// Names of the fault bits of the X series (address 70) and of STS servos (address 65).
 pub(crate) fn fault_names(protocol: Protocol, bits: u8) -> String {
     let names = match protocol {
         Protocol::Dynamixel => [

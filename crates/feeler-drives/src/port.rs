@@ -1,25 +1,26 @@
-//! What a bus is reached through.
+//! Ports to a bus.
 
 use std::io;
 
-/// Bytes out, bytes in, and never for longer than was said: a [`SerialPort`](crate::serial::SerialPort), or that of an emulated bus in
+/// Byte stream with timeouts: a [`SerialPort`](crate::serial::SerialPort), or the port of an emulated bus in
 /// [`Lockstep`](crate::emulator::Lockstep).
 pub trait Port: Send {
-    /// Forgets what arrived and was not read.
+    /// Discards received bytes that were not read.
     ///
     /// # Errors
-    /// When the port is gone.
+    /// If the port has failed.
     fn discard_input(&mut self) -> io::Result<()>;
 
     /// Sends all of `bytes`.
     ///
     /// # Errors
-    /// When the port is gone, or takes no bytes.
+    /// If the port has failed or does not accept the bytes in time.
     fn send(&mut self, bytes: &[u8]) -> io::Result<()>;
 
-    /// Reads what has arrived into `bytes`; waits for the first of it until `deadline`, s of the rig's time. How many bytes that were.
+    /// Reads available bytes into `bytes`; waits for the first until `deadline`, s of the rig's time. Returns the
+    /// number of bytes, 0 on timeout.
     ///
     /// # Errors
-    /// When the port is gone.
+    /// If the port has failed.
     fn receive(&mut self, bytes: &mut [u8], deadline: f64) -> io::Result<usize>;
 }

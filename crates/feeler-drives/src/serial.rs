@@ -1,4 +1,4 @@
-//! A serial port of the system.
+//! Serial ports of the operating system.
 
 use crate::clock::RigClock;
 use crate::port::Port;
@@ -11,10 +11,10 @@ use std::fs::File;
 use std::io::{self, Read, Write};
 use std::time::{Duration, Instant};
 
-/// Longest time that the system may take to accept bytes: a port that does not is broken.
+/// Maximum time for the operating system to accept bytes; a slower port has failed.
 const SEND_TIMEOUT: Duration = Duration::from_millis(20);
 
-/// A serial port that is this program's alone.
+/// A serial port, locked for exclusive use.
 #[derive(Debug)]
 pub struct SerialPort {
     file: File,
@@ -22,10 +22,11 @@ pub struct SerialPort {
 }
 
 impl SerialPort {
-    /// Opens the port at `path` with `baud_rate`, 8 data bits, no parity, 1 stop bit. Deadlines are in the time of `clock`.
+    /// Opens the port at `path` with `baud_rate`, 8 data bits, no parity, 1 stop bit. Deadlines are in the time of
+    /// `clock`.
     ///
     /// # Errors
-    /// When it cannot be opened or set so, or another program has it.
+    /// If the port cannot be opened or configured, or if another program uses it.
     pub fn open(path: &str, baud_rate: u32, clock: RigClock) -> io::Result<Self> {
         let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
         let file = File::from(rustix::fs::open(path, flags, Mode::empty())?);
@@ -40,14 +41,14 @@ impl SerialPort {
         tcsetattr(&file, OptionalActions::Now, &settings)?;
         let set = tcgetattr(&file)?.output_speed();
         if set != baud_rate {
-            let reason = format!("{baud_rate} Bd expected, the port gives {set} Bd");
+            let reason = format!("expected {baud_rate} Bd, but the port supports {set} Bd");
             return Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
         }
         tcflush(&file, QueueSelector::IOFlush)?;
         Ok(Self { file, clock })
     }
 
-    /// Waits until the port is ready for `what`; false once the deadline has passed.
+    /// Waits until the port is ready for `what`. Returns `false` after the deadline.
     fn wait(&self, what: PollFlags, deadline: Instant) -> io::Result<bool> {
         loop {
             let left = deadline.saturating_duration_since(Instant::now());
@@ -59,7 +60,7 @@ impl SerialPort {
             match poll(&mut ports, Some(&timeout)) {
                 Ok(0) => return Ok(false),
                 Ok(_) if ports[0].revents().contains(what) => return Ok(true),
-                // Gone: no more bytes will come.
+                // The port has failed: no more bytes will arrive.
                 Ok(_) => return Err(io::ErrorKind::BrokenPipe.into()),
                 Err(rustix::io::Errno::INTR) => {}
                 Err(error) => return Err(error.into()),
@@ -69,10 +70,10 @@ impl SerialPort {
 }
 
 impl Drop for SerialPort {
-    /// Whoever opens the port next finds it free: a process that this program is starting has the file, too, until it is another program,
-    /// and would keep it locked for so long.
+    /// Unlocks the port explicitly. A child process that is being started shares the open file until it executes
+    /// another program, and would keep the lock that long.
     fn drop(&mut self) {
-        // Where this fails, closing the file does it.
+        // If this fails, closing the file unlocks it.
         let _ = self.file.unlock();
     }
 }
@@ -90,7 +91,7 @@ impl Port for SerialPort {
                 Ok(count) => rest = &rest[count..],
                 Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
                     if !self.wait(PollFlags::OUT, deadline)? {
-                        let reason = "the port takes no bytes";
+                        let reason = "the port accepts no bytes";
                         return Err(io::Error::new(io::ErrorKind::TimedOut, reason));
                     }
                 }

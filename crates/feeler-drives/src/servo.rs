@@ -1,4 +1,4 @@
-//! One joint's servo: its units, its limits, and what it was last told.
+//! The servo of one joint: units, limits and last command.
 
 use crate::config::JointDriveConfig;
 use crate::error::{DriveError, JointName};
@@ -11,23 +11,23 @@ pub(crate) struct Servo {
     pub name: JointName,
     drive: JointDriveConfig,
     model: &'static Model,
-    /// Limits of the joint's angle, rad, and of its speed, rad/s.
+    /// Limits of the joint angle, rad, and of its speed, rad/s.
     lower: f64,
     upper: f64,
     speed: f64,
-    /// Position when it was last read, counts: without the jumps from turn to turn.
+    /// Last position, counts, unwrapped over turns.
     counts: Option<i64>,
-    /// The joint's angle, rad, and velocity, rad/s, when it was last read.
+    /// Last angle (rad) and velocity (rad/s) of the joint.
     pub angle: f64,
     pub velocity: f64,
     /// Goal velocity, in the model's unit.
     pub goal: i64,
-    /// What rounding left out of the goals so far, in the model's unit.
+    /// Accumulated rounding error of the goals, in the model's unit.
     left_out: f64,
 }
 
 impl Servo {
-    /// The servo of `name`, which moves a joint of the finger `geometry`.
+    /// Creates the servo `name`, which moves a joint of the finger `geometry`.
     pub fn new(
         name: JointName,
         drive: &JointDriveConfig,
@@ -49,7 +49,7 @@ impl Servo {
         }
     }
 
-    /// Requires a servo that allows `limit` (in its unit) to be fast enough.
+    /// Checks that a velocity limit, in the servo's unit, is sufficient for the joint.
     pub fn allow(&self, limit: i64) -> Result<(), DriveError> {
         let expected = self.speed * self.drive.gear_ratio;
         let actual = limit as f64 * self.model.velocity_unit;
@@ -63,20 +63,21 @@ impl Servo {
         }
     }
 
-    /// Forgets what it was told and where it was.
+    /// Discards the last command and position.
     pub fn reset(&mut self) {
         self.goal = 0;
         self.left_out = 0.0;
         self.counts = None;
     }
 
-    /// Takes in what it says of its motion. Its position jumps back after so many counts, where it `wraps`.
+    /// Updates position and velocity from `bytes`. If `wraps` is given, the position wraps after that number of counts.
     pub fn read(&mut self, registers: &Registers, bytes: &[u8], wraps: Option<i64>) {
         let read = registers.in_motion(registers.position, bytes);
         let counts = match (wraps, self.counts) {
             (None, _) => read,
             (Some(turn), before) => {
-                // Of the positions that look alike, the nearest to the one before; at first, to the middle of the joint's range.
+                // Choose the equivalent position nearest to the previous one, or at first nearest to the middle of the
+                // joint's range.
                 let middle = (self.lower + self.upper) / 2.0;
                 let near = before.unwrap_or_else(|| self.drive.counts(middle).round() as i64);
                 near + (read - near + turn / 2).rem_euclid(turn) - turn / 2
@@ -88,7 +89,8 @@ impl Servo {
         self.velocity = self.drive.joint_velocity(units * self.model.velocity_unit);
     }
 
-    /// Requires the joint to be within its limits and not faster than it can be.
+    /// Checks that the joint is within its limits plus `tolerance` (rad), and not faster than `faster` times its speed
+    /// limit.
     pub fn check(&self, tolerance: f64, faster: f64) -> Result<(), DriveError> {
         let (lower, upper) = (self.lower - tolerance, self.upper + tolerance);
         if !(lower..=upper).contains(&self.angle) {
@@ -110,8 +112,8 @@ impl Servo {
         Ok(())
     }
 
-    /// Sets the goal for the joint's `velocity`, rad/s. A servo's unit of velocity is coarse: what rounding leaves out of one goal is
-    /// added to the next, so that the mean is right. A joint that is to stand still has the goal 0.
+    /// Sets the goal for the joint's `velocity`, rad/s. Since a servo's unit of velocity is coarse, the rounding error
+    /// of one goal is added to the next, so that the mean is exact. The goal for zero velocity is 0.
     pub fn command(&mut self, velocity: f64) -> Result<(), DriveError> {
         if velocity.is_nan() || velocity.abs() > self.speed * (1.0 + 1e-9) {
             return Err(DriveError::Command {

@@ -1,4 +1,4 @@
-//! How servos are set before they may move: what is otherwise is changed, and nothing else.
+//! Configuration of servos before they may move. Changes only values that differ.
 
 use crate::bus::{Bus, BusError};
 use crate::config::{DrivesConfig, JointDriveConfig};
@@ -7,22 +7,22 @@ use crate::health::Health;
 use crate::packet::Protocol;
 use crate::registers::{COUNTS_PER_TURN, Model, Register, Registers, VELOCITY_MODE};
 
-/// A value of a servo that is not as it has to be.
+/// A value of a servo that must be changed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Change {
-    /// The joint that the servo moves.
+    /// Joint of the servo.
     pub joint: JointName,
-    /// The value's name, as in the vendor's table.
+    /// Name of the value in the manufacturer's table.
     pub name: &'static str,
-    /// Where it is.
+    /// Register of the value.
     pub register: Register,
-    /// What it is.
+    /// Current value.
     pub from: i64,
-    /// What it has to be.
+    /// Required value.
     pub to: i64,
 }
 
-/// The joints of `config` with their names.
+/// Joints of `config` with their names.
 pub fn named_joints(config: &DrivesConfig) -> impl Iterator<Item = (JointName, &JointDriveConfig)> {
     let fingers = config.finger.iter().enumerate();
     fingers.flat_map(|(finger, drives)| {
@@ -34,7 +34,7 @@ pub fn named_joints(config: &DrivesConfig) -> impl Iterator<Item = (JointName, &
     })
 }
 
-/// An error of the bus, laid to the servo of `joint` unless the port fails.
+/// Attributes an error of the bus to the servo of `joint`, unless the port failed.
 pub(crate) fn blame(joint: JointName) -> impl Fn(BusError) -> DriveError {
     move |source| match source {
         BusError::Port(_) | BusError::Open { .. } | BusError::Echo => DriveError::Bus(source),
@@ -42,10 +42,10 @@ pub(crate) fn blame(joint: JointName) -> impl Fn(BusError) -> DriveError {
     }
 }
 
-/// The model of the servo of `joint`.
+/// Checks the model of the servo of `joint` and returns it.
 ///
 /// # Errors
-/// When it does not answer, or is another than `drive` says.
+/// If the servo does not answer, or if its model differs from `drive`.
 pub fn check_model(
     bus: &mut Bus,
     joint: JointName,
@@ -64,17 +64,17 @@ pub fn check_model(
     }
 }
 
-/// Requires the firmware of the servo of `joint`, a `model`, to know fast sync reads.
+/// Checks that the firmware of the servo of `joint`, a `model`, supports fast sync reads.
 ///
 /// # Errors
-/// When it does not answer, or its firmware is too old.
+/// If the servo does not answer, or if its firmware is too old.
 pub fn check_fast_sync_read(
     bus: &mut Bus,
     joint: JointName,
     model: &Model,
 ) -> Result<(), DriveError> {
     let register = Registers::of(bus.protocol()).firmware;
-    // Where there is none, the file is refused before it comes to this.
+    // Configurations without support are rejected earlier.
     let (Some(register), Some(expected)) = (register, model.fast_sync_firmware) else {
         return Ok(());
     };
@@ -89,10 +89,10 @@ pub fn check_fast_sync_read(
     }
 }
 
-/// What has to be changed in the memory of the servo of `joint`, which keeps that without power. Writes nothing.
+/// Returns the required changes to the EEPROM of the servo of `joint`. Writes nothing.
 ///
 /// # Errors
-/// When it does not answer as it should, or is another than `drive` says.
+/// If the servo does not answer correctly, or if its model differs from `drive`.
 pub fn changes(
     bus: &mut Bus,
     joint: JointName,
@@ -124,10 +124,10 @@ pub fn changes(
     Ok(changes)
 }
 
-/// Makes these changes of one servo, whose torque is off.
+/// Applies changes to one servo, whose torque must be off.
 ///
 /// # Errors
-/// When it does not take or keep one.
+/// If the servo does not accept or store a value.
 pub(crate) fn apply(bus: &mut Bus, changes: &[Change]) -> Result<(), DriveError> {
     let Some(first) = changes.first() else {
         return Ok(());
@@ -146,7 +146,7 @@ pub(crate) fn apply(bus: &mut Bus, changes: &[Change]) -> Result<(), DriveError>
     Ok(())
 }
 
-/// Writes a value, and reads whether it is there.
+/// Writes a value and verifies it.
 pub(crate) fn set(
     bus: &mut Bus,
     joint: JointName,
@@ -167,10 +167,10 @@ pub(crate) fn set(
     }
 }
 
-/// What the servo of `joint` says of itself.
+/// Reads the health of the servo of `joint`.
 ///
 /// # Errors
-/// When it does not answer as it should.
+/// If the servo does not answer correctly.
 pub fn read_health(bus: &mut Bus, joint: JointName) -> Result<Health, DriveError> {
     let registers = Registers::of(bus.protocol());
     let mut read = |register| bus.read(joint.id, register).map_err(blame(joint));
@@ -181,19 +181,19 @@ pub fn read_health(bus: &mut Bus, joint: JointName) -> Result<Health, DriveError
     })
 }
 
-/// The position of the servo of `joint`, counts.
+/// Reads the position of the servo of `joint`, counts.
 ///
 /// # Errors
-/// When it does not answer as it should.
+/// If the servo does not answer correctly.
 pub fn read_counts(bus: &mut Bus, joint: JointName) -> Result<i64, DriveError> {
     let register = Registers::of(bus.protocol()).position;
     bus.read(joint.id, register).map_err(blame(joint))
 }
 
-/// The angle, rad, of a `joint` that has to be between these limits, rad.
+/// Reads the angle of a `joint` (rad) and checks that it is within the limits (rad).
 ///
 /// # Errors
-/// When its servo does not answer as it should, or it is beyond its limits.
+/// If the servo does not answer correctly, or if the joint is beyond its limits.
 pub fn read_angle(
     bus: &mut Bus,
     joint: JointName,
@@ -204,7 +204,7 @@ pub fn read_angle(
     let angle = drive.angle(match bus.protocol() {
         Protocol::Dynamixel => counts,
         Protocol::Feetech => {
-            // It starts again with every turn.
+            // The position wraps with every turn; choose the one nearest to the middle of the range.
             let near = drive.counts((lower + upper) / 2.0);
             let half = COUNTS_PER_TURN / 2.0;
             near + (counts - near + half).rem_euclid(COUNTS_PER_TURN) - half

@@ -1,7 +1,6 @@
-//! Parquet files, a group of rows at a time.
+//! Parquet files, written one row group at a time.
 //!
-//! A cell is a value, or an array of values: lists in lists. A cell without a value is null; values within an array are
-//! never null.
+//! A cell is a value, an array of values (nested lists), or null. Values within an array are never null.
 
 use parquet::basic::{Compression, LogicalType, Repetition};
 use parquet::data_type::{
@@ -15,9 +14,9 @@ use parquet::schema::types::{Type, TypePtr};
 use std::io::Write;
 use std::sync::Arc;
 
-/// The cells of a column, as Parquet keeps them: values without nulls, and where each stands by its levels.
+/// The cells of a column in Parquet's form: non-null values with their definition and repetition levels.
 pub(crate) struct Cells<D: DataType> {
-    /// Lists in each other in a cell; 0 where a cell is one value.
+    /// Nesting depth of the lists in a cell; 0 if a cell is a single value.
     depth: i16,
     values: Vec<D::T>,
     definition: Vec<i16>,
@@ -25,7 +24,7 @@ pub(crate) struct Cells<D: DataType> {
 }
 
 impl<D: DataType> Cells<D> {
-    /// Cells of one value each.
+    /// Cells with one value each; `None` is null.
     pub fn of_values(cells: impl IntoIterator<Item = Option<D::T>>) -> Self {
         let mut made = Self::empty(0);
         for cell in cells {
@@ -37,7 +36,7 @@ impl<D: DataType> Cells<D> {
         made
     }
 
-    /// Cells of one list each.
+    /// Cells with one list each; `None` is null.
     pub fn of_lists<L>(cells: impl IntoIterator<Item = Option<L>>) -> Self
     where
         L: IntoIterator<Item = D::T, IntoIter: ExactSizeIterator>,
@@ -52,7 +51,7 @@ impl<D: DataType> Cells<D> {
         made
     }
 
-    /// Cells of an array of this shape each, one after the other in `values`, row-major.
+    /// Cells with one array of this shape each, taken consecutively from the row-major `values`.
     pub fn of_arrays(shape: &[usize], values: impl IntoIterator<Item = D::T>) -> Self {
         let mut made = Self::empty(shape.len());
         let size = shape.iter().product();
@@ -82,7 +81,7 @@ impl<D: DataType> Cells<D> {
         self.values.extend(values);
         let count = self.values.len() - start;
         if count == 0 {
-            // There, but empty.
+            // Present, but empty.
             self.definition.push(1);
             self.repetition.push(0);
         }
@@ -100,7 +99,8 @@ impl<D: DataType> Cells<D> {
     }
 }
 
-/// Which list goes on with the value at a place of an array, from the outermost, 1; 0 where the array begins.
+/// Repetition level of the value at index `place` of an array: the nesting level of the list that continues there
+/// (outermost list: 1), or 0 for the first value.
 fn continued(place: usize, shape: &[usize]) -> i16 {
     if place == 0 {
         return 0;
@@ -117,21 +117,21 @@ fn continued(place: usize, shape: &[usize]) -> i16 {
     level as i16
 }
 
-/// The cells of a column of any type.
+/// The cells of a column, by value type.
 pub(crate) enum AnyCells {
-    /// True or false.
+    /// Booleans.
     Bool(Cells<BoolType>),
-    /// Whole numbers.
+    /// 64-bit integers.
     Int(Cells<Int64Type>),
-    /// Numbers of 32 bits.
+    /// 32-bit floats.
     Float(Cells<FloatType>),
-    /// Numbers of 64 bits.
+    /// 64-bit floats.
     Double(Cells<DoubleType>),
-    /// Texts.
+    /// UTF-8 strings.
     Text(Cells<ByteArrayType>),
 }
 
-/// Calls `$body` with the cells of any type.
+/// Evaluates `$body` with `$cells` bound to the cells of any variant.
 macro_rules! with_cells {
     ($any:expr, $cells:ident => $body:expr) => {
         match $any {
@@ -145,19 +145,19 @@ macro_rules! with_cells {
 }
 
 impl AnyCells {
-    /// A text in each cell.
+    /// Cells with one string each.
     pub fn texts<T: ToString>(cells: impl IntoIterator<Item = T>) -> Self {
         let text = |text: T| Some(ByteArray::from(text.to_string().as_str()));
         Self::Text(Cells::of_values(cells.into_iter().map(text)))
     }
 
-    /// A whole number in each cell.
+    /// Cells with one integer each.
     pub fn counts(cells: impl IntoIterator<Item = usize>) -> Self {
         let number = |count| Some(count as i64);
         Self::Int(Cells::of_values(cells.into_iter().map(number)))
     }
 
-    /// What a column of such cells is called in a file's schema.
+    /// Field of such a column in the Parquet schema.
     fn field(&self, name: &str) -> Result<TypePtr, ParquetError> {
         let depth = with_cells!(self, cells => cells.depth);
         let value = with_cells!(self, cells => physical_type(cells));
@@ -190,21 +190,21 @@ fn physical_type<D: DataType>(_: &Cells<D>) -> parquet::basic::Type {
     D::get_physical_type()
 }
 
-/// A column of a group of rows.
+/// A column of a row group.
 pub(crate) struct Column {
-    /// Its name.
+    /// Column name.
     pub name: String,
-    /// Its cells, one for each row.
+    /// Cells, one per row.
     pub cells: AnyCells,
 }
 
-/// A Parquet file on its way to `W`.
+/// A Parquet file being written to `W`.
 pub(crate) struct ParquetFile<W: Write + Send> {
     writer: SerializedFileWriter<W>,
 }
 
 impl<W: Write + Send> ParquetFile<W> {
-    /// Begins a file of columns such as these, with texts about it by name.
+    /// Creates a file with the schema of `columns` and the key-value metadata `about`.
     pub fn create(
         out: W,
         columns: &[Column],
@@ -219,7 +219,7 @@ impl<W: Write + Send> ParquetFile<W> {
             .into_iter()
             .map(|(key, value)| KeyValue::new(key, value));
         let properties = WriterProperties::builder()
-            // What every reader has, without a C library.
+            // Every reader supports Snappy without a C library.
             .set_compression(Compression::SNAPPY)
             .set_key_value_metadata(Some(about.collect()))
             .build();
@@ -228,7 +228,7 @@ impl<W: Write + Send> ParquetFile<W> {
         Ok(Self { writer })
     }
 
-    /// Writes a group of rows: the columns of the file, in its order.
+    /// Writes a row group. `columns` must be in schema order.
     pub fn write(&mut self, columns: &[Column]) -> Result<(), ParquetError> {
         let mut group = self.writer.next_row_group()?;
         for column in columns {
@@ -242,12 +242,12 @@ impl<W: Write + Send> ParquetFile<W> {
         Ok(())
     }
 
-    /// How large the file is so far, bytes.
+    /// File size so far (bytes).
     pub fn size(&self) -> usize {
         self.writer.bytes_written()
     }
 
-    /// Ends the file.
+    /// Writes the footer and closes the file.
     pub fn close(self) -> Result<(), ParquetError> {
         self.writer.close()?;
         Ok(())
@@ -259,8 +259,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn levels_tell_where_a_value_stands_in_lists_of_lists() {
-        // The example of Dremel's paper for regular arrays: [[a, b, c], [d, e, f]].
+    fn repetition_levels_match_dremel() {
+        // Example of the Dremel paper for regular arrays: [[a, b, c], [d, e, f]].
         let levels = |shape: &[usize], count| -> Vec<i16> {
             (0..count).map(|place| continued(place, shape)).collect()
         };

@@ -1,10 +1,10 @@
-//! Columns with their units and meanings, made of a recording's steps.
+//! Columns with units and descriptions, built from a recording's steps.
 
 use crate::columnar::{AnyCells, Cells, Column};
 use feeler_record::Step;
 use serde_json::{Value, json};
 
-/// A column, and what it is.
+/// A column with its unit and meaning.
 pub(crate) struct Described {
     /// The column.
     pub column: Column,
@@ -13,24 +13,24 @@ pub(crate) struct Described {
 }
 
 impl Described {
-    /// Its name, and what stands about it in the file.
+    /// Column name and its entry in the file's metadata.
     pub fn description(&self) -> (String, Value) {
         let description = json!({ "unit": self.unit, "meaning": self.meaning });
         (self.column.name.clone(), description)
     }
 }
 
-/// The columns of some steps while they are made.
+/// Builder of the columns for a range of steps.
 pub(crate) struct Columns<'s, 'a> {
     steps: &'s [Step<'a>],
-    /// What the next names begin with.
+    /// Prefix of the names of columns added next.
     pub prefix: String,
-    /// Those that are made.
+    /// Columns added so far.
     pub made: Vec<Described>,
 }
 
 impl<'s, 'a> Columns<'s, 'a> {
-    /// Of these steps.
+    /// Creates an empty builder for these steps.
     pub fn of(steps: &'s [Step<'a>]) -> Self {
         Self {
             steps,
@@ -39,7 +39,7 @@ impl<'s, 'a> Columns<'s, 'a> {
         }
     }
 
-    /// Adds a column of cells that there are.
+    /// Adds a column of given cells.
     pub fn add(&mut self, name: &str, unit: &'static str, meaning: &'static str, cells: AnyCells) {
         let name = format!("{}{name}", self.prefix);
         self.made.push(Described {
@@ -49,7 +49,7 @@ impl<'s, 'a> Columns<'s, 'a> {
         });
     }
 
-    /// Adds a number of each step.
+    /// Adds a column with one number per step.
     pub fn number(
         &mut self,
         name: &str,
@@ -61,7 +61,7 @@ impl<'s, 'a> Columns<'s, 'a> {
         self.add(name, unit, meaning, AnyCells::Double(cells));
     }
 
-    /// Adds a list of numbers of each step.
+    /// Adds a column with one list of numbers per step.
     pub fn list(
         &mut self,
         name: &str,
@@ -73,7 +73,7 @@ impl<'s, 'a> Columns<'s, 'a> {
         self.add(name, unit, meaning, AnyCells::Double(cells));
     }
 
-    /// Adds a whole number of each step.
+    /// Adds a column with one integer per step.
     pub fn whole(
         &mut self,
         name: &str,
@@ -84,7 +84,7 @@ impl<'s, 'a> Columns<'s, 'a> {
         self.add(name, "", meaning, AnyCells::Int(cells));
     }
 
-    /// Adds a flag of each step.
+    /// Adds a column with one boolean per step.
     pub fn flag(
         &mut self,
         name: &str,

@@ -1,45 +1,45 @@
-//! What can go wrong with an export.
+//! The error type of exports.
 
 use feeler::sensor::camera::CameraError;
 use feeler_record::RecordError;
 use parquet::errors::ParquetError;
 use std::path::{Path, PathBuf};
 
-/// Why a recording could not be exported.
+/// Error that aborts an export.
 #[derive(Debug, thiserror::Error)]
 pub enum ExportError {
     /// A recording could not be read.
     #[error(transparent)]
     Recording(#[from] RecordError),
-    /// A file or folder could not be made or written.
+    /// A file or folder could not be created or written.
     #[error("{path}: {source}")]
     File {
-        /// The file.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// Underlying I/O error.
         source: std::io::Error,
     },
     /// A Parquet file could not be written.
     #[error("Parquet: {0}")]
     Parquet(#[from] ParquetError),
-    /// A run does not fit into the format, or not to the runs before it.
-    #[error("{run}: {what}: {expected} expected, {actual} found")]
+    /// A run does not fit the format, or differs from the runs before it.
+    #[error("{run}: {what}: expected {expected}, got {actual}")]
     Run {
         /// Name of the run.
         run: String,
-        /// What of it.
+        /// Property of the run that does not fit.
         what: String,
-        /// What was expected.
+        /// Expected value.
         expected: String,
-        /// What arrived.
+        /// Actual value.
         actual: String,
     },
-    /// A picture of a run could not be read.
+    /// An image of a run could not be read.
     #[error("{run}: {source}")]
     Picture {
         /// Name of the run.
         run: String,
-        /// What was expected and what found.
+        /// Underlying camera error.
         source: CameraError,
     },
     /// A video could not be encoded or written.
@@ -47,24 +47,24 @@ pub enum ExportError {
     Video {
         /// Name of the run.
         run: String,
-        /// The feature that its pictures are.
+        /// Feature key of the camera's images.
         key: String,
-        /// What the encoder or the system said.
+        /// Message of the encoder or the operating system.
         reason: String,
     },
-    /// It was ended from outside.
+    /// The export was interrupted by the caller.
     #[error("interrupted")]
     Interrupted,
 }
 
 impl ExportError {
-    /// What the system said of the file at `path`.
+    /// Converts an I/O error at `path`.
     pub(crate) fn of_file(path: &Path) -> impl FnOnce(std::io::Error) -> Self {
         let path = path.to_path_buf();
         |source| Self::File { path, source }
     }
 
-    /// Something of `run` that does not fit.
+    /// Error for a property of `run` that does not fit.
     pub(crate) fn of_run(
         run: &str,
         what: impl Into<String>,

@@ -1,4 +1,4 @@
-//! A recording as one table in a Parquet file: a row for each control step.
+//! Exports a recording as a Parquet table with one row per control step.
 
 use crate::columnar::{AnyCells, ParquetFile};
 use crate::columns::{Columns, Described};
@@ -7,18 +7,18 @@ use feeler_record::{NO_ELEMENT, Recording, RunFacts, Step, Steps};
 use serde_json::{Map, Value, json};
 use std::io::Write;
 
-/// Rows that are held in memory and written together.
+/// Number of rows per row group.
 const ROWS_OF_A_GROUP: usize = 8192;
 
-/// Writes `recording` as a Parquet file to `out`: a row for each control step, with what was newest of every channel then;
-/// null where a channel had not been heard of yet. Numbers are those on record, bit for bit. `run` is the column `run` of
-/// every row.
+/// Writes `recording` to `out` as a Parquet file with one row per control step. Each row contains the latest message of
+/// every channel at that step, or null before the first message. Values are bit-identical to the recording. The column
+/// `run` contains `run` in every row.
 ///
-/// The file's metadata have `feeler.columns` (JSON: unit and meaning of each column), `feeler.run` (JSON: the run's
-/// constants), `feeler.digest` and `feeler.problem` (what is wrong with the recording; empty if it is whole).
+/// File metadata: `feeler.columns` (JSON: unit and meaning of each column), `feeler.run` (JSON: the run's constants),
+/// `feeler.digest`, and `feeler.problem` (reason why the recording is incomplete; empty if it is complete).
 ///
 /// # Errors
-/// When the file cannot be written.
+/// If the file cannot be written.
 pub fn write<W: Write + Send>(run: &str, recording: &Recording, out: W) -> Result<(), ExportError> {
     let mut steps = Steps::new(recording);
     let mut next_group = || steps.by_ref().take(ROWS_OF_A_GROUP).collect::<Vec<_>>();
@@ -39,7 +39,7 @@ pub fn write<W: Write + Send>(run: &str, recording: &Recording, out: W) -> Resul
     Ok(file.close()?)
 }
 
-/// What is said of a recording in its table's file.
+/// Key-value metadata of the file.
 fn about(recording: &Recording, columns: &[Described]) -> Vec<(String, String)> {
     let columns: Map<_, _> = columns.iter().map(Described::description).collect();
     let facts: &RunFacts = &recording.facts;
@@ -64,7 +64,7 @@ fn about(recording: &Recording, columns: &[Described]) -> Vec<(String, String)> 
     texts.map(|(key, text)| (key.to_string(), text)).into()
 }
 
-/// The columns of these steps of a recording. All groups of rows have the same.
+/// Columns for these steps. All row groups have the same columns.
 fn table_columns(run: &str, recording: &Recording, steps: &[Step<'_>]) -> Vec<Described> {
     let mut columns = Columns::of(steps);
     let runs = steps.iter().map(|_| run);
@@ -82,7 +82,7 @@ fn table_columns(run: &str, recording: &Recording, steps: &[Step<'_>]) -> Vec<De
         motion_columns(&mut columns, finger);
         touch_columns(&mut columns, finger);
         if !recording.true_slip.is_empty() {
-            let slid = "longest way that the anchor of a feeler slid since the step before, as the simulated world knows";
+            let slid = "longest distance that the anchor of a feeler slid since the previous step (ground truth)";
             columns.number("true_slip", "m", slid, move |s| {
                 s.true_slip?.distance.get(finger).copied()
             });
@@ -93,7 +93,7 @@ fn table_columns(run: &str, recording: &Recording, steps: &[Step<'_>]) -> Vec<De
     columns.made
 }
 
-/// Where a finger was, and what it was told.
+/// Measured and commanded motion of a finger.
 fn motion_columns(columns: &mut Columns<'_, '_>, finger: usize) {
     columns.list(
         "joint_position",
@@ -113,14 +113,14 @@ fn motion_columns(columns: &mut Columns<'_, '_>, finger: usize) {
         "as sent to the drives",
         move |s| Some(s.finger(finger)?.command?.joint_velocity.to_vec()),
     );
-    let asked = "world frame; as asked for, before any limit";
+    let asked = "world frame; as requested, before limiting";
     columns.list("command_fingertip_velocity", "m/s", asked, move |s| {
         let velocity = s.finger(finger)?.command?.fingertip_velocity;
         Some(vec![velocity.x, velocity.y, velocity.z])
     });
     columns.flag(
         "command_limited",
-        "a limit changed what was asked for",
+        "a limit changed the requested velocity",
         move |s| Some(s.finger(finger)?.command?.limited),
     );
     columns.list(
@@ -139,12 +139,12 @@ fn motion_columns(columns: &mut Columns<'_, '_>, finger: usize) {
     });
 }
 
-/// What a finger felt.
+/// Tactile measurements of a finger.
 fn touch_columns(columns: &mut Columns<'_, '_>, finger: usize) {
     columns.number(
         "sensed_at",
         "s",
-        "time of the picture that forces and flags come from",
+        "time of the image from which forces and flags were computed",
         move |s| Some(s.finger(finger)?.tactile?.stamp),
     );
     let tangential = "tangential force on each element by the object, in the element's frame";
@@ -202,27 +202,28 @@ fn touch_columns(columns: &mut Columns<'_, '_>, finger: usize) {
         "sum of the positive compressions",
         move |s| Some(s.finger(finger)?.flags?.grasp_force),
     );
-    let largest = "the touching element that is compressed most, from 0; null where none touches";
+    let largest =
+        "touching element with the largest compression, from 0; null if no element touches";
     columns.whole("largest_element", largest, move |s| {
         let element = s.finger(finger)?.flags?.largest_element;
         (element != NO_ELEMENT).then_some(element.into())
     });
 }
 
-/// What the rig's instruments measured, and what only a simulated world knows (`true_`), as far as there is any.
+/// Measurements of the rig's instruments and ground truth of the simulator (`true_`), where recorded.
 fn instrument_columns(columns: &mut Columns<'_, '_>, recording: &Recording) {
     if !recording.torque_sensor.is_empty() {
-        let torque = "on the bottle by the cap, as measured; positive when the cap is turned in the closing direction";
+        let torque = "measured torque on the bottle by the cap; positive when the cap is turned in the closing direction";
         columns.number("torque", "N m", torque, |s| Some(s.torque?.torque));
     }
     if !recording.cap.is_empty() {
-        let turned = "that the cap has turned since the start, positive = closing";
+        let turned = "rotation of the cap since the start, positive = closing";
         columns.number("true_cap_angle", "rad", turned, |s| Some(s.cap?.angle));
         columns.list("true_cap_centre", "m", "world frame", |s| {
             let centre = s.cap?.centre;
             Some(vec![centre.x, centre.y, centre.z])
         });
-        let resists = "between cap and bottle, positive when it resists closing";
+        let resists = "torque between cap and bottle, positive when it resists closing";
         columns.number("true_resisting_torque", "N m", resists, |s| {
             Some(s.cap?.resisting_torque)
         });

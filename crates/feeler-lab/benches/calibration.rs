@@ -1,4 +1,4 @@
-//! What it costs per frame to turn the moments of 41 elements into forces.
+//! Time per frame to convert the moments of 41 elements to forces.
 
 use divan::{Bencher, black_box};
 use feeler::sensor::{
@@ -27,7 +27,7 @@ fn calibration(model: ModelChoice) -> Calibration {
     calibrate_simulated(&fingertip, &optics, &bench).expect("the default fingertip")
 }
 
-/// Moments of elements that are all pressed.
+/// Moments of elements that are all loaded.
 fn moments(calibration: &Calibration) -> Vec<ElementMoments> {
     let elements = calibration.elements.iter();
     elements

@@ -1,4 +1,4 @@
-//! Time of the control law: the newest forces in, joint velocities out.
+//! Time of control: from the latest forces to joint velocities.
 
 use divan::{Bencher, black_box};
 use feeler::control::controller::Controller;
@@ -27,7 +27,7 @@ fn main() {
     divan::main();
 }
 
-/// The laws that need no file, and a policy of two hidden layers of 64.
+/// Names of the laws that need no file, and of a policy with two hidden layers of 64 units.
 fn laws() -> impl Iterator<Item = &'static str> {
     LawConfig::NAMES.into_iter().chain(["policy"])
 }
@@ -67,7 +67,7 @@ fn decide_by_law(bencher: Bencher, name: &str) {
     decide_in_contact(bencher, &config);
 }
 
-/// One decision for the fingers of each task in contact.
+/// One decision for the fingers of each task, in contact.
 #[divan::bench(args = ["cap-closing", "cap-until-closed", "friction-scan", "contour", "slide-box-two", "lift"])]
 fn decide_by_task(bencher: Bencher, experiment: &str) {
     decide_in_contact(bencher, &config(experiment));
@@ -75,7 +75,7 @@ fn decide_by_task(bencher: Bencher, experiment: &str) {
 
 fn decide_in_contact(bencher: Bencher, config: &ExperimentConfig) {
     let mut config = config.clone();
-    // The fingers stand still, whatever they are told.
+    // The fingers ignore the commands and stand still.
     config.control.monitor.joint_deviation = 0.0;
     let layout = ElementLayout::new(&config.sensor.fingertip.layout);
     let fingers: Vec<_> = (config.hand.finger.iter())
@@ -102,7 +102,7 @@ fn decide_in_contact(bencher: Bencher, config: &ExperimentConfig) {
         for (touch, analyzer) in touches.iter_mut().zip(&mut analyzers) {
             touch.frame.sequence += 1;
             touch.frame.stamp = state.stamp;
-            // What says the same again and again is taken for frozen.
+            // Constant forces would be detected as a frozen sensor.
             touch.frame.forces[0].z = 0.4 + 1e-3 * (touch.frame.sequence % 2) as f64;
             touch.analyze(analyzer);
         }
@@ -111,7 +111,7 @@ fn decide_in_contact(bencher: Bencher, config: &ExperimentConfig) {
     assert_eq!(controller.stop_reason(), None);
 }
 
-/// The velocities of two fingers by each control law, while they keep their grasp.
+/// Velocities of two fingers under each control law, while they keep their grasp.
 #[divan::bench(args = laws())]
 fn law_in_contact(bencher: Bencher, name: &str) {
     let control = config("cap-closing").control;
@@ -125,7 +125,7 @@ fn law_in_contact(bencher: Bencher, name: &str) {
         touch.frame = in_contact();
         touch.analyze(&mut analyzer);
     }
-    // Tips that face each other across the cap.
+    // The fingertips face each other across the cap.
     let mut poses = [FingertipPose::default(); 2];
     poses[0].position.x = -0.032;
     poses[1].position.x = 0.032;
@@ -157,14 +157,14 @@ fn law_in_contact(bencher: Bencher, name: &str) {
         law.velocities(black_box(&plans), black_box(&hand), &mut velocities);
         velocities
     };
-    // The fingers close; then they move.
+    // The fingers close before they move.
     for _ in 0..100 {
         step(false, 1e-5);
     }
     bencher.bench_local(|| step(true, 0.0));
 }
 
-/// The flags of one finger.
+/// Flags of one finger.
 #[divan::bench]
 fn analyze_flags(bencher: Bencher) {
     let control = config("cap-closing").control;
@@ -177,7 +177,7 @@ fn analyze_flags(bencher: Bencher) {
     });
 }
 
-/// Both detectors of slip in grasps, on the markers of one finger: loss of contact on a regular pattern, and drag.
+/// Both detectors of slip in grasps on the markers of one finger: contact loss on a regular pattern, and drag.
 #[divan::bench]
 fn detect_grasp_slip(bencher: Bencher) {
     let at = |i: usize| 36.0 * DVec2::new((i % 7) as f64, (i / 7) as f64);

@@ -1,4 +1,4 @@
-//! Time of learning environments: control steps of 10 ms of simulated time, with everything that a step does.
+//! Time of learning environments, per control step of 10 ms of simulated time.
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
@@ -22,8 +22,8 @@ fn environment(experiment: &str) -> Environment {
     Environment::new(&config(experiment)).expect("a built-in experiment")
 }
 
-/// One step of whole episodes that follow each other, resets included; the fingers do what the task plans, so that they touch for
-/// most of the time.
+/// One step, averaged over complete episodes including resets. The fingers follow the task's plan, so they are in
+/// contact most of the time.
 #[divan::bench(args = ["cap-closing", "cap-until-closed", "lift", "slide-box-two", "contour"], sample_count = 20, sample_size = 2000)]
 fn step(bencher: Bencher, experiment: &str) {
     let mut environment = environment(experiment);
@@ -40,14 +40,14 @@ fn step(bencher: Bencher, experiment: &str) {
     });
 }
 
-/// The beginning of an episode.
+/// Beginning of an episode.
 #[divan::bench(args = ["cap-closing", "cap-until-closed", "lift", "contour"])]
 fn reset(bencher: Bencher, experiment: &str) {
     let mut environment = environment(experiment);
     bencher.bench_local(|| environment.reset(None).expect("an episode"));
 }
 
-/// The same where the friction is drawn anew.
+/// Beginning of an episode with random friction.
 #[divan::bench]
 fn reset_that_varies(bencher: Bencher) {
     let mut config = config("cap-closing");
@@ -56,7 +56,7 @@ fn reset_that_varies(bencher: Bencher) {
     bencher.bench_local(|| environment.reset(None).expect("an episode"));
 }
 
-/// One step of each of 256 environments, on so many threads: whole episodes, resets included.
+/// One step of each of 256 environments on several threads, averaged over complete episodes including resets.
 #[divan::bench(args = [1, 2], sample_count = 10, sample_size = 200)]
 fn step_of_256(bencher: Bencher, threads: usize) {
     const COUNT: usize = 256;

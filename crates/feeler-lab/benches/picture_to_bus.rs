@@ -1,9 +1,10 @@
-//! From the stamp of a picture to the command's last byte on the bus, in a hand that closes the cap in real time over emulated servos at
-//! 4 Mbaud.
+//! Latency from the timestamp of an image to the last byte of the command on the bus, for a hand that closes the cap
+//! in real time with emulated servos at 4 Mbaud.
 //!
-//! Not a bench of divan's: what counts is when bytes arrive at another thread. A thread per finger is its camera: it draws what the
-//! simulated world looks like by then, which stands for exposure and transfer, and stamps the picture when it is complete. Forces, flags,
-//! law and servos are those of a rig. The emulated bus says when bytes were on the wire.
+//! This benchmark does not use divan because it measures when bytes arrive at another thread. A thread per finger
+//! emulates the camera: it renders the current state of the simulated world, which takes the place of exposure and
+//! transfer, and timestamps the complete image. Forces, flags, law and servos are those of a rig. The emulated bus
+//! provides the times of the bytes on the wire.
 //!
 //! `cargo bench -p feeler-lab --bench picture_to_bus [-- SECONDS]`
 
@@ -24,23 +25,23 @@ fn main() {
     }
 }
 
-/// When cameras take their pictures.
+/// Timing of the cameras.
 #[cfg(target_os = "linux")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Cameras {
-    /// All at once, as by a common trigger.
+    /// All at once, by a common trigger.
     Triggered,
-    /// One after the other, evenly over the period.
+    /// One after the other, evenly spaced over the period.
     Free,
 }
 
-/// When control steps begin.
+/// Timing of the control steps.
 #[cfg(target_os = "linux")]
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum Steps {
-    /// When all pictures have arrived.
+    /// When all images have arrived.
     Follow,
-    /// By a clock of their own.
+    /// By an independent clock.
     OwnClock,
 }
 
@@ -73,29 +74,29 @@ mod rig {
     use std::sync::{Arc, Mutex, PoisonError};
     use std::time::Duration;
 
-    /// When the exposure of each picture of a camera began, s.
+    /// Start times of the exposures of a camera (s).
     type Pictures = Arc<Mutex<Vec<f64>>>;
 
-    /// A picture that a command was made of.
+    /// An image that a command is based on.
     struct Used {
-        /// When it was complete, s.
+        /// Time at which it was complete (s).
         stamp: f64,
         sequence: u64,
     }
 
-    /// The fingertips' sensors, each on its thread.
+    /// Sensors of the fingertips, each on a separate thread.
     struct Sensing {
         touches: Vec<LiveTouch>,
         arrivals: LiveArrivals,
-        /// What each camera takes.
+        /// Exposures of each camera.
         pictures: Vec<Pictures>,
     }
 
-    /// A fingertip's camera: a picture each period.
+    /// Camera of a fingertip that takes an image in each period.
     struct LiveCamera {
         camera: SimCamera,
         pace: Pace,
-        /// How much later than the pace it is.
+        /// Delay relative to the pace.
         offset: Duration,
         clock: RigClock,
         pictures: u64,
@@ -119,7 +120,7 @@ mod rig {
         }
     }
 
-    /// The sensors of all fingers on their threads.
+    /// Starts the sensors of all fingers on their threads.
     fn sensors(
         experiment: &Experiment,
         rig: &SimRig,
@@ -130,7 +131,7 @@ mod rig {
         let sim = config.simulation()?;
         let (mut sensors, mut pictures) = (Vec::new(), Vec::new());
         let fingers = config.hand.finger.len();
-        // The same deadlines for all.
+        // All cameras have the same deadlines.
         let pace = Pace::new(config.control.period)?;
         for finger in 0..fingers {
             let fingertip = config.sensor.fingertip(finger);
@@ -167,7 +168,7 @@ mod rig {
         })
     }
 
-    /// Closes the cap for so many `seconds`, by steps that follow the pictures or have a clock of their own.
+    /// Closes the cap for at most `seconds`, with steps triggered by images or by an independent clock.
     pub fn measure(
         name: &str,
         (cameras, steps): (Cameras, Steps),
@@ -190,14 +191,14 @@ mod rig {
             arrivals,
             pictures,
         } = sensors(&experiment, &rig, &clock, cameras)?;
-        // Last, as the servos' watchdogs run from then on.
+        // Last, because the watchdogs of the servos start here.
         let hand = DriveHand::open(&drives, &fingers, stale * period, clock.clone())?;
         let mut control_loop = ControlLoop::new(touches, hand, controller);
         let mut schedule: Box<dyn Schedule> = match steps {
             Steps::Follow => Box::new(Following::new(arrivals, period)?),
             Steps::OwnClock => Box::new(Pace::new(period)?),
         };
-        // After the other threads are there, which would inherit it.
+        // After the other threads have started, because they would inherit it.
         let _ = fine_timer();
         let (mut punctuality, mut used) = (Punctuality::new()?, Vec::new());
         let begin = goals(&emulator.servos()).len();
@@ -230,7 +231,7 @@ mod rig {
         Ok(())
     }
 
-    /// When the last byte of each command to all goals was on the wire, s.
+    /// Times at which the last byte of each velocity command was on the wire (s).
     fn goals(bus: &EmulatedBus) -> Vec<f64> {
         let goal = Registers::of(feeler_drives::packet::Protocol::Dynamixel).goal_velocity;
         let [low, high] = goal.address.to_le_bytes();
@@ -242,12 +243,12 @@ mod rig {
         written.map(|entry| entry.time).collect()
     }
 
-    /// Prints how long it took from the pictures that each command was made of.
+    /// Prints the latencies from the images that each command is based on.
     fn report(emulator: &Emulator, begin: usize, used: &[Vec<Used>], pictures: &[Pictures]) {
         std::thread::sleep(Duration::from_millis(20));
         let written = goals(&emulator.servos());
         let steps = written[begin..].iter().zip(used);
-        // Before the first pictures there is nothing to tell.
+        // Skip the steps before the first images.
         let steps = steps.filter(|(_, used)| used.iter().all(|picture| picture.stamp.is_finite()));
         let steps: Vec<_> = steps.collect();
         let exposed = |finger: usize, sequence: u64| {
@@ -267,20 +268,20 @@ mod rig {
             let delays = steps.iter().map(|(written, used)| *written - begin(used));
             delays.collect()
         };
-        print("the oldest picture complete", from(&oldest));
-        print("the newest picture complete", from(&newest));
-        print("the oldest picture exposed", from(&first));
+        print("oldest image complete", from(&oldest));
+        print("newest image complete", from(&newest));
+        print("oldest image exposed", from(&first));
     }
 
     fn print(from: &str, mut delays: Vec<f64>) {
         delays.sort_by(f64::total_cmp);
         let Some(last) = delays.len().checked_sub(1) else {
-            println!("  nothing was measured");
+            println!("  no measurements");
             return;
         };
         let at = |share: f64| delays[(last as f64 * share) as usize] * 1e3;
         println!(
-            "  {from} to the command's last byte on the bus, {} steps: p50 {:.3} ms, p99 {:.3} ms, most {:.3} ms",
+            "  {from} to last byte of the command on the bus, {} steps: p50 {:.3} ms, p99 {:.3} ms, max {:.3} ms",
             delays.len(),
             at(0.5),
             at(0.99),

@@ -1,4 +1,4 @@
-//! What recording costs: all messages of a control step of two 41-element fingers.
+//! Time of recording all messages of a control step with two fingers of 41 elements.
 
 #[path = "../tests/support/mod.rs"]
 #[allow(dead_code)]
@@ -25,7 +25,7 @@ fn record_300_control_steps(bencher: divan::Bencher) {
     let _ = std::fs::remove_file(path);
 }
 
-/// What recording adds to a control step of a run in which two fingers touch: all messages, and what viewers draw.
+/// Recording of one control step of a run in which two fingers touch: all messages, including those for viewers.
 #[divan::bench(sample_count = 1000, sample_size = 1)]
 fn record_a_control_step(bencher: divan::Bencher) {
     let path = std::env::temp_dir().join(format!("feeler-bench-step-{}", std::process::id()));
@@ -35,7 +35,7 @@ fn record_a_control_step(bencher: divan::Bencher) {
     let facts = session.facts(&experiment.config);
     let recorder = Recorder::create(&path, &facts, &experiment.toml).expect("a file");
     let mut log = RunLog::new(recorder, &facts).expect("a log");
-    // Into the first stroke.
+    // Advance to the first stroke.
     while session.control_loop().state().stamp < 2.0 {
         session.step().expect("a step");
     }

@@ -1,4 +1,4 @@
-//! What `feeler sense` does with one 640x480 picture of 41 elements.
+//! Time of the operations of `feeler sense` on one 640x480 image of 41 elements.
 
 use feeler::sensor::exposure::{DEFAULT_MAX_SATURATED, SaturationCheck};
 use feeler::sensor::fingertip::Fingertip;
@@ -39,7 +39,7 @@ fn picture() -> Picture {
     picture
 }
 
-/// From the picture to all readings, with forces.
+/// From the image to all readings, with forces.
 #[divan::bench]
 fn picture_to_readings(bencher: divan::Bencher) {
     let experiment = experiment();
@@ -52,7 +52,7 @@ fn picture_to_readings(bencher: divan::Bencher) {
     bencher.bench_local(|| sensing.sense(&picture, &mut readings).expect("readings"));
 }
 
-/// The part of it that counts saturated pixels.
+/// Only the check for saturated pixels.
 #[divan::bench]
 fn saturation_of_41_subregions(bencher: divan::Bencher) {
     let config = experiment().config.sensor.fingertip;

@@ -1,4 +1,4 @@
-//! What a sensor costs per frame: drawing its picture in the simulation, and reading it.
+//! Time per frame of a sensor: rendering of its image in the simulation, and evaluation of the image.
 
 #[allow(dead_code, reason = "the examples use the rest")]
 mod support;
@@ -39,20 +39,20 @@ fn fingertip() -> Fingertip {
     Fingertip::new(&FingertipConfig::default()).expect("the default fingertip makes sense")
 }
 
-/// `loaded` elements under 1 N and a little shear.
+/// Forces with 1 N and a little shear on `loaded` elements.
 fn forces(loaded: usize) -> Vec<DVec3> {
     let mut forces = vec![DVec3::ZERO; 41];
     forces[..loaded].fill(DVec3::new(0.3, -0.2, 1.0));
     forces
 }
 
-/// Every way to take moments here, for pictures of 640x480 and with twice the pixels to a side.
+/// All available instruction sets, for images of 640x480 pixels and of twice that resolution.
 fn paths() -> Vec<(Instructions, usize)> {
     let scales = |instructions| [1, 2].map(|scale| (instructions, scale));
     Instructions::available().flat_map(scales).collect()
 }
 
-/// From the picture to forces, the saturation check on.
+/// From the image to forces, including the saturation check.
 #[divan::bench(args = paths())]
 fn picture_to_forces(bencher: Bencher, (instructions, scale): (Instructions, usize)) {
     let config = fingertip_config(scale);
@@ -76,7 +76,7 @@ fn picture_with_loaded_elements(bencher: Bencher, loaded: usize) {
     draw(bencher, &model(&fingertip()), loaded);
 }
 
-/// Of the same picture what is sensed, as in a run whose pictures nobody else looks at.
+/// Only the sensed pixels of the same image, as in a run whose images are not recorded.
 #[divan::bench(args = [0, 5, 41])]
 fn sensed_pixels_with_loaded_elements(bencher: Bencher, loaded: usize) {
     let fingertip = fingertip();

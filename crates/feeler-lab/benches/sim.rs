@@ -1,4 +1,4 @@
-//! Time of the physics, and of whole control periods of a simulated run.
+//! Time of the physics, and of complete control periods of a simulated run.
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
@@ -22,20 +22,20 @@ fn experiment(sensing: &str) -> Experiment {
     Experiment::load("cap-closing", &settings).expect("the built-in experiment")
 }
 
-/// The physics of the reference run, 82 elements, forces only: steps of 1 ms.
+/// Physics of the reference run (82 elements, forces only) with steps of 1 ms.
 #[divan::bench(sample_count = 20)]
 fn physics_of_the_reference_run(bencher: Bencher) {
     physics(bencher, |_| true);
 }
 
-/// The physics of its first stroke, while the fingers turn the cap.
+/// Physics of the first stroke, while the fingers turn the cap.
 #[divan::bench(sample_count = 50)]
 fn physics_of_the_first_stroke(bencher: Bencher) {
     physics(bencher, |phase| phase == Phase::Move);
 }
 
-/// Gives a world the commands of a run again and times the steps of the first control periods in a row
-/// whose phase is `timed`.
+/// Repeats the commands of a run and measures the steps of the first consecutive control periods
+/// whose phase satisfies `timed`.
 fn physics(bencher: Bencher, timed: fn(Phase) -> bool) {
     let experiment = experiment("direct");
     let mut session = Session::new(&experiment).expect("a session");
@@ -78,8 +78,8 @@ fn give(session: &Session, commands: &[Vec<DVec3>], steps: usize) {
     }
 }
 
-/// The scene and the motion that MuJoCo is timed on, of 5 s (`benches/peers/mujoco.py`). Where fingertips are is worked out beforehand for
-/// both.
+/// The scene and motion of 5 s used for the comparison with MuJoCo (`benches/peers/mujoco.py`). The poses of the
+/// fingertips are computed in advance for both.
 #[divan::bench(sample_count = 50)]
 fn physics_of_mujocos_scene(bencher: Bencher) {
     let reference = mujoco_scene::reference("round_tips");
@@ -96,10 +96,10 @@ fn physics_of_mujocos_scene(bencher: Bencher) {
         .bench_local_refs(|scene| poses.iter().for_each(|poses| scene.advance(poses)));
 }
 
-/// s.
+/// Time step (s).
 const STEP: f64 = 0.001;
 
-/// A free box on a table touched by two fingers: one step of 1 ms.
+/// One step of 1 ms with a free box on a table, touched by two fingers.
 #[divan::bench(sample_count = 50, sample_size = 1000)]
 fn physics_step_of_a_free_box(bencher: Bencher) {
     let mut world = squeezed_box();
@@ -108,7 +108,7 @@ fn physics_step_of_a_free_box(bencher: Bencher) {
     bencher.bench_local(|| world.step().expect("a step"));
 }
 
-/// A box of 30 x 30 x 60 mm and 50 g on a table between two fingertips that press 1.5 mm deep.
+/// A box of 30 x 30 x 60 mm and 50 g on a table between two fingertips that indent by 1.5 mm.
 fn squeezed_box() -> World {
     let mut experiment = experiment("direct");
     let sim = experiment.config.sim.as_mut().expect("a simulated world");
@@ -136,7 +136,7 @@ fn squeezed_box() -> World {
     world
 }
 
-/// One physics step with the fingers at home.
+/// One physics step with the fingers at their home positions.
 #[divan::bench(sample_count = 50, sample_size = 2000)]
 fn physics_step_out_of_contact(bencher: Bencher) {
     let session = Session::new(&experiment("direct")).expect("a session");
@@ -145,8 +145,8 @@ fn physics_step_out_of_contact(bencher: Bencher) {
     bencher.bench_local(|| world.step().expect("a step"));
 }
 
-/// One control period, 10 ms, with everything that `feeler run` does in it: sensors, control,
-/// physics, recording. Runs follow each other, so this is the mean over whole runs.
+/// One control period of 10 ms with all operations of `feeler run`: sensors, control, physics, recording. Runs
+/// are repeated, so the result is the mean over complete runs.
 fn control_period(bencher: Bencher, sensing: &str) {
     let experiment = experiment(sensing);
     let path = std::env::temp_dir().join(format!("feeler-bench-{sensing}-{}", std::process::id()));
@@ -168,7 +168,7 @@ fn control_period(bencher: Bencher, sensing: &str) {
             .expect("a recorded step");
     });
     drop(log);
-    // That the file is left over is no reason to fail.
+    // A file that cannot be removed is not an error.
     let _ = std::fs::remove_file(&path);
 }
 

@@ -1,4 +1,4 @@
-//! How safely the claims of an experiment hold: each claim's margin over many seeds.
+//! Margins of each claim of an experiment over many seeds.
 //!
 //! ```sh
 //! cargo run --release --example claim_margins -- cap-closing direct 0 99
@@ -46,7 +46,7 @@ fn main() -> Result<(), AnyError> {
     Ok(())
 }
 
-/// The claims of a run of the experiment `name` with `settings`.
+/// Returns the claims of a run of the experiment `name` with `settings`.
 fn claims(name: &str, settings: &[String]) -> Result<Vec<Claim>, AnyError> {
     let experiment = Experiment::load(name, settings)?;
     let mut session = Session::drawing(&experiment, Pictures::Sensed)?;
@@ -59,17 +59,17 @@ fn print(runs: &BTreeMap<u64, Vec<Claim>>) {
         .values()
         .filter(|claims| claims.iter().all(|claim| claim.holds));
     println!(
-        "all claims hold in {} of {} runs\n",
+        "all claims pass in {} of {} runs\n",
         all.count(),
         runs.len()
     );
-    println!("| claim | holds | margin: least / 10 % / median | does not hold with seed |");
+    println!("| claim | passes | margin: minimum / 10 % / median | failing seeds |");
     println!("|---|---|---|---|");
     let Some(claims) = runs.values().next() else {
         return;
     };
     for (index, claim) in claims.iter().enumerate() {
-        // What was not measured is as far off as can be.
+        // A missing measurement counts as the worst margin.
         let margin = |claims: &Vec<Claim>| claims[index].margin().unwrap_or(-1.0);
         let mut margins: Vec<f64> = runs.values().map(margin).collect();
         margins.sort_by(f64::total_cmp);

@@ -1,12 +1,12 @@
-//! How much the picture of a simulated fingertip is like that of a real sensor: a page with both side by side, and what can be measured of
-//! both.
+//! Compares images of a simulated fingertip and a real sensor: generates a page with both images and their measured
+//! properties.
 //!
 //! ```text
 //! cargo run --release --example compare_optics -p feeler-lab -- PAGE.html EXPERIMENT REAL.png [FORCES.csv] [EXPERIMENT REAL.png ...]
 //! ```
 //!
-//! REAL.png is a picture of the untouched sensor. FORCES.csv, as `feeler calibrate --wrench` reads it, has pictures under measured forces;
-//! without it, nothing is said of what a newton does to the real picture.
+//! REAL.png is an image of the untouched sensor. FORCES.csv, in the format of `feeler calibrate --wrench`, contains
+//! images under measured forces. Without it, the response of the real image to force is not reported.
 
 #[path = "compare_optics/measure.rs"]
 mod measure;
@@ -28,12 +28,12 @@ use std::error::Error;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
-/// Pictures of a simulated fingertip under force.
+/// Number of images of the simulated fingertip under force.
 const PICTURES: usize = 200;
-/// Most compression of the whole fingertip, N, as a plate puts on it, and shear over compression.
+/// Maximum compression of the whole fingertip by a plate (N), and maximum ratio of shear to compression.
 const MOST: f64 = 4.0;
 const FRICTION: f64 = 0.8;
-/// Angle from the apex up to which a plate touches a dome.
+/// Angle from the apex up to which a plate touches the dome.
 const CONTACT_DEG: f64 = 35.0;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -58,7 +58,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// The untouched fingertip of `experiment`, and under a plate.
+/// Renders the untouched fingertip of `experiment`, and the fingertip under a plate.
 fn simulated(experiment: &str) -> Result<(Picture, Vec<Loaded>), Box<dyn Error>> {
     let experiment = Experiment::load(experiment, &[])?;
     let config = &experiment.config;
@@ -72,7 +72,7 @@ fn simulated(experiment: &str) -> Result<(Picture, Vec<Loaded>), Box<dyn Error>>
         let forces: Vec<DVec3> = layout
             .elements
             .iter()
-            // Each bears its share, in its own frame, compression along the inward normal.
+            // Each element bears a share of the force, in its own frame, with compression along the inward normal.
             .map(|e| {
                 let own = e.rotation.transpose() * force * (touching(e.normal()) / all);
                 own.with_z(-own.z)
@@ -87,7 +87,7 @@ fn simulated(experiment: &str) -> Result<(Picture, Vec<Loaded>), Box<dyn Error>>
     let loaded = (0..PICTURES).map(|_| {
         let normal = MOST * forces.random::<f64>();
         let mut shear = || FRICTION * normal * (2.0 * forces.random::<f64>() - 1.0);
-        // On the fingertip, in its frame: x is the dome's axis.
+        // Force on the fingertip in its frame, where x is the dome's axis.
         let force = DVec3::new(-normal, shear(), shear());
         Ok(Loaded {
             picture: take(force)?,
@@ -97,7 +97,7 @@ fn simulated(experiment: &str) -> Result<(Picture, Vec<Loaded>), Box<dyn Error>>
     Ok((untouched, loaded.collect::<Result<_, Box<dyn Error>>>()?))
 }
 
-/// The pictures of a table of measured forces, those in which all three components were measured.
+/// Reads the images of a table of measured forces for which all three components were measured.
 fn measured(csv: &Path) -> Result<Vec<Loaded>, Box<dyn Error>> {
     let folder = csv.parent().unwrap_or(Path::new(""));
     let pictures = read_forces(File::open(csv)?)?.pictures;

@@ -1,11 +1,13 @@
-//! How fast many hands step together, each an environment of its own that follows its task's plan, and what memory they take.
+//! Measures the speed and memory of many simulated hands that step together, each in a separate environment that
+//! follows the task's plan.
 //!
 //! ```sh
 //! cargo run --release -p feeler-lab --example hands_speed -- HANDS THREADS STEPS [EXPERIMENT]
 //! ```
 //!
-//! All hands begin an episode at once; their seeds differ. It makes STEPS control steps of each and tells how many it made in a second,
-//! without what the plans took. A cap-closing episode has 1,860.
+//! All hands begin an episode at the same time with different seeds. The program makes STEPS control steps of each
+//! hand and prints the number of steps per second, excluding the time of planning. A cap-closing episode has 1,860
+//! steps.
 
 use feeler_lab::environment::{ActionKind, Autoreset, Batch, EnvironmentConfig, VectorEnvironment};
 use std::error::Error;
@@ -63,7 +65,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Memory that the program has, bytes; 0 where the system does not say.
+/// Resident memory of the process in bytes; 0 if unknown.
 fn memory() -> usize {
     let pages = std::fs::read_to_string("/proc/self/statm").unwrap_or_default();
     let resident = pages

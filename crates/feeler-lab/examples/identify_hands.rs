@@ -1,8 +1,8 @@
-//! Coverage and errors of `feeler identify` over plausible hands, drawn as `feeler robustness cap-closing` draws them.
+//! Coverage and errors of `feeler identify` over plausible hands, drawn as in `feeler robustness cap-closing`.
 //!
-//! `cargo run --release -p feeler-lab --example identify_hands -- 500 9000 [KEY=VALUE]...`: number of hands, seed of the hands,
-//! settings. Prints for each quantity the share of hands whose interval covers the true value, and the median and 95th percentile of
-//! the error.
+//! `cargo run --release -p feeler-lab --example identify_hands -- 500 9000 [KEY=VALUE]...`: number of hands, seed of
+//! the hands, settings. Prints for each quantity the fraction of hands whose interval contains the true value, and the
+//! median and 95th percentile of the error.
 
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::Session;
@@ -17,11 +17,11 @@ use std::path::Path;
 
 type AnyError = Box<dyn Error + Send + Sync>;
 
-/// F2 of an element with the reference stiffness, N, which a workshop sets by the square root of the stiffness.
+/// F2 of an element with the reference stiffness (N). F2 is scaled with the square root of the stiffness.
 const OVER_FORCE: f64 = 0.505;
 const REFERENCE_STIFFNESS: f64 = 205.0;
 
-/// An estimate beside the truth; the error is in `unit`s.
+/// Comparison of an estimate with the true value.
 struct Checked {
     name: &'static str,
     covered: bool,
@@ -87,7 +87,7 @@ fn print(name: &str, checked: &[Checked]) {
     );
 }
 
-/// Plausible hands of `seed`, with F2 as a workshop would set it.
+/// Draws plausible hands with `seed`, with F2 scaled to their stiffness.
 fn hands(settings: &[String], count: u64, seed: u64) -> Result<Vec<Experiment>, AnyError> {
     let files: [&Path; 0] = [];
     let mut ranges = ranges::load(&files, "cap-closing")?;
@@ -111,7 +111,7 @@ fn hands(settings: &[String], count: u64, seed: u64) -> Result<Vec<Experiment>, 
         .collect()
 }
 
-/// All estimates of `probing` beside what the simulator knows.
+/// Compares all estimates of `probing` with the ground truth.
 fn check(identified: &Identified, probing: &Experiment) -> Result<Vec<Checked>, AnyError> {
     let session = Session::new(probing)?;
     let world = session.rig().world();

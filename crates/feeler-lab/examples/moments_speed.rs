@@ -1,8 +1,8 @@
-//! How long it takes from a picture to moments and to forces, one core: medians over many frames.
+//! Median time from an image to moments and to forces over many frames, on one core.
 //!
-//! `cargo run --release --example moments_speed [-- FOLDER]` also writes to FOLDER what
-//! `benches/peers/opencv.py` needs to do the same: the picture, the table that dewarps the squares
-//! and the place of each square in it.
+//! `cargo run --release --example moments_speed [-- FOLDER]` also writes the input of
+//! `benches/peers/opencv.py` to FOLDER, so that it does the same work: the image, the table that dewarps the squares
+//! and the position of each square in it.
 
 #[path = "../benches/support/mod.rs"]
 mod support;
@@ -18,10 +18,10 @@ use glam::{DVec2, DVec3};
 use std::{error::Error, fs, hint::black_box, path::Path, time::Instant};
 use support::{fingertip_config, simulated_picture, square_kernel};
 
-/// Frames that a median is taken over.
+/// Number of frames.
 const FRAMES: usize = 20_001;
 
-/// Sides of the squares, px of a picture of 640x480.
+/// Side of the squares in an image of 640x480 (px).
 const SIDE: usize = 60;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -54,7 +54,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Median time from `picture` to moments, or to forces if there is a calibration, us.
+/// Median time from `picture` to moments, or to forces if there is a calibration (us).
 fn median(
     kernel: &MomentsKernel,
     picture: &Picture,
@@ -75,8 +75,8 @@ fn median(
     Ok(times[FRAMES / 2])
 }
 
-/// Writes `picture.pgm` and `remap.f32`: for each pixel of a picture of the same size, in which the
-/// dewarped squares lie side by side, the column and row of the picture that it comes from.
+/// Writes `picture.pgm` and `remap.f32`. The latter contains, for each pixel of an image of the same size with
+/// the dewarped squares side by side, the source column and row in the original image.
 fn write_for_peers(
     folder: &Path,
     config: &FingertipConfig,
@@ -107,7 +107,7 @@ fn write_for_peers(
     Ok(())
 }
 
-/// Where `place` of an element's square is seen; its sub-region just fits into the square.
+/// Image position of a point of an element's square, which circumscribes the element's sub-region.
 fn seen_at(
     projection: &DomeProjection,
     fingertip: &Fingertip,

@@ -1,17 +1,18 @@
-//! How soon the law `pivot` presses more when an object slips, and how much more than necessary it presses.
+//! Reaction time of the law `pivot` to slip, and its excess of grasp force.
 //!
 //! ```text
 //! cargo run --release -p feeler-lab --example needed_grip -- 610200 200 constant as-needed
 //! ```
 //!
-//! The arguments are FIRST COUNT LOAD [GRIP]. COUNT plausible hands, numbered from FIRST, turn a loaded cap in the experiment
-//! `any-hand`, with forces sensed directly. LOAD is `constant`, a thread that resists with 8 mN·m throughout, or `ramp`, a
-//! torque that rises from the beginning by 10 mN·m/rad. GRIP is `as-needed` (default) or `firm`. Slip and forces are the
-//! simulator's true values.
+//! The arguments are FIRST COUNT LOAD [GRIP]. COUNT plausible hands, numbered from FIRST, turn a loaded cap in the
+//! experiment `any-hand`, with forces sensed directly. LOAD is `constant`, a thread that resists with 8 mN·m
+//! throughout, or `ramp`, a torque that rises from the beginning by 10 mN·m/rad. GRIP is `as-needed` (default) or
+//! `firm`. Slip and forces are ground truth of the simulator.
 //!
-//! A slip begins in the control period in which an element that is pressed harder than F1 slides farther than 20 µm, after
-//! 100 ms in which none did. Times count from the start of that period to the end of the one in which the command moves the
-//! finger towards the cap's axis at more than 1 mm/s, or the grasp force is 3 % above the one at the end of the first period.
+//! A slip begins in the control period in which an element that is pressed with more than F1 slides by more than 20
+//! µm, after 100 ms without such an element. Times are measured from the start of that period to the end of the period
+//! in which the command moves the finger towards the cap's axis at more than 1 mm/s, or the grasp force is 3 % above
+//! its value at the end of the first period.
 
 use feeler::control::phase::Phase;
 use feeler::sensor::layout::ElementLayout;
@@ -29,16 +30,16 @@ const USAGE: &str = "usage: needed_grip FIRST COUNT constant|ramp [as-needed|fir
 /// Control period (s) and F1 (N) of the experiment.
 const PERIOD: f64 = 0.01;
 const TOUCH_FORCE: f64 = 0.1;
-/// An element slips if its tip slides farther than this in a control period, m.
+/// Slip distance in a control period above which an element slips (m).
 const SLIP_DISTANCE: f64 = 20e-6;
-/// Time without slip before an onset, and the longest time to wait for a reaction, s.
+/// Minimum time without slip before an onset, and maximum time to wait for a reaction (s).
 const QUIET_TIME: f64 = 0.1;
 const LONGEST_WAIT: f64 = 0.3;
-/// Grasp force that counts as more grip, relative to the one at the onset.
+/// Grasp force that counts as more grip, relative to the value at the onset.
 const MORE_GRIP: f64 = 1.03;
-/// Commanded inward velocity that counts as a reaction, m/s.
+/// Commanded inward velocity that counts as a reaction (m/s).
 const INWARD: f64 = 1e-3;
-/// The excess is measured while the load on a finger is larger than this, N.
+/// Minimum load on a finger for measuring the excess (N).
 const LEAST_LOAD: f64 = 0.05;
 
 /// Command-line arguments.
@@ -75,10 +76,10 @@ impl Arguments {
         })
     }
 
-    /// The experiment of a plausible hand, with the load and grip of the arguments.
+    /// Returns the experiment of a plausible hand with the load and grip of the arguments.
     pub fn experiment(&self, hand: u64) -> Result<Experiment, AnyError> {
         let drawn = Experiment::load("any-hand", &[format!("seed={hand}")])?;
-        // The hand is not drawn anew, which would replace the load.
+        // Setting plausible_hand prevents another draw, which would replace the load.
         let settings = [&self.settings[..], &[format!("plausible_hand={hand}")]].concat();
         Ok(drawn.with_settings(&settings)?)
     }
@@ -87,15 +88,16 @@ impl Arguments {
 /// True forces between one finger and the cap after a control period, and the finger's command.
 #[derive(Debug, Clone, Copy, Default)]
 struct Contact {
-    /// Sums of the forces along the cap's normals and tangents, N.
+    /// Sums of the forces along the cap's normals and tangents (N).
     normal: f64,
     tangential: f64,
-    /// Commanded velocity towards the cap's axis, m/s.
+    /// Commanded velocity towards the cap's axis (m/s).
     inward: f64,
     slips: bool,
 }
 
-/// Reaction to one slip: times since its onset, s; `None` if not yet, infinite if not within [`LONGEST_WAIT`].
+/// Reaction to one slip: times since its onset (s). `None` if not yet reached, infinite if not reached within
+/// [`LONGEST_WAIT`].
 #[derive(Debug, Clone, Copy, Default)]
 struct Reaction {
     since: f64,
@@ -121,19 +123,20 @@ impl Reaction {
 /// Measurements of one finger.
 #[derive(Debug, Clone, Default)]
 pub struct Finger {
-    /// Distance that each element has slipped, m, and whether it is pressed harder than F1.
+    /// Slip distance of each element (m), and whether it is pressed with more than F1.
     slipped: Vec<f64>,
     pressed: Vec<bool>,
     quiet: f64,
     latest: Option<Reaction>,
-    /// Times from slip onset to command and to more grip, ms.
+    /// Times from slip onset to the command and to more grip (ms).
     pub reactions: Vec<(f64, f64)>,
-    /// Grasp force over the least that holds the load by static friction, minus 1.
+    /// Grasp force divided by the minimum that holds the load by static friction, minus 1.
     pub excess: Vec<f64>,
 }
 
 impl Finger {
-    /// Contact of the `finger` with a cap whose axis is at `axis` (m, in W), commanded to move at `velocity` (m/s, in W).
+    /// Computes the contact of `finger` with a cap whose axis is at `axis` (m, in W). `velocity` is the commanded
+    /// velocity (m/s, in W).
     fn contact(
         &mut self,
         finger: &FingerState,
@@ -165,9 +168,9 @@ impl Finger {
         contact
     }
 
-    /// Adds a control period, in which the finger turned the cap if it `turns`.
+    /// Adds a control period. `turns` is `true` if the finger turned the cap.
     fn add(&mut self, contact: Contact, static_friction: f64, turns: bool) {
-        // A stroke that ends before the reaction says nothing about it.
+        // Discard the slip if the stroke ends before the reaction.
         self.latest = self.latest.filter(|_| turns);
         if let Some(latest) = &mut self.latest {
             latest.update(contact);
@@ -191,7 +194,7 @@ impl Finger {
     }
 }
 
-/// Runs `experiment`. Returns what was measured of each finger, and how far the cap turned, rad.
+/// Runs `experiment`. Returns the measurements of each finger, and the angle by which the cap turned (rad).
 pub fn run(experiment: &Experiment) -> Result<(Vec<Finger>, f64), AnyError> {
     let feeler = &experiment.config.simulation()?.feeler;
     let mut session = Session::drawing(experiment, Pictures::Sensed)?;
@@ -215,7 +218,7 @@ pub fn run(experiment: &Experiment) -> Result<(Vec<Finger>, f64), AnyError> {
     Ok((fingers, angle.abs()))
 }
 
-/// The `part` quantile (0 to 1) of `values`; NaN if there are none.
+/// Returns the quantile of `values` at probability `part` (0 to 1); NaN if there are no values.
 pub fn quantile(values: impl IntoIterator<Item = f64>, part: f64) -> f64 {
     let mut values: Vec<f64> = values.into_iter().collect();
     values.sort_by(f64::total_cmp);
@@ -235,7 +238,7 @@ fn main() -> Result<(), AnyError> {
         angles.push(angle);
     }
     let slips = reactions.len();
-    println!("{slips} slips; times in ms, inf: later than 300 ms");
+    println!("{slips} slips; times in ms; inf: more than 300 ms");
     let print = |name: &str, values: Vec<f64>| {
         let [median, high] = [0.5, 0.95].map(|part| quantile(values.iter().copied(), part));
         println!("{name:<44} median {median:4.0}  p95 {high:4.0}");

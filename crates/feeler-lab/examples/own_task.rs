@@ -1,5 +1,5 @@
-//! A task of one's own, the one of docs/write-a-task.md: two fingers close on what is between them, squeeze it for a
-//! while, say how stiff it is, and let go.
+//! A custom task, explained in docs/write-a-task.md: two fingers close on an object, squeeze it, report its stiffness,
+//! and release it.
 //!
 //! ```text
 //! cargo run --release --example own_task
@@ -14,17 +14,17 @@ use feeler_lab::config::Experiment;
 use feeler_lab::experiment::Session;
 use glam::DVec3;
 
-/// Closes on an object until it pushes back with a force, and says how stiff it was.
+/// Closes on an object until it resists with a given force, and reports the object's stiffness.
 #[derive(Debug, Clone)]
 struct Squeeze {
     /// Direction in which each finger presses, in W.
     approach: [DVec3; 2],
-    /// m/s.
+    /// Speed of the fingertips (m/s).
     speed: f64,
-    /// N.
+    /// Grasp force at which the squeeze ends (N).
     force: f64,
     phase: Phase,
-    /// Distance of the domes' centres at first touch, m.
+    /// Distance between the domes' centres at first contact (m).
     gap: Option<f64>,
     findings: [Finding; 1],
 }
@@ -58,7 +58,7 @@ impl Task for Squeeze {
         let approach = self.approach[finger];
         let touches = hand.finger(finger).is_some_and(|f| f.flags().touch);
         let velocity = match self.phase {
-            // A finger that is there first waits for the other.
+            // The first finger to touch waits for the other.
             Phase::Search if touches => DVec3::ZERO,
             Phase::Search | Phase::Move => self.speed * approach,
             Phase::Release => -self.speed * approach,

@@ -1,7 +1,7 @@
-//! How long it takes to sense a frame of a long batch in memory, one core: what `python/benches/sensing.py` holds `Fingertip.sense` against.
+//! Time to sense a frame in a long sequence in memory, on one core, for comparison with `python/benches/sensing.py`.
 //!
-//! `cargo run --release --example sense_frames -- FRAMES.raw CALIBRATION.toml`: pictures of the calibration's fingertip, 8 bit, one after the
-//! other. Prints the median of some rounds over all of them, us a frame.
+//! `cargo run --release --example sense_frames -- FRAMES.raw CALIBRATION.toml`: FRAMES.raw contains consecutive 8-bit
+//! images of the calibration's fingertip. Prints the median time per frame (us) over several passes.
 
 use feeler::sensor::{
     calibration::Calibration,
@@ -20,7 +20,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let frames = fs::read(frames)?;
     let calibration = Calibration::from_toml(&fs::read_to_string(calibration)?)?;
     let fingertip = calibration.made_for.fingertip.clone();
-    let fingertip = fingertip.ok_or("a calibration of a fingertip is needed")?;
+    let fingertip = fingertip.ok_or("expected a calibration of a fingertip")?;
     let mut chain = SensingChain::of_fingertip(&fingertip)?.with_calibration(calibration)?;
 
     let (width, height) = chain.picture_size();

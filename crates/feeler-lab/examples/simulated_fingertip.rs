@@ -22,7 +22,7 @@ use glam::DVec3;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
-/// A camera that looks at a fingertip under forces that do not change.
+/// A camera that observes a fingertip under constant forces.
 struct StillCamera {
     model: OpticsModel,
     scratch: OpticsScratch,

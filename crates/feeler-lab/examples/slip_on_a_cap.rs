@@ -1,5 +1,5 @@
-//! How well slip is told while a cap is screwed on, against the simulator's truth: in the strokes in which the cap turns
-//! with the fingers, and in those in which it is closed.
+//! Accuracy of slip detection while a cap is screwed on, compared with ground truth: in the strokes in which the cap
+//! turns with the fingers, and in the strokes in which it is closed.
 //!
 //! ```text
 //! cargo run --release --example slip_on_a_cap
@@ -15,16 +15,16 @@ use feeler_lab::experiment::{Pictures, Session};
 use std::error::Error;
 use std::ops::Range;
 
-/// What tells slip, in the order of the counts.
+/// Slip detectors, in the order of the counts.
 pub const DETECTORS: [&str; 3] = [
     "shear rate (the paper's SLIP)",
-    "missing shear, of what stands still",
-    "missing shear, of what may move",
+    "missing shear, fixed objects",
+    "missing shear, movable objects",
 ];
-/// A tip that went farther since the frame before slipped, in truth, m.
+/// True slip distance of a tip between two frames from which it counts as slip (m).
 const WAY: f64 = 20e-6;
 
-/// Frames of a finger in MOVE by what was true and what was said.
+/// Confusion matrix in numbers of frames of fingers in MOVE.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct Counts {
     noticed: f64,
@@ -34,17 +34,17 @@ pub struct Counts {
 }
 
 impl Counts {
-    /// Share of true slips in what was called one.
+    /// Fraction of detected slips that are true.
     pub fn precision(&self) -> f64 {
         self.noticed / (self.noticed + self.false_alarms)
     }
 
-    /// Share of true slips that were noticed.
+    /// Fraction of true slips that are detected.
     pub fn recall(&self) -> f64 {
         self.noticed / (self.noticed + self.missed)
     }
 
-    /// Share of frames with a slip, in truth.
+    /// Fraction of frames with a true slip.
     pub fn slipping(&self) -> f64 {
         let slips = self.noticed + self.missed;
         slips / (slips + self.false_alarms + self.quiet)
@@ -61,12 +61,12 @@ impl Counts {
     }
 }
 
-/// One finger, with detectors that look on.
+/// One finger with its detectors.
 struct Finger {
     detectors: [SlipDetector; 2],
-    /// Which elements were pressed harder than F1 at the frame before.
+    /// `true` if each element was pressed with more than F1 in the previous frame.
     pressed: Vec<bool>,
-    /// How far each feeler had slipped by then, m.
+    /// Total slip distance of each feeler until the previous frame (m).
     way: Vec<f64>,
 }
 
@@ -83,7 +83,7 @@ impl Finger {
         }
     }
 
-    /// What each detector says of the newest frame.
+    /// Returns whether each detector reports slip in the latest frame.
     fn say(&mut self, sense: &FingerSense<'_>, touch_force: f64) -> [bool; 3] {
         let threshold = MissingShearConfig::default().threshold;
         let (forces, pressed) = (&sense.touch.frame.forces, &self.pressed);
@@ -96,17 +96,18 @@ impl Finger {
         [sense.flags().slip, missing[0], missing[1]]
     }
 
-    /// Whether an element that was pressed slipped since the frame before, in truth.
+    /// Returns `true` if a pressed element slipped since the previous frame.
     fn slipped(&self, way: &[f64]) -> bool {
         let mut ways = way.iter().zip(&self.way).zip(&self.pressed);
         ways.any(|((now, before), pressed)| *pressed && now - before > WAY)
     }
 }
 
-/// Closes the cap under `law` once for each of `seeds`, with forces from `sensing`; counts of strokes 1 and 2, and of 3 and 4.
+/// Closes the cap under `law` once for each of `seeds`, with forces from `sensing`. Returns the counts of strokes 1
+/// and 2, and of 3 and 4.
 ///
 /// # Errors
-/// When a run fails.
+/// If a run fails.
 pub fn score(
     law: &str,
     sensing: &str,

@@ -1,12 +1,13 @@
-//! On how many plausible hands tuning works: shares of hands on which all five claims about the hand hold.
+//! Success rate of tuning over plausible hands: the fraction of hands on which all five claims about the hand pass.
 //!
 //! ```sh
 //! cargo run --release -p feeler-lab --example tune_hands -- HANDS HAND_SEED RUN_SEED [RUNS]
 //! ```
 //!
-//! Draws HANDS hands of the group `apparatus` of cap-closing, identifies each with an error, tunes it by rules, or with RUNS
-//! by a search of so many simulated runs, and judges one run of the true hand. An identified value is the true one plus a
-//! normal error, whose 95 % interval it states: stiffness 5 %, friction 0.03, lag 2 ms, radius 0.7 mm, pivot 0.5 mm.
+//! Draws HANDS hands of the group `apparatus` of cap-closing, identifies each with an error, tunes it by the rules or,
+//! with RUNS, by a search of that number of simulated runs, and evaluates one run of the true hand. An identified
+//! value is the true value plus a normally distributed error. The stated 95 % intervals are 5 % for stiffness, 0.03
+//! for friction, 2 ms for lag, 0.7 mm for the radius and 0.5 mm for the pivot.
 
 use feeler_lab::config::{ConfigError, Experiment};
 use feeler_lab::identify::{Estimate, FingerEstimates, Identified, ObjectEstimates};
@@ -29,7 +30,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 
 const EXPERIMENT: &str = "cap-closing";
-/// Standard deviations in half a 95 % interval.
+/// Half the width of a 95 % interval in standard deviations.
 const Z: f64 = 1.96;
 
 type AnyError = Box<dyn Error + Send + Sync>;
@@ -84,7 +85,7 @@ fn main() -> Result<(), AnyError> {
     Ok(())
 }
 
-/// Plausible hands, forces sensed directly.
+/// Draws plausible hands with directly sensed forces.
 fn hands(count: u64, seed: u64) -> Result<Vec<Experiment>, AnyError> {
     let files: [&Path; 0] = [];
     let mut ranges = ranges::load(&files, EXPERIMENT)?;
@@ -100,7 +101,7 @@ fn hands(count: u64, seed: u64) -> Result<Vec<Experiment>, AnyError> {
     (0..count).map(|k| Ok(trials.experiment(k)?)).collect()
 }
 
-/// The hands with the settings of the experiment, but F2 at the elements' rating.
+/// Returns the hands with the settings of the experiment, except for F2, which is the rated force of the elements.
 fn as_it_is(hands: &[Experiment], run_seed: u64) -> Result<Vec<Experiment>, ConfigError> {
     let mut hands = hands.to_vec();
     for hand in &mut hands {
@@ -111,7 +112,7 @@ fn as_it_is(hands: &[Experiment], run_seed: u64) -> Result<Vec<Experiment>, Conf
     Ok(hands)
 }
 
-/// The values of `hand`, identified with errors that follow from `seed`.
+/// Returns the values of `hand` with random identification errors that depend on `seed`.
 fn identified(hand: &Experiment, seed: u64) -> Result<Identified, AnyError> {
     let mut random = Pcg64::seed_from_u64(seed);
     let mut estimate = |truth: f64, half: f64| {
@@ -127,7 +128,7 @@ fn identified(hand: &Experiment, seed: u64) -> Result<Identified, AnyError> {
     let sim = config.simulation()?;
     let (_, cap, _) = config.cap().ok_or("no cap")?;
     let ShapeConfig::Cylinder { radius, .. } = cap.shape else {
-        return Err("the cap is no cylinder".into());
+        return Err("the cap is not a cylinder".into());
     };
     let feeler = &sim.feeler;
     let noise = sim.direct_sensing.normal_noise;
@@ -154,7 +155,7 @@ fn identified(hand: &Experiment, seed: u64) -> Result<Identified, AnyError> {
     })
 }
 
-/// An estimate of what cannot be negative.
+/// Limits an estimate of a positive quantity.
 fn positive(estimate: Estimate) -> Estimate {
     let least = |x: f64| x.max(1e-4);
     Estimate {
@@ -165,7 +166,7 @@ fn positive(estimate: Estimate) -> Estimate {
     }
 }
 
-/// Prints the share of `hands` on which all claims hold, and each.
+/// Prints the fraction of `hands` on which all claims pass, and the fraction for each claim.
 fn report(name: &str, hands: &[Experiment], jobs: usize) -> Result<(), AnyError> {
     let margins = judge_all(hands, jobs, &AtomicBool::new(false))?.unwrap_or_default();
     let share = |held: &dyn Fn(&Margins) -> bool| {

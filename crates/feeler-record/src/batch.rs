@@ -1,31 +1,31 @@
-//! Encoded messages on their way to the file.
+//! Batches of encoded messages that wait to be written to the file.
 
 use super::channels::RecordingGap;
 
-/// Encoded messages on their way to the file.
+/// Encoded messages that wait to be written to the file.
 #[derive(Debug, Default)]
 pub struct Batch {
-    /// What is missing before its first message.
+    /// Gap before the first message, if any.
     pub gap: Option<RecordingGap>,
-    /// The messages' bytes, one after the other.
+    /// Concatenated bytes of the messages.
     pub bytes: Vec<u8>,
-    /// Where each message ends, and what it is.
+    /// End and type of each message.
     pub messages: Vec<Entry>,
 }
 
 /// One message of a [`Batch`].
 #[derive(Debug)]
 pub struct Entry {
-    /// Index of its channel among those registered.
+    /// Index of its channel, in order of registration.
     pub channel: usize,
-    /// Its time, ns.
+    /// Log time (ns).
     pub log_time: u64,
-    /// Where its bytes end in the batch.
+    /// End of its bytes in the batch.
     pub end: usize,
 }
 
 impl Batch {
-    /// An empty batch with room for so many bytes of so many messages.
+    /// Creates an empty batch with room for `messages` messages of `bytes` bytes in total.
     pub fn with_capacity(bytes: usize, messages: usize) -> Self {
         Self {
             gap: None,
@@ -34,20 +34,20 @@ impl Batch {
         }
     }
 
-    /// Empties the batch and keeps its memory.
+    /// Removes all messages and keeps the allocated memory.
     pub fn clear(&mut self) {
         self.gap = None;
         self.bytes.clear();
         self.messages.clear();
     }
 
-    /// The run's time from its first message to its last, ns.
+    /// Run time between the first and the last message (ns).
     pub fn span(&self) -> u64 {
         let time = |entry: Option<&Entry>| entry.map_or(0, |entry| entry.log_time);
         time(self.messages.last()).saturating_sub(time(self.messages.first()))
     }
 
-    /// `gap`, if there is one already, and this batch's messages: what is missing where they are.
+    /// Extends `gap`, if any, by this batch's messages.
     pub fn lost(&self, gap: Option<RecordingGap>) -> Option<RecordingGap> {
         let times = || self.messages.iter().map(|entry| entry.log_time);
         let (Some(first), Some(last)) = (times().min(), times().max()) else {

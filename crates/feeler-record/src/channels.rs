@@ -1,34 +1,34 @@
-//! What a recording holds: one plain struct per message, each with its ROS 2 message text.
+//! Messages of a recording: one plain struct per message, with its ROS 2 message text.
 //!
-//! The order of a struct's fields is the order of its schema's lines; both are the wire format.
-//! All stamps are seconds of the run's time (simulated or real), not of the wall clock.
+//! The fields of a struct are in the order of its schema's lines; both define the wire format. All stamps are run times
+//! in seconds (simulated or real), not wall-clock times.
 
 use super::names::{FindingName, TaskOutcome};
 use crate::wire::{Message, Quaternion, Vector3, message, quaternion_schema, vector3_schema};
 use feeler::control::phase::Phase;
 use serde::{Deserialize, Serialize};
 
-/// [`Flags::largest_element`] when no element touches.
+/// Value of [`Flags::largest_element`] if no element touches.
 pub const NO_ELEMENT: u32 = u32::MAX;
 
-/// A message that a recording can hold.
+/// A message with a time stamp.
 pub trait Stamped: Message {
-    /// Time of the message, s.
+    /// Time of the message (s).
     fn stamp(&self) -> f64;
 }
 
-/// A stamp in whole nanoseconds; none if it is no time of a run.
+/// Rounds a stamp (s) to nanoseconds. `None` if it is not a valid time of a run.
 pub(crate) fn nanoseconds(stamp: f64) -> Option<u64> {
     let ns = stamp * 1e9;
     if !(ns > -0.5 && ns < u64::MAX as f64) {
         return None;
     }
-    // Rounded here: elsewhere than in the newest processors, `round` is a call of the system's library.
+    // Rounded by hand: on older processors, `round` is a call to the math library.
     let below = ns as u64;
     Some(below + u64::from(ns - below as f64 >= 0.5))
 }
 
-/// Implements [`Stamped`] for structs with a `stamp`.
+/// Implements [`Stamped`] for structs with a field `stamp`.
 macro_rules! stamped {
     ($($type:ident),+ $(,)?) => {
         $(impl Stamped for $type {
@@ -54,15 +54,15 @@ stamped!(
     ObjectPose
 );
 
-/// One fingertip's tri-axial forces.
+/// Tri-axial forces on the sensing elements of one fingertip.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Tactile {
-    /// Sequence number of the picture that the forces come from.
+    /// Sequence number of the image from which the forces were computed.
     pub sequence: u64,
-    /// Time of that picture, s.
+    /// Time of that image (s).
     pub stamp: f64,
-    /// Force at each element in its frame `E_i`, N: x, y tangential on the feeler by the object,
-    /// z compression, positive when pressed.
+    /// Force at each element in its frame `E_i` (N): x and y are the tangential force on the feeler by the object, z is
+    /// compression, positive when pressed.
     pub forces: Vec<Vector3>,
 }
 
@@ -76,22 +76,22 @@ message!(
     vector3_schema!(),
 );
 
-/// What one picture says about the sensing elements before any calibration.
+/// Moments of the sensing elements in one image, before calibration.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Moments {
-    /// Sequence number of the picture.
+    /// Sequence number of the image.
     pub sequence: u64,
-    /// Time of the picture, s.
+    /// Time of the image (s).
     pub stamp: f64,
-    /// Integrated gray value of each element, grey levels times m² (px² in the picture's plane).
+    /// Integrated grey value of each element, in grey levels times m² (or px² in the image plane).
     pub integrated_gray: Vec<f64>,
-    /// Displacement of each centroid along x from its unloaded place, m (px); NaN where there is none.
+    /// Displacement of each centroid from its unloaded position along x (m or px). NaN if unknown.
     pub displacement_x: Vec<f64>,
-    /// The same along y.
+    /// Displacement of each centroid from its unloaded position along y (m or px). NaN if unknown.
     pub displacement_y: Vec<f64>,
-    /// Centroid along x in the element's plane (in the picture), m (px); NaN in the dark.
+    /// Centroid along x in the element's plane (m) or in the image (px). NaN if the element is dark.
     pub centroid_x: Vec<f64>,
-    /// The same along y.
+    /// Centroid along y in the element's plane (m) or in the image (px). NaN if the element is dark.
     pub centroid_y: Vec<f64>,
 }
 
@@ -102,16 +102,16 @@ message!(
     "uint64 sequence  # of the picture",
     "float64 stamp  # s",
     "float64[] integrated_gray  # grey levels times m2 (px2 in the picture's plane)",
-    "float64[] displacement_x  # m (px) of the centroid from its unloaded place; NaN where there is none",
+    "float64[] displacement_x  # m (px) of the centroid from its unloaded place; NaN where there is none", // words: allow
     "float64[] displacement_y  # m (px)",
     "float64[] centroid_x  # m (px), in the element's plane (in the picture); NaN in the dark",
     "float64[] centroid_y  # m (px)",
 );
 
-/// What the flag analyzer makes of one tactile frame.
+/// Flags and shear rates computed from one tactile frame.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Flags {
-    /// Time of the tactile frame, s.
+    /// Time of the tactile frame (s).
     pub stamp: f64,
     /// TOUCH: an element is pressed harder than F1, or SLIP.
     pub touch: bool,
@@ -119,11 +119,11 @@ pub struct Flags {
     pub slip: bool,
     /// OVER: an element is pressed harder than F2.
     pub over: bool,
-    /// The touching element of largest F_z, or [`NO_ELEMENT`].
+    /// Touching element with the largest F_z, or [`NO_ELEMENT`].
     pub largest_element: u32,
-    /// Sum of the positive F_z, N.
+    /// Sum of all positive F_z (N).
     pub grasp_force: f64,
-    /// |d(F_x, F_y)/dt| of each element, N/s.
+    /// |d(F_x, F_y)/dt| of each element (N/s).
     pub shear_rate: Vec<f64>,
 }
 
@@ -140,14 +140,14 @@ message!(
     "float64[] shear_rate  # N/s, |d(Fx, Fy)/dt| of each element",
 );
 
-/// One finger's encoders.
+/// Encoder readings of one finger.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Joints {
-    /// Time of the reading, s.
+    /// Time of the reading (s).
     pub stamp: f64,
-    /// Joint angles theta1..theta3, rad.
+    /// Joint angles theta1 to theta3 (rad).
     pub position: [f64; 3],
-    /// Joint velocities, rad/s.
+    /// Joint velocities (rad/s).
     pub velocity: [f64; 3],
 }
 
@@ -160,39 +160,39 @@ message!(
     "float64[3] velocity  # rad/s",
 );
 
-/// What one finger's drives were told.
+/// Command to one finger's drives.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Command {
-    /// Time of the command, s.
+    /// Time of the command (s).
     pub stamp: f64,
-    /// Joint velocities as sent, rad/s.
+    /// Joint velocities sent to the drives (rad/s).
     pub joint_velocity: [f64; 3],
-    /// Fingertip velocity as asked for, before any limit, m/s in `W`.
+    /// Requested fingertip velocity before limiting, in `W` (m/s).
     pub fingertip_velocity: Vector3,
-    /// Whether a limit changed what was asked for.
+    /// `true` if a limit changed the request.
     pub limited: bool,
-    /// Damping of the inverse near a singularity; 0 away from it.
+    /// Damping of the inverse kinematics near a singularity; otherwise 0.
     pub damping: f64,
 }
 
 message!(
     Command,
     "Command",
-    "# What the drives of one finger were told",
+    "# What the drives of one finger were told", // words: allow
     "float64 stamp  # s",
     "float64[3] joint_velocity  # rad/s, as sent",
-    "geometry_msgs/Vector3 fingertip_velocity  # m/s in the world frame, as asked for",
-    "bool limited  # a limit changed what was asked for",
+    "geometry_msgs/Vector3 fingertip_velocity  # m/s in the world frame, as asked for", // words: allow
+    "bool limited  # a limit changed what was asked for", // words: allow
     "float64 damping  # of the inverse near a singularity; 0 away from it",
     vector3_schema!(),
 );
 
-/// Where one fingertip is, from encoders and kinematics.
+/// Pose of one fingertip, computed from encoders and kinematics.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Fingertip {
-    /// Time of the encoder reading, s.
+    /// Time of the encoder reading (s).
     pub stamp: f64,
-    /// Centre of the dome, m in `W`.
+    /// Centre of the dome in `W` (m).
     pub position: Vector3,
     /// Orientation of the fingertip frame `T` in `W`.
     pub orientation: Quaternion,
@@ -209,15 +209,15 @@ message!(
     quaternion_schema!(),
 );
 
-/// What the torque sensor under the bottle measures.
+/// Reading of the torque sensor under the bottle.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct TorqueSensor {
-    /// Time of the sample, s.
+    /// Time of the sample (s).
     pub stamp: f64,
-    /// Torque on the bottle by the cap about the bottle's axis, N·m, as measured through bridge
-    /// and A/D converter; positive when the cap is turned in the closing direction.
+    /// Torque on the bottle by the cap about the bottle's axis (N·m), as measured through bridge and A/D converter.
+    /// Positive when the cap is turned in the closing direction.
     pub torque: f64,
-    /// Voltage of the strain gauges' bridge, V.
+    /// Voltage of the strain-gauge bridge (V).
     pub bridge_voltage: f64,
     /// Counts of the A/D converter.
     pub counts: i32,
@@ -233,18 +233,18 @@ message!(
     "int32 counts  # of the A/D converter",
 );
 
-/// The cap's true state; only a simulated world knows it.
+/// True state of the cap. Only known in simulated worlds.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Cap {
-    /// Time, s.
+    /// Time (s).
     pub stamp: f64,
-    /// Angle the cap has turned since the run's start, rad, positive = closing.
+    /// Rotation since the start of the run (rad), positive in the closing direction.
     pub angle: f64,
-    /// Height of the cap's centre, m.
+    /// Height of the cap's centre (m).
     pub height: f64,
-    /// The cap's centre, m in `W`.
+    /// Centre of the cap in `W` (m).
     pub centre: Vector3,
-    /// True torque between cap and bottle, N·m, positive when it resists closing.
+    /// True torque between cap and bottle (N·m), positive when it resists closing.
     pub resisting_torque: f64,
 }
 
@@ -260,13 +260,13 @@ message!(
     vector3_schema!(),
 );
 
-/// How far feelers have slipped; only a simulated world knows it.
+/// True slip of the feelers. Only known in simulated worlds.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct TrueSlip {
-    /// Time, s.
+    /// Time (s).
     pub stamp: f64,
-    /// Of each finger's feelers, the longest way that an anchor slid over what it touches since the control
-    /// step before, m.
+    /// For each finger, the longest distance that the anchor of one of its feelers slid on its contact surface since
+    /// the previous control step (m).
     pub distance: Vec<f64>,
 }
 
@@ -278,16 +278,16 @@ message!(
     "float64[] distance  # m, of each finger: the longest way that the anchor of one of its feelers slid",
 );
 
-/// Where the task stands.
+/// State of the task.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Task {
-    /// Time of the control step, s.
+    /// Time of the control step (s).
     pub stamp: f64,
-    /// Phase that the step's command belongs to.
+    /// Phase to which the step's command belongs.
     pub phase: Phase,
-    /// Number of the stroke from 1; 0 before the first.
+    /// Number of the stroke, from 1; 0 before the first.
     pub stroke: u32,
-    /// Why the phase was entered, in words.
+    /// Reason for entering the phase.
     pub reason: String,
 }
 
@@ -307,22 +307,22 @@ message!(
     "string reason  # why the phase was entered",
 );
 
-/// What the task found out so far; written when that changes.
+/// Findings of the task so far. Written when they change.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Findings {
-    /// Time of the control step, s.
+    /// Time of the control step (s).
     pub stamp: f64,
-    /// What came of the task; none until it can tell. Its text on the wire, which is empty where there is none.
+    /// Outcome of the task, or `None` while undetermined, which is an empty text on the wire.
     #[serde(with = "optional_text")]
     pub outcome: Option<TaskOutcome>,
-    /// What each finding is.
+    /// Names of the findings.
     pub names: Vec<FindingName>,
-    /// The value of each, in SI units.
+    /// Values of the findings, in SI units.
     pub values: Vec<f64>,
 }
 
 impl Findings {
-    /// The value of a finding, in SI units, if it was found.
+    /// Value of a finding in SI units, or `None` if it was not found.
     pub fn value(&self, name: &FindingName) -> Option<f64> {
         let place = self.names.iter().position(|n| n == name)?;
         self.values.get(place).copied()
@@ -339,7 +339,7 @@ message!(
     "float64[] values  # SI units",
 );
 
-/// A text that is empty where there is none, as ROS 2 has no optional fields.
+/// Serializes `None` as an empty text, because ROS 2 has no optional fields.
 mod optional_text {
     use super::TaskOutcome;
     use serde::{Deserialize, Deserializer, Serializer};
@@ -359,12 +359,12 @@ mod optional_text {
     }
 }
 
-/// Where the object is that is carried; only a simulated world knows it.
+/// True pose of the carried object. Only known in simulated worlds.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct ObjectPose {
-    /// Time, s.
+    /// Time (s).
     pub stamp: f64,
-    /// Its origin, m in `W`.
+    /// Origin of its frame in `W` (m).
     pub position: Vector3,
     /// Orientation of its frame in `W`.
     pub orientation: Quaternion,
@@ -381,15 +381,14 @@ message!(
     quaternion_schema!(),
 );
 
-/// Messages that are missing from here on, as the file took nothing while they were written. It stands where they
-/// would; a recording of which nothing is missing has no such channel.
+/// Messages dropped at this position because the file accepted no data. A complete recording has no such channel.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct RecordingGap {
-    /// Time of the first message that is missing, s.
+    /// Time of the first missing message (s).
     pub start: f64,
-    /// Time of the last message that is missing, s.
+    /// Time of the last missing message (s).
     pub end: f64,
-    /// Messages that are missing.
+    /// Number of missing messages.
     pub messages: u64,
 }
 
@@ -413,11 +412,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nanoseconds_are_the_nearest_and_none_of_what_is_no_time() {
+    fn nanoseconds_are_rounded_and_invalid_times_are_none() {
         for ns in [0_u64, 1, 999_999_999, 18_540_000_000, 1 << 53] {
             for share in [-0.49, 0.0, 0.25, 0.49] {
                 let stamp = (ns as f64 + share) * 1e-9;
-                // Of the same product, which need not be what was meant.
+                // Of the same product, which may differ from the exact value.
                 assert_eq!(
                     nanoseconds(stamp),
                     Some((stamp * 1e9).round() as u64),

@@ -1,4 +1,4 @@
-//! Chunks of an MCAP file, checked and unpacked.
+//! Checks and decompresses chunks of an MCAP file.
 
 use super::scan::{parse, split_record};
 use ::mcap::records::{Record, op};
@@ -7,27 +7,27 @@ use ruzstd::decoding::StreamingDecoder;
 use std::borrow::Cow;
 use std::io::Read;
 
-/// Longest chunk, compressed or not, bytes.
+/// Maximum size of a chunk in bytes, compressed or not.
 pub(super) const MAX_CHUNK: u64 = 256 << 20;
-/// Bytes of an uncompressed chunk before its records: two times, size, checksum, length of the empty compression
-/// name, length.
+/// Size in bytes of an uncompressed chunk's header: two times, size, checksum, length of the empty compression name,
+/// length.
 const CHUNK_HEAD: usize = 8 + 8 + 8 + 4 + 4 + 8;
 
-/// The records of a chunk.
+/// Records of a chunk.
 pub(super) struct Unpacked<'a> {
-    /// Their bytes.
+    /// Bytes of the records.
     pub records: Cow<'a, [u8]>,
-    /// Where they begin in the chunk's body; `None` if they are compressed there.
+    /// Offset of the records in the chunk's body, or `None` if they are compressed.
     pub start: Option<usize>,
 }
 
-/// Unpacks the chunk with this body, unless it is damaged.
+/// Checks and decompresses the chunk with this body.
 ///
 /// # Errors
-/// What was expected and what was found, in words.
+/// If the chunk is damaged. Returns a description.
 pub(super) fn unpack(body: &[u8]) -> Result<Unpacked<'_>, String> {
     let Record::Chunk { header, data } = parse(op::CHUNK, body)? else {
-        return Err("a chunk expected".into());
+        return Err("expected a chunk".into());
     };
     let unpacked = match header.compression.as_str() {
         "" => {
@@ -43,10 +43,10 @@ pub(super) fn unpack(body: &[u8]) -> Result<Unpacked<'_>, String> {
         },
     };
     let (expected, actual) = (header.uncompressed_crc, crc32fast::hash(&unpacked.records));
-    // No checksum is written as 0.
+    // A checksum of 0 means that there is no checksum.
     if expected != 0 && expected != actual {
         return Err(format!(
-            "a chunk with checksum {expected:08x} expected, {actual:08x} found"
+            "expected a chunk with checksum {expected:08x}, got {actual:08x}"
         ));
     }
     let mut rest = &unpacked.records[..];
@@ -58,16 +58,16 @@ pub(super) fn unpack(body: &[u8]) -> Result<Unpacked<'_>, String> {
     Ok(unpacked)
 }
 
-/// Decompresses `data` to `length` bytes. Makes room only for what comes.
+/// Decompresses `data` to `length` bytes. Allocates only as much as is decompressed.
 fn decompress(compression: &str, data: &[u8], length: u64) -> Result<Vec<u8>, String> {
     if length > MAX_CHUNK {
         return Err(format!(
-            "a chunk of at most {MAX_CHUNK} bytes expected, one of {length} found"
+            "expected a chunk of at most {MAX_CHUNK} bytes, got one of {length}"
         ));
     }
-    let failed = |reason: String| format!("a chunk compressed by {compression}: {reason}");
+    let failed = |reason: String| format!("chunk compressed by {compression}: {reason}");
     let mut bytes = Vec::new();
-    // The byte more shows a chunk that is longer than it says.
+    // One extra byte reveals a chunk that is longer than stated.
     let read = match compression {
         "lz4" => (FrameDecoder::new(data).take(length + 1)).read_to_end(&mut bytes),
         "zstd" => {
@@ -76,7 +76,7 @@ fn decompress(compression: &str, data: &[u8], length: u64) -> Result<Vec<u8>, St
         }
         other => {
             return Err(format!(
-                "a chunk uncompressed or compressed by lz4 or zstd expected, {other:?} found"
+                "expected a chunk uncompressed or compressed by lz4 or zstd, got {other:?}"
             ));
         }
     };
@@ -84,7 +84,7 @@ fn decompress(compression: &str, data: &[u8], length: u64) -> Result<Vec<u8>, St
     match bytes.len() as u64 {
         actual if actual == length => Ok(bytes),
         actual => Err(failed(format!(
-            "{length} bytes expected, at least {actual} found"
+            "expected {length} bytes, got at least {actual}"
         ))),
     }
 }
@@ -97,7 +97,7 @@ mod tests {
     use ruzstd::encoding::{CompressionLevel, compress_to_vec};
     use std::io::Write;
 
-    /// A record of zeros, with its head: metadata of no name and no entries.
+    /// A metadata record with an empty name and no entries.
     fn record() -> Vec<u8> {
         let mut record = vec![op::METADATA];
         record.extend(8_u64.to_le_bytes());
@@ -105,7 +105,7 @@ mod tests {
         record
     }
 
-    /// The body of a chunk.
+    /// Body of a chunk.
     fn chunk(compression: &str, length: u64, crc: u32, data: &[u8]) -> Vec<u8> {
         let mut body = vec![0; 16];
         body.extend(length.to_le_bytes());
@@ -128,7 +128,7 @@ mod tests {
     }
 
     #[test]
-    fn chunks_are_unpacked_whatever_their_compression() {
+    fn chunks_are_unpacked_with_each_compression() {
         let records = record().repeat(100);
         let (length, crc) = (records.len() as u64, crc32fast::hash(&records));
         for (compression, data) in [
@@ -146,7 +146,7 @@ mod tests {
     }
 
     #[test]
-    fn what_a_chunk_says_of_itself_is_not_taken_at_its_word() {
+    fn chunk_headers_are_not_trusted() {
         let records = record().repeat(100);
         let length = records.len() as u64;
         let zeros = vec![0; 1 << 20];
@@ -159,9 +159,9 @@ mod tests {
             ("lz4", lz4(&records), lz4(&zeros)),
             ("zstd", zstd(&records), zstd(&zeros)),
         ] {
-            refused(compression, length + 1, 0, &data, "bytes expected");
-            refused(compression, length - 1, 0, &data, "bytes expected");
-            refused(compression, length, 0, &long, "bytes expected");
+            refused(compression, length + 1, 0, &data, ", got at least");
+            refused(compression, length - 1, 0, &data, ", got at least");
+            refused(compression, length, 0, &long, ", got at least");
             refused(compression, u64::MAX, 0, &data, "at most");
             refused(compression, length, 1, &data, "checksum");
             refused(compression, length, 0, &data[..data.len() / 2], compression);
@@ -182,7 +182,7 @@ mod tests {
             let place = place % body.len();
             body[place] ^= 1 << bit;
             if let Ok(unpacked) = unpack(&body) {
-                // Without its checksum a chunk is not checked.
+                // A chunk whose checksum became 0 is not checked.
                 let unchecked = (24..28).contains(&place);
                 prop_assert!(unchecked || unpacked.records == records);
             }

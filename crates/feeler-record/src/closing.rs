@@ -1,24 +1,24 @@
-//! How long closing a recording may take.
+//! Time limits for closing a recording.
 
 use super::options::Patience;
 use std::time::{Duration, Instant};
 
-/// How long a file that takes nothing may hold up the end of a run that does not wait for it.
+/// Maximum time to close the file of a run with limited patience.
 pub const CLOSE_LIMIT: Duration = Duration::from_secs(5);
 
-/// After this it is worth saying.
+/// Time after which `on_slow` is called.
 const SLOW: Duration = Duration::from_secs(1);
 
-/// The closing of a recording.
+/// Progress of closing a recording.
 pub struct Closing<'a> {
     start: Instant,
     limit: Option<Duration>,
-    /// To be called once, when it takes long.
+    /// Called once if closing is slow.
     on_slow: Option<Box<dyn FnOnce() + 'a>>,
 }
 
 impl<'a> Closing<'a> {
-    /// Begins now and takes at most `limit`. When it takes more than a second, `on_slow` is called.
+    /// Starts closing with a time limit. Calls `on_slow` after one second.
     pub fn within(limit: Duration, on_slow: impl FnOnce() + 'a) -> Self {
         Self {
             start: Instant::now(),
@@ -27,7 +27,7 @@ impl<'a> Closing<'a> {
         }
     }
 
-    /// Begins now and takes as long as a recording of this patience may.
+    /// Starts closing with the time limit of a recording with this patience.
     pub fn of(patience: Patience) -> Self {
         Self {
             start: Instant::now(),
@@ -39,7 +39,7 @@ impl<'a> Closing<'a> {
         }
     }
 
-    /// Whether to go on waiting.
+    /// Returns `false` if the time limit is exceeded. Calls `on_slow` when closing becomes slow.
     pub fn goes_on(&mut self) -> bool {
         let elapsed = self.start.elapsed();
         if elapsed >= SLOW
@@ -50,7 +50,7 @@ impl<'a> Closing<'a> {
         self.limit.is_none_or(|limit| elapsed < limit)
     }
 
-    /// How long it may take.
+    /// The time limit.
     pub fn limit(&self) -> Duration {
         self.limit.unwrap_or(Duration::MAX)
     }

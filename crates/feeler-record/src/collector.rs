@@ -1,4 +1,4 @@
-//! Makes a recording of the records of its file.
+//! Builds a recording from the records of its file.
 
 use super::digest::Digester;
 use super::facts::RunFacts;
@@ -12,20 +12,20 @@ use super::topic::Channel;
 use ::mcap::records::Record;
 use std::collections::{BTreeMap, HashMap};
 
-/// The text of the attachment called `name`.
+/// Converts the attachment `name` to text.
 fn text(name: &str, data: &[u8]) -> Result<String, String> {
     let text = std::str::from_utf8(data).map_err(|_| format!("{name} is not UTF-8 text"))?;
     Ok(text.to_string())
 }
 
-/// The digest of a recording without messages.
+/// Returns the digest of a recording without messages.
 fn begin(facts: &BTreeMap<String, String>, recording: &Recording) -> Digester {
     let mut digester = Digester::default();
     digest_facts(&mut digester, facts, &recording.experiment);
     digester
 }
 
-/// Takes the records in and makes a [`Recording`] of them.
+/// Collects records into a [`Recording`].
 #[derive(Default)]
 pub(super) struct Collector {
     recording: Option<Recording>,
@@ -34,18 +34,18 @@ pub(super) struct Collector {
     channels: HashMap<u16, (Channel, String)>,
     end: Option<BTreeMap<String, String>>,
     has_experiment: bool,
-    /// Whether what follows is messages.
+    /// `true` if only messages follow.
     has_begun: bool,
-    /// The first chunk of no use.
+    /// First damaged chunk.
     damage: Option<Damage>,
-    /// Messages since a part was handed over.
+    /// Number of messages since a part was passed on.
     since_part: usize,
-    /// What has written the file, if that was not feeler.
+    /// Library that rewrote the file, if any.
     rewritten_by: Option<String>,
 }
 
 impl Collector {
-    /// A collector for a file rewritten by `writer`, whose chunks may also contain channels.
+    /// Creates a collector for a file rewritten by `writer`, whose chunks may also contain channels.
     pub fn of_rewritten(writer: String) -> Self {
         Self {
             has_begun: true,
@@ -54,7 +54,7 @@ impl Collector {
         }
     }
 
-    /// Takes what is found, and hands over a part, if enough has come together.
+    /// Collects `found`, and passes on a part if it is large enough.
     pub fn find(&mut self, found: Found<'_>, part: &mut Part<'_>) -> Result<(), String> {
         match found {
             Found::Record(record, place) => {
@@ -66,7 +66,7 @@ impl Collector {
         Ok(())
     }
 
-    /// Takes a record whose body begins at `place`.
+    /// Collects a record whose body begins at `place`.
     pub fn take(&mut self, record: Record<'_>, place: Place) -> Result<(), String> {
         match record {
             Record::Metadata(m) if m.name == FACTS && self.recording.is_none() => {
@@ -108,7 +108,7 @@ impl Collector {
         Ok(())
     }
 
-    /// Hands over a part, if enough has come together.
+    /// Passes on a part if it is large enough.
     pub fn hand_over(&mut self, offset: u64, part: &mut Part<'_>) {
         if self.since_part < PART {
             return;
@@ -119,7 +119,7 @@ impl Collector {
         }
     }
 
-    /// Takes the number of the channel of `topic`, if it is one of ours.
+    /// Registers the id of the channel of `topic`, if the topic is known.
     pub fn channel(&mut self, id: u16, topic: String) -> Result<(), String> {
         let mut channels = Channel::known(&self.recording()?.facts);
         if let Some(known) = channels.find(|channel| channel.topic() == topic) {
@@ -128,13 +128,13 @@ impl Collector {
         Ok(())
     }
 
-    /// Goes on after a chunk that is of no use.
+    /// Records a damaged chunk, after which reading continues.
     pub fn skip(&mut self, reason: String) {
         let steps = self
             .recording
             .as_ref()
             .map_or(0, |recording| recording.steps_read());
-        // Before the messages there is nothing in chunks that is not elsewhere, too.
+        // Before the messages, chunks only repeat information.
         let steps_before = if self.has_begun { steps } else { usize::MAX };
         self.damage.get_or_insert(Damage {
             reason,
@@ -151,7 +151,7 @@ impl Collector {
         let recording = (self.recording.as_mut())
             .ok_or_else(|| format!("no metadata {FACTS:?} before the data"))?;
         let Some((known, name)) = self.channels.get(&channel) else {
-            return Ok(()); // a channel of someone else's
+            return Ok(()); // an unknown channel
         };
         if known.derived {
             return Ok(());
@@ -167,29 +167,29 @@ impl Collector {
         Ok(())
     }
 
-    /// The digest before the first message.
+    /// Digest before the first message.
     pub fn digester(&self) -> Digester {
         let recording = self.recording.as_ref();
         recording.map_or_else(Digester::default, |recording| begin(&self.facts, recording))
     }
 
-    /// The digest with which the run was closed, if it was.
+    /// Digest written at the end of the run, if any.
     pub fn closed_with(&self) -> Option<&str> {
         self.end.as_ref()?.get("digest").map(String::as_str)
     }
 
-    /// Topic of a channel, if it is one of ours.
+    /// Topic of a channel, if known.
     pub fn topic(&self, channel: u16) -> Option<&str> {
         let (_, topic) = self.channels.get(&channel)?;
         Some(topic)
     }
 
-    /// The run's facts, if they have been taken.
+    /// Facts of the run, if already collected.
     pub fn facts(&self) -> Option<&RunFacts> {
         self.recording.as_ref().map(|recording| &recording.facts)
     }
 
-    /// Makes the recording, given why scanning stopped early.
+    /// Completes the recording. `stopped` is the reason if the scan ended early.
     pub fn finish(self, stopped: Option<String>) -> Result<Recording, String> {
         let damage = self.damage.as_ref().map(|damage| damage.reason.clone());
         let stopped = damage.or(stopped);
@@ -210,10 +210,10 @@ impl Collector {
             (None, None) => Some("the run was not closed".into()),
             (None, Some(written)) if written != recording.digest.as_str() => {
                 let rewritten = self.rewritten_by.map_or_else(String::new, |writer| {
-                    format!(": {writer:?} has written it anew, and left out or changed messages")
+                    format!(": {writer:?} rewrote it and omitted or changed messages")
                 });
                 Some(format!(
-                    "its content has digest {}, it was closed with {written}{rewritten}",
+                    "the digest of its content is {}, but it was closed with {written}{rewritten}",
                     recording.digest
                 ))
             }

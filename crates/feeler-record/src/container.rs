@@ -1,4 +1,4 @@
-//! An MCAP file of ROS 2 messages that is being written: channels are registered, then written to.
+//! Writer of an MCAP file with ROS 2 messages.
 
 use super::channels::{Stamped, nanoseconds};
 use super::error::RecordError;
@@ -12,11 +12,11 @@ use std::fs::File;
 use std::io::{BufWriter, Write as _};
 use std::path::{Path, PathBuf};
 
-/// What the name of the library that wrote a file begins with: ours.
+/// Start of the library name in files written by feeler.
 pub(super) const LIBRARY: &str = "feeler ";
 
-/// How rosbag2 learns how a channel is to be published, and what it is to do with one whose messages hold from then on:
-/// keep the last for whoever comes later.
+/// Metadata key from which rosbag2 reads how to publish a channel, and its value for latched channels: keep the last
+/// message for late subscribers.
 const QOS: &str = "offered_qos_profiles";
 const LATCHED: &str = "\
 - history: keep_last
@@ -30,7 +30,7 @@ const LATCHED: &str = "\
   avoid_ros_namespace_conventions: false
 ";
 
-/// The file and its channels.
+/// An MCAP file and its channels.
 pub struct Container {
     path: PathBuf,
     writer: Writer<NoSeek<BufWriter<File>>>,
@@ -46,13 +46,13 @@ struct OpenChannel {
 }
 
 impl Container {
-    /// Creates the file; `options` may say how chunks are made.
+    /// Creates the file. `options` controls how chunks are made.
     pub fn create(path: &Path, options: WriteOptions) -> Result<Self, RecordError> {
         let file = File::create(path).map_err(|source| file_error(path, source))?;
         let writer = options
             .profile("ros2")
             .library(format!("{LIBRARY}{}", env!("CARGO_PKG_VERSION")))
-            // Noise does not compress: LZ4 took off an eighth for a third of the run's time.
+            // Sensor noise does not compress: LZ4 saved an eighth of the size for a third of the run's time.
             .compression(None)
             .disable_seeking(true)
             .create(NoSeek::new(BufWriter::new(file)))
@@ -64,7 +64,7 @@ impl Container {
         })
     }
 
-    /// Registers channels, which are numbered in the order of their registration, from 0.
+    /// Registers channels. They are numbered from 0 in order of registration.
     pub fn register(&mut self, channels: &[Channel]) -> Result<(), RecordError> {
         for channel in channels {
             self.add(channel)?;
@@ -72,7 +72,7 @@ impl Container {
         Ok(())
     }
 
-    /// Registers one channel more; its number.
+    /// Registers one more channel and returns its number.
     pub fn add(&mut self, channel: &Channel) -> Result<usize, RecordError> {
         let open = self.open(channel);
         let open = open.map_err(|source| self.failed(source))?;
@@ -98,29 +98,29 @@ impl Container {
         })
     }
 
-    /// Name of the topic of a registered channel.
+    /// Topic of a registered channel.
     pub fn topic(&self, channel: usize) -> &str {
         &self.channels[channel].topic
     }
 
-    /// Whether the messages of a registered channel follow from others.
+    /// Returns `true` if the messages of a registered channel are derived from other messages.
     pub fn is_derived(&self, channel: usize) -> bool {
         self.channels[channel].derived
     }
 
-    /// What makes of an encoded message of a registered channel the bytes that are written, if those are others.
+    /// Conversion of a registered channel's encoded messages to the bytes that are written, if they differ.
     pub fn stored(&self, channel: usize) -> Option<Conversion> {
         self.channels[channel].stored
     }
 
-    /// The topics of all registered channels, by the number of the channel in the file.
+    /// Topics of all registered channels by their id in the file.
     pub fn ids(&self) -> BTreeMap<String, String> {
         let channels = self.channels.iter();
         let ids = channels.map(|channel| (channel.id.to_string(), channel.topic.clone()));
         ids.collect()
     }
 
-    /// Writes an encoded message of time `log_time`, ns, to a registered channel.
+    /// Writes an encoded message with time `log_time` (ns) to a registered channel.
     pub fn write(
         &mut self,
         channel: usize,
@@ -139,7 +139,7 @@ impl Container {
         written.map_err(|source| self.failed(source))
     }
 
-    /// Writes texts by name.
+    /// Writes a metadata record.
     pub fn metadata(
         &mut self,
         name: &str,
@@ -167,7 +167,7 @@ impl Container {
         written.map_err(|source| self.failed(source))
     }
 
-    /// Ends the chunk and hands it to the system.
+    /// Ends the chunk and passes it to the operating system.
     pub fn flush(&mut self) -> Result<(), RecordError> {
         let flushed = self.writer.flush();
         flushed.map_err(|source| self.failed(source))
@@ -186,10 +186,10 @@ impl Container {
     }
 }
 
-/// Place of a topic's channel among those that were registered.
+/// Index of a topic's channel among `channels`.
 ///
 /// # Errors
-/// When the rig of `fingers` fingers has no such finger, or the topic was not registered.
+/// If a rig of `fingers` fingers has no such finger, or the topic was not registered.
 pub fn find<M>(
     channels: &[Channel],
     fingers: usize,
@@ -205,7 +205,7 @@ pub fn find<M>(
 /// Time of a message in whole nanoseconds.
 ///
 /// # Errors
-/// When its stamp is no time of a run.
+/// If the stamp is not a valid time of a run.
 pub fn log_time<M: Stamped>(topic: RecordedTopic<M>, message: &M) -> Result<u64, RecordError> {
     let stamp = message.stamp();
     nanoseconds(stamp).ok_or_else(|| RecordError::Stamp {

@@ -1,4 +1,4 @@
-//! The digest of a recording's content: equal digests, equal runs.
+//! Digests of recordings: equal digests mean equal runs.
 
 use sha2::{Digest as _, Sha256};
 use std::fmt::{self, Write as _};
@@ -20,27 +20,27 @@ impl fmt::Display for Digest {
     }
 }
 
-/// Takes in a recording's content, in the order of the recording.
+/// Computes the digest of a recording's content in the order of the recording.
 ///
-/// Every text and message is preceded by its length, so no two recordings read alike.
+/// Every text and message is preceded by its length, so that different contents cannot yield the same byte stream.
 #[derive(Clone, Default)]
 pub struct Digester(Sha256);
 
 impl Digester {
-    /// Takes in a text or a block of bytes.
+    /// Appends a text or a block of bytes.
     pub fn block(&mut self, bytes: &[u8]) {
         self.0.update((bytes.len() as u64).to_le_bytes());
         self.0.update(bytes);
     }
 
-    /// Takes in a message: topic, log time in ns, bytes.
+    /// Appends a message: topic, log time (ns), bytes.
     pub fn message(&mut self, topic: &str, log_time: u64, bytes: &[u8]) {
         self.block(topic.as_bytes());
         self.0.update(log_time.to_le_bytes());
         self.block(bytes);
     }
 
-    /// The digest of everything taken in.
+    /// Returns the digest of everything appended.
     pub fn finish(self) -> Digest {
         let mut text = String::with_capacity(64);
         for byte in self.0.finalize() {

@@ -1,11 +1,11 @@
-//! What can go wrong with a recording.
+//! Errors of recordings.
 
 use crate::wire::WireError;
 use ::mcap::McapError;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
-/// Why a recording could not be written or read.
+/// Errors returned when a recording is written or read.
 #[derive(Debug, thiserror::Error)]
 pub enum RecordError {
     /// The file could not be created, written or read.
@@ -13,7 +13,7 @@ pub enum RecordError {
     File {
         /// The recording.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
     },
     /// The container could not be written.
@@ -21,72 +21,72 @@ pub enum RecordError {
     Mcap {
         /// The recording.
         path: PathBuf,
-        /// What the MCAP library said.
+        /// Error of the MCAP library.
         source: McapError,
     },
-    /// A run's facts make no sense.
-    #[error("run facts: {field}: {expected} expected, {actual} found")]
+    /// The facts of a run are invalid.
+    #[error("run facts: {field}: expected {expected}, got {actual}")]
     Facts {
-        /// Field of [`super::RunFacts`].
+        /// Field of [`RunFacts`](super::RunFacts).
         field: &'static str,
-        /// What was expected.
+        /// Expected value.
         expected: String,
-        /// What arrived.
+        /// Actual value.
         actual: String,
     },
-    /// A message for a finger that the run does not have.
-    #[error("the recording is of {fingers} fingers, the message is for finger {actual} (from 0)")]
+    /// A message is for a finger that the run does not have.
+    #[error("the recording has {fingers} fingers, but a message is for finger {actual} (from 0)")]
     Finger {
-        /// Fingers of the run.
+        /// Number of fingers of the run.
         fingers: usize,
-        /// Finger of the message.
+        /// Index of the finger in the message.
         actual: usize,
     },
-    /// A message of a topic that the recording was opened without.
-    #[error("the recording was opened without the topic {topic}, a message of it is to be written")]
+    /// A message belongs to a topic that was not registered when the recording was created.
+    #[error("the recording was created without the topic {topic} of a message")]
     NotRegistered {
         /// Topic of the message.
         topic: String,
     },
-    /// A stamp that is no time of a run.
-    #[error("{topic}: a stamp of 0 s or later expected, {stamp} found")]
+    /// A stamp is not a valid time of a run.
+    #[error("{topic}: expected a stamp of at least 0 s, got {stamp}")]
     Stamp {
         /// Topic of the message.
         topic: String,
-        /// Its stamp, s.
+        /// Stamp (s).
         stamp: f64,
     },
-    /// A message could not be put into the wire format.
+    /// A message could not be encoded or decoded.
     #[error(transparent)]
     Wire(#[from] WireError),
-    /// An earlier write failed, and said why; nothing more can be written.
+    /// An earlier write failed and returned its error; nothing more can be written.
     #[error("recording {path}: closed after an earlier error")]
     Closed {
         /// The recording.
         path: PathBuf,
     },
-    /// The file took nothing for so long that it was left without its end.
+    /// The file accepted no data until the time limit and was left without its end.
     #[error(
-        "recording {path}: the file took nothing for {limit:?}; it is left without its end, readable as far as it goes"
+        "recording {path}: the file accepted no data for {limit:?}; it has no end record but remains readable up to the last chunk"
     )]
     NotClosed {
         /// The recording.
         path: PathBuf,
-        /// How long it was waited for.
+        /// Time limit.
         limit: Duration,
     },
-    /// Nothing of the file is of use.
+    /// The file contains no readable recording.
     #[error("recording {path}: nothing readable: {reason}")]
     NothingReadable {
         /// The file.
         path: PathBuf,
-        /// What was expected and what was found.
+        /// Expected and actual content.
         reason: String,
     },
 }
 
 impl RecordError {
-    /// What the MCAP library said of the file at `path`; what the system said, if that was it.
+    /// Converts an error of the MCAP library for the file at `path`. An I/O error becomes [`RecordError::File`].
     pub(super) fn of_mcap(path: &Path, source: McapError) -> Self {
         let path = path.to_path_buf();
         match source {

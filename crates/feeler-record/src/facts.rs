@@ -1,4 +1,4 @@
-//! What a run was: the constants that a report needs beside the messages.
+//! Facts of a run: the constants that a report needs in addition to the messages.
 
 use super::error::RecordError;
 use super::model::{FingerModel, Solid, validate_solids};
@@ -8,13 +8,13 @@ use serde::{Deserialize, Serialize};
 use serde_json::Value;
 use std::collections::BTreeMap;
 
-/// Most fingers that a recording may have; a guard against damaged files.
+/// Maximum number of fingers of a recording. Guards against damaged files.
 pub const MAX_FINGERS: usize = 16;
 
-/// Control periods that a recording may have, s; a guard against damaged files, too.
+/// Valid control periods of a recording (s). Guards against damaged files.
 const PERIODS: std::ops::RangeInclusive<f64> = 1e-4..=1.0;
 
-/// Facts whose value is a text, written as it stands; all others are written as JSON.
+/// Facts that are written as plain text; all others are written as JSON.
 const TEXT_FIELDS: [&str; 6] = [
     "experiment",
     "task",
@@ -29,101 +29,101 @@ const TEXT_FIELDS: [&str; 6] = [
 pub struct RunFacts {
     /// Name of the experiment.
     pub experiment: String,
-    /// Which task it was.
+    /// The task.
     #[serde(default = "screw")]
     pub task: TaskKind,
     /// Seed of every random quantity.
     pub seed: u64,
     /// Version of the program that ran it.
     pub version: String,
-    /// How forces were obtained.
+    /// Source of the forces.
     pub sensing: SensingKind,
-    /// Name of the control law, as in the experiment file: `tri-axial`. Not part of the digest, as the experiment is.
+    /// Name of the control law, as in the experiment file, such as `tri-axial`. Not part of the digest, because the
+    /// experiment is.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub law: Option<String>,
-    /// Period of the control loop, s, 0.0001 to 1.
+    /// Period of the control loop (s), 0.0001 to 1.
     pub control_period: f64,
     /// Number of fingers.
     pub fingers: usize,
-    /// Radius of the cap, m; 0 where there is none.
+    /// Radius of the cap (m), or 0 if there is no cap.
     pub cap_radius: f64,
-    /// Radius of a feeler's tip, m.
+    /// Radius of a feeler's tip (m).
     pub feeler_tip_radius: f64,
-    /// F1: an element pressed harder than this touches, N.
+    /// F1 (N): an element pressed harder than this touches.
     pub touch_force_threshold: f64,
-    /// F2: an element pressed harder than this forbids re-compression, N.
+    /// F2 (N): an element pressed harder than this prevents re-compression.
     pub over_force_threshold: f64,
-    /// dr: an element whose shear rate exceeds this slips, N/s.
+    /// dr (N/s): an element whose shear rate exceeds this slips.
     pub slip_threshold: f64,
-    /// Grasp force or load of a finger at which SEARCH ends, N.
+    /// Grasp force or load of a finger at which SEARCH ends (N).
     pub grasp_force_threshold: f64,
-    /// Direction in which each finger approaches the object, unit vector in `W`.
+    /// Direction in which each finger approaches the object, as a unit vector in `W`.
     pub approach: Vec<[f64; 3]>,
-    /// Planned direction of each finger's stroke, unit vector in `W`.
+    /// Planned direction of each finger's stroke, as a unit vector in `W`.
     pub stroke_direction: Vec<[f64; 3]>,
     /// Number of strokes to make.
     pub stroke_count: u32,
-    /// True section of the object whose outline is to be drawn, at the height of the finger: points in `W`, m, one
-    /// after the other. Only simulated worlds know it. Not
-    /// part of the digest.
+    /// True cross-section of an object whose outline the task traces, at the height of the finger: successive points in
+    /// `W` (m). Only simulated worlds know it. Not part of the digest.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub section: Vec<[f64; 2]>,
-    /// What a simulated world knows and the hand does not, by name, in SI units: `specimen.static_friction`. Not
-    /// part of the digest.
+    /// Ground truth of a simulated world by name, in SI units, such as `specimen.static_friction`. Not part of the
+    /// digest.
     #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
     pub truth: BTreeMap<String, f64>,
-    /// What a cap that is screwed until it is closed or open is held to; none where strokes are counted.
+    /// Limits for a cap that is screwed until it is closed or open, or `None` if the task only counts strokes.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cap: Option<CapFacts>,
-    /// What a task of carrying is held to; none in recordings of other tasks and in older ones. It
-    /// follows from the experiment, and is no part of the digest.
+    /// Goal of a carry task, or `None` in recordings of other tasks and in older ones. Not part of the digest, because
+    /// it follows from the experiment.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub carry: Option<CarryGoal>,
-    /// How each finger is built; empty where that is not known. It follows from the experiment, and is no part of the
-    /// digest.
+    /// Geometry of each finger, or empty if unknown. Not part of the digest, because it follows from the experiment.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub hand: Vec<FingerModel>,
-    /// What stands around the hand. Only simulated worlds know it. Not part of the digest.
+    /// Solids around the hand. Only simulated worlds know them. Not part of the digest.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub solids: Vec<Solid>,
-    /// Of a replay: the digest of what was replayed. Joint angles, torque and cap are from there, and did
-    /// not follow from this recording's commands.
+    /// In a replay, the digest of the replayed recording. Joint angles, torque and cap were copied from that recording
+    /// and do not result from this recording's commands.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub replay_of: Option<String>,
 }
 
-/// What a cap that is screwed until it is closed or open is held to.
+/// Limits for a cap that is screwed until it is closed or open.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CapFacts {
-    /// 1 where the strokes close the cap, -1 where they open it.
+    /// 1 if the strokes close the cap, -1 if they open it.
     pub sense: f64,
-    /// Torque that friction allows: static coefficient times the grip allowed times radius times fingers, N·m, more than 0.
+    /// Torque limit by friction (N·m), greater than 0: static coefficient times maximum grip times radius times
+    /// fingers.
     pub friction_limit: f64,
-    /// Force on an element that damages it if it stays, N.
+    /// Force on an element that damages it if sustained (N).
     pub damage_force: f64,
 }
 
-/// Where an object is to be carried, and how hard it may be gripped.
+/// Goal of a carry task: the path's end and height, and the maximum grip.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct CarryGoal {
-    /// The path's end from where the object was taken, m in `W`.
+    /// End of the path relative to where the object was grasped, in `W` (m).
     pub end: [f64; 3],
-    /// The path's highest place above where the object was taken, m.
+    /// Maximum height of the path above where the object was grasped (m).
     pub highest: f64,
-    /// Force with which no finger may press, N, more than 0.
+    /// Force that no finger may reach (N), greater than 0.
     pub crush_force: f64,
 }
 
-/// The only task that there was when recordings did not name theirs.
+/// The task of old recordings, which do not name their task.
 fn screw() -> TaskKind {
     TaskKind::Screw
 }
 
 impl RunFacts {
-    /// Checks what the report relies on.
+    /// Checks the values that reports rely on.
     ///
     /// # Errors
-    /// The first field that is out of its range.
+    /// If a field is out of range. The error names the first one.
     pub fn validate(&self) -> Result<(), RecordError> {
         if !(1..=MAX_FINGERS).contains(&self.fingers) {
             let expected = format!("1 to {MAX_FINGERS}");
@@ -147,7 +147,7 @@ impl RunFacts {
         ];
         for (field, value) in finite {
             if !(value.is_finite() && value >= 0.0) {
-                return Err(facts_error(field, "a number from 0", value));
+                return Err(facts_error(field, "a number of at least 0", value));
             }
         }
         if let Some(cap) = &self.cap {
@@ -165,7 +165,7 @@ impl RunFacts {
             }
         }
         if !(self.hand.is_empty() || self.hand.len() == self.fingers) {
-            let expected = format!("the build of each of {} fingers", self.fingers);
+            let expected = format!("the geometry of each of {} fingers", self.fingers);
             return Err(facts_error("hand", &expected, self.hand.len()));
         }
         for model in &self.hand {
@@ -181,7 +181,7 @@ impl RunFacts {
         field: &'static str,
         directions: &[[f64; 3]],
     ) -> Result<(), RecordError> {
-        // Only what is screwed goes round planned rectangles.
+        // Only the screw task has planned strokes.
         if directions.is_empty() && self.task != TaskKind::Screw {
             return Ok(());
         }
@@ -191,7 +191,7 @@ impl RunFacts {
         }
         for d in directions {
             let length = d.iter().map(|x| x * x).sum::<f64>().sqrt();
-            // Written so that a NaN is no unit vector either.
+            // Written so that NaN is rejected, too.
             let is_unit = (length - 1.0).abs() < 1e-3;
             if !is_unit {
                 return Err(facts_error(field, "unit vectors", format!("{d:?}")));
@@ -200,7 +200,7 @@ impl RunFacts {
         Ok(())
     }
 
-    /// The facts as names and texts, as they stand in the recording.
+    /// Converts the facts to the names and texts of the recording's metadata.
     pub(super) fn to_map(&self) -> Result<BTreeMap<String, String>, RecordError> {
         let value = serde_json::to_value(self).map_err(|e| WireError::Encode {
             schema: "run facts",
@@ -216,10 +216,10 @@ impl RunFacts {
         Ok(object.into_iter().map(|(k, v)| (k, text(v))).collect())
     }
 
-    /// Reads the facts back.
+    /// Parses the facts from a recording's metadata.
     ///
     /// # Errors
-    /// What is missing or wrong, in words.
+    /// If a fact is missing or invalid. Returns a description.
     pub(super) fn from_map(map: &BTreeMap<String, String>) -> Result<Self, String> {
         let value = |(key, text): (&String, &String)| {
             let value = if TEXT_FIELDS.contains(&key.as_str()) {

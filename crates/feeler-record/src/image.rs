@@ -1,5 +1,5 @@
-//! A camera's picture: as it comes from the control loop, and as ROS 2's `sensor_msgs/CompressedImage`, which every
-//! viewer of recordings shows.
+//! Camera images: in the form used by the control loop, and as ROS 2's `sensor_msgs/CompressedImage`, which every
+//! viewer of recordings displays.
 
 use super::channels::Stamped;
 use super::error::RecordError;
@@ -11,29 +11,28 @@ use feeler::sensor::frame::{Frame, Picture};
 use serde::{Deserialize, Serialize};
 use std::io::Cursor;
 
-/// The format of recorded pictures: grey pixels of 8 bits, without loss.
+/// Format of recorded images: 8-bit grey, lossless.
 const PNG: &str = "png";
 
-/// Most pixels of a picture that is read back; a guard against damaged files.
+/// Maximum number of pixels of an image that is read. Guards against damaged files.
 const MAX_PIXELS: u64 = 1 << 26;
 
-/// A grey picture on its way to the recording, row by row from the top left. The recorder's thread makes a
-/// [`CompressedImage`] of it.
+/// A grey image to be recorded, row by row from the top left. The recorder's thread converts it to a
+/// [`CompressedImage`].
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Image {
-    /// When and by which camera it was taken. The [`Tactile`](super::Tactile) frame that was made of the picture
-    /// has all of the stamp.
+    /// Time and camera. The [`Tactile`](super::Tactile) frame computed from the image has the stamp in full precision.
     pub header: Header,
-    /// Rows, px.
+    /// Height (px).
     pub height: u32,
-    /// Columns, px.
+    /// Width (px).
     pub width: u32,
-    /// The pixels. In one piece: element by element, a picture would take a hundred times as long.
+    /// The pixels. Serialized as one block: element by element, an image would take a hundred times as long.
     #[serde(with = "serde_bytes")]
     pub data: Vec<u8>,
 }
 
-/// As it is recorded.
+/// Uses the schema of the recorded form.
 impl Message for Image {
     const SCHEMA_NAME: &'static str = CompressedImage::SCHEMA_NAME;
     const SCHEMA: &'static str = CompressedImage::SCHEMA;
@@ -46,7 +45,7 @@ impl Stamped for Image {
 }
 
 impl Image {
-    /// A picture without pixels by the camera in the fingertip of `finger`, to be filled.
+    /// Creates an empty image of the camera in `finger`'s fingertip.
     pub fn of_finger(finger: usize) -> Self {
         Self {
             header: Header::of(format!("finger_{finger}_camera")),
@@ -56,10 +55,10 @@ impl Image {
         }
     }
 
-    /// Takes over `frame`. Allocates only when it is larger than any before.
+    /// Copies `frame`. Allocates only if it is larger than all frames before.
     ///
     /// # Errors
-    /// When its stamp is no time, or it is larger than any picture can be.
+    /// If its stamp is not a valid time, or its size does not fit the message.
     pub fn fill(&mut self, frame: &Frame) -> Result<(), RecordError> {
         let stamp = Time::of(frame.stamp);
         self.header.stamp = stamp.ok_or_else(|| RecordError::Stamp {
@@ -79,13 +78,13 @@ impl Image {
         Ok(())
     }
 
-    /// The picture as it is recorded.
+    /// Compresses the image to its recorded form.
     ///
     /// # Errors
-    /// When it has no pixels, or not as many as it says.
+    /// If it has no pixels, or `data` does not match the size.
     pub fn compressed(self) -> Result<CompressedImage, WireError> {
         let mut data = Vec::with_capacity(self.data.len() / 2);
-        // What differs from pixel to pixel is noise: the fastest way takes off as much as the slowest.
+        // Differences between pixels are noise: the fastest compression saves as much as the slowest.
         let encoder =
             PngEncoder::new_with_quality(&mut data, CompressionType::Fast, FilterType::Sub);
         let (width, height) = (self.width, self.height);
@@ -93,7 +92,10 @@ impl Image {
         if pixels == 0 || pixels != self.data.len() as u64 {
             return Err(WireError::Encode {
                 schema: Self::SCHEMA_NAME,
-                reason: format!("{width}x{height} px expected, {} found", self.data.len()),
+                reason: format!(
+                    "expected {width}x{height} px, got {} bytes",
+                    self.data.len()
+                ),
             });
         }
         let written = encoder.write_image(&self.data, width, height, ExtendedColorType::L8);
@@ -109,7 +111,7 @@ impl Image {
     }
 }
 
-/// Makes of an encoded [`Image`] the encoded [`CompressedImage`] that is recorded.
+/// Converts an encoded [`Image`] to the encoded [`CompressedImage`] that is recorded.
 pub(super) fn compress(bytes: &[u8]) -> Result<Vec<u8>, RecordError> {
     let image: Image = cdr::decode(bytes)?;
     let mut compressed = Vec::new();
@@ -117,18 +119,18 @@ pub(super) fn compress(bytes: &[u8]) -> Result<Vec<u8>, RecordError> {
     Ok(compressed)
 }
 
-/// Width and height of a recorded picture, px.
+/// Width and height of a recorded image (px).
 ///
 /// # Errors
-/// When it is no grey picture of 8 bits: what was expected, what found.
+/// If it is not an 8-bit grey image. Returns a description.
 pub(super) fn size(image: &CompressedImage) -> Result<(u32, u32), String> {
     decoder(image).map(|decoder| decoder.dimensions())
 }
 
-/// The picture of a recorded one.
+/// Decompresses a recorded image.
 ///
 /// # Errors
-/// When it is no grey picture of 8 bits, or is damaged: what was expected, what found.
+/// If it is not an 8-bit grey image, or is damaged. Returns a description.
 pub(super) fn picture(image: &CompressedImage) -> Result<Picture, String> {
     let decoder = decoder(image)?;
     let (width, height) = decoder.dimensions();
@@ -143,18 +145,18 @@ pub(super) fn picture(image: &CompressedImage) -> Result<Picture, String> {
 
 fn decoder(image: &CompressedImage) -> Result<PngDecoder<Cursor<&[u8]>>, String> {
     if image.format != PNG {
-        return Err(format!("{PNG} expected, {:?} found", image.format));
+        return Err(format!("expected {PNG}, got {:?}", image.format));
     }
     let decoder = PngDecoder::new(Cursor::new(image.data.as_slice()));
     let decoder = decoder.map_err(|e| e.to_string())?;
     let (width, height) = decoder.dimensions();
     if decoder.color_type() != ColorType::L8 {
         let found = decoder.color_type();
-        return Err(format!("grey pixels of 8 bits expected, {found:?} found"));
+        return Err(format!("expected 8-bit grey pixels, got {found:?}"));
     }
     if u64::from(width) * u64::from(height) > MAX_PIXELS {
         return Err(format!(
-            "{MAX_PIXELS} px at most expected, {width}x{height} found"
+            "expected at most {MAX_PIXELS} px, got {width}x{height}"
         ));
     }
     Ok(decoder)
@@ -179,7 +181,7 @@ mod tests {
     }
 
     #[test]
-    fn a_picture_reads_back_as_it_was_written() {
+    fn an_image_reads_back_as_it_was_written() {
         let mut bytes = Vec::new();
         cdr::encode(&filled(), &mut bytes).unwrap();
         let bytes = compress(&bytes).unwrap();
@@ -192,7 +194,7 @@ mod tests {
         );
         assert_eq!(size(&again), Ok((3, 2)));
         assert_eq!(picture(&again), Ok(frame().picture));
-        // Cut anywhere, it is refused.
+        // It is rejected if truncated anywhere.
         for length in 0..bytes.len() {
             let image = cdr::decode::<CompressedImage>(&bytes[..length]);
             assert!(image.is_err(), "{length} bytes");
@@ -200,7 +202,7 @@ mod tests {
         for length in 0..again.data.len() {
             let mut cut = again.clone();
             cut.data.truncate(length);
-            // Checksum and end of the file say nothing about the pixels.
+            // Checksum and end of the file do not affect the pixels.
             let pixels = picture(&cut);
             assert!(
                 pixels.is_err() || pixels == Ok(frame().picture),
@@ -210,7 +212,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_grey_picture_is_refused() {
+    fn only_grey_images_are_accepted() {
         let mut coloured = Vec::new();
         let encoder = PngEncoder::new(&mut coloured);
         let written = encoder.write_image(&[0; 3], 1, 1, ExtendedColorType::Rgb8);

@@ -1,4 +1,4 @@
-//! Where a run's messages go: to a file, or into memory when nobody wants the file.
+//! Destinations for a run's messages: a trait, and an implementation in memory.
 
 use super::container::log_time;
 use super::error::RecordError;
@@ -6,56 +6,56 @@ use super::facts::RunFacts;
 use super::recording::Recording;
 use super::topic::{RecordedMessage, RecordedTopic};
 
-/// Takes the messages of a run, each topic's in the order of time.
+/// A destination for the messages of a run. Messages of each topic are written in order of time.
 pub trait MessageSink {
-    /// Takes `message`, which belongs to `topic`.
+    /// Writes `message` to `topic`.
     ///
     /// # Errors
-    /// When the run has no such finger or topic (pictures are optional), when the stamp is no time, or when an
-    /// earlier message could not be written.
+    /// If the run has no such finger or topic (images are optional), the stamp is not a valid time, or an earlier
+    /// message could not be written.
     fn write<M: RecordedMessage>(
         &mut self,
         topic: RecordedTopic<M>,
         message: &M,
     ) -> Result<(), RecordError>;
 
-    /// Whether somebody may look at it in a viewer: what follows from other messages is written only then.
+    /// Returns `true` if the recording may be opened in a viewer. Messages derived from others are only written then.
     fn is_for_viewers(&self) -> bool {
         false
     }
 
-    /// All messages of a control step were written. Whether none was dropped since the last time.
+    /// Marks the end of a control step. Returns `false` if messages were dropped since the last call.
     ///
     /// # Errors
-    /// When an earlier message could not be written.
+    /// If an earlier message could not be written.
     fn step_ends(&mut self) -> Result<bool, RecordError> {
         Ok(true)
     }
 }
 
-/// A run's messages in memory: what reading its recording would give, but for the digest, which is of encoded
-/// messages. Takes no pictures.
+/// Stores a run's messages in memory. The result equals the recording read from a file, except for the digest, which is
+/// computed from encoded messages. Does not support images.
 pub struct MemoryRecorder {
     recording: Recording,
 }
 
 impl MemoryRecorder {
-    /// For a run of these constants.
+    /// Creates a recorder for a run with these constants.
     ///
     /// # Errors
-    /// When the facts make no sense.
+    /// If the facts are invalid.
     pub fn new(facts: &RunFacts) -> Result<Self, RecordError> {
         facts.validate()?;
         let recording = Recording::empty(facts.clone());
         Ok(Self { recording })
     }
 
-    /// What was recorded so far; who needs no more of a part of it may [let go of it](Recording::forget_until).
+    /// Returns the recording so far. Parts that are no longer needed may be [discarded](Recording::forget_until).
     pub fn recording_mut(&mut self) -> &mut Recording {
         &mut self.recording
     }
 
-    /// What was recorded.
+    /// Returns the recording.
     pub fn into_recording(self) -> Recording {
         self.recording
     }
@@ -69,7 +69,7 @@ impl MessageSink for MemoryRecorder {
     ) -> Result<(), RecordError> {
         let recording = &mut self.recording;
         topic.check_finger(recording.fingers.len())?;
-        // As in the file, whose clock counts nanoseconds.
+        // Checked as in a file, whose clock counts nanoseconds.
         let time = log_time(topic, message)?;
         let list = M::list(recording, topic.finger());
         let list = list.ok_or_else(|| RecordError::NotRegistered {

@@ -1,4 +1,4 @@
-//! What never changes of a rig: how its fingers are built, and what stands around them.
+//! Constants of a rig: the geometry of its fingers and the solids around them.
 
 use super::error::RecordError;
 use feeler::hand::finger::{FingerConfig, FingerGeometry};
@@ -7,64 +7,65 @@ use glam::{DAffine3, DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
-/// The frame that all others hang from: `W`.
+/// Name of the root frame, `W`.
 pub const WORLD_FRAME: &str = "world";
 
-/// Radius of a drawn link over that of the dome.
+/// Ratio of a drawn link's radius to the dome's.
 const LINK_OVER_DOME: f64 = 0.3;
 
-/// Most solids around a hand, and most corners of an outline; guards against damaged files.
+/// Maximum number of solids around a hand and of corners of an outline. Guards against damaged files.
 const MAX_SOLIDS: usize = 64;
 const MAX_CORNERS: usize = 20_000;
 
-/// How a finger is built.
+/// Geometry of a finger.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FingerModel {
-    /// Its base, links and limits.
+    /// Base, links and limits.
     pub geometry: FingerConfig,
-    /// Radius of the sphere on which the unloaded elements' tips lie, m.
+    /// Radius of the sphere through the unloaded tips of the elements (m).
     pub dome_radius: f64,
-    /// Undeformed tip of each element's feeler, m in the fingertip frame `T`.
+    /// Undeformed tip of each element's feeler, in the fingertip frame `T` (m).
     pub element_tips: Vec<[f64; 3]>,
 }
 
-/// A frame of a finger in the one before it: turned about x, y and z of that by `rpy`, rad, then moved by `xyz`, m. What
-/// hangs from a joint is turned about its own z by the joint's angle.
+/// A frame of a finger, given by its pose in the parent frame: a rotation by `rpy` (rad) about the parent's x, y and z
+/// axes, then a translation by `xyz` (m). If it belongs to a joint, it also rotates about its z axis by the joint's
+/// angle.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
     /// Name of the frame.
     pub name: String,
-    /// The frame before it.
+    /// Name of the parent frame.
     pub parent: String,
-    /// Its origin, m.
+    /// Origin in the parent frame (m).
     pub xyz: [f64; 3],
-    /// Roll, pitch and yaw, rad.
+    /// Roll, pitch and yaw (rad).
     pub rpy: [f64; 3],
-    /// The joint from which it hangs, 0 to 2, if it is not fixed.
+    /// Index of its joint, 0 to 2, or `None` if the frame is fixed in its parent.
     pub joint: Option<usize>,
-    /// What is drawn in it, if anything is.
+    /// Part drawn in this frame, if any.
     pub part: Option<FingerPart>,
 }
 
-/// A part of a finger in its frame.
+/// A drawn part of a finger, in its frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FingerPart {
-    /// A rod along x from the origin.
+    /// A rod along x that starts at the origin.
     Link {
-        /// Radius, m.
+        /// Radius (m).
         radius: f64,
-        /// Length, m, more than 0.
+        /// Length (m), greater than 0.
         length: f64,
     },
-    /// A sphere about the origin.
+    /// A sphere centred at the origin.
     Dome {
-        /// Radius, m.
+        /// Radius (m).
         radius: f64,
     },
 }
 
 impl Frame {
-    /// Where it is in its parent while its joint, if it has one, stands at `angle`, rad.
+    /// Pose in the parent frame at the joint angle `angle` (rad).
     pub fn in_parent(&self, angle: f64) -> DAffine3 {
         let [roll, pitch, yaw] = self.rpy;
         let turned = DMat3::from_rotation_z(yaw)
@@ -75,33 +76,33 @@ impl Frame {
     }
 }
 
-/// Name of the frame `part` of `finger`, from 0: `base`, `link_1` to `link_3`, `dome`.
+/// Name of the frame of a `part` of `finger`, from 0. Parts are `base`, `link_1` to `link_3` and `dome`.
 pub fn frame(finger: usize, part: &str) -> String {
     format!("finger_{finger}_{part}")
 }
 
-/// Names of the joints of `finger`, from 0: theta1 to theta3.
+/// Names of the joints theta1 to theta3 of `finger`, from 0.
 pub fn joint_names(finger: usize) -> [String; 3] {
     [1, 2, 3].map(|joint| format!("finger_{finger}_joint_{joint}"))
 }
 
 impl FingerModel {
-    /// The frames of this finger, which is the one of this number, from its base to its dome (the fingertip frame `T`), by
-    /// the conventions of [`feeler::hand::kinematics`].
+    /// The frames of this finger from its base to its dome (the fingertip frame `T`), in the conventions of
+    /// [`feeler::hand::kinematics`]. `finger` is the number used in their names.
     ///
     /// # Errors
-    /// When a value of its geometry is out of range.
+    /// If a value of its geometry is out of range.
     pub fn frames(&self, finger: usize) -> Result<[Frame; 5], RecordError> {
         let geometry = FingerGeometry::new(&self.geometry);
         let geometry = geometry.map_err(|error| RecordError::Facts {
             field: "hand",
-            expected: "fingers within their ranges".into(),
+            expected: "fingers with valid geometry".into(),
             actual: error.to_string(),
         })?;
         let (phi1, phi2) = geometry.base_angles();
         let links = geometry.links();
         let along_x = |length| [length, 0.0, 0.0];
-        // Joint 1 turns the plane in which joints 2 and 3 turn: their axes lie across.
+        // Joint 1 rotates the plane of joints 2 and 3: their axes are perpendicular to its axis.
         let across = [FRAC_PI_2, 0.0, 0.0];
         let base = (geometry.base_position().to_array(), [phi2, phi1, 0.0]);
         let radius = LINK_OVER_DOME * self.dome_radius;
@@ -134,13 +135,13 @@ impl FingerModel {
         }))
     }
 
-    /// The elements, each with its undeformed tip, m in `T`.
+    /// The elements, each with its undeformed tip in `T` (m).
     pub fn elements(&self) -> impl Iterator<Item = (SensingElement, DVec3)> + '_ {
         let tips = self.element_tips.iter().map(|&tip| DVec3::from_array(tip));
         tips.map(|tip| (SensingElement::facing(tip.normalize_or_zero()), tip))
     }
 
-    /// Checks what readers rely on.
+    /// Checks the invariants that readers rely on.
     pub(super) fn validate(&self) -> Result<(), RecordError> {
         self.frames(0)?;
         let mut numbers = self
@@ -154,7 +155,7 @@ impl FingerModel {
         }
         Err(RecordError::Facts {
             field: "hand",
-            expected: format!("domes of at most {MAX_ELEMENTS} elements, of finite sizes"),
+            expected: format!("domes with at most {MAX_ELEMENTS} elements and finite sizes"),
             actual: format!(
                 "{} elements, {} m",
                 self.element_tips.len(),
@@ -164,20 +165,20 @@ impl FingerModel {
     }
 }
 
-/// What a solid is fixed to.
+/// The frame to which a solid is fixed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum SolidFrame {
-    /// `W`: it does not move.
+    /// `W`: the solid does not move.
     World,
-    /// The cap that is turned.
+    /// The cap.
     Cap,
-    /// The object that is carried.
+    /// The carried object.
     Object,
 }
 
 impl SolidFrame {
-    /// The frames of what moves.
+    /// Frames that move.
     pub const MOVING: [Self; 2] = [Self::Cap, Self::Object];
 
     /// Name of the frame.
@@ -190,22 +191,22 @@ impl SolidFrame {
     }
 }
 
-/// Something that stands around a hand.
+/// A solid near a hand.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Solid {
-    /// What it is called in the experiment.
+    /// Name in the experiment.
     pub name: String,
-    /// What it is fixed to.
+    /// Frame to which it is fixed.
     pub frame: SolidFrame,
-    /// Its centre in that, m.
+    /// Centre in that frame (m).
     pub position: [f64; 3],
-    /// Its rotation in that: quaternion x, y, z, w.
+    /// Rotation in that frame, as a quaternion x, y, z, w.
     pub orientation: [f64; 4],
     /// Its shape.
     pub shape: SolidShape,
 }
 
-/// The shape of a solid about its centre; lengths in m.
+/// Shape of a solid, centred at the origin; lengths in m.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
 pub enum SolidShape {
@@ -226,7 +227,7 @@ pub enum SolidShape {
         /// Length.
         length: f64,
     },
-    /// An outline in x and y, drawn out along z.
+    /// An outline in x and y, extruded along z.
     Prism {
         /// The outline, counterclockwise.
         outline: Vec<[f64; 2]>,
@@ -236,7 +237,7 @@ pub enum SolidShape {
 }
 
 impl SolidShape {
-    /// Lengths of the box about it along x, y and z, m, if its outline is about the origin.
+    /// Size of the bounding box along x, y and z (m), assuming that the outline is centred at the origin.
     pub fn size(&self) -> [f64; 3] {
         match self {
             Self::Box { size } => *size,
@@ -253,7 +254,7 @@ impl SolidShape {
     }
 }
 
-/// Checks what readers rely on.
+/// Checks the invariants that readers rely on.
 pub(super) fn validate_solids(solids: &[Solid]) -> Result<(), RecordError> {
     let sound = |solid: &Solid| {
         let corners = match &solid.shape {
@@ -273,7 +274,7 @@ pub(super) fn validate_solids(solids: &[Solid]) -> Result<(), RecordError> {
     }
     Err(RecordError::Facts {
         field: "solids",
-        expected: format!("at most {MAX_SOLIDS} solids of finite sizes"),
+        expected: format!("at most {MAX_SOLIDS} solids with finite sizes"),
         actual: format!("{} solids", solids.len()),
     })
 }

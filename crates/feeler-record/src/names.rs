@@ -1,109 +1,109 @@
-//! What recordings name: tasks, kinds of sensing, outcomes and findings of tasks.
+//! Names in recordings: tasks, kinds of sensing, outcomes and findings of tasks.
 //!
-//! Each is written as a text. A task of a user's own, or a later version, may write others.
+//! They are written as text. User-defined tasks and later versions may write other names.
 
 use crate::text_enum;
 
 text_enum! {
-    /// Which task a run was of, as an experiment file names it.
+    /// Task of a run, as named in an experiment file.
     TaskKind {
-        /// Turns something by strokes.
+        /// Turns an object by strokes.
         Screw = "screw",
-        /// Goes round an upright object and draws its outline.
+        /// Moves around an upright object and traces its outline.
         Contour = "contour",
         /// Slides or lifts an object along a path.
         Carry = "carry",
         /// Slides over a flat specimen and measures its friction.
         FrictionScan = "friction_scan",
-        /// Touches, presses, shears and slides, to identify hand and object.
+        /// Touches, presses, shears and slides on an object to identify hand and object.
         Probe = "probe",
     }
 }
 
 text_enum! {
-    /// How forces are obtained.
+    /// Source of the forces.
     SensingKind {
-        /// Through camera pictures.
+        /// Computed from camera images.
         Image = "image",
-        /// From the simulated contact, with noise.
+        /// Taken from the simulated contact, with noise.
         Direct = "direct",
     }
 }
 
 text_enum! {
-    /// What came of a task.
+    /// Outcome of a task.
     TaskOutcome {
-        /// The cap is closed; the outline is closed.
+        /// The cap or the outline is closed.
         Closed = "closed",
         /// The cap is open.
         Open = "open",
-        /// The cap that is to be opened does not turn.
+        /// The cap to be opened does not turn.
         Stuck = "stuck",
         /// The cap tightens too early or too softly.
         CrossThreaded = "cross-threaded",
         /// The cap turns without resistance.
         SpinningFreely = "spinning freely",
-        /// There is no cap between the fingers.
+        /// No cap was found between the fingers.
         NoCap = "no cap",
-        /// All strokes were made, and nothing shows what became of the cap.
+        /// All strokes were made, but the state of the cap could not be determined.
         Undecided = "undecided",
-        /// The object is at its path's end.
+        /// The object reached the end of its path.
         Carried = "carried",
         /// The object slipped out of the fingers.
         Lost = "lost",
         /// The object does not follow the fingers.
         Blocked = "blocked",
-        /// The friction is measured.
+        /// The friction was measured.
         Measured = "measured",
         /// The finger never slipped on the specimen.
         NoSlip = "no slip",
         /// The finger lost the outline.
         ContactLost = "contact lost",
-        /// The outline does not come back to its beginning.
+        /// The outline did not return to its start.
         NotClosed = "not closed",
     }
 }
 
 text_enum! {
-    /// What a task found out; its unit is part of its text, if it has one.
+    /// A finding of a task. Its text includes the unit, if any.
     FindingName {
-        /// Way of the object along x since it was taken, m.
+        /// Displacement of the object along x since it was grasped (m).
         MovedX = "moved_x_m",
-        /// Way of the object along y since it was taken, m.
+        /// Displacement of the object along y since it was grasped (m).
         MovedY = "moved_y_m",
-        /// Way of the object along z since it was taken, m.
+        /// Displacement of the object along z since it was grasped (m).
         MovedZ = "moved_z_m",
-        /// Angle that the object, the cap or the finger's way has turned, rad.
+        /// Rotation of the object, the cap or the finger's path (rad).
         Turned = "turned_rad",
-        /// Force with which the fingers press, N.
+        /// Force with which the fingers press (N).
         Pressing = "pressing_n",
         /// Coefficient of friction.
         Friction = "friction",
-        /// The outline's newest point along x, m in `W`.
+        /// Latest point of the outline along x, in `W` (m).
         SurfaceX = "surface_x_m",
-        /// The outline's newest point along y, m in `W`.
+        /// Latest point of the outline along y, in `W` (m).
         SurfaceY = "surface_y_m",
-        /// Size of the outline along x, m.
+        /// Size of the outline along x (m).
         SizeX = "size_x_m",
-        /// Size of the outline along y, m.
+        /// Size of the outline along y (m).
         SizeY = "size_y_m",
         /// Static coefficient of friction.
         StaticFriction = "static_friction",
         /// Kinetic coefficient of friction.
         KineticFriction = "kinetic_friction",
-        /// Tilt of the specimen along the slide, rad.
+        /// Tilt of the specimen along the slide (rad).
         Tilt = "tilt",
-        /// Slips that were counted.
+        /// Number of slips.
         Slips = "slips",
-        /// Torque on the cap, N·m.
+        /// Torque on the cap (N·m).
         Torque = "torque_nm",
-        /// Grip of the finger that grips least, N.
+        /// Smallest grip of all fingers (N).
         Grip = "grip_n",
-        /// Radius of the cap, m.
+        /// Radius of the cap (m).
         Radius = "radius_m",
-        /// Largest torque on the cap so far, N·m.
+        /// Largest torque on the cap so far (N·m).
         LargestTorque = "largest_torque_nm",
-        /// How the torque rises with the cap's angle, N·m/rad.
+        /// Slope of the torque over the cap's angle (N·m/rad).
         Stiffness = "stiffness_nm_per_rad",
     }
 }

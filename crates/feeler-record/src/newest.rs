@@ -1,11 +1,11 @@
-//! The newest message of a channel at a time.
+//! The latest message of a channel at a given time.
 
 use super::channels::Stamped;
 
-/// Stamps within a nanosecond, the resolution of the recording's clock, are one time, s.
+/// Maximum difference of stamps that count as the same time (s): the resolution of the recording's clock.
 pub const SAME_TIME: f64 = 1e-9;
 
-/// How many messages, from the first, are older than the one that is newest at `time`, s.
+/// Number of messages older than the latest message at `time` (s).
 pub(super) fn older_than_newest<M: Stamped>(messages: &[M], time: f64) -> usize {
     let known = messages
         .iter()
@@ -13,7 +13,7 @@ pub(super) fn older_than_newest<M: Stamped>(messages: &[M], time: f64) -> usize 
     known.count().saturating_sub(1)
 }
 
-/// Walks one channel: the newest message that is not younger than a time.
+/// Iterates over one channel to find the latest message at increasing times.
 #[derive(Debug, Clone)]
 pub struct Newest<'a, M> {
     messages: &'a [M],
@@ -21,12 +21,13 @@ pub struct Newest<'a, M> {
 }
 
 impl<'a, M: Stamped> Newest<'a, M> {
-    /// Of these messages, in the order of time.
+    /// Creates an iterator over these messages, which must be in order of time.
     pub fn new(messages: &'a [M]) -> Self {
         Self { messages, next: 0 }
     }
 
-    /// The newest at `time`, s, which must not be earlier than before.
+    /// Latest message at `time` (s), or `None` before the first message. `time` must not be less than in the previous
+    /// call.
     pub fn at(&mut self, time: f64) -> Option<&'a M> {
         while (self.messages.get(self.next)).is_some_and(|m| m.stamp() <= time + SAME_TIME) {
             self.next += 1;
@@ -41,7 +42,7 @@ mod tests {
     use crate::channels::Cap;
 
     #[test]
-    fn it_holds_the_last_message_and_knows_none_before_the_first() {
+    fn the_latest_message_is_held_and_there_are_none_before_the_first() {
         let cap = |stamp| Cap {
             stamp,
             ..Cap::default()
@@ -56,7 +57,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_older_than_the_newest_is_not_needed_any_more() {
+    fn messages_older_than_the_newest_are_counted() {
         let messages = [0.1, 0.2, 0.3].map(|stamp| Cap {
             stamp,
             ..Cap::default()

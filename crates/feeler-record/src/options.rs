@@ -1,27 +1,27 @@
-//! What a recording holds, and how it reaches its file.
+//! Options of a recording.
 
 use std::collections::BTreeMap;
 use std::sync::Arc;
 use std::time::Duration;
 
-/// How old a message may be before it is handed to the system, s of the run's time, unless somebody says otherwise.
+/// Default of [`RecordOptions::flush_interval`] (s).
 pub const FLUSH_INTERVAL: f64 = 1.0;
 
-/// What a recording holds beside the messages that every run has, and how it reaches its file.
+/// Optional content of a recording, and how it is written to its file.
 #[derive(Debug, Clone)]
 pub struct RecordOptions {
-    /// The text of each calibration file that the experiment names, by that name. They are no part of the
-    /// digest: another calibration shows in the forces.
+    /// Text of each calibration file named in the experiment, by name. Not part of the digest, because another
+    /// calibration changes the forces.
     pub calibrations: BTreeMap<String, String>,
-    /// The policy that the experiment names as its control law, if it does. It is no part of the digest: another policy
-    /// shows in the commands.
+    /// Learnt policy, if the experiment names one as its control law. Not part of the digest, because another policy
+    /// changes the commands.
     pub policy: Option<PolicyFile>,
-    /// Whether there will be pictures.
+    /// `true` if images will be recorded.
     pub pictures: bool,
-    /// What a write does while the file takes nothing.
+    /// Behaviour of writes while the file accepts no data.
     pub patience: Patience,
-    /// How old a message may be before it is handed to the system, s of the run's time: what a program that is
-    /// killed loses at most, and 512 KiB where that is less. Every time costs 0.6 KB of the file.
+    /// Maximum age of a message before it is passed to the operating system, in seconds of run time. A program that is
+    /// killed loses at most this, or 512 KiB if that is less. Each time costs 0.6 KB of the file.
     pub flush_interval: f64,
 }
 
@@ -37,23 +37,23 @@ impl Default for RecordOptions {
     }
 }
 
-/// The file of a learnt policy.
+/// File of a learnt policy.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PolicyFile {
-    /// As the experiment names it.
+    /// Name in the experiment.
     pub name: String,
-    /// What it holds.
+    /// Contents of the file.
     pub bytes: Arc<[u8]>,
 }
 
-/// What a write does while the file takes nothing and no more messages can wait for it.
+/// Behaviour of a write while the file accepts no data and the queue is full.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Patience {
-    /// It waits for ever, and a file that fails is its error. For a run whose time is simulated: nothing is lost.
+    /// Wait indefinitely. A write returns the file's error. For simulated runs: no message is lost.
     #[default]
     Unlimited,
-    /// It waits so long, and not again until there was room; then messages are dropped, counted, and told of by a
-    /// [`RecordingGap`](super::RecordingGap). A file that fails is no error of a write either: all later messages are
-    /// dropped, and [`Recorder::failure`](super::Recorder::failure) says why. For a hand that moves meanwhile.
+    /// Wait up to this duration, and not again until there is space. Then drop and count messages, and write a
+    /// [`RecordingGap`](super::RecordingGap). A write does not return the file's error: all later messages are dropped,
+    /// and [`Recorder::failure`](super::Recorder::failure) returns the reason. For a hand that moves during recording.
     Limited(Duration),
 }

@@ -1,4 +1,4 @@
-//! Reads pictures that are still in the recording's file, not in memory.
+//! Reads images from a recording's file.
 
 use super::chunk::unpack;
 use super::image::picture;
@@ -10,24 +10,24 @@ use ::mcap::records::op;
 use feeler::sensor::frame::Picture;
 use std::io::{Read, Seek, SeekFrom};
 
-/// A recording's file, and the compressed chunk of the newest picture: a chunk holds many.
+/// A reader of images. Caches the compressed chunk of the latest image, because a chunk contains many images.
 #[derive(Debug)]
 pub struct PictureReader<F> {
     file: F,
-    /// Where the chunk's body begins in the file, and what it holds.
+    /// Offset of the chunk's body in the file, and its records.
     chunk: Option<(u64, Vec<u8>)>,
 }
 
 impl<F: Read + Seek> PictureReader<F> {
-    /// A reader of pictures in `file`.
+    /// Creates a reader for images in `file`.
     pub fn new(file: F) -> Self {
         Self { file, chunk: None }
     }
 
-    /// Reads the picture at `at`.
+    /// Reads the image at `at`.
     ///
     /// # Errors
-    /// What was expected and what was found, in words.
+    /// If the image cannot be read or decoded. Returns a description.
     pub fn read(&mut self, at: PictureAt) -> Result<Picture, String> {
         let image: CompressedImage = match at.chunk {
             Some(start) => {
@@ -49,7 +49,7 @@ impl<F: Read + Seek> PictureReader<F> {
         picture(&image)
     }
 
-    /// What the chunk holds whose body begins at `start`.
+    /// Returns the records of the chunk whose body begins at `start`.
     fn chunk(&mut self, start: u64) -> Result<&[u8], String> {
         if self
             .chunk
@@ -61,7 +61,7 @@ impl<F: Read + Seek> PictureReader<F> {
             let mut body = Vec::new();
             let (opcode, _) = read_record(&mut self.file, &mut body)?;
             if opcode != op::CHUNK {
-                return Err("its chunk expected, another record found".into());
+                return Err("expected its chunk, got another record".into());
             }
             self.chunk = Some((start, unpack(&body)?.records.into_owned()));
         }

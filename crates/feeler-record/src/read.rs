@@ -1,4 +1,4 @@
-//! Reads a recording back, whole or as far as it goes.
+//! Reads recordings, complete or damaged.
 
 use super::collector::Collector;
 use super::container::LIBRARY;
@@ -13,22 +13,22 @@ use std::io::{BufReader, Cursor, Read, Seek};
 use std::path::Path;
 
 impl Recording {
-    /// Reads a recording. What is readable of a damaged one is returned, with
-    /// [`complete`](Self::complete) false and [`problem`](Self::problem) saying why.
+    /// Reads a recording. From a damaged file, the readable part is returned, with [`complete`](Self::complete) `false`
+    /// and the reason in [`problem`](Self::problem).
     ///
     /// # Errors
-    /// When the file cannot be read or not even the run's facts are in it.
+    /// If the file cannot be read or does not even contain the run's facts.
     pub fn read(path: impl AsRef<Path>) -> Result<Self, RecordError> {
         Self::read_in_parts(path, &mut |_, _| {})
     }
 
-    /// Reads a recording of any length: after every [`PART`] messages, `part` is given what is there so far, and the
-    /// share of the file that was read, 0 to 1. It may take what it needs and
-    /// [forget the rest](Self::forget_until). The result contains all that was not forgotten; digest, end, gaps
-    /// and problem are those of the whole file.
+    /// Reads a recording of any length in parts. After every [`PART`] messages, `part` is called with the recording so
+    /// far and the fraction of the file that was read, 0 to 1. It may copy the data that it needs and [discard the
+    /// rest](Self::forget_until). The result contains everything that was not discarded; its digest, end, gaps and
+    /// problem refer to the whole file.
     ///
     /// # Errors
-    /// As of [`read`](Self::read).
+    /// See [`read`](Self::read).
     pub fn read_in_parts(
         path: impl AsRef<Path>,
         part: &mut dyn FnMut(&mut Self, f64),
@@ -54,7 +54,7 @@ impl Recording {
     /// Reads a recording from memory.
     ///
     /// # Errors
-    /// When not even the run's facts are readable: why, in words.
+    /// If not even the run's facts are readable. Returns the reason.
     pub fn from_bytes(file: &[u8]) -> Result<Self, String> {
         Self::from_reader(&mut Cursor::new(file), &mut |_, _| {})
     }
@@ -71,10 +71,10 @@ impl Recording {
     }
 }
 
-/// Whether a file is as feeler wrote it, with the run's facts at its beginning.
+/// Returns `true` if a file is as feeler wrote it, with the run's facts at its start.
 fn is_as_written(file: &mut dyn Read) -> bool {
     let (mut is_ours, mut begins_with_facts) = (false, false);
-    // What comes after them is of no interest, damage neither.
+    // The rest of the file, including damage, is irrelevant here.
     let _ = scan(file, &mut |found| {
         match found {
             Found::Record(Record::Header(header), _) => {
@@ -89,13 +89,13 @@ fn is_as_written(file: &mut dyn Read) -> bool {
     is_ours && begins_with_facts
 }
 
-/// A file that can be read from its beginning again.
+/// A readable and seekable file.
 pub(super) trait ReadSeek: Read + Seek {}
 
 impl<F: Read + Seek> ReadSeek for F {}
 
-/// Messages of a part of a recording: of half a second to some seconds.
+/// Number of messages in a part of a recording: half a second to a few seconds.
 pub const PART: usize = 2_000;
 
-/// Is given what was read so far, and how far in the file that is, bytes from the start.
+/// Callback with the recording so far and the position in the file, in bytes.
 pub(super) type Part<'a> = dyn FnMut(&mut Recording, u64) + 'a;

@@ -1,4 +1,4 @@
-//! A camera behind the seam that takes again the pictures on record.
+//! A camera that plays back the recorded images of one finger.
 
 use super::channels::nanoseconds;
 use super::error::RecordError;
@@ -10,27 +10,26 @@ use std::fs::File;
 use std::io::{Read, Seek};
 use std::path::Path;
 
-/// Gives at every control step the picture that one finger's sensor saw then, with its sequence number and
-/// its whole stamp, which are those of the tactile frame on record.
+/// Returns at every control step the image that one finger's sensor used at that step, with the sequence number and the
+/// exact stamp of the recorded tactile frame.
 ///
-/// A step that saw no new picture sees the same again. Pictures are read from the file as they are asked
-/// for.
+/// A step without a new image returns the previous one again. Images are read from the file on demand.
 #[derive(Debug)]
 pub struct RecordedCamera<F = File> {
     file: PictureReader<F>,
-    /// Sequence number and stamp (s) of what each step saw.
+    /// Sequence number and stamp (s) of the image used at each step.
     seen: std::vec::IntoIter<(u64, f64)>,
     pictures: std::vec::IntoIter<PictureAt>,
-    /// The newest picture and its sequence number.
+    /// Latest image and its sequence number.
     newest: Option<(u64, Picture)>,
     count: u64,
 }
 
 impl RecordedCamera {
-    /// The camera in the fingertip of `finger`, as in the `recording` that was read from `path`.
+    /// Opens the recording at `path` as the camera of `finger`. `recording` must have been read from the same file.
     ///
     /// # Errors
-    /// When the file cannot be opened.
+    /// If the file cannot be opened.
     pub fn open(path: &Path, recording: &Recording, finger: usize) -> Result<Self, RecordError> {
         let file = File::open(path).map_err(|source| RecordError::File {
             path: path.to_path_buf(),
@@ -41,8 +40,8 @@ impl RecordedCamera {
 }
 
 impl<F: Read + Seek> RecordedCamera<F> {
-    /// The camera in the fingertip of `finger`, as in the `recording` that was read from `file`; without
-    /// any picture if there is no such finger.
+    /// Creates the camera of `finger`. `recording` must have been read from `file`. If the recording has no such
+    /// finger, the camera has no images.
     pub fn new(file: F, recording: &Recording, finger: usize) -> Self {
         let record = recording.fingers.get(finger);
         let seen = record.map_or(Vec::new(), |record| {
@@ -59,10 +58,10 @@ impl<F: Read + Seek> RecordedCamera<F> {
         }
     }
 
-    /// Columns and rows of the next picture, px; none if there are no more.
+    /// Width and height of the next image (px), or `None` if there are no more.
     ///
     /// # Errors
-    /// When it cannot be read.
+    /// If the image cannot be read.
     pub fn picture_size(&mut self) -> Result<Option<(usize, usize)>, CameraError> {
         let Some(&at) = self.pictures.as_slice().first() else {
             return Ok(None);
@@ -71,22 +70,20 @@ impl<F: Read + Seek> RecordedCamera<F> {
         Ok(Some((picture.width, picture.height)))
     }
 
-    /// The next picture on record, which must be that of `stamp`, s.
+    /// Reads the next recorded image, which must have the time `stamp` (s).
     fn next_picture(&mut self, stamp: f64) -> Result<Picture, CameraError> {
         let expected = nanoseconds(stamp);
         let at = self.pictures.next();
         let at = at
             .filter(|at| Some(at.log_time) == expected)
             .ok_or_else(|| {
-                let found = at.map(|at| format!("that of {} ns is next", at.log_time));
-                let found = found.unwrap_or_else(|| "there are no more".into());
-                CameraError::Failed(format!(
-                    "the picture of {stamp} s expected on record, {found}"
-                ))
+                let found = at.map(|at| format!("found the image at {} ns", at.log_time));
+                let found = found.unwrap_or_else(|| "found no more images".into());
+                CameraError::Failed(format!("expected the recorded image at {stamp} s, {found}"))
             })?;
         self.file
             .read(at)
-            .map_err(|reason| CameraError::Failed(format!("the picture of {stamp} s: {reason}")))
+            .map_err(|reason| CameraError::Failed(format!("image at {stamp} s: {reason}")))
     }
 }
 

@@ -1,4 +1,4 @@
-//! Writes a run's recording as the run goes.
+//! Writes a recording during a run.
 
 use super::batch::Entry;
 use super::channels::RecordingGap;
@@ -17,33 +17,31 @@ use crate::wire::cdr;
 use std::path::Path;
 use std::time::Duration;
 
-/// Writes one run's recording.
+/// Writes the recording of one run.
 ///
-/// A write only encodes the message; digest and the file itself are a thread's work,
-/// so that the control loop waits for none of them. Messages reach the file in chunks of 512 KiB, or of
-/// [`RecordOptions::flush_interval`] where that is less, each whole, so an interrupted run leaves a file that is
-/// readable up to its last chunk. A
-/// recorder that is dropped without [`finish`](Self::finish) leaves a file with every message,
-/// marked as not closed.
+/// A write only encodes the message; a background thread computes the digest and writes the file, so that the control
+/// loop is not blocked. Messages are written in whole chunks of 512 KiB, or of [`RecordOptions::flush_interval`] if
+/// that is less, so the file of an interrupted run is readable up to its last chunk. A recorder that is dropped without
+/// [`finish`](Self::finish) leaves a file that contains every message and is marked as not closed.
 ///
-/// What becomes of a run whose file takes nothing, [`Patience`] says.
+/// [`Patience`] determines what happens if the file accepts no data.
 pub struct Recorder {
     channels: Vec<Channel>,
     fingers: usize,
     pub(super) writer: Writer,
     patience: Patience,
-    /// Run's time that makes a chunk, ns.
+    /// Run time after which a chunk is written (ns).
     flush_interval: u64,
-    /// Whether the writer says when steps end, so that chunks, and gaps, begin and end with steps.
+    /// `true` once [`MessageSink::step_ends`] was called. Chunks and gaps then consist of whole steps.
     in_steps: bool,
     run_end: Option<RunEnd>,
 }
 
 impl Recorder {
-    /// Creates the file, which must not hold anything of worth: it is overwritten.
+    /// Creates the file. An existing file is overwritten.
     ///
     /// # Errors
-    /// When the facts make no sense or the file cannot be written.
+    /// If the facts are invalid or the file cannot be written.
     pub fn create(
         path: impl AsRef<Path>,
         facts: &RunFacts,
@@ -52,10 +50,10 @@ impl Recorder {
         Self::create_with(path, facts, experiment_toml, &RecordOptions::default())
     }
 
-    /// Creates the file of a recording that holds more than every one does, or is written otherwise.
+    /// Creates the file with additional content or another way of writing.
     ///
     /// # Errors
-    /// As [`Self::create`].
+    /// See [`create`](Self::create).
     pub fn create_with(
         path: impl AsRef<Path>,
         facts: &RunFacts,
@@ -68,7 +66,8 @@ impl Recorder {
         Self::to_store(path, sink, (channels, facts.fingers), options)
     }
 
-    /// Writes to `store`, the file at `path`, messages of these channels of a rig of so many fingers.
+    /// Creates a recorder that writes messages of `channels` to `store`, the file at `path`, for a rig of `fingers`
+    /// fingers.
     pub(super) fn to_store(
         path: &Path,
         store: impl Store,
@@ -86,41 +85,44 @@ impl Recorder {
         })
     }
 
-    /// Sets how the run ended, to be written by [`finish`](Self::finish). Without it, readers take it from the task.
+    /// Sets how the run ended, which [`finish`](Self::finish) writes. Otherwise, readers derive it from the task's
+    /// state.
     pub fn set_end(&mut self, end: RunEnd) {
         self.run_end = Some(end);
     }
 
-    /// Messages that were dropped so far, as the file had no room or failed.
+    /// Number of messages dropped so far because the file was too slow or failed.
     pub fn dropped(&self) -> u64 {
         self.writer.dropped()
     }
 
-    /// What is missing since there was room for the last time; none while there is.
+    /// Messages dropped since the file last accepted data, or `None` if it accepts data.
     pub fn gap(&self) -> Option<&RecordingGap> {
         self.writer.gap()
     }
 
-    /// Why the file takes nothing any more, of a recorder of [limited patience](Patience::Limited). Everything up to
-    /// then is in it.
+    /// Error of the file, for a recorder of [limited patience](Patience::Limited). The file contains everything written
+    /// before the error.
     pub fn failure(&self) -> Option<&RecordError> {
         self.writer.failure()
     }
 
-    /// Writes wall time (s; none if not measured), digest and how the run ended, and closes the file. A recorder of
-    /// limited patience takes 5 s at most.
+    /// Writes wall time (s; `None` if not measured), digest and how the run ended, and closes the file. Takes up to 5 s
+    /// for a recorder of limited patience.
     ///
     /// # Errors
-    /// When the file cannot be written, or could not be.
+    /// If the file cannot be written, or an earlier write failed.
     pub fn finish(self, wall_time: Option<f64>) -> Result<Digest, RecordError> {
         let mut closing = Closing::of(self.patience);
         self.close(wall_time, &mut closing)
     }
 
-    /// The same within `limit`; calls `on_slow` when that takes longer than a second.
+    /// Like [`finish`](Self::finish), but takes up to `limit`. Calls `on_slow` once if closing takes longer than a
+    /// second.
     ///
     /// # Errors
-    /// As [`Self::finish`]; [`RecordError::NotClosed`] where the file takes nothing. It is left as it is.
+    /// See [`finish`](Self::finish). [`RecordError::NotClosed`] if the file accepts no data within `limit`; it is then
+    /// left without its end.
     pub fn finish_within(
         self,
         wall_time: Option<f64>,
@@ -144,7 +146,8 @@ impl Recorder {
         digest.ok_or_else(|| self.writer.closed())
     }
 
-    /// Hands the batch on if it makes a chunk; whether nothing was dropped.
+    /// Sends the batch to the writer if it is large or old enough for a chunk. Returns `false` if messages were
+    /// dropped.
     fn send_if_full(&mut self) -> Result<bool, RecordError> {
         let batch = &self.writer.batch;
         let is_full = batch.bytes.len() >= CHUNK_BYTES || batch.span() >= self.flush_interval;

@@ -12,7 +12,7 @@ use super::run_end::{RunEnd, RunState};
 use super::scan::Place;
 use std::collections::BTreeMap;
 
-/// What one finger recorded, each list in the order of time.
+/// Messages of one finger, each list in order of time.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FingerRecord {
     /// Tactile frames.
@@ -25,25 +25,26 @@ pub struct FingerRecord {
     pub command: Vec<Command>,
     /// Fingertip poses.
     pub fingertip: Vec<Fingertip>,
-    /// Where its camera's pictures are, if they were recorded: one for each sequence number of `tactile`.
+    /// Positions of its camera's images, if recorded: one per sequence number in `tactile`.
     pub pictures: Vec<PictureAt>,
 }
 
-/// A picture that was left in its file: there are far more of them than fit into memory.
+/// Position of an image that was left in its file, because images do not fit into memory.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct PictureAt {
-    /// Time of the picture, ns.
+    /// Time of the image (ns).
     pub log_time: u64,
-    /// Where its message begins: bytes from the start of the file, or of what a compressed chunk holds.
+    /// Offset of its message in bytes: from the start of the file, or of the decompressed chunk.
     pub offset: u64,
-    /// Length of the message, bytes.
+    /// Length of the message in bytes.
     pub length: usize,
-    /// Where the body of that chunk begins, bytes from the start of the file; `None` if the picture is in no compressed chunk.
+    /// Offset of the compressed chunk's body from the start of the file in bytes, or `None` if the image is not in a
+    /// compressed chunk.
     pub chunk: Option<u64>,
 }
 
 impl PictureAt {
-    /// Of the message of `length` bytes in the record with this body.
+    /// Position of the message of `length` bytes whose record body is at `record`.
     pub(super) fn new(log_time: u64, record: Place, length: usize) -> Self {
         Self {
             log_time,
@@ -54,24 +55,24 @@ impl PictureAt {
     }
 }
 
-/// What stands before a message's bytes in its record: channel, sequence number and two times.
+/// Size of a message's header in its record: channel, sequence number and two times.
 const MESSAGE_HEAD: u64 = 2 + 4 + 8 + 8;
 
-/// A place in a recording where messages are missing.
+/// A gap in a recording where messages are missing.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gap {
-    /// What is missing.
+    /// Times and number of the missing messages.
     pub missing: RecordingGap,
-    /// Control steps on record before it. Whole steps are missing.
+    /// Number of recorded control steps before the gap. Gaps consist of whole steps.
     pub steps_before: usize,
 }
 
-/// A part of a file that is of no use, in the middle of what is.
+/// A damaged part of a file that is followed by readable parts.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Damage {
-    /// Where it is, and what is wrong.
+    /// Position and kind of the damage.
     pub reason: String,
-    /// Control steps on record before it; the largest number where it holds none.
+    /// Number of recorded control steps before the damage, or `usize::MAX` if the damaged part contains no steps.
     pub steps_before: usize,
 }
 
@@ -82,22 +83,21 @@ pub struct Recording {
     pub facts: RunFacts,
     /// The experiment as run (TOML).
     pub experiment: String,
-    /// The calibration files that the experiment names: name to text. Empty in a recording of forces that were
-    /// not calibrated.
+    /// Text of each calibration file named in the experiment, by name. Empty if forces were not calibrated.
     pub calibrations: BTreeMap<String, String>,
-    /// The policy that the experiment names, if it does.
+    /// Learnt policy named in the experiment, if any.
     pub policy: Option<PolicyFile>,
-    /// How the run ended.
+    /// The end of the run.
     pub end: RunEnd,
-    /// Wall time of the run, s, if it was written.
+    /// Wall time of the run (s), if recorded.
     pub wall_time: Option<f64>,
-    /// Digest of what was read.
+    /// Digest of the messages that were read.
     pub digest: Digest,
-    /// Whether the recording is whole, without gaps, and its digest is the one it was closed with.
+    /// `true` if the recording has no damage or gaps, and its digest matches the one written at its end.
     pub complete: bool,
-    /// Time of the latest message that was read, s; 0 if none.
+    /// Time of the latest message that was read (s), or 0 if there are no messages.
     pub readable_until: f64,
-    /// What is wrong with it, if it is not complete.
+    /// Description of the problem if the recording is not complete.
     pub problem: Option<String>,
     /// One entry per finger.
     pub fingers: Vec<FingerRecord>,
@@ -105,19 +105,19 @@ pub struct Recording {
     pub torque_sensor: Vec<TorqueSensor>,
     /// States of the cap.
     pub cap: Vec<Cap>,
-    /// Where the task stood.
+    /// States of the task.
     pub task: Vec<Task>,
-    /// What the task found out, each time that it found out more.
+    /// Findings of the task, one entry per change.
     pub findings: Vec<Findings>,
-    /// Where the carried object was, if one is free.
+    /// Poses of the carried object, if one is free.
     pub object: Vec<ObjectPose>,
-    /// How far feelers slipped, where a simulated world told.
+    /// True slip of the feelers, if recorded by a simulated world.
     pub true_slip: Vec<TrueSlip>,
-    /// Where messages are missing.
+    /// Gaps where messages are missing.
     pub gaps: Vec<Gap>,
-    /// The first part of the file that is damaged, where what follows it was read.
+    /// First damaged part of the file that is followed by readable parts.
     pub damage: Option<Damage>,
-    /// Control steps that [`forget_until`](Self::forget_until) let go of.
+    /// Number of control steps discarded by [`forget_until`](Self::forget_until).
     pub(super) steps_forgotten: usize,
 }
 
@@ -147,14 +147,14 @@ impl Recording {
         }
     }
 
-    /// Control steps on record, also those that were let go of.
+    /// Number of recorded control steps, including discarded ones.
     pub(super) fn steps_read(&self) -> usize {
         self.steps_forgotten + self.task.len()
     }
 
-    /// Lets go of all messages that no step later than `time` (s) needs, so that a long recording needs little memory:
-    /// of each list, what is older than the message that was newest at `time`. Findings and poses of the carried
-    /// object stay, as they tell of the whole run.
+    /// Discards all messages that no step later than `time` (s) needs, to limit the memory of a long recording: in each
+    /// list, those older than the latest message at `time`. Findings and poses of the carried object are kept, because
+    /// they are needed for the whole run.
     pub fn forget_until(&mut self, time: f64) {
         for finger in &mut self.fingers {
             forget(&mut finger.tactile, time);
@@ -170,7 +170,7 @@ impl Recording {
         self.steps_forgotten += forget(&mut self.task, time);
     }
 
-    /// Control steps from the beginning among which none is missing.
+    /// Number of control steps from the start without a gap or damage.
     pub fn steps_in_a_row(&self) -> usize {
         let gap = self.gaps.first().map(|gap| gap.steps_before);
         let damage = self.damage.as_ref().map(|damage| damage.steps_before);
@@ -178,7 +178,7 @@ impl Recording {
         first.map_or(self.steps_read(), |first| first.min(self.steps_read()))
     }
 
-    /// What is missing, in words, if something is.
+    /// Describes the missing messages, or returns `None` if the recording has no gaps.
     pub fn missing(&self) -> Option<String> {
         let first = self.gaps.first()?.missing;
         let messages: u64 = self.gaps.iter().map(|gap| gap.missing.messages).sum();
@@ -192,12 +192,12 @@ impl Recording {
             ),
         };
         Some(format!(
-            "{messages} messages are missing {place}, as the disk took nothing then"
+            "{messages} messages are missing {place}, because the disk accepted no data"
         ))
     }
 }
 
-/// Removes what is older than the message that is newest at `time`, s; how many messages that is.
+/// Removes messages older than the latest message at `time` (s). Returns their number.
 fn forget<M: Stamped>(messages: &mut Vec<M>, time: f64) -> usize {
     let count = older_than_newest(messages, time);
     messages.drain(..count);

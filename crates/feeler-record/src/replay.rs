@@ -1,4 +1,4 @@
-//! A recording behind the seams: what a finger felt and where its joints were, step by step.
+//! Plays back a recording through the sensor and hand traits, step by step.
 
 use super::channels::{Joints, Tactile};
 use super::recording::Recording;
@@ -6,7 +6,7 @@ use feeler::hand::{Hand, HandCommand, HandError, HandState, JointState, check_fi
 use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 use glam::DVec3;
 
-/// A fingertip that feels again what one finger felt on record.
+/// A fingertip that plays back the recorded forces of one finger.
 #[derive(Debug, Clone)]
 pub struct RecordedSensor {
     frames: std::vec::IntoIter<Tactile>,
@@ -15,7 +15,7 @@ pub struct RecordedSensor {
 }
 
 impl RecordedSensor {
-    /// The fingertip of `finger`; without any frame if the recording has no such finger.
+    /// Creates the fingertip of `finger`. If the recording has no such finger, the fingertip has no frames.
     pub fn new(recording: &Recording, finger: usize) -> Self {
         let frames = recording.fingers.get(finger);
         let frames = frames.map_or(Vec::new(), |f| f.tactile.clone());
@@ -49,7 +49,7 @@ impl TactileSensor for RecordedSensor {
     }
 }
 
-/// A hand that is again where it was on record, whatever it is told.
+/// A hand that plays back recorded joint states and ignores commands.
 #[derive(Debug, Clone)]
 pub struct RecordedHand {
     fingers: Vec<std::vec::IntoIter<Joints>>,
@@ -57,7 +57,7 @@ pub struct RecordedHand {
 }
 
 impl RecordedHand {
-    /// The hand of `recording`.
+    /// Creates the hand of `recording`.
     pub fn new(recording: &Recording) -> Self {
         let fingers = recording.fingers.iter();
         Self {

@@ -1,5 +1,5 @@
-//! Reads a recording that another tool has written anew: metadata and attachments are anywhere, channels have other numbers, and
-//! messages may have another order.
+//! Reads recordings that another tool has rewritten: metadata and attachments may be anywhere, channels may have other
+//! ids, and messages may be in another order.
 
 use super::collector::Collector;
 use super::facts::RunFacts;
@@ -11,13 +11,13 @@ use super::topic::topics;
 use ::mcap::records::{MessageHeader, Metadata, Record};
 use std::collections::{BTreeMap, HashMap};
 
-/// Topics that an error names at most.
+/// Maximum number of topics named in an error.
 const NAMED: usize = 8;
 
-/// Reads the recording in `file`, which is at its beginning.
+/// Reads the recording in `file`, which must be positioned at its start.
 ///
 /// # Errors
-/// If it holds no run or several, why, in words.
+/// If the file contains no run or several runs. Returns a description.
 pub(super) fn read_rewritten(
     file: &mut dyn ReadSeek,
     part: &mut Part<'_>,
@@ -29,7 +29,7 @@ pub(super) fn read_rewritten(
     file.rewind().map_err(|e| e.to_string())?;
     if in_order {
         let scanned = scan(file, &mut |found| match found {
-            // These have been taken.
+            // Already collected by the outline.
             Found::Record(Record::Metadata(_) | Record::Attachment { .. }, _) => Ok(()),
             found => collector.find(found, part),
         });
@@ -62,7 +62,7 @@ pub(super) fn read_rewritten(
     collector.finish(stopped.or(scanned.err()))
 }
 
-/// Place of each topic among those that a run writes at a control step.
+/// Rank of each topic in the order in which a run writes them at a control step.
 fn order_of_writing(facts: Option<&RunFacts>) -> HashMap<String, usize> {
     let of_finger = |finger| {
         [
@@ -88,17 +88,17 @@ fn order_of_writing(facts: Option<&RunFacts>) -> HashMap<String, usize> {
     topics.map(|(rank, topic)| (topic, rank)).collect()
 }
 
-/// A message that waits for its turn.
+/// A message to be sorted.
 struct Held {
-    /// Place of its topic in the order of writing.
+    /// Rank of its topic in the order of writing.
     rank: usize,
     header: MessageHeader,
     place: Place,
     bytes: Vec<u8>,
 }
 
-/// Takes all messages: in file order if the run's digest matches it, else in the order in which a run writes them, by
-/// time and channel.
+/// Collects all messages: in file order if that matches the run's digest, otherwise sorted by time and topic into the
+/// order in which a run writes them.
 fn take_all(
     collector: &mut Collector,
     mut messages: Vec<Held>,
@@ -126,21 +126,21 @@ fn take_all(
     Ok(())
 }
 
-/// What a file holds beside messages, and what kinds of messages it holds.
+/// Metadata and topics of a file, without its messages.
 #[derive(Default)]
 struct Outline {
-    /// The library that wrote it.
+    /// Library that wrote the file.
     writer: String,
-    /// The facts of each run, once if copies of one were merged.
+    /// Distinct facts records, one per run.
     runs: Vec<Metadata>,
-    /// Its end and attachments.
+    /// End record and attachments of the run.
     kept: Vec<Record<'static>>,
     schemas: HashMap<u16, String>,
     topics: BTreeMap<u16, Topic>,
-    /// Time of the newest message so far, ns, and whether an older one came after it.
+    /// Latest time of a message so far (ns), and whether an older message followed it.
     newest: u64,
     goes_back: bool,
-    /// The first chunk of no use.
+    /// Description of the first damaged chunk.
     damage: Option<String>,
 }
 
@@ -189,11 +189,11 @@ impl Outline {
         Ok(())
     }
 
-    /// A collector that has all of the run except its messages. `stopped` is why the scan ended early.
+    /// Creates a collector that has everything except the messages. `stopped` is the reason if the scan ended early.
     fn collector(mut self, stopped: Option<String>) -> Result<Collector, String> {
         if self.runs.len() > 1 {
             return Err(format!(
-                "one run expected, {} found (metadata {FACTS:?}), merged by {:?}: read them before they are merged",
+                "expected one run (metadata {FACTS:?}), got {} merged by {:?}; read the recordings before merging them",
                 self.runs.len(),
                 self.writer
             ));
@@ -209,7 +209,7 @@ impl Outline {
         Ok(collector)
     }
 
-    /// Error for a file without a run.
+    /// Error message for a file without a run.
     fn no_run(&self, stopped: Option<String>) -> String {
         let count = self.topics.len();
         if count == 0 {
@@ -227,14 +227,14 @@ impl Outline {
             others => format!(" and {others} more"),
         };
         format!(
-            "a run of feeler expected (metadata {FACTS:?}), {count} topics of {:?} found: {}{others}; Rerun, Foxglove and PlotJuggler show such a file",
+            "expected a run of feeler (metadata {FACTS:?}), got {count} topics written by {:?}: {}{others}; use Rerun, Foxglove or PlotJuggler to view such a file",
             self.writer,
             topics.join(", ")
         )
     }
 }
 
-/// Whether an attachment of this name is one of a run.
+/// Returns `true` if an attachment of this name belongs to a run.
 fn is_of_run(name: &str) -> bool {
     name == EXPERIMENT || name.starts_with(CALIBRATION) || name.starts_with(POLICY)
 }

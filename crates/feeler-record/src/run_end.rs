@@ -1,4 +1,4 @@
-//! How a run ended.
+//! The end of a run: its state and reason.
 
 use super::channels::Task;
 use feeler::control::phase::Phase;
@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::fmt;
 
-/// Whether a run went on to the end of its task.
+/// Outcome of a run: whether its task was completed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum RunState {
@@ -14,7 +14,7 @@ pub enum RunState {
     Done,
     /// The task failed, the hand was stopped, or time was up.
     GivenUp,
-    /// Somebody ended the run, or its recording is not whole.
+    /// The user interrupted the run, or its recording is incomplete.
     Interrupted,
 }
 
@@ -37,38 +37,39 @@ impl fmt::Display for RunState {
     }
 }
 
-/// How a run ended.
+/// The end of a run: its state and the reason.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct RunEnd {
-    /// Whether it went on to the end of its task.
+    /// State of the task: done, given up or interrupted.
     pub state: RunState,
-    /// Why it did not, if it did not.
+    /// Reason why the task was not completed.
     pub reason: Option<String>,
 }
 
 impl RunEnd {
-    /// Of a run whose task was done.
+    /// The end of a run whose task was completed.
     pub const DONE: Self = Self {
         state: RunState::Done,
         reason: None,
     };
 
-    /// Of a run that ended otherwise.
+    /// Creates the end of a run that ended otherwise, for this reason.
     pub fn because(state: RunState, reason: impl Into<String>) -> Self {
         let reason = Some(reason.into());
         Self { state, reason }
     }
 
-    /// That of a recording of a run that ended so, of which something is missing, in words.
+    /// Converts this end to that of an incomplete recording. `missing` describes the missing messages.
     pub(super) fn with_gap(&self, missing: &str) -> Self {
         let why = self.reason.as_deref();
         let why = why.map_or_else(String::new, |why| format!(", {why}"));
         let state = self.state;
-        let reason = format!("the recording is not whole: {missing}; the run itself: {state}{why}");
+        let reason =
+            format!("the recording is incomplete: {missing}; the run itself: {state}{why}");
         Self::because(RunState::Interrupted, reason)
     }
 
-    /// Writes it among other entries of a recording's end.
+    /// Writes the end to the metadata of a recording's end.
     pub(super) fn write(&self, end: &mut BTreeMap<String, String>) {
         end.insert("state".into(), self.state.key().into());
         if let Some(reason) = &self.reason {
@@ -76,15 +77,15 @@ impl RunEnd {
         }
     }
 
-    /// That of a recording with a `problem` or none, by the entries of its `end`, or by the last state of its task where
-    /// they do not say.
+    /// Determines how a run ended: by the recording's `problem`, if any, by its `end` metadata, or else by the `last`
+    /// state of its task.
     pub(super) fn of(
         problem: Option<&str>,
         last: Option<&Task>,
         end: Option<&BTreeMap<String, String>>,
     ) -> Self {
         if let Some(problem) = problem {
-            let reason = format!("the recording is not whole: {problem}");
+            let reason = format!("the recording is incomplete: {problem}");
             return Self::because(RunState::Interrupted, reason);
         }
         let written = end.and_then(|end| {
@@ -103,7 +104,10 @@ impl RunEnd {
                 let reason = format!("it ended in {} of stroke {}", task.phase, task.stroke);
                 Self::because(RunState::Interrupted, reason)
             }
-            None => Self::because(RunState::Interrupted, "nothing of the task is on record"),
+            None => Self::because(
+                RunState::Interrupted,
+                "the recording contains no state of the task",
+            ),
         })
     }
 }

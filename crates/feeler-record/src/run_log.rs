@@ -1,4 +1,4 @@
-//! What is recorded of a run: after every control step, everything that went in and came out.
+//! Records all inputs and outputs of a control loop after every control step.
 
 use crate::channels::{
     Cap, Command, Findings, Fingertip, Flags, Joints, NO_ELEMENT, ObjectPose, Tactile, Task,
@@ -24,25 +24,25 @@ use feeler::hand::{Hand, JointState};
 use feeler::sensor::frame::Frame;
 use glam::{DAffine3, DQuat};
 
-/// Writes control steps to a recording. Messages with lists are kept and filled again.
+/// Writes control steps to a recording. The memory of messages with lists is reused.
 pub struct RunLog<R = Recorder> {
     recorder: R,
     fingers: usize,
-    /// What viewers draw, where somebody may look and it is known how the hand is built.
+    /// Messages for viewers, if the recorder needs them and the hand's geometry is known.
     viewer: Option<ViewerLog>,
     tactile: Tactile,
     flags: Flags,
-    /// Why the hand is stopped, as written last.
+    /// Stop reason as last written.
     stop_reason: Option<StopReason>,
     findings: Findings,
-    /// Each finger's newest picture, if pictures are recorded.
+    /// Latest image of each finger, if images are recorded.
     pictures: Vec<RecordedPicture>,
 }
 
-/// What a rig's own instruments, and a simulated world, add to the record of a control step, as far as there are any.
+/// Readings of a rig's instruments and a simulated world's ground truth at a control step, as far as available.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct InstrumentRecord<'a> {
-    /// The torque sensor's reading.
+    /// Reading of the torque sensor.
     pub torque: Option<&'a TorqueSensor>,
     /// True state of the cap.
     pub cap: Option<&'a Cap>,
@@ -53,7 +53,7 @@ pub struct InstrumentRecord<'a> {
 }
 
 impl InstrumentRecord<'_> {
-    /// Where what moves with `frame` is in `W`, where that is known.
+    /// Pose of `frame` in `W`, or `None` if unknown.
     pub(crate) fn pose(&self, frame: SolidFrame) -> Option<DAffine3> {
         let (turned, origin) = match frame {
             SolidFrame::World => return Some(DAffine3::IDENTITY),
@@ -66,15 +66,15 @@ impl InstrumentRecord<'_> {
 
 struct RecordedPicture {
     image: Image,
-    /// Its sequence number, once there is one.
+    /// Sequence number of the image, if any.
     sequence: Option<u64>,
 }
 
 impl<R: MessageSink> RunLog<R> {
-    /// Logs to `recorder` a run of these constants.
+    /// Creates a log that writes a run with these constants to `recorder`.
     ///
     /// # Errors
-    /// When they make no sense.
+    /// If the constants are invalid.
     pub fn new(recorder: R, facts: &RunFacts) -> Result<Self, RecordError> {
         let viewer = match recorder.is_for_viewers() {
             true => ViewerLog::new(facts)?,
@@ -92,7 +92,7 @@ impl<R: MessageSink> RunLog<R> {
         })
     }
 
-    /// The same log with each finger's pictures in it, of which the recorder has to know.
+    /// Also logs each finger's images. The recorder must have been created with images.
     #[must_use]
     pub fn with_pictures(mut self) -> Self {
         let picture = |finger| RecordedPicture {
@@ -103,20 +103,20 @@ impl<R: MessageSink> RunLog<R> {
         self
     }
 
-    /// The recorder.
+    /// Returns the recorder.
     pub fn recorder_mut(&mut self) -> &mut R {
         &mut self.recorder
     }
 
-    /// The recorder, to finish the recording.
+    /// Returns the recorder, to finish the recording.
     pub fn into_recorder(self) -> R {
         self.recorder
     }
 
-    /// Writes the newest step of `control_loop`, and what the `instruments` read at its time.
+    /// Writes the latest step of `control_loop` and the readings of the `instruments` at its time.
     ///
     /// # Errors
-    /// When the recording cannot be written.
+    /// If the recording cannot be written.
     pub fn write<S: TouchSource, H: Hand>(
         &mut self,
         control_loop: &ControlLoop<S, H>,
@@ -133,7 +133,7 @@ impl<R: MessageSink> RunLog<R> {
         let outputs = controller.fingers().iter().zip(controller.poses());
         for (index, ((finger, pose), ((sensor, touch), joints))) in outputs.zip(inputs).enumerate()
         {
-            // Before the forces, so that a recording that is cut off has the picture of all that it has.
+            // Written before the forces, so that a truncated recording contains the image of every tactile frame.
             self.write_picture(index, sensor.frame())?;
             self.write_felt(index, touch)?;
             self.write_motion(index, stamp, finger, joints)?;
@@ -159,7 +159,7 @@ impl<R: MessageSink> RunLog<R> {
         Ok(())
     }
 
-    /// What is written only when it changes may be among what was dropped: it is written again.
+    /// Requests that messages written only on change are written again, because they may have been dropped.
     fn forget_written(&mut self) {
         self.findings = Findings::default();
         self.stop_reason = None;
@@ -171,7 +171,7 @@ impl<R: MessageSink> RunLog<R> {
         }
     }
 
-    /// Writes a finger's picture, if it is to be recorded and has not been.
+    /// Writes a finger's image if images are recorded and this one has not been written.
     fn write_picture(&mut self, index: usize, frame: Option<&Frame>) -> Result<(), RecordError> {
         let (Some(picture), Some(frame)) = (self.pictures.get_mut(index), frame) else {
             return Ok(());
@@ -248,11 +248,11 @@ impl<R: MessageSink> RunLog<R> {
         )
     }
 
-    /// Writes what the task found out, if that is more than it was.
+    /// Writes the task's findings if they changed.
     fn write_findings(&mut self, stamp: f64, task: &dyn ControlTask) -> Result<(), RecordError> {
         let (found, outcome) = (task.findings(), task.outcome());
         let written = self.findings.names.iter().zip(&self.findings.values);
-        // To the bit, so that what is not a number is not new for ever.
+        // Compares bits, so that NaN does not count as a change.
         let same = written
             .map(|(name, value)| (name.as_str(), value.to_bits()))
             .eq(found
@@ -272,7 +272,7 @@ impl<R: MessageSink> RunLog<R> {
 
     fn write_task(&mut self, stamp: f64, controller: &Controller) -> Result<(), RecordError> {
         let mut reason = String::new();
-        // A hand that stands still for want of data may be told to stop, too: both are written.
+        // A hand that is stopped for lack of data may also be stopped on request; both reasons are written.
         if self.stop_reason.as_ref() != controller.stop_reason() {
             self.stop_reason = controller.stop_reason().cloned();
             reason = (self.stop_reason.as_ref()).map_or_else(String::new, ToString::to_string);

@@ -1,54 +1,55 @@
-//! Walks the records of an MCAP file that may be cut short or damaged.
+//! Reads the records of an MCAP file that may be truncated or damaged.
 //!
-//! The MCAP library's own readers stop at the first fault without saying what was good before it,
-//! and trust lengths in the file. Here a chunk is used only if its checksum matches,
-//! no length is trusted beyond the bytes that are there, and what was read before a fault is kept.
-//! No more than one record of the file is in memory at a time: pictures make recordings large.
+//! The MCAP library's readers stop at the first error without returning the valid records before it, and trust lengths
+//! in the file. This reader uses a chunk only if its checksum matches, checks lengths against the available bytes, and
+//! keeps everything read before an error. Only one record of the file is in memory at a time, because images make
+//! recordings large.
 
 use super::chunk::{MAX_CHUNK, Unpacked, unpack};
 use ::mcap::records::{Record, op};
 use ::mcap::{MAGIC, parse_record};
 use std::io::{self, Read};
 
-/// Bytes of an attachment's checksum.
+/// Size of an attachment's checksum in bytes.
 const CHECKSUM: usize = 4;
-/// Opcode and length before every record's body.
+/// Size of a record's opcode and length in bytes.
 pub(super) const RECORD_HEAD: usize = 9;
-/// Longest record that is no chunk, bytes.
+/// Maximum size of a record other than a chunk in bytes.
 const MAX_RECORD: u64 = 64 << 20;
 
-/// What is found in a file.
+/// Content of a file.
 pub enum Found<'a> {
-    /// A record, and where its body begins.
+    /// A record and the position of its body.
     Record(Record<'a>, Place),
-    /// A chunk that is of no use: why, in words. What follows it is found, too.
+    /// Description of a damaged chunk. The scan continues after it.
     Damage(String),
 }
 
-/// Where the body of a record begins.
+/// Position of a record's body.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Place {
-    /// Bytes from the start of the file or, of a record in a compressed chunk, of what the chunk holds.
+    /// Offset in bytes: from the start of the file, or of the decompressed chunk.
     pub offset: u64,
-    /// Where the body of that chunk begins, bytes from the start of the file; `None` of a record that is not compressed.
+    /// Offset of the compressed chunk's body from the start of the file in bytes, or `None` if the record is not
+    /// compressed.
     pub chunk: Option<u64>,
 }
 
 impl Place {
-    /// How far in the file it is, bytes from the start.
+    /// Approximate position in the file, in bytes from the start.
     pub fn in_file(self) -> u64 {
         self.chunk.unwrap_or(self.offset)
     }
 }
 
-/// Takes what is found.
+/// Callback for the content of a file.
 pub type Visit<'a> = dyn FnMut(Found<'_>) -> Result<(), String> + 'a;
 
-/// Passes every record of `file` before the summary to `visit`, in order, chunks unpacked. A damaged chunk is passed
-/// as [`Found::Damage`].
+/// Passes every record of `file` before the summary to `visit`, in order and with chunks unpacked. A damaged chunk is
+/// passed as [`Found::Damage`].
 ///
 /// # Errors
-/// Why it stopped before the end of the data, in words; all records before that were visited.
+/// If reading stops before the end of the data. Returns a description. All records before it were visited.
 pub fn scan(file: &mut dyn Read, visit: &mut Visit<'_>) -> Result<(), String> {
     let mut body = Vec::new();
     read_up_to(file, MAGIC.len() as u64, &mut body)?;
@@ -66,7 +67,7 @@ pub fn scan(file: &mut dyn Read, visit: &mut Visit<'_>) -> Result<(), String> {
                 Ok(chunk) => visit_chunk(&chunk, start, visit).map_err(at)?,
                 Err(reason) => visit(Found::Damage(at(reason)))?,
             },
-            // Of someone else's that is too long to be ours, only the length was read.
+            // A foreign attachment that is too long for feeler was skipped.
             op::ATTACHMENT if length > MAX_RECORD => {}
             _ => {
                 let record = parse(opcode, &body).map_err(at)?;
@@ -81,7 +82,7 @@ pub fn scan(file: &mut dyn Read, visit: &mut Visit<'_>) -> Result<(), String> {
     }
 }
 
-/// Reads one record's body; its opcode and length. An attachment that is too long is passed over.
+/// Reads one record into `body` and returns its opcode and length. An attachment above the size limit is skipped.
 pub(super) fn read_record(
     mut file: &mut dyn Read,
     body: &mut Vec<u8>,
@@ -103,7 +104,7 @@ pub(super) fn read_record(
         }
         _ if length > most => {
             return Err(format!(
-                "a record of at most {most} bytes expected, one of {length} found"
+                "expected a record of at most {most} bytes, got one of {length}"
             ));
         }
         _ => {
@@ -119,14 +120,14 @@ pub(super) fn read_record(
 
 const CUT: &str = "the file ends within a record";
 
-/// Puts the next `length` bytes into `bytes`, or what there is. Makes room only for what comes.
+/// Reads up to `length` bytes into `bytes`. Allocates only as much as is read.
 fn read_up_to(file: &mut dyn Read, length: u64, bytes: &mut Vec<u8>) -> Result<(), String> {
     bytes.clear();
     let read = file.take(length).read_to_end(bytes);
     read.map(|_| ()).map_err(|e| e.to_string())
 }
 
-/// Opcode, body and length with head of the first record.
+/// Splits off the first record: its opcode, its body, and its length including the header.
 pub(super) fn split_record(bytes: &[u8]) -> Option<(u8, &[u8], usize)> {
     let (&opcode, rest) = bytes.split_first()?;
     let (length, rest) = rest.split_first_chunk::<8>()?;
@@ -135,16 +136,16 @@ pub(super) fn split_record(bytes: &[u8]) -> Option<(u8, &[u8], usize)> {
     Some((opcode, body, RECORD_HEAD + length))
 }
 
-/// Parses a record whose body may be anything.
+/// Parses a record with an arbitrary body.
 pub(super) fn parse(opcode: u8, body: &[u8]) -> Result<Record<'_>, String> {
-    // The library takes it for granted that an attachment's checksum follows its head.
+    // The library assumes that an attachment's checksum follows its header.
     if opcode == op::ATTACHMENT && attachment_rest(body).is_none_or(|rest| rest.len() < CHECKSUM) {
         return Err("an attachment that is too short for its head and checksum".into());
     }
     parse_record(opcode, body).map_err(|e| e.to_string())
 }
 
-/// What follows an attachment's head (two times, two texts, the length of its data), if that is whole.
+/// Rest of an attachment after its header (two times, two texts, data length), or `None` if the header is incomplete.
 fn attachment_rest(body: &[u8]) -> Option<&[u8]> {
     let after_text = |bytes: &[u8]| {
         let length = u32::from_le_bytes(*bytes.first_chunk()?);

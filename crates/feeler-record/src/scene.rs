@@ -1,4 +1,4 @@
-//! The hand and what stands around it, as markers: solids once, forces again and again.
+//! Markers of the hand and the solids around it: solids once, forces repeatedly.
 
 use crate::facts::RunFacts;
 use crate::model::{FingerModel, Solid, SolidShape, WORLD_FRAME, frame};
@@ -8,18 +8,18 @@ use crate::wire::Vector3;
 use feeler::control::touch::FingerTouch;
 use glam::DVec3;
 
-/// Length of the arrow of a force, m/N.
+/// Length of a force arrow (m/N).
 const ARROW_LENGTH: f64 = 0.01;
-/// Width of its lines, and length of its barbs over its own.
+/// Line width of an arrow (m), and ratio of its barbs' length to its length.
 const ARROW_WIDTH: f64 = 0.0006;
 const BARB: f64 = 0.25;
-/// Diameter of an element's dot over the dome's radius.
+/// Ratio of an element's dot diameter to the dome's radius.
 const DOT: f64 = 0.09;
 
-/// Diameter of a taxel's dot where there is no dome, m.
+/// Diameter of a taxel's dot if there is no dome (m).
 const TAXEL: f64 = 0.002;
 
-/// Colours that colour-blind readers can tell (Okabe and Ito).
+/// Colours that colour-blind readers can distinguish (Okabe and Ito).
 const DOME: ColorRGBA = colour(0.80, 0.80, 0.80, 0.45);
 const ELEMENT: ColorRGBA = colour(0.25, 0.25, 0.25, 1.0);
 const MOVED: ColorRGBA = colour(0.90, 0.62, 0.00, 0.9);
@@ -31,7 +31,7 @@ const fn colour(r: f32, g: f32, b: f32, a: f32) -> ColorRGBA {
     ColorRGBA { r, g, b, a }
 }
 
-/// Domes with their elements, and solids.
+/// Creates markers for domes, their elements, and solids.
 pub fn scene(hand: &[FingerModel], solids: &[Solid]) -> MarkerArray {
     let fingers = hand.iter().enumerate();
     let mut markers: Vec<_> = fingers
@@ -57,7 +57,7 @@ fn dome(finger: usize, model: &FingerModel) -> [Marker; 2] {
     [dome, elements]
 }
 
-/// The taxels of an array without a dome, at `tips` (m in the frame of finger 0's dome), as dots.
+/// Creates dots for the taxels of an array without a dome, at `tips` (m, in the frame of finger 0's dome).
 pub fn element_dots(tips: impl Iterator<Item = DVec3>) -> Marker {
     let (dome, elements) = (frame(0, "dome"), frame(0, "elements"));
     let mut marker = Marker::new(dome, elements, MarkerType::SphereList);
@@ -88,7 +88,7 @@ fn marker(id: i32, solid: &Solid) -> Marker {
     marker
 }
 
-/// The surface of an outline that is drawn out to `length`: three points a triangle.
+/// Surface of an outline extruded to `length`, as triangles of three points each.
 fn triangles(outline: &[[f64; 2]], length: f64) -> Vec<Vector3> {
     let half = 0.5 * length;
     let corners = outline.iter().zip(outline.iter().cycle().skip(1));
@@ -104,7 +104,7 @@ fn triangles(outline: &[[f64; 2]], length: f64) -> Vec<Vector3> {
     sides.map(Vector3::from).collect()
 }
 
-/// The forces on the elements of a finger that touch.
+/// Arrows for the forces on the touching elements of a finger.
 pub struct ForceArrows {
     finger: usize,
     touch_force: f64,
@@ -112,7 +112,7 @@ pub struct ForceArrows {
 }
 
 impl ForceArrows {
-    /// Those of `finger` in a run of these constants.
+    /// Creates the arrows for `finger` in a run with these constants.
     pub fn new(finger: usize, facts: &RunFacts) -> Self {
         Self {
             finger,
@@ -121,12 +121,12 @@ impl ForceArrows {
         }
     }
 
-    /// Whether an element slips: its shear rate exceeds the threshold.
+    /// Returns `true` if an element slips, that is, its shear rate exceeds the threshold.
     pub fn slips(&self, touch: &FingerTouch, element: usize) -> bool {
         (touch.shear_rate.get(element)).is_some_and(|rate| *rate > self.slip_rate)
     }
 
-    /// A marker without arrows, to be filled.
+    /// Creates an empty marker.
     pub fn marker(&self) -> Marker {
         let (dome, forces) = (frame(self.finger, "dome"), frame(self.finger, "forces"));
         let mut marker = Marker::new(dome, forces, MarkerType::LineList);
@@ -135,7 +135,8 @@ impl ForceArrows {
         marker
     }
 
-    /// Fills `marker`: from the tip of each element that touches along the force on it, with two barbs at the end.
+    /// Fills `marker` with one arrow per touching element: a line from its tip along the force, and two barbs at the
+    /// end.
     pub fn fill(&self, marker: &mut Marker, elements: &Elements, touch: &FingerTouch) {
         marker.points.clear();
         marker.colors.clear();
@@ -144,7 +145,7 @@ impl ForceArrows {
             .zip(&elements.forces)
             .zip(&touch.frame.forces);
         for (element, ((tip, force), own)) in felt.enumerate() {
-            // What is not known does not touch.
+            // Unknown forces (NaN) do not touch.
             let touches = own.z > self.touch_force;
             if !touches {
                 continue;

@@ -1,4 +1,4 @@
-//! What a sensor felt, without any run around it: one MCAP file of ROS 2 messages, written and read.
+//! Recordings of one sensor without a run: one MCAP file of ROS 2 messages.
 
 use super::channels::{Moments, Tactile};
 use super::container::{Container, find, log_time};
@@ -15,38 +15,38 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::Path;
 
-/// What pictures say before any calibration.
+/// Moments of images, before calibration.
 pub const MOMENTS: RecordedTopic<Moments> = RecordedTopic::of_rig("moments");
-/// Tactile frames of the one fingertip.
+/// Tactile frames of the fingertip.
 pub const TACTILE: RecordedTopic<Tactile> = RecordedTopic::of_rig("tactile");
-/// The wrench on the one fingertip, by all its elements together.
+/// Wrench on the fingertip, from all its elements.
 pub const WRENCH: RecordedTopic<WrenchStamped> = RecordedTopic::of_rig("wrench");
 
-/// Writes [`Moments`] to [`MOMENTS`] and [`Tactile`] frames to [`TACTILE`], or [`WrenchStamped`] to [`WRENCH`], of a file; and
-/// the pictures, if it is to hold them, to [`topics::image`], where runs have theirs.
+/// Writes [`Moments`] to [`MOMENTS`] and either [`Tactile`] frames to [`TACTILE`] or [`WrenchStamped`] to [`WRENCH`].
+/// Images are optional and written to [`topics::image`], as in recordings of runs.
 ///
-/// Until it is [finished](Self::finish) the file lacks its end, and MCAP readers say so.
+/// Until [`finish`](Self::finish) is called, the file lacks its end, which MCAP readers report.
 pub struct SensedWriter {
     container: Container,
     channels: Vec<Channel>,
-    /// Fingers whose pictures there may be.
+    /// Number of fingers for which images may be written.
     fingers: usize,
     buffer: Vec<u8>,
 }
 
 impl SensedWriter {
-    /// Creates the file, with the pictures of `finger`, if one is named.
+    /// Creates a file for tactile frames, and for images of `finger` if given.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// If the file cannot be written.
     pub fn create(path: impl AsRef<Path>, finger: Option<usize>) -> Result<Self, RecordError> {
         Self::with_channels(path.as_ref(), [MOMENTS.into(), TACTILE.into()], finger)
     }
 
-    /// Creates the file, for wrenches in place of tactile frames; with the pictures of `finger`, if one is named.
+    /// Creates a file for wrenches instead of tactile frames, and for images of `finger` if given.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// If the file cannot be written.
     pub fn create_for_wrenches(
         path: impl AsRef<Path>,
         finger: Option<usize>,
@@ -71,10 +71,10 @@ impl SensedWriter {
         })
     }
 
-    /// Hands what was written to the system.
+    /// Passes buffered messages to the operating system.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn flush(&mut self) -> Result<(), RecordError> {
         self.container.flush()
     }
@@ -82,7 +82,7 @@ impl SensedWriter {
     /// Writes the end of the file and closes it.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn finish(self) -> Result<(), RecordError> {
         self.container.close()
     }
@@ -107,11 +107,11 @@ impl MessageSink for SensedWriter {
     }
 }
 
-/// Reads the [`Moments`] of a file that [`SensedWriter`] wrote, in order; of one that was cut short,
-/// what is whole.
+/// Reads the [`Moments`] of a file written by [`SensedWriter`], in order. From a truncated file, complete messages are
+/// returned.
 ///
 /// # Errors
-/// When the file cannot be read or holds no moments.
+/// If the file cannot be read or contains no moments.
 pub fn read_moments(path: &Path) -> Result<Vec<Moments>, RecordError> {
     let file = File::open(path).map_err(|source| RecordError::File {
         path: path.to_path_buf(),
@@ -136,7 +136,9 @@ pub fn read_moments(path: &Path) -> Result<Vec<Moments>, RecordError> {
     if moments.is_empty() {
         let reason = scanned.err().unwrap_or_else(|| {
             let topic = MOMENTS.name();
-            format!("there is nothing on {topic}; expected what `feeler sense -o FILE.mcap` writes")
+            format!(
+                "no messages on {topic}; expected a file written by `feeler sense -o FILE.mcap`"
+            )
         });
         return Err(RecordError::NothingReadable {
             path: path.to_path_buf(),

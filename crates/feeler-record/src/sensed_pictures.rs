@@ -1,4 +1,4 @@
-//! The pictures that a sensor's file holds beside what was felt, as a camera: to be sensed anew.
+//! A camera that plays back the images in a sensor's recording.
 
 use super::channels::{Moments, nanoseconds};
 use super::error::RecordError;
@@ -17,34 +17,34 @@ use std::fs::File;
 use std::io::BufReader;
 use std::path::{Path, PathBuf};
 
-/// One frame whose picture is on record.
+/// A frame with a recorded image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct SensedFrame {
     sequence: u64,
-    /// s.
+    /// Time (s).
     stamp: f64,
     picture: PictureAt,
 }
 
-/// Gives again, as a camera, the pictures of a file that [`SensedWriter`](super::SensedWriter) wrote, each with the sequence
-/// number and the whole stamp under which it was sensed. Pictures are read from the file as they are asked for.
+/// A camera that plays back the images of a file written by [`SensedWriter`](super::SensedWriter), with their original
+/// sequence numbers and exact stamps. Images are read from the file on demand.
 #[derive(Debug)]
 pub struct SensedPictures {
     path: PathBuf,
     file: PictureReader<File>,
     frames: Vec<SensedFrame>,
     next: usize,
-    /// Why there may have been more.
+    /// Reason why images may be missing at the end.
     problem: Option<String>,
 }
 
-/// Whether the file at `path` was written by a sensor without a run around it, so that it is no run's recording.
+/// Returns `true` if the file at `path` is a sensor's recording without a run.
 pub fn is_sensed(path: &Path) -> bool {
     let Ok(file) = File::open(path) else {
         return false;
     };
     let mut sensed = None;
-    // What comes after the first record that tells is of no interest, damage before it neither.
+    // Only the first record that identifies the kind of file matters; damage before it is ignored.
     let _ = scan(&mut BufReader::new(file), &mut |found| {
         match found {
             Found::Record(Record::Metadata(metadata), _) if metadata.name == FACTS => {
@@ -61,10 +61,10 @@ pub fn is_sensed(path: &Path) -> bool {
 }
 
 impl SensedPictures {
-    /// Finds the pictures in the file at `path`; of one that was cut short, those that are whole. Empty where it holds none.
+    /// Finds the images in the file at `path`. From a truncated file, complete images are used.
     ///
     /// # Errors
-    /// When the file cannot be opened.
+    /// If the file cannot be opened.
     pub fn open(path: &Path) -> Result<Self, RecordError> {
         let open = || {
             File::open(path).map_err(|source| RecordError::File {
@@ -84,24 +84,25 @@ impl SensedPictures {
         })
     }
 
-    /// Whether there is no picture.
+    /// Returns `true` if the file contains no images.
     pub fn is_empty(&self) -> bool {
         self.frames.is_empty()
     }
 
-    /// Time of each frame, s.
+    /// Time of each frame (s).
     pub fn stamps(&self) -> impl Iterator<Item = f64> + '_ {
         self.frames.iter().map(|frame| frame.stamp)
     }
 
-    /// The picture of the frame `index`, from 0.
+    /// Reads the image of frame `index`, from 0.
     ///
     /// # Errors
-    /// What was expected and what was found, in words.
+    /// If there is no such frame, or the image cannot be read. Returns a description.
     pub fn read(&mut self, index: usize) -> Result<Picture, String> {
         let count = self.frames.len();
         let frame = self.frames.get(index);
-        let frame = frame.ok_or_else(|| format!("picture {index} of {count} asked for"))?;
+        let frame =
+            frame.ok_or_else(|| format!("expected an image index below {count}, got {index}"))?;
         self.file.read(frame.picture)
     }
 }
@@ -117,7 +118,7 @@ impl Camera for SensedPictures {
             return Err(match &self.problem {
                 None => CameraError::Ended { count },
                 Some(problem) => CameraError::Failed(format!(
-                    "{path}: the recording is incomplete ({problem}); {count} pictures up to there"
+                    "{path}: the recording is incomplete ({problem}); {count} images are readable"
                 )),
             });
         };
@@ -144,7 +145,7 @@ impl Camera for SensedPictures {
     }
 }
 
-/// What is found of frames and of pictures, which need not follow each other: displacements may wait for their reference.
+/// Frames and images found in a file. They need not be adjacent, because moments may be written after a delay.
 #[derive(Default)]
 struct Index {
     moments: HashSet<u16>,
@@ -181,7 +182,7 @@ impl Index {
         Ok(())
     }
 
-    /// The frames of which both are there. Both stand in the order of time.
+    /// Returns the frames that have moments and an image. Both lists are in order of time.
     fn frames(self) -> Vec<SensedFrame> {
         let mut pictures = self.pictures.into_iter().peekable();
         let frame = |(sequence, stamp)| {
@@ -198,7 +199,7 @@ impl Index {
     }
 }
 
-/// Whether `topic` is that of the pictures of some finger.
+/// Returns `true` if `topic` carries the images of a finger.
 fn is_image(topic: &str) -> bool {
     let finger = topic.split('/').nth(2).and_then(|n| n.parse().ok());
     finger.is_some_and(|finger| topics::image(finger).name() == topic)

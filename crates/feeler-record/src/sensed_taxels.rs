@@ -1,4 +1,4 @@
-//! What a taxel array of another maker felt, without any run around it: one MCAP file of ROS 2 messages.
+//! Recordings of third-party taxel arrays without a run: one MCAP file of ROS 2 messages.
 
 use super::channels::Tactile;
 use super::container::{Container, find, log_time};
@@ -17,37 +17,37 @@ use glam::DVec3;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Name of the metadata record at the file's beginning: which array it is, in which unit its forces are, its layout.
+/// Name of the metadata record at the start of the file: name of the array, unit of its forces, and layout.
 pub const TAXELS: &str = "feeler.taxels";
 
-/// Time between two pictures of the scene, s.
+/// Time between two updates of the scene (s).
 const FRAME_TIME: f64 = 1.0 / 30.0;
 
-/// What does not change of a taxel array.
+/// Constants of a taxel array.
 #[derive(Debug, Clone)]
 pub struct TaxelFacts {
-    /// What the array is called.
+    /// Name of the array.
     pub name: String,
     /// Unit of the forces: `N` or `counts`.
     pub unit: &'static str,
-    /// Its layout file.
+    /// Text of its layout file.
     pub layout: String,
-    /// Its elements, each with its place, m in the fingertip frame `T`.
+    /// Elements, each with its position in the fingertip frame `T` (m).
     pub elements: Vec<(SensingElement, DVec3)>,
 }
 
-/// Writes [`Tactile`] frames to [`TACTILE`], and what viewers draw: taxels and forces as points of a cloud and as dots of
-/// a scene and, of forces in newtons, their sum as a wrench; all in the frame of finger 0's dome, which is `T`.
+/// Writes [`Tactile`] frames to [`TACTILE`], and messages for viewers: taxels and forces as a point cloud, taxels as
+/// dots of a scene and, if forces are in newtons, their sum as a wrench. All are in the frame of finger 0's dome, `T`.
 ///
-/// Until it is [finished](Self::finish) the file lacks its end, and MCAP readers say so.
+/// Until [`finish`](Self::finish) is called, the file lacks its end, which MCAP readers report.
 pub struct TaxelWriter {
     messages: Messages,
     elements: Elements,
     cloud: PointCloud2,
     scene: MarkerArray,
-    /// Of forces in newtons.
+    /// `None` if forces are not in newtons.
     wrench: Option<WrenchStamped>,
-    /// Stamp of the newest cloud, s.
+    /// Stamp of the latest cloud (s).
     drawn: Option<f64>,
 }
 
@@ -55,7 +55,7 @@ impl TaxelWriter {
     /// Creates the file.
     ///
     /// # Errors
-    /// When it cannot be written.
+    /// If the file cannot be written.
     pub fn create(path: &Path, facts: TaxelFacts) -> Result<Self, RecordError> {
         let mut container = Container::create(path, WriteOptions::new())?;
         let is_newton = facts.unit == "N";
@@ -98,7 +98,7 @@ impl TaxelWriter {
     /// Writes a frame.
     ///
     /// # Errors
-    /// When the file cannot be written, or the frame's stamp is no time of a recording (before 0).
+    /// If the file cannot be written, or the stamp is not a valid time (negative or not finite).
     pub fn write(&mut self, frame: &TactileFrame) -> Result<(), RecordError> {
         let forces = frame.forces.iter().map(|&force| force.into());
         let tactile = Tactile {
@@ -122,7 +122,7 @@ impl TaxelWriter {
             }
             self.messages.write(topics::SCENE, &self.scene)?;
         }
-        // A time that goes back is drawn, too.
+        // Also written if time jumps back.
         let due = (self.drawn).is_none_or(|drawn| (frame.stamp - drawn).abs() >= FRAME_TIME);
         if due {
             self.drawn = Some(frame.stamp);
@@ -133,10 +133,10 @@ impl TaxelWriter {
         Ok(())
     }
 
-    /// Hands what was written to the system.
+    /// Passes buffered messages to the operating system.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn flush(&mut self) -> Result<(), RecordError> {
         self.messages.container.flush()
     }
@@ -144,13 +144,13 @@ impl TaxelWriter {
     /// Writes the end of the file and closes it.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn finish(self) -> Result<(), RecordError> {
         self.messages.container.close()
     }
 }
 
-/// The file's messages.
+/// Writer of the file's messages.
 struct Messages {
     container: Container,
     channels: Vec<Channel>,
@@ -163,7 +163,7 @@ impl MessageSink for Messages {
         topic: RecordedTopic<M>,
         message: &M,
     ) -> Result<(), RecordError> {
-        // All topics are of the rig or of its one finger.
+        // All topics are of the rig or of finger 0.
         let channel = find(&self.channels, 1, topic)?;
         let log_time = log_time(topic, message)?;
         self.buffer.clear();

@@ -1,4 +1,4 @@
-//! Puts batches of encoded messages into the file; works on the recorder's own thread.
+//! Writes batches of encoded messages to the file, on the recorder's thread.
 
 use super::batch::Batch;
 use super::channels::{RecordingGap, nanoseconds};
@@ -15,36 +15,36 @@ use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Name of the metadata record that holds the run's facts, at the file's start.
+/// Name of the metadata record with the run's facts, at the start of the file.
 pub const FACTS: &str = "feeler.run";
-/// Name of the metadata record that holds each channel's topic by its number, behind the chunk that says the same in
-/// MCAP's way: should that be damaged, the others can be read.
+/// Name of the metadata record with the topic of each channel id. It repeats the chunk of channel records, so that
+/// messages remain readable if that chunk is damaged.
 pub const CHANNELS: &str = "feeler.channels";
-/// Name of the metadata record at the file's end: wall time, digest, and how the run ended.
+/// Name of the metadata record at the end of the file: wall time, digest, and how the run ended.
 pub const END: &str = "feeler.end";
-/// Name of the attachment that holds the experiment as run.
+/// Name of the attachment with the experiment as run.
 pub const EXPERIMENT: &str = "experiment.toml";
 
-/// What stands before the experiment's name of a calibration in the name of its attachment.
+/// Prefix of the attachment names of calibrations; the rest is the name in the experiment.
 pub const CALIBRATION: &str = "calibration/";
-/// The same of a policy.
+/// Prefix of the attachment name of a policy; the rest is the name in the experiment.
 pub const POLICY: &str = "policy/";
 
-/// Media type of experiment and calibrations.
+/// Media type of the experiment and of calibrations.
 const TOML: &str = "application/toml";
-/// Media type of a policy, for which none is registered.
+/// Media type of a policy, since no specific type is registered.
 const BYTES: &str = "application/octet-stream";
 
 /// The file of a recording.
 pub struct Sink {
     container: Container,
     digester: Digester,
-    /// Number of the channel of gaps, once there was one: a recording without gaps has no such channel.
+    /// Index of the channel of gaps, which is registered at the first gap.
     gaps: Option<usize>,
 }
 
 impl Sink {
-    /// Creates the file, writes facts, experiment and the files of `options` that it names, and registers `channels`.
+    /// Creates the file, writes facts, experiment and the files in `options`, and registers `channels`.
     pub fn create(
         path: &Path,
         facts: &RunFacts,
@@ -77,7 +77,7 @@ impl Sink {
         })
     }
 
-    /// Writes what is missing.
+    /// Writes a gap message.
     fn write_gap(&mut self, gap: &RecordingGap) -> Result<(), RecordError> {
         let channel = match self.gaps {
             Some(channel) => channel,
@@ -109,7 +109,7 @@ impl Sink {
 }
 
 impl Store for Sink {
-    /// Writes a batch as one chunk and hands it to the system.
+    /// Writes a batch as one chunk and passes it to the operating system.
     fn write(&mut self, batch: &Batch) -> Result<(), RecordError> {
         if let Some(gap) = &batch.gap {
             self.write_gap(gap)?;
@@ -123,7 +123,7 @@ impl Store for Sink {
         self.container.flush()
     }
 
-    /// Writes wall time (s), digest, how the run ended and how much is missing, and closes the file.
+    /// Writes wall time (s), digest, how the run ended and the number of dropped messages, and closes the file.
     fn close(mut self, at: &End) -> Result<Digest, RecordError> {
         let digest = self.digester.finish();
         let mut end = BTreeMap::from([("digest".to_string(), digest.to_string())]);
@@ -142,11 +142,11 @@ impl Store for Sink {
     }
 }
 
-/// The facts that are no part of the digest: what only a simulated world knows shows in the forces, and a hand in a
-/// program of its own does not know it; goal, law and hand follow from the experiment, which is taken in, too.
+/// Facts that are not part of the digest. Ground truth affects the forces, and a hand in a separate program does not
+/// know it; goal, law and hand follow from the experiment, which is part of the digest.
 const NOT_DIGESTED: [&str; 6] = ["truth", "section", "solids", "carry", "law", "hand"];
 
-/// Takes in the facts and the experiment, as they stand before all messages.
+/// Appends the facts and the experiment, which precede all messages, to a digest.
 pub fn digest_facts(
     digester: &mut Digester,
     facts: &BTreeMap<String, String>,

@@ -1,4 +1,4 @@
-//! A recording, control step by control step.
+//! Iterates over a recording by control step.
 
 use super::channels::{
     Cap, Command, Fingertip, Flags, Joints, ObjectPose, Tactile, Task, TorqueSensor, TrueSlip,
@@ -6,14 +6,14 @@ use super::channels::{
 use super::newest::Newest;
 use super::recording::{FingerRecord, Recording};
 
-/// What was newest at a control step; none of what had not been heard of by then.
+/// Latest messages at a control step. `None` if no message had been recorded by then.
 #[derive(Debug, Clone)]
 pub struct Step<'a> {
-    /// Where the task stood. Its stamp is that of the step.
+    /// State of the task. Its stamp is the time of the step.
     pub task: &'a Task,
     /// One entry per finger.
     pub fingers: Vec<FingerStep<'a>>,
-    /// Torque sensor.
+    /// Reading of the torque sensor.
     pub torque: Option<&'a TorqueSensor>,
     /// True state of the cap.
     pub cap: Option<&'a Cap>,
@@ -24,13 +24,13 @@ pub struct Step<'a> {
 }
 
 impl<'a> Step<'a> {
-    /// What was newest of `finger`, if there is such a finger.
+    /// Latest messages of `finger`, or `None` if there is no such finger.
     pub fn finger(&self, finger: usize) -> Option<FingerStep<'a>> {
         self.fingers.get(finger).copied()
     }
 }
 
-/// What was newest of one finger at a control step.
+/// Latest messages of one finger at a control step.
 #[derive(Debug, Clone, Copy)]
 pub struct FingerStep<'a> {
     /// Forces.
@@ -45,7 +45,7 @@ pub struct FingerStep<'a> {
     pub fingertip: Option<&'a Fingertip>,
 }
 
-/// The control steps of a recording, in the order of time.
+/// Iterator over the control steps of a recording, in order of time.
 #[derive(Debug, Clone)]
 pub struct Steps<'a> {
     tasks: std::slice::Iter<'a, Task>,
@@ -57,7 +57,7 @@ pub struct Steps<'a> {
 }
 
 impl<'a> Steps<'a> {
-    /// Those of `recording`.
+    /// Creates an iterator over the steps of `recording`.
     pub fn new(recording: &'a Recording) -> Self {
         Self {
             tasks: recording.task.iter(),

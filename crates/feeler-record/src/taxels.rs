@@ -1,34 +1,34 @@
-//! What the elements of a fingertip feel, in the frame of its dome: each, as points of a cloud, and together.
+//! Forces on the elements of a fingertip in the dome's frame: as a point cloud, and summed to a wrench.
 
 use crate::model::{FingerModel, frame};
 use crate::ros::{Header, PointCloud2, PointField, Wrench};
 use feeler::sensor::layout::SensingElement;
 use glam::DVec3;
 
-/// The fields of a point that are numbers of 32 bits: where the element's tip is, m, and the force on it by what it
-/// touches, N, both in the frame of the dome.
+/// The 32-bit number fields of a point: position of the element's tip (m) and force on the element (N), both in the
+/// dome's frame.
 const NUMBERS: [&str; 6] = ["x", "y", "z", "fx", "fy", "fz"];
 /// The fields that are 0 or 1: whether the element slips, and whether its force is known.
 const FLAGS: [&str; 2] = ["slip", "valid"];
-/// Bytes of a number, and of a point: a multiple of that, so that numbers are aligned.
+/// Size of a number and of a point in bytes. A point is a multiple of a number, so that numbers are aligned.
 const NUMBER: usize = 4;
 const POINT: usize = 28;
 
 /// The elements of a fingertip.
 pub struct Elements {
-    /// Each with its undeformed tip, m in the fingertip frame `T`.
+    /// Each element with its undeformed tip in the fingertip frame `T` (m).
     elements: Vec<(SensingElement, DVec3)>,
-    /// The force on each by what it touches, N in `T`; not a number where it is not known.
+    /// Force on each element in `T` (N), or NaN if not known.
     pub forces: Vec<DVec3>,
 }
 
 impl Elements {
-    /// Those of a finger.
+    /// Creates the elements of a finger.
     pub fn of(model: &FingerModel) -> Self {
         Self::new(model.elements().collect())
     }
 
-    /// These, each with its undeformed tip, m in `T`.
+    /// Creates the elements from pairs of an element and its undeformed tip in `T` (m).
     pub fn new(elements: Vec<(SensingElement, DVec3)>) -> Self {
         Self {
             forces: vec![DVec3::ZERO; elements.len()],
@@ -36,12 +36,12 @@ impl Elements {
         }
     }
 
-    /// The undeformed tips, m in `T`.
+    /// The undeformed tips in `T` (m).
     pub fn tips(&self) -> impl Iterator<Item = DVec3> + '_ {
         self.elements.iter().map(|(_, tip)| *tip)
     }
 
-    /// Takes the forces of a tactile frame, each in the frame of its element, N.
+    /// Sets the forces from a tactile frame, which gives each in the frame of its element (N).
     pub fn take_forces(&mut self, forces: &[DVec3]) {
         let turned = self.elements.iter().zip(forces);
         let turned = turned.map(|((element, _), &force)| element.force_on_fingertip(force));
@@ -49,7 +49,7 @@ impl Elements {
         self.forces.extend(turned);
     }
 
-    /// What acts on the fingertip, by all elements whose force is known, about the dome's centre.
+    /// Wrench on the fingertip about the dome's centre: the sum over all elements whose force is known.
     pub fn wrench(&self) -> Wrench {
         let (mut sum, mut torque) = (DVec3::ZERO, DVec3::ZERO);
         let known = self.tips().zip(&self.forces);
@@ -63,7 +63,7 @@ impl Elements {
         }
     }
 
-    /// Fills the points of `cloud`, of elements of which `slips` says whether they slip.
+    /// Fills the points of `cloud`. `slips` returns whether an element slips.
     pub fn fill(&self, cloud: &mut PointCloud2, slips: impl Fn(usize) -> bool) {
         cloud.data.clear();
         for (element, (tip, force)) in self.tips().zip(&self.forces).enumerate() {
@@ -82,7 +82,7 @@ impl Elements {
     }
 }
 
-/// A cloud of the elements of `finger`, to be filled.
+/// Creates an empty point cloud for the elements of `finger`.
 pub fn taxels(finger: usize, elements: &Elements) -> PointCloud2 {
     let field = |datatype| {
         move |(name, offset): (&&str, usize)| PointField {
@@ -101,7 +101,7 @@ pub fn taxels(finger: usize, elements: &Elements) -> PointCloud2 {
         fields: numbers.chain(flags.map(field(PointField::UINT8))).collect(),
         point_step: POINT as u32,
         data: Vec::with_capacity(POINT * elements.elements.len()),
-        // Forces that are not known are not numbers.
+        // Unknown forces are NaN.
         is_dense: false,
         ..PointCloud2::default()
     }

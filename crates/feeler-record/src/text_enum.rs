@@ -1,7 +1,7 @@
-//! Enums that files and messages hold as texts, and that other programs may have more variants of.
+//! Enums that are written to files and messages as text and may have additional variants in other programs.
 
-/// Defines an enum whose variants are written as texts. A text that is none of them is kept as `Other`; two values
-/// are equal when their texts are.
+/// Defines an enum whose variants are written as text. Unknown texts are preserved as `Other`. Values are equal if
+/// their texts are.
 #[macro_export]
 macro_rules! text_enum {
     ($(#[$meta:meta])* $name:ident { $($(#[$doc:meta])* $variant:ident = $text:literal),+ $(,)? }) => {
@@ -10,12 +10,12 @@ macro_rules! text_enum {
         #[serde(from = "String", into = "String")]
         pub enum $name {
             $($(#[$doc])* $variant,)+
-            /// Another one, by its text.
+            /// An unknown variant with its text.
             Other(String),
         }
 
         impl $name {
-            /// The text, as it is written to files and messages.
+            /// Text written to files and messages.
             pub fn as_str(&self) -> &str {
                 match self {
                     $(Self::$variant => $text,)+

@@ -1,4 +1,4 @@
-//! The topics of a recording, each of which carries messages of one type.
+//! Topics of a recording. Each carries messages of one type.
 
 use super::channels::{
     Cap, Command, Findings, Fingertip, Flags, Joints, Moments, ObjectPose, RecordingGap, Stamped,
@@ -16,7 +16,7 @@ use std::any::Any;
 use std::fmt;
 use std::marker::PhantomData;
 
-/// A topic of a recording, which carries messages of type `M`.
+/// A topic of a recording that carries messages of type `M`.
 pub struct RecordedTopic<M> {
     name: &'static str,
     finger: Option<usize>,
@@ -24,7 +24,7 @@ pub struct RecordedTopic<M> {
 }
 
 impl<M> RecordedTopic<M> {
-    /// The topic `name` of the whole rig.
+    /// Creates the topic `name` of the whole rig.
     pub(crate) const fn of_rig(name: &'static str) -> Self {
         Self {
             name,
@@ -41,7 +41,7 @@ impl<M> RecordedTopic<M> {
         }
     }
 
-    /// The finger that its messages are about; none where they are about the whole rig.
+    /// Index of the finger that the messages describe, or `None` for the whole rig.
     pub fn finger(self) -> Option<usize> {
         self.finger
     }
@@ -51,7 +51,7 @@ impl<M> RecordedTopic<M> {
         name(self.name, self.finger)
     }
 
-    /// Checks that the topic is of a rig with `fingers` fingers.
+    /// Checks that the topic exists in a rig with `fingers` fingers.
     pub(crate) fn check_finger(self, fingers: usize) -> Result<(), RecordError> {
         match self.finger {
             Some(actual) if actual >= fingers => Err(RecordError::Finger { fingers, actual }),
@@ -110,7 +110,7 @@ pub mod topics {
         RecordedTopic::of_finger(finger, "fingertip")
     }
 
-    /// Pictures of the camera in a finger's fingertip; only where pictures are recorded.
+    /// Images of the camera in a finger's fingertip. Only written if images are recorded.
     pub const fn image(finger: usize) -> RecordedTopic<Image> {
         RecordedTopic::of_finger(finger, "image")
     }
@@ -123,52 +123,53 @@ pub mod topics {
     pub const TASK: RecordedTopic<Task> = RecordedTopic::of_rig("task");
     /// Findings of the task.
     pub const FINDINGS: RecordedTopic<Findings> = RecordedTopic::of_rig("findings");
-    /// True poses of the carried object; without messages where no object is free.
+    /// True poses of the carried object. Empty if no object is free.
     pub const OBJECT: RecordedTopic<ObjectPose> = RecordedTopic::of_rig("object");
-    /// True slip of the feelers; without messages where no simulated world tells.
+    /// True slip of the feelers. Only written by simulated worlds.
     pub const TRUE_SLIP: RecordedTopic<TrueSlip> = RecordedTopic::of_rig("true_slip");
-    /// What is missing; only where something is.
+    /// Gaps in the recording. Only written if messages were dropped.
     pub const RECORDING_GAP: RecordedTopic<RecordingGap> = RecordedTopic::of_rig("recording_gap");
 
-    // For viewers: what follows from the others.
+    // For viewers: derived from the other messages.
 
-    /// Where what moves is.
+    /// Transforms of moving frames.
     pub const TF: RecordedTopic<TFMessage> = RecordedTopic::of_rig("tf");
-    /// Where what does not move is; once.
+    /// Transforms of fixed frames. Written once.
     pub const TF_STATIC: RecordedTopic<TFMessage> = RecordedTopic::of_rig("tf_static");
-    /// The hand and what stands around it as URDF; once.
+    /// URDF of the hand and the solids around it. Written once.
     pub const ROBOT_DESCRIPTION: RecordedTopic<Text> = RecordedTopic::of_rig("robot_description");
     /// Angles and velocities of all joints.
     pub const JOINT_STATES: RecordedTopic<JointState> = RecordedTopic::of_rig("joint_states");
-    /// The scene: solids once, forces again and again.
+    /// Markers of the scene: solids once, forces repeatedly.
     pub const SCENE: RecordedTopic<MarkerArray> = RecordedTopic::of_rig("scene");
 
-    /// What acts on the fingertip of a finger, in the frame of its dome.
+    /// Wrench on a finger's fingertip, in the dome's frame.
     pub const fn wrench(finger: usize) -> RecordedTopic<WrenchStamped> {
         RecordedTopic::of_finger(finger, "wrench")
     }
 
-    /// Each element of a finger and the force on it, in the frame of its dome.
+    /// Position of each element of a finger and the force on it, in the dome's frame.
     pub const fn taxels(finger: usize) -> RecordedTopic<PointCloud2> {
         RecordedTopic::of_finger(finger, "taxels")
     }
 }
 
-/// A message that a recording holds.
+/// A message type that can be recorded.
 pub trait RecordedMessage: Stamped + Clone + Any {
-    /// Whether it follows from other messages: it is for viewers, no part of the digest, and not read back.
+    /// `true` if messages are derived from others: they are for viewers, not part of the digest, and not read back.
     const DERIVED: bool = false;
-    /// Makes what is recorded of the encoded message, on the recorder's thread; none where that is the message itself.
+    /// Converts an encoded message to its recorded form, on the recorder's thread. `None` if the message is recorded as
+    /// is.
     const CONVERSION: Option<Conversion> = None;
 
-    /// The list of `recording` that keeps the messages of this type: those of `finger`, or of the rig. None
-    /// where there is no such list: there is no such finger, or a recording does not keep them in memory.
+    /// The list of `recording` that stores messages of this type: of `finger`, or of the rig. `None` if there is no
+    /// such finger, or if messages of this type are not kept in memory.
     fn list(recording: &mut Recording, finger: Option<usize>) -> Option<&mut Vec<Self>>;
 
-    /// Reads a message, whose bytes stand in the file as `at` says, into its list.
+    /// Decodes a message and appends it to its list. `at` is the position of its bytes in the file.
     ///
     /// # Errors
-    /// What is wrong with `bytes`, in words.
+    /// If `bytes` is invalid. Returns a description.
     fn read_into(
         recording: &mut Recording,
         finger: Option<usize>,
@@ -179,7 +180,7 @@ pub trait RecordedMessage: Stamped + Clone + Any {
         let message: Self = cdr::decode(bytes).map_err(|e| e.to_string())?;
         let stamp = message.stamp();
         if !stamp.is_finite() {
-            return Err(format!("a finite stamp expected, {stamp} found"));
+            return Err(format!("expected a finite stamp, got {stamp}"));
         }
         if let Some(list) = Self::list(recording, finger) {
             list.push(message);
@@ -188,7 +189,7 @@ pub trait RecordedMessage: Stamped + Clone + Any {
     }
 }
 
-/// Implements [`RecordedMessage`] for messages of a finger and of the rig: type and list.
+/// Implements [`RecordedMessage`] for message types of a finger and of the rig, each with its list.
 macro_rules! recorded {
     (finger: $($of_finger:ident in $finger_list:ident),+; rig: $($of_rig:ident in $rig_list:ident),+ $(,)?) => {
         $(impl RecordedMessage for $of_finger {
@@ -218,14 +219,14 @@ recorded!(
     TrueSlip in true_slip,
 );
 
-/// Only in the file of a sensor without a run around it.
+/// Only written to sensor files, which contain no run.
 impl RecordedMessage for Moments {
     fn list(_: &mut Recording, _: Option<usize>) -> Option<&mut Vec<Self>> {
         None
     }
 }
 
-/// Left in its file: a recording in memory has the place of each.
+/// Left in the file; a recording in memory only stores the position of each image.
 impl RecordedMessage for Image {
     const CONVERSION: Option<Conversion> = Some(compress);
 
@@ -248,7 +249,7 @@ impl RecordedMessage for Image {
     }
 }
 
-/// Written by the recorder itself, where it dropped something.
+/// Written by the recorder itself if it dropped messages.
 impl RecordedMessage for RecordingGap {
     fn list(_: &mut Recording, _: Option<usize>) -> Option<&mut Vec<Self>> {
         None
@@ -263,7 +264,7 @@ impl RecordedMessage for RecordingGap {
         let gap: Self = cdr::decode(bytes).map_err(|e| e.to_string())?;
         if !(gap.start.is_finite() && gap.end.is_finite()) {
             let (start, end) = (gap.start, gap.end);
-            return Err(format!("finite times expected, {start} and {end} found"));
+            return Err(format!("expected finite times, got {start} and {end}"));
         }
         recording.gaps.push(Gap {
             missing: gap,
@@ -280,7 +281,7 @@ pub type Conversion = fn(&[u8]) -> Result<Vec<u8>, RecordError>;
 pub(crate) type ReadInto =
     fn(&mut Recording, Option<usize>, &[u8], PictureAt) -> Result<(), String>;
 
-/// A topic whose type of messages is known when the program runs only.
+/// A topic whose message type is only known at run time.
 #[derive(Clone, Copy)]
 pub(crate) struct Channel {
     name: &'static str,
@@ -293,8 +294,8 @@ pub(crate) struct Channel {
 }
 
 impl Channel {
-    /// The channels of a run of these constants in the order of the recording: those for viewers where it is known how
-    /// the hand is built, and those of pictures, if there are `pictures`, at the end.
+    /// The channels of a run with these constants, in the order of the recording. Channels for viewers are included if
+    /// the hand's geometry is known; channels of images, if `pictures` is set, are last.
     pub fn of_run(facts: &RunFacts, pictures: bool) -> Vec<Self> {
         let fingers = facts.fingers;
         let mut channels = Vec::new();
@@ -336,7 +337,7 @@ impl Channel {
         channels
     }
 
-    /// The channels that a recording of these constants can have.
+    /// All channels that a recording with these constants can have.
     pub fn known(facts: &RunFacts) -> impl Iterator<Item = Self> + use<> {
         let gaps = Self::from(topics::RECORDING_GAP);
         Self::of_run(facts, true).into_iter().chain([gaps])
@@ -347,12 +348,12 @@ impl Channel {
         name(self.name, self.finger)
     }
 
-    /// Whether its messages are written once and hold from then on.
+    /// Returns `true` if its messages are written once and remain valid.
     pub fn is_latched(self) -> bool {
         self.is_of(topics::TF_STATIC) || self.is_of(topics::ROBOT_DESCRIPTION)
     }
 
-    /// Whether it is the channel of `topic`.
+    /// Returns `true` if this is the channel of `topic`.
     pub fn is_of<M>(self, topic: RecordedTopic<M>) -> bool {
         self.finger == topic.finger && self.name == topic.name
     }

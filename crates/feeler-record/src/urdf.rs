@@ -1,7 +1,8 @@
-//! A hand as URDF, the description of robots that viewers and planners read.
+//! Export of a hand as URDF, the robot description format of viewers and planners.
 //!
-//! Links and joints of finger N are called `finger_N_...`; those are also the frames of a recording's transforms. All is
-//! in metres and radians, by the conventions of [`feeler::hand::kinematics`]: `finger_N_dome` is the fingertip frame `T`.
+//! Links and joints of finger N are named `finger_N_...`; these are also the frames of a recording's transforms.
+//! Lengths are in metres and angles in radians, in the conventions of [`feeler::hand::kinematics`]: `finger_N_dome` is
+//! the fingertip frame `T`.
 
 use super::error::RecordError;
 use super::model::{
@@ -11,12 +12,13 @@ use glam::{DQuat, EulerRot};
 use serde::Serialize;
 use std::f64::consts::FRAC_PI_2;
 
-/// The hand called `name` as URDF, with the `solids` around it: what moves of them hangs from the world by a floating
-/// joint. Prisms are drawn as the boxes about them, round ones as cylinders. What drives can exert is not known:
-/// `effort` is 0.
+/// Describes the hand `name` and the `solids` around it as URDF.
+///
+/// Moving solids are attached to the world by floating joints. Prisms are drawn as their bounding boxes, or as
+/// cylinders if they are round. `effort` is 0, because the drives' torque limits are not known.
 ///
 /// # Errors
-/// When a finger is out of range, or `name` cannot stand in XML.
+/// If a finger is out of range, or `name` is not valid in XML.
 pub fn urdf(name: &str, hand: &[FingerModel], solids: &[Solid]) -> Result<String, RecordError> {
     let mut robot = Robot {
         name: name.into(),
@@ -35,7 +37,7 @@ pub fn urdf(name: &str, hand: &[FingerModel], solids: &[Solid]) -> Result<String
     let written = robot.serialize(serializer);
     written.map_err(|error| RecordError::Facts {
         field: "experiment",
-        expected: "a name that can stand in XML".into(),
+        expected: "a name that is valid in XML".into(),
         actual: error.to_string(),
     })?;
     text.push('\n');
@@ -78,7 +80,7 @@ struct Rgba {
     rgba: &'static str,
 }
 
-/// Colours by name, as in the scene's markers; a dome shows what is behind it.
+/// Colours by name, as in the scene's markers. Domes are translucent.
 const LINK: (&str, &str) = ("link", "0.55 0.6 0.65 1");
 const DOME: (&str, &str) = ("dome", "0.8 0.8 0.8 0.45");
 const MOVED: (&str, &str) = ("moved", "0.9 0.62 0 0.9");
@@ -109,7 +111,8 @@ enum Shape {
     },
 }
 
-/// Of a frame in the one before: first turned about x, y and z of that by `rpy`, rad, then moved by `xyz`, m.
+/// Pose of a frame in its parent: a rotation by `rpy` (rad) about the parent's x, y and z axes, then a translation by
+/// `xyz` (m).
 #[derive(Serialize)]
 struct Pose {
     #[serde(rename = "@xyz")]
@@ -158,7 +161,7 @@ struct Limit {
 }
 
 impl Robot {
-    /// Adds a finger: each joint turns about z of the link that it carries, whose x points to the next joint.
+    /// Adds a finger. Each joint rotates about the z axis of its child link, whose x axis points to the next joint.
     fn add(&mut self, finger: usize, model: &FingerModel) -> Result<(), RecordError> {
         let frames = model.frames(finger)?;
         let config = &model.geometry;
@@ -194,7 +197,7 @@ impl Robot {
         Ok(())
     }
 
-    /// Adds what of the `solids` moves in a frame of its own, if anything does.
+    /// Adds a link for the `solids` that move with `frame`, if any.
     fn add_moving(&mut self, frame: SolidFrame, solids: &[Solid]) {
         let link = Link::of(frame.name(), solids, frame);
         if link.visual.is_empty() {
@@ -214,7 +217,7 @@ impl Robot {
 }
 
 impl Link {
-    /// The link `name` with those of the `solids` that are fixed to `frame`.
+    /// Creates the link `name` from the `solids` that are fixed to `frame`.
     fn of(name: &str, solids: &[Solid], frame: SolidFrame) -> Self {
         let solids = solids.iter().filter(|solid| solid.frame == frame);
         Self {
@@ -255,7 +258,7 @@ impl Visual {
             SolidFrame::World => FIXED,
             SolidFrame::Cap | SolidFrame::Object => MOVED,
         };
-        // No minus before a zero.
+        // Avoid negative zeros.
         let turned = [roll, pitch, yaw].map(|angle| angle + 0.0);
         Self::new(Pose::new(solid.position, turned), shape, colour)
     }
@@ -279,7 +282,7 @@ impl Shape {
     }
 }
 
-/// Whether all corners are about as far from the origin.
+/// Returns `true` if all corners have about the same distance from the origin.
 fn is_round(outline: &[[f64; 2]]) -> bool {
     let radii = outline.iter().map(|[x, y]| x.hypot(*y));
     let (low, high) = radii.fold((f64::MAX, 0.0), |(low, high): (f64, f64), radius| {

@@ -1,7 +1,7 @@
-//! What viewers draw of a run without knowing any message of ours.
+//! Messages from which viewers draw a run without knowing feeler's messages.
 //!
-//! All of it follows from the rest of the recording. Joints and wrenches are written at every control step, for plots;
-//! what is drawn, as often as an eye can follow.
+//! They are derived from the rest of the recording. Joints and wrenches are written at every control step, for plots;
+//! the scene is written at 30 Hz.
 
 use crate::error::RecordError;
 use crate::facts::RunFacts;
@@ -21,24 +21,24 @@ use feeler::control::touch::{FingerTouch, TouchSource};
 use feeler::hand::Hand;
 use glam::DVec3;
 
-/// Time between two pictures of the scene, s.
+/// Time between two updates of the scene (s).
 const FRAME_TIME: f64 = 1.0 / 30.0;
 
-/// Writes what viewers draw. Messages are kept and filled again.
+/// Writes messages for viewers. The messages' memory is reused.
 pub struct ViewerLog {
     fingers: Vec<Finger>,
     still: Still,
     joints: JointState,
-    /// Of what hangs from joints.
+    /// Transforms of the frames that move with joints.
     transforms: TFMessage,
-    /// Of what moves around the hand, each alone: where it is need not be known.
+    /// Transforms of the solids that move around the hand. Each is a separate message, because its pose may be unknown.
     moving: Vec<(SolidFrame, TFMessage)>,
     arrows: MarkerArray,
-    /// Time of the newest picture of the scene, s; none before the first.
+    /// Time of the latest scene update (s), or `None` before the first.
     drawn: Option<f64>,
 }
 
-/// What does not change over a run.
+/// Messages that do not change during a run.
 struct Still {
     description: Text,
     transforms: TFMessage,
@@ -47,7 +47,7 @@ struct Still {
 
 struct Finger {
     elements: Elements,
-    /// Those that hang from joints.
+    /// Frames that move with joints.
     frames: Vec<Frame>,
     wrench: WrenchStamped,
     taxels: PointCloud2,
@@ -55,10 +55,10 @@ struct Finger {
 }
 
 impl ViewerLog {
-    /// For a run of these constants; none where they do not tell how its fingers are built.
+    /// Creates a log for a run with these constants, or returns `None` if they lack the geometry of the fingers.
     ///
     /// # Errors
-    /// When the constants make no sense.
+    /// If the constants are invalid.
     pub fn new(facts: &RunFacts) -> Result<Option<Self>, RecordError> {
         if facts.hand.is_empty() {
             return Ok(None);
@@ -120,15 +120,15 @@ impl ViewerLog {
         }))
     }
 
-    /// What was written once may be among what was dropped: it is written again.
+    /// Requests that the static messages are written again, because they may have been dropped.
     pub fn forget_written(&mut self) {
         self.drawn = None;
     }
 
-    /// Writes the newest step of `control_loop`, and what moves around the hand by its `instruments`.
+    /// Writes the latest step of `control_loop` and the solids moved in `instruments`.
     ///
     /// # Errors
-    /// When the recording cannot be written.
+    /// If the recording cannot be written.
     pub fn write<R: MessageSink, S: TouchSource, H: Hand>(
         &mut self,
         recorder: &mut R,
@@ -136,7 +136,7 @@ impl ViewerLog {
         instruments: InstrumentRecord<'_>,
     ) -> Result<(), RecordError> {
         let state = control_loop.state();
-        // The rest of the recording says so where that is no time.
+        // An invalid time is reported when the other messages are written.
         let Some(now) = Time::of(state.stamp) else {
             return Ok(());
         };
@@ -187,7 +187,7 @@ impl ViewerLog {
         recorder.write(topics::SCENE, &self.still.scene)
     }
 
-    /// Writes what acts on a finger, and, where a picture of the scene is `due`, each of its elements.
+    /// Writes the wrench on a finger and, if a scene update is `due`, its elements.
     fn write_felt<R: MessageSink>(
         &mut self,
         recorder: &mut R,
@@ -249,7 +249,7 @@ impl ViewerLog {
     }
 }
 
-/// The transform of `frame`, at its joint's angle 0.
+/// Transform of `frame` at joint angle 0.
 fn transform(frame: &Frame) -> TransformStamped {
     TransformStamped {
         header: Header::of(frame.parent.as_str()),

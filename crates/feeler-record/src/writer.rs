@@ -1,4 +1,4 @@
-//! The thread that a recording's file is written on, and what becomes of messages while it cannot be.
+//! Background thread that writes a recording's file, and the queue in front of it.
 
 use super::batch::Batch;
 use super::channels::RecordingGap;
@@ -15,82 +15,81 @@ use std::sync::mpsc::{
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Bytes of messages that make a chunk. More would be lost with a program that is killed; of each, the writer keeps
-/// 0.6 KB for the index at the end.
+/// Size in bytes at which a chunk is written. A larger chunk loses more if the program is killed; each chunk costs 0.6
+/// KB in the index at the end.
 pub const CHUNK_BYTES: usize = 512 * 1024;
 
-/// Room of a batch: a chunk and the message that filled it.
+/// Capacity of a batch in bytes: a chunk and the message that exceeds it.
 const BATCH_ROOM: usize = CHUNK_BYTES + 16 * 1024;
 
-/// Messages that a batch has room for: more than a chunk of any rig's.
+/// Capacity of a batch in messages: more than a chunk of any rig contains.
 const BATCH_MESSAGES: usize = CHUNK_BYTES / 128;
 
-/// Batches that may wait for the file: some seconds of two fingers, so that a disk that is slow now and then costs
-/// nothing.
+/// Maximum number of batches that wait for the file: several seconds of two fingers, to bridge slow phases of a disk.
 pub const WAITING_BATCHES: usize = 8;
 
-/// Time between two looks at whether there is room.
+/// Interval at which a full queue is polled.
 const POLL: Duration = Duration::from_millis(1);
 
-/// What takes the batches of a recording.
+/// A destination for the batches of a recording.
 pub trait Store: Send + 'static {
-    /// Takes a batch, for good.
+    /// Writes a batch.
     fn write(&mut self, batch: &Batch) -> Result<(), RecordError>;
-    /// Takes what belongs at the end.
+    /// Writes the end record and closes the destination.
     fn close(self, end: &End) -> Result<Digest, RecordError>;
 }
 
-/// What stands at a recording's end beside its digest.
+/// Content of a recording's end record, except its digest.
 #[derive(Debug, Clone, Default)]
 pub struct End {
-    /// Wall time of the run, s, if it was measured.
+    /// Wall time of the run (s), if measured.
     pub wall_time: Option<f64>,
-    /// How the run ended, if somebody said so.
+    /// End of the run, if known.
     pub run_end: Option<RunEnd>,
-    /// Messages that are missing.
+    /// Number of dropped messages.
     pub dropped: u64,
 }
 
-/// Work for the thread.
+/// Work for the background thread.
 enum Work {
     Write(Batch),
     Close(End),
 }
 
-/// Why the queue did not take something.
+/// Reason for which the queue did not accept work.
 enum Refused {
-    /// There is no room.
+    /// The queue is full.
     Full(Work),
     /// The thread has ended.
     Ended(Work),
 }
 
-/// Batches, and the thread that puts them into the store.
+/// The current batch and the thread that writes batches to the store.
 pub struct Writer {
     path: PathBuf,
     patience: Patience,
-    /// The batch that is being filled.
+    /// Batch being filled.
     pub batch: Batch,
-    /// To the thread; none once that has ended, or the recording is closed.
+    /// Queue of the thread. `None` once the thread has ended or the recording is closed.
     queue: Option<SyncSender<Work>>,
-    /// Batches that have been written and can be filled again, from the thread.
+    /// Written batches returned by the thread for reuse.
     written: Receiver<Batch>,
-    /// Batches that can be filled.
+    /// Empty batches.
     spares: Vec<Batch>,
-    /// What came of it, when the thread ends.
+    /// Result of the thread.
     done: Receiver<Result<Option<Digest>, RecordError>>,
-    /// What is missing and has not been told yet.
+    /// Dropped messages that are not yet recorded as a gap.
     gap: Option<RecordingGap>,
-    /// Messages that are missing in all.
+    /// Total number of dropped messages.
     dropped: u64,
-    /// Whether a write has waited in vain since there was room.
+    /// `true` if a write has waited in vain since the queue was last free.
     waited: bool,
-    /// Why the file takes nothing any more.
+    /// Error of the file.
     failure: Option<RecordError>,
 }
 
 impl Writer {
-    /// Starts the thread, which writes to `store`, the file at `path`.
+    /// Starts a thread that writes to `store`, the file at `path`.
     pub fn start(
         path: &Path,
         mut store: impl Store,
@@ -105,7 +104,7 @@ impl Writer {
                     Work::Write(mut batch) => {
                         store.write(&batch)?;
                         batch.clear();
-                        // The recorder may be gone already; then nobody needs the memory.
+                        // The recorder may have been dropped.
                         let _ = give_back.send(batch);
                     }
                     Work::Close(end) => return store.close(&end).map(Some),
@@ -114,7 +113,7 @@ impl Writer {
             Ok(None)
         };
         let thread = thread::Builder::new().name("recorder".into());
-        // A recorder that has given up waits for no answer.
+        // The recorder may not wait for the result.
         let spawned = thread.spawn(move || tell.send(write_all()).unwrap_or_default());
         spawned.map_err(|source| RecordError::File {
             path: path.to_path_buf(),
@@ -128,7 +127,7 @@ impl Writer {
             written,
             spares: match patience {
                 Patience::Unlimited => Vec::new(),
-                // A hand that moves takes no memory meanwhile: so many wait, and one is being written.
+                // A moving hand must not allocate: one batch is being written while the others wait.
                 Patience::Limited(_) => (0..=WAITING_BATCHES).map(|_| resident_batch()).collect(),
             },
             done,
@@ -139,25 +138,25 @@ impl Writer {
         })
     }
 
-    /// Messages that were dropped.
+    /// Total number of dropped messages.
     pub fn dropped(&self) -> u64 {
         self.dropped
     }
 
-    /// What is missing and has not been told yet, as there still is no room.
+    /// Dropped messages that are not yet recorded as a gap, if any.
     pub fn gap(&self) -> Option<&RecordingGap> {
         self.gap.as_ref()
     }
 
-    /// Why the file takes nothing any more, of a writer of limited patience.
+    /// Error of the file, for a writer of limited patience.
     pub fn failure(&self) -> Option<&RecordError> {
         self.failure.as_ref()
     }
 
-    /// Hands the batch to the thread, or drops it; whether it was handed on.
+    /// Sends the batch to the thread, or drops it. Returns `false` if it was dropped.
     ///
     /// # Errors
-    /// When the file fails, of a writer of unlimited patience.
+    /// If the file fails, for a writer of unlimited patience.
     pub fn send(&mut self) -> Result<bool, RecordError> {
         match self.patience {
             Patience::Unlimited => self.offer(None),
@@ -176,7 +175,8 @@ impl Writer {
         }
     }
 
-    /// Offers the batch to the thread for at most `limit`; whether it was taken. If not, it stays.
+    /// Offers the batch to the thread for up to `limit`. Returns `false` if it was not accepted; the batch is then
+    /// kept.
     fn offer(&mut self, limit: Option<Duration>) -> Result<bool, RecordError> {
         let Some(queue) = &self.queue else {
             return Err(self.closed());
@@ -210,10 +210,10 @@ impl Writer {
         }
     }
 
-    /// Closes the recording with what belongs at its end, if that is known, for as long as `closing` allows.
+    /// Closes the recording, with the end record `end` if given, within the time that `closing` allows.
     ///
     /// # Errors
-    /// When the file fails or has failed, or takes nothing.
+    /// If the file fails, has failed, or accepts no data.
     pub fn finish(
         &mut self,
         end: Option<End>,
@@ -248,7 +248,7 @@ impl Writer {
         }
     }
 
-    /// Waits a little, or gives the file up.
+    /// Waits briefly, or gives up if the time limit is exceeded.
     fn wait(&mut self, closing: &mut Closing<'_>) -> Result<(), RecordError> {
         if closing.goes_on() {
             thread::sleep(POLL);
@@ -278,7 +278,7 @@ impl Writer {
         self.batch.clear();
     }
 
-    /// Why the thread ended.
+    /// Error of the thread that ended early.
     fn ended(&mut self) -> RecordError {
         self.queue = None;
         match self.done.recv() {
@@ -287,7 +287,7 @@ impl Writer {
         }
     }
 
-    /// That nothing can be written any more.
+    /// Error for writes after the recording was closed.
     pub fn closed(&self) -> RecordError {
         RecordError::Closed {
             path: self.path.clone(),
@@ -299,7 +299,7 @@ fn new_batch() -> Batch {
     Batch::with_capacity(BATCH_ROOM, BATCH_MESSAGES)
 }
 
-/// A batch whose memory the system has given already.
+/// Creates a batch whose memory is resident.
 fn resident_batch() -> Batch {
     let mut batch = new_batch();
     batch.bytes.resize(BATCH_ROOM, 0);
@@ -307,7 +307,7 @@ fn resident_batch() -> Batch {
     batch
 }
 
-/// Puts `work` into the queue; waits for room where it is to.
+/// Puts `work` into the queue. If `waits` is `true`, blocks until there is space.
 fn push(queue: &SyncSender<Work>, work: Work, waits: bool) -> Result<(), Refused> {
     if waits {
         return queue.send(work).map_err(|back| Refused::Ended(back.0));
@@ -321,7 +321,7 @@ fn push(queue: &SyncSender<Work>, work: Work, waits: bool) -> Result<(), Refused
 impl Drop for Writer {
     fn drop(&mut self) {
         if self.queue.is_some() {
-            // Without `finish` nobody asks what became of the rest; reading says it was not closed.
+            // The result is ignored: readers report that the recording was not closed.
             let mut closing = Closing::of(self.patience);
             let _ = self.finish(None, &mut closing);
         }

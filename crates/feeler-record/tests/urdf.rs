@@ -1,4 +1,4 @@
-//! The hand as URDF, read by another program's parser, has its fingertips where the kinematics has them.
+//! Checks that fingertip poses in the URDF, parsed by another library, match the kinematics.
 
 use feeler::hand::finger::{FingerConfig, FingerGeometry};
 use feeler::hand::kinematics::fingertip_pose;
@@ -39,8 +39,7 @@ fn parse(fingers: &[FingerConfig], solids: &[Solid]) -> Robot {
     urdf_rs::read_from_string(&text).unwrap_or_else(|error| panic!("{error}: {text}"))
 }
 
-/// The frame `link` in the world at the joint angles that `angle` tells by a joint's name, as URDF has it: from frame
-/// to frame, each turned about the axes of the one before.
+/// Computes the pose of `link` in the world by URDF's conventions. `angle` returns the angle of a joint by name.
 fn pose(robot: &Robot, link: &str, angle: &impl Fn(&str) -> f64) -> DAffine3 {
     let Some(joint) = robot.joints.iter().find(|joint| joint.child.link == link) else {
         assert_eq!(link, "world");
@@ -58,9 +57,9 @@ fn pose(robot: &Robot, link: &str, angle: &impl Fn(&str) -> f64) -> DAffine3 {
 }
 
 proptest! {
-    /// To what rounding leaves of lengths below 10 m.
+    /// Up to rounding errors of lengths below 10 m.
     #[test]
-    fn fingertips_are_where_the_kinematics_has_them(
+    fn fingertip_poses_match_the_kinematics(
         base in prop::array::uniform3(-1.0..1.0),
         phi in (-180.0..180.0, -180.0..180.0),
         l2 in prop_oneof![Just(0.0), 0.001..0.1],
@@ -82,7 +81,7 @@ proptest! {
 }
 
 #[test]
-fn joints_have_the_limits_of_the_experiment_and_links_their_lengths() {
+fn limits_and_lengths_match_the_experiment() {
     let fingers = [finger([0.0; 3], (0.0, 0.0), 0.0)];
     let (robot, finger) = (parse(&fingers, &[]), built(&fingers[0]));
     assert_eq!(robot.name, "two & a half <fingers>");
@@ -95,12 +94,12 @@ fn joints_have_the_limits_of_the_experiment_and_links_their_lengths() {
         assert_eq!(joint.limit.velocity, finger.joint_speed_limit()[index]);
     }
     let drawn: Vec<usize> = robot.links.iter().map(|link| link.visual.len()).collect();
-    // World and base are frames; the first link has no length.
+    // World and base are frames without shapes; the first link has zero length.
     assert_eq!(drawn, [0, 0, 0, 1, 1, 1]);
 }
 
 #[test]
-fn what_moves_hangs_from_the_world_and_what_does_not_is_part_of_it() {
+fn moving_solids_float_and_fixed_solids_are_part_of_the_world() {
     let solid = |name: &str, frame, shape| Solid {
         name: name.into(),
         frame,

@@ -10,7 +10,7 @@ use std::f64::consts::TAU;
 /// What is done with one load on one element; the force in its frame `E_i`, N.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Load {
-    /// There is none.
+    /// A live page, which cannot exist in this build.
     None,
     /// It is for fitting.
     Fitted(DVec3),

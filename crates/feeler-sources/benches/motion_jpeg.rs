@@ -1,4 +1,4 @@
-//! Decoding of one frame of Motion JPEG, 3280x2464 px, as a GelSight Mini sends it.
+//! Decoding of one Motion JPEG frame of 3280x2464 px, the format of a GelSight Mini.
 
 use feeler::sensor::frame::Picture;
 use feeler_sources::fit::Fit;
@@ -13,7 +13,7 @@ fn main() {
 
 const SIZE: (usize, usize) = (3280, 2464);
 
-/// A skin with dark markers, unevenly lit, and some noise: about 0.8 MB.
+/// A skin with dark markers, uneven lighting and some noise: about 0.8 MB.
 fn frame() -> Vec<u8> {
     let mut noise = 1_u32;
     let image = image::RgbImage::from_fn(SIZE.0 as u32, SIZE.1 as u32, |x, y| {
@@ -30,7 +30,7 @@ fn frame() -> Vec<u8> {
     bytes
 }
 
-/// Grey at 1/8, 1/4, 1/2 and full size; and at sizes in between.
+/// Grey at 1/8, 1/4, 1/2 and full size, and at sizes in between.
 #[divan::bench(args = [(410, 308), (320, 240), (820, 616), (640, 480), (1640, 1232), SIZE])]
 fn grey(bencher: divan::Bencher, wanted: (usize, usize)) {
     let bytes = frame();
@@ -42,7 +42,7 @@ fn grey(bencher: divan::Bencher, wanted: (usize, usize)) {
     });
 }
 
-/// Colours at 1/8 and full size, by the same library.
+/// Colour at 1/8 and full size, with the same library.
 #[divan::bench(args = [8, 1])]
 fn colour(bencher: divan::Bencher, denominator: u16) {
     let bytes = frame();
@@ -55,7 +55,7 @@ fn colour(bencher: divan::Bencher, denominator: u16) {
     });
 }
 
-/// As a picture file: colours at full size, then grey.
+/// Decoding as an image file: colour at full size, then grey.
 #[divan::bench]
 fn as_a_picture_file(bencher: divan::Bencher) {
     let bytes = frame();

@@ -1,12 +1,12 @@
-//! Tells depth and tilt of a contact from pictures of a real hemispherical sensor: finds its pins,
-//! senses them as `feeler sense` does, and fits a ridge regression from these to the pose.
+//! Estimates depth and tilt of a contact from images of a real hemispherical sensor. Locates the sensor's pins,
+//! computes their moments like `feeler sense`, and fits a ridge regression from the moments to the pose.
 //!
 //! ```text
 //! cargo run --release --example contact_pose -- [FOLDER]
 //! ```
 //!
-//! FOLDER holds `targets.csv` and `images/` (see `DataSet`); without it,
-//! `$FEELER_DATA/tactip-surface3d-tap`, where `FEELER_DATA` is `../shared/data` unless set. A relative path counts from the repository.
+//! FOLDER contains `targets.csv` and `images/` (see `DataSet`). The default is `$FEELER_DATA/tactip-surface3d-tap`,
+//! where `FEELER_DATA` defaults to `../shared/data`. Relative paths start at the repository.
 
 use feeler::sensor::{
     exposure::DEFAULT_MAX_SATURATED,
@@ -19,21 +19,21 @@ use feeler_sources::picture::read_picture;
 use nalgebra::{Cholesky, DMatrix, DVector, RowDVector};
 use std::{error::Error, fs, path::Path, path::PathBuf};
 
-/// How many of so many pictures the regression is fitted on: the first ones. The rest are predicted.
+/// Number of images for fitting the regression, out of `pictures`: the first 70 %. The rest is predicted.
 pub fn fitted(pictures: usize) -> usize {
     pictures * 7 / 10
 }
 
-/// Fewest pictures that this is worth it for.
+/// Minimum number of images for a meaningful result.
 const FEWEST: usize = 100;
 
 /// Depth of the tap, mm, and its tilts about two axes, degrees.
 pub const TARGETS: [&str; 3] = ["pose_3", "pose_4", "pose_5"];
 
-/// Parts that the fitted pictures are split into to choose the ridge and the sub-regions.
+/// Number of cross-validation folds of the fitted images, to choose the ridge and the sub-regions.
 const FOLDS: usize = 10;
 
-/// Radii of the sub-regions that are tried, over the pins' spacing.
+/// Radii of the sub-regions to try, relative to the pins' spacing.
 const REGION_RADII: [f64; 6] = [0.35, 0.4, 0.45, 0.5, 0.6, 0.8];
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -42,7 +42,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         .map_or_else(data_folder, PathBuf::from);
     if !folder.join("targets.csv").exists() {
         println!(
-            "SKIPPED: there is no {}",
+            "SKIPPED: {} does not exist",
             folder.join("targets.csv").display()
         );
         return Ok(());
@@ -58,27 +58,27 @@ fn main() -> Result<(), Box<dyn Error>> {
     Ok(())
 }
 
-/// Where the pictures are.
+/// Folder of the default data set.
 pub fn data_folder() -> PathBuf {
     data_folder_of("tactip-surface3d-tap")
 }
 
-/// Where the pictures of the data set `name` are.
+/// Folder of the data set `name`.
 pub fn data_folder_of(name: &str) -> PathBuf {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let data = std::env::var_os("FEELER_DATA").unwrap_or("../shared/data".into());
     root.join(data).join(name)
 }
 
-/// Pictures, and the pose of the contact in each.
+/// Images and the pose of the contact in each.
 pub struct DataSet {
     pub pictures: Vec<Picture>,
-    /// A row for each picture, a column for each target.
+    /// One row per image, one column per target.
     pub poses: DMatrix<f64>,
 }
 
 impl DataSet {
-    /// Reads the `targets` in `targets.csv`, and the pictures in `images/` that its column `sensor_image` names.
+    /// Reads the `targets` in `targets.csv`, and the images in `images/` named in its column `sensor_image`.
     pub fn read(folder: &Path, targets: &[&str]) -> Result<Self, Box<dyn Error>> {
         let text = fs::read_to_string(folder.join("targets.csv"))?;
         let mut lines = text.lines();
@@ -108,7 +108,7 @@ impl DataSet {
     }
 }
 
-/// The fields of a row; commas in quotes do not part.
+/// Splits a row into fields. Commas in quotes do not separate.
 fn fields(line: &str) -> Vec<String> {
     let (mut fields, mut quoted) = (vec![String::new()], false);
     for c in line.chars() {
@@ -121,34 +121,34 @@ fn fields(line: &str) -> Vec<String> {
     fields
 }
 
-/// How one target is told, all of it chosen by cross-validation on the fitted pictures.
+/// Result of estimating one target, with parameters chosen by cross-validation on the fitted images.
 #[derive(Debug, Clone, Copy)]
 pub struct Told {
-    /// Radius of the sub-regions over the pins' spacing.
+    /// Radius of the sub-regions relative to the pins' spacing.
     pub region_radius: f64,
-    /// Strength of the ridge.
+    /// Ridge parameter.
     pub ridge: f64,
-    /// Mean absolute error within the fitted pictures, mm or degrees.
+    /// Cross-validated mean absolute error on the fitted images, mm or degrees.
     pub cross_validated: f64,
-    /// Mean absolute error on the pictures kept from the fit, mm or degrees.
+    /// Mean absolute error on the predicted images, mm or degrees.
     pub error: f64,
 }
 
-/// What came of it.
+/// Result of the example.
 pub struct ContactPose {
-    /// Pins that were found.
+    /// Number of pins found.
     pub pins: usize,
-    /// How far they are apart, px.
+    /// Spacing of the pins, px.
     pub spacing_px: f64,
-    /// One for each of [`TARGETS`].
+    /// Result for each of [`TARGETS`].
     pub told: [Told; 3],
 }
 
-/// Finds the pins in the mean of the [`fitted`] pictures, fits on these, predicts the rest.
+/// Locates the pins in the mean of the [`fitted`] images, fits on these, and predicts the rest.
 pub fn contact_pose(data: &DataSet) -> Result<ContactPose, Box<dyn Error>> {
     let pictures = data.pictures.len();
     if pictures < FEWEST {
-        return Err(format!("at least {FEWEST} pictures expected, got {pictures}").into());
+        return Err(format!("expected at least {FEWEST} images, got {pictures}").into());
     }
     let reference = ReferencePicture::mean(&data.pictures[..fitted(pictures)])?;
     let nothing = Told {
@@ -208,8 +208,8 @@ fn tell(
     })
 }
 
-/// For each picture a row, for each pin three columns: its integrated gray value over the mean one,
-/// and its centroid, px. A pin that is not seen has not moved, as far as one knows.
+/// One row per image and three columns per pin: its integrated gray value relative to the mean, and the displacement
+/// of its centroid, px. The displacement of a pin that is not visible is 0.
 fn features(
     mut sensing: SensingChain,
     pictures: &[Picture],
@@ -249,7 +249,7 @@ fn features(
     Ok(features)
 }
 
-/// A linear map with the sum of its squared coefficients held down.
+/// Ridge regression: a linear map whose squared coefficients are penalized.
 struct Ridge {
     means: RowDVector<f64>,
     offset: f64,
@@ -261,7 +261,7 @@ impl Ridge {
         let means = x.row_mean();
         let centred = centred(x, &means);
         let offset = y.mean();
-        // There are more features than pictures: the dual form is the smaller one.
+        // There are more features than images, so the dual form is smaller.
         let gram = &centred * centred.transpose();
         let dual = solve(&gram, ridge, &y.add_scalar(-offset)).ok_or("the ridge is too small")?;
         Ok(Self {
@@ -290,7 +290,7 @@ fn solve(gram: &DMatrix<f64>, ridge: f64, y: &DVector<f64>) -> Option<DVector<f6
     Some(Cholesky::new(gram)?.solve(y))
 }
 
-/// The ridge of least cross-validated mean absolute error, and that error.
+/// Ridge parameter with the smallest cross-validated mean absolute error, and that error.
 fn choose_ridge(x: &DMatrix<f64>, y: &DVector<f64>) -> (f64, f64) {
     let gram = {
         let centred = centred(x, &x.row_mean());
@@ -309,7 +309,7 @@ fn choose_ridge(x: &DMatrix<f64>, y: &DVector<f64>) -> (f64, f64) {
     })
 }
 
-/// Mean absolute error on one fold when the others are fitted, from the products of all.
+/// Mean absolute error on one fold after fitting the others, from the Gram matrix of all samples.
 pub fn fold_error(gram: &DMatrix<f64>, y: &DVector<f64>, fold: usize, ridge: f64) -> f64 {
     let (out, kept): (Vec<usize>, Vec<usize>) = (0..y.len()).partition(|i| i % FOLDS == fold);
     let own = gram.select_rows(&kept).select_columns(&kept);

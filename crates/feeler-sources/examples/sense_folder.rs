@@ -1,4 +1,4 @@
-//! Forces from a folder of pictures of the reference fingertip.
+//! Computes forces from a folder of images of the reference fingertip.
 //!
 //! ```text
 //! cargo run --release --example sense_folder -- pictures/ fingertip.calibration.toml
@@ -10,11 +10,12 @@ use feeler_sources::files::PictureFiles;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
-    let folder = arguments.next().ok_or("a folder of pictures expected")?;
-    let file = arguments.next().ok_or("a calibration file expected")?;
+    let folder = arguments.next().ok_or("expected a folder of images")?;
+    let file = arguments.next().ok_or("expected a calibration file")?;
 
     let calibration = Calibration::from_toml(&std::fs::read_to_string(file)?)?;
-    let fingertip = (calibration.made_for.fingertip.clone()).ok_or("a fingertip expected")?;
+    let fingertip =
+        (calibration.made_for.fingertip.clone()).ok_or("expected a calibration for a fingertip")?;
     let mut sensing = SensingChain::of_fingertip(&fingertip)?.with_calibration(calibration)?;
     let (width, height) = sensing.picture_size();
     let mut camera = PictureFiles::new(&[folder], (width, height), 30.0)?;

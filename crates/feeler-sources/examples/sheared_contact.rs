@@ -1,12 +1,12 @@
-//! Tells depth, tilt, shear and twist of a contact from pictures of a sensor whose pins move farther than their spacing: follows each
-//! pin by identity from one reference picture, and fits a ridge regression from the displacements to the pose.
+//! Estimates depth, tilt, shear and twist of a contact from images of a sensor whose pins move farther than their
+//! spacing. Tracks each pin from one reference image, and fits a ridge regression from the displacements to the pose.
 //!
 //! ```text
 //! cargo run --release --example sheared_contact -- [FOLDER [REFERENCE]]
 //! ```
 //!
-//! FOLDER holds `targets.csv` and `images/`; without it, `$FEELER_DATA/tactip-shear`. REFERENCE is the picture of the lightest contact, by
-//! default the first that `targets.csv` names.
+//! FOLDER contains `targets.csv` and `images/`; the default is `$FEELER_DATA/tactip-shear`. REFERENCE is the image of
+//! the lightest contact; the default is the first image in `targets.csv`.
 
 #[path = "contact_pose.rs"]
 #[allow(dead_code)]
@@ -27,7 +27,7 @@ pub const TARGETS: [&str; 6] = [
     "pose_z", "pose_Rx", "pose_Ry", "shear_x", "shear_y", "shear_Rz",
 ];
 
-/// Parts of which each is predicted by a fit to the others.
+/// Number of cross-validation folds.
 const FOLDS: usize = 10;
 
 fn main() -> Result<(), Box<dyn Error>> {
@@ -37,7 +37,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         .map_or_else(|| data_folder_of("tactip-shear"), PathBuf::from);
     if !folder.join("targets.csv").exists() {
         println!(
-            "SKIPPED: there is no {}",
+            "SKIPPED: {} does not exist",
             folder.join("targets.csv").display()
         );
         return Ok(());
@@ -51,34 +51,34 @@ fn main() -> Result<(), Box<dyn Error>> {
     let pictures = data.pictures.len();
     let SeenPins { pins, lost } = found.seen;
     println!(
-        "{pictures} pictures, {pins} pins, {:.2} % of them lost",
+        "{pictures} images, {pins} pins, {:.2} % of them lost",
         100.0 * lost
     );
     for ([products, alone], name) in found.errors.iter().zip(TARGETS) {
         println!(
-            "{name}: mean absolute error {products:.3} by a ridge of the displacements and their products, {alone:.3} by one of the displacements alone",
+            "{name}: mean absolute error {products:.3} with displacements and their products, {alone:.3} with displacements alone",
         );
     }
     Ok(())
 }
 
-/// How the pins were seen.
+/// Statistics of the tracked pins.
 #[derive(Debug, Clone, Copy)]
 pub struct SeenPins {
     pub pins: usize,
-    /// Part of them that was lost, over all pictures.
+    /// Fraction of pins lost, over all images.
     pub lost: f64,
 }
 
-/// What came of it.
+/// Result of the example.
 pub struct ShearedContact {
     pub seen: SeenPins,
-    /// For each of [`TARGETS`], the mean absolute error on parts that were not fitted: by a ridge of the displacements and their products,
-    /// and by one of the displacements alone.
+    /// Cross-validated mean absolute error for each of [`TARGETS`]: with displacements and their products, and with
+    /// displacements alone.
     pub errors: Vec<[f64; 2]>,
 }
 
-/// Follows the pins of `reference` into each picture by itself, and tells the poses from where they went.
+/// Tracks the pins of `reference` into each image independently, and estimates the poses from their displacements.
 pub fn sheared_contact(
     data: &DataSet,
     reference: &Picture,
@@ -88,7 +88,7 @@ pub fn sheared_contact(
     let x = DMatrix::from_row_slice(pictures, 2 * seen.pins, &displacements);
     let x = centred(&x, &x.row_mean());
     let linear = &x * x.transpose();
-    // The products of all displacements, too: what a contact does depends on what it did already.
+    // Includes products of displacements because the response of a contact depends on its current deformation.
     let scale = linear.trace() / pictures as f64;
     let squared = linear.map(|product| (1.0 + product / scale).powi(2));
     let told = |target: usize| {
@@ -102,7 +102,7 @@ pub fn sheared_contact(
     Ok(ShearedContact { seen, errors })
 }
 
-/// Where each pin went in each picture, px: two numbers for a pin, a row for a picture.
+/// Displacement of each pin in each image, px: two numbers per pin, one row per image.
 fn displacements(
     pictures: &[Picture],
     reference: &Picture,
@@ -124,7 +124,7 @@ fn displacements(
     Ok((SeenPins { pins, lost }, displacements))
 }
 
-/// The least mean absolute error of any ridge up to `largest`.
+/// Smallest mean absolute error over ridge parameters up to `largest`.
 fn least_error(gram: &DMatrix<f64>, largest: f64, y: &DVector<f64>) -> f64 {
     let ridges = (0..14).map(|exponent| largest * 10_f64.powf(-0.5 * f64::from(exponent)));
     ridges

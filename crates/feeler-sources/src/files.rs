@@ -1,28 +1,28 @@
-//! Picture files as a camera.
+//! A camera that reads image files.
 
 use super::picture::{extensions, is_picture_name, picture_files, read_picture};
 use feeler::sensor::camera::{Camera, CameraError, check_frame_size};
 use feeler::sensor::frame::Frame;
 use std::path::{Path, PathBuf};
 
-/// Why there are no pictures.
+/// Error of a list of image files.
 #[derive(Debug, thiserror::Error)]
 pub enum FilesError {
-    /// A folder cannot be read.
-    #[error("{}: {source}; expected a folder or a file of pictures", path.display())]
+    /// A folder or file cannot be read.
+    #[error("{}: {source}; expected an image file or a folder of images", path.display())]
     Read {
-        /// What was named.
+        /// Path of the file or folder.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the system.
         source: std::io::Error,
     },
-    /// There is nothing to see in a folder.
-    #[error("{}: there is no picture in it; expected files ending in {}", path.display(), extensions())]
+    /// A folder contains no image file.
+    #[error("{}: the folder contains no image; expected files ending in {}", path.display(), extensions())]
     Empty {
         /// The folder.
         path: PathBuf,
     },
-    /// A file is of an unknown kind.
+    /// A file does not have the extension of an image.
     #[error("{}: expected a file ending in {}", path.display(), extensions())]
     UnknownKind {
         /// The file.
@@ -30,9 +30,9 @@ pub enum FilesError {
     },
 }
 
-/// A camera whose pictures are files: the k-th (from 0) of the list is frame k, taken at `k / rate`.
+/// A camera that reads a list of image files. File k (from 0) is frame k, with the stamp `k / rate`.
 ///
-/// A file that cannot be read or decoded is [`CameraError::Unreadable`]; the next is good again.
+/// A file that cannot be read or decoded returns [`CameraError::Unreadable`]; the next call reads the next file.
 #[derive(Debug, Clone)]
 pub struct PictureFiles {
     files: Vec<PathBuf>,
@@ -42,11 +42,11 @@ pub struct PictureFiles {
 }
 
 impl PictureFiles {
-    /// The pictures that `paths` name, each a picture file or a folder of them (in the natural order
-    /// of their names), taken at `rate` Hz, `size` (columns, rows) px large.
+    /// Creates a camera of the images at `paths`, each an image file or a folder of them (in natural order of their
+    /// names). The images have `size` (columns, rows) in px and are `1 / rate` seconds apart.
     ///
     /// # Errors
-    /// When a folder cannot be read or holds no picture, or a file is of another kind.
+    /// If a folder cannot be read or contains no image, or a file does not have the extension of an image.
     pub fn new(
         paths: &[impl AsRef<Path>],
         size: (usize, usize),
@@ -64,7 +64,7 @@ impl PictureFiles {
         })
     }
 
-    /// The files, in the order in which they are taken.
+    /// Files, in the order of capture.
     pub fn files(&self) -> &[PathBuf] {
         &self.files
     }

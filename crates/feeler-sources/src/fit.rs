@@ -1,53 +1,53 @@
-//! How pictures of one size become pictures of another without distortion.
+//! Scaling of images to another size without distortion.
 
-/// Largest part of a picture's columns or rows that may be cut off to reach another ratio of columns to rows.
+/// Maximum fraction of an image's columns or rows that may be cropped to reach another aspect ratio.
 pub const MAX_CROP: f64 = 0.1;
 
-/// Why a camera's pictures cannot be made to fit.
+/// Error of fitting a camera's images to the wanted size.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum FitError {
-    /// The camera's pictures are smaller than the wanted ones, or one of both sizes is empty.
-    #[error("{}x{} px are too few for pictures of {}x{} px", offered.0, offered.1, wanted.0, wanted.1)]
+    /// The camera's images are smaller than the wanted ones, or one of both sizes is empty.
+    #[error("{}x{} px are too few for images of {}x{} px", offered.0, offered.1, wanted.0, wanted.1)]
     TooSmall {
-        /// Columns and rows of the camera's pictures, px.
+        /// Columns and rows of the camera's images, px.
         offered: (usize, usize),
-        /// Columns and rows of the wanted pictures, px.
+        /// Columns and rows of the wanted images, px.
         wanted: (usize, usize),
     },
-    /// Both sizes have too different ratios of columns to rows.
+    /// The aspect ratios differ too much.
     #[error(
         "{}x{} px would lose {:.0} % of their {side} to become {}x{} px; expected at most {:.0} %",
         offered.0, offered.1, 100.0 * crop, wanted.0, wanted.1, 100.0 * MAX_CROP
     )]
     Shape {
-        /// Columns and rows of the camera's pictures, px.
+        /// Columns and rows of the camera's images, px.
         offered: (usize, usize),
-        /// Columns and rows of the wanted pictures, px.
+        /// Columns and rows of the wanted images, px.
         wanted: (usize, usize),
-        /// Part of the columns or rows that would be cut off, 0 to 1.
+        /// Fraction of the columns or rows that would be cropped, 0 to 1.
         crop: f64,
-        /// What would be cut off: `columns` or `rows`.
+        /// Cropped side: `columns` or `rows`.
         side: &'static str,
     },
 }
 
-/// Uniform scale and central crop by which pictures of the offered size become pictures of the wanted size.
+/// Uniform scale and central crop from images of the offered size to images of the wanted size.
 ///
-/// Columns and rows have the same scale, so that circles stay circles. The picture is cut at both edges of one side where the ratios of
-/// columns to rows differ.
+/// Columns and rows have the same scale, so that circles stay circles. If the aspect ratios differ, both edges of one
+/// side are cropped.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fit {
     offered: (usize, usize),
     wanted: (usize, usize),
-    /// Columns, and rows, of an offered picture that become one pixel.
+    /// Columns (and rows) of the offered image per output pixel.
     cell: f64,
 }
 
 impl Fit {
-    /// Fits pictures of `offered` size (columns, rows; px) to the `wanted` size.
+    /// Fits images of the `offered` size (columns, rows; px) to the `wanted` size.
     ///
     /// # Errors
-    /// If the offered size is smaller in columns or rows, or more than [`MAX_CROP`] would be cut off.
+    /// If the offered size has fewer columns or rows, or more than [`MAX_CROP`] would be cropped.
     pub fn new(offered: (usize, usize), wanted: (usize, usize)) -> Result<Self, FitError> {
         if wanted.0 == 0 || wanted.1 == 0 || offered.0 < wanted.0 || offered.1 < wanted.1 {
             return Err(FitError::TooSmall { offered, wanted });
@@ -74,28 +74,28 @@ impl Fit {
         })
     }
 
-    /// Columns and rows of the camera's pictures, px.
+    /// Columns and rows of the camera's images, px.
     pub fn offered(&self) -> (usize, usize) {
         self.offered
     }
 
-    /// Columns and rows of the pictures after scaling, px.
+    /// Columns and rows of the images after scaling, px.
     pub fn wanted(&self) -> (usize, usize) {
         self.wanted
     }
 
-    /// Whether the camera's pictures have the wanted size as they are.
+    /// Returns whether the camera's images already have the wanted size.
     pub fn is_exact(&self) -> bool {
         self.offered == self.wanted
     }
 
-    /// Largest of 1, 2, 4 and 8 by which a picture can be scaled down without becoming smaller than the wanted one.
+    /// Largest of 1, 2, 4 and 8 by which an image can be scaled down without becoming smaller than the wanted one.
     pub fn denominator(&self) -> usize {
         let fits = |&denominator: &usize| denominator as f64 <= self.cell;
         [8, 4, 2].into_iter().find(fits).unwrap_or(1)
     }
 
-    /// Columns and rows of a camera's picture that was scaled down by `denominator`, px.
+    /// Columns and rows of a camera's image after scaling down by `denominator`, px.
     pub fn scaled(&self, denominator: usize) -> (usize, usize) {
         let (columns, rows) = self.offered;
         let denominator = denominator.max(1);
@@ -103,28 +103,28 @@ impl Fit {
     }
 }
 
-/// Averages the pixels of a picture over the areas of another picture's pixels.
+/// Scales images down by averaging source pixels over the area of each output pixel.
 ///
-/// Each source pixel counts by the part of it that lies in the area. Filters of image libraries count whole pixels where the scale is no
-/// whole number, which shifts markers by up to half a pixel.
+/// Each source pixel is weighted by its overlap with the area. Filters of image libraries use whole pixels if the
+/// scale is not an integer, which shifts markers by up to half a pixel.
 #[derive(Debug, Clone)]
 pub struct AreaAverage {
     columns: Vec<Span>,
     rows: Vec<Span>,
-    /// Weighted sum of the rows of one area, by source column.
+    /// Weighted sum of the source rows of one output row, by source column.
     sums: Vec<f32>,
 }
 
-/// Source pixels, along one side, of one pixel.
+/// Source pixels that overlap one output pixel, along one axis.
 #[derive(Debug, Clone, PartialEq)]
 struct Span {
     first: usize,
-    /// Weights of the pixels from `first` on; their sum is 1.
+    /// Weights of the pixels from `first` on; they add up to 1.
     weights: Vec<f32>,
 }
 
 impl AreaAverage {
-    /// Averages pictures that were scaled down by `denominator` as `fit` says.
+    /// Creates an averager for images that a decoder has already scaled down by `denominator`.
     pub fn new(fit: &Fit, denominator: usize) -> Self {
         let scale = 1.0 / denominator.max(1) as f64;
         let (columns, rows) = fit.scaled(denominator);
@@ -142,7 +142,7 @@ impl AreaAverage {
         }
     }
 
-    /// Averages `source`, whose rows begin `stride` bytes apart, into `pixels`. Pixels that are missing count as 0.
+    /// Averages `source`, whose rows start `stride` bytes apart, into `pixels`. Missing source pixels count as 0.
     pub fn average(&mut self, source: &[u8], stride: usize, pixels: &mut [u8]) {
         let width = self.columns.len().max(1);
         for (span, row) in self.rows.iter().zip(pixels.chunks_exact_mut(width)) {
@@ -163,7 +163,7 @@ impl AreaAverage {
 }
 
 impl Span {
-    /// Pixels, of `count`, between the places `begin` and `end`.
+    /// Weights of the pixels (`count` in total) that overlap the interval from `begin` to `end`.
     fn new(begin: f64, end: f64, count: usize) -> Self {
         let last = count.saturating_sub(1);
         let first = (begin as usize).min(last);

@@ -1,7 +1,8 @@
-//! GenICam cameras (GigE Vision, USB3 Vision) by [Aravis](https://github.com/AravisProject/aravis), which is loaded at run time.
+//! GenICam cameras (GigE Vision, USB3 Vision) through [Aravis](https://github.com/AravisProject/aravis), which is
+//! loaded at run time.
 //!
-//! Pictures are taken as `Mono8`, or where a camera does not have that, as `Mono10`, `Mono12` or `Mono16`, scaled to 8 bits. Packed
-//! formats and colours are not supported.
+//! Images are read as `Mono8`, or if the camera does not have that, as `Mono10`, `Mono12` or `Mono16`, scaled to 8
+//! bits. Packed formats and colours are not supported.
 
 mod aravis;
 mod clock;
@@ -21,33 +22,35 @@ use feeler::sensor::frame::Frame;
 use pixels::Pixels;
 use std::time::{Duration, Instant};
 
-/// Pictures that the camera may have ready before it drops some.
+/// Number of images buffered before the camera drops some.
 const BUFFERS: usize = 8;
-/// After so long without a picture the camera is asked whether it is still there.
+/// Time without an image after which the camera is checked for a response.
 const LOOK: Duration = Duration::from_secs(1);
-/// A freely running camera that answers and sends nothing has failed after so long beyond the time that a picture takes.
+/// Time without an image, beyond the usual frame time, after which a free-running camera that still responds has
+/// failed.
 const SILENCE: Duration = Duration::from_secs(10);
-/// Beginning of the ids of the cameras that Aravis simulates.
+/// Prefix of the ids of cameras that Aravis simulates.
 const FAKE: &str = "Fake_";
 
-/// Which camera, and how it is set.
+/// Camera and its settings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GenicamConfig {
-    /// Its id as [`list`] has it, its serial number or its address; the first camera that answers if none. `Fake_1` is a camera
-    /// that Aravis simulates.
+    /// Id as returned by [`list`], serial number or address; `None` for the first camera that responds. `Fake_1` is a
+    /// camera that Aravis simulates.
     pub id: Option<String>,
-    /// How it is set.
+    /// Settings to apply.
     pub settings: CameraSettings,
 }
 
-/// A GenICam camera that takes pictures.
+/// A GenICam camera that is capturing.
 ///
-/// Stamps are the camera's own times of exposure, mapped onto the host's monotonic clock since the camera was opened by the least
-/// difference between arrival and camera's time in the last seconds: that of the fastest picture. They include what that one took
-/// on its way, never go back, and are never later than the arrival. Sequence numbers are the camera's frame counter; a gap is what
-/// the camera took and the host did not get. Pictures are delivered in their order.
+/// Stamps are the camera's exposure times, mapped onto the host's monotonic clock (s since the camera was opened).
+/// The clocks' offset is the smallest difference between arrival and camera time in the last seconds, so stamps
+/// include the latency of the fastest image. Stamps never decrease and are never later than the arrival. Sequence
+/// numbers come from the camera's frame counter; a gap counts images that did not reach the host. Images are returned
+/// in order.
 pub struct GenicamCamera {
-    // Before the device, whose it is.
+    // Dropped before the device that owns it.
     stream: Stream,
     device: Device,
     name: String,
@@ -56,16 +59,16 @@ pub struct GenicamCamera {
     clock: DeviceClock,
     counter: FrameCounter,
     opened: Instant,
-    /// When the next picture is triggered by software.
+    /// Time at which the next image is triggered by software.
     due: Instant,
     report: CaptureReport,
 }
 
 impl GenicamCamera {
-    /// Opens and sets the camera, and starts it.
+    /// Opens and configures the camera, and starts capturing.
     ///
     /// # Errors
-    /// When Aravis or the camera is not there, or it cannot be set as `config` says.
+    /// If Aravis cannot be loaded, the camera is not found, or it rejects a setting in `config`.
     pub fn open(config: &GenicamConfig) -> Result<Self, GenicamError> {
         let aravis = Aravis::load().map_err(|reason| GenicamError::Library { reason })?;
         let id = config.id.as_deref();
@@ -90,7 +93,7 @@ impl GenicamCamera {
             }
         };
         if !device.obeys() {
-            return Err(failed("setting")("another program has it".into()));
+            return Err(failed("setting")("another program uses it".into()));
         }
         let pixels = set::apply(&device, &name, &config.settings)?;
         let stream = device.stream(BUFFERS).map_err(failed("streaming"))?;
@@ -110,12 +113,12 @@ impl GenicamCamera {
         })
     }
 
-    /// When the camera was opened: the time at which its stamps are 0.
+    /// Time at which the camera was opened, which is stamp 0.
     pub fn opened(&self) -> Instant {
         self.opened
     }
 
-    /// Triggers the next picture, once it is due.
+    /// Waits until the next image is due and triggers it, if the trigger is by software.
     fn trigger(&mut self) -> Result<(), CameraError> {
         if self.settings.trigger != Trigger::Software {
             return Ok(());
@@ -127,11 +130,11 @@ impl GenicamCamera {
             .map_err(|reason| CameraError::Failed(format!("{}: {reason}", self.name)))
     }
 
-    /// Why no picture came after `waited`; none to go on waiting.
+    /// Error for an image that has not arrived after `waited`, or `None` to continue waiting.
     fn absence(&self, waited: Duration) -> Option<CameraError> {
         if let Err(reason) = self.device.answers() {
             return Some(CameraError::Failed(format!(
-                "{}: the camera does not answer: {reason}",
+                "{}: the camera does not respond: {reason}",
                 self.name
             )));
         }
@@ -142,21 +145,21 @@ impl GenicamCamera {
         }
         let seconds = waited.as_secs();
         match self.settings.trigger {
-            // The next signal may come whenever it comes.
+            // An external signal has no time limit.
             Trigger::Line(_) => None,
             Trigger::Software => Some(CameraError::Unreadable {
                 name: self.name.clone(),
-                reason: format!("no picture for {seconds} s after it was triggered"),
+                reason: format!("no image for {seconds} s after the trigger"),
             }),
             Trigger::Free => Some(CameraError::Failed(format!(
-                "{}: no picture for {seconds} s, though the camera answers",
+                "{}: no image for {seconds} s, although the camera responds",
                 self.name
             ))),
         }
     }
 }
 
-/// A camera's own name for itself.
+/// Name of a camera opened without an id.
 fn name_of(device: &Device) -> String {
     match device.names() {
         Ok([vendor, model, id]) => format!("genicam: ({vendor} {model} {id})"),
@@ -183,7 +186,7 @@ impl Camera for GenicamCamera {
                 name: format!("{}, frame {id} of the camera", self.name),
                 reason,
             };
-            // One that is not whole may come after later ones, and its stamp may be none.
+            // Incomplete images may arrive after later ones, and may have no valid stamp.
             if let Some(fault) = buffer.fault() {
                 return Err(unreadable(fault.into()));
             }
@@ -197,7 +200,7 @@ impl Camera for GenicamCamera {
                 let [columns, rows] = size;
                 let expected = self.pixels.name();
                 return Err(unreadable(format!(
-                    "{width}x{height} px of {expected} expected, got {columns}x{rows} px of format {code:#010x}"
+                    "expected {width}x{height} px of {expected}, got {columns}x{rows} px of format {code:#010x}"
                 )));
             }
             let (bytes, began) = (buffer.bytes(), Instant::now());
@@ -218,7 +221,7 @@ impl Camera for GenicamCamera {
 
 impl Drop for GenicamCamera {
     fn drop(&mut self) {
-        // One that is gone does not need it.
+        // An unplugged camera need not be stopped.
         let _ = self.device.stop();
     }
 }

@@ -1,17 +1,17 @@
-//! Whether a JPEG file is whole: decoders make up what is missing of one that was cut off.
+//! Detects truncated JPEG files, in which decoders make up the missing part.
 
 const START_OF_IMAGE: u8 = 0xD8;
 const END_OF_IMAGE: u8 = 0xD9;
 const START_OF_SCAN: u8 = 0xDA;
 const RESTARTS: std::ops::RangeInclusive<u8> = 0xD0..=0xD7;
 
-/// Whether `bytes` start as a JPEG file does.
+/// Returns whether `bytes` start like a JPEG file.
 pub fn is_jpeg(bytes: &[u8]) -> bool {
     bytes.starts_with(&[0xFF, START_OF_IMAGE])
 }
 
-/// Whether the file reaches to the end mark of its picture. A mark within a segment, as of the
-/// thumbnail that cameras put in, is none.
+/// Returns whether the file contains the end marker of its image. Markers within a segment, such as those of an
+/// embedded thumbnail, do not count.
 pub fn is_whole(bytes: &[u8]) -> bool {
     let mut rest = bytes;
     while let Some((marker, after)) = next_marker(rest) {
@@ -29,20 +29,21 @@ pub fn is_whole(bytes: &[u8]) -> bool {
     false
 }
 
-/// The next marker and what comes after it.
+/// Next marker and the bytes after it.
 fn next_marker(bytes: &[u8]) -> Option<(u8, &[u8])> {
     let start = bytes.iter().position(|&byte| byte == 0xFF)?;
     let code = start + bytes[start..].iter().position(|&byte| byte != 0xFF)?;
     Some((bytes[code], &bytes[code + 1..]))
 }
 
-/// What comes after a segment, whose length stands first and includes itself.
+/// Bytes after a segment, which starts with its own length (including the length field).
 fn segment(bytes: &[u8]) -> Option<&[u8]> {
     let length = u16::from_be_bytes(*bytes.first_chunk::<2>()?);
     bytes.get(usize::from(length.max(2))..)
 }
 
-/// Length of the coded data up to the next marker; 0xFF within is followed by 0 or a restart.
+/// Length of the entropy-coded data up to the next marker; within the data, 0xFF is followed by 0 or a restart
+/// marker.
 fn scan_length(bytes: &[u8]) -> usize {
     let ends = |pair: &[u8]| pair[0] == 0xFF && pair[1] != 0 && !RESTARTS.contains(&pair[1]);
     let marker = bytes.windows(2).position(ends);

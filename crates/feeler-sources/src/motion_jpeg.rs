@@ -1,46 +1,47 @@
-//! Decodes Motion JPEG to grey pictures, scaled down while decoding.
+//! Decodes Motion JPEG to greyscale images, scaled down while decoding.
 
 use crate::fit::{AreaAverage, Fit};
 use crate::jpeg;
 use feeler::sensor::frame::Picture;
 use rusty_jpeg::decode::{CodingProcess, Decoder, PlanarComponent};
 
-/// Why there is no picture in a frame of Motion JPEG.
+/// Error of decoding a Motion JPEG frame.
 #[derive(Debug, thiserror::Error)]
 pub enum MotionJpegError {
-    /// The frame is no JPEG picture, or a damaged one.
-    #[error("a JPEG picture expected: {0}")]
+    /// The frame is not a valid JPEG image.
+    #[error("expected a JPEG image: {0}")]
     Decode(String),
-    /// The frame ends within the picture.
-    #[error("the picture is truncated: {bytes} bytes without the end mark of a JPEG picture")]
+    /// The image is truncated.
+    #[error("the image is truncated: {bytes} bytes without the end marker of a JPEG image")]
     Truncated {
-        /// Length of the frame.
+        /// Length of the frame, bytes.
         bytes: usize,
     },
-    /// The picture has another size than the camera promised.
-    #[error("{}x{} px expected, got {}x{} px", expected.0, expected.1, found.0, found.1)]
+    /// The image does not have the size announced by the camera.
+    #[error("expected {}x{} px, got {}x{} px", expected.0, expected.1, found.0, found.1)]
     Size {
-        /// Columns and rows that the camera promised, px.
+        /// Columns and rows announced by the camera, px.
         expected: (usize, usize),
-        /// Columns and rows of the picture, px.
+        /// Columns and rows of the image, px.
         found: (usize, usize),
     },
 }
 
-/// Decodes the frames of one camera to grey pictures of one size.
+/// Decodes the frames of one camera to greyscale images of one size.
 ///
-/// Grey is the luma of the JPEG file (Rec. 601); colours are not converted. A picture that is scaled to 1/2, 1/4 or 1/8 is decoded by shorter
-/// cosine transforms (DCT scaling), and its areas are then averaged to the wanted size ([`Fit`]).
+/// Grey values are the luma of the JPEG data (Rec. 601); colours are not converted. Images that are scaled to 1/2,
+/// 1/4 or 1/8 are decoded with shorter cosine transforms (DCT scaling) and then averaged to the wanted size
+/// ([`Fit`]).
 pub struct MotionJpeg {
     fit: Fit,
     denominator: usize,
     average: AreaAverage,
-    /// Memory of the last picture's planes, for the next.
+    /// Buffers of the last image's planes, to be reused.
     planes: Vec<Vec<u8>>,
 }
 
 impl MotionJpeg {
-    /// Decodes pictures as `fit` says.
+    /// Creates a decoder that scales images by `fit`.
     pub fn new(fit: Fit) -> Self {
         let denominator = fit.denominator();
         Self {
@@ -51,35 +52,35 @@ impl MotionJpeg {
         }
     }
 
-    /// Decodes one frame into `picture`, which gets the wanted size.
+    /// Decodes one frame into `picture`, which is resized to the wanted size.
     ///
     /// # Errors
-    /// If the frame is not one whole sequential JPEG picture of the offered size; `picture` is then unchanged. Progressive pictures are
-    /// rejected, as no camera sends them and their scans can take minutes.
+    /// If the frame is not one complete sequential JPEG image of the offered size; `picture` is then unchanged.
+    /// Progressive images are rejected because cameras do not send them and decoding their scans can take minutes.
     pub fn decode(&mut self, bytes: &[u8], picture: &mut Picture) -> Result<(), MotionJpegError> {
         let failed = |error: rusty_jpeg::decode::Error| MotionJpegError::Decode(error.to_string());
         if !jpeg::is_whole(bytes) {
             return Err(match jpeg::is_jpeg(bytes) {
                 true => MotionJpegError::Truncated { bytes: bytes.len() },
-                false => MotionJpegError::Decode("no start mark".into()),
+                false => MotionJpegError::Decode("no start marker".into()),
             });
         }
         let expected = self.fit.offered();
         let mut decoder = Decoder::new(bytes);
-        // One camera has one thread; the library's own would take the processors of others.
+        // Each camera has one thread; a thread pool of the library would slow down the others.
         decoder.set_single_threaded(true);
         decoder.set_max_decoding_buffer_size(4 * expected.0 * expected.1);
         decoder.recycle_planes(std::mem::take(&mut self.planes));
         decoder.read_info().map_err(failed)?;
         let info = decoder
             .info()
-            .ok_or_else(|| MotionJpegError::Decode("no picture".into()))?;
+            .ok_or_else(|| MotionJpegError::Decode("no image".into()))?;
         let found = (usize::from(info.width), usize::from(info.height));
         if found != expected {
             return Err(MotionJpegError::Size { expected, found });
         }
         if info.coding_process != CodingProcess::DctSequential {
-            let words = "expected a sequential picture, as cameras send it";
+            let words = "expected a sequential image, as sent by cameras";
             return Err(MotionJpegError::Decode(words.into()));
         }
         let scaled = self.fit.scaled(self.denominator);
@@ -99,7 +100,7 @@ impl MotionJpeg {
         result
     }
 
-    /// Puts decoded luma into `picture`.
+    /// Copies or averages decoded luma into `picture`.
     fn fill(&mut self, luma: &PlanarComponent, picture: &mut Picture) {
         let (width, height) = self.fit.wanted();
         (picture.width, picture.height) = (width, height);

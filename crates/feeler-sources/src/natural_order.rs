@@ -1,11 +1,11 @@
-//! The order in which people number files: `frame9` before `frame10`.
+//! Natural order of file names: `frame9` before `frame10`.
 
 use std::cmp::Ordering;
 use std::iter::Peekable;
 use std::str::Chars;
 
-/// Compares two names; runs of digits count as numbers. Names that differ only in leading zeros are
-/// in the order of their characters.
+/// Compares two names; runs of digits compare as numbers. Names that differ only in leading zeros compare by their
+/// characters.
 pub fn compare(a: &str, b: &str) -> Ordering {
     let (mut left, mut right) = (a.chars().peekable(), b.chars().peekable());
     loop {
@@ -23,7 +23,7 @@ pub fn compare(a: &str, b: &str) -> Ordering {
     }
 }
 
-/// Takes a run of digits; without leading zeros, of any length.
+/// Reads a run of digits of any length and returns it without leading zeros.
 fn number(characters: &mut Peekable<Chars>) -> String {
     let mut digits = String::new();
     while let Some(digit) = characters.next_if(char::is_ascii_digit) {
@@ -39,7 +39,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn numbers_count_as_numbers() {
+    fn digit_runs_compare_as_numbers() {
         let mut names = [
             "b", "f10.png", "f9.png", "f010.png", "f9b", "a-2-10", "a-2-9", "f", "F10",
         ];

@@ -1,4 +1,4 @@
-//! One picture file to one grey picture.
+//! Decodes image files to greyscale images.
 
 use super::jpeg;
 use feeler::sensor::frame::Picture;
@@ -7,42 +7,42 @@ use std::fs::File;
 use std::io::{Cursor, Read};
 use std::path::{Path, PathBuf};
 
-/// Extensions of the files that are taken for pictures, in any case.
+/// Extensions of image files, in lower case; any case is accepted.
 pub const EXTENSIONS: [&str; 10] = [
     "png", "jpg", "jpeg", "pgm", "ppm", "pnm", "tif", "tiff", "bmp", "webp",
 ];
 
-/// Largest picture file, bytes.
+/// Maximum size of an image file, bytes.
 const MAX_FILE: u64 = 256 << 20;
-/// Most columns or rows of a picture, px.
+/// Maximum number of columns or rows of an image, px.
 const MAX_SIDE: u32 = 16_384;
-/// Most memory that decoding may take, bytes.
+/// Maximum memory for decoding, bytes.
 const MAX_MEMORY: u64 = 1 << 30;
 
-/// Why there is no picture in a file.
+/// Error of reading an image file.
 #[derive(Debug, thiserror::Error)]
 pub enum PictureError {
     /// The file cannot be read.
     #[error("{0}")]
     Read(#[from] std::io::Error),
-    /// The file is no picture, or a damaged one.
-    #[error("a picture (PNG, JPEG, PGM, TIFF, BMP, WebP) expected: {0}")]
+    /// The file is not a valid image.
+    #[error("expected an image (PNG, JPEG, PGM, TIFF, BMP, WebP): {0}")]
     Decode(#[from] ImageError),
-    /// The file ends within the picture.
-    #[error("the file is truncated: {bytes} bytes without the end mark of a JPEG picture")]
+    /// The image is truncated.
+    #[error("the file is truncated: {bytes} bytes without the end marker of a JPEG image")]
     Truncated {
-        /// Length of what is there.
+        /// Length of the file, bytes.
         bytes: usize,
     },
-    /// The file is far larger than any picture.
-    #[error("a picture file of at most {} MiB expected, it is larger", MAX_FILE >> 20)]
+    /// The file is too large.
+    #[error("the file is too large; expected an image file of at most {} MiB", MAX_FILE >> 20)]
     TooLarge,
 }
 
-/// Reads the picture file at `path`; see [`decode_picture`].
+/// Reads and decodes the image file at `path`; see [`decode_picture`].
 ///
 /// # Errors
-/// When it cannot be read, or is no whole picture.
+/// If the file cannot be read or is not a complete image.
 pub fn read_picture(path: &Path) -> Result<Picture, PictureError> {
     let mut bytes = Vec::new();
     let mut file = File::open(path)?.take(MAX_FILE + 1);
@@ -53,14 +53,15 @@ pub fn read_picture(path: &Path) -> Result<Picture, PictureError> {
     decode_picture(&bytes)
 }
 
-/// The grey 8-bit picture in the bytes of a PNG, JPEG, PNM, TIFF, BMP or WebP file, told by its content; of an animation its
-/// first frame.
+/// Decodes a PNG, JPEG, PNM, TIFF, BMP or WebP file to an 8-bit greyscale image. The format is detected from the
+/// content; of an animation, the first frame is decoded.
 ///
-/// A picture is turned and mirrored as its EXIF orientation says, so that its pixels are where a viewer shows them. 16-bit values are scaled by 1/257 and rounded; colours become `0.2126 R + 0.7152 G + 0.0722 B` of
-/// their values as stored; transparency is ignored.
+/// The EXIF orientation is applied, so that the pixels are where a viewer shows them. 16-bit values are scaled by
+/// 1/257 and rounded. Colours become `0.2126 R + 0.7152 G + 0.0722 B` of their stored values. Transparency is
+/// ignored.
 ///
 /// # Errors
-/// When it is no such file, or not a whole one.
+/// If `bytes` are not a complete image in one of these formats.
 pub fn decode_picture(bytes: &[u8]) -> Result<Picture, PictureError> {
     let mut reader = ImageReader::new(Cursor::new(bytes)).with_guessed_format()?;
     let mut limits = Limits::default();
@@ -84,23 +85,23 @@ pub fn decode_picture(bytes: &[u8]) -> Result<Picture, PictureError> {
     })
 }
 
-/// Whether the name of `path` is that of a picture file.
+/// Returns whether `path` has the extension of an image file.
 pub fn is_picture_name(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str());
     extension.is_some_and(|e| EXTENSIONS.iter().any(|known| known.eq_ignore_ascii_case(e)))
 }
 
-/// The extensions of picture files, for messages.
+/// Extensions of image files, as a list for messages.
 pub fn extensions() -> String {
     EXTENSIONS
         .map(|extension| format!(".{extension}"))
         .join(", ")
 }
 
-/// The picture files in `folder`, in the natural order of their names.
+/// Lists the image files in `folder`, in natural order of their names.
 ///
 /// # Errors
-/// When the folder cannot be read.
+/// If the folder cannot be read.
 pub fn picture_files(folder: &Path) -> std::io::Result<Vec<PathBuf>> {
     let mut files = Vec::new();
     for entry in std::fs::read_dir(folder)? {

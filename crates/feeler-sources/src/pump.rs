@@ -1,4 +1,4 @@
-//! Takes a camera's pictures on a thread of its own, so that who waits for one can give up waiting.
+//! Captures images on a background thread, so that the caller can wait with a timeout.
 
 use feeler::sensor::camera::{Camera, CameraError, CaptureReport};
 use feeler::sensor::frame::Frame;
@@ -8,26 +8,25 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, s
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Frames that may wait for being sensed. A live camera drops its own frames when there are more; a
-/// stream waits.
+/// Capacity of the queue of captured frames. If it is full, a live camera drops frames and a stream waits.
 const WAITING: usize = 4;
 
-/// A camera is given so long to stop when its pump is dropped: one that runs has its next picture by then, and is free for others.
+/// Time given to a camera to stop when its pump is dropped; a running camera delivers its next image in this time.
 const STOP: Duration = Duration::from_millis(500);
 
-/// What came of taking one picture.
+/// Result of one capture.
 #[derive(Debug)]
 pub struct Captured {
-    /// The frame, or why there is none.
+    /// The frame, or the camera's error.
     pub frame: Result<Frame, CameraError>,
-    /// When it came in.
+    /// Time of arrival.
     pub at: Instant,
-    /// How it was made.
+    /// Report on the capture.
     pub report: CaptureReport,
 }
 
 impl Captured {
-    /// A failure of the camera, now.
+    /// A failure of the camera that occurs now.
     fn failure(words: String) -> Self {
         Self {
             frame: Err(CameraError::Failed(words)),
@@ -37,23 +36,23 @@ impl Captured {
     }
 }
 
-/// A camera on a thread of its own.
+/// Captures from a camera on a background thread.
 ///
-/// The thread ends with the camera, or at its next picture after the pump is dropped, which waits half a second for it. One that
-/// waits for a picture that never comes is left waiting.
+/// The thread ends with the camera, or at its next image after the pump is dropped. Dropping waits up to half a
+/// second for that. A thread whose camera never delivers another image is left waiting.
 #[derive(Debug)]
 pub struct FramePump {
     captured: Receiver<Captured>,
     used: Sender<Frame>,
-    /// Closed when the thread has ended.
+    /// Disconnected when the thread has ended.
     ended: Receiver<()>,
 }
 
 impl FramePump {
-    /// Starts taking pictures of `size` (columns, rows) px.
+    /// Starts capturing images of `size` (columns, rows) px.
     ///
     /// # Errors
-    /// When the system gives no thread.
+    /// If the thread cannot be created.
     pub fn start(
         camera: impl Camera + Send + 'static,
         size: (usize, usize),
@@ -67,7 +66,7 @@ impl FramePump {
             let mut camera = camera;
             let pump = || pump(&mut camera, size, &sender, &unused);
             if let Err(panic) = catch_unwind(AssertUnwindSafe(pump)) {
-                // Whoever takes no more frames need not know.
+                // A send error means that the pump was dropped.
                 let _ = sender.send(Captured::failure(words_of(panic.as_ref())));
             }
         };
@@ -79,7 +78,7 @@ impl FramePump {
         })
     }
 
-    /// The next picture: none if there is none within `timeout`.
+    /// Next result, or `None` if nothing arrives within `timeout`.
     pub fn next(&self, timeout: Duration) -> Option<Captured> {
         match self.captured.recv_timeout(timeout) {
             Ok(captured) => Some(captured),
@@ -90,28 +89,28 @@ impl FramePump {
         }
     }
 
-    /// Gives a frame back to be filled again.
+    /// Returns a frame to be reused.
     pub fn give_back(&self, frame: Frame) {
-        // Where the camera has ended, nobody needs it.
+        // A send error means that the camera has ended.
         let _ = self.used.send(frame);
     }
 }
 
 impl Drop for FramePump {
     fn drop(&mut self) {
-        // Nobody takes another picture.
+        // Disconnects, so that the thread ends at its next image.
         self.captured = sync_channel(0).1;
         let _ = self.ended.recv_timeout(STOP);
     }
 }
 
-/// Why a camera's thread has ended, by what it panicked with.
+/// Error message for a camera thread that panicked with `panic`.
 fn words_of(panic: &(dyn Any + Send)) -> String {
     let text = panic.downcast_ref::<&str>().copied();
     let text = text.or_else(|| panic.downcast_ref::<String>().map(String::as_str));
     format!(
         "the camera's thread has panicked: {}",
-        text.unwrap_or("it does not say why")
+        text.unwrap_or("no message")
     )
 }
 
@@ -140,7 +139,7 @@ fn pump(
 mod tests {
     use super::*;
 
-    /// Takes two pictures, then fails as it is told to.
+    /// Captures two images, then fails with the given error or panic.
     struct Failing(u64, fn() -> CameraError);
 
     impl Camera for Failing {
@@ -152,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn a_camera_that_fails_halfway_says_why() {
+    fn errors_and_panics_of_a_camera_are_reported() {
         let failed = || CameraError::Failed("the cable is out".into());
         let panicked = || panic!("no such lens");
         for (fail, words) in [

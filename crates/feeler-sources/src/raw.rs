@@ -1,13 +1,13 @@
-//! A stream of raw grey frames as a camera: what `ffmpeg … -f rawvideo -pix_fmt gray -` writes.
+//! A camera that reads a stream of raw grey frames, such as the output of `ffmpeg … -f rawvideo -pix_fmt gray -`.
 
 use feeler::sensor::camera::{Camera, CameraError, check_frame_size};
 use feeler::sensor::frame::Frame;
 use std::io::{ErrorKind, Read};
 
-/// Frames of `width * height` bytes, one after the other; frame k (from 0) is taken at `k / rate`,
-/// as nothing in the stream tells the time.
+/// Reads consecutive frames of `width * height` bytes. Frame k (from 0) has the stamp `k / rate`, as the stream
+/// contains no times.
 ///
-/// A stream that ends within a frame gives [`CameraError::Unreadable`] for it, and then its end.
+/// A stream that ends within a frame returns [`CameraError::Unreadable`] for that frame, then [`CameraError::Ended`].
 #[derive(Debug)]
 pub struct RawFrames<R> {
     stream: R,
@@ -18,7 +18,7 @@ pub struct RawFrames<R> {
 }
 
 impl<R: Read> RawFrames<R> {
-    /// Frames of `size` (columns, rows) px at `rate` Hz from `stream`.
+    /// Creates a camera that reads frames of `size` (columns, rows) px at `rate` Hz from `stream`.
     pub fn new(stream: R, size: (usize, usize), rate: f64) -> Self {
         Self {
             stream,
@@ -29,7 +29,7 @@ impl<R: Read> RawFrames<R> {
         }
     }
 
-    /// Fills `pixels` as far as the stream goes; how far that is.
+    /// Fills `pixels` until the stream ends; returns the number of bytes read.
     fn fill(&mut self, pixels: &mut [u8]) -> std::io::Result<usize> {
         let mut filled = 0;
         while filled < pixels.len() {

@@ -1,28 +1,28 @@
-//! How a camera is set, whatever kind it is.
+//! Settings of a camera, independent of its interface.
 
 use std::fmt;
 use std::str::FromStr;
 
-/// What is asked of a camera.
+/// Settings of a camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CameraSettings {
-    /// Columns and rows of the pictures, px.
+    /// Columns and rows of the images, px.
     pub size: (usize, usize),
-    /// Frames per second, Hz; the camera takes the nearest that it can.
+    /// Frame rate, Hz; the camera uses the nearest available one.
     pub rate: f64,
-    /// Exposure time, s; as the camera is set if none.
+    /// Exposure time, s; unchanged if `None`.
     pub exposure: Option<f64>,
-    /// Gain in the camera's own unit, mostly dB; as the camera is set if none.
+    /// Gain in the camera's unit, mostly dB; unchanged if `None`.
     pub gain: Option<f64>,
-    /// Column and row of the camera's sensor at which pictures begin, px: with their size, the region of interest. As the camera is
-    /// set if none.
+    /// Column and row of the sensor at which images start, px; together with the size, this is the region of
+    /// interest. Unchanged if `None`.
     pub offset: Option<(usize, usize)>,
-    /// What makes the camera take a picture.
+    /// Trigger of each image.
     pub trigger: Trigger,
 }
 
 impl CameraSettings {
-    /// Pictures of `size` px at `rate` Hz, freely running, and else as the camera is set.
+    /// Images of `size` px at `rate` Hz, free-running; all other settings of the camera are unchanged.
     pub fn new(size: (usize, usize), rate: f64) -> Self {
         Self {
             size,
@@ -35,15 +35,15 @@ impl CameraSettings {
     }
 }
 
-/// What makes a camera take a picture.
+/// Trigger of a camera's images.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub enum Trigger {
-    /// Its own clock.
+    /// The camera's internal clock.
     #[default]
     Free,
-    /// A command for each picture, at the rate that is asked for.
+    /// A command for each image, at the configured rate.
     Software,
-    /// A signal at this input of the camera, as in `Line0`.
+    /// A signal at this input of the camera, such as `Line0`.
     Line(String),
 }
 
@@ -57,9 +57,9 @@ impl fmt::Display for Trigger {
     }
 }
 
-/// Why a text is no trigger.
+/// Error of parsing a [`Trigger`].
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("expected free, software, or the camera's name of an input, as in Line0")]
+#[error("expected free, software, or the name of a camera input such as Line0")]
 pub struct TriggerError;
 
 impl FromStr for Trigger {
@@ -82,7 +82,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn triggers_are_read_as_they_are_written() {
+    fn triggers_round_trip() {
         for text in ["free", "software", "Line0"] {
             assert_eq!(text.parse::<Trigger>().unwrap().to_string(), text);
         }

@@ -1,7 +1,7 @@
-//! A Video4Linux camera.
+//! Video4Linux cameras.
 //!
-//! Its pictures are taken as grey (`GREY`), as the luma of `YUYV`, or as Motion JPEG, in this order
-//! of preference. A camera that has none of the wanted size takes larger ones, which are scaled down ([`Fit`]).
+//! Images are read as grey (`GREY`), as the luma of `YUYV`, or as Motion JPEG, in this order of preference. If the
+//! camera does not offer the wanted size, larger images are scaled down ([`Fit`]).
 
 mod buffer;
 mod choice;
@@ -31,26 +31,26 @@ use std::io;
 use std::path::PathBuf;
 use std::time::Instant;
 
-/// What the system says of a device that is gone (`ENODEV`).
+/// Error code of an unplugged device (`ENODEV`).
 const NO_SUCH_DEVICE: i32 = 19;
 
-/// Which camera, and how it is set.
+/// Device and its settings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VideoConfig {
-    /// The device, as in `/dev/video0`.
+    /// Path of the device, as in `/dev/video0`.
     pub device: PathBuf,
-    /// How it is set. The library has neither the selection of a region nor triggers: a camera that is asked for these is refused.
+    /// Settings to apply. Offsets and triggers are not supported by the library `linuxvideo` and are rejected.
     pub settings: CameraSettings,
 }
 
-/// A camera that takes pictures all the time.
+/// A free-running Video4Linux camera.
 ///
-/// Stamps are the driver's, of the monotonic clock, in seconds since the camera was opened; sequence numbers are the driver's, and a gap is a
-/// frame that was dropped. A stamp that cannot be true (missing, of another clock, in the future, older than the picture can be, not later
-/// than the one before) is replaced by the time of arrival, and a number that cannot be true by counting intervals between arrivals; the
-/// first time, the report of the picture has a warning.
+/// Stamps come from the driver's monotonic clock, in seconds since the camera was opened. Sequence numbers come from
+/// the driver; a gap means dropped frames. An implausible stamp (missing, of another clock, in the future, older than
+/// the image can be, or not later than the previous one) is replaced by the arrival time. An implausible number is
+/// replaced by counting intervals between arrivals. The first time, the report of the image contains a warning.
 pub struct VideoCamera {
-    // Before the buffers, whose they are.
+    // Dropped before the buffers that it uses.
     stream: ReadStream,
     buffers: StreamBuffers,
     name: String,
@@ -62,10 +62,10 @@ pub struct VideoCamera {
 }
 
 impl VideoCamera {
-    /// Opens and sets the camera, and starts it.
+    /// Opens and configures the camera, and starts capturing.
     ///
     /// # Errors
-    /// When there is no camera, or it cannot be set as `config` says.
+    /// If the device is not a camera or rejects a setting in `config`.
     pub fn open(config: &VideoConfig) -> Result<Self, VideoError> {
         let failed = |what: &'static str| {
             move |source| VideoError::Device {
@@ -82,7 +82,7 @@ impl VideoCamera {
         let taken = capture.set_frame_interval(asked).unwrap_or(asked);
         let interval = f64::from(taken.numerator()) / f64::from(taken.denominator().max(1));
         let stride = capture.format().bytes_per_line() as usize;
-        // The driver's clock is the one of `Instant`.
+        // The driver uses the same clock as `Instant`.
         let (opened, by_driver) = (Instant::now(), clock_gettime(ClockId::Monotonic));
         let by_driver = by_driver.tv_sec as f64 + 1e-9 * by_driver.tv_nsec as f64;
         let stream = capture.into_stream().map_err(failed("streaming"))?;
@@ -99,13 +99,13 @@ impl VideoCamera {
         })
     }
 
-    /// When the camera was opened: the time at which its stamps are 0.
+    /// Time at which the camera was opened, which is stamp 0.
     pub fn opened(&self) -> Instant {
         self.opened
     }
 }
 
-/// Refuses what the library cannot ask a camera for.
+/// Rejects settings that the library does not support.
 fn refuse_unsupported(config: &VideoConfig) -> Result<(), VideoError> {
     let refused = |what: String, reason: &str| {
         Err(VideoError::Setting {
@@ -117,7 +117,7 @@ fn refuse_unsupported(config: &VideoConfig) -> Result<(), VideoError> {
     if let Some((x, y)) = config.settings.offset {
         return refused(
             format!("a region from column {x}, row {y}"),
-            "expected a GenICam camera; regions of Video4Linux cameras cannot be moved from here",
+            "expected a GenICam camera; the region of a Video4Linux camera cannot be moved",
         );
     }
     match &config.settings.trigger {
@@ -129,7 +129,8 @@ fn refuse_unsupported(config: &VideoConfig) -> Result<(), VideoError> {
     }
 }
 
-/// The first coding that the camera has in the size that is asked for, or else the one that is best scaled to it.
+/// Opens the camera with the first coding that it offers in the wanted size, or else with the format that is best
+/// scaled to it.
 fn negotiate(config: &VideoConfig) -> Result<(VideoCaptureDevice, Coding, Fit), VideoError> {
     let wanted = config.settings.size;
     let mut offered = Vec::new();
@@ -163,15 +164,15 @@ fn negotiate(config: &VideoConfig) -> Result<(VideoCaptureDevice, Coding, Fit), 
     })
 }
 
-/// What comes of asking a driver for a format.
+/// Result of requesting a format from a driver.
 enum Asked {
-    /// It is set.
+    /// The format is set.
     Given(VideoCaptureDevice, Fit),
-    /// What the driver would do instead, in words and, where that can be decoded, for choosing.
+    /// The driver offers another format: its description, and if it can be decoded, the candidate.
     Other(String, Option<Candidate>),
 }
 
-/// Asks the driver for pictures of `coding` and `size`.
+/// Requests images of `coding` and `size` from the driver.
 fn ask(config: &VideoConfig, coding: Coding, size: (usize, usize)) -> Result<Asked, VideoError> {
     let device = Device::open(&config.device).map_err(|source| VideoError::Device {
         device: config.device.clone(),
@@ -213,7 +214,7 @@ impl Camera for VideoCamera {
             let arrival = opened.elapsed();
             let stamp = buffers.dequeued();
             let decoded = match view.is_error() {
-                true => Err("the driver says that the picture is damaged".to_string()),
+                true => Err("the driver reports a damaged image".to_string()),
                 false => decoder.decode(&view, picture),
             };
             let decoding = opened.elapsed().saturating_sub(arrival);
@@ -239,7 +240,7 @@ impl Camera for VideoCamera {
 }
 
 impl VideoCamera {
-    /// Why there will be no further picture.
+    /// Error for a device that delivers no further images.
     fn lost(&self, error: &io::Error) -> CameraError {
         let unplugged = match error.raw_os_error() {
             Some(NO_SUCH_DEVICE) => "; the camera was unplugged",
@@ -254,7 +255,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_no_camera_is_refused() {
+    fn invalid_devices_and_unsupported_settings_are_refused() {
         let config = VideoConfig {
             device: "/dev/null".into(),
             settings: CameraSettings::new((640, 480), 30.0),

@@ -1,4 +1,4 @@
-//! GenICam cameras: the one that Aravis simulates, and its program that is one on the network.
+//! GenICam cameras: the one simulated by Aravis in this process, and Aravis' fake camera program on the network.
 #![cfg(all(feature = "genicam", target_os = "linux"))]
 
 #[path = "../../feeler-lab/tests/support/skip.rs"]
@@ -13,10 +13,10 @@ use std::thread::sleep;
 use std::time::Duration;
 
 const SIZE: (usize, usize) = (512, 512);
-/// The network camera's program, and the Debian package that has it.
+/// Program of the network camera and the Debian package that contains it.
 const PEER: (&str, &str) = ("arv-fake-gv-camera-0.8", "aravis-tools");
 
-/// The camera, set so; none, and a word of it, where Aravis is not there.
+/// Opens the camera with the given settings. `None`, after printing the reason, if Aravis is not installed.
 fn open(
     id: &str,
     rate: f64,
@@ -38,13 +38,14 @@ fn frame() -> Frame {
     Frame::black(SIZE.0, SIZE.1)
 }
 
-/// Its pixel at the top left is the frame's number modulo 255, times 1 + the gain + lg(exposure time / 10 ms).
+/// Frame number modulo 255, which the simulated camera writes into its top left pixel, scaled by 1 + gain +
+/// lg(exposure time / 10 ms).
 fn number(frame: &Frame) -> u64 {
     u64::from(frame.picture.pixels[0])
 }
 
 #[test]
-fn sixty_frames_come_with_stamps_of_the_device_and_the_number_that_is_in_the_picture() {
+fn sixty_frames_have_device_stamps_and_the_numbers_in_their_pixels() {
     let set = |settings: &mut CameraSettings| {
         (settings.exposure, settings.gain) = (Some(0.01), Some(0.0));
     };
@@ -62,21 +63,21 @@ fn sixty_frames_come_with_stamps_of_the_device_and_the_number_that_is_in_the_pic
         assert!(sequence.is_none_or(|sequence| frame.sequence > sequence));
         assert!(frame.stamp > stamp && frame.stamp <= arrived);
         before = (Some(frame.sequence), frame.stamp);
-        // The camera's counter is in its picture: none is taken for another.
+        // The frame number in the pixels matches the sequence number.
         let first = *first.get_or_insert(number(&frame));
         assert_eq!(number(&frame), (first + frame.sequence) % 255);
-        // Its picture is a ramp that wraps.
+        // The simulated image is a ramp that wraps.
         let pixel =
             |column: usize, row: usize| u64::from(frame.picture.pixels[row * SIZE.0 + column]);
         assert_eq!(pixel(511, 511), (number(&frame) + 511 + 511) % 255);
     }
 }
 
-/// Pictures that have waited come in all at once: stamps of arrival would be equal. With 8 buffers at 60 Hz they were taken over more
-/// than 0.1 s; half of it is held, as a stamp may lag where the fastest way is not known yet. A computer that is busy may spoil
-/// one look, not a hundred.
+/// Buffered images arrive at once, so arrival stamps would be equal. With 8 buffers at 60 Hz the images were taken
+/// over more than 0.1 s. The test requires half of that, as a stamp may lag while the smallest latency is unknown. A
+/// busy computer may spoil one attempt, but not a hundred.
 #[test]
-fn stamps_are_when_pictures_were_taken_not_when_they_came_in() {
+fn stamps_are_exposure_times_not_arrivals() {
     let Some(camera) = open("Fake_1", 60.0, |_| {}) else {
         return;
     };
@@ -90,7 +91,7 @@ fn stamps_are_when_pictures_were_taken_not_when_they_came_in() {
             (frame.stamp, camera.opened().elapsed().as_secs_f64())
         });
         let [(first, came), .., (last, finished)] = waiting;
-        // All were there, and only had to be copied.
+        // All images were buffered and only had to be copied.
         if finished - came < 0.02 {
             spread = spread.max(last - first);
         }
@@ -98,12 +99,12 @@ fn stamps_are_when_pictures_were_taken_not_when_they_came_in() {
             return;
         }
     }
-    panic!("pictures that had waited were {spread} s apart at most");
+    panic!("buffered images were at most {spread} s apart");
 }
 
-/// At 500 frames a second the counter of 16 bits, which begins near its end, wraps in the first second.
+/// At 500 Hz the 16-bit counter, which starts near its end, wraps in the first second.
 #[test]
-fn the_counter_goes_on_where_the_devices_wraps() {
+fn sequence_numbers_continue_when_the_device_s_counter_wraps() {
     let set = |settings: &mut CameraSettings| {
         (settings.exposure, settings.gain) = (Some(0.01), Some(0.0));
     };
@@ -127,7 +128,7 @@ fn the_counter_goes_on_where_the_devices_wraps() {
 }
 
 #[test]
-fn the_gain_and_the_exposure_that_are_set_are_in_the_picture() {
+fn gain_and_exposure_affect_the_image() {
     for (exposure, gain, scale) in [(0.01, 0.0, 1.0), (0.01, 2.0, 3.0), (0.1, 0.0, 2.0)] {
         let set = |settings: &mut CameraSettings| {
             (settings.exposure, settings.gain) = (Some(exposure), Some(gain));
@@ -140,7 +141,8 @@ fn the_gain_and_the_exposure_that_are_set_are_in_the_picture() {
             .expect("a camera")
             .capture(&mut frame)
             .expect("a picture");
-        // A ramp of 255 steps, brightened and cut at 255: the steps that are left of it, with or without one that is 255.
+        // The image is a ramp of 255 steps, brightened and saturated at 255. The count of remaining grey levels
+        // depends on whether one of them is exactly 255.
         let distinct: std::collections::BTreeSet<u8> =
             frame.picture.pixels.iter().copied().collect();
         let steps = (255.0 / scale) as usize + 1;
@@ -153,7 +155,7 @@ fn the_gain_and_the_exposure_that_are_set_are_in_the_picture() {
 }
 
 #[test]
-fn pictures_are_triggered_by_software() {
+fn images_are_triggered_by_software() {
     let software = |settings: &mut CameraSettings| settings.trigger = Trigger::Software;
     let Some(camera) = open("Fake_1", 100.0, software) else {
         return;
@@ -162,13 +164,13 @@ fn pictures_are_triggered_by_software() {
     let mut frame = frame();
     for sequence in 0..5 {
         camera.capture(&mut frame).expect("a picture");
-        // One for each trigger, and none in between.
+        // One image per trigger, and none in between.
         assert_eq!(frame.sequence, sequence);
     }
 }
 
 #[test]
-fn what_a_camera_cannot_do_is_refused_in_words() {
+fn unsupported_settings_are_refused() {
     let refused = |set: fn(&mut CameraSettings), words: &[&str]| {
         let Some(opened) = open("Fake_1", 60.0, set) else {
             return;
@@ -201,7 +203,7 @@ fn what_a_camera_cannot_do_is_refused_in_words() {
 }
 
 #[test]
-fn what_is_there_is_listed_with_what_it_can_do() {
+fn cameras_are_listed_with_their_capabilities() {
     let listed = match list(true) {
         Ok(listed) => listed,
         Err(error) => return skip::skipped(&error.to_string()),
@@ -216,7 +218,7 @@ fn what_is_there_is_listed_with_what_it_can_do() {
     assert_eq!(abilities.sensor_size, [2048, 2048]);
     assert_eq!(abilities.exposure, Some([1e-5, 10.0]));
     assert!(abilities.pixel_formats.iter().any(|name| name == "Mono8"));
-    // Nobody takes it for a camera who has not asked for it.
+    // The simulated camera is listed only on request.
     assert!(
         list(false)
             .unwrap()
@@ -225,11 +227,12 @@ fn what_is_there_is_listed_with_what_it_can_do() {
     );
 }
 
-/// A camera on the network of this computer: another process, which speaks GigE Vision.
+/// A camera on the network of this computer: another process that implements GigE Vision.
 struct Peer(Child);
 
 impl Peer {
-    /// Starts it; `lost` thousandths of its packets do not arrive. None, and a word of it, where it is not there.
+    /// Starts the camera; `lost` is the packet loss in thousandths. `None`, after printing the reason, if the program
+    /// is not installed.
     fn start(lost: &str) -> Option<Self> {
         let (program, package) = PEER;
         let started = Command::new(program)
@@ -247,7 +250,7 @@ impl Peer {
     }
 
     fn kill(&mut self) {
-        // It may have ended.
+        // The process may have ended.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
@@ -259,7 +262,7 @@ impl Drop for Peer {
     }
 }
 
-/// The network camera, once it is there: how soon its process answers is the computer's business.
+/// Opens the network camera, waiting until its process responds.
 fn open_peer(set: impl Fn(&mut CameraSettings)) -> Option<GenicamCamera> {
     for _ in 0..100 {
         match open("127.0.0.1", 60.0, &set)? {
@@ -273,9 +276,9 @@ fn open_peer(set: impl Fn(&mut CameraSettings)) -> Option<GenicamCamera> {
     panic!("no camera at 127.0.0.1");
 }
 
-/// One test, as all of them would listen on the one port of GigE Vision.
+/// One test instead of several, because they would all use the one port of GigE Vision.
 #[test]
-fn a_network_camera_is_set_loses_packets_and_is_lost() {
+fn a_network_camera_is_configured_loses_packets_and_disappears() {
     let Some(mut peer) = Peer::start("0") else {
         return;
     };
@@ -299,17 +302,17 @@ fn a_network_camera_is_set_loses_packets_and_is_lost() {
                 assert!(small.stamp <= camera.opened().elapsed().as_secs_f64());
                 pictures += 1;
             }
-            // A busy computer loses packets, too.
+            // A busy computer also loses packets.
             Err(error) => assert!(error.may_pass(), "{error}"),
         }
     }
-    // It obeys nobody else.
+    // The camera accepts only one controlling process.
     if let Some(second) = open("127.0.0.1", 60.0, set) {
         let error = second.err().expect("a refusal").to_string();
-        assert!(error.contains("another program has it"), "{error}");
+        assert!(error.contains("another program uses it"), "{error}");
     }
     drop(camera);
-    // It stays as it was set.
+    // The camera keeps its settings.
     let listed = list(false).expect("cameras");
     let listed = listed
         .iter()
@@ -317,7 +320,7 @@ fn a_network_camera_is_set_loses_packets_and_is_lost() {
     let abilities = listed.expect("the camera").abilities.as_ref();
     assert_eq!(abilities.expect("abilities").region, [16, 32, 256, 128]);
 
-    // The process dies, as a cable that is pulled.
+    // The process is killed, like pulling a cable.
     let Some(mut camera) = open_peer(set) else {
         return;
     };
@@ -331,10 +334,10 @@ fn a_network_camera_is_set_loses_packets_and_is_lost() {
         }
     };
     assert!(matches!(error, CameraError::Failed(_)), "{error}");
-    assert!(error.to_string().contains("does not answer"), "{error}");
+    assert!(error.to_string().contains("does not respond"), "{error}");
     drop(camera);
 
-    // Some packets of some pictures are lost: those are said to be, and others come.
+    // Images with lost packets are reported as unreadable, and others arrive.
     let Some(_peer) = Peer::start("10") else {
         return;
     };

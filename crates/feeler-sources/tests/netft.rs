@@ -1,4 +1,4 @@
-//! A force sensor on the network, against the emulated one: what arrives, and what is said when something is wrong.
+//! A force sensor on the network, against the emulator: samples and errors.
 
 use feeler_sources::netft::{ForceError, ForceSample, NetFt, NetFtAddress, NetFtEmulator};
 use std::io::{Read, Write};
@@ -13,7 +13,7 @@ fn connect(address: &str) -> NetFt {
     NetFt::connect(&address).expect("a socket")
 }
 
-/// What comes next, however long it takes.
+/// Waits for the next sample or error.
 fn next(sensor: &NetFt) -> Result<ForceSample, ForceError> {
     loop {
         if let Some(sample) = sensor.next_sample()? {
@@ -24,7 +24,7 @@ fn next(sensor: &NetFt) -> Result<ForceSample, ForceError> {
 }
 
 #[test]
-fn samples_come_in_si_units_and_in_order() {
+fn samples_are_in_si_units_and_in_order() {
     let mut count = 0.0;
     let emulator = NetFtEmulator::start(1000.0, move || {
         count += 1.0;
@@ -47,13 +47,13 @@ fn samples_come_in_si_units_and_in_order() {
 }
 
 #[test]
-fn what_counts_mean_is_read_from_the_web_page() {
+fn the_scale_of_counts_is_read_from_the_web_page() {
     let emulator = NetFtEmulator::start(500.0, || Some([2.0; 6])).unwrap();
     let sensor = connect(&emulator.bare_address());
     assert_eq!(next(&sensor).unwrap().wrench, [2.0; 6]);
 }
 
-/// A web page that answers with these bytes, once; how its connection is refused.
+/// Error of connecting to a sensor whose web page responds with `answer` once.
 fn refused_by(answer: &'static [u8]) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = listener.local_addr().unwrap().port();
@@ -62,7 +62,7 @@ fn refused_by(answer: &'static [u8]) -> String {
         let mut request = [0; 256];
         let length = client.read(&mut request).unwrap();
         assert!(request[..length].starts_with(b"GET /netftapi2.xml HTTP/1.0\r\n"));
-        // It may have seen enough.
+        // The client may have closed the connection already.
         let _ = client.write_all(answer);
     });
     let address = format!("netft://127.0.0.1?web={port}");
@@ -72,20 +72,20 @@ fn refused_by(answer: &'static [u8]) -> String {
 }
 
 #[test]
-fn a_web_page_that_says_something_else_is_refused_in_words() {
+fn invalid_web_pages_are_refused() {
     static LONG: [u8; 300_000] = [b'x'; 300_000];
     for (answer, words) in [
         (&b""[..], "expected status 200"),
         (b"\xff\xfe\0", "expected status 200"),
         (b"HTTP/1.0 404 Not Found\r\n\r\n", "404 Not Found"),
-        (b"HTTP/1.0 200 OK\r\n\r\n<html>", "no XML"),
+        (b"HTTP/1.0 200 OK\r\n\r\n<html>", "not XML"),
         (b"HTTP/1.0 200 OK\r\n\r\n<netft></netft>", "cfgcpf"),
         (&LONG, "over 262144 bytes"),
     ] {
         let error = refused_by(answer);
         assert!(error.contains(words), "{error}");
     }
-    // Nobody listens there.
+    // A closed port.
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = listener.local_addr().unwrap().port();
     drop(listener);
@@ -100,14 +100,14 @@ fn a_web_page_that_says_something_else_is_refused_in_words() {
 }
 
 #[test]
-fn a_sensor_that_is_away_is_silent_and_heard_when_it_comes() {
-    // A port on which nothing listens.
+fn an_absent_sensor_is_reported_and_received_once_it_responds() {
+    // A port without a sensor.
     let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
     let port = socket.local_addr().unwrap();
     let sensor = connect(&format!("netft://{port}?cpf=1000000&cpt=1000000"));
     let error = next(&sensor).unwrap_err();
     assert!(matches!(error, ForceError::Silent { .. }), "{error}");
-    // It is asked again, and then answers with what is no record, and one that is.
+    // The request is repeated. The response consists of invalid datagrams and one valid record.
     let mut bytes = [0; 8];
     let (_, client) = socket.recv_from(&mut bytes).unwrap();
     assert_eq!(bytes, [0x12, 0x34, 0, 2, 0, 0, 0, 0]);
@@ -124,7 +124,7 @@ fn a_sensor_that_is_away_is_silent_and_heard_when_it_comes() {
 }
 
 #[test]
-fn a_fault_is_said_and_passes() {
+fn a_fault_is_reported_and_passes() {
     let faulty = Arc::new(AtomicBool::new(true));
     let shared = Arc::clone(&faulty);
     let wrench = move || (!shared.load(Ordering::Relaxed)).then_some([1.0; 6]);

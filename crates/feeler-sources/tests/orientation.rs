@@ -1,4 +1,4 @@
-//! Pictures whose EXIF orientation says that they are stored turned or mirrored.
+//! Images stored rotated or mirrored, with an EXIF orientation.
 
 use feeler_sources::picture::decode_picture;
 use image::codecs::png::PngEncoder;
@@ -9,7 +9,8 @@ const STORED: (usize, usize) = (3, 2);
 /// Grey levels as stored, row by row.
 const PIXELS: [u8; 6] = [10, 20, 30, 40, 50, 60];
 
-/// Where the first stored row and the first stored column are seen, for the values 1 to 8 (Exif 3.0, 4.6.6.1).
+/// Sides on which the first stored row and the first stored column are displayed, for orientations 1 to 8 (Exif 3.0,
+/// 4.6.6.1).
 const SIDES: [(&str, &str); 8] = [
     ("top", "left"),
     ("top", "right"),
@@ -21,7 +22,7 @@ const SIDES: [(&str, &str); 8] = [
     ("left", "bottom"),
 ];
 
-/// A PNG file with an EXIF block that has an orientation only.
+/// A PNG file with an EXIF block that contains only an orientation.
 fn file(orientation: u8) -> Vec<u8> {
     let mut exif = b"II*\0\x08\0\0\0\x01\0".to_vec();
     exif.extend([0x12, 0x01, 3, 0, 1, 0, 0, 0, orientation, 0, 0, 0]);
@@ -65,7 +66,7 @@ fn pixels_are_where_a_viewer_shows_them() {
 }
 
 #[test]
-fn an_orientation_that_is_none_changes_nothing() {
+fn an_invalid_orientation_changes_nothing() {
     for orientation in [0, 9, 255] {
         let picture = decode_picture(&file(orientation)).expect("a picture");
         assert_eq!(picture.pixels, PIXELS, "{orientation}");

@@ -1,4 +1,4 @@
-//! Pictures of a real hemispherical sensor, with pins in black and white, where they are at hand.
+//! Images of a real hemispherical sensor with black and white pins, if the recordings are available.
 
 #[path = "../../feeler-lab/tests/support/recordings.rs"]
 mod recordings;
@@ -11,8 +11,8 @@ use recordings::recordings;
 use sheared_contact::contact_pose::{self, DataSet, contact_pose};
 use sheared_contact::sheared_contact;
 
-/// Pins of a picture, counted by another way: components of white pixels, without those of less than half or more than twice the median
-/// area, which are reflections and noise.
+/// Independent count of the pins in an image: components of white pixels, except those with less than half or more
+/// than twice the median area, which are reflections and noise.
 fn pins(picture: &Picture) -> usize {
     let mut left: Vec<bool> = picture.pixels.iter().map(|&pixel| pixel > 127).collect();
     let mut areas = Vec::new();
@@ -43,7 +43,8 @@ fn pins(picture: &Picture) -> usize {
     pins.count()
 }
 
-/// Checks a number of pins against that counted in a picture: within 3 %, for pins at the rim that touch what is bright about them.
+/// Checks a number of pins against the count in an image, within 3 % because pins at the rim may touch bright
+/// surroundings.
 fn as_many_as(found: usize, picture: &Picture) {
     let counted = pins(picture);
     assert!(
@@ -52,8 +53,8 @@ fn as_many_as(found: usize, picture: &Picture) {
     );
 }
 
-/// Bounds: what the data's README knows to be possible (0.080 mm, 0.88 and 0.76 degrees), rounded up
-/// for depth and the second tilt.
+/// Bounds: results known from the data's README (0.080 mm, 0.88 and 0.76 degrees), rounded up for depth and the
+/// second tilt.
 #[test]
 fn contact_pose_is_told_from_real_pictures() {
     let name = "contact_pose_is_told_from_real_pictures";
@@ -68,9 +69,10 @@ fn contact_pose_is_told_from_real_pictures() {
     }
 }
 
-/// Pins that move farther than their spacing, followed from one picture. Bounds: depth 0.15 mm, shears 1.2 mm, tilts 1.3 degrees, which is
-/// what a network and the nearest pins of well-matched pictures are known to reach; of the twist nothing is known. To save time every sixth
-/// picture is used, and tilts, for which these are too few to learn from, are not held; `FEELER_LONG_TESTS=1` uses all, for all bounds.
+/// Tracks pins that move farther than their spacing from one image. Bounds: depth 0.15 mm, shears 1.2 mm, tilts 1.3
+/// degrees, as reached by a neural network and by nearest-pin matching of well-matched images; no result is known for
+/// the twist. To save time, every sixth image is used, which is too little data for tilts, so their bounds are not
+/// checked. `FEELER_LONG_TESTS=1` uses all images and checks all bounds.
 #[test]
 fn sheared_contacts_are_told_from_real_pictures() {
     let name = "sheared_contacts_are_told_from_real_pictures";
@@ -78,7 +80,7 @@ fn sheared_contacts_are_told_from_real_pictures() {
         return;
     };
     let mut data = DataSet::read(&folder, &sheared_contact::TARGETS).unwrap();
-    // The first is the lightest contact, which stands for the untouched sensor.
+    // The first image is the lightest contact, used as the untouched sensor.
     let reference = data.pictures[0].clone();
     let long = std::env::var_os("FEELER_LONG_TESTS").is_some_and(|value| value != "0");
     let every = if long { 1 } else { 6 };

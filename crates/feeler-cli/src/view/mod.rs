@@ -1,4 +1,4 @@
-//! A run, a recording or a rig of several programs in the browser.
+//! `feeler view`: shows a run, a recording or a rig of several programs in the browser.
 
 #[cfg(not(feature = "view"))]
 mod no_live_run;
@@ -12,18 +12,18 @@ pub use feeler_watch::LiveRun;
 #[cfg(not(feature = "view"))]
 pub use no_live_run::LiveRun;
 
-/// What is said where there is no live page.
+/// Error message of a build without the live page.
 #[cfg(not(feature = "view"))]
 const MISSING: &str = "this program was built without the live page; build it with --features view";
 
-/// How a page is served.
+/// Options of the page's server.
 #[derive(Debug, Clone, clap::Args)]
 #[command(next_help_heading = "Page")]
 pub struct ServerArguments {
-    /// Serve the page at this port of this computer; 0 for any that is free.
+    /// Port of the page on this computer; 0 selects a free port.
     #[arg(long, value_name = "PORT", default_value_t = 0)]
     pub port: u16,
-    /// Print the page's address, but open no browser.
+    /// Print the page's address without opening a browser.
     #[arg(long)]
     pub no_open: bool,
 }
@@ -40,8 +40,10 @@ impl From<&ServerArguments> for feeler_watch::ServerOptions {
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// A recording (the folder of a run, or a file *.mcap), or the experiment of a rig of several programs: a file, or the
-    /// name of a built-in one. Of what is a folder or ends with .mcap, the recording is shown; of all else, the rig.
+    /// Recording (folder of a run, or a file *.mcap), or experiment of a rig of several programs.
+    ///
+    /// A folder or a path ending in .mcap is shown as a recording. All else is the experiment of a rig: a file or the
+    /// name of a built-in one.
     what: String,
     #[command(flatten)]
     server: ServerArguments,
@@ -72,7 +74,7 @@ pub fn view(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     let given = arguments.values.given().or(arguments.link.given());
     if let Some(option) = given {
         let what = path.display();
-        return Err(format!("{option} is for a rig; {what} is a recording").into());
+        return Err(format!("{option} requires a rig, got the recording {what}").into());
     }
     let recording = match path.is_dir() {
         true => path.join(RECORDING),
@@ -81,7 +83,7 @@ pub fn view(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     feeler_watch::serve_recording(&recording, (&arguments.server).into(), out)
 }
 
-/// Says that there is nothing to serve it with.
+/// Returns an error, because this build has no live page.
 #[cfg(not(feature = "view"))]
 pub fn view(arguments: &Arguments, _: &mut dyn Write) -> Result<Outcome, CommandError> {
     let Arguments {

@@ -83,26 +83,6 @@ const COMMANDS: &[(&str, How)] = &[
         "feeler drives jog my-rig.toml --finger 0 --joint 1 --by 3",
         WithServos,
     ),
-    (
-        "feeler drives jog my-rig.toml --finger 0 --joint 2 --by 3",
-        WithServos,
-    ),
-    (
-        "feeler drives jog my-rig.toml --finger 0 --joint 3 --by 3",
-        WithServos,
-    ),
-    (
-        "feeler drives jog my-rig.toml --finger 1 --joint 1 --by 3",
-        WithServos,
-    ),
-    (
-        "feeler drives jog my-rig.toml --finger 1 --joint 2 --by 3",
-        WithServos,
-    ),
-    (
-        "feeler drives jog my-rig.toml --finger 1 --joint 3 --by 3",
-        WithServos,
-    ),
     ("feeler rig my-rig.toml --dry-run", WithServos),
     ("feeler rig my-rig.toml --real-time", InARig),
     (

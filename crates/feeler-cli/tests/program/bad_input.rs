@@ -288,7 +288,11 @@ fn a_folder_that_holds_a_run_is_not_written_over() {
     let run_folder = whole_run(&folder);
     let before = fs::read(run_folder.join("recording.mcap")).unwrap();
     let again = ["run", "cap-closing", "--sensing=direct", "--out=run"];
-    run(&folder, &again).refused(&["--out run", "a run already", "expected a new folder"]);
+    run(&folder, &again).refused(&[
+        "--out run",
+        "already contains a run",
+        "expected a new folder",
+    ]);
     assert_eq!(fs::read(run_folder.join("recording.mcap")).unwrap(), before);
     fs::remove_file(run_folder.join("recording.mcap")).unwrap();
     run(&folder, &again).refused(&["--out run", "report.html"]);

@@ -193,8 +193,8 @@ fn elements_that_the_pictures_contradict_are_refused() {
     refuses(
         &exchanged,
         &[
-            "the loads of element 3 are not what the pictures show of it",
-            "but of element 7",
+            "the loads of element 3 do not match its growth in the images",
+            "but that of element 7",
         ],
     );
     let shifted = |row: &mut Row| {
@@ -203,7 +203,7 @@ fn elements_that_the_pictures_contradict_are_refused() {
     };
     refuses(
         &shifted,
-        &["but of element 40", "numbered as in the layout"],
+        &["but that of element 40", "numbered as in the layout"],
     );
     // Forces in the picture's axes, and no angle that says so; with it, they are turned.
     let seen = |row: &mut Row| {
@@ -354,7 +354,7 @@ fn recordings_with_different_zeros_are_refused() {
     // The camera has moved.
     in_two_recordings(&bench, 6);
     let words = [
-        "pictures without load of recordings",
+        "unloaded images of recordings",
         "the camera, the light or the fingertip has changed",
     ];
     bench.refuses(offset(DVec3::ZERO), &[], &words);
@@ -439,7 +439,7 @@ fn calibrations_of_wrong_loads_are_refused_wherever_they_are_used() {
     ] {
         fs::write(&path, multiplied(&text, key, -1.0)).unwrap();
         run(&folder, &["run", "my.toml", "--out", "run"])
-            .refused(&[words, "`feeler calibrate` makes one"]);
+            .refused(&[words, "run `feeler calibrate` again"]);
         assert!(!Path::new(&folder.join("run/recording.mcap")).exists());
         run(&folder, &["check", "my.toml"]).refused(&[words]);
     }
@@ -447,7 +447,7 @@ fn calibrations_of_wrong_loads_are_refused_wherever_they_are_used() {
     let thousandfold = ["normal", "shear_x", "shear_y"]
         .iter()
         .fold(text, |text, key| multiplied(&text, key, 1e3));
-    let words = "expected 0.01 to 20 N on a soft element: were its loads in another unit?";
+    let words = "expected 0.01 to 20 N on a soft element: are its loads in another unit?";
     fs::write(&path, &thousandfold).unwrap();
     run(&folder, &["run", "my.toml", "--out", "run"]).refused(&[words]);
     let confirmed =

@@ -299,13 +299,13 @@ fn bad_input_is_refused_in_words() {
     refused(&["--wrench", "--full-scale-normal=1"], &["--live"]);
     refused(
         &["--live=-", "--force-sensor=/dev/ttyUSB0"],
-        &["no netft:// address", "ros2:/TOPIC"],
+        &["not a netft:// address", "ros2:/TOPIC"],
     );
     refused(
         &["--live=-", "--force-sensor=ros2:wrench"],
         &["\"wrench\" is no topic", "ros2:/TOPIC"],
     );
-    refused(&["--live=-", sensor, "--force-axes=x,y"], &["fewer axes"]);
+    refused(&["--live=-", sensor, "--force-axes=x,y"], &["too few axes"]);
     refused(
         &["--live=picture.png", sensor],
         &["picture.png", "/dev/videoN"],

@@ -110,14 +110,14 @@ fn loads_that_may_mean_two_things_are_refused() {
             b"picture;element;f_x;f_y;f_z\na.png;0;1,234;0;0\n",
             &[
                 "line 2: f_x = \"1,234\"",
-                "a decimal comma or divide thousands",
+                "a decimal comma or a thousands separator",
             ],
         ),
         (
             b"picture;element;f_x;f_y;f_z\na.png;0;1,5;0.5;0\n",
             &[
                 "line 2: f_y = \"0.5\"",
-                "a decimal point, line 2 has a decimal comma",
+                "a decimal point, but line 2 has a decimal comma",
             ],
         ),
         (
@@ -379,11 +379,11 @@ fn loads_that_cannot_be_used_are_named() {
         ),
         (
             format!("{head}{unloaded}"),
-            &["element 0", "loads expected, got none"],
+            &["element 0", "expected loads, got none"],
         ),
         (
             format!("{head}00000.png,0,0,0,1\n"),
-            &["element 0", "unloaded picture expected"],
+            &["element 0", "expected at least 1 unloaded image"],
         ),
     ];
     for (text, words) in cases {
@@ -412,15 +412,15 @@ fn loads_that_determine_nothing_are_refused() {
     let cases: [(String, &[&str]); 3] = [
         (
             rows(&|_| "0,0,1".into(), 4),
-            &["element 0", "loads that change f_x", "all 4 have 0 N"],
+            &["element 0", "loads that vary f_x", "all 4 have 0 N"],
         ),
         (
             rows(&|_| "0.1,0.2,1".into(), 4),
-            &["loads that change f_x", "all 4 have 0.1 N"],
+            &["loads that vary f_x", "all 4 have 0.1 N"],
         ),
         (
             rows(&|p| format!("{p},0.{p},1.{p}"), 2),
-            &["element 0", "loads expected, got"],
+            &["element 0", "expected more than"],
         ),
     ];
     for (text, words) in cases {

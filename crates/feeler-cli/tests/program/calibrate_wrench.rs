@@ -220,7 +220,7 @@ fn what_explains_nothing_and_what_is_damaged_is_said() {
         })
         .collect();
     write(&format!("picture,m_z\n{noise}"));
-    run(&folder, &CALIBRATE).refused(&["FORCES.csv", "explain nothing", "m_z", "--force-fit"]);
+    run(&folder, &CALIBRATE).refused(&["FORCES.csv", "held-out R²", "m_z", "--force-fit"]);
     assert!(!folder.join("wrench.toml").exists());
     let forced = run(&folder, &[&CALIBRATE[..], &["--force-fit"]].concat());
     assert_eq!(forced.status, Some(0), "{forced:?}");
@@ -231,7 +231,7 @@ fn what_explains_nothing_and_what_is_damaged_is_said() {
 
     write("picture,f_x\nnowhere.png,1\n");
     run(&folder, &[&CALIBRATE[..], &["--force"]].concat()).refused(&[
-        "no picture can be used",
+        "none of the images can be used",
         "line 2",
         "nowhere.png",
     ]);

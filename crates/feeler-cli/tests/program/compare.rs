@@ -184,7 +184,7 @@ fn a_comparison_that_was_stopped_goes_on_to_the_same_end() {
     let other = ["--laws=best", "--trials=7", "--resume", "-o=two"];
     run(&folder, &compare(&other)).refused(&["best", "number of trials"]);
     run(&folder, &compare(&[&laws[..], &["-o=two"]].concat()))
-        .refused(&["there is a sweep already"]);
+        .refused(&["already contains a sweep"]);
 
     let ended = run(
         &folder,

@@ -60,7 +60,7 @@ fn it_finds_both_coefficients_from_pictures_and_a_replay_finds_the_same() {
     let printed = replay(&["--set=task.friction_scan.strokes=3"]).done();
     assert!(printed.contains("first of findings: "), "{printed}");
     assert!(
-        printed.contains("outcome: \"\" on record, \"measured\" now"),
+        printed.contains("outcome: recorded \"\", replayed \"measured\""),
         "{printed}"
     );
 }

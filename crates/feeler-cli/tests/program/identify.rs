@@ -121,7 +121,7 @@ fn a_probe_without_contact_or_rectangle_is_refused() {
             "--set=sim.object.cap.position=[0.0, 0.0, 0.2]",
         ],
         &[
-            "the hand stopped before the probe was over",
+            "the hand stopped before the probe was complete",
             "without a grasp",
             "limit 0.012 m",
         ],
@@ -132,7 +132,7 @@ fn a_probe_without_contact_or_rectangle_is_refused() {
             "--set=sim.object.cap.shape.cylinder.height=0.003",
         ],
         &[
-            "the hand stopped before the probe was over",
+            "the hand stopped before the probe was complete",
             "lost the object",
         ],
     );

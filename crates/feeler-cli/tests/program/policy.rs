@@ -121,7 +121,7 @@ fn a_sweep_goes_on_with_its_own_policy_alone() {
     run(&folder, &resumed).done();
 
     write(&file, &drawn(5));
-    run(&folder, &resumed).refused(&["it is of a policy of SHA-256", "nothing was changed"]);
+    run(&folder, &resumed).refused(&["its policy has the SHA-256", "unchanged"]);
     for arguments in [
         &["sweep", "--resume", "-o=s"][..],
         &["run", "--trial", "s", "1", "--out=again"],

@@ -63,7 +63,7 @@ fn a_run_with_pictures_replays_from_frames_and_from_forces() {
     let mut places = whole.windows(name.len());
     let experiment = places.position(|bytes| bytes == name).unwrap();
     let cuts = [
-        (60_000, "no whole control step"),
+        (60_000, "no complete control step"),
         (experiment + 100, "the experiment"),
     ];
     for (length, words) in cuts {
@@ -230,7 +230,7 @@ fn another_control_law_is_tried_on_the_same_touch() {
     replay(&folder, "new", &["--from=forces"]).done();
     // Nothing is overwritten.
     let again = replay(&folder, "run", &["--from=forces", "--out=new"]);
-    again.refused(&["--out new", "there is a run already"]);
+    again.refused(&["--out new", "already contains a run"]);
 }
 
 #[test]
@@ -239,11 +239,7 @@ fn what_cannot_be_replayed_is_refused() {
     make_run(&folder, &["--sensing=direct", "--set=time_limit=0.1"]);
     let out = ["--from=frames", "--out=new"];
     let ended = replay(&folder, "run", &out);
-    ended.refused(&[
-        "no pictures of finger 0",
-        "--record-frames",
-        "--from forces",
-    ]);
+    ended.refused(&["no images of finger 0", "--record-frames", "--from forces"]);
     assert!(!folder.join("new").exists());
     replay(&folder, "nowhere", &["--from=forces"]).refused(&["nowhere", "recording.mcap"]);
     replay(&folder, "run", &[]).refused(&["--from"]);

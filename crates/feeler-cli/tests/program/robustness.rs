@@ -95,12 +95,13 @@ fn every_point_follows_from_seed_and_number_and_the_page_counts_them() {
     one_factor_at_a_time(&table);
     counted(&folder.join("one"), &table);
 
-    run(&folder, &robustness(&["-o=two"])).refused(&["there is a sweep already"]);
+    run(&folder, &robustness(&["-o=two"])).refused(&["already contains a sweep"]);
     let fewer = robustness(&["--resume", "-o=two", "--group=tuning"]);
     run(&folder, &fewer).refused(&["number of trials is 28, not 16"]);
     let wider = RANGES.replace("uniform(0.2, 0.5)", "uniform(0.1, 0.5)");
     fs::write(folder.join("ranges.toml"), wider).unwrap();
-    run(&folder, &robustness(&["--resume", "-o=two"])).refused(&["other ranges"]);
+    run(&folder, &robustness(&["--resume", "-o=two"]))
+        .refused(&["its ranges or its design differ"]);
 }
 
 /// Trials 14 to 27 are two pairs, each with one factor swapped: 4 parameters, the seed, 2 groups.
@@ -213,7 +214,7 @@ fn what_makes_no_sense_is_refused_before_anything_runs() {
         ),
         (
             &RANGES.replace("\"speed\"", "\"outcome\""),
-            ["outcome", "column of that name"],
+            ["outcome", "already has this name"],
         ),
         (
             &RANGES.replace(", factor = -1.0", ""),
@@ -221,7 +222,7 @@ fn what_makes_no_sense_is_refused_before_anything_runs() {
         ),
         (
             &RANGES.replace("\"search_speed\"", "\"sim.feeler.normal_stiffness\""),
-            ["speed", "varies already"],
+            ["speed", "sets the same key as"],
         ),
     ] {
         ranges(text);
@@ -245,7 +246,7 @@ fn what_makes_no_sense_is_refused_before_anything_runs() {
         run(&folder, &arguments).refused(&words);
     }
     run(&folder, &["robustness", "contour"])
-        .refused(&["no ranges come with contour", "cap-closing"]);
+        .refused(&["no built-in ranges for contour", "cap-closing"]);
     run(
         &folder,
         &[

@@ -118,7 +118,7 @@ fn a_loss_is_told_from_shaking_and_the_largest_speed_tells_nothing() {
     let text = run(&folder, &SCORED).done();
     assert!(
         text.starts_with(
-            "12 recordings in 6 groups, 6 slips; who always says the same is right in 50.0 %\n"
+            "12 recordings in 6 groups, 6 slips; always giving the more frequent label is right in 50.0 %\n"
         ),
         "{text}"
     );
@@ -221,9 +221,7 @@ fn without_a_layout_contact_is_unknown_and_that_is_said() {
     assert_eq!(said(&ended.stdout, "contact loss", "AUC"), "-");
     assert_eq!(said(&ended.stdout, "contact loss", "unknown"), "12");
     assert!(
-        ended
-            .stderr
-            .contains("nothing is known of contact (and 8 more)"),
+        ended.stderr.contains("contact is unknown (and 8 more)"),
         "{ended:?}"
     );
 }
@@ -250,15 +248,15 @@ fn damaged_recordings_and_labels_get_a_word_and_the_rest_counts() {
     assert_eq!(ended.status, Some(0), "{ended:?}");
     for words in [
         "tracks/1-hold.csv: ",
-        "the recording is left out",
-        "extra has no label and is left out",
-        "no label, left out",
-        "3-hold is labelled twice, differently; the first counts",
-        "9-hold is labelled, and there is no such recording",
-        "the label \"maybe\", left out; expected 0 or 1",
-        "a cell that is no number",
-        "the frame or its time goes back or stands still; kept",
-        "the element stands twice in its frame",
+        "recording skipped",
+        "extra has no label; skipped",
+        "no label; skipped",
+        "3-hold has two different labels; the first is used",
+        "9-hold is labelled, but there is no such recording",
+        "expected a label 0 or 1, got \"maybe\"; skipped",
+        "a cell is not a number",
+        "the frame number decreases or the time does not increase; kept",
+        "the element occurs twice in its frame",
     ] {
         assert!(ended.stderr.contains(words), "no {words:?} in {ended:?}");
     }
@@ -342,7 +340,7 @@ fn frames_of_several_arrays_are_scored_by_their_own_labels() {
     fs::write(&labels, &text[..text.len() - 3 * 4]).unwrap();
     let ended = run(&folder, &OF_FRAMES);
     assert!(
-        ended.stderr.contains("a: 200 frames, 197 of them labelled"),
+        ended.stderr.contains("a: 200 frames, 197 labels"),
         "{ended:?}"
     );
     let text = ended.stdout;
@@ -462,7 +460,7 @@ fn what_makes_no_sense_is_refused_for_recordings() {
     .refused(&["nothing", "eflesh"]);
     run(&folder, &["score-slip", "tracks", "labels.csv", "--rate=0"]).refused(&["--rate"]);
     fs::write(folder.join("other.csv"), "video,slip\nnobody,1\n").unwrap();
-    run(&folder, &["score-slip", "tracks", "other.csv"]).refused(&["no recording with a label"]);
+    run(&folder, &["score-slip", "tracks", "other.csv"]).refused(&["no recording has a label"]);
     // An input is never written over.
     fs::create_dir(folder.join("out")).unwrap();
     fs::write(folder.join("out/scores.csv"), "video,slip\n0-hold,1\n").unwrap();
@@ -615,7 +613,7 @@ fn markers_in_videos_are_located_and_a_loss_is_told() {
     let ended = run(&folder, &["score-slip", "videos", "labels.csv"]);
     assert_eq!(ended.status, Some(0), "{ended:?}");
     assert!(
-        ended.stderr.contains("videos/torn.avi") && ended.stderr.contains("left out"),
+        ended.stderr.contains("videos/torn.avi") && ended.stderr.contains("skipped"),
         "{ended:?}"
     );
     assert_eq!(
@@ -646,7 +644,7 @@ fn without_ffmpeg_videos_are_refused_with_what_to_install() {
     );
     ended.refused(&[
         "./no-ffmpeg",
-        "expected ffmpeg",
+        "ffmpeg is required",
         "pip install imageio-ffmpeg",
         "FEELER_FFMPEG",
     ]);

@@ -55,8 +55,8 @@ fn jobs_shards_and_stops_change_nothing() {
         assert!(page.contains(word), "no {word:?}");
     }
     let others = sweep(&["--resume", "-o=two", "--set=task.screw.strokes=3"]);
-    run(&folder, &others).refused(&["another experiment", "strokes"]);
-    run(&folder, &sweep(&["-o=two"])).refused(&["there is a sweep already"]);
+    run(&folder, &others).refused(&["its experiment differs", "strokes"]);
+    run(&folder, &sweep(&["-o=two"])).refused(&["already contains a sweep"]);
 }
 
 #[test]
@@ -229,7 +229,7 @@ fn what_cannot_vary_is_refused_before_anything_runs() {
             "cap.radius=uniform(-1,0.014)",
             ["cylinder.radius", "expected"],
         ),
-        ("sensing=uniform(1,2)", ["no number", "choice"]),
+        ("sensing=uniform(1,2)", ["not a number", "choice"]),
         ("seed=uniform(1,2)", ["--seed", ""]),
     ] {
         let vary = format!("--vary={vary}");
@@ -237,7 +237,7 @@ fn what_cannot_vary_is_refused_before_anything_runs() {
         assert!(!folder.join("s").exists(), "{vary}");
     }
     let twice = sweep(&["--vary=static_friction=uniform(1,2)", "-o=s"]);
-    run(&folder, &twice).refused(&["varies what friction varies already"]);
+    run(&folder, &twice).refused(&["sets the same key as friction"]);
 }
 
 #[test]

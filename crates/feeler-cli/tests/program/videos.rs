@@ -120,7 +120,7 @@ fn a_video_is_sensed_like_its_pictures_at_the_times_of_its_frames() {
         }
     }
     let refused = ["sense", "clip.mkv", "p", "--layout=layout.toml"];
-    run(&folder, &refused).refused(&["clip.mkv: expected one video by itself"]);
+    run(&folder, &refused).refused(&["clip.mkv: expected a single video"]);
 }
 
 #[test]
@@ -193,18 +193,18 @@ fn what_is_no_video_is_refused() {
         let program = program.env("FEELER_FFMPEG", "./no-ffmpeg");
         Ended::of(program.output().unwrap()).refused(&[
             "./no-ffmpeg",
-            "expected ffmpeg",
+            "ffmpeg is required",
             "apt-get install ffmpeg",
         ]);
     }
     let Some(ffmpeg) = ffmpeg() else { return };
     for command in commands("text.MP4") {
-        run(&folder, &command).refused(&["text.MP4: no frame of video", "ffmpeg: "]);
+        run(&folder, &command).refused(&["text.MP4: no video frame found", "ffmpeg: "]);
     }
     let sound = "-f lavfi -i sine=duration=1 -c:a aac sound.mp4";
     assert!(encode(&ffmpeg, &folder, sound));
     for command in commands("sound.mp4") {
-        run(&folder, &command).refused(&["sound.mp4: no frame of video"]);
+        run(&folder, &command).refused(&["sound.mp4: no video frame found"]);
     }
     assert!(!folder.join("o.csv").exists() && !folder.join("o.toml").exists());
 }

@@ -1,83 +1,83 @@
-//! Why servos were not asked, or did not answer as they should.
+//! Errors of communication with servos.
 
 use super::ALERT;
 use crate::packet::{PacketError, TooLong};
 use std::io;
 
-/// Why servos were not asked, or did not answer as they should.
+/// Error of communication with a servo.
 #[derive(Debug, thiserror::Error)]
 pub enum BusError {
     /// The port cannot be opened.
     #[error("{path}: {source}; expected a serial port that no other program uses")]
     Open {
-        /// The port.
+        /// Path of the port.
         path: String,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// The port fails: a cable was pulled, say.
-    #[error("the serial port fails: {0}; is its cable plugged in?")]
+    /// The port failed, for example because its cable was unplugged.
+    #[error("the serial port failed: {0}; check its cable")]
     Port(#[from] io::Error),
-    /// A packet cannot be made.
+    /// The request does not fit into a packet.
     #[error(transparent)]
     TooLong(#[from] TooLong),
-    /// A servo says nothing.
+    /// A servo did not answer in time.
     #[error("servo {id} did not answer within {waited:.4} s")]
     NoReply {
-        /// The servo.
+        /// Id of the servo.
         id: u8,
-        /// How long it had, s.
+        /// Timeout, s.
         waited: f64,
     },
-    /// An answer ended early.
-    #[error("the answer of servo {id} broke off after {received} bytes")]
+    /// A response was incomplete.
+    #[error("truncated response from servo {id} ({received} bytes)")]
     CutShort {
-        /// The servo.
+        /// Id of the servo.
         id: u8,
-        /// Bytes that arrived.
+        /// Number of bytes received.
         received: usize,
     },
-    /// What arrived is no packet.
-    #[error("the answer of servo {id} arrived damaged: {source}")]
+    /// A response was corrupted.
+    #[error("corrupted response from servo {id}: {source}")]
     Damaged {
-        /// The servo whose answer was expected.
+        /// Id of the servo expected to answer.
         id: u8,
-        /// What is wrong with it.
+        /// Error of the packet.
         source: PacketError,
     },
-    /// Another answer than was asked for.
+    /// The response does not match the request.
     #[error(
-        "servo {id} was to answer with {expected} bytes of data, and servo {actual_id} answered with {actual}"
+        "unexpected response: expected {expected} bytes from servo {id}, got {actual} from servo {actual_id}"
     )]
     Unexpected {
-        /// The servo.
+        /// Id of the servo expected to answer.
         id: u8,
-        /// Bytes of data.
+        /// Expected bytes of data.
         expected: usize,
-        /// Who answered.
+        /// Id in the response.
         actual_id: u8,
-        /// Bytes of data that it answered with.
+        /// Bytes of data in the response.
         actual: usize,
     },
-    /// What was sent came back.
+    /// The adapter echoes sent bytes.
     #[error(
-        "the adapter sends back what it is sent: expected one without echo (switch it off, or the jumper that does it)"
+        "the adapter echoes sent bytes; expected an adapter without echo (check its settings and jumpers)"
     )]
     Echo,
-    /// A servo did not do what it was told.
-    #[error("servo {id} refused {what}: error {error:#04x}{}", in_words(*.error))]
+    /// A servo rejected an instruction.
+    #[error("servo {id} rejected {what}: error {error:#04x}{}", in_words(*.error))]
     Refused {
-        /// The servo.
+        /// Id of the servo.
         id: u8,
-        /// What it was told.
+        /// The rejected instruction.
         what: &'static str,
-        /// Its error byte.
+        /// Error byte of the response.
         error: u8,
     },
 }
 
 impl BusError {
-    /// The servo that it is laid to, if it is to one.
+    /// Id of the servo that caused the error, or `None` if it is not due to a single servo.
     pub fn servo(&self) -> Option<u8> {
         match *self {
             Self::NoReply { id, .. }
@@ -90,16 +90,16 @@ impl BusError {
     }
 }
 
-/// The error numbers of Dynamixel protocol 2.0.
+/// Describes an error number of Dynamixel protocol 2.0.
 fn in_words(error: u8) -> &'static str {
     match error & !ALERT {
-        1 => " (it could not process the instruction)",
-        2 => " (it does not know the instruction)",
-        3 => " (the instruction reached it damaged)",
-        4 => " (the value is out of its range)",
-        5 => " (the value is too short)",
-        6 => " (the value is beyond its limit)",
-        7 => " (that cannot be read or written, or not while the torque is on)",
+        1 => " (failed to process the instruction)",
+        2 => " (unknown instruction)",
+        3 => " (instruction corrupted in transit)",
+        4 => " (value out of range)",
+        5 => " (value too short)",
+        6 => " (value beyond its limit)",
+        7 => " (no access, or no access while torque is on)",
         _ => "",
     }
 }

@@ -1,21 +1,21 @@
-//! One packet out, and the packets that answer it.
+//! Exchange of one instruction packet and its response packets.
 
 use super::{ALERT, BITS_PER_BYTE, Bus, BusError};
 use crate::packet::instruction::STATUS;
 use crate::packet::{BROADCAST, Decoder, Protocol, encode};
 
-/// Until when an answer must be there, and how long that was when it was asked for.
+/// Deadline of a response.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Deadline {
-    /// s of the rig's time.
+    /// Time of the deadline on the rig's clock, s.
     at: f64,
-    /// s
+    /// Timeout when the request was sent, s.
     time: f64,
 }
 
 impl Bus {
-    /// Error byte and data, `length` bytes, of the answer of servo `id`. Other answers are passed over: a busy computer may have been told
-    /// of them too late for the question that they are to.
+    /// Waits for the response of servo `id` with `length` bytes of data. Returns its error byte and data. Skips other
+    /// responses, which may be late answers to earlier requests on a busy computer.
     pub(super) fn status(
         &mut self,
         id: u8,
@@ -42,7 +42,7 @@ impl Bus {
                 break (error, refused && length > 0);
             }
             let passed_over = *other.get_or_insert((actual_id, data.len()));
-            // Of a bus that is never silent, too, nobody waits for longer.
+            // Also ends the wait on a bus that is never silent.
             if self.clock.now() >= deadline.at {
                 return Err(unexpected(passed_over));
             }
@@ -55,7 +55,8 @@ impl Bus {
         Ok((error, data))
     }
 
-    /// Id and code of the next packet, whose parameters the decoder has. What is wrong is laid to whom `blamed` says.
+    /// Waits for the next packet and returns its id and code; the decoder contains its parameters. Errors are
+    /// attributed to the servo returned by `blamed`.
     pub(super) fn packet(
         &mut self,
         blamed: impl Fn(&Decoder) -> u8,
@@ -91,13 +92,13 @@ impl Bus {
         }
     }
 
-    /// Whether what arrived begins with what was sent: no answer does.
+    /// Returns `true` if the received bytes begin with the bytes sent, which no response does.
     fn is_echo(&self) -> bool {
         let (sent, arrived) = (&self.sent, self.decoder.pending());
         !sent.is_empty() && arrived.len() >= sent.len() && arrived.starts_with(sent)
     }
 
-    /// Sends what is in `parameters`; answers to older questions do not count any more.
+    /// Sends an instruction with `parameters`. Discards responses to earlier requests.
     pub(super) fn send(&mut self, id: u8, code: u8) -> Result<(), BusError> {
         encode(self.protocol, (id, code), &self.parameters, &mut self.sent)?;
         self.port.discard_input()?;
@@ -106,7 +107,7 @@ impl Bus {
         Ok(())
     }
 
-    /// The deadline of an answer of so many bytes to what was just sent.
+    /// Deadline for a response of `bytes` bytes to the packet just sent.
     pub(super) fn deadline(&self, bytes: usize) -> Deadline {
         let on_wire = (self.sent.len() + bytes) as f64 * BITS_PER_BYTE / f64::from(self.baud_rate);
         let time = self.timeout + on_wire;
@@ -131,7 +132,7 @@ impl Bus {
     }
 }
 
-/// Error byte and data of an answer with these parameters.
+/// Splits a response into error byte and data.
 fn error_and_data(protocol: Protocol, code: u8, parameters: &[u8]) -> (u8, &[u8]) {
     match (protocol, parameters) {
         (Protocol::Dynamixel, [error, data @ ..]) => (*error, data),
@@ -139,7 +140,7 @@ fn error_and_data(protocol: Protocol, code: u8, parameters: &[u8]) -> (u8, &[u8]
     }
 }
 
-/// Whether a packet with this id and code can only have come from a master.
+/// Returns `true` if only a master can have sent a packet with this id and code.
 fn is_instruction(protocol: Protocol, (id, code): (u8, u8)) -> bool {
     match protocol {
         Protocol::Dynamixel => code != STATUS,

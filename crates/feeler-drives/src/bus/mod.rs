@@ -1,4 +1,4 @@
-//! The master of a bus of servos: one question, and the answers to it.
+//! Bus master for servos.
 
 mod error;
 mod exchange;
@@ -14,12 +14,12 @@ use crate::port::Port;
 use crate::registers::Register;
 use crate::serial::SerialPort;
 
-/// Bits on the wire of a byte: start, 8 data, stop.
+/// Bits per byte on the wire: start, 8 data, stop.
 pub(crate) const BITS_PER_BYTE: f64 = 10.0;
-/// The first bit of a Dynamixel's error byte: it has a hardware fault.
+/// Most significant bit of a Dynamixel's error byte, set on a hardware fault.
 pub const ALERT: u8 = 0x80;
 
-/// A bus of servos and the port to it. Each question waits for its answers for a bounded time; none allocates.
+/// A servo bus with its port. Each request has a timeout and does not allocate.
 pub struct Bus {
     port: Box<dyn Port>,
     protocol: Protocol,
@@ -32,10 +32,11 @@ pub struct Bus {
 }
 
 impl Bus {
-    /// Opens the port at `path`. Servos may take `timeout` (s of `clock`'s time) for an answer, beside what its bytes take.
+    /// Opens the port at `path`. `timeout` is the time allowed for a response in addition to its transmission time, in
+    /// s of `clock`'s time.
     ///
     /// # Errors
-    /// When the port cannot be opened.
+    /// Returns [`BusError::Open`] if the port cannot be opened.
     pub fn open(
         path: &str,
         (protocol, baud_rate): (Protocol, u32),
@@ -51,7 +52,7 @@ impl Bus {
         Ok(Self::on(port, (protocol, baud_rate), timeout, clock))
     }
 
-    /// The bus that `port` leads to, on which bytes go at `baud_rate`; the rest is as of [`open`](Self::open).
+    /// Like [`open`](Self::open), but on an existing `port` with the given `baud_rate`.
     pub fn on(
         port: Box<dyn Port>,
         (protocol, baud_rate): (Protocol, u32),
@@ -70,20 +71,20 @@ impl Bus {
         }
     }
 
-    /// The time of the rig.
+    /// Clock of the rig.
     pub fn clock(&self) -> &RigClock {
         &self.clock
     }
 
-    /// What is spoken on it.
+    /// Protocol of the bus.
     pub fn protocol(&self) -> Protocol {
         self.protocol
     }
 
-    /// Asks whether servo `id` is there.
+    /// Checks that servo `id` answers.
     ///
     /// # Errors
-    /// When it does not answer, or the port fails.
+    /// If the servo does not answer or the port fails.
     pub fn ping(&mut self, id: u8) -> Result<(), BusError> {
         self.parameters.clear();
         self.send(id, PING)?;
@@ -91,54 +92,54 @@ impl Bus {
             Protocol::Dynamixel => 3,
             Protocol::Feetech => 0,
         };
-        self.answer(id, data, "to say who it is").map(|_| ())
+        self.answer(id, data, "a ping").map(|_| ())
     }
 
     /// Reads `register` of servo `id`.
     ///
     /// # Errors
-    /// When it does not answer as it should.
+    /// If the servo does not answer correctly.
     pub fn read(&mut self, id: u8, register: Register) -> Result<i64, BusError> {
         let bytes = self.read_bytes(id, (register.address, register.length))?;
         Ok(register.decode(bytes))
     }
 
-    /// Reads `length` bytes from `address` on of servo `id`.
+    /// Reads a `part` (address, length) of the control table of servo `id`.
     ///
     /// # Errors
-    /// When it does not answer as it should.
+    /// If the servo does not answer correctly.
     pub fn read_bytes(&mut self, id: u8, part: (u16, usize)) -> Result<&[u8], BusError> {
         self.name_part(part);
         self.send(id, READ)?;
-        self.answer(id, part.1, "a reading")
+        self.answer(id, part.1, "a read")
     }
 
     /// Writes `value` to `register` of servo `id`.
     ///
     /// # Errors
-    /// When it does not take it.
+    /// If the servo rejects the value or does not answer.
     pub fn write(&mut self, id: u8, register: Register, value: i64) -> Result<(), BusError> {
         self.parameters.clear();
         self.push_address(register.address);
         register.encode(value, &mut self.parameters);
         self.send(id, WRITE)?;
-        self.answer(id, 0, "a value").map(|_| ())
+        self.answer(id, 0, "a write").map(|_| ())
     }
 
-    /// Starts servo `id` afresh.
+    /// Restarts servo `id`.
     ///
     /// # Errors
-    /// When it does not answer.
+    /// If the servo does not answer.
     pub fn reboot(&mut self, id: u8) -> Result<(), BusError> {
         self.parameters.clear();
         self.send(id, REBOOT)?;
         self.answer(id, 0, "a reboot").map(|_| ())
     }
 
-    /// Writes each of these values to `register` of a servo: ids and values. Nobody answers.
+    /// Writes values (id, value) to `register` of several servos, which do not answer.
     ///
     /// # Errors
-    /// When the port fails.
+    /// If the port fails.
     pub fn sync_write(
         &mut self,
         register: Register,
@@ -152,11 +153,11 @@ impl Bus {
         self.send(BROADCAST, SYNC_WRITE)
     }
 
-    /// Reads the same `part` (address, length) of the servos `ids`, in one packet of all where `fast`. `each` gets a servo's place
-    /// in `ids`, its error byte and its bytes.
+    /// Reads the same `part` (address, length) of the servos `ids`, in a single response packet if `fast`. Calls `each`
+    /// with a servo's index in `ids`, its error byte and its data.
     ///
     /// # Errors
-    /// When one of them does not answer as it should.
+    /// If one of them does not answer correctly.
     pub fn sync_read(
         &mut self,
         part: (u16, usize),
@@ -180,7 +181,7 @@ impl Bus {
         Ok(())
     }
 
-    /// The same in one packet of all, `length` bytes each; what to read of whom is in `parameters`.
+    /// Fast sync read of `length` bytes per servo. `parameters` already contains the request.
     fn fast_sync_read(
         &mut self,
         length: usize,
@@ -221,12 +222,12 @@ impl Bus {
         }
     }
 
-    /// The data of the answer of servo `id`, who was told `what`.
+    /// Waits for the response of servo `id` to the instruction `what`, and returns its data.
     fn answer(&mut self, id: u8, length: usize, what: &'static str) -> Result<&[u8], BusError> {
         let deadline = self.deadline(self.protocol.status_length(length));
         let protocol = self.protocol;
         let (error, bytes) = self.status(id, length, deadline)?;
-        // A servo with a hardware fault, and a Feetech servo with any, still does what it is told.
+        // A Dynamixel with a hardware fault, and a Feetech servo with any fault, still executes instructions.
         let number = match protocol {
             Protocol::Dynamixel => error & !ALERT,
             Protocol::Feetech => 0,
@@ -237,7 +238,7 @@ impl Bus {
         }
     }
 
-    /// How long a servo may take for an answer, beside what its bytes take, s.
+    /// Sets the time allowed for a response in addition to its transmission time, s.
     pub fn set_timeout(&mut self, timeout: f64) {
         self.timeout = timeout;
     }

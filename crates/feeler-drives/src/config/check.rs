@@ -1,15 +1,15 @@
-//! The ranges of the table `[drives]`.
+//! Range checks of the table `[drives]`.
 
 use super::{DrivesConfig, JointDriveConfig};
 use crate::packet::Protocol;
 use crate::registers::{MODELS, WATCHDOG_UNIT};
 use feeler::check::Checker;
 
-/// Longest bus watchdog of a Dynamixel, s.
+/// Maximum bus watchdog of a Dynamixel, s.
 const LONGEST_WATCHDOG: f64 = 127.0 * WATCHDOG_UNIT;
 
 impl DrivesConfig {
-    /// Requires every value of the table `key` to be in its range, for a hand of so many `fingers`.
+    /// Checks that every value of the table `key` is in its range, for a hand with `fingers` fingers.
     pub fn check(&self, key: &str, fingers: usize, checker: &mut Checker) {
         let field = |field: &str| format!("{key}.{field}");
         let port = &self.port;
@@ -42,7 +42,7 @@ impl DrivesConfig {
             &field("finger"),
             format!("{actual} fingers"),
             actual == fingers,
-            &format!("as many fingers as hand.finger has, {fingers}"),
+            &format!("as many fingers as hand.finger ({fingers})"),
         );
         self.check_joints(key, checker);
     }
@@ -54,13 +54,13 @@ impl DrivesConfig {
                 checker.between(&field, value, WATCHDOG_UNIT, LONGEST_WATCHDOG);
             }
             Protocol::Feetech => {
-                let expected = "0: Feetech servos have no watchdog, and their motors go on when the computer dies";
+                let expected = "0: Feetech servos have no watchdog, so their motors keep running if the computer fails";
                 checker.require(&field, value.to_string(), value == 0.0, expected);
                 checker.require(
                     &format!("{key}.fast_sync_read"),
                     self.fast_sync_read.to_string(),
                     !self.fast_sync_read,
-                    "false: Feetech servos do not answer in one packet",
+                    "false: Feetech servos do not support fast sync reads",
                 );
             }
         }
@@ -84,7 +84,7 @@ impl DrivesConfig {
                     &format!("{key}.id"),
                     joint.id.to_string(),
                     !seen.contains(&joint.id),
-                    "an id that no other joint has",
+                    "an id used by no other joint",
                 );
                 seen.push(joint.id);
             }

@@ -7,41 +7,42 @@ use crate::registers::{COUNTS_PER_TURN, Model, WATCHDOG_UNIT};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// The servos that move the hand, and the bus that they are on.
+/// Servos of the hand, and their bus.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct DrivesConfig {
-    /// Serial port, e.g. `/dev/ttyUSB0`; better a name that stays, as under `/dev/serial/by-id`.
+    /// Serial port, e.g. `/dev/ttyUSB0`. A persistent name as under `/dev/serial/by-id` is preferable.
     pub port: String,
-    /// Bits a second, as the servos are set.
+    /// Baud rate configured in the servos.
     #[serde(default = "a_megabaud")]
     pub baud_rate: u32,
-    /// What the servos speak.
+    /// Protocol of the servos.
     #[serde(default = "dynamixel")]
     pub protocol: Protocol,
-    /// Whether all servos answer in one packet (Dynamixel X330 with firmware 46 or newer, X430 with 45). Feetech servos cannot.
+    /// Reads all servos by a single response packet (Dynamixel X330 with firmware 46 or newer, X430 with 45). Not
+    /// supported by Feetech servos.
     #[serde(default)]
     pub fast_sync_read: bool,
-    /// A servo stops its motor by itself when it hears nothing for so long, s, in steps of 0.02 s. Feetech servos cannot: 0 says that
-    /// whoever wrote it knows that their motors go on when the computer dies.
+    /// Time without instructions after which a servo stops its motor, s, in steps of 0.02 s. Feetech servos have no
+    /// watchdog: 0 confirms that their motors keep running if the computer fails.
     pub bus_watchdog: f64,
-    /// A servo that has not answered within this time beyond what the bytes take fails, s.
+    /// Time allowed for a response in addition to its transmission time, s.
     #[serde(default = "ten_milliseconds")]
     pub reply_timeout: f64,
-    /// How often one of the servos, by turns, is asked for temperature, voltage, torque and watchdog, s. Feetech servos say them
-    /// in every period.
+    /// Interval at which temperature, voltage, torque and watchdog are read, from one servo after the other, s. Feetech
+    /// servos report temperature and voltage in every period.
     #[serde(default = "twenty_milliseconds")]
     pub health_interval: f64,
-    /// A hotter servo stops the hand, degrees Celsius.
+    /// Temperature above which a servo stops the hand, degrees Celsius.
     #[serde(default = "seventy")]
     pub temperature_limit_celsius: f64,
-    /// A lower or higher supply voltage stops the hand, V.
+    /// Minimum and maximum supply voltage, V; a voltage outside stops the hand.
     #[serde(default = "usual_voltage")]
     pub voltage_range: [f64; 2],
-    /// A joint that is so far beyond its limits stops the hand, rad.
+    /// Angle beyond a joint limit that stops the hand, rad.
     #[serde(default = "three_degrees")]
     pub limit_tolerance: f64,
-    /// The joints of each finger, in the order of `hand.finger`.
+    /// Servos of each finger, in the order of `hand.finger`.
     #[serde(default)]
     pub finger: Vec<FingerDrivesConfig>,
 }
@@ -50,7 +51,7 @@ pub struct DrivesConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FingerDrivesConfig {
-    /// Those of theta1, theta2, theta3.
+    /// Servos of theta1, theta2, theta3.
     pub joint: Vec<JointDriveConfig>,
 }
 
@@ -58,20 +59,20 @@ pub struct FingerDrivesConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JointDriveConfig {
-    /// Its id on the bus.
+    /// Id on the bus.
     pub id: u8,
-    /// Its model, e.g. `XL330-M288`.
+    /// Servo model, e.g. `XL330-M288`.
     pub model: String,
-    /// Joint angle where the servo's position is 0, rad; `feeler drives home` finds it.
+    /// Joint angle at servo position 0, rad; determined by `feeler drives home`.
     #[serde(default)]
     pub homing_offset: f64,
-    /// 1, or -1 where the joint angle falls when the servo's position rises.
+    /// 1, or -1 if the joint angle decreases when the servo's position increases.
     #[serde(default = "forward")]
     pub direction: i8,
-    /// Turns of the servo's horn in a turn of the joint.
+    /// Turns of the servo's horn per turn of the joint.
     #[serde(default = "one")]
     pub gear_ratio: f64,
-    /// Largest current, A; without it, as the servo is set.
+    /// Maximum current, A; if `None`, the servo's own setting.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub current_limit: Option<f64>,
 }
@@ -113,41 +114,40 @@ fn one() -> f64 {
 }
 
 impl JointDriveConfig {
-    /// Joint angle, rad, at the servo's position `counts`.
+    /// Converts the servo's position in counts to the joint angle, rad.
     pub fn angle(&self, counts: f64) -> f64 {
         self.turn(counts) + self.homing_offset
     }
 
-    /// By how much the joint turns, rad, where the servo turns by `counts`.
+    /// Converts a change of the servo's position in counts to a change of the joint angle, rad.
     pub fn turn(&self, counts: f64) -> f64 {
         f64::from(self.direction) * counts * TAU / COUNTS_PER_TURN / self.gear_ratio
     }
 
-    /// The servo's position, counts, at the joint angle `angle`, rad.
+    /// Converts the joint angle (rad) to the servo's position in counts.
     pub fn counts(&self, angle: f64) -> f64 {
         let turn = angle - self.homing_offset;
         f64::from(self.direction) * turn * COUNTS_PER_TURN / TAU * self.gear_ratio
     }
 
-    /// The servo's angular velocity, rad/s, at the joint's `velocity`, rad/s.
+    /// Converts the joint velocity to the servo's velocity, rad/s.
     pub fn servo_velocity(&self, velocity: f64) -> f64 {
         f64::from(self.direction) * velocity * self.gear_ratio
     }
 
-    /// The joint's angular velocity, rad/s, at the servo's `velocity`, rad/s.
+    /// Converts the servo's velocity to the joint velocity, rad/s.
     pub fn joint_velocity(&self, velocity: f64) -> f64 {
         f64::from(self.direction) * velocity / self.gear_ratio
     }
 
-    /// The model of the servo, if it is known.
+    /// The model of the servo, or `None` if it is unknown.
     pub fn known_model(&self) -> Option<&'static Model> {
         Model::named(&self.model)
     }
 }
 
 impl DrivesConfig {
-    /// The emulator's stand-in for a hand of so many `fingers` that has no table of its own: ids from 1 on, at 4 Mbaud, with a
-    /// gear of 5 between servo and joint.
+    /// Configuration for the emulator, for a hand without a table `[drives]`: ids from 1, 4 Mbaud, gear ratio 5.
     pub fn emulated(fingers: usize) -> Self {
         let joint = |id: usize| JointDriveConfig {
             id: id as u8,
@@ -166,7 +166,7 @@ impl DrivesConfig {
             protocol: Protocol::Dynamixel,
             fast_sync_read: true,
             bus_watchdog: 0.1,
-            // What plays the servos is a thread of a computer that may be busy.
+            // The emulator runs on a thread of a possibly busy computer.
             reply_timeout: 0.1,
             health_interval: twenty_milliseconds(),
             temperature_limit_celsius: seventy(),
@@ -176,12 +176,12 @@ impl DrivesConfig {
         }
     }
 
-    /// The servos, finger by finger, joint by joint.
+    /// All servos, finger by finger, joint by joint.
     pub fn joints(&self) -> impl Iterator<Item = &JointDriveConfig> {
         self.finger.iter().flat_map(|finger| &finger.joint)
     }
 
-    /// Watchdog of the servos in their unit of 20 ms, rounded up.
+    /// Bus watchdog in the servos' unit of 20 ms, rounded up.
     pub fn watchdog_counts(&self) -> i64 {
         (self.bus_watchdog / WATCHDOG_UNIT - 1e-9).ceil() as i64
     }

@@ -1,4 +1,4 @@
-//! The wire of an emulated bus: when bytes have arrived at the servos, and when their answers at the master.
+//! Timing of an emulated bus: when bytes arrive at the servos, and their responses at the master.
 
 use super::fault::{BusFault, Wire};
 use super::log::{LogEntry, PacketLog};
@@ -11,26 +11,26 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::collections::VecDeque;
 
-/// The mechanism and the servos' own programs go on at least this often, s.
+/// Maximum time step of the mechanism and the servos' firmware, s.
 const STEP: f64 = 0.0005;
-/// A servo forgets the begin of an instruction whose rest does not come, s.
+/// Time after which servos discard an incomplete instruction, s.
 const FORGETS: f64 = 0.02;
 
-/// Servos on a bus. It reads no clock: whoever serves it says how late it is.
+/// Servos on a bus. Has no clock; callers pass the time.
 pub struct EmulatedBus {
     servos: Servos,
     decoder: Decoder,
-    /// Time of a byte on the wire, s.
+    /// Transmission time of a byte, s.
     byte: f64,
     time: f64,
-    /// When the last byte of the master, and of the servos, is over, s.
+    /// End of the last byte from the master (`sent`) and from the servos (`answered`), s.
     sent: f64,
     answered: f64,
-    /// When bytes last came from the master, s.
+    /// Time of the last bytes from the master, s.
     received: f64,
     arriving: VecDeque<Instruction>,
     leaving: VecDeque<Leaving>,
-    /// What has left the servos and is not taken by the master yet.
+    /// Bytes that have arrived at the master but have not been read.
     output: Vec<u8>,
     wire: Wire,
     late: f64,
@@ -38,7 +38,7 @@ pub struct EmulatedBus {
     connected: bool,
 }
 
-/// An instruction, as it will have arrived at a time.
+/// An instruction in transit, which arrives at `due`.
 struct Instruction {
     due: f64,
     id: u8,
@@ -46,7 +46,7 @@ struct Instruction {
     parameters: Vec<u8>,
 }
 
-/// Bytes that will have left at a time, and who answered with them.
+/// A response in transit, which arrives at `due`, and the id of its sender.
 struct Leaving {
     due: f64,
     bytes: Vec<u8>,
@@ -54,7 +54,7 @@ struct Leaving {
 }
 
 impl EmulatedBus {
-    /// The bus of `config` at time 0, whose servos move `plant`.
+    /// Creates the bus of `config` at time 0, whose servos move `plant`.
     pub(super) fn new(config: &EmulatorConfig, plant: Box<dyn Plant>) -> Self {
         Self {
             servos: Servos::new(config, plant),
@@ -78,22 +78,22 @@ impl EmulatedBus {
         }
     }
 
-    /// The servos, as of the newest time.
+    /// The servos at the current time.
     pub fn servos(&self) -> &[EmulatedServo] {
         self.servos.servos()
     }
 
-    /// What was said.
+    /// Log of all packets.
     pub fn log(&self) -> &PacketLog {
         self.servos.log()
     }
 
-    /// Takes out of the log what was said since it was last taken, oldest first.
+    /// Removes and returns the log entries, oldest first.
     pub fn take_log(&mut self) -> Vec<LogEntry> {
         self.servos.take_log()
     }
 
-    /// Injects a fault from now on.
+    /// Injects a fault, starting now.
     pub(super) fn inject(&mut self, fault: BusFault) {
         match fault {
             BusFault::FlipBytes(share) => self.wire.flipped = share,
@@ -105,24 +105,24 @@ impl EmulatedBus {
         }
     }
 
-    /// Whether the master's cable is plugged in.
+    /// Returns `true` if the master's cable is connected.
     pub(super) fn is_connected(&self) -> bool {
         self.connected
     }
 
-    /// What has left the servos by now, which the master takes out.
+    /// Bytes that have arrived at the master, which removes them.
     pub(super) fn output(&mut self) -> &mut Vec<u8> {
         &mut self.output
     }
 
-    /// When something happens on the wire next, s, if something is on it.
+    /// Time of the next event on the wire, s, or `None` if the bus is idle.
     pub(super) fn next_due(&self) -> Option<f64> {
         let arriving = self.arriving.front().map(|arriving| arriving.due);
         let leaving = self.leaving.front().map(|leaving| leaving.due);
         arriving.into_iter().chain(leaving).reduce(f64::min)
     }
 
-    /// Bytes of the master, the first of which is on the wire from `now` on, s.
+    /// Receives bytes from the master, whose transmission starts at `now`, s.
     pub(super) fn hear(&mut self, bytes: &[u8], now: f64) {
         if now - self.received > FORGETS {
             self.decoder.clear();
@@ -144,7 +144,7 @@ impl EmulatedBus {
             let taken = self.decoder.feed(rest);
             rest = &rest[taken..];
             while let Some(found) = self.decoder.next() {
-                // A servo passes over what is no packet.
+                // Servos ignore invalid packets.
                 let Ok(packet) = found else { continue };
                 self.arriving.push_back(Instruction {
                     due: end,
@@ -156,11 +156,11 @@ impl EmulatedBus {
         }
     }
 
-    /// Goes on until `now`, s: all that happens until then happens in its order.
+    /// Advances to `now` (s) and processes all events until then in order.
     pub(super) fn advance(&mut self, now: f64) {
         while let Some(due) = self.next_due().filter(|&due| due <= now) {
             self.go_on(due);
-            // What arrives comes first where both are due: an answer that it causes is due later.
+            // An instruction comes before a response due at the same time, because its own response is due later.
             match take_due(&mut self.arriving, |next| next.due <= due) {
                 Some(instruction) => self.obey(&instruction),
                 None => self.leave(due),
@@ -169,7 +169,7 @@ impl EmulatedBus {
         self.go_on(now);
     }
 
-    /// Lets the mechanism go on until `now`, s, in which nothing happens on the wire.
+    /// Advances the mechanism to `now`, s, without events on the wire.
     fn go_on(&mut self, now: f64) {
         while self.time + STEP < now {
             self.time += STEP;
@@ -181,7 +181,7 @@ impl EmulatedBus {
         }
     }
 
-    /// Has the servos obey what has arrived.
+    /// Executes an instruction and enqueues the responses.
     fn obey(&mut self, instruction: &Instruction) {
         let due = instruction.due;
         let packet = Packet {
@@ -200,7 +200,7 @@ impl EmulatedBus {
         }
     }
 
-    /// Puts out what has left the servos by `now`, s.
+    /// Delivers the next response due by `now`, s.
     fn leave(&mut self, now: f64) {
         let Some(mut next) = take_due(&mut self.leaving, |next| next.due <= now) else {
             return;
@@ -211,7 +211,7 @@ impl EmulatedBus {
     }
 }
 
-/// The first of `queue`, if it is due.
+/// Removes the first item of `queue` if it is due.
 fn take_due<T>(queue: &mut VecDeque<T>, is_due: impl Fn(&T) -> bool) -> Option<T> {
     queue
         .front()

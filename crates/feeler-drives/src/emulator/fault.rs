@@ -1,37 +1,37 @@
-//! What can go wrong on a bus.
+//! Faults of an emulated bus.
 
 use rand::RngExt;
 use rand_pcg::Pcg64;
 use std::str::FromStr;
 
-/// A fault that is injected into an emulated bus, from then on.
+/// A fault to inject into an emulated bus, effective from then on.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum BusFault {
-    /// This part of all bytes arrives changed, in both directions.
+    /// Corrupts this fraction of all bytes, in both directions.
     FlipBytes(f64),
-    /// This part of all bytes does not arrive.
+    /// Drops this fraction of all bytes.
     LoseBytes(f64),
-    /// The adapter sends back what it is sent.
+    /// The adapter echoes sent bytes.
     Echo,
-    /// The servo with this id says nothing any more.
+    /// The servo with this id no longer answers.
     Silent(u8),
-    /// The servo with this id restarts: it is silent for a while and then as it comes, without torque.
+    /// The servo with this id restarts: it is silent for a while, then has default values and no torque.
     Reboot(u8),
-    /// The port is gone; the servos go on.
+    /// The master is disconnected; the servos keep running.
     CablePulled,
-    /// Answers take so much longer, s.
+    /// Delays responses by this time, s.
     Late(f64),
-    /// The servo with this id gets hot.
+    /// The servo with this id overheats.
     Overheat(u8),
-    /// The supply of the servo with this id falls.
+    /// The supply voltage of the servo with this id drops.
     Undervoltage(u8),
-    /// The servo with this id reports a fault of its hardware.
+    /// The servo with this id reports a hardware fault.
     Hardware(u8),
     /// The encoder of the servo with this id jumps by two turns.
     Jump(u8),
 }
 
-/// Every kind of fault, as the command line has it.
+/// All kinds of faults, as written on the command line.
 const KINDS: &str = "flip-bytes=SHARE, lose-bytes=SHARE, echo, silent=ID, reboot=ID, cable-pulled, late=SECONDS, overheat=ID, \
                      undervoltage=ID, hardware=ID, jump=ID";
 
@@ -46,18 +46,18 @@ impl FromStr for BusFault {
                 .parse::<f64>()
                 .ok()
                 .filter(|v| (0.0..=1.0).contains(v));
-            share.ok_or_else(|| format!("{text:?}: a share from 0 to 1 expected"))
+            share.ok_or_else(|| format!("{text:?}: expected a share from 0 to 1"))
         };
         let seconds = || {
             let time = value
                 .parse::<f64>()
                 .ok()
                 .filter(|v| (0.0..=60.0).contains(v));
-            time.ok_or_else(|| format!("{text:?}: a time from 0 to 60 s expected"))
+            time.ok_or_else(|| format!("{text:?}: expected a time from 0 to 60 s"))
         };
         let id = || {
             let id = value.parse::<u8>().ok();
-            id.ok_or_else(|| format!("{text:?}: the id of a servo expected, 0 to 252"))
+            id.ok_or_else(|| format!("{text:?}: expected the id of a servo, 0 to 252"))
         };
         match kind {
             "flip-bytes" => share().map(Self::FlipBytes),
@@ -76,7 +76,7 @@ impl FromStr for BusFault {
     }
 }
 
-/// What the wire does to the bytes on it.
+/// Byte errors of the wire.
 #[derive(Debug, Clone)]
 pub(super) struct Wire {
     pub flipped: f64,
@@ -85,7 +85,7 @@ pub(super) struct Wire {
 }
 
 impl Wire {
-    /// Changes and loses `bytes`.
+    /// Corrupts and drops `bytes` at random.
     pub fn carry(&mut self, bytes: &mut Vec<u8>) {
         let (lost, flipped, random) = (self.lost, self.flipped, &mut self.random);
         if lost > 0.0 {
@@ -106,7 +106,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn faults_have_names() {
+    fn parses_faults() {
         assert_eq!("flip-bytes=0.01".parse(), Ok(BusFault::FlipBytes(0.01)));
         assert_eq!("silent=3".parse(), Ok(BusFault::Silent(3)));
         assert_eq!("cable-pulled".parse(), Ok(BusFault::CablePulled));

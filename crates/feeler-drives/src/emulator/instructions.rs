@@ -1,4 +1,4 @@
-//! What each instruction makes emulated servos do and answer.
+//! Execution of instructions by emulated servos.
 
 use super::servo::{EmulatedServo, error};
 use super::servos::Servos;
@@ -7,17 +7,17 @@ use crate::packet::instruction::{
 };
 use crate::packet::{BROADCAST, FastBlock, Packet, Protocol, encode, fast_status};
 
-/// An answer, and when it begins after the instruction, s.
+/// A response, with its delay after the instruction, s.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Answer {
     pub delay: f64,
     pub bytes: Vec<u8>,
-    /// Who answers.
+    /// Id of the sender.
     pub id: u8,
 }
 
 impl Servos {
-    /// Obeys an instruction that arrived at `now`, s; what is answered, in this order.
+    /// Executes an instruction that arrived at `now`, s. Returns the responses in order.
     pub(super) fn obey(&mut self, packet: Packet<'_>, now: f64) -> Vec<Answer> {
         self.advance(now);
         self.log.instruction(now, packet);
@@ -45,7 +45,7 @@ impl Servos {
         }
     }
 
-    /// Address, length and the rest of the parameters of an instruction to several servos.
+    /// Splits the parameters of an instruction to several servos into address, length and the rest.
     fn part<'a>(&self, parameters: &'a [u8]) -> Option<(usize, usize, &'a [u8])> {
         match (self.protocol, parameters) {
             (Protocol::Dynamixel, [a, b, c, d, rest @ ..]) => {
@@ -69,7 +69,7 @@ impl Servos {
         }
     }
 
-    /// Servos answer one after the other; those after a silent one wait for it, and say nothing.
+    /// Sync read: servos answer one after the other. Those after a silent servo wait for it and do not answer.
     fn sync_read(&mut self, part: (usize, usize), ids: &[u8], now: f64) -> Vec<Answer> {
         let mut answers = Vec::new();
         for &id in ids {
@@ -86,7 +86,7 @@ impl Servos {
         answers
     }
 
-    /// All servos answer in one packet, which ends where one is silent.
+    /// Fast sync read: servos answer in a single packet, which ends at the first silent servo.
     fn fast_sync_read(&mut self, part: (usize, usize), ids: &[u8], now: f64) -> Vec<Answer> {
         let mut delay = 0.0;
         let blocks = ids.iter().map_while(|&id| {
@@ -101,7 +101,7 @@ impl Servos {
         });
         let mut blocks: Vec<_> = blocks.collect();
         let there = blocks.len();
-        // The length counts all servos that were asked.
+        // The length field counts all addressed servos.
         let nothing = vec![0; part.1];
         let missing = ids[there..].iter().map(|&id| FastBlock {
             error: 0,
@@ -123,7 +123,7 @@ impl Servos {
         }]
     }
 
-    /// An instruction to one servo, or a ping to all.
+    /// Executes an instruction to one servo, or a ping to all.
     fn obey_singly(&mut self, packet: Packet<'_>, now: f64) -> Vec<Answer> {
         let asked = self.servos.iter().filter(|servo| servo.is_there(now));
         let to_all = packet.id == BROADCAST;
@@ -145,7 +145,7 @@ impl Servos {
         answers
     }
 
-    /// The answer of servo `id`.
+    /// Encodes the response of servo `id`.
     fn answer(&self, id: u8, error: u8, data: &[u8]) -> Option<Answer> {
         let servo = self.servos.iter().find(|servo| servo.id == id)?;
         let status = servo.status(error);
@@ -163,7 +163,7 @@ impl Servos {
     }
 }
 
-/// What a Dynamixel makes of an instruction: error number and data of its answer.
+/// Executes an instruction on a Dynamixel. Returns error number and data of its response.
 fn dynamixel(servo: &mut EmulatedServo, packet: Packet<'_>, now: f64) -> (u8, Vec<u8>) {
     let word = |low: u8, high: u8| usize::from(u16::from_le_bytes([low, high]));
     match (packet.code, packet.parameters) {
@@ -184,7 +184,7 @@ fn dynamixel(servo: &mut EmulatedServo, packet: Packet<'_>, now: f64) -> (u8, Ve
     }
 }
 
-/// The same of a Feetech servo, which has no error numbers.
+/// Executes an instruction on a Feetech servo, which has no error numbers.
 fn feetech(servo: &mut EmulatedServo, packet: Packet<'_>) -> (u8, Vec<u8>) {
     let data = match (packet.code, packet.parameters) {
         (READ, &[address, length]) => servo.read(address.into(), length.into()),

@@ -1,4 +1,4 @@
-//! An emulated bus whose time goes on only while somebody waits: the same each time, and as fast as it goes.
+//! Emulated bus with simulated time: deterministic and faster than real time.
 
 use super::bus::EmulatedBus;
 use super::fault::BusFault;
@@ -12,8 +12,9 @@ use std::io;
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 
-/// An emulated bus without a terminal or a thread. What its master calculates takes no time: time goes on where the master waits for
-/// an answer, or its schedule (a [`Pace`](feeler::pace::Pace) on this as its clock) for the next step. All clones are the same bus.
+/// An emulated bus without a terminal or a thread. The master's computations take no time. Time advances only while the
+/// master waits for a response, or for the next step of its schedule (a [`Pace`](feeler::pace::Pace) with this bus as
+/// its clock). Clones share the same bus.
 #[derive(Clone)]
 pub struct Lockstep {
     bus: Arc<Mutex<EmulatedBus>>,
@@ -21,7 +22,7 @@ pub struct Lockstep {
 }
 
 impl Lockstep {
-    /// The bus of `config` at time 0, whose servos move `plant`.
+    /// Creates the bus of `config` at time 0, whose servos move `plant`.
     pub fn new(config: &EmulatorConfig, plant: Box<dyn Plant>) -> Self {
         Self {
             bus: Arc::new(Mutex::new(EmulatedBus::new(config, plant))),
@@ -29,27 +30,27 @@ impl Lockstep {
         }
     }
 
-    /// The bus, which waits while the guard lives.
+    /// Locks the bus; it is blocked while the guard exists.
     pub fn servos(&self) -> MutexGuard<'_, EmulatedBus> {
         lock(&self.bus)
     }
 
-    /// Injects a fault from now on.
+    /// Injects a fault, starting now.
     pub fn inject(&self, fault: BusFault) {
         self.servos().inject(fault);
     }
 
-    /// Its time.
+    /// Clock of the bus.
     pub fn clock(&self) -> RigClock {
         self.clock.clone()
     }
 
-    /// Lets time go on by `time`, s.
+    /// Advances time by `time`, s.
     pub fn wait(&self, time: f64) {
         self.advance(&mut self.servos(), self.clock.now() + time);
     }
 
-    /// Lets time go on until `now`, s.
+    /// Advances time to `now`, s.
     fn advance(&self, bus: &mut EmulatedBus, now: f64) {
         bus.advance(now);
         self.clock.set(now);
@@ -62,7 +63,7 @@ impl Clock for Lockstep {
     }
 
     fn sleep_until(&self, time: Duration) {
-        // Half a nanosecond more, as the seconds of a time may be less than the time.
+        // Half a nanosecond more, since converting to seconds may round down.
         let until = time.as_secs_f64() + 5e-10;
         if until > self.clock.now() {
             self.advance(&mut self.servos(), until);
@@ -70,7 +71,7 @@ impl Clock for Lockstep {
     }
 }
 
-/// The master's port to it.
+/// The master's port.
 impl Port for Lockstep {
     fn discard_input(&mut self) -> io::Result<()> {
         self.servos().output().clear();

@@ -1,39 +1,39 @@
-//! What was said on an emulated bus, and when.
+//! Log of the packets on an emulated bus.
 
 use crate::packet::{Packet, Sender};
 use std::collections::VecDeque;
 
-/// Most packets that are kept: the newest.
+/// Maximum number of packets kept; older ones are dropped.
 const KEPT: usize = 400_000;
 
 /// A packet on the bus.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LogEntry {
-    /// When its last byte was on the wire, s.
+    /// Time at which its last byte was on the wire, s.
     pub time: f64,
-    /// Who sent it.
+    /// Sender of the packet.
     pub sender: Sender,
-    /// Its id.
+    /// Id in the packet.
     pub id: u8,
-    /// Its instruction; of answers none.
+    /// Instruction, or 0 for a response.
     pub instruction: u8,
-    /// Its parameters; of answers, their data.
+    /// Parameters; for a response, its raw bytes.
     pub parameters: Vec<u8>,
 }
 
-/// The newest packets on a bus.
+/// The latest packets on a bus.
 #[derive(Debug, Clone, Default)]
 pub struct PacketLog {
     entries: VecDeque<LogEntry>,
 }
 
 impl PacketLog {
-    /// What was said, oldest first.
+    /// All entries, oldest first.
     pub fn entries(&self) -> impl Iterator<Item = &LogEntry> {
         self.entries.iter()
     }
 
-    /// Takes out what was said since it was last taken, oldest first.
+    /// Removes and returns all entries, oldest first.
     pub(super) fn take(&mut self) -> Vec<LogEntry> {
         self.entries.drain(..).collect()
     }
@@ -49,7 +49,7 @@ impl PacketLog {
         });
     }
 
-    /// Adds the answer of servo `id`.
+    /// Adds the response of servo `id`.
     pub(super) fn answer(&mut self, time: f64, id: u8, data: &[u8]) {
         self.push(LogEntry {
             time,

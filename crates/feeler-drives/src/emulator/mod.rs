@@ -1,10 +1,10 @@
-//! A bus of servos that are not there, which answers as they would, when they would.
+//! Emulated servo bus with realistic timing.
 //!
-//! Servos have the control table that [`registers`](crate::registers) names and hold their rules: no EEPROM is written while the
-//! torque is on, a bus watchdog that hears nothing stops its motor, a goal beyond the velocity limit is refused. What they move is a
-//! [`Plant`]. Bytes take their time on the wire by the baud rate; every packet is logged with its time, and faults can be injected.
-//! [`Emulator`] is such a bus on a pseudo-terminal, in real time, for any program; [`Lockstep`] one in this program, whose time waits
-//! for it.
+//! Servos have the control table of [`registers`](crate::registers) and follow its rules: the EEPROM cannot be written
+//! while torque is on, a bus watchdog without instructions stops the motor, and a goal above the velocity limit is
+//! rejected. They move a [`Plant`]. Bytes take their transmission time at the baud rate; every packet is logged with
+//! its time, and faults can be injected. [`Emulator`] provides the bus on a pseudo-terminal in real time, for any
+//! program. [`Lockstep`] provides it in-process with simulated time.
 
 mod bus;
 mod fault;

@@ -1,24 +1,24 @@
-//! What emulated servos move.
+//! Mechanisms moved by emulated servos.
 
-/// Where a servo's horn is.
+/// Position and velocity of a servo's horn.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Motion {
-    /// Its angle from the servo's position 0, rad.
+    /// Angle from the servo's position 0, rad.
     pub angle: f64,
-    /// Its angular velocity, rad/s.
+    /// Angular velocity, rad/s.
     pub velocity: f64,
 }
 
-/// The mechanism behind emulated servos, by their number.
+/// Mechanism moved by emulated servos, which are identified by index.
 pub trait Plant: Send {
-    /// Goes on until the time `now`, s; motors follow these velocities of their horns, rad/s.
+    /// Advances to the time `now`, s. `goals` are the goal velocities of the servos' horns, rad/s.
     fn advance(&mut self, now: f64, goals: &[f64]);
 
-    /// How servo `servo` stands now.
+    /// Current motion of the servo with index `servo`.
     fn motion(&self, servo: usize) -> Motion;
 }
 
-/// Servos that move nothing but themselves, with a first-order lag.
+/// Unloaded servos with a first-order lag.
 #[derive(Debug, Clone)]
 pub struct LagPlant {
     lag: f64,
@@ -27,7 +27,8 @@ pub struct LagPlant {
 }
 
 impl LagPlant {
-    /// Servos at rest at `angles`, rad, whose velocity follows its goal with the time constant `lag`, s, above 0.
+    /// Creates servos at rest at `angles`, rad, whose velocity follows its goal with the time constant `lag`, s, above
+    /// 0.
     pub fn new(lag: f64, angles: &[f64]) -> Self {
         let at_rest = |&angle: &f64| Motion {
             angle,

@@ -1,23 +1,23 @@
-//! One emulated servo: its control table, and the rules by which it is read and written.
+//! Emulated servo: its control table and access rules.
 
 use super::plant::Motion;
 use crate::packet::Protocol;
 use crate::registers::{COUNTS_PER_TURN, Model, Register, Registers, VELOCITY_MODE, WATCHDOG_UNIT};
 use std::f64::consts::TAU;
 
-/// Bytes of a control table.
+/// Size of a control table, bytes.
 const TABLE: usize = 256;
-/// How long a restarted servo is silent, s.
+/// Time for which a restarted servo is silent, s.
 const RESTART: f64 = 0.3;
-/// Temperature around a servo, degrees Celsius.
+/// Ambient temperature, degrees Celsius.
 const AMBIENT: f64 = 25.0;
-/// How much hotter it gets at its greatest velocity, degrees Celsius.
+/// Temperature rise at maximum velocity, degrees Celsius.
 const HEATING: f64 = 20.0;
-/// Time constant of its temperature, s.
+/// Time constant of the temperature, s.
 const THERMAL_LAG: f64 = 60.0;
 /// Supply voltage, 0.1 V.
 const SUPPLY: i64 = 50;
-/// Errors that a servo answers with (Dynamixel protocol 2.0).
+/// Error numbers of responses (Dynamixel protocol 2.0).
 pub(super) mod error {
     pub const INSTRUCTION: u8 = 2;
     pub const RANGE: u8 = 4;
@@ -26,26 +26,26 @@ pub(super) mod error {
     pub const ACCESS: u8 = 7;
 }
 
-/// A servo that is not there.
+/// An emulated servo.
 #[derive(Debug, Clone)]
 pub struct EmulatedServo {
-    /// Its id.
+    /// Id on the bus.
     pub id: u8,
-    /// What it says that it is.
+    /// Reported model.
     pub model: &'static Model,
     table: [u8; TABLE],
-    /// When it last got an instruction, s.
+    /// Time of the last instruction, s.
     heard: f64,
-    /// It says nothing until then, s.
+    /// Time until which the servo is silent, s.
     silent_until: f64,
     temperature: f64,
     supply: i64,
-    /// By how much its encoder is off, counts.
+    /// Encoder offset, counts.
     pub(super) jump: i64,
 }
 
 impl EmulatedServo {
-    /// A servo as it comes: in position mode, without torque.
+    /// Creates a servo in its delivery state: position mode, no torque.
     pub fn new(id: u8, model: &'static Model) -> Self {
         let mut servo = Self {
             id,
@@ -85,14 +85,14 @@ impl EmulatedServo {
         Registers::of(self.model.protocol)
     }
 
-    /// The same with another firmware.
+    /// Sets the firmware version.
     pub fn set_firmware(&mut self, firmware: u8) {
         if let Some(register) = self.registers().firmware {
             self.put(register, firmware.into());
         }
     }
 
-    /// What `register` has.
+    /// Returns the value of `register`.
     pub fn get(&self, register: Register) -> i64 {
         register.decode(&self.table[usize::from(register.address)..])
     }
@@ -104,7 +104,7 @@ impl EmulatedServo {
         self.table[begin..begin + bytes.len()].copy_from_slice(&bytes);
     }
 
-    /// The velocity that its motor is to follow, rad/s: none without torque or in another mode.
+    /// Goal velocity of the motor, rad/s; 0 without torque or in another mode.
     pub fn goal(&self) -> f64 {
         let registers = self.registers();
         let on = self.get(registers.torque) != 0 && self.get(registers.mode) == VELOCITY_MODE;
@@ -116,17 +116,18 @@ impl EmulatedServo {
         units as f64 * self.model.velocity_unit
     }
 
-    /// Whether it hears and answers at `now`, s.
+    /// Returns `true` if the servo receives and answers at `now`, s.
     pub(super) fn is_there(&self, now: f64) -> bool {
         now >= self.silent_until
     }
 
-    /// Time that it waits before it answers, s.
+    /// Delay before a response, s.
     pub(super) fn return_delay(&self) -> f64 {
         self.get(self.registers().return_delay) as f64 * 2e-6
     }
 
-    /// Its error byte: with a hardware fault a Dynamixel's has its first bit set, and a Feetech's is the fault.
+    /// Error byte of a response. A Dynamixel sets the most significant bit on a hardware fault; a Feetech servo returns
+    /// its fault bits.
     pub(super) fn status(&self, error: u8) -> u8 {
         let fault = self.get(self.registers().fault) as u8;
         match self.model.protocol {
@@ -136,17 +137,17 @@ impl EmulatedServo {
         }
     }
 
-    /// An instruction arrived at `now`, s.
+    /// Registers that an instruction arrived at `now`, s.
     pub(super) fn hear(&mut self, now: f64) {
         self.heard = now;
     }
 
-    /// The part of its table from `address` on.
+    /// Reads `length` bytes of the control table from `address`.
     pub(super) fn read(&self, address: usize, length: usize) -> Option<&[u8]> {
         self.table.get(address..address.checked_add(length)?)
     }
 
-    /// Writes `bytes` from `address` on; an error number, or 0.
+    /// Writes `bytes` to the control table from `address`. Returns an error number, or 0.
     pub(super) fn write(&mut self, address: usize, bytes: &[u8]) -> u8 {
         let registers = self.registers();
         let Some(end) = address.checked_add(bytes.len()).filter(|&end| end <= TABLE) else {
@@ -159,7 +160,7 @@ impl EmulatedServo {
             Protocol::Dynamixel if address < 7 || end > 120 => return error::ACCESS,
             Protocol::Dynamixel if address < 64 && torque => return error::ACCESS,
             Protocol::Feetech if address < 5 || end > 56 => return error::ACCESS,
-            // A locked EEPROM forgets what is written to it; here it does not take it.
+            // A real servo loses values written to its locked EEPROM on restart; here they are ignored.
             Protocol::Feetech if address < 40 && self.table[55] != 0 => return 0,
             _ => {}
         }
@@ -185,7 +186,7 @@ impl EmulatedServo {
         0
     }
 
-    /// Starts afresh at `now`, s.
+    /// Restarts at `now`, s.
     pub(super) fn reboot(&mut self, now: f64) {
         let registers = self.registers();
         let first_of_ram = match self.model.protocol {
@@ -200,7 +201,7 @@ impl EmulatedServo {
         self.silent_until = now + RESTART;
     }
 
-    /// Says nothing any more.
+    /// Stops answering for good.
     pub(super) fn silence(&mut self) {
         self.silent_until = f64::INFINITY;
     }
@@ -213,15 +214,15 @@ impl EmulatedServo {
         self.supply = 31;
     }
 
-    /// Reports an overload, with which a real one takes its torque away.
+    /// Reports an overload, on which a real servo switches its torque off.
     pub(super) fn break_down(&mut self) {
         let registers = self.registers();
         self.put(registers.fault, 0x20);
         self.put(registers.torque, 0);
     }
 
-    /// What it measures `step` s after the time before, at `now`, s, where its horn has this `motion`; stops its motor where its
-    /// watchdog heard nothing for too long.
+    /// Updates the measured values at `now` (s), `step` after the previous update, for the `motion` of the horn. Stops
+    /// the motor if the watchdog has expired.
     pub(super) fn measure(&mut self, (now, step): (f64, f64), motion: Motion, noise: f64) {
         let registers = self.registers();
         if let Some(register) = registers.watchdog {

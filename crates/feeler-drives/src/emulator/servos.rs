@@ -1,4 +1,4 @@
-//! All servos of an emulated bus, and what they move.
+//! All servos of an emulated bus, with the mechanism that they move.
 
 use super::fault::BusFault;
 use super::log::{LogEntry, PacketLog};
@@ -9,23 +9,23 @@ use crate::packet::Protocol;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-/// What an emulated bus is.
+/// Configuration of an emulated bus.
 #[derive(Debug, Clone)]
 pub struct EmulatorConfig {
-    /// What its servos speak.
+    /// Protocol of the servos.
     pub protocol: Protocol,
-    /// Bits a second.
+    /// Baud rate.
     pub baud_rate: u32,
-    /// Its servos, as they come.
+    /// Servos in their initial state.
     pub servos: Vec<EmulatedServo>,
-    /// Noise of their encoders: half of a uniform band, counts.
+    /// Encoder noise: half width of a uniform distribution, counts.
     pub noise: f64,
-    /// Random seed of noise and faults.
+    /// Random seed for noise and faults.
     pub seed: u64,
 }
 
 impl EmulatorConfig {
-    /// The bus that `config` describes. Servos of models that are not known are left out.
+    /// Creates the configuration for the servos of `config`. Omits servos of unknown models.
     pub fn of(config: &DrivesConfig, seed: u64) -> Self {
         let joints = config.joints();
         let servo = |joint: &crate::config::JointDriveConfig| {
@@ -41,7 +41,7 @@ impl EmulatorConfig {
     }
 }
 
-/// The servos of an emulated bus, and what they move.
+/// The servos of an emulated bus and the mechanism that they move.
 pub(super) struct Servos {
     pub(super) protocol: Protocol,
     pub(super) servos: Vec<EmulatedServo>,
@@ -67,22 +67,22 @@ impl Servos {
         }
     }
 
-    /// The servos, as of the newest time.
+    /// The servos at the current time.
     pub fn servos(&self) -> &[EmulatedServo] {
         &self.servos
     }
 
-    /// What was said.
+    /// Log of all packets.
     pub fn log(&self) -> &PacketLog {
         &self.log
     }
 
-    /// Takes out of the log what was said since it was last taken, oldest first.
+    /// Removes and returns the log entries, oldest first.
     pub(super) fn take_log(&mut self) -> Vec<LogEntry> {
         self.log.take()
     }
 
-    /// Goes on until `now`, s.
+    /// Advances to `now`, s.
     pub(super) fn advance(&mut self, now: f64) {
         let step = now - self.time;
         if step <= 0.0 {
@@ -99,7 +99,7 @@ impl Servos {
         self.time = now;
     }
 
-    /// Makes a servo fail.
+    /// Injects a fault of a servo; ignores faults of the bus.
     pub(super) fn inject(&mut self, fault: BusFault, now: f64) {
         let mut each = |id: u8, fail: &dyn Fn(&mut EmulatedServo)| {
             self.servos

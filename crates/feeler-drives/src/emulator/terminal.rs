@@ -1,4 +1,4 @@
-//! An emulated bus behind a pseudo-terminal, served by a thread in real time.
+//! Emulated bus on a pseudo-terminal, served by a thread in real time.
 
 use super::bus::EmulatedBus;
 use super::fault::BusFault;
@@ -18,13 +18,13 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
-/// How often the bus goes on where nothing is said, s. What is said makes it catch up first, so that this only bounds how old the
-/// mechanism is for who looks at it past the bus.
+/// Maximum time step of the bus while it is idle, s. Bytes from the master advance the bus first, so this only limits
+/// the age of values read from [`Emulator::servos`].
 const IDLE: f64 = 0.002;
 
-/// Why there is no emulated bus.
+/// Error of starting an emulated bus.
 #[derive(Debug, thiserror::Error)]
-#[error("no pseudo-terminal: {0}")]
+#[error("failed to start the emulated bus: {0}")]
 pub struct EmulatorError(#[from] io::Error);
 
 impl From<rustix::io::Errno> for EmulatorError {
@@ -33,7 +33,7 @@ impl From<rustix::io::Errno> for EmulatorError {
     }
 }
 
-/// An emulated bus of servos on a pseudo-terminal, in real time. It ends when it is dropped.
+/// An emulated servo bus on a pseudo-terminal, in real time. Stops when dropped.
 pub struct Emulator {
     path: String,
     bus: Arc<Mutex<EmulatedBus>>,
@@ -45,7 +45,7 @@ impl Emulator {
     /// Starts the bus of `config`, whose servos move `plant`, in the time of `clock`.
     ///
     /// # Errors
-    /// When the system has no pseudo-terminal.
+    /// If no pseudo-terminal can be opened.
     pub fn start(
         config: &EmulatorConfig,
         plant: Box<dyn Plant>,
@@ -71,17 +71,17 @@ impl Emulator {
         })
     }
 
-    /// The port, for whoever is the master of the bus.
+    /// Path of the port for the master.
     pub fn path(&self) -> &str {
         &self.path
     }
 
-    /// The bus, which waits while the guard lives.
+    /// Locks the bus; it is blocked while the guard exists.
     pub fn servos(&self) -> MutexGuard<'_, EmulatedBus> {
         lock(&self.bus)
     }
 
-    /// Injects a fault from now on.
+    /// Injects a fault, starting now.
     pub fn inject(&self, fault: BusFault) {
         self.servos().inject(fault);
     }
@@ -91,13 +91,13 @@ impl Drop for Emulator {
     fn drop(&mut self) {
         self.ended.store(true, Ordering::Relaxed);
         if let Some(thread) = self.thread.take() {
-            // A panic there has been printed.
+            // A panic of the thread has already been printed.
             let _ = thread.join();
         }
     }
 }
 
-/// The bus, for as long as the guard lives. A panic elsewhere does not lock it for good.
+/// Locks the bus, even if another thread panicked with the lock.
 pub(super) fn lock(bus: &Mutex<EmulatedBus>) -> MutexGuard<'_, EmulatedBus> {
     bus.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -105,12 +105,12 @@ pub(super) fn lock(bus: &Mutex<EmulatedBus>) -> MutexGuard<'_, EmulatedBus> {
 /// A pseudo-terminal.
 struct Terminal {
     ours: File,
-    /// The master's end, held open, so that the bus goes on from one master to the next.
+    /// The master's end, kept open so that the bus continues between masters.
     _theirs: OwnedFd,
 }
 
 impl Terminal {
-    /// A new one, raw as a serial port is, and the path of the master's end.
+    /// Opens a raw pseudo-terminal. Returns it with the path of the master's end.
     fn open() -> Result<(Self, String), EmulatorError> {
         let flags = OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC;
         let ours = openpt(flags)?;
@@ -132,7 +132,7 @@ impl Terminal {
 }
 
 struct Server {
-    /// None once its cable is pulled.
+    /// `None` after the cable was unplugged.
     port: Option<Terminal>,
     bus: Arc<Mutex<EmulatedBus>>,
     clock: RigClock,
@@ -140,7 +140,8 @@ struct Server {
 
 impl Server {
     fn serve(mut self, ended: &AtomicBool) {
-        // Servos wait for no computer: where the system allows it, what plays them goes first. Without, it is late now and then.
+        // Real servos do not wait for a busy computer, so raise the priority if permitted; otherwise responses may be
+        // late.
         let _ = raise_priority(MODERATE);
         let _ = fine_timer();
         while !ended.load(Ordering::Relaxed) {
@@ -149,7 +150,7 @@ impl Server {
         }
     }
 
-    /// Lets the bus go on until now, and gives the master what has left the servos; when to do so again, s.
+    /// Advances the bus to the present and sends its output to the master. Returns the time of the next call, s.
     fn go_on(&mut self) -> f64 {
         let mut bus = lock(&self.bus);
         let now = self.clock.now();
@@ -158,14 +159,14 @@ impl Server {
             self.port = None;
         }
         if let Some(port) = &mut self.port {
-            // A master that does not read loses what does not fit, as with any port.
+            // A master that does not read loses bytes, as on a real port.
             let _ = port.ours.write(bus.output());
         }
         bus.output().clear();
         bus.next_due().unwrap_or(now + IDLE).min(now + IDLE)
     }
 
-    /// Waits for bytes of the master for at most `time`, and takes in those that are there.
+    /// Waits at most `time` for bytes from the master and passes them to the bus.
     fn receive(&mut self, time: Duration) {
         let Some(Terminal { ours, .. }) = &mut self.port else {
             std::thread::sleep(time);

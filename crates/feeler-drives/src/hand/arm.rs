@@ -1,4 +1,4 @@
-//! How a hand of servos is made ready to move.
+//! Configures the servos of a hand and switches their torque on.
 
 use super::DriveHand;
 use crate::error::DriveError;
@@ -8,7 +8,7 @@ use crate::setup::{apply, blame, changes, check_fast_sync_read, check_model, nam
 use feeler::hand::finger::FingerGeometry;
 
 impl DriveHand {
-    /// Sets the servos, whose motors have no power meanwhile.
+    /// Configures the servos, with their torque off.
     pub(super) fn set_up(&mut self, fingers: &[FingerGeometry]) -> Result<(), DriveError> {
         let registers = Registers::of(self.config.protocol);
         for (joint, drive) in named_joints(&self.config) {
@@ -34,7 +34,7 @@ impl DriveHand {
         Ok(())
     }
 
-    /// Gives the motors power, each after its watchdog is set.
+    /// Switches torque on, each servo after its watchdog is set.
     pub(super) fn arm(&mut self) -> Result<(), DriveError> {
         let registers = Registers::of(self.config.protocol);
         let watchdog = self.config.watchdog_counts();
@@ -42,7 +42,7 @@ impl DriveHand {
             servo.reset();
             let joint = servo.name;
             if let Some(register) = registers.watchdog {
-                // One that has fired takes no goal before it is cleared.
+                // An expired watchdog rejects goals until it is cleared.
                 self.bus
                     .write(joint.id, register, 0)
                     .map_err(blame(joint))?;

@@ -1,4 +1,4 @@
-//! The servos of a bus as feeler's hand.
+//! Implementation of feeler's hand by the servos of a bus.
 
 mod arm;
 mod readings;
@@ -15,36 +15,37 @@ use feeler::hand::finger::FingerGeometry;
 use feeler::hand::{Hand, HandCommand, HandError, HandState, check_finger_count};
 use glam::DVec3;
 
-/// Greatest speed of a jogged joint, rad/s.
+/// Maximum speed of a jogged joint, rad/s.
 pub const JOG_SPEED: f64 = 0.2;
 
-/// A hand whose joints are moved by servos in velocity mode. While there is one, the motors have power; what is wrong with one
-/// servo, or the bus, stops all, and they stay stopped until [`restart`](Self::restart).
+/// A hand whose joints are moved by servos in velocity mode. Torque is on while it exists. A fault of one servo or of
+/// the bus stops all motors until [`restart`](Self::restart).
 pub struct DriveHand {
     bus: Bus,
     config: DrivesConfig,
     clock: RigClock,
-    /// Oldest joint angles that a command may be made of, s.
+    /// Maximum age of the joint angles that a command is based on, s.
     most_age: f64,
     fingers: usize,
     servos: Vec<Servo>,
     ids: Vec<u8>,
-    /// When the newest joint angles arrived, s of the clock.
+    /// Time at which the latest joint angles arrived, s of the clock.
     stamp: f64,
-    /// When a servo was last asked for its health, s of the clock.
+    /// Time of the last health check, s of the clock.
     asked: f64,
-    /// The servo that is asked next, in turn.
+    /// Index of the servo whose health is checked next.
     next_asked: usize,
     fault: Option<String>,
 }
 
 impl DriveHand {
-    /// Opens the bus of `config`, whose servos move `fingers`, sets them and gives their motors power. They stand still until they are
-    /// commanded, and no command may be made of joint angles that are older than `most_age`, s. States are stamped by `clock`.
+    /// Opens the bus of `config`, configures the servos and switches their torque on. The motors stand still until they
+    /// are commanded. A command is rejected if the latest joint angles are older than `most_age`, s. States are stamped
+    /// by `clock`.
     ///
     /// # Errors
-    /// When a value of `config` is out of its range, the port cannot be opened, or a servo is missing, another than it should be, not
-    /// well, or beyond its joint's limits.
+    /// If a value of `config` is out of range, if the port cannot be opened, or if a servo is missing, of another
+    /// model, faulty, or beyond its joint's limits.
     pub fn open(
         config: &DrivesConfig,
         fingers: &[FingerGeometry],
@@ -57,10 +58,11 @@ impl DriveHand {
         Self::on(bus, config, fingers, most_age)
     }
 
-    /// The same on a `bus` that is open already, whatever port `config` names. States are stamped by the clock of the bus.
+    /// Like [`open`](Self::open), but on an existing `bus`, regardless of the port in `config`. States are stamped by
+    /// the clock of the bus.
     ///
     /// # Errors
-    /// As [`open`](Self::open).
+    /// See [`open`](Self::open).
     pub fn on(
         bus: Bus,
         config: &DrivesConfig,
@@ -86,11 +88,11 @@ impl DriveHand {
         Ok(hand)
     }
 
-    /// Lets a hand that was stopped by a fault move again: sets the watchdogs and gives the motors power, after somebody has looked why
-    /// it stopped.
+    /// Restarts a hand that was stopped by a fault: sets the watchdogs and switches torque on. Call it only after the
+    /// cause of the fault was found.
     ///
     /// # Errors
-    /// When a servo is not well; then it stays stopped.
+    /// If a servo is faulty; the hand then remains stopped.
     pub fn restart(&mut self) -> Result<(), DriveError> {
         self.power_off();
         self.arm()?;
@@ -98,27 +100,28 @@ impl DriveHand {
         Ok(())
     }
 
-    /// Why it is stopped for good, if it is.
+    /// Message of the fault that stopped the hand, or `None` if it is running.
     pub fn fault(&self) -> Option<&str> {
         self.fault.as_deref()
     }
 
-    /// Age of the newest joint angles, s.
+    /// Age of the latest joint angles, s.
     pub fn age(&self) -> f64 {
         self.clock.now() - self.stamp
     }
 
-    /// The joint angles of each finger as of the newest reading, rad.
+    /// Latest angle of each joint, rad.
     pub fn angles(&self) -> impl Iterator<Item = (JointName, f64)> {
         self.servos.iter().map(|servo| (servo.name, servo.angle))
     }
 
-    /// Turns one joint at `velocity`, rad/s, at most [`JOG_SPEED`], until the next command; all others stand still. Its servo is asked
-    /// whether it is well, where that is due. For whoever sets a rig up; a program that controls a hand has [`Hand::command`].
+    /// Turns one joint at `velocity`, rad/s, at most [`JOG_SPEED`], until the next command; all others stand still.
+    /// Also checks the health of its servo if due. Intended for setting up a rig; use [`Hand::command`] to control a
+    /// hand.
     ///
     /// # Errors
-    /// When a fault has stopped it, there is no such joint or `velocity` is too fast; or as [`Hand::command`], and then all motors are
-    /// stopped.
+    /// If a fault has stopped the hand, if there is no such joint, or if `velocity` is too high. Also as
+    /// [`Hand::command`], in which case all motors are stopped.
     pub fn jog(&mut self, finger: usize, joint: usize, velocity: f64) -> Result<(), DriveError> {
         if let Some(fault) = self.fault.clone() {
             return Err(DriveError::Stopped { fault });
@@ -143,7 +146,7 @@ impl DriveHand {
         done
     }
 
-    /// Sends each joint its `velocity`, rad/s, by its number, unless the joint angles that it was made of are too old.
+    /// Sends each joint its `velocity`, rad/s, by index, unless the joint angles are too old.
     fn send(&mut self, velocity: impl Fn(usize) -> f64) -> Result<(), DriveError> {
         let joints = 0..self.servos.len();
         let moving = joints.into_iter().any(|index| velocity(index) != 0.0);
@@ -160,14 +163,14 @@ impl DriveHand {
         Ok(self.bus.sync_write(register, goals)?)
     }
 
-    /// Commands the joints; then asks the next servo whether it is well, where that is due.
+    /// Commands the joints, then checks the health of the next servo if due.
     fn drive(&mut self, velocity: &[DVec3]) -> Result<(), DriveError> {
         let at = |index: usize| velocity.get(index / 3).map_or(0.0, |v| v[index % 3]);
         self.send(at)?;
         self.check_health_if_due(self.next_asked)
     }
 
-    /// Stops all motors at once, as far as the bus still works, and keeps them stopped.
+    /// Stops all motors if the bus still works, and keeps them stopped.
     fn fail(&mut self, error: &DriveError) -> HandError {
         self.stop_motors();
         let fault = self.fault.get_or_insert_with(|| error.to_string());
@@ -180,21 +183,21 @@ impl DriveHand {
         }
         let register = Registers::of(self.config.protocol).goal_velocity;
         let stop = self.ids.iter().map(|&id| (id, 0));
-        // Where the bus fails, the servos' watchdogs stop them.
+        // If the bus fails, the servos' watchdogs stop the motors.
         let _ = self.bus.sync_write(register, stop);
     }
 
     fn power_off(&mut self) {
         self.stop_motors();
         let register = Registers::of(self.config.protocol).torque;
-        // Twice, as nobody answers that it arrived.
+        // Sent twice, because sync writes are not acknowledged.
         for _ in 0..2 {
             let off = self.ids.iter().map(|&id| (id, 0));
             let _ = self.bus.sync_write(register, off);
         }
     }
 
-    /// An error of the bus, laid to the joint whose servo it names.
+    /// Attributes an error of the bus to the joint of the servo concerned.
     fn blame_by_id(&self, source: BusError) -> DriveError {
         let id = source.servo();
         let servo = self.servos.iter().find(|servo| Some(servo.name.id) == id);
@@ -205,7 +208,7 @@ impl DriveHand {
     }
 }
 
-/// Requires the values of `config` to be in their ranges, for a hand of these `fingers`.
+/// Checks that the values of `config` are in their ranges, for a hand with these `fingers`.
 fn check(config: &DrivesConfig, fingers: &[FingerGeometry]) -> Result<(), DriveError> {
     let mut checker = Checker::default();
     config.check("drives", fingers.len(), &mut checker);
@@ -227,7 +230,7 @@ impl Hand for DriveHand {
         self.fingers
     }
 
-    /// The stamp is when the answers had arrived.
+    /// The stamp is the time at which the responses had arrived.
     fn read(&mut self, state: &mut HandState) -> Result<(), HandError> {
         check_finger_count(self.fingers, state.joints.len())?;
         if let Some(fault) = &self.fault {

@@ -1,4 +1,4 @@
-//! What servos say in each period, and whether they are well.
+//! Reads the servos in each period and checks their health.
 
 use super::DriveHand;
 use crate::bus::{ALERT, BusError};
@@ -8,14 +8,15 @@ use crate::packet::Protocol;
 use crate::registers::{COUNTS_PER_TURN, Register, Registers};
 use crate::setup::blame;
 
-/// How many times a joint's greatest speed one may seem to turn: overshoot, and the unit of velocity.
+/// Factor on a joint's speed limit above which a measured velocity is implausible. Allows for overshoot and the
+/// resolution of velocity.
 const SPEED_TOLERANCE: f64 = 2.0;
-/// Bytes of a Dynamixel's table from its torque to its bus watchdog, and from its voltage to its temperature.
+/// Parts (address, length) of a Dynamixel's control table from torque to bus watchdog and from voltage to temperature.
 const TORQUE_TO_WATCHDOG: (u16, usize) = (64, 35);
 const VOLTAGE_TO_TEMPERATURE: (u16, usize) = (144, 3);
 
 impl DriveHand {
-    /// Reads all joints.
+    /// Reads position and velocity of all joints, and checks them.
     pub(super) fn read_motion(&mut self) -> Result<(), DriveError> {
         let registers = Registers::of(self.config.protocol);
         let (ids, fast) = (&self.ids, self.config.fast_sync_read);
@@ -49,7 +50,7 @@ impl DriveHand {
             .try_for_each(|servo| servo.check(tolerance, SPEED_TOLERANCE))
     }
 
-    /// Says what is wrong with a servo that flagged a fault in its answer.
+    /// Returns the error for a servo that reported a fault in its response.
     fn explain(&mut self, index: usize, error: u8, health: Health) -> Result<(), DriveError> {
         let joint = self.servos[index].name;
         let protocol = self.config.protocol;
@@ -60,7 +61,7 @@ impl DriveHand {
         }
         let registers = Registers::of(protocol);
         if error & ALERT == 0 {
-            let (id, what) = (joint.id, "a reading");
+            let (id, what) = (joint.id, "a read");
             return Err(blame(joint)(BusError::Refused { id, what, error }));
         }
         let bits = self
@@ -74,7 +75,7 @@ impl DriveHand {
         })
     }
 
-    /// Asks servo `index` whether it is well, unless one was asked a short while ago.
+    /// Checks the health of servo `index` if the health interval has elapsed.
     pub(super) fn check_health_if_due(&mut self, index: usize) -> Result<(), DriveError> {
         let now = self.clock.now();
         if now - self.asked < self.config.health_interval {
@@ -85,7 +86,7 @@ impl DriveHand {
         self.check_health(index, true)
     }
 
-    /// Asks a servo whether it is well, and, where it should be `armed`, whether it has its torque and its watchdog.
+    /// Checks the health of a servo and, if it should be `armed`, its torque and watchdog.
     pub(super) fn check_health(&mut self, index: usize, armed: bool) -> Result<(), DriveError> {
         let Some(servo) = self.servos.get(index) else {
             return Ok(());
@@ -113,7 +114,7 @@ impl DriveHand {
         }
     }
 
-    /// Torque and watchdog of a Dynamixel that is well.
+    /// Checks the health of a Dynamixel. Returns its torque and watchdog registers.
     fn ask_dynamixel(&mut self, joint: JointName) -> Result<(i64, Option<i64>), DriveError> {
         let registers = Registers::of(Protocol::Dynamixel);
         let part = TORQUE_TO_WATCHDOG;

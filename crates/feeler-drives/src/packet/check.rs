@@ -1,6 +1,7 @@
-//! What tells a packet that arrived whole from one that did not.
+//! Checksums of packets.
 
-/// CRC-16/BUYPASS (polynomial 0x8005, not reflected, from 0) of `bytes`, which Dynamixel protocol 2.0 sends low byte first.
+/// CRC-16/BUYPASS (polynomial 0x8005, not reflected, initial value 0) of `bytes`. Dynamixel protocol 2.0 sends it low
+/// byte first.
 pub fn crc(bytes: &[u8]) -> u16 {
     bytes.iter().fold(0, |crc: u16, &byte| {
         let index = (crc >> 8) as u8 ^ byte;
@@ -8,7 +9,7 @@ pub fn crc(bytes: &[u8]) -> u16 {
     })
 }
 
-/// Checksum of a Feetech packet's `bytes` between header and checksum.
+/// Checksum of a Feetech packet, over the `bytes` between header and checksum.
 pub fn sum(bytes: &[u8]) -> u8 {
     !bytes.iter().fold(0u8, |sum, &byte| sum.wrapping_add(byte))
 }
@@ -41,13 +42,13 @@ mod tests {
 
     /// The check value of CRC-16/BUYPASS in the catalogue of parametrised CRC algorithms.
     #[test]
-    fn the_crc_is_buypass() {
+    fn crc_is_buypass() {
         assert_eq!(crc(b"123456789"), 0xFEE8);
     }
 
     /// The first and last entries of the table in the vendor's CRC example (e-Manual, "CRC Calculation").
     #[test]
-    fn the_table_is_the_vendors() {
+    fn table_equals_the_vendors() {
         assert_eq!(TABLE[..4], [0x0000, 0x8005, 0x800F, 0x000A]);
         assert_eq!(TABLE[252..], [0x0208, 0x820D, 0x8207, 0x0202]);
     }

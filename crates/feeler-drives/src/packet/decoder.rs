@@ -1,75 +1,73 @@
-//! From bytes, as they arrive, to packets.
+//! Incremental packet decoder.
 
 use super::{BROADCAST, LONGEST, Protocol, check, instruction::STATUS};
 
-/// Bytes that wait for the rest of their packet: the longest packet, and as many again.
+/// Buffer size: twice the longest packet.
 const CAPACITY: usize = 2 * (LONGEST + 7);
 
-/// Who sends what a decoder reads: the packets differ.
+/// Sender of the packets to decode.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sender {
-    /// The computer: instructions.
+    /// The computer, which sends instructions.
     Master,
-    /// Servos: answers.
+    /// Servos, which send responses.
     Servo,
 }
 
-/// A packet that arrived whole.
+/// A valid packet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Packet<'a> {
-    /// Whom it is for, or who sent it.
+    /// Id of the addressed servo, or of the sender of a response.
     pub id: u8,
-    /// The instruction; of a Feetech servo's answer, its status.
+    /// Instruction; for a response of a Feetech servo, its status.
     pub code: u8,
-    /// What follows, without stuffing. The first parameter of a Dynamixel servo's answer is its error byte.
+    /// Parameters without byte stuffing. The first parameter of a Dynamixel servo's response is its error byte.
     pub parameters: &'a [u8],
 }
 
-/// Why bytes are no packet.
+/// Error of decoding a packet.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum PacketError {
-    /// Bytes that belong to none.
-    #[error("{count} bytes outside of a packet: expected the header of one")]
+    /// Bytes outside of a packet.
+    #[error("{count} bytes outside of a packet: expected a packet header")]
     Noise {
-        /// How many.
+        /// Number of bytes.
         count: usize,
     },
-    /// A length that no packet has.
-    #[error("a packet with {actual} bytes after its length: expected {least} to {most}")]
+    /// The length field is out of range.
+    #[error("a packet with length {actual}: expected {least} to {most} bytes")]
     Length {
-        /// What arrived.
+        /// Value of the length field.
         actual: usize,
-        /// The least.
+        /// Minimum length.
         least: usize,
-        /// The most.
+        /// Maximum length.
         most: usize,
     },
-    /// CRC or checksum do not fit: bytes were changed on their way.
-    #[error(
-        "a packet whose check bytes are {actual:#06x}: expected {expected:#06x} by its content"
-    )]
+    /// The CRC or checksum is wrong because bytes were corrupted.
+    #[error("a packet with checksum {actual:#06x}: expected {expected:#06x} for its content")]
     Check {
-        /// By the content.
+        /// Computed from the content.
         expected: u16,
-        /// What arrived.
+        /// Received in the packet.
         actual: u16,
     },
 }
 
-/// Finds packets in a stream of bytes; after a fault it goes on with the next header. Its memory is fixed.
+/// Decodes packets from a stream of bytes. After an error, continues with the next header. Has a fixed buffer.
 #[derive(Debug, Clone)]
 pub struct Decoder {
     protocol: Protocol,
     sender: Sender,
     bytes: Vec<u8>,
-    /// Bytes of `bytes` that are done with.
+    /// Number of processed bytes at the start of `bytes`.
     done: usize,
-    /// Parameters of the newest packet without stuffing.
+    /// Parameters of the latest packet without byte stuffing.
     parameters: Vec<u8>,
 }
 
 impl Decoder {
-    /// A decoder of what `sender` sends.
+    /// Creates a decoder for packets from `sender`.
     pub fn new(protocol: Protocol, sender: Sender) -> Self {
         Self {
             protocol,
@@ -80,24 +78,24 @@ impl Decoder {
         }
     }
 
-    /// Forgets all bytes.
+    /// Discards all bytes.
     pub fn clear(&mut self) {
         self.bytes.clear();
         self.done = 0;
     }
 
-    /// Bytes that arrived and are no whole packet yet.
+    /// Received bytes that do not form a packet yet.
     pub fn pending(&self) -> &[u8] {
         &self.bytes[self.done..]
     }
 
-    /// Parameters of the newest packet, as [`Packet::parameters`].
+    /// Parameters of the latest packet, see [`Packet::parameters`].
     pub fn parameters(&self) -> &[u8] {
         &self.parameters
     }
 
-    /// Takes in as many of `bytes` as there is room for; how many that were. After [`next`](Self::next) found no further
-    /// packet there is room for one.
+    /// Appends `bytes` to the buffer as far as there is space. Returns the number of bytes taken. After
+    /// [`next`](Self::next) returned `None`, there is space for at least one packet.
     pub fn feed(&mut self, bytes: &[u8]) -> usize {
         self.bytes.drain(..self.done);
         self.done = 0;
@@ -106,7 +104,7 @@ impl Decoder {
         taken
     }
 
-    /// The next packet, or what is there in place of one; nothing where more bytes are needed.
+    /// Returns the next packet or error, or `None` if more bytes are needed.
     #[allow(
         clippy::should_implement_trait,
         reason = "a packet borrows from the decoder"
@@ -120,7 +118,7 @@ impl Decoder {
         }))
     }
 
-    /// Whether [`next`](Self::next) has something to say already.
+    /// Returns `true` if [`next`](Self::next) would return a packet or an error.
     pub fn has_packet(&self) -> bool {
         if self.noise() > 0 {
             return true;
@@ -132,7 +130,7 @@ impl Decoder {
         !(least..=most).contains(&length) || self.pending().len() >= begin + length
     }
 
-    /// Least and most bytes of a packet after its length.
+    /// Minimum and maximum value of the length field.
     fn lengths(&self) -> (usize, usize) {
         match self.protocol {
             Protocol::Dynamixel => (3, LONGEST),
@@ -140,7 +138,7 @@ impl Decoder {
         }
     }
 
-    /// Puts the parameters of the next packet into place; its id and code.
+    /// Decodes the parameters of the next packet. Returns its id and code.
     fn find(&mut self) -> Option<Result<(u8, u8), PacketError>> {
         let noise = self.noise();
         if noise > 0 {
@@ -150,7 +148,7 @@ impl Decoder {
         let (id, begin, length) = self.head()?;
         let (least, most) = self.lengths();
         if !(least..=most).contains(&length) {
-            // Only the header's first byte is given up: the next packet may begin inside of this one.
+            // Skips only the first byte of the header, since the next packet may begin inside this one.
             self.done += 1;
             return Some(Err(PacketError::Length {
                 actual: length,
@@ -178,7 +176,7 @@ impl Decoder {
         Some(Ok((id, code)))
     }
 
-    /// Id, where instruction or status stands, and length from there on, of the packet that begins with what is pending.
+    /// Header of the pending packet: id, offset of the instruction or status, and length from there.
     fn head(&self) -> Option<(u8, usize, usize)> {
         match (self.protocol, self.pending()) {
             (Protocol::Dynamixel, [_, _, _, _, id, low, high, ..]) => {
@@ -189,7 +187,7 @@ impl Decoder {
         }
     }
 
-    /// Bytes before what is, or may become, a header.
+    /// Number of pending bytes before a complete or partial header.
     fn noise(&self) -> usize {
         let pending = self.pending();
         let begins = |at: &usize| {
@@ -212,14 +210,15 @@ impl Decoder {
         first.unwrap_or(pending.len())
     }
 
-    /// Servos do not stuff what they answer together: each knows only its own part of that packet.
+    /// Returns `true` if the packet has byte stuffing. Servos do not stuff a joint response, since each knows only its
+    /// own part.
     fn is_stuffed(&self, id: u8, code: u8) -> bool {
         let together = self.sender == Sender::Servo && id == BROADCAST && code == STATUS;
         self.protocol == Protocol::Dynamixel && !together
     }
 }
 
-/// The check bytes that a whole packet should have, and those that it has.
+/// Expected and actual check bytes of a packet.
 fn check_bytes(protocol: Protocol, packet: &[u8]) -> (u16, u16) {
     match (protocol, packet) {
         (Protocol::Dynamixel, [content @ .., low, high]) => {
@@ -228,12 +227,12 @@ fn check_bytes(protocol: Protocol, packet: &[u8]) -> (u16, u16) {
         (Protocol::Feetech, [_, _, content @ .., sum]) => {
             (check::sum(content).into(), (*sum).into())
         }
-        // No packet is that short.
+        // Unreachable: no packet is so short.
         _ => (0, 1),
     }
 }
 
-/// Appends `bytes`, the instruction first, to `parameters`, without the instruction and without stuffing.
+/// Appends the parameters in `bytes`, which begin with the instruction, to `parameters` without byte stuffing.
 fn unstuff(bytes: &[u8], parameters: &mut Vec<u8>) {
     let mut index = 1;
     while index < bytes.len() {

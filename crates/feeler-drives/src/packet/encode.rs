@@ -1,26 +1,27 @@
-//! From what a packet says to its bytes.
+//! Packet encoder.
 
 use super::{Protocol, check};
 
-/// Most bytes of a Dynamixel packet after its length, which keeps buffers small: more than any servo of a hand sends.
+/// Maximum length of a Dynamixel packet after its length field, to limit buffers. No servo of a hand sends longer
+/// packets.
 pub const LONGEST: usize = 1024;
 
-/// A packet would be longer than its protocol or a servo's buffer allows.
+/// Error of a packet that is longer than its protocol or a servo's buffer allows.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
-#[error("a packet of {actual} bytes after its length: expected at most {limit}")]
+#[error("a packet with length {actual}: expected at most {limit} bytes")]
 pub struct TooLong {
-    /// Bytes after the length.
+    /// Bytes after the length field.
     pub actual: usize,
-    /// How many there may be.
+    /// Maximum number of bytes.
     pub limit: usize,
 }
 
-/// Writes a packet into `bytes`, in place of what is there. `code` is the instruction; of a servo's answer
-/// [`STATUS`](super::instruction::STATUS), with the error byte as first parameter, or, in Feetech's protocol, the status
-/// itself. Does not allocate where `bytes` has room.
+/// Encodes a packet into `bytes`, replacing its content. `code` is the instruction. For a servo's response, it is
+/// [`STATUS`](super::instruction::STATUS), with the error byte as the first parameter, or in Feetech's protocol the
+/// status. Does not allocate if `bytes` has sufficient capacity.
 ///
 /// # Errors
-/// When the parameters are too many.
+/// If there are too many parameters.
 pub fn encode(
     protocol: Protocol,
     (id, code): (u8, u8),
@@ -38,7 +39,7 @@ fn dynamixel((id, code): (u8, u8), parameters: &[u8], bytes: &mut Vec<u8>) -> Re
     bytes.extend([0xFF, 0xFF, 0xFD, 0x00, id, 0, 0]);
     for &byte in [code].iter().chain(parameters) {
         bytes.push(byte);
-        // From the instruction on, a header must not appear.
+        // After the length field, a header must not occur.
         if bytes.len() >= 10 && bytes.ends_with(&[0xFF, 0xFF, 0xFD]) {
             bytes.push(0xFD);
         }

@@ -1,29 +1,29 @@
-//! The packet in which several Dynamixel servos answer one fast sync read.
+//! Joint response of several Dynamixel servos to a fast sync read.
 //!
-//! After its instruction it has a block per servo: error, id, data, and the CRC of the packet up to there. The last of these is
-//! the CRC of the whole packet.
+//! After the instruction, the packet has one block per servo: error, id, data, and the CRC of the packet up to there.
+//! The last CRC is the CRC of the whole packet.
 
 use super::{BROADCAST, check, instruction::STATUS};
 
-/// Bytes of a block beside its data: error, id, CRC.
+/// Bytes of a block in addition to its data: error, id, CRC.
 const AROUND_DATA: usize = 4;
 /// Bytes of the packet before its first block.
 const BEFORE_BLOCKS: usize = 8;
 
-/// What one servo answered.
+/// Response of one servo.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FastBlock<'a> {
-    /// Its error byte.
+    /// Error byte.
     pub error: u8,
-    /// Its id.
+    /// Id of the servo.
     pub id: u8,
-    /// What it has in the part of the table that was asked for.
+    /// Requested part of its control table.
     pub data: &'a [u8],
 }
 
-/// The blocks with `length` bytes of data each in the parameters of a packet that arrived whole.
+/// Splits the `parameters` of a valid packet into blocks with `length` bytes of data each.
 pub fn fast_blocks(parameters: &[u8], length: usize) -> impl Iterator<Item = FastBlock<'_>> {
-    // The decoder keeps the last block's CRC for itself.
+    // The decoder removes the last block's CRC.
     let blocks = parameters.chunks(length + AROUND_DATA);
     blocks.filter_map(move |block| match block {
         [error, id, rest @ ..] if rest.len() >= length => Some(FastBlock {
@@ -35,14 +35,14 @@ pub fn fast_blocks(parameters: &[u8], length: usize) -> impl Iterator<Item = Fas
     })
 }
 
-/// How many servos' blocks, of `length` bytes of data each, have arrived of a packet that is not whole yet, all of whose
-/// `bytes` so far are these: the next servo is the one that did not answer.
+/// Number of complete blocks, with `length` bytes of data each, in the `bytes` of an incomplete packet. The next servo
+/// is the one that did not answer.
 pub fn complete_blocks(bytes: &[u8], length: usize) -> usize {
     bytes.len().saturating_sub(BEFORE_BLOCKS) / (length + AROUND_DATA)
 }
 
-/// The packet in which servos answer, `bytes` in place of what is there: for whoever plays servos. Does not check that all
-/// `blocks` have the same length, nor that the packet is not too long.
+/// Encodes the joint response of servos into `bytes`, replacing its content. Used by emulators. Does not check that all
+/// `blocks` have the same length or that the packet is short enough.
 pub fn fast_status<'a>(blocks: impl Iterator<Item = FastBlock<'a>> + Clone, bytes: &mut Vec<u8>) {
     let length: usize = blocks.clone().map(|b| b.data.len() + AROUND_DATA).sum();
     let [low, high] = (length as u16 + 1).to_le_bytes();

@@ -1,10 +1,11 @@
-//! Packets of both protocols, as bytes and as what they say. Pure: nothing here reads, writes or waits.
+//! Packet codecs of both protocols, without I/O or clocks.
 //!
-//! Dynamixel protocol 2.0 (<https://emanual.robotis.com/docs/en/dxl/protocol2/>):
-//! `FF FF FD 00 | id | length, 2 bytes | instruction | parameters | CRC-16, 2 bytes`, where a servo's answer has the
-//! instruction 0x55 and an error byte before its parameters, and `FF FF FD` inside is stuffed with another `FD`.
-//! Feetech STS and SMS, which continue Dynamixel's protocol 1.0:
-//! `FF FF | id | length | instruction or, of an answer, status | parameters | checksum`.
+//! Dynamixel protocol 2.0 (<https://emanual.robotis.com/docs/en/dxl/protocol2/>): `FF FF FD 00 | id | length, 2 bytes |
+//! instruction | parameters | CRC-16, 2 bytes`. A servo's response has instruction 0x55 and an error byte before its
+//! parameters; `FF FF FD` inside is stuffed with another `FD`.
+//!
+//! Feetech STS and SMS, which continue Dynamixel protocol 1.0: `FF FF | id | length | instruction (in a response:
+//! status) | parameters | checksum`.
 
 mod check;
 mod decoder;
@@ -18,21 +19,21 @@ pub use fast_sync::{FastBlock, complete_blocks, fast_blocks, fast_status};
 
 use serde::{Deserialize, Serialize};
 
-/// The id that all servos listen to.
+/// Id that addresses all servos.
 pub const BROADCAST: u8 = 0xFE;
 
-/// What the bytes on the bus mean.
+/// Protocol of a bus.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Protocol {
-    /// Dynamixel protocol 2.0: the X series and what is compatible with it.
+    /// Dynamixel protocol 2.0: the X series and compatible servos.
     Dynamixel,
     /// Feetech STS and SMS series.
     Feetech,
 }
 
 impl Protocol {
-    /// Largest id of a servo.
+    /// Maximum id of a servo.
     pub fn largest_id(self) -> u8 {
         match self {
             Self::Dynamixel => 252,
@@ -40,7 +41,7 @@ impl Protocol {
         }
     }
 
-    /// Bytes of a packet before its parameters: header, id, length, instruction.
+    /// Number of bytes before the parameters: header, id, length, instruction.
     pub fn before_parameters(self) -> usize {
         match self {
             Self::Dynamixel => 8,
@@ -48,7 +49,7 @@ impl Protocol {
         }
     }
 
-    /// Bytes of its CRC or checksum.
+    /// Number of bytes of the CRC or checksum.
     pub fn check_length(self) -> usize {
         match self {
             Self::Dynamixel => 2,
@@ -56,34 +57,34 @@ impl Protocol {
         }
     }
 
-    /// Bytes of a servo's answer with so many bytes of data, unless they are stuffed.
+    /// Length of a servo's response with `data` bytes of data, without byte stuffing.
     pub fn status_length(self, data: usize) -> usize {
-        // The error byte of Feetech stands where an instruction does.
+        // Feetech's status replaces the instruction.
         let error = usize::from(self == Self::Dynamixel);
         self.before_parameters() + error + data + self.check_length()
     }
 }
 
-/// What a packet asks for.
+/// Instructions.
 pub mod instruction {
-    /// Says model number and firmware (Feetech: nothing but that it is there).
+    /// Requests model number and firmware (Feetech: an empty response).
     pub const PING: u8 = 0x01;
     /// Reads a part of the control table.
     pub const READ: u8 = 0x02;
     /// Writes a part of the control table.
     pub const WRITE: u8 = 0x03;
-    /// Starts the servo afresh.
+    /// Restarts the servo.
     pub const REBOOT: u8 = 0x08;
-    /// A servo's answer (Dynamixel).
+    /// Marks a servo's response (Dynamixel).
     pub const STATUS: u8 = 0x55;
-    /// Reads the same part of several servos' tables, which answer one after the other.
+    /// Reads the same part of several servos' control tables; servos answer one after the other.
     pub const SYNC_READ: u8 = 0x82;
-    /// Writes the same part of several servos' tables; nobody answers.
+    /// Writes the same part of several servos' control tables; servos do not answer.
     pub const SYNC_WRITE: u8 = 0x83;
-    /// As a sync read, but all servos answer in one packet (Dynamixel).
+    /// Like a sync read, but all servos answer in a single packet (Dynamixel).
     pub const FAST_SYNC_READ: u8 = 0x8A;
 
-    /// The name of an instruction; none of one that is not known here.
+    /// Name of an instruction, or `None` if unknown.
     pub fn name(instruction: u8) -> Option<&'static str> {
         Some(match instruction {
             PING => "ping",

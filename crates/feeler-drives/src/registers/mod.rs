@@ -1,4 +1,4 @@
-//! Where servos keep what, and in which units.
+//! Control tables and units of servos.
 //!
 //! Dynamixel X series: control tables of the e-Manual, e.g. <https://emanual.robotis.com/docs/en/dxl/x/xl330-m288/>.
 //! Feetech: memory table of the STS and SMS series.
@@ -9,25 +9,25 @@ pub use models::{MODELS, Model};
 
 use crate::packet::Protocol;
 
-/// A value in a servo's control table, least significant byte first.
+/// A value in a servo's control table, little-endian.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Register {
-    /// Where it begins.
+    /// Address of the first byte.
     pub address: u16,
-    /// Its bytes, 1, 2 or 4.
+    /// Number of bytes: 1, 2 or 4.
     pub length: usize,
-    /// How it says what is negative.
+    /// Representation of negative values.
     pub sign: Sign,
 }
 
-/// How a value says what is negative.
+/// Representation of negative values.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Sign {
-    /// It never is.
+    /// Values are never negative.
     Unsigned,
     /// Two's complement.
     Two,
-    /// This bit says so, and the bits below it how much (Feetech).
+    /// Sign and magnitude: this bit is the sign, the bits below it are the magnitude (Feetech).
     Bit(u8),
 }
 
@@ -40,7 +40,7 @@ const fn register(address: u16, length: usize, sign: Sign) -> Register {
 }
 
 impl Register {
-    /// The value that `bytes` say, of which there are [`length`](Self::length).
+    /// Decodes the value in `bytes`.
     pub fn decode(self, bytes: &[u8]) -> i64 {
         let bytes = bytes.iter().take(self.length).rev();
         let raw = bytes.fold(0i64, |value, &byte| (value << 8) | i64::from(byte));
@@ -55,7 +55,7 @@ impl Register {
         }
     }
 
-    /// Appends `value` to `bytes`; what does not fit is cut off.
+    /// Appends the encoded `value` to `bytes`; excess bits are truncated.
     pub fn encode(self, value: i64, bytes: &mut Vec<u8>) {
         let raw = match self.sign {
             Sign::Bit(bit) if value < 0 => -value | (1 << bit),
@@ -65,28 +65,28 @@ impl Register {
     }
 }
 
-/// Where the servos of a protocol keep what drives need of them.
+/// Registers used by a hand, for one protocol.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Registers {
     /// Model number.
     pub model: Register,
-    /// Firmware, by which fast sync reads are possible (Dynamixel).
+    /// Firmware version, which decides about fast sync reads (Dynamixel).
     pub firmware: Option<Register>,
-    /// How long a servo waits before it answers, in 2 us.
+    /// Delay before a response, in 2 us.
     pub return_delay: Register,
-    /// What its motor follows: 1 is a velocity.
+    /// Operating mode; [`VELOCITY_MODE`] follows a velocity.
     pub mode: Register,
-    /// Whether its EEPROM is locked (Feetech).
+    /// EEPROM lock, 1 if locked (Feetech).
     pub lock: Option<Register>,
-    /// Largest current, in the model's unit.
+    /// Maximum current, in the model's unit.
     pub current_limit: Register,
-    /// Largest goal velocity, in the model's unit.
+    /// Maximum goal velocity, in the model's unit.
     pub velocity_limit: Option<Register>,
-    /// Whether the motor has power.
+    /// Torque, 1 if the motor is powered.
     pub torque: Register,
-    /// What is wrong with it.
+    /// Fault bits.
     pub fault: Register,
-    /// Stops the motor when nothing arrives for so long, in 20 ms.
+    /// Time without instructions after which the motor stops, in 20 ms.
     pub watchdog: Option<Register>,
     /// Goal velocity, in the model's unit.
     pub goal_velocity: Register,
@@ -98,9 +98,9 @@ pub struct Registers {
     pub voltage: Register,
     /// Temperature, degrees Celsius.
     pub temperature: Register,
-    /// What is read in every period: the first byte, and how many.
+    /// Part read in every period: first address and number of bytes.
     pub motion: (u16, usize),
-    /// Whether `motion` has voltage, temperature and fault, too.
+    /// `true` if `motion` also contains voltage, temperature and fault.
     pub motion_has_health: bool,
 }
 
@@ -145,7 +145,7 @@ const FEETECH: Registers = Registers {
 };
 
 impl Registers {
-    /// Those of the servos that speak `protocol`.
+    /// Returns the registers of servos with `protocol`.
     pub fn of(protocol: Protocol) -> &'static Self {
         match protocol {
             Protocol::Dynamixel => &DYNAMIXEL,
@@ -153,18 +153,18 @@ impl Registers {
         }
     }
 
-    /// What `register` says in the bytes that [`motion`](Self::motion) names.
+    /// Decodes `register` from the bytes of [`motion`](Self::motion).
     pub fn in_motion(&self, register: Register, bytes: &[u8]) -> i64 {
         let begin = usize::from(register.address.saturating_sub(self.motion.0));
         register.decode(bytes.get(begin..).unwrap_or_default())
     }
 }
 
-/// The operating mode in which a motor follows a velocity, of both protocols.
+/// Operating mode in which a motor follows a velocity, for both protocols.
 pub const VELOCITY_MODE: i64 = 1;
-/// Time that one count of a Dynamixel's bus watchdog is, s.
+/// Unit of a Dynamixel's bus watchdog, s.
 pub const WATCHDOG_UNIT: f64 = 0.02;
-/// Counts of a turn, of all models known here.
+/// Position counts per turn, for all known models.
 pub const COUNTS_PER_TURN: f64 = 4096.0;
 
 #[cfg(test)]
@@ -179,7 +179,7 @@ mod tests {
     }
 
     #[test]
-    fn values_have_their_signs() {
+    fn encodes_and_decodes_signed_values() {
         there_and_back(DYNAMIXEL.goal_velocity, -2, &[0xFE, 0xFF, 0xFF, 0xFF]);
         there_and_back(DYNAMIXEL.watchdog.expect("one"), -1, &[0xFF]);
         there_and_back(DYNAMIXEL.position, 166, &[0xA6, 0, 0, 0]);

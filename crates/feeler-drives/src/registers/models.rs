@@ -1,36 +1,36 @@
-//! The kinds of servos that are known.
+//! Known servo models.
 //!
-//! Model numbers, units and velocity limits as they come: the e-Manual's page of each model, e.g.
-//! <https://emanual.robotis.com/docs/en/dxl/x/xc330-m288/>. Fast sync reads: its page of the protocol,
-//! <https://emanual.robotis.com/docs/en/dxl/protocol2/#fast-sync-read-0x8a>.
+//! Model numbers, units and default velocity limits are from the e-Manual's page of each model, e.g.
+//! <https://emanual.robotis.com/docs/en/dxl/x/xc330-m288/>. Firmware versions for fast sync reads are from its page on
+//! the protocol, <https://emanual.robotis.com/docs/en/dxl/protocol2/#fast-sync-read-0x8a>.
 
 use super::COUNTS_PER_TURN;
 use crate::packet::Protocol;
 use std::f64::consts::TAU;
 
-/// A kind of servo.
+/// A servo model.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Model {
-    /// Its name, as in an experiment file.
+    /// Name as in an experiment file.
     pub name: &'static str,
-    /// What it says that it is.
+    /// Model number reported by the servo.
     pub number: i64,
-    /// What it speaks.
+    /// Protocol.
     pub protocol: Protocol,
-    /// Its unit of velocity, rad/s.
+    /// Unit of velocity, rad/s.
     pub velocity_unit: f64,
-    /// Its unit of current, A.
+    /// Unit of current, A.
     pub current_unit: f64,
-    /// Its greatest velocity as it comes, in its unit: for the emulator.
+    /// Default velocity limit in units of velocity; used by the emulator.
     pub velocity_limit: i64,
-    /// The first firmware that answers fast sync reads, if one does.
+    /// First firmware with fast sync reads, or `None` if not supported.
     pub fast_sync_firmware: Option<i64>,
 }
 
-/// 0.229 revolutions a minute.
+/// Unit of velocity of the X series: 0.229 rpm.
 const X_SERIES: f64 = 0.229 * TAU / 60.0;
 
-/// A servo of the X330 series: a milliampere to a unit of current, and fast sync reads from firmware 46 on.
+/// A servo of the X330 series: current in mA, fast sync reads from firmware 46.
 const fn x330(name: &'static str, number: i64, limit: i64) -> Model {
     Model {
         name,
@@ -43,7 +43,7 @@ const fn x330(name: &'static str, number: i64, limit: i64) -> Model {
     }
 }
 
-/// A servo of the XM430 series, with fast sync reads from firmware 45 on.
+/// A servo of the XM430 series: fast sync reads from firmware 45.
 const fn xm430(name: &'static str, number: i64, limit: i64) -> Model {
     Model {
         current_unit: 0.00269,
@@ -52,7 +52,7 @@ const fn xm430(name: &'static str, number: i64, limit: i64) -> Model {
     }
 }
 
-/// The models that are known.
+/// All known models.
 pub const MODELS: &[Model] = &[
     x330("XL330-M077", 1190, 1620),
     x330("XL330-M288", 1200, 445),
@@ -66,7 +66,7 @@ pub const MODELS: &[Model] = &[
         name: "STS3215",
         number: 777,
         protocol: Protocol::Feetech,
-        // A count a second.
+        // One count per second.
         velocity_unit: TAU / COUNTS_PER_TURN,
         current_unit: 0.0065,
         velocity_limit: 3400,
@@ -75,12 +75,12 @@ pub const MODELS: &[Model] = &[
 ];
 
 impl Model {
-    /// The model called `name`.
+    /// Returns the model called `name`, or `None` if unknown.
     pub fn named(name: &str) -> Option<&'static Self> {
         MODELS.iter().find(|model| model.name == name)
     }
 
-    /// The model that says it is `number` and speaks `protocol`.
+    /// Returns the model with this `protocol` and model `number`, or `None` if unknown.
     pub fn numbered(protocol: Protocol, number: i64) -> Option<&'static Self> {
         let known = |model: &&Self| model.protocol == protocol && model.number == number;
         MODELS.iter().find(known)
@@ -91,9 +91,9 @@ impl Model {
 mod tests {
     use super::*;
 
-    /// Velocities of the e-Manual and of Feetech's table: 0.229 rpm, and 50 counts a second = 0.732 rpm.
+    /// Velocity units from the e-Manual (0.229 rpm) and from Feetech's table (50 counts per second = 0.732 rpm).
     #[test]
-    fn units_are_the_vendors() {
+    fn velocity_units_equal_the_vendors() {
         let rpm = |name: &str| Model::named(name).expect(name).velocity_unit * 60.0 / TAU;
         assert!((rpm("XL330-M288") - 0.229).abs() < 1e-12);
         assert!((50.0 * rpm("STS3215") - 0.732).abs() < 1e-3);

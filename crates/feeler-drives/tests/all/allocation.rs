@@ -1,4 +1,4 @@
-//! A control period over the bus takes no memory, whatever is read in it.
+//! A control period over the bus does not allocate.
 
 #![cfg(target_os = "linux")]
 
@@ -14,7 +14,7 @@ use feeler_drives::packet::instruction::READ;
 use feeler_drives::port::Port;
 use std::io;
 
-/// The port of an emulated bus. What plays servos may take memory: real ones are not in this program.
+/// The port of an emulated bus. The emulator may allocate, since real servos are not part of this process.
 struct Elsewhere(Lockstep);
 
 impl Port for Elsewhere {
@@ -31,9 +31,9 @@ impl Port for Elsewhere {
     }
 }
 
-/// With a question for a servo's health in every period, each servo several times.
+/// Checks the health of a servo in every period, and each servo several times.
 #[test]
-fn a_period_allocates_nothing() {
+fn a_period_does_not_allocate() {
     for protocol in [Protocol::Dynamixel, Protocol::Feetech] {
         for fast in [true, false] {
             let mut config = config(protocol, 2);
@@ -61,7 +61,7 @@ fn a_period_allocates_nothing() {
                 done.unwrap();
                 bus.wait(PERIOD);
             }
-            assert!(asked() >= before + 20, "no servo was asked for its health");
+            assert!(asked() >= before + 20, "no health was read");
         }
     }
 }

@@ -1,4 +1,4 @@
-//! The hand over an emulated bus in lockstep: it moves as told, and stops as it has to, however busy the computer is.
+//! The hand on an emulated bus in lockstep: it moves as commanded and stops on faults, deterministically.
 
 #![cfg(target_os = "linux")]
 
@@ -19,10 +19,10 @@ use std::io;
 
 const PROTOCOLS: [Protocol; 2] = [Protocol::Dynamixel, Protocol::Feetech];
 
-/// Joints turn as far as they were told, whatever direction, gear and offset their servos have. Half a unit of velocity of the
-/// coarsest servo is 12 mrad/s: rounding must not add up.
+/// Joints turn as commanded, for any direction, gear ratio and offset of their servos. Half a unit of velocity of the
+/// coarsest servo is 12 mrad/s, so rounding errors must not accumulate.
 #[test]
-fn joints_turn_as_they_are_told() {
+fn joints_turn_as_commanded() {
     for protocol in PROTOCOLS {
         let mut rig = Rig::new(protocol);
         rig.period(0.0).unwrap();
@@ -30,7 +30,10 @@ fn joints_turn_as_they_are_told() {
         let middle = (geometry.joint_lower() + geometry.joint_upper()) / 2.0;
         for joints in &rig.state.joints {
             let off = (joints.position - middle).abs().max_element();
-            assert!(off < 0.002, "{protocol:?}: {joints:?}, {middle} expected");
+            assert!(
+                off < 0.002,
+                "{protocol:?}: expected {middle}, got {joints:?}"
+            );
         }
         let (begin, start) = (rig.state.clone(), rig.now());
         for _ in 0..60 {
@@ -42,7 +45,8 @@ fn joints_turn_as_they_are_told() {
         rig.period(0.0).unwrap();
         for (joints, begin) in rig.state.joints.iter().zip(&begin.joints) {
             let off = joints.position - begin.position - DVec3::splat(turned);
-            // A count of 1.5 mrad at either end, with noise of 0.3 counts; and the unit of velocity for the period that the last command lasts.
+            // A count of 1.5 mrad at either end, with noise of 0.3 counts, and one unit of velocity for the period of
+            // the last command.
             let most = 0.004 + 0.024 * PERIOD;
             assert!(
                 off.abs().max_element() < most,
@@ -50,7 +54,7 @@ fn joints_turn_as_they_are_told() {
             );
             assert!(joints.velocity.abs().max_element() < 0.03, "{joints:?}");
         }
-        // The stamps are the bus's time, by when the answers were there.
+        // Stamps are the bus time at which the responses had arrived.
         assert!(
             rig.state.stamp < rig.now() - PERIOD && rig.state.stamp > rig.now() - 1.2 * PERIOD,
             "{} at {}",
@@ -83,7 +87,7 @@ fn servos_are_set_before_they_get_torque_and_lose_it_at_the_end() {
         assert_eq!(counts(&rig, registers.current_limit), [limit; 6]);
         if let Some(watchdog) = registers.watchdog {
             assert_eq!(counts(&rig, watchdog), [5; 6]);
-            // It was set before the torque.
+            // The watchdog was set before the torque.
             let bus = rig.emulator.servos();
             let writes = bus
                 .log()
@@ -106,8 +110,8 @@ fn servos_are_set_before_they_get_torque_and_lose_it_at_the_end() {
     }
 }
 
-/// What every fault must come to: an error that says which servo and why, motors that stand still from then on, and no command
-/// to move that was made of joint angles older than the limit.
+/// Checks that a fault results in an error that names the servo and the cause, that all motors stand still afterwards,
+/// and that no command is based on joint angles older than the limit.
 fn stops(protocol: Protocol, fault: BusFault, words: &[&str]) {
     let mut rig = Rig::new(protocol);
     for _ in 0..10 {
@@ -126,7 +130,7 @@ fn stops(protocol: Protocol, fault: BusFault, words: &[&str]) {
         noticed < within(protocol, fault),
         "{fault:?} was noticed after {noticed} s"
     );
-    // Where stopping does not get through, the watchdog does it, where there is one.
+    // If the stop command does not arrive, the watchdog stops the motor, if the servo has one.
     let through = !matches!(
         fault,
         BusFault::CablePulled | BusFault::FlipBytes(_) | BusFault::LoseBytes(_)
@@ -146,24 +150,24 @@ fn stops(protocol: Protocol, fault: BusFault, words: &[&str]) {
             "{fault:?}: {age} s old at {time} s"
         );
     }
-    // It stays so, whatever it is told.
+    // The hand remains stopped for any command.
     assert!(rig.period(0.02).is_err());
     rig.settle();
     let told = ages_of_commands(&rig.emulator.servos(), protocol).len();
-    assert_eq!(told, stopped.len(), "{fault:?}: it was told to move again");
+    assert_eq!(told, stopped.len(), "{fault:?}: commanded to move again");
     assert_eq!(rig.hand.fault(), Some(error.as_str()));
 }
 
-/// How soon it has to be noticed, s.
+/// Maximum time until a fault is detected, s.
 fn within(protocol: Protocol, fault: BusFault) -> f64 {
-    // In the next period, by an answer that does not come in time at the latest: 4 ms, and what six servos' bytes take.
+    // In the next period, at the latest by a response timeout: 4 ms plus the transmission time of six servos.
     let a_period = PERIOD + 0.006;
     match (protocol, fault) {
-        // One servo each 20 ms says how it is; it gets there by turns.
+        // One of the six servos reports its health every 20 ms.
         (Protocol::Dynamixel, BusFault::Overheat(_) | BusFault::Undervoltage(_)) => {
             6.0 * 0.02 + a_period
         }
-        // By chance: 1 % of some 100 bytes a period.
+        // At random: 1 % of about 100 bytes per period.
         (_, BusFault::FlipBytes(_) | BusFault::LoseBytes(_)) => 20.0 * PERIOD,
         _ => a_period,
     }
@@ -193,15 +197,15 @@ fn a_servo_that_fails_stops_all() {
             &["servo 6 (theta3 of finger 1)", "overload"],
         );
     }
-    // The position of a Feetech servo starts again with every turn, so a jump of two is none.
+    // The position of a Feetech servo wraps with every turn, so a jump of two turns has no effect.
     stops(
         Protocol::Dynamixel,
         BusFault::Jump(3),
-        &["servo 3 (theta3 of finger 0)", "rad expected"],
+        &["servo 3 (theta3 of finger 0)", "rad: expected"],
     );
 }
 
-/// It is silent for 0.3 s; a silent servo is noticed at once, and it is that.
+/// A restarting servo is silent for 0.3 s, which is detected at once.
 #[test]
 fn a_servo_that_restarts_stops_all() {
     for protocol in PROTOCOLS {
@@ -214,19 +218,19 @@ fn a_bus_that_fails_stops_all() {
     for protocol in PROTOCOLS {
         stops(protocol, BusFault::FlipBytes(0.01), &["servo"]);
         stops(protocol, BusFault::LoseBytes(0.01), &["servo"]);
-        stops(protocol, BusFault::Echo, &["sends back", "without echo"]);
+        stops(protocol, BusFault::Echo, &["echoes", "without echo"]);
         stops(
             protocol,
             BusFault::Late(1.0),
             &["servo 1", "did not answer"],
         );
-        stops(protocol, BusFault::CablePulled, &["port fails", "cable"]);
+        stops(protocol, BusFault::CablePulled, &["port failed", "cable"]);
     }
 }
 
-/// A computer that is busy hears of an answer when it has asked somebody else already.
+/// A busy computer may receive a response after it has sent a request to another servo.
 #[test]
-fn an_answer_that_comes_late_is_not_taken_for_that_of_the_next_servo() {
+fn a_late_response_is_not_attributed_to_the_next_servo() {
     for protocol in PROTOCOLS {
         let config = config(protocol, 1);
         let lockstep = bus(&config);
@@ -238,16 +242,16 @@ fn an_answer_that_comes_late_is_not_taken_for_that_of_the_next_servo() {
         assert!(error.contains("servo 1 did not answer"), "{error}");
         lockstep.inject(BusFault::Late(0.0));
         master.ping(2).unwrap_or_else(|error| panic!("{error}"));
-        // Where nothing but late answers comes, they are told.
+        // If only late responses arrive, they are reported.
         lockstep.inject(BusFault::Late(0.015));
         master.ping(1).unwrap_err();
         let error = master.ping(2).unwrap_err().to_string();
-        assert!(error.contains("servo 2 was to answer"), "{error}");
-        assert!(error.contains("servo 1 answered"), "{error}");
+        assert!(error.contains("bytes from servo 2"), "{error}");
+        assert!(error.contains("from servo 1"), "{error}");
     }
 }
 
-/// A port on which servo 9 never falls silent.
+/// A port on which servo 9 sends without pause.
 struct Babbling;
 
 impl Port for Babbling {
@@ -269,33 +273,36 @@ impl Port for Babbling {
 }
 
 #[test]
-fn a_servo_that_never_falls_silent_holds_nobody_up() {
+fn a_servo_that_sends_without_pause_does_not_block() {
     let how = (Protocol::Dynamixel, 1_000_000);
     let mut master = Bus::on(Box::new(Babbling), how, 0.01, RigClock::real());
     let error = master.ping(1).unwrap_err().to_string();
-    assert!(error.contains("servo 9 answered"), "{error}");
+    assert!(error.contains("from servo 9"), "{error}");
 }
 
-/// A command that comes too late after the joint angles that it was made of is not sent.
+/// A command is rejected if the joint angles that it is based on are too old.
 #[test]
 fn a_slow_computer_stops_all() {
     let mut rig = Rig::new(Protocol::Dynamixel);
     rig.period(0.02).unwrap();
     rig.hand.read(&mut rig.state).unwrap();
-    // The command itself takes its time on the wire, but that is not the computer's.
+    // The transmission time of the command itself does not count.
     rig.emulator.wait(1.001 * MOST_AGE);
     let error = rig.command(0.02).unwrap_err().to_string();
-    assert!(error.contains("s old: at most 0.0350 s"), "{error}");
+    assert!(
+        error.contains("s old: expected at most 0.0350 s"),
+        "{error}"
+    );
     rig.settle();
     assert_eq!(rig.goals(), [0.0; 6]);
-    // Somebody has looked, and lets it move again.
+    // The operator restarts the hand.
     rig.hand.restart().unwrap();
     rig.period(0.02).unwrap();
     rig.settle();
     assert!(rig.goals().iter().any(|&goal| goal != 0.0));
 }
 
-/// A computer that dies says nothing more, not even to stop.
+/// A computer that fails sends nothing, not even a stop.
 #[test]
 fn the_watchdogs_stop_motors_of_a_dead_computer() {
     let mut rig = Rig::new(Protocol::Dynamixel);
@@ -307,12 +314,12 @@ fn the_watchdogs_stop_motors_of_a_dead_computer() {
         "{:?}",
         rig.goals()
     );
-    // The last command was a period ago.
+    // The last command was sent one period ago.
     rig.emulator.wait(0.1 - 2.0 * PERIOD);
     assert!(rig.goals().iter().all(|&goal| goal != 0.0));
     rig.emulator.wait(2.0 * PERIOD);
     assert_eq!(rig.goals(), [0.0; 6]);
-    // What it says afterwards moves nothing: the servos tell.
+    // Later commands move nothing, because the servos report the watchdog.
     let mut periods = 0..20;
     let error = periods
         .find_map(|_| rig.period(0.1).err())
@@ -321,9 +328,10 @@ fn the_watchdogs_stop_motors_of_a_dead_computer() {
     assert_eq!(rig.goals(), [0.0; 6]);
 }
 
-/// A computer that stood still for that long, be it at the last command of a jog, learns why the joint did not get there.
+/// If the computer was blocked for so long, even before the last command of a jog, the error states why the joint did
+/// not arrive.
 #[test]
-fn a_jog_that_came_too_late_says_that_the_watchdog_stopped_it() {
+fn a_late_jog_reports_that_the_watchdog_stopped_it() {
     for last in [0.1, 0.0] {
         let mut rig = Rig::new(Protocol::Dynamixel);
         for _ in 0..5 {
@@ -335,10 +343,10 @@ fn a_jog_that_came_too_late_says_that_the_watchdog_stopped_it() {
         rig.emulator.wait(0.1);
         rig.hand.read(&mut rig.state).unwrap();
         let error = rig.hand.jog(0, 1, last).unwrap_err().to_string();
-        let (joint, why) = ("theta2 of finger 0", "heard nothing for too long");
+        let (joint, why) = ("theta2 of finger 0", "received nothing for too long");
         assert!(error.contains(joint) && error.contains(why), "{error}");
         assert_eq!(rig.hand.fault(), Some(&*error));
-        // Nor does the next one move it, though joint angles are still fresh.
+        // The next jog does not move it either, although joint angles are still fresh.
         let error = rig.hand.jog(0, 1, 0.1).unwrap_err().to_string();
         assert!(
             error.contains("until it is restarted") && error.contains(why),
@@ -349,7 +357,7 @@ fn a_jog_that_came_too_late_says_that_the_watchdog_stopped_it() {
 }
 
 #[test]
-fn what_does_not_fit_the_file_is_refused() {
+fn rejects_invalid_configurations() {
     let refused = |change: &dyn Fn(&mut feeler_drives::config::DrivesConfig), words: &[&str]| {
         let mut config = config(Protocol::Dynamixel, 1);
         change(&mut config);
@@ -385,7 +393,7 @@ fn what_does_not_fit_the_file_is_refused() {
 }
 
 #[test]
-fn another_servo_than_expected_is_named() {
+fn reports_an_unexpected_servo() {
     let config = config(Protocol::Dynamixel, 1);
     let bus = bus(&config);
     let open = |change: &dyn Fn(&mut feeler_drives::config::DrivesConfig)| {
@@ -401,14 +409,14 @@ fn another_servo_than_expected_is_named() {
     );
     let error = open(&|c| c.finger[0].joint[0].model = "XM430-W350".into());
     assert!(
-        error.contains("servo 1 (theta1 of finger 0) says that it is model 1190: expected 1020"),
+        error.contains("servo 1 (theta1 of finger 0) reports model 1190: expected 1020"),
         "{error}"
     );
 }
 
-/// Fast sync reads came with firmware 46 of this series.
+/// Fast sync reads require firmware 46 in this series.
 #[test]
-fn a_servo_that_is_too_old_for_fast_sync_reads_is_named() {
+fn reports_firmware_too_old_for_fast_sync_reads() {
     let mut config = config(Protocol::Dynamixel, 1);
     let mut servos = EmulatorConfig::of(&config, 1);
     servos.servos[1].set_firmware(45);
@@ -426,7 +434,7 @@ fn a_servo_that_is_too_old_for_fast_sync_reads_is_named() {
 }
 
 #[test]
-fn a_port_that_is_not_there_is_named() {
+fn reports_a_missing_port() {
     let mut config = config(Protocol::Dynamixel, 1);
     config.port = "/dev/not-there".into();
     let opened = DriveHand::open(&config, &[finger()], MOST_AGE, RigClock::real());
@@ -437,9 +445,9 @@ fn a_port_that_is_not_there_is_named() {
     );
 }
 
-/// The same commands, the same faults: the same packets at the same times.
+/// Equal commands and faults give equal packets at equal times.
 #[test]
-fn a_bus_in_lockstep_is_the_same_each_time() {
+fn a_bus_in_lockstep_is_deterministic() {
     let said = || {
         let mut rig = Rig::new(Protocol::Dynamixel);
         for step in 0..50 {

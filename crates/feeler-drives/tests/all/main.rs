@@ -1,6 +1,6 @@
-//! The tests of this crate: linked once, and all at once over the processors.
+//! Tests of this crate, linked into a single program.
 //!
-//! They run under an allocator that ends the process when a control period allocates.
+//! They run with an allocator that aborts if a control period allocates.
 
 mod allocation;
 mod hand;

@@ -1,4 +1,4 @@
-//! The codec against what the vendors published, against itself, and against hostile bytes.
+//! Tests of the codec with the vendors' examples, round trips, and hostile bytes.
 
 #[path = "../../../feeler-link/tests/support/how_many.rs"]
 mod how_many;
@@ -13,8 +13,9 @@ use proptest::prelude::*;
 use rand::{Rng, RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-/// Examples of the ROBOTIS e-Manual, "DYNAMIXEL Protocol 2.0" (<https://emanual.robotis.com/docs/en/dxl/protocol2/>), by the headings
-/// of its page: sender, id, instruction, parameters, and the packet. Their last two bytes are the CRC examples.
+/// Examples of the ROBOTIS e-Manual, "DYNAMIXEL Protocol 2.0" (<https://emanual.robotis.com/docs/en/dxl/protocol2/>),
+/// by the headings of its page: sender, id, instruction, parameters, and the packet. The last two bytes are the CRC
+/// examples.
 const VENDORS: &[(Sender, u8, u8, &[u8], &str)] = &[
     // Ping, example 1 and 2.
     (Sender::Master, 1, PING, &[], "FFFFFD00 01 0300 01 194E"),
@@ -104,7 +105,7 @@ fn bytes(hex: &str) -> Vec<u8> {
 }
 
 #[test]
-fn the_vendors_examples_are_written_and_read() {
+fn encodes_and_decodes_the_vendors_examples() {
     let mut written = Vec::new();
     for &(sender, id, code, parameters, example) in VENDORS {
         let example = bytes(example);
@@ -121,10 +122,11 @@ fn the_vendors_examples_are_written_and_read() {
     }
 }
 
-/// The e-Manual's example of a fast sync read (<https://emanual.robotis.com/docs/en/dxl/protocol2/#fast-sync-read-0x8a>): servos 3, 7
-/// and 4 say where they are.
+/// The e-Manual's example of a fast sync read
+/// (<https://emanual.robotis.com/docs/en/dxl/protocol2/#fast-sync-read-0x8a>): servos 3, 7 and 4 report their
+/// positions.
 #[test]
-fn the_vendors_fast_sync_read_is_written_and_read() {
+fn encodes_and_decodes_the_vendors_fast_sync_read() {
     let mut asked = Vec::new();
     let parameters = [0x84, 0, 4, 0, 3, 7, 4];
     encode(
@@ -161,16 +163,17 @@ fn the_vendors_fast_sync_read_is_written_and_read() {
     assert!(fast_blocks(packet.parameters, 4).eq(blocks));
 }
 
-/// Examples of Feetech's "Communication Protocol User Manual" (serial bus servos), by its sections: sender, id, instruction or status,
-/// parameters, and the packet. The magnetic encoder series, which STS is of, has the low byte first.
+/// Examples of Feetech's "Communication Protocol User Manual" (serial bus servos), by its sections: sender, id,
+/// instruction or status, parameters, and the packet. The magnetic encoder series, which includes STS, is
+/// little-endian.
 const FEETECHS: &[(Sender, u8, u8, &[u8], &str)] = &[
     // 1.3.1 Ping.
     (Sender::Master, 1, PING, &[], "FFFF 01 02 01 FB"),
     (Sender::Servo, 1, 0, &[], "FFFF 01 02 00 FC"),
-    // 1.3.2 Read data: present position of servo 1, which is at 0x0518.
+    // 1.3.2 Read data: present position of servo 1, 0x0518.
     (Sender::Master, 1, READ, &[0x38, 2], "FFFF 01 04 02 3802 BE"),
     (Sender::Servo, 1, 0, &[0x18, 5], "FFFF 01 04 00 1805 DD"),
-    // 1.3.3 Write data: any servo's id; goal position, time and speed of servo 1.
+    // 1.3.3 Write data: id of any servo; goal position, time and speed of servo 1.
     (
         Sender::Master,
         BROADCAST,
@@ -185,7 +188,7 @@ const FEETECHS: &[(Sender, u8, u8, &[u8], &str)] = &[
         &[0x2A, 0, 8, 0, 0, 0xE8, 3],
         "FFFF 01 09 03 2A 0008 0000 E803 D5",
     ),
-    // 1.3.6 Sync write: the same of servos 1 to 4.
+    // 1.3.6 Sync write: goal position, time and speed of servos 1 to 4.
     (
         Sender::Master,
         BROADCAST,
@@ -196,7 +199,7 @@ const FEETECHS: &[(Sender, u8, u8, &[u8], &str)] = &[
         ],
         "FFFF FE 20 83 2A 06 01 00080000E803 02 00080000E803 03 00080000E803 04 00080000E803 58",
     ),
-    // 1.3.7 Sync read: 8 bytes from the present position on of servos 1 and 2.
+    // 1.3.7 Sync read: 8 bytes from the present position of servos 1 and 2.
     (
         Sender::Master,
         BROADCAST,
@@ -221,7 +224,7 @@ const FEETECHS: &[(Sender, u8, u8, &[u8], &str)] = &[
 ];
 
 #[test]
-fn feetechs_examples_are_written_and_read() {
+fn encodes_and_decodes_feetechs_examples() {
     let mut written = Vec::new();
     for &(sender, id, code, parameters, example) in FEETECHS {
         let example = bytes(example);
@@ -238,7 +241,7 @@ fn feetechs_examples_are_written_and_read() {
 }
 
 #[test]
-fn a_changed_byte_is_named_and_the_next_packet_is_found() {
+fn detects_a_corrupted_byte_and_finds_the_next_packet() {
     let mut decoder = Decoder::new(Protocol::Dynamixel, Sender::Master);
     let mut changed = bytes(VENDORS[4].4);
     changed[9] ^= 0x10;
@@ -260,17 +263,17 @@ fn a_changed_byte_is_named_and_the_next_packet_is_found() {
 }
 
 #[test]
-fn what_is_too_long_is_refused() {
+fn rejects_packets_that_are_too_long() {
     let mut written = Vec::new();
     let error = encode(Protocol::Feetech, (1, WRITE), &[0; 254], &mut written).unwrap_err();
     assert_eq!(
         error.to_string(),
-        "a packet of 256 bytes after its length: expected at most 255"
+        "a packet with length 256: expected at most 255 bytes"
     );
     assert!(encode(Protocol::Dynamixel, (1, WRITE), &[0; LONGEST], &mut written).is_err());
 }
 
-/// Bytes that headers and stuffing are made of, more often than others.
+/// Random bytes, with those of headers and stuffing more frequent.
 fn byte() -> impl Strategy<Value = u8> {
     prop_oneof![3 => Just(0xFF), 2 => Just(0xFD), 1 => Just(0), 3 => any::<u8>()]
 }
@@ -284,9 +287,9 @@ fn protocol() -> impl Strategy<Value = (Protocol, Sender)> {
 }
 
 proptest! {
-    /// Whatever is written is read back, in one piece or many, with noise before it that could begin a header.
+    /// Encoded packets are decoded, in one piece or several.
     #[test]
-    fn packets_read_back(
+    fn packets_round_trip(
         (protocol, sender) in protocol(),
         packets in prop::collection::vec((0u8..=252, any::<u8>(), prop::collection::vec(byte(), 0..60)), 1..5),
         piece in 1usize..40,
@@ -310,7 +313,7 @@ proptest! {
         prop_assert!(decoder.pending().is_empty());
     }
 
-    /// Inside of a packet of Dynamixel there is no second header.
+    /// A Dynamixel packet contains no second header.
     #[test]
     fn stuffing_hides_every_header(parameters in prop::collection::vec(byte(), 0..200)) {
         let mut written = Vec::new();
@@ -319,9 +322,9 @@ proptest! {
         prop_assert!(!inside.windows(4).any(|four| four == [0xFF, 0xFF, 0xFD, 0x00]));
     }
 
-    /// No bit that changes goes unnoticed: that packet does not arrive.
+    /// Every bit flip is detected: the packet is not decoded.
     #[test]
-    fn a_flipped_bit_is_noticed((protocol, sender) in protocol(), parameters in prop::collection::vec(byte(), 0..40), flip in any::<prop::sample::Index>()) {
+    fn detects_a_flipped_bit((protocol, sender) in protocol(), parameters in prop::collection::vec(byte(), 0..40), flip in any::<prop::sample::Index>()) {
         let mut written = Vec::new();
         encode(protocol, (1, READ), &parameters, &mut written).unwrap();
         let bit = flip.index(written.len() * 8);
@@ -335,9 +338,10 @@ proptest! {
     }
 }
 
-/// So many hostile bytes go through each decoder as `FEELER_FUZZ_BUS` says, a part of them made of packets with faults.
+/// Feeds hostile bytes to each decoder, partly corrupted packets. The environment variable `FEELER_FUZZ_BUS` sets their
+/// number.
 #[test]
-fn hostile_bytes_end_nothing() {
+fn hostile_bytes_do_not_stop_the_decoder() {
     let count = how_many("FEELER_FUZZ_BUS", 200_000);
     for protocol in [Protocol::Dynamixel, Protocol::Feetech] {
         for sender in [Sender::Master, Sender::Servo] {

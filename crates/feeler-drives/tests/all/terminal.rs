@@ -1,4 +1,4 @@
-//! The same bus behind a pseudo-terminal, in real time: so slowly that a busy computer keeps up.
+//! The hand on a pseudo-terminal in real time, slowed down so that a busy computer keeps up.
 
 #![cfg(target_os = "linux")]
 
@@ -15,16 +15,16 @@ use std::process::Command;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 
-/// Seconds of the rig's time in a real second.
+/// Seconds of the rig's time per real second.
 const SPEED: f64 = 0.05;
-/// Any computer gets there within the hour of real time that this is.
+/// Practically unlimited age of joint angles, s of the rig's time: one hour of real time.
 const EVER: f64 = 180.0;
 
 #[test]
 fn a_hand_moves_over_a_pseudo_terminal_and_a_pulled_cable_stops_it() {
     for protocol in [Protocol::Dynamixel, Protocol::Feetech] {
         let mut config = config(protocol, 2);
-        // Only what this test is about may stop the hand.
+        // Disable other reasons to stop the hand.
         config.reply_timeout = 1.0;
         if protocol == Protocol::Dynamixel {
             config.bus_watchdog = 2.54;
@@ -43,7 +43,7 @@ fn a_hand_moves_over_a_pseudo_terminal_and_a_pulled_cable_stops_it() {
             hand.command(&command).unwrap();
             hand.read(&mut state).unwrap();
         }
-        // The lag of the servos takes 0.01 s of it; the counts are up to 1.5 mrad.
+        // The lag of the servos takes 0.01 s of the time; a count is 1.5 mrad.
         let least = 0.2 * (0.05 - 0.02) - 0.003;
         for (joints, begin) in state.joints.iter().zip(&begin.joints) {
             let turned = joints.position - begin.position;
@@ -55,7 +55,7 @@ fn a_hand_moves_over_a_pseudo_terminal_and_a_pulled_cable_stops_it() {
                 break error.to_string();
             }
         };
-        assert!(error.contains("port fails"), "{error}");
+        assert!(error.contains("port failed"), "{error}");
         drop(hand);
         let torque = Registers::of(protocol).torque;
         let servos = emulator.servos().servos().to_vec();
@@ -64,14 +64,14 @@ fn a_hand_moves_over_a_pseudo_terminal_and_a_pulled_cable_stops_it() {
 }
 
 #[test]
-fn a_bus_that_was_closed_is_free_whatever_is_being_started() {
+fn a_closed_bus_can_be_reopened_while_processes_start() {
     let config = config(Protocol::Dynamixel, 1);
     let clock = RigClock::at_speed(SPEED);
     let bus = EmulatorConfig::of(&config, 1);
     let emulator = Emulator::start(&bus, plant(&config), clock.clone()).expect("a terminal");
     let over = AtomicBool::new(false);
     thread::scope(|scope| {
-        // Until it is another program, a new process has all files of this one.
+        // A new process shares all open files until it executes another program.
         scope.spawn(|| {
             while !over.load(Ordering::Relaxed) {
                 let ended = Command::new("true").status();
@@ -83,6 +83,6 @@ fn a_bus_that_was_closed_is_free_whatever_is_being_started() {
             Bus::open(emulator.path(), how, config.reply_timeout, clock.clone()).map(drop)
         });
         over.store(true, Ordering::Relaxed);
-        opened.expect("a bus that nobody has");
+        opened.expect("a free bus");
     });
 }

@@ -1,6 +1,6 @@
-//! A hand of emulated servos in lockstep, and what was said on its bus.
+//! A hand of emulated servos in lockstep, with its packet log.
 
-// Not every test program uses all of it.
+// Not every test program uses all items.
 #![allow(dead_code)]
 
 use feeler::glam::DVec3;
@@ -16,7 +16,7 @@ use feeler_drives::packet::instruction::SYNC_WRITE;
 use feeler_drives::registers::{COUNTS_PER_TURN, Registers};
 use std::f64::consts::TAU;
 
-/// Oldest joint angles that a command may be made of, s.
+/// Maximum age of the joint angles that a command is based on, s.
 pub const MOST_AGE: f64 = 0.035;
 /// Control period, s.
 pub const PERIOD: f64 = 0.01;
@@ -34,7 +34,7 @@ pub fn finger() -> FingerGeometry {
     FingerGeometry::new(&config).expect("a finger")
 }
 
-/// Servos that speak `protocol`, with offsets, directions and gears of their own.
+/// Configuration of servos with `protocol` and with various offsets, directions and gear ratios.
 pub fn config(protocol: Protocol, fingers: usize) -> DrivesConfig {
     let mut config = DrivesConfig::emulated(fingers);
     config.protocol = protocol;
@@ -59,7 +59,7 @@ pub fn config(protocol: Protocol, fingers: usize) -> DrivesConfig {
     config
 }
 
-/// What the servos of `config` move: joints in the middle of their ranges.
+/// Mechanism of the servos of `config`, with joints in the middle of their ranges.
 pub fn plant(config: &DrivesConfig) -> Box<LagPlant> {
     let geometry = finger();
     let middle = (geometry.joint_lower() + geometry.joint_upper()) / 2.0;
@@ -68,12 +68,12 @@ pub fn plant(config: &DrivesConfig) -> Box<LagPlant> {
     Box::new(LagPlant::new(0.01, &angles.collect::<Vec<_>>()))
 }
 
-/// A bus of the servos of `config`.
+/// Emulated bus with the servos of `config`.
 pub fn bus(config: &DrivesConfig) -> Lockstep {
     Lockstep::new(&EmulatorConfig::of(config, 1), plant(config))
 }
 
-/// The hand of `config` on `bus`.
+/// Hand with `config` on `bus`.
 pub fn hand_on(bus: &Lockstep, config: &DrivesConfig) -> Result<DriveHand, DriveError> {
     let how = (config.protocol, config.baud_rate);
     let master = Bus::on(
@@ -86,7 +86,7 @@ pub fn hand_on(bus: &Lockstep, config: &DrivesConfig) -> Result<DriveHand, Drive
     DriveHand::on(master, config, &fingers, MOST_AGE)
 }
 
-/// A hand, and the bus that it is on.
+/// A hand and its emulated bus.
 pub struct Rig {
     pub hand: DriveHand,
     pub state: HandState,
@@ -112,7 +112,7 @@ impl Rig {
         })
     }
 
-    /// A control period: reads, and commands all joints of all fingers `velocity`, rad/s.
+    /// Runs a control period: reads, and commands all joints of all fingers with `velocity`, rad/s.
     pub fn period(&mut self, velocity: f64) -> Result<(), HandError> {
         self.hand.read(&mut self.state)?;
         self.command(velocity)?;
@@ -120,31 +120,31 @@ impl Rig {
         Ok(())
     }
 
-    /// The second half of it.
+    /// Commands all joints with `velocity`, rad/s.
     pub fn command(&mut self, velocity: f64) -> Result<(), HandError> {
         let velocities = vec![DVec3::splat(velocity); self.config.finger.len()];
         self.command.relay(&velocities);
         self.hand.command(&self.command)
     }
 
-    /// The time of the rig, s.
+    /// Current time of the rig, s.
     pub fn now(&self) -> f64 {
         self.emulator.clock().now()
     }
 
-    /// The goals of all servos, rad/s.
+    /// Goals of all servos, rad/s.
     pub fn goals(&self) -> Vec<f64> {
         let bus = self.emulator.servos();
         bus.servos().iter().map(|servo| servo.goal()).collect()
     }
 
-    /// Waits until the bus has done what was sent.
+    /// Waits until the bus has executed all instructions.
     pub fn settle(&self) {
         self.emulator.wait(0.02);
     }
 }
 
-/// Every command to move on the bus: when, and how old the newest answer was by then, s.
+/// Time of every motion command on the bus, and the age of the latest response at that time, s.
 pub fn ages_of_commands(bus: &EmulatedBus, protocol: Protocol) -> Vec<(f64, f64)> {
     let goal = Registers::of(protocol).goal_velocity;
     let mut newest = f64::NEG_INFINITY;

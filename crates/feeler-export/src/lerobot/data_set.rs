@@ -1,4 +1,4 @@
-//! A data set while it is written.
+//! Writer of a LeRobot data set.
 
 use super::episode::{features, frame_rate, frames};
 use super::feature::{Feature, Values};
@@ -14,23 +14,24 @@ use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// A run that becomes an episode.
+/// A run to be added as an episode.
 #[derive(Debug, Clone, Copy)]
 pub struct Run<'a> {
-    /// What it is called in messages and in the list of episodes.
+    /// Name of the run in messages and in the list of episodes.
     pub name: &'a str,
-    /// What the hand does, in words, for policies that are told so.
+    /// Task description in natural language, for language-conditioned policies.
     pub task: &'a str,
-    /// What was recorded.
+    /// The run's recording.
     pub recording: &'a Recording,
-    /// Its file, for the pictures in it.
+    /// File of the recording, from which images are read.
     pub path: &'a Path,
 }
 
-/// A data set of LeRobot, format v3.0, while it is written into a folder: runs are added, then it is finished. Until then
-/// it has no `meta/`, and LeRobot takes it for none.
+/// Writer of a LeRobot data set (format v3.0): add runs, then finish. LeRobot does not recognize the folder until
+/// `finish` has written `meta/`.
 ///
-/// A frame is a control step, from the first at which every finger had been felt. It has, as numbers of 32 bits:
+/// Each control step is a frame, starting with the first step at which all fingers have readings. Features are 32-bit
+/// numbers:
 ///
 /// | feature | shape | content |
 /// |---|---|---|
@@ -39,10 +40,10 @@ pub struct Run<'a> {
 /// | `observation.tactile.finger_N.force` | \[E, 3\] | force on each element in its frame, N: x, y tangential, on the element by the object; z compression, positive when pressed |
 /// | `observation.tactile.finger_N.flags` | \[3\] | TOUCH, SLIP, OVER |
 /// | `observation.tactile.finger_N.grasp_force` | \[1\] | sum of the positive compressions, N |
-/// | `observation.images.finger_N` | \[height, width, 3\] | the camera's picture, where pictures were recorded: grey, as a video (AV1 in MP4) |
+/// | `observation.images.finger_N` | \[height, width, 3\] | the camera's image if images were recorded: gray, as a video (AV1 in MP4) |
 pub struct DataSet {
     folder: PathBuf,
-    /// Rate, and description of the features, by the first run.
+    /// Frame rate and feature descriptions of the first run.
     kind: Option<(u32, Map<String, Value>)>,
     sizes: FileSizes,
     data: Option<DataFile>,
@@ -51,14 +52,14 @@ pub struct DataSet {
     episodes: Vec<Episode>,
 }
 
-/// The file that rows are written to.
+/// The data file that rows are written to.
 struct DataFile {
     number: usize,
     file: ParquetFile<File>,
 }
 
 impl DataSet {
-    /// Begins a data set in `folder`, which is there and empty.
+    /// Creates a data set in `folder`, which must exist and be empty.
     pub fn new(folder: &Path) -> Self {
         Self {
             folder: folder.to_path_buf(),
@@ -71,17 +72,17 @@ impl DataSet {
         }
     }
 
-    /// With files of other sizes than LeRobot's own.
+    /// Replaces LeRobot's default file sizes.
     #[must_use]
     pub fn with_file_sizes(self, sizes: FileSizes) -> Self {
         Self { sizes, ..self }
     }
 
-    /// Adds a run as the next episode: how many frames it has.
+    /// Adds a run as the next episode and returns its number of frames.
     ///
     /// # Errors
-    /// When its recording is not whole or has a number that is not known, when it has another rate, other fingers or
-    /// elements than the runs before it, when a picture cannot be read or a file written, or when it is interrupted.
+    /// If the recording is incomplete or contains an unknown (NaN) value, if its rate, fingers or elements differ from
+    /// earlier runs, if an image cannot be read or a file cannot be written, or if the export is interrupted.
     pub fn add(&mut self, run: &Run<'_>, watch: Watch<'_>) -> Result<usize, ExportError> {
         let frames = frames(run.name, run.recording)?;
         let rate = frame_rate(run.name, run.recording)?;
@@ -127,10 +128,10 @@ impl DataSet {
         Ok(length)
     }
 
-    /// Ends the data set: writes what it says of itself.
+    /// Completes the data set by writing its metadata.
     ///
     /// # Errors
-    /// When a file cannot be written.
+    /// If a file cannot be written.
     pub fn finish(self) -> Result<(), ExportError> {
         if let Some(data) = self.data {
             data.file.close()?;
@@ -155,7 +156,7 @@ impl DataSet {
         write_json(&self.folder.join("meta/info.json"), &info)
     }
 
-    /// The number of a task, which gets the next one when it is new.
+    /// Index of a task; new tasks get the next free index.
     fn task_index(&mut self, task: &str) -> usize {
         let known = self.tasks.iter().position(|known| known == task);
         known.unwrap_or_else(|| {
@@ -164,7 +165,7 @@ impl DataSet {
         })
     }
 
-    /// Holds a run against the first one.
+    /// Checks that a run has the same rate and features as the first one.
     fn check_kind(
         &mut self,
         run: &str,
@@ -173,7 +174,7 @@ impl DataSet {
     ) -> Result<(), ExportError> {
         let (first_rate, first) = self.kind.get_or_insert_with(|| (rate, features.clone()));
         let refuse = |what: &str, expected: String, actual: String| {
-            let expected = format!("{expected}, as in the first run,");
+            let expected = format!("{expected} as in the first run");
             Err(ExportError::of_run(run, what, expected, actual))
         };
         if rate != *first_rate {
@@ -197,13 +198,13 @@ impl DataSet {
                 return refuse(key, words(first), words(feature));
             }
             if feature != first {
-                return refuse(key, "a fingertip built".into(), "another one".into());
+                return refuse(key, "the same fingertip".into(), "a different one".into());
             }
         }
         Ok(())
     }
 
-    /// Writes the rows of an episode: the number of the file that they are in.
+    /// Writes the rows of an episode and returns the number of the file that contains them.
     fn write_rows(&mut self, columns: &[Column]) -> Result<usize, ExportError> {
         let sizes = self.sizes;
         let is_full = |data: &mut DataFile| sizes.is_full_of_data(data.file.size());
@@ -225,7 +226,7 @@ impl DataSet {
     }
 }
 
-/// What LeRobot asks every data set for.
+/// Index and time features that LeRobot requires in every data set.
 fn default_features(
     rate: u32,
     length: usize,

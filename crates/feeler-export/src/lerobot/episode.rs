@@ -1,4 +1,4 @@
-//! A run as an episode: its frames, and what LeRobot calls features of them.
+//! Converts a run to an episode: its frames and their LeRobot features.
 
 use super::feature::{Feature, Values};
 use crate::error::ExportError;
@@ -7,13 +7,13 @@ use feeler_record::model::joint_names;
 use feeler_record::{FingerStep, Step, Steps};
 use serde_json::{Map, Value, json};
 
-/// How far a rate may be from a whole number of frames per second, as a share of it.
+/// Maximum relative deviation of the frame rate from a whole number.
 const RATE_TOLERANCE: f64 = 1e-6;
 
-/// Frames per second of a recording, which LeRobot has as a whole number.
+/// Frames per second of a recording. LeRobot requires a whole number.
 ///
 /// # Errors
-/// When its control period is no whole number of frames per second.
+/// If the control rate is not a whole number of steps per second.
 pub(crate) fn frame_rate(run: &str, recording: &Recording) -> Result<u32, ExportError> {
     let period = recording.facts.control_period;
     let rate = (1.0 / period).round();
@@ -25,10 +25,10 @@ pub(crate) fn frame_rate(run: &str, recording: &Recording) -> Result<u32, Export
     Ok(rate as u32)
 }
 
-/// The frames of an episode: all control steps from the first at which every finger had been felt.
+/// Frames of an episode: all control steps from the first at which every finger has a reading.
 ///
 /// # Errors
-/// When the recording is not whole, steps are missing, or there are none.
+/// If the recording is incomplete, if steps are missing, or if there are no such steps.
 pub(crate) fn frames<'a>(
     run: &str,
     recording: &'a Recording,
@@ -37,21 +37,21 @@ pub(crate) fn frames<'a>(
         Err(ExportError::of_run(run, what, expected, actual))
     };
     if let Some(problem) = &recording.problem {
-        let expected = "a whole one, as frames have no times of their own";
+        let expected = "a complete recording, as frames have no timestamps";
         return refuse(
             "recording",
             expected.into(),
-            format!("one that is not ({problem})"),
+            format!("an incomplete one ({problem})"),
         );
     }
     let unfelt = |step: &Step<'_>| !step.fingers.iter().all(is_known);
     let frames: Vec<_> = Steps::new(recording).skip_while(unfelt).collect();
     if frames.is_empty() {
         let actual = format!(
-            "{} steps at which not all had been felt",
+            "{} steps without readings of all fingers",
             recording.task.len()
         );
-        return refuse("control steps", "every finger felt".into(), actual);
+        return refuse("control steps", "a reading of every finger".into(), actual);
     }
     let period = recording.facts.control_period;
     for pair in frames.windows(2) {
@@ -75,10 +75,10 @@ fn is_known(finger: &FingerStep<'_>) -> bool {
         && finger.command.is_some()
 }
 
-/// What was observed at these frames, and done.
+/// Observations and actions at these frames.
 ///
 /// # Errors
-/// When a frame has other elements than the first, or a number that is not known.
+/// If the number of elements differs between frames, or if a value is unknown (NaN).
 pub(crate) fn features(
     run: &str,
     recording: &Recording,
@@ -112,7 +112,7 @@ pub(crate) fn features(
     Ok(features)
 }
 
-/// What one finger felt.
+/// Tactile features of one finger.
 fn touch(
     taken: &Taken<'_, '_>,
     recording: &Recording,
@@ -161,14 +161,14 @@ fn touch(
     Ok([forces, flags, grasp])
 }
 
-/// The frames that features are taken from.
+/// Frames from which features are extracted.
 struct Taken<'f, 'a> {
     run: &'f str,
     frames: &'f [Step<'a>],
 }
 
 impl<'a> Taken<'_, 'a> {
-    /// A feature of numbers, of which each frame has as many as its shape says.
+    /// Extracts a numeric feature; each frame must have as many values as `shape` implies.
     fn numbers(
         &self,
         key: &str,
@@ -190,7 +190,7 @@ impl<'a> Taken<'_, 'a> {
                 return refuse(expected, &numbers.len().to_string());
             }
             if numbers.iter().any(|number| !number.is_finite()) {
-                return refuse("numbers that are known".into(), "one that is not");
+                return refuse("known numbers".into(), "an unknown one");
             }
             values.extend(numbers.iter().map(|&number| number as f32));
         }

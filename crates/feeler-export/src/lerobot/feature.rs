@@ -1,43 +1,43 @@
-//! A feature of a data set: what LeRobot calls a column.
+//! A feature (column) of a LeRobot data set.
 
 use super::stats::Stats;
 use crate::columnar::{AnyCells, Cells, Column};
 use serde_json::{Map, Value, json};
 
-/// Values of a feature, those of one frame after the other, row-major.
+/// Values of a feature over all frames, frame by frame, row-major.
 #[derive(Debug)]
 pub(crate) enum Values {
-    /// True or false.
+    /// Booleans.
     Bool(Vec<bool>),
-    /// Whole numbers.
+    /// 64-bit integers.
     Int(Vec<i64>),
-    /// Numbers of 32 bits, as LeRobot has them throughout.
+    /// 32-bit floats, the only float type of LeRobot.
     Float(Vec<f32>),
 }
 
 /// A feature with its values over an episode.
 #[derive(Debug)]
 pub(crate) struct Feature {
-    /// Its name.
+    /// Feature key.
     pub key: String,
-    /// Shape of a frame's values.
+    /// Shape of the values of one frame.
     pub shape: Vec<usize>,
-    /// Names of its entries; of an array, of its axes. Null where there are none.
+    /// Names of a vector's entries or of an array's axes; null if they have no names.
     pub names: Value,
-    /// What LeRobot does not ask for, and leaves as it is: `units`, for one.
+    /// Additional metadata that LeRobot preserves but does not use, such as `units`.
     pub about: Map<String, Value>,
-    /// Its values.
+    /// Values over all frames.
     pub values: Values,
 }
 
 impl Feature {
-    /// A feature of one whole number in each frame that LeRobot asks for.
+    /// An index feature required by LeRobot: one integer per frame.
     pub fn index(key: &str, values: impl Iterator<Item = usize>) -> Self {
         let values = values.map(|value| value as i64);
         Self::of_one(key, Values::Int(values.collect()))
     }
 
-    /// A feature of one value in each frame.
+    /// A feature with one value per frame.
     pub fn of_one(key: &str, values: Values) -> Self {
         Self {
             key: key.into(),
@@ -48,7 +48,7 @@ impl Feature {
         }
     }
 
-    /// As it stands in `info.json`.
+    /// Description of the feature for `info.json`.
     pub fn description(&self) -> Value {
         let mut description = self.about.clone();
         let dtype = match self.values {
@@ -62,7 +62,7 @@ impl Feature {
         Value::Object(description)
     }
 
-    /// As a column: what has the shape [1] is a value, all else lists.
+    /// Data column of the feature. Shape `[1]` becomes a scalar; other shapes become nested lists.
     pub fn column(&self) -> Column {
         let shape = match self.shape.as_slice() {
             [1] => &[],
@@ -81,7 +81,7 @@ impl Feature {
         }
     }
 
-    /// Its statistics.
+    /// Statistics of each component over the episode.
     pub fn stats(&self) -> Stats {
         let numbers: Vec<f64> = match &self.values {
             Values::Bool(values) => values

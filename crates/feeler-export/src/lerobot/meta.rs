@@ -1,4 +1,4 @@
-//! What a data set says of itself: `info.json`, `stats.json`, tasks and episodes.
+//! Metadata of a data set: `info.json`, `stats.json`, tasks and episodes.
 
 use super::stats::Stats;
 use crate::columnar::{AnyCells, Cells, Column};
@@ -6,26 +6,26 @@ use parquet::data_type::ByteArray;
 use serde_json::{Map, Value, json};
 use std::collections::BTreeMap;
 
-/// The format that is written.
+/// LeRobot format version.
 const FORMAT: &str = "v3.0";
-/// What LeRobot shall call the robot.
+/// Robot type in `info.json`.
 const ROBOT: &str = "feeler";
-/// Most files in a folder: LeRobot's own default.
+/// Maximum number of files per folder (LeRobot's default).
 const FILES_OF_A_CHUNK: usize = 1000;
-/// Bytes of what LeRobot calls a megabyte.
+/// Bytes per megabyte, as defined by LeRobot.
 const MEGABYTE: usize = 1 << 20;
 
-/// How large a file gets before the next episode begins another one, MB of 2^20 bytes. An episode is never divided.
+/// File sizes (MiB) at which the next episode starts a new file. Episodes are never split.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FileSizes {
-    /// A file of rows.
+    /// Data file.
     pub data: usize,
-    /// A file of one camera's pictures.
+    /// Video file of one camera.
     pub videos: usize,
 }
 
 impl Default for FileSizes {
-    /// LeRobot's own.
+    /// LeRobot's defaults.
     fn default() -> Self {
         Self {
             data: 100,
@@ -35,60 +35,60 @@ impl Default for FileSizes {
 }
 
 impl FileSizes {
-    /// Whether a file of rows of so many bytes takes no further episode.
+    /// `true` if a data file of this size accepts no further episode.
     pub(crate) fn is_full_of_data(self, bytes: usize) -> bool {
         bytes >= self.data * MEGABYTE
     }
 
-    /// Whether a file of pictures of so many bytes takes no further episode.
+    /// `true` if a video file of this size accepts no further episode.
     pub(crate) fn is_full_of_video(self, bytes: u64) -> bool {
         bytes >= (self.videos * MEGABYTE) as u64
     }
 }
 
-/// Where the file of this number is, by the folder it is in and its extension.
+/// Relative path of the file with this number in `folder`.
 pub(crate) fn file_path(folder: &str, number: usize, extension: &str) -> String {
     let (chunk, file) = chunk_and_file(number);
     format!("{folder}/chunk-{chunk:03}/file-{file:03}.{extension}")
 }
 
-/// How LeRobot counts the file of this number.
+/// Chunk index and file index of the file with this number.
 pub(crate) fn chunk_and_file(number: usize) -> (usize, usize) {
     (number / FILES_OF_A_CHUNK, number % FILES_OF_A_CHUNK)
 }
 
-/// An episode as the data set lists it.
+/// An episode's entry in the list of episodes.
 pub(crate) struct Episode {
-    /// Name of its run, and digest of that's recording.
+    /// Name of the run.
     pub run: String,
     /// Digest of the run's recording.
     pub digest: String,
-    /// What it shows, in words.
+    /// Task description in natural language.
     pub task: String,
-    /// Frames.
+    /// Number of frames.
     pub length: usize,
-    /// The first of them among the frames of all episodes.
+    /// Index of the first frame within the data set.
     pub from: usize,
-    /// Number of the file of its rows.
+    /// Number of the data file with the episode's rows.
     pub data_file: usize,
-    /// Where the pictures of each feature are.
+    /// Video segment of each camera feature.
     pub videos: BTreeMap<String, VideoPlace>,
     /// Statistics of each feature.
     pub stats: BTreeMap<String, Stats>,
 }
 
-/// Where the pictures of an episode are.
+/// Segment of a video file that contains an episode.
 #[derive(Debug, Clone, Copy)]
 pub(crate) struct VideoPlace {
-    /// Number of the file.
+    /// Number of the video file.
     pub file: usize,
-    /// Time of its first picture in the file, and of its end, s.
+    /// Time of the first frame within the file (s).
     pub from: f64,
-    /// Time of its end in the file, s.
+    /// End time within the file (s).
     pub to: f64,
 }
 
-/// `info.json`: of the features each with its description.
+/// Contents of `info.json`.
 pub(crate) fn info(
     rate: u32,
     features: &Map<String, Value>,
@@ -115,7 +115,7 @@ pub(crate) fn info(
     })
 }
 
-/// `stats.json`: over all episodes.
+/// Contents of `stats.json`: statistics over all episodes.
 pub(crate) fn stats(episodes: &[Episode]) -> Value {
     let mut all: BTreeMap<&String, Stats> = BTreeMap::new();
     for (key, stats) in episodes.iter().flat_map(|episode| &episode.stats) {
@@ -130,7 +130,7 @@ pub(crate) fn stats(episodes: &[Episode]) -> Value {
     Value::Object(stats.collect())
 }
 
-/// `tasks.parquet`: a data frame of pandas, whose index are the tasks.
+/// Contents of `tasks.parquet`: a pandas data frame indexed by task.
 pub(crate) fn tasks(tasks: &[String]) -> (Vec<Column>, Vec<(String, String)>) {
     let columns = vec![
         column("task_index", AnyCells::counts(0..tasks.len())),
@@ -150,7 +150,7 @@ pub(crate) fn tasks(tasks: &[String]) -> (Vec<Column>, Vec<(String, String)>) {
     (columns, vec![("pandas".into(), pandas.to_string())])
 }
 
-/// The file of episodes: a row for each.
+/// Columns of the episodes file, one row per episode.
 pub(crate) fn episodes(episodes: &[Episode]) -> Vec<Column> {
     let counts = |number: &dyn Fn(usize, &Episode) -> usize| {
         let numbers = episodes.iter().enumerate().map(|(i, e)| number(i, e));
@@ -218,7 +218,7 @@ fn video_columns(key: &str, episodes: &[Episode]) -> [Column; 4] {
     ]
 }
 
-/// The statistics of a feature, which has such ones in the first episode.
+/// Columns with a feature's statistics per episode. The first episode determines their shape.
 fn stats_columns(key: &str, of_first: &Stats, episodes: &[Episode]) -> Vec<Column> {
     let all = || episodes.iter().filter_map(|episode| episode.stats.get(key));
     let numbers = of_first.numbers().enumerate().map(|(place, (name, _))| {

@@ -1,4 +1,4 @@
-//! Data sets of [LeRobot](https://github.com/huggingface/lerobot), format v3.0: each run is an episode.
+//! Writer of [LeRobot](https://github.com/huggingface/lerobot) data sets (format v3.0); each run becomes an episode.
 
 mod data_set;
 mod episode;

@@ -1,4 +1,4 @@
-//! Videos of AV1 in MP4 files.
+//! MP4 files with AV1 video.
 
 use mp4_atom::{
     Av01, Av1c, Co64, Codec, Dinf, Dref, Encode, Ftyp, Hdlr, Mdhd, Mdia, Minf, Moov, Mvhd, Stbl,
@@ -7,33 +7,33 @@ use mp4_atom::{
 use std::fs::File;
 use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 
-/// What stands before the pictures: type, and a length of 64 bits.
+/// Size of the `mdat` header (bytes): type and 64-bit length.
 const MEDIA_HEAD: u64 = 16;
 const SEQUENCE_HEADER: u8 = 1;
 const TEMPORAL_DELIMITER: u8 = 2;
-/// Level of an AV1 stream that makes no promise of its rate.
+/// AV1 level "maximum parameters", which guarantees no bit rate.
 const ANY_LEVEL: u8 = 31;
 
-/// A video while it is written: pictures of equal size at a constant rate. Where each of them is stands at the file's end.
+/// Writer of an MP4 video with a fixed frame size and rate. The index is written at the end of the file.
 pub(crate) struct Mp4 {
     file: BufWriter<File>,
-    /// Pictures per second.
+    /// Frames per second.
     rate: u32,
     width: u16,
     height: u16,
-    /// Where the media's head is.
+    /// Offset of the `mdat` header (bytes).
     start: u64,
-    /// Bytes of each picture.
+    /// Size of each frame (bytes).
     sizes: Vec<u32>,
-    /// Pictures from which decoding can begin, from 1.
+    /// Numbers of the key frames, counted from 1.
     keys: Vec<u32>,
-    /// Bytes of all of them.
+    /// Total size of all frames (bytes).
     length: u64,
     sequence_header: Vec<u8>,
 }
 
 impl Mp4 {
-    /// Begins a video of so many pictures per second, each of width and height (px).
+    /// Creates a video with the given frame rate (1/s) and frame size (width, height; px).
     pub fn create(file: File, rate: u32, (width, height): (u16, u16)) -> io::Result<Self> {
         let mut head = Vec::new();
         let brands = [b"isom", b"av01", b"iso2", b"mp41"];
@@ -59,9 +59,9 @@ impl Mp4 {
         })
     }
 
-    /// Adds a picture: a temporal unit of AV1, which begins with a sequence header if decoding can begin there.
+    /// Appends a frame: an AV1 temporal unit. Key frames start with a sequence header.
     pub fn push(&mut self, unit: &[u8]) -> io::Result<()> {
-        // What an MP4 file says by itself is left out.
+        // MP4 already delimits the frames.
         let unit = match obu(unit) {
             Some((TEMPORAL_DELIMITER, length)) => &unit[length..],
             _ => unit,
@@ -77,17 +77,17 @@ impl Mp4 {
         Ok(())
     }
 
-    /// Pictures so far.
+    /// Number of frames so far.
     pub fn pictures(&self) -> usize {
         self.sizes.len()
     }
 
-    /// Bytes so far.
+    /// Size of the frames so far (bytes).
     pub fn size(&self) -> u64 {
         self.length
     }
 
-    /// Ends the video.
+    /// Writes the index and the final `mdat` header.
     pub fn finish(mut self) -> io::Result<()> {
         let mut index = Vec::new();
         encode(&self.index(), &mut index)?;
@@ -124,7 +124,7 @@ impl Mp4 {
                     vmhd: Some(Vmhd::default()),
                     dinf: Dinf {
                         dref: Dref {
-                            // In this file.
+                            // The media data is in the same file.
                             entries: vec![Url::default().into()],
                         },
                     },
@@ -146,7 +146,7 @@ impl Mp4 {
         }
     }
 
-    /// Where each picture is, all in one piece, and how long it is shown.
+    /// Sample table: codec, sizes, duration and key frames. All frames form a single chunk.
     fn samples(&self) -> Stbl {
         let count = self.sizes.len() as u32;
         Stbl {
@@ -205,9 +205,9 @@ fn encode(atom: &impl Encode, bytes: &mut Vec<u8>) -> io::Result<()> {
     atom.encode(bytes).map_err(io::Error::other)
 }
 
-/// The head of media of so many bytes.
+/// The `mdat` header for media data of `length` bytes.
 fn media_head(length: u64) -> [u8; MEDIA_HEAD as usize] {
-    /// In place of a length of 32 bits: one of 64 follows.
+    /// Marks a 64-bit length after the type.
     const LONG: u32 = 1;
     let mut head = [0; MEDIA_HEAD as usize];
     head[..4].copy_from_slice(&LONG.to_be_bytes());
@@ -216,14 +216,14 @@ fn media_head(length: u64) -> [u8; MEDIA_HEAD as usize] {
     head
 }
 
-/// Type of the open bitstream unit (OBU) at the beginning of `bytes`, and its length with its head, bytes; none if it has no
-/// length, or one beyond the end.
+/// Type and total size (bytes, including the header) of the open bitstream unit (OBU) at the start of `bytes`. `None`
+/// if the unit has no size field or extends beyond `bytes`.
 fn obu(bytes: &[u8]) -> Option<(u8, usize)> {
     let &head = bytes.first()?;
     let (has_extension, has_size) = (head & 0b100 != 0, head & 0b10 != 0);
     let mut place = if has_extension { 2 } else { 1 };
     let mut size = 0;
-    // Little-endian base 128.
+    // LEB128-encoded size.
     for shift in (0..32).step_by(7) {
         let &byte = bytes.get(place).filter(|_| has_size)?;
         place += 1;
@@ -241,14 +241,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn units_of_a_bitstream_are_told_apart() {
+    fn obu_type_and_size_are_parsed() {
         let delimiter = [0x12, 0x00, 0x0a, 0x01, 0xff];
         assert_eq!(obu(&delimiter), Some((TEMPORAL_DELIMITER, 2)));
         assert_eq!(obu(&delimiter[2..]), Some((SEQUENCE_HEADER, 3)));
         let mut long = vec![0x0a, 0x80, 0x01];
         long.extend([0; 128]);
         assert_eq!(obu(&long), Some((SEQUENCE_HEADER, 131)));
-        // Without a length, or one that is beyond the end or has none.
+        // No size field, a size beyond the end, or a truncated size field.
         for bytes in [
             &[][..],
             &[0x08, 0x00],

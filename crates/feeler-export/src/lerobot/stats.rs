@@ -1,8 +1,8 @@
-//! Statistics of features, as LeRobot computes them.
+//! Feature statistics as defined by LeRobot.
 
 use serde_json::{Map, Value, json};
 
-/// The quantiles that LeRobot keeps, by its names.
+/// Quantiles that LeRobot stores, with their keys.
 const QUANTILES: [(&str, f64); 5] = [
     ("q01", 0.01),
     ("q10", 0.1),
@@ -11,15 +11,15 @@ const QUANTILES: [(&str, f64); 5] = [
     ("q99", 0.99),
 ];
 
-/// Statistics of one feature, each with a number for each of its components: of a vector, its entries; of an array, those
-/// of its last axis, over all others.
+/// Statistics of a feature per component. The components of an array are the entries of its last axis, pooled over the
+/// other axes.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Stats {
     /// Shape of each statistic.
     pub shape: Vec<usize>,
-    /// Frames that they are of.
+    /// Number of frames.
     count: usize,
-    /// Min, max, mean and standard deviation (of the population).
+    /// Minimum, maximum, mean and population standard deviation.
     moments: [Vec<f64>; 4],
     quantiles: [Vec<f64>; QUANTILES.len()],
 }
@@ -27,13 +27,13 @@ pub(crate) struct Stats {
 const MOMENTS: [&str; 4] = ["min", "max", "mean", "std"];
 
 impl Stats {
-    /// Of `count` frames, more than 0, with the values of each component of all of them.
+    /// Statistics over `count` frames (at least one), given all values of each component.
     pub fn new(count: usize, components: Vec<Vec<f64>>) -> Self {
         let once = |values: Vec<f64>| values.into_iter().map(|value| (value, 1)).collect();
         Self::of_counted(count, components.into_iter().map(once).collect())
     }
 
-    /// The same, with how often there is each value.
+    /// Like [`new`](Self::new), but from a histogram: pairs of value and number of occurrences.
     pub fn of_counted(count: usize, components: Vec<Vec<(f64, u64)>>) -> Self {
         let mut stats = Self {
             shape: vec![components.len()],
@@ -64,7 +64,7 @@ impl Stats {
         stats
     }
 
-    /// Makes of a statistic of one component that of equal components, in this shape.
+    /// Replicates the single component to all entries of `shape`.
     pub fn repeat_in_shape(&mut self, shape: &[usize]) {
         let size = shape.iter().product();
         for numbers in self.moments.iter_mut().chain(&mut self.quantiles) {
@@ -73,8 +73,8 @@ impl Stats {
         self.shape = shape.to_vec();
     }
 
-    /// Takes in those of further frames of the same feature. As in LeRobot, quantiles become means of the episodes',
-    /// weighted by their frames.
+    /// Merges the statistics of further frames. As in LeRobot, quantiles are averaged over episodes, weighted by their
+    /// number of frames.
     pub fn add(&mut self, other: &Self) {
         let (own, others) = (self.count as f64, other.count as f64);
         let share = others / (own + others);
@@ -98,19 +98,19 @@ impl Stats {
         self.count += other.count;
     }
 
-    /// Each statistic but the count, with its name.
+    /// All statistics except the count, with their keys.
     pub fn numbers(&self) -> impl Iterator<Item = (&'static str, &[f64])> {
         let names = MOMENTS.into_iter().chain(QUANTILES.map(|(name, _)| name));
         let numbers = self.moments.iter().chain(&self.quantiles);
         names.zip(numbers.map(Vec::as_slice))
     }
 
-    /// Frames that they are of.
+    /// Number of frames.
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// As they stand in `stats.json`.
+    /// Entry of the feature in `stats.json`.
     pub fn json(&self) -> Value {
         let named = self.numbers().map(|(name, numbers)| {
             let nested = nested(&self.shape, numbers);
@@ -122,7 +122,7 @@ impl Stats {
     }
 }
 
-/// Numbers as lists in lists of this shape.
+/// Numbers as nested lists of this shape.
 fn nested(shape: &[usize], numbers: &[f64]) -> Value {
     match shape {
         [] | [_] => json!(numbers),
@@ -136,8 +136,8 @@ fn nested(shape: &[usize], numbers: &[f64]) -> Value {
     }
 }
 
-/// The quantile of `number` sorted values, at least one, each as often as it is there, at a share from 0 to 1; between two
-/// values, on the line through them.
+/// Quantile at `share` (0 to 1) of a sorted histogram with `number` samples (at least one), linearly interpolated
+/// between neighboring samples.
 fn quantile(sorted: &[(f64, u64)], number: u64, share: f64) -> f64 {
     let place = share * number.saturating_sub(1) as f64;
     let below = place.floor();
@@ -157,7 +157,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn parts_together_are_as_the_whole() {
+    fn merged_moments_equal_moments_of_the_whole() {
         let values: Vec<f64> = (0..50).map(|i| ((i * i) as f64 * 0.7).sin()).collect();
         let whole = Stats::new(50, vec![values.clone()]);
         let mut parts = Stats::new(13, vec![values[..13].to_vec()]);
@@ -169,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn statistics_of_one_to_five_are_known() {
+    fn statistics_match_known_values() {
         let stats = Stats::new(5, vec![vec![5.0, 3.0, 1.0, 2.0, 4.0]]);
         let expected = json!({
             "min": [1.0], "max": [5.0], "mean": [3.0], "std": [2f64.sqrt()], "count": [5],

@@ -1,4 +1,4 @@
-//! The pictures of one camera over an episode, as a video.
+//! Encodes the images of one camera over an episode as a video.
 
 use super::data_set::Run;
 use super::mp4::Mp4;
@@ -16,42 +16,42 @@ use serde_json::{Value, json};
 use std::fs::File;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// How hard the encoder tries: as little as it can.
+/// Speed preset of rav1e; 10 is the fastest.
 const SPEED: u8 = 10;
-/// From which picture to which decoding can begin: at every so many.
+/// Key frame interval (frames).
 pub(crate) const KEY_INTERVAL: u64 = 10;
-/// How coarse a video is, 0 to 255: what is lost is less than the noise of a camera.
+/// Quantizer (0 to 255), chosen so that coding loss stays below camera noise.
 const QUANTIZER: usize = 80;
-/// Grey has no colour.
+/// Neutral chroma value for gray images.
 const NO_COLOUR: u8 = 128;
 
-/// How an export is watched and ended.
+/// Cancellation flag and progress callback of an export.
 #[derive(Clone, Copy)]
 pub struct Watch<'a> {
-    /// Raised, it ends the export.
+    /// Set to `true` to abort the export.
     pub interrupted: &'a AtomicBool,
-    /// Called after every picture, by any thread.
+    /// Called after each encoded frame, from any thread.
     pub picture_done: &'a (dyn Fn() + Sync),
 }
 
-/// The camera of a finger whose pictures become a video.
+/// A finger's camera whose recorded images are encoded as a video.
 pub(crate) struct Camera<'a> {
     /// Name of the run, for messages.
     pub run: &'a str,
-    /// The feature that they are.
+    /// Feature key of the images.
     pub key: String,
-    /// The camera.
+    /// Source of the recorded images.
     pub camera: RecordedCamera<File>,
-    /// Columns and rows, px.
+    /// Width and height (px).
     pub size: (u16, u16),
     /// Frames per second.
     pub rate: u32,
-    /// What came of the picture that each frame of the episode saw.
+    /// Tactile frame at each video frame; identifies the image it was computed from.
     pub seen: Vec<&'a Tactile>,
 }
 
 impl Camera<'_> {
-    /// As they stand in `info.json`.
+    /// Description of the video feature for `info.json`.
     pub fn description(&self) -> Value {
         let (width, height) = self.size;
         json!({
@@ -72,7 +72,7 @@ impl Camera<'_> {
         })
     }
 
-    /// Encodes all of them to the end of `video`: their statistics.
+    /// Encodes all images, appends them to `video` and returns their statistics.
     pub fn encode(mut self, video: &mut Mp4, watch: Watch<'_>) -> Result<Stats, ExportError> {
         let mut encoder = self.encoder()?;
         let mut histogram = Histogram::default();
@@ -112,7 +112,7 @@ impl Camera<'_> {
         config.min_key_frame_interval = 0;
         config.max_key_frame_interval = KEY_INTERVAL;
         config.speed_settings.scene_detection_mode = SceneDetectionSpeed::None;
-        // Each picture as it comes: none waits for a later one.
+        // Emit each frame at once; do not reorder.
         config.low_latency = true;
         let config = Config::new().with_encoder_config(config).with_threads(1);
         config.new_context().map_err(|error| self.failed(&error))
@@ -129,7 +129,7 @@ impl Camera<'_> {
         sent.map_err(|error| self.failed(&error))
     }
 
-    /// Writes what is encoded.
+    /// Writes all packets that the encoder has ready.
     fn receive(&self, encoder: &mut Context<u8>, video: &mut Mp4) -> Result<(), ExportError> {
         loop {
             match encoder.receive_packet() {
@@ -152,7 +152,7 @@ impl Camera<'_> {
     }
 }
 
-/// The cameras of a run whose pictures were recorded, at these frames of so many per second.
+/// Cameras of a run with recorded images, for the given frames and frame rate (1/s).
 pub(crate) fn cameras<'a>(
     run: &Run<'a>,
     rate: u32,
@@ -171,7 +171,7 @@ pub(crate) fn cameras<'a>(
             })?;
         let (width, height) = size.unwrap_or_default();
         let (Ok(columns), Ok(rows)) = (u16::try_from(width), u16::try_from(height)) else {
-            let expected = format!("pictures of at most {0}x{0} px", u16::MAX);
+            let expected = format!("images of at most {0}x{0} px", u16::MAX);
             let actual = format!("{width}x{height} px");
             return Err(ExportError::of_run(run.name, key, expected, actual));
         };
@@ -190,12 +190,12 @@ pub(crate) fn cameras<'a>(
     .collect()
 }
 
-/// Whether the tactile frame was made of this picture.
+/// `true` if the tactile frame was computed from this image.
 fn is_of(frame: &Frame, tactile: &Tactile) -> bool {
     (frame.sequence, frame.stamp) == (tactile.sequence, tactile.stamp)
 }
 
-/// How often pictures have each grey value.
+/// Number of pixels per gray value over all images.
 struct Histogram {
     pictures: usize,
     counts: [u64; 256],
@@ -218,7 +218,7 @@ impl Histogram {
         }
     }
 
-    /// Statistics of red, green and blue, which are all the same, from 0 to 1.
+    /// Statistics of the red, green and blue channels, which are equal, scaled to 0 to 1.
     fn stats(&self) -> Stats {
         let counts = self.counts.iter().zip(0u32..);
         let values = counts.map(|(&count, value)| (f64::from(value) / 255.0, count));

@@ -1,4 +1,4 @@
-//! The files of a data set's videos.
+//! Video files of a data set.
 
 use super::meta::{FileSizes, VideoPlace, file_path};
 use super::mp4::Mp4;
@@ -11,13 +11,13 @@ use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::thread;
 
-/// The videos of a data set while it is written: of each feature one that takes episode after episode until it is full.
+/// Writers of a data set's video files: one open file per camera feature, filled episode by episode.
 pub(crate) struct Videos {
     folder: PathBuf,
     files: BTreeMap<String, VideoFile>,
 }
 
-/// The file that the pictures of a feature are written to.
+/// The open video file of a camera feature.
 struct VideoFile {
     number: usize,
     path: PathBuf,
@@ -25,18 +25,18 @@ struct VideoFile {
     video: Mp4,
 }
 
-/// The pictures of a feature over an episode, now that they are written.
+/// An encoded episode of one camera feature.
 pub(crate) struct Written {
-    /// The feature.
+    /// Feature key.
     pub key: String,
-    /// Where they are.
+    /// Segment that contains the episode.
     pub place: VideoPlace,
-    /// Their statistics.
+    /// Statistics of the images.
     pub stats: Stats,
 }
 
 impl Videos {
-    /// Those of the data set in `folder`.
+    /// Creates the video writers of the data set in `folder`.
     pub fn new(folder: &Path) -> Self {
         Self {
             folder: folder.to_path_buf(),
@@ -44,7 +44,7 @@ impl Videos {
         }
     }
 
-    /// Encodes the pictures of an episode, those of each camera on a thread of its own.
+    /// Encodes an episode's images, one thread per camera.
     pub fn add(
         &mut self,
         cameras: Vec<Camera<'_>>,
@@ -84,12 +84,12 @@ impl Videos {
         Ok(written)
     }
 
-    /// Ends all of them.
+    /// Finishes all open files.
     pub fn finish(self) -> Result<(), ExportError> {
         self.files.into_values().try_for_each(VideoFile::finish)
     }
 
-    /// The file for the pictures of a camera: the one of before, or a new one where there is none or it is full.
+    /// Open file for a camera's images. Starts a new file if there is no file yet or the current one is full.
     fn take_file(
         &mut self,
         camera: &Camera<'_>,
@@ -118,7 +118,7 @@ impl Videos {
 }
 
 impl VideoFile {
-    /// Time at which the next picture is shown, s.
+    /// Display time of the next frame (s).
     fn time(&self) -> f64 {
         self.video.pictures() as f64 / f64::from(self.rate)
     }
@@ -129,7 +129,7 @@ impl VideoFile {
     }
 }
 
-/// Makes a file, and the folders that it is in.
+/// Creates a file and its parent folders.
 pub(crate) fn create(path: &Path) -> Result<File, ExportError> {
     if let Some(folder) = path.parent() {
         fs::create_dir_all(folder).map_err(ExportError::of_file(folder))?;

@@ -1,4 +1,4 @@
-//! Data sets of LeRobot: what runs fit together, and what LeRobot would read.
+//! Tests of LeRobot data sets: which runs are accepted and which files are written.
 
 use crate::support::{MadeUp, force, path, recording, recording_file};
 use feeler_export::ExportError;
@@ -18,7 +18,7 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// Adds a recording without pictures.
+/// Adds a recording without images.
 fn add(set: &mut DataSet, name: &str, recording: &Recording) -> Result<usize, ExportError> {
     add_file(set, name, recording, Path::new(""))
 }
@@ -57,7 +57,7 @@ fn each_run_is_an_episode() {
             ..MadeUp::default()
         })
     });
-    // What comes before every finger was felt is no frame.
+    // Steps before all fingers have readings are not frames.
     assert_eq!(add(&mut set, "first", &runs[0]).unwrap(), 20);
     assert_eq!(add(&mut set, "second", &runs[1]).unwrap(), 5);
     assert!(!folder.join("meta").exists(), "it is not finished");
@@ -84,7 +84,7 @@ fn each_run_is_an_episode() {
             "{axis}"
         );
     }
-    // An episode is a group of rows.
+    // Each episode is one row group.
     let data = File::open(folder.join("data/chunk-000/file-000.parquet")).unwrap();
     let data = SerializedFileReader::new(data).unwrap();
     let rows: Vec<_> = data
@@ -97,13 +97,13 @@ fn each_run_is_an_episode() {
 }
 
 #[test]
-fn runs_that_do_not_fit_are_refused_in_words() {
+fn unfit_runs_are_refused_with_a_reason() {
     let folder = folder("refused");
     let mut set = DataSet::new(&folder);
     add(&mut set, "first", &recording(&MadeUp::default())).unwrap();
     let mut refused = |recording: Recording, words: &[&str]| {
         let error = add(&mut set, "other", &recording).unwrap_err().to_string();
-        let always = ["other: ", " expected, ", " found"];
+        let always = ["other: ", ": expected ", ", got "];
         for word in always.iter().chain(words) {
             assert!(error.contains(word), "no {word:?} in {error:?}");
         }
@@ -130,10 +130,13 @@ fn runs_that_do_not_fit_are_refused_in_words() {
         made_up(|m| m.elements = 0),
         &["finger_0.force", "0 at 0.01 s"],
     );
-    refused(made_up(|m| m.steps = 0), &["every finger felt", "0 steps"]);
+    refused(
+        made_up(|m| m.steps = 0),
+        &["a reading of every finger", "0 steps"],
+    );
     refused(
         made_up(|m| m.felt_from = 20),
-        &["every finger felt", "20 steps"],
+        &["a reading of every finger", "20 steps"],
     );
     let mut gap = recording(&MadeUp::default());
     gap.task.drain(7..9);
@@ -143,20 +146,17 @@ fn runs_that_do_not_fit_are_refused_in_words() {
     );
     let mut unknown = recording(&MadeUp::default());
     unknown.fingers[0].tactile[4].forces[1].y = f64::NAN;
-    refused(
-        unknown,
-        &["finger_0.force", "numbers that are known", "at 0.05 s"],
-    );
+    refused(unknown, &["finger_0.force", "known numbers", "at 0.05 s"]);
     let mut torn = recording(&MadeUp::default());
     torn.fingers[0].tactile[4].forces.pop();
     refused(torn, &["9 numbers", "6 at 0.05 s"]);
     let mut cut = recording(&MadeUp::default());
     cut.problem = Some("the run was not closed".into());
-    refused(cut, &["a whole one", "the run was not closed"]);
+    refused(cut, &["a complete recording", "the run was not closed"]);
 }
 
 #[test]
-fn pictures_of_any_size_from_sixteen_are_written() {
+fn images_of_at_least_16_pixels_are_written() {
     for size in [(16, 16), (17, 31), (33, 65)] {
         let (columns, rows) = size;
         let folder = folder(&format!("pictures-{columns}x{rows}"));
@@ -190,7 +190,7 @@ fn a_full_file_is_followed_by_another() {
     let file = path("full-files.mcap");
     recording_file(&made_up, &file);
     let recording = Recording::read(&file).unwrap();
-    // Full with the first episode in it.
+    // A limit of zero: full after one episode.
     let sizes = FileSizes { data: 0, videos: 0 };
     let mut set = DataSet::new(&folder).with_file_sizes(sizes);
     for name in ["first", "second", "third"] {
@@ -213,7 +213,7 @@ fn a_full_file_is_followed_by_another() {
                 Some(&Field::Long(index as i64))
             );
         }
-        // Each begins its file.
+        // Each episode starts a new file.
         let from = "videos/observation.images.finger_0/from_timestamp";
         assert_eq!(cell(from.into()), Some(&Field::Double(0.0)));
         let data = parquet(&format!("data/chunk-000/file-{index:03}.parquet"));
@@ -227,7 +227,7 @@ fn a_full_file_is_followed_by_another() {
 }
 
 #[test]
-fn pictures_that_do_not_fit_are_refused_in_words() {
+fn unfit_images_are_refused_with_a_reason() {
     let folder = folder("refused-pictures");
     let seen = |name: &str, size| {
         let made_up = MadeUp {
@@ -255,18 +255,18 @@ fn pictures_that_do_not_fit_are_refused_in_words() {
         &["images.finger_0", "shape [16,32,3]", "shape [17,32,3]"],
     );
     refused(seen("blind.mcap", None), &["features", "images.finger_0"]);
-    // Its pictures are in another file.
+    // Its images are in another file.
     let (elsewhere, _) = seen("elsewhere.mcap", Some((32, 16)));
     refused((elsewhere.clone(), path("nothing.mcap")), &["nothing.mcap"]);
     let (mut lost, file) = seen("lost.mcap", Some((32, 16)));
     lost.fingers[0].pictures.remove(1);
     refused(
         (lost, file),
-        &["other: no picture: the picture of 0.02 s expected"],
+        &["other: no image: expected the recorded image at 0.02 s"],
     );
     fs::write(path("torn.mcap"), [0; 100]).unwrap();
     refused((elsewhere, path("torn.mcap")), &["other: no picture"]);
-    // Smaller than the encoder takes.
+    // Below the encoder's minimum width of 16 px.
     let (tiny, file) = seen("tiny.mcap", Some((9, 1)));
     let error = add_file(&mut DataSet::new(&folder), "tiny", &tiny, &file).unwrap_err();
     let words = "tiny: observation.images.finger_0: invalid width 9 (expected >= 16";

@@ -1,4 +1,4 @@
-//! The tests of this crate: linked once, and all at once over the processors.
+//! All tests of this crate in one binary, so that they link once and run in parallel.
 
 mod data_set;
 #[path = "../support/mod.rs"]

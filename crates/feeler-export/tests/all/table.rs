@@ -1,4 +1,4 @@
-//! A table in a Parquet file, read back by the Parquet library's reader, has what was recorded.
+//! Tests of Parquet tables, read back with the `parquet` crate.
 
 use crate::support::{MadeUp, PERIOD, force, path, recording};
 use feeler_export::table;
@@ -7,7 +7,7 @@ use parquet::record::{Field, Row};
 use std::collections::BTreeMap;
 use std::fs::File;
 
-/// The rows of a file, each by the columns' names, and what is said of the file.
+/// Rows of a file by column name, and the file's key-value metadata.
 fn read(name: &str) -> (Vec<BTreeMap<String, Field>>, BTreeMap<String, String>) {
     let reader = SerializedFileReader::new(File::open(path(name)).unwrap()).unwrap();
     let about = reader.metadata().file_metadata().key_value_metadata();
@@ -23,18 +23,18 @@ fn read(name: &str) -> (Vec<BTreeMap<String, Field>>, BTreeMap<String, String>) 
 
 fn numbers(field: &Field) -> Vec<f64> {
     let Field::ListInternal(list) = field else {
-        panic!("{field} is no list");
+        panic!("{field} is not a list");
     };
     let number = |field: &Field| match field {
         Field::Double(number) => *number,
-        other => panic!("{other} is no number"),
+        other => panic!("{other} is not a number"),
     };
     list.elements().iter().map(number).collect()
 }
 
 #[test]
-fn every_control_step_is_a_row_with_what_was_recorded() {
-    // More than a group of rows.
+fn each_control_step_is_a_row_of_recorded_values() {
+    // More than one row group.
     let made_up = MadeUp {
         fingers: 2,
         elements: 3,
@@ -82,10 +82,10 @@ fn every_control_step_is_a_row_with_what_was_recorded() {
 }
 
 #[test]
-fn what_is_odd_in_a_recording_is_in_its_table() {
+fn defects_of_a_recording_appear_in_its_table() {
     let mut odd = recording(&MadeUp::default());
     let finger = &mut odd.fingers[0];
-    // Forces that are not known, a frame of another sensor, and a step without any message.
+    // An unknown force, a frame without elements, and a missing flags message.
     finger.tactile[3].forces[1].x = f64::NAN;
     finger.tactile[4].forces.clear();
     finger.flags.remove(5);
@@ -97,7 +97,7 @@ fn what_is_odd_in_a_recording_is_in_its_table() {
     assert!(forces(3)[1].is_nan() && forces(3)[2] == force(3, 0, 2).x);
     assert!(forces(4).is_empty());
     assert_eq!(forces(5).len(), 3);
-    // The newest flags there are, those of the step before.
+    // The latest flags, from the previous step.
     assert_eq!(rows[5]["finger_0_slip"], rows[4]["finger_0_slip"]);
     assert_eq!(about["feeler.problem"], "it was cut off");
 }

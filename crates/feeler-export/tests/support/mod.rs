@@ -1,6 +1,6 @@
-//! Recordings that are made up.
+//! Synthetic recordings.
 
-#![allow(dead_code, reason = "not every test program needs all of it")]
+#![allow(dead_code, reason = "each test binary uses a part")]
 
 use feeler::control::phase::Phase;
 use feeler::sensor::frame::Frame;
@@ -13,15 +13,15 @@ use std::path::{Path, PathBuf};
 
 pub const PERIOD: f64 = 0.01;
 
-/// What is to be made up.
+/// Parameters of a synthetic recording.
 pub struct MadeUp {
     pub fingers: usize,
     pub elements: usize,
     pub steps: usize,
-    /// The first step at which forces are known.
+    /// First step with tactile readings.
     pub felt_from: usize,
     pub period: f64,
-    /// Columns and rows of pictures, px, if there are any.
+    /// Width and height of the images (px); `None` for no images.
     pub pictures: Option<(usize, usize)>,
 }
 
@@ -67,20 +67,20 @@ fn facts(made_up: &MadeUp) -> RunFacts {
     }
 }
 
-/// Force on an element at a step, N: a number of its own for each.
+/// Force on an element at a step (N); distinct for each step, finger and element.
 pub fn force(step: usize, finger: usize, element: usize) -> DVec3 {
     let number = (step * 100 + finger * 10 + element) as f64;
     DVec3::new(number, -0.5 * number, 1.0 / (1.0 + number))
 }
 
-/// A recording of such a run without pictures: forces by [`force`], angles that say joint and step.
+/// Synthetic recording without images. Forces follow [`force`]; joint angles encode joint and step.
 pub fn recording(made_up: &MadeUp) -> Recording {
     let mut recorder = MemoryRecorder::new(&facts(made_up)).unwrap();
     record(&mut recorder, made_up);
     recorder.into_recording()
 }
 
-/// The same in a file, with pictures by [`bar`].
+/// Writes a synthetic recording to a file, with images according to [`bar`].
 pub fn recording_file(made_up: &MadeUp, path: &Path) {
     let options = RecordOptions {
         pictures: made_up.pictures.is_some(),
@@ -124,12 +124,12 @@ fn record(recorder: &mut impl MessageSink, made_up: &MadeUp) {
     }
 }
 
-/// First column of the bright bar in a picture of `width`, px: one for each step and finger.
+/// First column (px) of the bright bar in an image of this width; depends on step and finger.
 pub fn bar(step: usize, finger: usize, width: usize) -> usize {
     (8 * finger + 4 * step) % (width - BAR)
 }
 
-/// Columns of the bar, px.
+/// Width of the bar (px).
 pub const BAR: usize = 8;
 
 fn see(
@@ -193,7 +193,7 @@ fn move_finger(recorder: &mut impl MessageSink, (step, finger): (usize, usize), 
         .unwrap();
 }
 
-/// A file for the test called `name`.
+/// Path of a file for the test called `name`.
 pub fn path(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("export");
     std::fs::create_dir_all(&folder).unwrap();

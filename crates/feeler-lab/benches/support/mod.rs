@@ -1,4 +1,4 @@
-//! What the benches and examples of the moments kernel take moments of.
+//! Input of the benchmarks and examples of the moments kernel.
 
 use feeler::sensor::{
     dome::DomeProjection,
@@ -17,7 +17,7 @@ use glam::{DVec2, DVec3};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 
-/// The reference fingertip with `scale` times the pixels to a side of the picture.
+/// The reference fingertip with `scale` times the resolution in each direction.
 pub fn fingertip_config(scale: usize) -> FingertipConfig {
     let mut config = FingertipConfig::default();
     config.camera.width *= scale;
@@ -26,7 +26,7 @@ pub fn fingertip_config(scale: usize) -> FingertipConfig {
     config
 }
 
-/// A picture of the simulated fingertip, five elements under 1 N and a little shear.
+/// An image of the simulated fingertip with five elements under 1 N and a little shear.
 pub fn simulated_picture(config: &FingertipConfig, fingertip: &Fingertip) -> Picture {
     let model = OpticsModel::new(
         &OpticsConfig::default(),
@@ -43,8 +43,8 @@ pub fn simulated_picture(config: &FingertipConfig, fingertip: &Fingertip) -> Pic
     picture
 }
 
-/// Upper left corners of squares of `side` px about where the elements' tips are seen, inside the
-/// picture.
+/// Upper left corners of squares of `side` px around the image positions of the elements' tips, shifted to lie within
+/// the image.
 pub fn squares(fingertip: &Fingertip, side: usize) -> Vec<(usize, usize)> {
     let projection = &fingertip.projection;
     let corner = |seen: f64, end: usize| {
@@ -60,8 +60,8 @@ pub fn squares(fingertip: &Fingertip, side: usize) -> Vec<(usize, usize)> {
     .collect()
 }
 
-/// The kernel of full squares of `side` px, dewarped: more than an element's own pixels, so that
-/// squares of neighbours share some.
+/// Kernel of complete squares of `side` px, dewarped. They contain more than the pixels of an element, so squares
+/// of neighbours overlap.
 pub fn square_kernel(
     config: &FingertipConfig,
     fingertip: &Fingertip,

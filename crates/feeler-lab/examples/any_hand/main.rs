@@ -1,14 +1,15 @@
-//! On how many plausible hands a control law works, and what torque it reaches, with caps of other shapes and places.
+//! Success rate of a control law over plausible hands, and the torque it reaches, with caps of different shapes and
+//! positions.
 //!
 //! ```sh
 //! cargo run --release --example any_hand -- pivot 200 5000 3
 //! cargo run --release --example any_hand -- tri-axial 200 5000 3 middle
 //! ```
 //!
-//! Arguments: the law; number of hands; number of the first hand; runs of each hand, which differ in their seeds; and any of
-//! the names of [`Variant`] (default: all). A hand counts if all five claims of any hand hold in each of its runs. Torque is
-//! that to which the cap is tightened, relative to the largest one that a circular path reaches without overload
-//! ([`oracle`]); that takes ten runs of a hand, and only the middle variant has it.
+//! Arguments: the law; number of hands; number of the first hand; runs per hand, which differ in their seeds; and any
+//! of the names of [`Variant`] (default: all). A hand is successful if all five claims of any hand pass in each of its
+//! runs. The final torque is reported relative to the largest torque that a circular path reaches without overload
+//! ([`oracle`]), which takes ten runs per hand and is computed only for the variant `middle`.
 
 mod oracle;
 mod variant;
@@ -25,13 +26,13 @@ use variant::Variant;
 
 type AnyError = Box<dyn Error + Send + Sync>;
 
-/// What came of a run.
+/// Result of a run.
 struct Outcome {
-    /// Whether each claim of any hand holds.
+    /// `true` if each claim of any hand passes.
     holds: Vec<bool>,
-    /// Torque to which the cap is tightened, N·m.
+    /// Final torque of the cap (N·m).
     torque: f64,
-    /// Whether no element was overloaded.
+    /// `true` if no element was overloaded.
     unharmed: bool,
 }
 
@@ -69,7 +70,7 @@ fn main() -> Result<(), AnyError> {
     Ok(())
 }
 
-/// The table's row of a variant.
+/// Row of the table for a variant.
 fn row(variant: Variant, hands: &[Vec<Outcome>]) -> String {
     let share = |holds: &dyn Fn(&Outcome) -> bool| {
         let count = hands.iter().filter(|runs| runs.iter().all(holds)).count();
@@ -84,27 +85,28 @@ fn row(variant: Variant, hands: &[Vec<Outcome>]) -> String {
     format!("| {} | {} |", variant.name(), cells.join(" | "))
 }
 
-/// One run of a hand. Its seed differs from the hand's, so that the bottle's place and friction vary from run to run.
+/// Runs a hand once. The seed of the run differs from that of the hand, so the position and friction of the bottle
+/// vary between runs.
 fn of_run(law: &str, variant: Variant, hand: u64, run: u64) -> Result<Outcome, AnyError> {
     let experiment = experiment(law, variant, hand, run)?;
     let mut session = Session::drawing(&experiment, Pictures::Sensed)?;
     outcome(&mut session, &experiment, variant)
 }
 
-/// The experiment of a hand under `law`.
+/// Returns the experiment of a hand under `law`.
 fn experiment(law: &str, variant: Variant, hand: u64, run: u64) -> Result<Experiment, AnyError> {
     let draw = ["plausible_hand=-1", "sensing=direct"].map(String::from);
     let draw = [&draw[..], &[format!("seed={hand}")]].concat();
     let drawn = Experiment::load("any-hand", &draw)?;
     let mut settings = variant.settings(&drawn, hand)?;
-    // The hand is drawn; a seed of its own for each run must not draw another.
+    // Setting plausible_hand to the seed keeps the drawn hand.
     let seed = hand + 1_000_000 * (run + 1);
     settings.extend([format!("seed={seed}"), format!("plausible_hand={seed}")]);
     settings.push(format!("control.law={law}"));
     Ok(drawn.with_settings(&settings)?)
 }
 
-/// Runs a session to its end.
+/// Runs a session to its end and evaluates it.
 fn outcome(
     session: &mut Session,
     experiment: &Experiment,
@@ -115,7 +117,8 @@ fn outcome(
     let claims = of_any_hand(&data, &strokes);
     let mut holds: Vec<_> = claims.iter().map(|claim| claim.holds).collect();
     if variant == Variant::Opening {
-        // In place of closing: the last stroke turns the cap, by at least half of what the fingers' way about it is.
+        // Replaces the claim about closing: the last stroke must turn the cap by at least half the fingers' angle
+        // about it.
         let turn = strokes.last().and_then(|stroke| stroke.cap_turn);
         holds[4] = turn.is_some_and(|turn| turn < -0.15);
     }
@@ -140,7 +143,7 @@ fn print_torque(mut ratios: Vec<f64>) {
     }
 }
 
-/// What `work` makes of each hand, in order, on all processors.
+/// Applies `work` to each hand on all processors. Returns the results in order.
 fn in_parallel<T: Send>(
     hands: std::ops::Range<u64>,
     work: impl Fn(u64) -> Result<T, AnyError> + Sync,

@@ -12,15 +12,15 @@ use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{Pictures, Session};
 use glam::DVec3;
 
-/// Radii between which the deepest circle without overload is looked for, m: fingertips that nearly meet the axis, and
-/// that do not touch.
+/// Range of radii searched for the smallest circle without overload (m): from fingertips that nearly meet the axis to
+/// fingertips that do not touch the cap.
 const RADII: (f64, f64) = (0.024, 0.037);
-/// Halvings of that range: to 25 µm.
+/// Number of bisections, which give a resolution of 25 µm.
 const HALVINGS: usize = 9;
-/// Speed per distance from the circle, 1/s.
+/// Gain of the radius controller: speed per distance from the circle (1/s).
 const GAIN: f64 = 8.0;
 
-/// The largest torque, N·m; `None` if every circle overloads an element.
+/// Returns the largest torque (N·m), or `None` if every circle overloads an element.
 pub fn largest_torque(experiment: &Experiment) -> Result<Option<f64>, AnyError> {
     let (mut deep, mut shallow) = RADII;
     let mut most = None;
@@ -36,7 +36,7 @@ pub fn largest_torque(experiment: &Experiment) -> Result<Option<f64>, AnyError> 
     Ok(most.filter(|torque| *torque > 0.0))
 }
 
-/// A run whose fingertips go around the cap's true axis at `radius`, m.
+/// Runs the experiment with fingertips that move around the cap's true axis at `radius` (m).
 fn on_circle(experiment: &Experiment, radius: f64) -> Result<Outcome, AnyError> {
     let TaskConfig::Screw(config) = &experiment.config.task else {
         return Err("expected an experiment with [task.screw]".into());
@@ -59,7 +59,7 @@ fn on_circle(experiment: &Experiment, radius: f64) -> Result<Outcome, AnyError> 
     outcome(&mut session, experiment, Variant::Middle)
 }
 
-/// The plan, as it is.
+/// A law that follows the plan without changes.
 #[derive(Debug, Clone)]
 struct AsPlanned;
 
@@ -69,7 +69,7 @@ impl Law for AsPlanned {
     }
 }
 
-/// The screw task on a circle that is known.
+/// A screw task with circular strokes about a known axis.
 #[derive(Debug, Clone)]
 struct Circle {
     config: ScrewConfig,

@@ -1,4 +1,4 @@
-//! Caps of other shapes and in other places than the experiment's.
+//! Variants of the cap and the hand.
 
 use super::AnyError;
 use feeler::control::task::TaskConfig;
@@ -7,28 +7,28 @@ use feeler_sim::shape::ShapeConfig;
 use glam::{DMat3, DVec3};
 use std::f64::consts::TAU;
 
-/// How a cap differs from that of `any-hand`.
+/// Difference from the experiment `any-hand`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Variant {
-    /// Not at all.
+    /// No difference.
     Middle,
-    /// It stands 3 mm off its place, in any direction.
+    /// The cap is displaced by 3 mm in any direction.
     OffCentre,
-    /// Its longest diameter is 10 % longer than its shortest.
+    /// The longest diameter of the cap is 10 % larger than the shortest.
     Oval,
-    /// It has 120 knurls of 0.3 mm, as caps of PET bottles do.
+    /// The cap has 120 knurls of 0.3 mm, like caps of PET bottles.
     Knurled,
-    /// Its diameter is 24 to 40 mm.
+    /// The diameter of the cap is 24 to 40 mm.
     Sizes,
-    /// It is tightened to 20 mN·m, and to be opened.
+    /// The cap is tightened to 20 mN·m and must be opened.
     Opening,
     /// The rubber of one finger is twice as stiff as that of the other.
     UnequalStiffness,
-    /// One finger turns it: the first of `any-hand`.
+    /// Only the first finger of `any-hand` turns the cap.
     OneFinger,
-    /// Three fingers like the first of `any-hand`, at 120 degrees.
+    /// Three fingers like the first one of `any-hand`, at 120 degrees.
     ThreeFingers,
-    /// Five fingers like the first of `any-hand`, at 72 degrees.
+    /// Five fingers like the first one of `any-hand`, at 72 degrees.
     FiveFingers,
 }
 
@@ -45,13 +45,13 @@ const ALL: [Variant; 10] = [
     Variant::FiveFingers,
 ];
 
-/// Height of all caps, m.
+/// Height of all caps (m).
 const HEIGHT: f64 = 0.02;
-/// Torque to which a cap is tightened that is to be opened, N·m.
+/// Initial torque of a cap that must be opened (N·m).
 const TIGHTENED: f64 = 0.02;
 
 impl Variant {
-    /// As on the command line.
+    /// Name on the command line.
     pub fn name(self) -> &'static str {
         match self {
             Self::Middle => "middle",
@@ -67,10 +67,10 @@ impl Variant {
         }
     }
 
-    /// The variants of these names, all if there are none.
+    /// Returns the variants with these names, or all if there are no names.
     ///
     /// # Errors
-    /// If there is no variant of a name.
+    /// If a name is unknown.
     pub fn chosen(names: &[String]) -> Result<Vec<Self>, AnyError> {
         if names.is_empty() {
             return Ok(ALL.into());
@@ -83,7 +83,7 @@ impl Variant {
         names.iter().map(named).collect()
     }
 
-    /// What it sets in the experiment of hand number `hand`.
+    /// Returns the settings of this variant for the hand with number `hand`.
     pub fn settings(self, experiment: &Experiment, hand: u64) -> Result<Vec<String>, AnyError> {
         let shape = "sim.object.cap.shape";
         let radius = radius(experiment);
@@ -124,7 +124,7 @@ fn radius(experiment: &Experiment) -> f64 {
     }
 }
 
-/// A cap that starts on its seat, and strokes the other way.
+/// Settings for a cap that starts on its seat, and for strokes in the opening direction.
 fn opening(experiment: &Experiment) -> Vec<String> {
     let mut settings = Vec::new();
     if let Some((_, _, thread)) = experiment.config.cap() {
@@ -141,7 +141,7 @@ fn opening(experiment: &Experiment) -> Vec<String> {
     settings
 }
 
-/// Rubber of the second finger that is twice as stiff, along and across.
+/// Settings that double the stiffness of the second finger's rubber, along and across.
 fn unequal_stiffness(experiment: &Experiment) -> Result<Vec<String>, AnyError> {
     let feeler = &experiment.config.simulation()?.feeler;
     let count = experiment.fingertip(Some(1))?.layout.element_count();
@@ -152,7 +152,7 @@ fn unequal_stiffness(experiment: &Experiment) -> Result<Vec<String>, AnyError> {
     )])
 }
 
-/// So many fingers, evenly about the world's z: the first one, with its base and its rectangle, turned.
+/// Settings for `count` copies of the first finger, with base and path, evenly spaced about the z axis of the world.
 fn around(experiment: &Experiment, count: usize) -> Result<Vec<String>, AnyError> {
     let TaskConfig::Screw(screw) = &experiment.config.task else {
         return Err("expected an experiment with [task.screw]".into());
@@ -163,7 +163,7 @@ fn around(experiment: &Experiment, count: usize) -> Result<Vec<String>, AnyError
         let angle = TAU * finger as f64 / count as f64;
         let turned =
             |place: [f64; 3]| (DMat3::from_rotation_z(angle) * DVec3::from(place)).to_array();
-        // Bases stand as the world does: a finger faces the object by the range of its first joint.
+        // Bases are not rotated; a finger faces the object by the range of its first joint.
         let mut own = base.clone();
         own.base_position = turned(base.base_position);
         own.joint_lower_deg[0] += angle.to_degrees();

@@ -1,4 +1,4 @@
-//! What can be measured of a fingertip's picture, simulated or real.
+//! Measurements on the image of a simulated or real fingertip.
 
 use feeler::sensor::frame::Picture;
 use feeler::sensor::locate::{LocateConfig, Located, Polarity, ReferencePicture, locate};
@@ -10,33 +10,33 @@ use nalgebra::{DMatrix, DVector};
 use std::error::Error;
 use std::f64::consts::TAU;
 
-/// Pixels of a stretch of ground whose noise is taken; half as many frequencies are told apart.
+/// Length of a section of background for measuring the noise (px). The spectrum has half as many frequencies.
 pub const STRETCH: usize = 16;
 
-/// A picture and the force on the whole fingertip, N: two of shear, one along the fingertip's axis.
+/// An image, and the force on the whole fingertip (N): two shear components and the component along its axis.
 pub struct Loaded {
     pub picture: Picture,
     pub force: DVec3,
 }
 
-/// What a picture looks like.
+/// Properties of an image.
 pub struct Look {
     pub picture: Picture,
     pub polarity: Polarity,
     pub markers: usize,
-    /// px.
+    /// Diameter (px).
     pub spot_diameter: f64,
-    /// px.
+    /// Distance between neighbours (px).
     pub spacing: f64,
-    /// Grey levels of the markers less those of the ground about them, median.
+    /// Median difference between the grey levels of markers and of the background around them.
     pub contrast: f64,
-    /// Interquartile range of contrasts, relative to the median.
+    /// Interquartile range of the contrasts, relative to the median.
     pub spread_of_contrasts: f64,
-    /// Standard deviation of the ground's noise, grey levels.
+    /// Standard deviation of the background noise (grey levels).
     pub noise: f64,
-    /// Share of the noise's power at each frequency, from one to a half over [`STRETCH`] per pixel; empty without noise.
+    /// Fraction of the noise power at each frequency, from 1 / [`STRETCH`] to 1/2 per pixel. Empty without noise.
     pub spectrum: Vec<f64>,
-    /// Relative growth of an element's integrated gray value per newton of compression, either way.
+    /// Relative change of an element's integrated gray value per newton of compression, regardless of sign.
     pub growth_per_newton: Option<f64>,
     /// Displacement of an element per newton of shear, in spacings.
     pub displacement_per_newton: Option<f64>,
@@ -76,7 +76,7 @@ impl Look {
     }
 }
 
-/// Median distance of a spot to its nearest neighbour, px.
+/// Median distance from a spot to its nearest neighbour (px).
 fn nearest(spots: &[DVec2]) -> f64 {
     let distances = spots.iter().map(|&spot| {
         let others = spots.iter().filter(|&&other| other != spot);
@@ -92,7 +92,8 @@ fn quartiles(values: impl Iterator<Item = f64>) -> [f64; 3] {
     [25.0, 50.0, 75.0].map(|part| percentile(values.iter().copied(), part).unwrap_or(f64::NAN))
 }
 
-/// Mean grey level within half a spot's radius less that on a circle of 1.5 radii; none where the picture ends.
+/// Mean grey level on a circle of 0.4 spot radii minus that on a circle of 1.5 radii. `None` if a circle leaves the
+/// image.
 fn contrast(picture: &Picture, spot: DVec2, radius: f64) -> Option<f64> {
     let around = |at: f64| {
         let on_circle = (0..16).map(|k| {
@@ -114,8 +115,8 @@ fn gray(picture: &Picture, at: DVec2) -> Option<f64> {
     picture.pixels.get(index).map(|&level| f64::from(level))
 }
 
-/// Standard deviation of the ground's noise and the shares of its frequencies, from straight stretches of rows without spots, each without
-/// its own mean and slope.
+/// Standard deviation and relative spectrum of the background noise, from sections of rows without spots, after
+/// removal of mean and slope.
 fn noise(picture: &Picture, spots: &[DVec2], radius: f64) -> (f64, Vec<f64>) {
     let mut power = [0.0; STRETCH / 2];
     let mut stretches = 0.0;
@@ -146,7 +147,7 @@ fn noise(picture: &Picture, spots: &[DVec2], radius: f64) -> (f64, Vec<f64>) {
     }
 }
 
-/// Power at each frequency above 0 of gray values without their line; together their variance.
+/// Power at each frequency above 0 of the gray values after removal of mean and slope. The sum is the variance.
 fn periodogram(levels: &[u8]) -> impl Iterator<Item = f64> + use<> {
     let n = levels.len() as f64;
     let place = |k: usize| k as f64 - (n - 1.0) / 2.0;
@@ -178,8 +179,9 @@ fn periodogram(levels: &[u8]) -> impl Iterator<Item = f64> + use<> {
     })
 }
 
-/// Relative growth per newton of compression and displacement per newton of shear, px: the root mean square over all elements of what a
-/// linear regression over all pictures finds. None with fewer than 10 pictures.
+/// Relative change of brightness per newton of compression, and displacement per newton of shear (px): root mean
+/// square over all elements of the coefficients of a linear regression over all images. `None` if there are fewer than
+/// 10 images.
 fn response(
     located: &Located,
     untouched: &Picture,
@@ -217,7 +219,7 @@ fn response(
         growth += grown.z.powi(2);
         for axis in 0..2 {
             let moved = slope(change(&|now| (now.centroid - before.centroid)[axis]))?;
-            // Which way shear moves the picture depends on how the camera is mounted: the mean over both directions.
+            // The direction of the displacement depends on the mounting of the camera, so average over both directions.
             displacement += 0.5 * moved.truncate().length_squared();
         }
     }

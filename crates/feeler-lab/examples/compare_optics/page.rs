@@ -1,4 +1,4 @@
-//! The page of the comparison.
+//! Page with the comparison.
 
 use super::measure::{Look, STRETCH};
 use base64::Engine;
@@ -9,7 +9,7 @@ use kuva::plot::LinePlot;
 use kuva::render::{layout::Layout, plots::Plot, render::render_multiple};
 use std::error::Error;
 
-/// One line of the table: what it is, its unit, and where it stands.
+/// A line of the table: name, unit, and the function that extracts the value.
 type Line = (&'static str, &'static str, fn(&Look) -> Option<f64>);
 
 const LINES: [Line; 10] = [
@@ -21,7 +21,7 @@ const LINES: [Line; 10] = [
     ("diameter over distance", "", |look| {
         Some(look.spot_diameter / look.spacing)
     }),
-    ("contrast to the ground", "grey levels", |look| {
+    ("contrast to the background", "grey levels", |look| {
         Some(look.contrast)
     }),
     (
@@ -29,11 +29,11 @@ const LINES: [Line; 10] = [
         "of the median",
         |look| Some(look.spread_of_contrasts),
     ),
-    ("noise of the ground", "grey levels", |look| {
+    ("noise of the background", "grey levels", |look| {
         Some(look.noise)
     }),
     (
-        "of its power, at the upper half of frequencies",
+        "fraction of the noise power in the upper half of the spectrum",
         "",
         |look| {
             let upper = look.spectrum.get(STRETCH / 4..)?;
@@ -97,7 +97,7 @@ pub fn page(pairs: &[(String, Look, Look)]) -> Result<String, Box<dyn Error>> {
     ))
 }
 
-/// The picture as an address that holds it.
+/// Encodes the image as a data URL.
 fn address(picture: &Picture) -> Result<String, Box<dyn Error>> {
     let mut png = Vec::new();
     let (width, height) = (picture.width as u32, picture.height as u32);
@@ -108,7 +108,7 @@ fn address(picture: &Picture) -> Result<String, Box<dyn Error>> {
     ))
 }
 
-/// Power of the ground's noise over frequency, of both.
+/// Plots the power of the background noise over frequency for both images.
 fn spectra(simulated: &Look, real: &Look) -> String {
     let looks = [
         ("simulated", "#1f77b4", simulated),

@@ -10,7 +10,7 @@ use toml_edit::DocumentMut;
 
 /// Diagnosis of settings that make a valid experiment invalid.
 pub(super) enum Blamed {
-    /// The same settings, with the first abbreviated key replaced by its full path.
+    /// The settings with the first abbreviated key replaced by its full path.
     Meant(Vec<String>),
     /// The first invalid setting and its error.
     Wrong(ConfigError),

@@ -32,8 +32,7 @@ pub fn built_in_calibration(name: &str) -> Option<&'static str> {
 
 impl Experiment {
     /// Returns the experiment with the given calibration files, keyed by the file name used in the experiment, in
-    /// place of
-    /// the files in its folder.
+    /// place of the files in its folder.
     #[must_use]
     pub fn with_calibrations(mut self, texts: BTreeMap<String, String>) -> Self {
         self.calibrations = texts;

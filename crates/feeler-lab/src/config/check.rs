@@ -107,7 +107,7 @@ mod tests {
 
     /// Every experiment rejects a law that has no effect in its task.
     #[test]
-    fn a_law_is_refused_where_the_task_takes_none() {
+    fn a_law_is_rejected_if_the_task_does_not_use_it() {
         for built_in in BUILT_IN {
             let load = |law: &str| {
                 let setting = format!("control.law={law}");

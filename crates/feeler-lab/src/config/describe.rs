@@ -93,7 +93,7 @@ mod tests {
     }
 
     #[test]
-    fn own_comments_come_first() {
+    fn comments_of_the_file_take_precedence() {
         let text = BUILT_IN
             .iter()
             .find(|b| b.name == REFERENCE)

@@ -36,9 +36,8 @@ const OVER_SIM: &str = "
 ";
 
 impl Experiment {
-    /// Returns an equivalent text that contains only required keys, keys that differ from their defaults, and the
-    /// keys that
-    /// are edited most often, with their comments. The text begins with the comment `heading`.
+    /// Returns an equivalent text that contains only required keys, keys that differ from their defaults, and the keys
+    /// that are edited most often, with their comments. The text begins with the comment `heading`.
     pub fn in_short(&self, heading: &str) -> String {
         let Ok(mut document) = self.toml.parse::<DocumentMut>() else {
             return self.toml.clone();
@@ -109,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn every_built_in_experiment_is_the_same_in_short() {
+    fn minimal_texts_of_built_in_experiments_are_equivalent() {
         for built_in in BUILT_IN {
             let whole = load(built_in.name);
             let text = whole.in_short("# Heading\n");
@@ -118,9 +117,8 @@ mod tests {
             assert_eq!(short.sha256(), whole.sha256());
             assert!(text.starts_with("# Heading\nname ="), "{text}");
             let lines = |text: &str| text.lines().count();
-            // Experiments that spell out everything, including the hand, lose a third of their text. The template,
-            // most of which
-            // is meant to be changed, and experiments that omit defaults shrink only by about their heading.
+            // Experiments that spell out everything, including the hand, lose a third of their text. Experiments that
+            // omit defaults, and the template, lose little more than their heading.
             let says_all = built_in.toml.contains("[[hand.finger]]");
             let is_template = built_in.toml.contains("[drives]");
             let of_three = if says_all && !is_template { 2 } else { 3 };
@@ -139,7 +137,7 @@ mod tests {
 
     /// All keys default to the values of the reference experiment.
     #[test]
-    fn defaults_are_those_of_the_reference_experiment() {
+    fn defaults_equal_the_reference_experiment() {
         let text = r#"
             name = "cap-closing"
             description = "Two fingers close a bottle cap in four touch-and-release strokes (paper, section V)."
@@ -168,7 +166,7 @@ mod tests {
 
     /// Defaults of each task equal the values of the experiment that demonstrates it.
     #[test]
-    fn defaults_of_tasks_are_those_of_their_experiments() {
+    fn task_defaults_equal_their_experiments() {
         let cases: [(&str, &str, &[&str]); 4] = [
             ("contour", "contour", &["home", "approach", "feeler"]),
             (
@@ -195,7 +193,7 @@ mod tests {
 
     /// Setting one entry of a list leaves the other entries at their defaults.
     #[test]
-    fn an_entry_of_a_list_that_is_not_in_the_file_can_be_set() {
+    fn an_entry_of_an_omitted_list_can_be_set() {
         let settings = [
             "hand.finger.1.joint_speed_limit.0=1.5".to_string(),
             "control.limits.workspace_lower.2=0.08".to_string(),

@@ -116,7 +116,7 @@ mod tests {
     use crate::config::Experiment;
 
     #[test]
-    fn a_name_means_the_one_key_that_has_its_segments() {
+    fn a_name_matches_the_only_key_with_its_segments() {
         let experiment = Experiment::load("cap-closing", &[]).unwrap();
         let key = |name: &str| find(name, &leaves(&experiment.config)).map(|(key, _)| key.clone());
         assert_eq!(

@@ -118,8 +118,7 @@ impl Experiment {
     }
 
     /// Returns the settings of the plausible hand for the seed, or `None` if the experiment does not draw a hand or
-    /// already
-    /// contains the one for this seed.
+    /// already contains the one for this seed.
     fn redrawn_hand(&self) -> Result<Option<Vec<String>>, ConfigError> {
         // TOML integers are signed.
         let seed = self.config.seed as i64;

@@ -55,7 +55,7 @@ mod tests {
     }
 
     #[test]
-    fn entries_of_lists_have_their_numbers() {
+    fn list_entries_are_numbered() {
         let text = "name = \"x\"\ntask.contour = {}\n[sensor]\ncalibration = \"c\"\n[sim]\nobject = {}\n\
             [[sim.fault]]\nkind.frozen_frame = { finger = 0 }\n[[sim.fault]]\nkind.dropped_frames = { finger = 0 }\n[[sim.fault]]\n";
         let expected = [
@@ -68,13 +68,13 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_missing_where_something_else_is_wrong() {
+    fn no_keys_are_reported_after_another_error() {
         let text = "name = 3\n";
         assert_eq!(of(text), [""; 0]);
     }
 
     #[test]
-    fn a_long_list_ends() {
+    fn long_lists_are_truncated() {
         let faults = "[[sim.fault]]\n".repeat(1000);
         assert_eq!(of(&faults).len(), super::MOST);
     }

@@ -41,7 +41,7 @@ pub(super) struct Place<'a> {
     pub(super) path: String,
     /// Paths of the keys found missing so far.
     pub(super) missing: &'a [String],
-    /// Whether a placeholder table has all of its keys instead of only those in `missing`.
+    /// `true` if a placeholder table has all of its keys instead of only those in `missing`.
     pub(super) all: bool,
 }
 

@@ -16,8 +16,7 @@ pub struct RosConfig {
     #[serde(default = "joint_states")]
     pub joint_states: String,
     /// Topic of velocity commands (`std_msgs/Float64MultiArray`, rad/s) for a `forward_command_controller` whose
-    /// joints are in
-    /// the order of this table.
+    /// joints are in the order of this table.
     #[serde(default = "commands")]
     pub commands: String,
     /// The fingers, in the order of `hand.finger`.

@@ -54,7 +54,7 @@ mod tests {
     use super::in_words;
 
     #[test]
-    fn types_are_named_as_a_file_has_them() {
+    fn types_are_translated() {
         let cases = [
             (
                 "invalid type: string \"a, expected b\", expected f64",

@@ -1,10 +1,8 @@
 //! Bounds of the numbers of an observation.
 //!
 //! The bounds follow from the experiment: compression of a feeler is limited by the dome's diameter and its shear
-//! force by friction;
-//! joints are within their limits, and velocities within the speed limits. Values that vary between episodes
-//! (stiffness, friction) may
-//! be up to [`VARIED`] times those of the experiment.
+//! force by friction; joints are within their limits, and velocities within the speed limits. Values that vary between
+//! episodes (stiffness, friction) may be up to [`VARIED`] times those of the experiment.
 
 use super::Environment;
 use crate::config::ExperimentConfig;
@@ -92,9 +90,8 @@ impl Bounds<'_> {
         [friction.max(1.0) * normal + noise, normal + noise]
     }
 
-    /// Maximum speed of the fingertip along an axis (m/s): the speed limit along each of three axes, or the speed
-    /// that results from all
-    /// joints at their speed limits at full reach, whichever is larger.
+    /// Maximum speed of the fingertip along an axis (m/s): the speed limit along each of three axes, or the speed that
+    /// results from all joints at their speed limits at full reach, whichever is larger.
     fn fingertip_speed(&self) -> f64 {
         let limit = 3_f64.sqrt() * self.config.control.limits.fingertip_speed;
         let reach: f64 = self.geometry.links().iter().sum();

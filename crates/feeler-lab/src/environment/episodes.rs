@@ -19,9 +19,8 @@ pub(super) struct Episodes {
 }
 
 impl Episodes {
-    /// Creates episodes of the experiment `name` with `settings`. The distributions `vary` are drawn for each
-    /// episode. Forces are
-    /// sensed directly unless `settings` selects otherwise.
+    /// Creates episodes of the experiment `name` with `settings`. The distributions `vary` are drawn for each episode.
+    /// Forces are sensed directly unless `settings` selects otherwise.
     pub fn new(name: &str, settings: &[String], vary: &[String]) -> Result<Self, EnvironmentError> {
         let settings = [&["sensing=direct".to_string()], settings].concat();
         let experiment = Experiment::load(name, &settings)?;

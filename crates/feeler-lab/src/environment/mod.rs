@@ -1,17 +1,15 @@
 //! Reinforcement learning environments: an experiment as episodes of observations, actions and rewards.
 //!
 //! The task of the experiment plans as usual (SEARCH, MOVE, RELEASE, RETURN), and an agent replaces the control law.
-//! The agent receives
-//! the inputs of a law as the numbers of [`ObservationLayout`] and requests velocities of the fingertips, which pass
-//! the same limits
-//! as every command. An agent that requests the same velocities as the experiment's law therefore reproduces the run of
-//! `feeler run` with the same seed, and an agent that follows the task's plan acts like a task without a law.
+//! The agent receives the inputs of a law as the numbers of [`ObservationLayout`] and requests velocities of the
+//! fingertips, which pass the same limits as every command. An agent that requests the same velocities as the
+//! experiment's law therefore reproduces the run of `feeler run` with the same seed, and an agent that follows the
+//! task's plan acts like a task without a law.
 //!
-//! Rewards and [`Environment::info`] are computed from the true state of the simulated world, which observations
-//! never contain.
-//! The crate documentation lists the rewards of each task. An episode terminates when its goal is reached or lost,
-//! when the task is
-//! complete, or when the hand is stopped with a reason. It is truncated at the experiment's time limit.
+//! Rewards and [`Environment::info`] are computed from the true state of the simulated world, which observations never
+//! contain. The crate documentation lists the rewards of each task. An episode terminates when its goal is reached or
+//! lost, when the task is complete, or when the hand is stopped with a reason. It is truncated at the experiment's
+//! time limit.
 
 mod action;
 mod bounds;
@@ -60,9 +58,9 @@ pub struct EnvironmentConfig {
 pub struct Step {
     /// Reward, in the unit of the goal.
     pub reward: f64,
-    /// Whether the episode is over.
+    /// `true` if the episode is over.
     pub terminated: bool,
-    /// Whether the episode was cut off at the time limit.
+    /// `true` if the episode was cut off at the time limit.
     pub truncated: bool,
 }
 
@@ -72,7 +70,7 @@ pub struct Environment {
     action: ActionKind,
     goal: Box<dyn Goal>,
     session: Session,
-    /// Whether the session belongs to an unfinished episode.
+    /// `true` if the session belongs to an unfinished episode.
     under_way: bool,
     layouts: Vec<ObservationLayout>,
     velocities: Vec<DVec3>,
@@ -128,8 +126,7 @@ impl Environment {
     }
 
     /// Begins the episode that is `following` episodes after the episode of `seed` (0: that episode itself), as
-    /// reached by
-    /// resets without a seed. Returns the seed of the episode.
+    /// reached by resets without a seed. Returns the seed of the episode.
     ///
     /// # Errors
     /// Same as [`Self::reset`].
@@ -162,13 +159,11 @@ impl Environment {
     }
 
     /// Executes one control step with `action`, three numbers per finger. The task then plans with the new tactile
-    /// data, which is the
-    /// next [observation](Self::observation). Does not allocate.
+    /// data, which is the next [observation](Self::observation). Does not allocate.
     ///
     /// # Errors
     /// If no episode is active, or `action` has the wrong length or a number that is not finite; the environment is
-    /// then unchanged.
-    /// If the rig fails; the episode is then over.
+    /// then unchanged. If the rig fails; the episode is then over.
     pub fn step(&mut self, action: &[f64]) -> Result<Step, EnvironmentError> {
         if !self.under_way {
             return Err(EnvironmentError::NoEpisode);

@@ -8,8 +8,7 @@ use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
 /// Time for which an idle thread spins before it sleeps. Waking a thread takes about 50 us on a virtual machine, as
-/// long as a
-/// step of a dozen environments.
+/// long as a step of a dozen environments.
 const LOOKS: Duration = Duration::from_micros(50);
 
 /// The parts and the threads that work on them. The threads end when the pool is dropped.
@@ -246,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn every_part_is_worked_on_once_in_each_round() {
+    fn every_part_is_processed_once_per_round() {
         for threads in [0, 1, 2, 7] {
             let pool = Pool::new(vec![100; 5], threads, count).unwrap();
             for round in 1..50 {
@@ -258,7 +257,7 @@ mod tests {
     }
 
     #[test]
-    fn threads_that_went_to_sleep_between_rounds_are_woken() {
+    fn sleeping_threads_are_woken() {
         let pool = Pool::new(vec![100; 6], 3, count).unwrap();
         for round in 1..5 {
             thread::sleep(4 * LOOKS);
@@ -269,7 +268,7 @@ mod tests {
 
     /// A thread that has finished its parts takes those of another; otherwise this test would not end.
     #[test]
-    fn parts_of_a_thread_that_is_busy_are_taken_by_another() {
+    fn parts_of_a_busy_thread_are_taken_by_another() {
         type Part = (usize, Arc<(Mutex<bool>, Condvar)>);
         // Both parts are assigned to the first thread: part 0 waits for part 1.
         fn work((index, after): &mut Part) {
@@ -297,7 +296,7 @@ mod tests {
     }
 
     #[test]
-    fn a_part_that_panics_is_told_of_and_the_others_go_on() {
+    fn a_panic_is_reported_and_the_other_parts_are_finished() {
         for threads in [1, 3] {
             let pool = Pool::new(vec![20, 12, 30], threads, count).unwrap();
             assert_eq!(pool.run(), Ok(()));

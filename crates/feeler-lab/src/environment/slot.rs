@@ -25,13 +25,13 @@ pub(super) struct Slot {
     pub last: Last,
     pub error: Option<EnvironmentError>,
     autoreset: Autoreset,
-    /// Whether the next step begins an episode.
+    /// `true` if the next step begins an episode.
     begins: bool,
 }
 
 /// Final state of an episode that was followed by another one in the same step.
 pub(super) struct Last {
-    /// Whether the latest step ended an episode.
+    /// `true` if the latest step ended an episode.
     pub is_new: bool,
     pub observation: Vec<f32>,
     pub info: Vec<f64>,

@@ -1,43 +1,43 @@
-//! Many environments that step together, on several threads.
+//! Vector environments: many environments that step together, on several threads.
 
 use super::pool::Pool;
 use super::slot::{Order, Slot};
 use super::vector_error::{VectorError, at, check_count, check_range};
 use super::{Environment, EnvironmentConfig};
 
-/// Parts of the work for each thread, so that none waits long for another.
+/// Number of work items per thread, for load balancing.
 const PARTS_PER_THREAD: usize = 8;
 
-/// When an environment whose episode is over begins the next, as Gymnasium calls it.
+/// Time at which a finished environment begins its next episode, with the names of Gymnasium.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub enum Autoreset {
-    /// In the step after: its action is not used, its reward is 0.
+    /// In the following step, which ignores its action and returns reward 0.
     #[default]
     NextStep,
-    /// In the very step that ends the episode. The observation is the new episode's; how the old one ended is kept
-    /// ([`VectorEnvironment::last`]).
+    /// In the step that ends the episode. The step returns the observation of the new episode;
+    /// [`VectorEnvironment::last`] returns the final one of the old episode.
     SameStep,
-    /// When told to; a step before is refused.
+    /// Only on [`VectorEnvironment::reset`]; an earlier step is an error.
     Disabled,
 }
 
-/// Where the results of n environments are written, row by row. Each slice has as many entries as stand beside it.
+/// Output buffers for the results of n environments, row by row. Each field states the required length.
 #[derive(Debug)]
 pub struct Batch<'a> {
-    /// Observations: n times [`VectorEnvironment::observation_len`].
+    /// Observations; n times [`VectorEnvironment::observation_len`].
     pub observations: &'a mut [f32],
-    /// Rewards: n.
+    /// Rewards; n.
     pub rewards: &'a mut [f64],
-    /// Whether each episode is over: n.
+    /// `true` if each episode is over; n.
     pub terminated: &'a mut [bool],
-    /// Whether each was cut off: n.
+    /// `true` if each episode was cut off; n.
     pub truncated: &'a mut [bool],
-    /// What is told in truth: n times [`VectorEnvironment::info_len`].
+    /// Ground-truth values; n times [`VectorEnvironment::info_len`].
     pub infos: &'a mut [f64],
 }
 
-/// Environments of one kind. Number i comes out as a single one would with its seeds, whatever the others do and on however many
-/// threads.
+/// A set of environments with the same configuration. The results of each equal those of a single [`Environment`] with
+/// the same seeds, for any number of environments and threads.
 pub struct VectorEnvironment {
     pool: Pool<Part>,
     count: usize,
@@ -47,7 +47,7 @@ pub struct VectorEnvironment {
     info_len: usize,
 }
 
-/// Environments that one thread steps one after the other.
+/// Environments that one thread steps sequentially.
 struct Part(Vec<Slot>);
 
 impl Part {
@@ -59,10 +59,11 @@ impl Part {
 }
 
 impl VectorEnvironment {
-    /// `count` environments of `config` on `threads` threads, the caller's among them, before their first episodes.
+    /// Creates `count` environments on `threads` threads, including the caller's. Call [`reset`](Self::reset) to begin
+    /// the first episodes.
     ///
     /// # Errors
-    /// When there is no such environment, or there are none or too many.
+    /// If the configuration is invalid, or a count is out of range.
     pub fn new(
         config: &EnvironmentConfig,
         count: usize,
@@ -91,31 +92,31 @@ impl VectorEnvironment {
         })
     }
 
-    /// How many there are.
+    /// Number of environments.
     pub fn count(&self) -> usize {
         self.count
     }
 
-    /// Numbers of the action of each.
+    /// Length of one environment's action.
     pub fn action_len(&self) -> usize {
         self.action_len
     }
 
-    /// Numbers of the observation of each.
+    /// Length of one environment's observation.
     pub fn observation_len(&self) -> usize {
         self.observation_len
     }
 
-    /// Numbers that are told of each.
+    /// Number of info values per environment.
     pub fn info_len(&self) -> usize {
         self.info_len
     }
 
-    /// Begins an episode in each environment, or in each for which `mask` has `true`: that of its seed, or the one that follows
-    /// ([`Environment::reset`]). The others' rows are left as they are.
+    /// Begins an episode in each environment, or in each one whose entry of `mask` is `true`, with the given seed or
+    /// the next one ([`Environment::reset`]). The rows of other environments are not changed.
     ///
     /// # Errors
-    /// When a count is wrong, then nothing has happened; or when an episode cannot begin.
+    /// If a length is wrong; nothing is changed then. If an episode cannot begin.
     pub fn reset(
         &mut self,
         seeds: &[Option<u64>],
@@ -136,12 +137,12 @@ impl VectorEnvironment {
         self.run(batch)
     }
 
-    /// Makes a control step in each environment, or begins its next episode where that is due. `actions` has a row for each. Allocates
-    /// nothing, unless an episode begins.
+    /// Makes a control step in each environment, or begins its next episode if the last one ended. `actions` has one
+    /// row per environment. Does not allocate unless an episode begins.
     ///
     /// # Errors
-    /// When a count is wrong, then nothing has happened. When an environment refuses its action or fails: the others have made their
-    /// step, and the rows of all are written.
+    /// If a length is wrong; nothing is changed then. If an environment rejects its action or fails; the others have
+    /// made their step and all rows are written.
     pub fn step(&mut self, actions: &[f64], batch: &mut Batch<'_>) -> Result<(), VectorError> {
         let length = self.action_len;
         check_count("numbers of all actions", self.count * length, actions.len())?;
@@ -154,11 +155,11 @@ impl VectorEnvironment {
         self.run(batch)
     }
 
-    /// Writes the observation and info with which the episode of environment `index` ended, if the newest step ended it and
-    /// began another ([`Autoreset::SameStep`]); whether it did.
+    /// Writes the final observation and info of environment `index` if the latest step ended its episode and began
+    /// another one ([`Autoreset::SameStep`]). Returns `true` if it did.
     ///
     /// # Errors
-    /// When there is no such environment, or too little or too much room.
+    /// If there is no such environment, or a buffer has the wrong length.
     pub fn last(
         &self,
         index: usize,
@@ -180,10 +181,10 @@ impl VectorEnvironment {
         })
     }
 
-    /// What `look` makes of environment `index`.
+    /// Calls `look` with environment `index` and returns the result.
     ///
     /// # Errors
-    /// When there is no such environment.
+    /// If there is no such environment.
     pub fn look<R>(
         &self,
         index: usize,
@@ -211,7 +212,7 @@ impl VectorEnvironment {
         }
     }
 
-    /// Lets all do what they were told to, and collects the results.
+    /// Executes the requested operations and collects the results.
     fn run(&self, batch: &mut Batch<'_>) -> Result<(), VectorError> {
         let ran = self.pool.run();
         let (observation_len, info_len) = (self.observation_len, self.info_len);

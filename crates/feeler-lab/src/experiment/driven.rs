@@ -1,5 +1,5 @@
-//! A simulated run whose hand is servos on an emulated bus, with the simulated world behind the servos: in real time, or in lockstep with
-//! the run.
+//! Simulated runs whose hand consists of servos on an emulated bus, with the simulated world behind the servos, in
+//! real time or in lockstep with the run.
 
 use super::{ExperimentError, Session, fingers_at_home};
 use crate::config::Experiment;
@@ -16,12 +16,12 @@ use feeler_sim::world::World;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Least time for an answer of emulated servos, s: what plays them is a thread of a computer that may be busy.
+/// Minimum reply timeout of emulated servos (s). The emulator is a thread that may be delayed on a busy computer.
 const EMULATED_REPLY_TIMEOUT: f64 = 0.1;
-/// Part of a step of the world that time may lack for it: stamps are no exact multiples.
+/// Tolerance of a time step of the world, relative to the step: timestamps are not exact multiples.
 const EARLY: f64 = 1e-6;
 
-/// Why there is no such run.
+/// Error in the setup of such a run.
 #[derive(Debug, thiserror::Error)]
 pub enum DrivenError {
     /// The experiment cannot be set up.
@@ -30,17 +30,17 @@ pub enum DrivenError {
     /// The servos cannot be used.
     #[error("drives: {0}")]
     Drives(#[from] DriveError),
-    /// There is no bus.
+    /// The emulated bus cannot be started.
     #[error("drives: {0}")]
     Emulator(#[from] EmulatorError),
 }
 
-/// The fingers of a simulated world as what servos move.
+/// The fingers of a simulated world as the plant behind emulated servos.
 struct WorldPlant {
     rig: SimRig,
     joints: Vec<JointDriveConfig>,
     motions: Vec<Motion>,
-    /// The world can be simulated no further.
+    /// `true` if the simulation failed and is stopped.
     failed: bool,
 }
 
@@ -86,7 +86,7 @@ impl Plant for WorldPlant {
         }
         while world.state().time + step * (1.0 - EARLY) <= now {
             if world.step().is_err() {
-                // It stands still from here on, which the hand's monitors see.
+                // The world stops here, which the monitors of the hand detect.
                 self.failed = true;
                 break;
             }
@@ -99,7 +99,7 @@ impl Plant for WorldPlant {
     }
 }
 
-/// The servos of `experiment`, to be emulated: those of its table `[drives]`, or, where it has none, some that suit its hand.
+/// Returns the servos to be emulated for `experiment`: those of its table `[drives]`, or defaults for its hand.
 pub fn drives(experiment: &Experiment) -> DrivesConfig {
     let config = &experiment.config;
     let fingers = config.hand.finger.len();
@@ -111,10 +111,11 @@ pub fn drives(experiment: &Experiment) -> DrivesConfig {
     }
 }
 
-/// A bus of the servos of `experiment`, with its simulated world behind them, in the time of `clock`; that world.
+/// Starts an emulated bus with the servos of `experiment`, which move the simulated world of `rig` in the time of
+/// `clock`.
 ///
 /// # Errors
-/// When a part of the experiment makes no sense, or the system has no pseudo-terminal.
+/// If a part of the experiment is invalid, or the system has no pseudo-terminal.
 pub fn emulated_bus(
     experiment: &Experiment,
     rig: &SimRig,
@@ -124,26 +125,26 @@ pub fn emulated_bus(
     Emulator::start(&bus, plant, clock)
 }
 
-/// The servos of `experiment`, and the simulated world that they move.
+/// Returns the servos of `experiment`, and the simulated world that they move.
 fn servos(experiment: &Experiment, rig: &SimRig) -> (EmulatorConfig, Box<dyn Plant>) {
     let config = drives(experiment);
     let bus = EmulatorConfig::of(&config, experiment.config.seed);
     (bus, Box::new(WorldPlant::new(rig.clone(), &config)))
 }
 
-/// The bus that a run goes over, for as long as the run lasts.
+/// The emulated bus of a run, which must live as long as the run.
 pub enum DrivenBus {
-    /// On a pseudo-terminal, whose time goes so many times as fast as real time.
+    /// On a pseudo-terminal. The factor is the speed relative to real time.
     Terminal(Emulator, f64),
-    /// In the run's own time.
+    /// In the simulated time of the run.
     Lockstep(Lockstep),
 }
 
 impl DrivenBus {
-    /// Steps every `period`, s of the bus's time, from now on.
+    /// Creates a schedule with steps every `period` seconds of the bus's time, starting now.
     ///
     /// # Errors
-    /// When the period is none.
+    /// If the period is invalid.
     pub fn schedule(&self, period: f64) -> Result<Box<dyn Schedule>, PaceError> {
         Ok(match self {
             Self::Terminal(_, speed) => Box::new(Pace::new(period / speed)?),
@@ -151,17 +152,17 @@ impl DrivenBus {
         })
     }
 
-    /// Whether its time is real.
+    /// Returns `true` if the bus runs in real time.
     pub fn is_paced(&self) -> bool {
         matches!(self, Self::Terminal(..))
     }
 }
 
-/// A run of `experiment` over an emulated bus, and the bus. Its time goes `speed` times as fast as real time; where that is infinite, as fast
-/// as the run goes, which then is the same each time.
+/// Sets up a run of `experiment` over an emulated bus, and returns the bus, too. Time runs `speed` times as fast as
+/// real time. An infinite speed runs in lockstep, as fast as possible and deterministically.
 ///
 /// # Errors
-/// When a part of the experiment makes no sense, or its servos cannot be used.
+/// If a part of the experiment is invalid, or its servos cannot be used.
 pub fn session(experiment: &Experiment, speed: f64) -> Result<(Session, DrivenBus), DrivenError> {
     let config = &experiment.config;
     let (fingers, _) = fingers_at_home(config)?;
@@ -184,7 +185,7 @@ pub fn session(experiment: &Experiment, speed: f64) -> Result<(Session, DrivenBu
     let control = &config.control;
     let most_age = control.stale_periods * control.period;
     let hand = DriveHand::on(master, &drives, &fingers, most_age)?;
-    // What was left of its own hand moves nothing: only the servos advance the world.
+    // The session's original hand is dropped: only the servos advance the world.
     let session = session.with_hand(Box::new(hand), control.stale_periods as u64);
     Ok((session, bus))
 }

@@ -1,4 +1,4 @@
-//! Servos on a bus as a rig for programs elsewhere.
+//! A rig of servos on a bus, operated by other programs.
 
 use super::driven::{DrivenError, drives, emulated_bus};
 use super::played_rig::PlayedSensing;
@@ -16,25 +16,25 @@ use feeler_link::message::InstrumentsMessage;
 use feeler_link::programs::{Rig, SensorOutput};
 use glam::DVec3;
 
-/// Servos whose motors have power for as long as it lives.
+/// A rig of servos. The motors are powered while it exists.
 pub struct DrivenRig {
     config: DrivesConfig,
     fingers: Vec<FingerGeometry>,
     most_age: f64,
     clock: RigClock,
-    /// None where it was let go and could not be opened again.
+    /// `None` if the bus was closed and could not be reopened.
     hand: Option<DriveHand>,
     stop: HandCommand,
     time: f64,
-    /// What the sensors of the world behind emulated servos deliver.
+    /// Simulated sensors of the world behind emulated servos.
     sensing: Option<PlayedSensing>,
 }
 
 impl DrivenRig {
-    /// Opens the bus of `config` and gives the servos of `experiment` power. Its cameras are those of other programs.
+    /// Opens the bus of `config` and powers the servos of `experiment`. The cameras belong to other programs.
     ///
     /// # Errors
-    /// When a finger makes no sense, or a servo is not as it should be.
+    /// If a finger is invalid, or a servo is in an unexpected state.
     pub fn open(
         experiment: &Experiment,
         config: DrivesConfig,
@@ -56,11 +56,11 @@ impl DrivenRig {
         Ok(rig)
     }
 
-    /// The same on an emulated bus, with what the sensors of the simulated world behind it deliver; and the bus, for as long as the
-    /// rig lives.
+    /// Like [`Self::open`], but on an emulated bus, and with the simulated sensors of the world behind it. Also
+    /// returns the bus, which must live as long as the rig.
     ///
     /// # Errors
-    /// When a part of the experiment makes no sense, or the system has no pseudo-terminal.
+    /// If a part of the experiment is invalid, or the system has no pseudo-terminal.
     pub fn emulated(
         experiment: &Experiment,
         clock: RigClock,
@@ -111,7 +111,8 @@ impl Rig for DrivenRig {
         }
     }
 
-    /// Stands still where the computer is so late that the newest joint angles are too old to move by: no fault of the servos.
+    /// Commands the servos. Stops them instead if the latest joint angles are too old because the computer is late;
+    /// this is not a fault of the servos.
     fn advance(&mut self, command: &HandCommand) -> Result<(), HandError> {
         let hand = self.hand.as_mut().ok_or_else(without_power)?;
         let moves = command.joint_velocity().iter().any(|v| *v != DVec3::ZERO);
@@ -121,7 +122,7 @@ impl Rig for DrivenRig {
         }
     }
 
-    /// Lets the servos go and opens the bus anew: its cable may have been pulled, or a servo been exchanged.
+    /// Releases the servos and reopens the bus, in case the cable was pulled or a servo was replaced.
     fn restart(&mut self) -> Result<(), HandError> {
         self.hand = None;
         let hand = self.open_hand();

@@ -1,4 +1,4 @@
-//! The constants of a run, for its recording.
+//! Constants of a run for its recording.
 
 use super::solids::solids;
 use super::{ExperimentError, layouts};
@@ -17,15 +17,15 @@ use glam::DVec3;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// The constants of a run of `config` that its report needs.
+/// Returns the constants of a run of `config` that its report requires.
 ///
 /// # Errors
-/// When a fingertip makes no sense.
+/// If a fingertip is invalid.
 pub fn run_facts(config: &ExperimentConfig) -> Result<RunFacts, ExperimentError> {
     Ok(facts_with(config, &layouts(config)?))
 }
 
-/// The same where the fingertips have the elements of `layouts`.
+/// Like [`run_facts`], for fingertips with the elements of `layouts`.
 fn facts_with(config: &ExperimentConfig, layouts: &[ElementLayout]) -> RunFacts {
     let paths: Vec<([f64; 3], [f64; 3])> = match &config.task {
         TaskConfig::Screw(screw) => {
@@ -37,7 +37,7 @@ fn facts_with(config: &ExperimentConfig, layouts: &[ElementLayout]) -> RunFacts 
             let fingers = probe.finger.iter();
             fingers.map(|path| (path.approach, path.stroke)).collect()
         }
-        // Where these go is told by what they feel.
+        // The directions of these tasks are not known in advance.
         TaskConfig::Contour(_) | TaskConfig::Carry(_) => Vec::new(),
     };
     let unit = |direction| DVec3::from_array(direction).normalize_or_zero().to_array();
@@ -72,7 +72,8 @@ fn facts_with(config: &ExperimentConfig, layouts: &[ElementLayout]) -> RunFacts 
     }
 }
 
-/// The constants of a run of `config` in `world`, with what only that knows: friction on objects that have some of their own.
+/// Returns the constants of a run of `config` in `world`, with ground truth: the friction of objects that have
+/// separate values.
 pub fn simulated_facts(
     config: &ExperimentConfig,
     layouts: &[ElementLayout],
@@ -96,7 +97,7 @@ pub fn simulated_facts(
     }
 }
 
-/// How the fingers are built.
+/// Returns the models of the fingers.
 fn hand(config: &ExperimentConfig, layouts: &[ElementLayout]) -> Vec<FingerModel> {
     let fingers = config.hand.finger.iter().zip(layouts);
     let model = |(geometry, layout): (&FingerConfig, &ElementLayout)| {
@@ -112,8 +113,8 @@ fn hand(config: &ExperimentConfig, layouts: &[ElementLayout]) -> Vec<FingerModel
     fingers.map(model).collect()
 }
 
-/// What the cap is held to, unless strokes are counted. A simulated world knows its friction; what varies of it from seed to seed is
-/// left out.
+/// Returns the criteria for the cap, unless the number of strokes is fixed. They include the friction limit in a
+/// simulated world, without the variation by the seed.
 pub(crate) fn cap_facts(config: &ExperimentConfig) -> Option<CapFacts> {
     let TaskConfig::Screw(screw) = &config.task else {
         return None;
@@ -136,7 +137,7 @@ pub(crate) fn cap_facts(config: &ExperimentConfig) -> Option<CapFacts> {
     })
 }
 
-/// What the task of carrying is held to.
+/// Returns the criteria of a carry task.
 fn carry_goal(config: &ExperimentConfig) -> Option<CarryGoal> {
     let TaskConfig::Carry(carry) = &config.task else {
         return None;
@@ -149,7 +150,7 @@ fn carry_goal(config: &ExperimentConfig) -> Option<CarryGoal> {
     })
 }
 
-/// Radius of the cap at its widest, m; 0 when there is no cap.
+/// Maximum radius of the cap (m); 0 if there is no cap.
 fn cap_radius(sim: &SimConfig) -> f64 {
     match sim.cap().map(|(_, object, _)| &object.shape) {
         Some(
@@ -159,8 +160,8 @@ fn cap_radius(sim: &SimConfig) -> f64 {
     }
 }
 
-/// The object whose outline is to be drawn, and its true section; none where that is not the task, or a file would have to
-/// be read for it.
+/// Returns the object whose outline is traced, and its true section. `None` if the task is a different one, or the
+/// shape of the object is in a file.
 pub(crate) fn true_section(config: &ExperimentConfig) -> Option<(&ObjectConfig, Vec<[f64; 2]>)> {
     let TaskConfig::Contour(contour) = &config.task else {
         return None;

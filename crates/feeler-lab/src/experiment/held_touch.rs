@@ -1,4 +1,4 @@
-//! Sensors that are slower than the control loop.
+//! Simulated sensors with a lower frame rate than the control loop.
 
 use super::Sensor;
 use feeler::control::touch::{FingerTouch, TouchSource};
@@ -8,35 +8,35 @@ use feeler_sim::rig::SimRig;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// Part of a frame's period by which it may come early: steps of the world do not meet it exactly.
+/// Tolerance of a frame's time, relative to the frame period: steps of the world do not coincide with it exactly.
 const EARLY: f64 = 1e-6;
 
-/// When there is a new picture, in the rig's time.
+/// Times at which new frames are taken, in the rig's time.
 #[derive(Debug, Clone)]
 pub(super) struct FrameTimes {
-    /// s
+    /// Period (s).
     period: f64,
     due: f64,
 }
 
 impl FrameTimes {
-    /// A picture every `period`, s, from time 0 on.
+    /// Schedules a frame every `period` seconds, starting at time 0.
     pub(super) fn new(period: f64) -> Self {
         Self { period, due: 0.0 }
     }
 
-    /// Whether there is a new one at `now`, s.
+    /// Returns `true` if a new frame is due at time `now` (s), and schedules the next one.
     pub(super) fn is_due(&mut self, now: f64) -> bool {
         if now < self.due - EARLY * self.period {
             return false;
         }
-        // The next multiple of the period: a late one puts none of the following off.
+        // Schedule the next multiple of the period, so that a late frame does not delay the following ones.
         self.due = ((now / self.period + EARLY).floor() + 1.0) * self.period;
         true
     }
 }
 
-/// A simulated sensor that delivers something new only once in a while, in the rig's time.
+/// A simulated sensor that holds its last reading until the next frame is due, in the rig's time.
 pub(super) struct HeldTouch {
     sensor: Sensor,
     rig: SimRig,
@@ -44,11 +44,11 @@ pub(super) struct HeldTouch {
     taken: FramesTaken,
 }
 
-/// How many frames a sensor has taken.
+/// Number of frames that a sensor has taken.
 pub(super) type FramesTaken = Arc<AtomicU64>;
 
 impl HeldTouch {
-    /// What `sensor` of `rig` says, once every `period`, s; counted by `taken`.
+    /// Samples `sensor` of `rig` every `period` seconds, and counts the frames in `taken`.
     pub(super) fn new(sensor: Sensor, rig: SimRig, period: f64, taken: FramesTaken) -> Self {
         Self {
             taken,
@@ -85,7 +85,7 @@ mod tests {
     use super::FrameTimes;
 
     #[test]
-    fn frames_come_once_a_period_and_a_late_one_delays_no_other() {
+    fn frames_are_periodic_after_a_late_frame() {
         let mut frames = FrameTimes::new(0.01);
         let times = [
             0.0,

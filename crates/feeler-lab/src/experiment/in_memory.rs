@@ -1,4 +1,4 @@
-//! A run from beginning to end that is recorded in memory.
+//! Complete runs recorded in memory.
 
 use super::{ExperimentError, Session};
 use crate::config::ExperimentConfig;
@@ -7,8 +7,8 @@ use feeler_report::RunData;
 use feeler_report::long_run::RunRecorder;
 
 impl Session {
-    /// Makes steps until the run is [`finished`](Self::finished); returns its recording and the columns of its report.
-    /// `config` is that of the session's experiment.
+    /// Steps until the run is [`finished`](Self::finished). Returns the recording and the columns of its report.
+    /// `config` must be the configuration of the session's experiment.
     ///
     /// # Errors
     /// If a sensor or the hand fails, or a message cannot be recorded.

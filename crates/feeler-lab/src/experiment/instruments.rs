@@ -1,4 +1,4 @@
-//! What a simulated rig's own instruments read, and its record.
+//! Readings of a simulated rig's instruments, and their recording.
 
 use super::truth::SlipMeter;
 use feeler::control::control_loop::ControlLoop;
@@ -13,24 +13,24 @@ use feeler_sim::thread::Turn;
 use feeler_sim::torque_sensor::TorqueReading;
 use glam::{DQuat, DVec3};
 
-/// What the rig's own instruments say at one time, beside what the hand feels.
+/// Simultaneous readings of the rig's instruments and ground truth, in addition to the hand's sensors.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Instruments {
-    /// The torque sensor's reading.
+    /// Reading of the torque sensor.
     pub torque: TorqueReading,
-    /// How the cap stands, in truth: the first object on a thread, if there is one.
+    /// True angle and torque of the cap, which is the first object with a thread; zero without a cap.
     pub cap: Turn,
-    /// Where its origin is, m, in W.
+    /// Position of the cap's origin in W (m).
     pub cap_centre: DVec3,
-    /// Where the object is that is carried, in truth, in W: the first free object, if there is one.
+    /// True pose in W of the carried object, which is the first free object, if any.
     pub object: Option<Pose>,
-    /// Of each finger's feelers, in truth, the longest way that an anchor slid since the instruments were read
-    /// at another time before, m; with `sim.frame_period`, from one picture to the next.
+    /// Ground truth for each finger: the longest distance that an anchor of its feelers slid since the previous reading
+    /// (m), or between two frames if `sim.frame_period` is set.
     pub slipped: [f64; MAX_FINGERS],
 }
 
 impl Instruments {
-    /// Reads those of `rig`, whose object `cap` is on a thread.
+    /// Reads the instruments of `rig`. `cap` is the index of the object with a thread.
     pub(super) fn read(rig: &SimRig, cap: Option<usize>, slip: &mut SlipMeter) -> Self {
         let mut world = rig.world();
         let torque = world.read_torque();
@@ -50,10 +50,10 @@ impl Instruments {
         }
     }
 
-    /// Writes the newest step of `control_loop`, at whose beginning these instruments were read, to `log`.
+    /// Writes the latest step of `control_loop`, with these readings from its beginning, to `log`.
     ///
     /// # Errors
-    /// When the recording cannot be written.
+    /// If the recording cannot be written.
     pub fn record<R: MessageSink, S: TouchSource, H: Hand>(
         &self,
         control_loop: &ControlLoop<S, H>,

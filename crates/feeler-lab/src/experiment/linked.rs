@@ -1,4 +1,4 @@
-//! What an experiment means to the programs of a rig that work by it.
+//! Configuration of the programs of a distributed rig from an experiment.
 
 use super::{ExperimentError, controller, fingers_at_home, layouts};
 use crate::config::Experiment;
@@ -8,21 +8,21 @@ use feeler_link::peers::Expected;
 use feeler_link::programs::{HandConfig, HandProgram, ProgramError, RigConfig, RigSpeed};
 use std::sync::Arc;
 
-/// Why a program of a rig cannot start.
+/// Error that prevents a program of a rig from starting.
 #[derive(Debug, thiserror::Error)]
 pub enum LinkedError {
-    /// The experiment makes no sense.
+    /// The experiment is invalid.
     #[error(transparent)]
     Experiment(#[from] ExperimentError),
-    /// The program cannot take part in the link.
+    /// The program cannot join the link.
     #[error(transparent)]
     Program(#[from] ProgramError),
 }
 
-/// What the programs of a rig must agree in.
+/// Returns the values on which all programs of a rig must agree.
 ///
 /// # Errors
-/// When a fingertip makes no sense.
+/// If a fingertip is invalid.
 pub fn expected(experiment: &Experiment) -> Result<Expected, ExperimentError> {
     let config = &experiment.config;
     let hash = |finger| {
@@ -43,10 +43,11 @@ pub fn expected(experiment: &Experiment) -> Result<Expected, ExperimentError> {
     })
 }
 
-/// The hand program of `experiment` on `network`, whose rig's time goes at `speed`; it commands nothing yet.
+/// Creates the hand program of `experiment` on `network`. `speed` is the speed of the rig's time. The program does
+/// not send commands yet.
 ///
 /// # Errors
-/// When a part of the experiment makes no sense, or the network does not listen.
+/// If a part of the experiment is invalid, or the network cannot be used.
 pub fn hand_program(
     experiment: &Experiment,
     speed: RigSpeed,
@@ -66,10 +67,10 @@ pub fn hand_program(
     Ok(HandProgram::new(&hand, controller, network)?)
 }
 
-/// How the rig program of `experiment` works, whose time goes at `speed`.
+/// Returns the configuration of the rig program of `experiment`. `speed` is the speed of the rig's time.
 ///
 /// # Errors
-/// When a fingertip makes no sense.
+/// If a fingertip is invalid.
 pub fn rig_config(experiment: &Experiment, speed: RigSpeed) -> Result<RigConfig, ExperimentError> {
     let control = &experiment.config.control;
     Ok(RigConfig {

@@ -1,4 +1,4 @@
-//! One run in one process: the simulated rig, its sensors, the control loop and the recorder, wired up.
+//! Runs in one process: connects the simulated rig, its sensors, the control loop and the recorder.
 
 #[cfg(target_os = "linux")]
 pub mod driven;
@@ -59,72 +59,72 @@ use supervised::InstrumentedRun;
 use threaded_touch::ThreadedTouch;
 use truth::SlipMeter;
 
-/// Why a run could not be set up or go on.
+/// Error in the setup or a step of a run.
 #[derive(Debug, thiserror::Error)]
 pub enum ExperimentError {
     /// The experiment file or its calibration cannot be used.
     #[error(transparent)]
     Config(#[from] ConfigError),
-    /// A finger makes no sense.
+    /// A finger is invalid.
     #[error("hand.finger[{finger}].{source}")]
     Finger {
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
-        /// What is wrong with it.
+        /// The problem.
         source: FingerError,
     },
-    /// A finger cannot reach its home.
+    /// A finger cannot reach its home position.
     #[error("task.{task}.finger[{finger}].home = {home:?} cannot be reached: {source}")]
     Home {
-        /// The task.
+        /// Name of the task.
         task: &'static str,
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
-        /// Where it should be, m, in W.
+        /// Home position in W (m).
         home: [f64; 3],
-        /// Why it cannot.
+        /// Reason from the inverse kinematics.
         source: Box<KinematicsError>,
     },
-    /// Not every finger has a home, or there are more homes than fingers.
-    #[error("{expected} homes expected, one for each finger, not {actual}")]
+    /// The number of home positions differs from the number of fingers.
+    #[error("expected {expected} homes, one for each finger, got {actual}")]
     Homes {
         /// Number of fingers.
         expected: usize,
-        /// Number of homes.
+        /// Number of home positions.
         actual: usize,
     },
-    /// A fingertip makes no sense.
+    /// A fingertip is invalid.
     #[error("sensor.fingertip: finger {finger}: {source}")]
     Fingertip {
-        /// The finger that carries it.
+        /// Index of the finger.
         finger: usize,
-        /// What is wrong with it.
+        /// The problem.
         source: FingertipError,
     },
-    /// The optics make no sense.
+    /// The optics are invalid.
     #[error("sim.optics: {0}")]
     Optics(#[from] OpticsError),
     /// The simulated world cannot be built.
     #[error(transparent)]
     Sim(#[from] SimError),
-    /// There is nothing to touch where the task expects it.
+    /// The task expects a specimen at a place without any object.
     #[error(transparent)]
     Specimen(#[from] SpecimenError),
     /// A sensor cannot be built.
     #[error("sensor: finger {finger}: {source}")]
     Sensor {
-        /// The finger that carries it.
+        /// Index of the finger.
         finger: usize,
-        /// What is wrong with it.
+        /// The problem.
         source: Box<SensingError>,
     },
-    /// The system gives no thread to a sensor.
-    #[error("a sensor's thread: {0}")]
+    /// The system cannot create a thread for a sensor.
+    #[error("failed to create a sensor thread: {0}")]
     Thread(io::Error),
     /// The control law cannot be built.
     #[error("control.law: {0}")]
     Law(#[from] LawError),
-    /// The loop could not go round.
+    /// A control cycle failed.
     #[error(transparent)]
     Control(#[from] ControlError),
     /// A message could not be recorded.
@@ -132,63 +132,64 @@ pub enum ExperimentError {
     Record(#[from] RecordError),
 }
 
-/// A fingertip's sensor, of whichever kind.
+/// Source of tactile readings for one finger, of any kind.
 pub type Sensor = Box<dyn TouchSource + Send>;
 
-/// What moves the fingers: the simulated hand, or drives with the simulated world behind them.
+/// The simulated hand, or drives with the simulated world behind them.
 pub type AnyHand = Box<dyn Hand + Send>;
 
 /// The control loop of a simulated rig.
 pub type SimulatedLoop = ControlLoop<Sensor, AnyHand>;
 
-/// What simulated cameras draw of their pictures.
+/// Parts of the images that simulated cameras render.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pictures {
-    /// All of it: what is recorded or shown.
+    /// Whole images, for recording or display.
     Whole,
-    /// What is sensed, about half of it: sensors tell the same, to the bit.
+    /// Only the sensed pixels, about half of an image. The sensor readings are bit-identical.
     Sensed,
 }
 
-/// A run under way.
+/// An active run.
 pub struct Session {
     rig: SimRig,
     control_loop: SimulatedLoop,
     layouts: Vec<ElementLayout>,
-    /// The object on a thread.
+    /// Index of the object with a thread.
     cap: Option<usize>,
     slip: SlipMeter,
     time_limit: f64,
-    /// Periods that may be missed in a row.
+    /// Maximum number of consecutive missed periods.
     most_missed: u64,
-    /// Pictures of finger 0 that were taken, where there is not one in every control period.
+    /// Number of frames taken by finger 0, if the frame rate is lower than the control rate.
     taken: FramesTaken,
-    /// The world goes on by itself, whether steps are made or not.
+    /// `true` if the world advances independently of the steps.
     is_driven: bool,
 }
 
 impl Session {
-    /// Sets up a run of `experiment`: fingers at home, cap open.
+    /// Sets up a run of `experiment`, with the fingers at their home positions and the cap open.
     ///
     /// # Errors
-    /// When a part of the experiment makes no sense.
+    /// If a part of the experiment is invalid.
     pub fn new(experiment: &Experiment) -> Result<Self, ExperimentError> {
         Self::drawing(experiment, Pictures::Whole)
     }
 
-    /// The same with cameras that draw as much of their `pictures`.
+    /// Like [`Self::new`], but renders only the requested part of each image.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// Same as [`Self::new`].
     pub fn drawing(experiment: &Experiment, pictures: Pictures) -> Result<Self, ExperimentError> {
         let task = &experiment.config.task;
         Self::with_task_drawing(experiment, task.task(), &task.homes(), pictures)
     }
 
-    /// The same with `task` in place of the experiment's. The fingers start from `homes`, m in `W`.
+    /// Like [`Self::new`], but with `task` in place of the experiment's task. The fingers start from `homes` (m, in
+    /// `W`).
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// Same as [`Self::new`].
     pub fn with_task(
         experiment: &Experiment,
         task: Box<dyn Task>,
@@ -197,10 +198,10 @@ impl Session {
         Self::with_task_drawing(experiment, task, homes, Pictures::Whole)
     }
 
-    /// [`Self::with_task`] with cameras that draw as much of their `pictures`.
+    /// Like [`Self::with_task`], but renders only the requested part of each image.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// Same as [`Self::new`].
     pub fn with_task_drawing(
         experiment: &Experiment,
         task: Box<dyn Task>,
@@ -225,18 +226,18 @@ impl Session {
             cap,
             slip,
             time_limit: config.time_limit,
-            // Simulated time waits for its steps: none that is missed does harm.
+            // Simulated time waits for the steps, so missed periods do not matter.
             most_missed: u64::MAX,
             taken,
             is_driven: false,
         })
     }
 
-    /// The same with the pictures of all fingers but the first taken and sensed on threads of their own, where the computer has a processor
-    /// for each. The run is the same, to the bit, and sooner over.
+    /// Takes and evaluates the images of all fingers except the first on background threads, if the computer has a
+    /// processor for each finger. The results are bit-identical, but the run is faster.
     ///
     /// # Errors
-    /// When the system gives no thread.
+    /// If the system cannot create the threads.
     pub fn sensing_side_by_side(self) -> Result<Self, ExperimentError> {
         let processors = thread::available_parallelism().map_or(1, usize::from);
         if self.layouts.len() > processors {
@@ -254,8 +255,8 @@ impl Session {
         })
     }
 
-    /// The same with a hand that keeps its own time in place of the simulated one; more than `most_missed` periods that are missed in
-    /// a row stop it.
+    /// Replaces the simulated hand by one with an independent clock. The hand is stopped after more than `most_missed`
+    /// consecutive missed periods.
     #[cfg(target_os = "linux")]
     fn with_hand(self, hand: AnyHand, most_missed: u64) -> Self {
         Self {
@@ -267,75 +268,77 @@ impl Session {
         }
     }
 
-    /// Goes round the control loop once; what the instruments said when it began.
+    /// Executes one control step. Returns the readings of the instruments at its beginning.
     ///
     /// # Errors
-    /// When a sensor or the hand fails.
+    /// If a sensor or the hand fails.
     pub fn step(&mut self) -> Result<Instruments, ExperimentError> {
         let instruments = self.instruments();
         self.control_loop.step()?;
         Ok(instruments)
     }
 
-    /// What the rig's own instruments read now.
+    /// Returns the current readings of the rig's instruments.
     pub fn instruments(&mut self) -> Instruments {
         Instruments::read(&self.rig, self.cap, &mut self.slip)
     }
 
-    /// The other half after [`plan`](Self::plan), as the control laws say.
+    /// Second half of a step after [`plan`](Self::plan): moves the fingers as the control laws decide.
     ///
     /// # Errors
-    /// When the hand fails.
+    /// If the hand fails.
     pub fn obey(&mut self) -> Result<(), ExperimentError> {
         Ok(self.control_loop.obey()?)
     }
 
-    /// Gives each finger, by its number, the control law that `law` makes for it, in place of the experiment's.
+    /// Replaces the control law of each finger by `law(finger)`.
     pub fn set_laws(&mut self, law: impl Fn(usize) -> Box<dyn Law>) {
         self.control_loop.controller_mut().set_laws(law);
     }
 
-    /// The first half of a [`step`](Self::step), up to where the control laws would decide: reads the hand and the sensors,
-    /// and plans. For an agent in their place.
+    /// First half of a [`step`](Self::step), before the control laws decide: reads the hand and the sensors, and
+    /// plans. For use by an agent that replaces the control laws.
     ///
     /// # Errors
-    /// When a sensor or the hand fails.
+    /// If a sensor or the hand fails.
     pub fn plan(&mut self) -> Result<(), ExperimentError> {
         Ok(self.control_loop.plan()?)
     }
 
-    /// The other half after [`plan`](Self::plan): moves the fingertips at `velocities`, m/s in `W`, as far as the limits admit.
+    /// Second half of a step after [`plan`](Self::plan): moves the fingertips at `velocities` (m/s, in `W`), subject
+    /// to the limits.
     ///
     /// # Errors
-    /// When the hand fails.
+    /// If the hand fails.
     pub fn follow(&mut self, velocities: &[DVec3]) -> Result<(), ExperimentError> {
         Ok(self.control_loop.follow(velocities)?)
     }
 
-    /// Whether the task is done or was given up, or the time is over. A hand that was told to stop may
-    /// be told to go on, so that ends nothing.
+    /// Returns `true` if the task is complete or was given up, or the time limit is reached. A hand that was stopped
+    /// on request may be resumed, so this alone does not finish the run.
     pub fn finished(&self) -> bool {
         is_finished(&self.control_loop, self.time_limit)
     }
 
-    /// Stops the hand from outside the control law, as `by` says; the rig goes on.
+    /// Stops the hand on behalf of `by`. The rig continues.
     pub fn stop(&mut self, by: &str) {
         let by = by.to_string();
         let controller = self.control_loop.controller_mut();
         controller.stop(StopReason::Told { by });
     }
 
-    /// Lets a hand that was stopped go on.
+    /// Resumes a stopped hand.
     pub fn resume(&mut self) {
         self.control_loop.controller_mut().resume();
     }
 
-    /// Makes steps whenever `schedule` says so until the run is [`finished`](Self::finished), `each_step` breaks or
-    /// `interrupted` is raised. `each_step` sees the loop after every step, what the instruments read when it
-    /// began, and how punctual it was. Returns what `each_step` broke with, if it did.
+    /// Steps according to `schedule` until the run is [`finished`](Self::finished), `each_step` breaks or
+    /// `interrupted` is set. `each_step` is called after every step with the loop, the readings of the instruments at
+    /// the beginning of the step, and the timing of the step. Returns the value with which `each_step` broke, if it
+    /// did.
     ///
     /// # Errors
-    /// When a sensor or the hand fails.
+    /// If a sensor or the hand fails.
     pub fn run<B>(
         &mut self,
         schedule: &mut impl Schedule,
@@ -364,27 +367,27 @@ impl Session {
         Ok(broke.flatten())
     }
 
-    /// The control loop, as of the newest step.
+    /// Returns the control loop after the latest step.
     pub fn control_loop(&self) -> &SimulatedLoop {
         &self.control_loop
     }
 
-    /// The constants of the run, with what only the simulated world knows.
+    /// Returns the constants of the run, with ground truth of the simulated world.
     pub fn facts(&self, config: &ExperimentConfig) -> RunFacts {
         simulated_facts(config, &self.layouts, &self.rig.world())
     }
 
-    /// The elements of each finger's fingertip.
+    /// Returns the element layout of each fingertip.
     pub fn layouts(&self) -> &[ElementLayout] {
         &self.layouts
     }
 
-    /// The object on a thread, if there is one.
+    /// Returns the index of the object with a thread, if any.
     pub(crate) fn cap(&self) -> Option<usize> {
         self.cap
     }
 
-    /// The simulated rig.
+    /// Returns the simulated rig.
     pub fn rig(&self) -> &SimRig {
         &self.rig
     }
@@ -400,7 +403,7 @@ fn is_finished(control_loop: &SimulatedLoop, time_limit: f64) -> bool {
     over || control_loop.state().stamp >= time_limit
 }
 
-/// The rig of `experiment`, and its object on a thread.
+/// Builds the rig of `experiment`, and returns the index of its object with a thread.
 fn rig(
     experiment: &Experiment,
     joints: &[DVec3],
@@ -411,22 +414,22 @@ fn rig(
     Ok((SimRig::new(world), cap))
 }
 
-/// Steps of the world in a control period.
+/// Number of simulation steps in a control period.
 fn steps_per_command(config: &ExperimentConfig) -> Result<usize, ConfigError> {
     Ok((config.control.period / config.simulation()?.step).round() as usize)
 }
 
-/// The simulated world of `experiment`, without sensors or control: fingers at home, objects where they
-/// start.
+/// Builds the simulated world of `experiment` without sensors or control, with fingers at their home positions and
+/// objects at their initial poses.
 ///
 /// # Errors
-/// When a part of it makes no sense.
+/// If a part of the experiment is invalid.
 pub fn world(experiment: &Experiment) -> Result<World, ExperimentError> {
     let (_, joints) = fingers_at_home(&experiment.config)?;
     world_with(experiment, &joints)
 }
 
-/// The same with the fingers at these joint angles, rad.
+/// Like [`world`], with the fingers at the joint angles `joints` (rad).
 fn world_with(experiment: &Experiment, joints: &[DVec3]) -> Result<World, ExperimentError> {
     let config = &experiment.config;
     let fingers = geometries(config)?;
@@ -441,10 +444,10 @@ fn world_with(experiment: &Experiment, joints: &[DVec3]) -> Result<World, Experi
     )?)
 }
 
-/// The controller of `experiment` for `fingers` with the elements of `layouts`, one each.
+/// Builds the controller of `experiment` for `fingers` with the elements of `layouts`, one each.
 ///
 /// # Errors
-/// When its control law cannot be built.
+/// If the control law cannot be built.
 pub fn controller(
     experiment: &Experiment,
     fingers: &[FingerGeometry],
@@ -454,8 +457,8 @@ pub fn controller(
     Ok(Controller::new(control, task, fingers, layouts)?)
 }
 
-/// What the controller is tuned by: as `experiment` says, but that simulated sensors without noise may say the same for as
-/// long as the fingers stand still.
+/// Returns the configuration of the controller. For simulated sensors without noise, the detection of frozen frames is
+/// disabled, because their readings do not change while the fingers stand still.
 fn control(experiment: &Experiment) -> Result<ControlConfig, ConfigError> {
     let config = &experiment.config;
     let mut control = experiment.control()?;
@@ -469,10 +472,10 @@ fn control(experiment: &Experiment) -> Result<ControlConfig, ConfigError> {
     Ok(control)
 }
 
-/// The elements of each finger's fingertip.
+/// Returns the element layout of each fingertip.
 ///
 /// # Errors
-/// When a fingertip makes no sense.
+/// If a fingertip is invalid.
 pub fn layouts(config: &ExperimentConfig) -> Result<Vec<ElementLayout>, ExperimentError> {
     let fingers = 0..config.hand.finger.len();
     fingers
@@ -484,11 +487,11 @@ pub fn layouts(config: &ExperimentConfig) -> Result<Vec<ElementLayout>, Experime
         .collect()
 }
 
-/// Builds all that a real rig's programs build of `experiment`: fingers that reach their homes, fingertips, calibrations that were
-/// made for them, and the controller.
+/// Builds everything that the programs of a real rig build from `experiment`: fingers that reach their home positions,
+/// fingertips, matching calibrations, and the controller.
 ///
 /// # Errors
-/// The first part that makes no sense.
+/// Describes the first invalid part.
 pub fn check_rig(experiment: &Experiment) -> Result<Vec<ElementLayout>, ExperimentError> {
     let config = &experiment.config;
     let (fingers, _) = fingers_at_home(config)?;
@@ -505,17 +508,17 @@ pub fn check_rig(experiment: &Experiment) -> Result<Vec<ElementLayout>, Experime
     Ok(layouts)
 }
 
-/// The fingers and the joint angles, rad, that bring them home.
+/// Returns the fingers and the joint angles (rad) of their home positions.
 ///
 /// # Errors
-/// When a finger makes no sense or cannot reach its home.
+/// If a finger is invalid or cannot reach its home position.
 pub fn fingers_at_home(
     config: &ExperimentConfig,
 ) -> Result<(Vec<FingerGeometry>, Vec<DVec3>), ExperimentError> {
     fingers_at(config, &config.task.homes())
 }
 
-/// The fingers and the joint angles, rad, that bring them to `homes`, m in `W`, one each.
+/// Returns the fingers and the joint angles (rad) that bring them to `homes` (m, in `W`), one each.
 fn fingers_at(
     config: &ExperimentConfig,
     homes: &[[f64; 3]],
@@ -541,10 +544,10 @@ fn fingers_at(
     Ok((fingers, joints))
 }
 
-/// The fingers of `config`, in order.
+/// Builds the fingers of `config`, in order.
 ///
 /// # Errors
-/// When a value of one is out of range.
+/// If a value is out of range.
 fn geometries(config: &ExperimentConfig) -> Result<Vec<FingerGeometry>, ExperimentError> {
     let fingers = config.hand.finger.iter().enumerate();
     let geometry = |(finger, hand)| {

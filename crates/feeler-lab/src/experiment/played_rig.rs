@@ -1,4 +1,4 @@
-//! The simulated rig by itself: cameras, encoders, instruments and drives, for programs elsewhere.
+//! A simulated rig with cameras, encoders, instruments and drives, operated by other programs.
 
 use super::sensors::{RigSensor, rig_sensors};
 use super::truth::SlipMeter;
@@ -16,7 +16,7 @@ use feeler_sim::direct_sensor::DirectSensor;
 use feeler_sim::rig::{SimHand, SimRig};
 use feeler_sim::sim_camera::SimCamera;
 
-/// A rig that is played step by step.
+/// A simulated rig that advances step by step.
 pub struct PlayedRig {
     rig: SimRig,
     hand: SimHand,
@@ -24,7 +24,7 @@ pub struct PlayedRig {
     steps_per_period: usize,
 }
 
-/// The sensors and instruments of a simulated world.
+/// The simulated sensors and instruments of a rig.
 pub(super) struct PlayedSensing {
     rig: SimRig,
     sensors: Vec<PlayedSensor>,
@@ -38,7 +38,7 @@ enum PlayedSensor {
 }
 
 impl PlayedSensing {
-    /// Those of `experiment` in the world of `rig`, whose object `cap` is on a thread.
+    /// Creates the sensors of `experiment` in the world of `rig`. `cap` is the index of the object with a thread.
     pub fn new(
         experiment: &Experiment,
         rig: &SimRig,
@@ -49,7 +49,7 @@ impl PlayedSensing {
             let problem = Problem {
                 field: "sim.frame_period".into(),
                 value: period.to_string(),
-                expected: "none of a rig for programs elsewhere, whose pictures come with the joint angles".into(),
+                expected: "no frame period: a rig for other programs sends its images with the joint angles".into(),
             };
             let (origin, problems) = (config.name.clone(), vec![problem]);
             return Err(ConfigError::OutOfRange { origin, problems }.into());
@@ -76,12 +76,12 @@ impl PlayedSensing {
         })
     }
 
-    /// What the instruments read now.
+    /// Returns the current readings of the instruments.
     pub fn instruments(&mut self) -> InstrumentsMessage {
         (&Instruments::read(&self.rig, self.cap, &mut self.slip)).into()
     }
 
-    /// What the sensor of `finger` delivers now.
+    /// Returns the current output of the sensor of `finger`.
     pub fn expose(&mut self, finger: usize) -> Result<Option<SensorOutput<'_>>, SensorError> {
         let Some(sensor) = self.sensors.get_mut(finger) else {
             return Ok(None);
@@ -100,10 +100,10 @@ impl PlayedSensing {
 }
 
 impl PlayedRig {
-    /// The rig of `experiment`: fingers at home, cap open.
+    /// Creates the rig of `experiment`, with the fingers at their home positions and the cap open.
     ///
     /// # Errors
-    /// When a part of the experiment makes no sense.
+    /// If a part of the experiment is invalid.
     pub fn new(experiment: &Experiment) -> Result<Self, ExperimentError> {
         let config = &experiment.config;
         let (_, joints) = fingers_at_home(config)?;

@@ -1,4 +1,4 @@
-//! A simulated run that records itself in a folder, and makes its report there.
+//! Simulated runs that are recorded in a folder and reported there.
 
 use super::reported_recorder::{Recorded, ReportedRecorder};
 use super::{ExperimentError, Instruments, Pictures, Session, SimulatedLoop};
@@ -13,22 +13,22 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
-/// Why a run could not be made, recorded or reported.
+/// Error of a run, its recording or its report.
 #[derive(Debug, thiserror::Error)]
 pub enum RunError {
     /// The experiment file or a calibration cannot be used.
     #[error(transparent)]
     Config(#[from] ConfigError),
-    /// The run could not be set up or go on.
+    /// The run could not be set up, or failed.
     #[error(transparent)]
     Experiment(#[from] ExperimentError),
-    /// There are no pictures to record.
-    #[error("no pictures are taken with sensing = \"direct\"; expected sensing = \"image\"")]
+    /// Images were requested, but the sensing model takes none.
+    #[error("cannot record images with sensing = \"direct\"; expected sensing = \"image\"")]
     NoPictures,
     /// The recording could not be written.
     #[error(transparent)]
     Record(#[from] RecordError),
-    /// The report could not be made.
+    /// The report could not be generated.
     #[error(transparent)]
     Report(#[from] ReportError),
 }
@@ -41,21 +41,21 @@ pub struct RecordedRun {
 }
 
 impl RecordedRun {
-    /// Sets up a run of `experiment` whose recording begins in `folder`, which exists; with its camera `pictures`
-    /// where they are wanted.
+    /// Sets up a run of `experiment` with a recording in the existing `folder`, including the camera images if
+    /// `pictures` is `true`.
     ///
     /// # Errors
-    /// When a part of the experiment makes no sense, or the recording cannot be written.
+    /// If a part of the experiment is invalid, or the recording cannot be written.
     pub fn new(experiment: &Experiment, pictures: bool, folder: &Path) -> Result<Self, RunError> {
         let options = record_options(experiment, pictures)?;
         let session = session(experiment, &options)?;
         Self::of_session(session, experiment, &options, folder)
     }
 
-    /// The same for a `session` of `experiment` that is set up already, recorded with `options`.
+    /// Creates the recording of a `session` of `experiment` with `options`.
     ///
     /// # Errors
-    /// When the recording cannot be written.
+    /// If the recording cannot be written.
     pub fn of_session(
         session: Session,
         experiment: &Experiment,
@@ -77,19 +77,19 @@ impl RecordedRun {
         })
     }
 
-    /// The same run for who must keep to its schedule, as servos are waiting: all that its report is made of is read from its
-    /// recording, once it is over.
+    /// Prepares for a schedule in real time: the data of the report are read from the recording after the run instead
+    /// of being collected during it.
     #[must_use]
     pub fn keeping_time(mut self) -> Self {
         self.log.recorder_mut().without_columns();
         self
     }
 
-    /// Makes the run, as [`Session::run`], then closes the recording and makes the report. However the run ends,
-    /// what was recorded is kept and reported. Returns the loop's last state, how the run ended, and the report.
+    /// Executes the run as [`Session::run`], closes the recording and generates the report. The recording is kept and
+    /// reported however the run ends. Returns the session after its last step, the end of the run, and the report.
     ///
     /// # Errors
-    /// When the run, the recording or the report fails.
+    /// If the run, the recording or the report fails.
     pub fn run(
         self,
         schedule: &mut impl Schedule,
@@ -99,7 +99,7 @@ impl RecordedRun {
         self.record(schedule, interrupted, each_step).report()
     }
 
-    /// The same without the report, which the returned run makes of the closed recording.
+    /// Like [`run`](Self::run), without the report. The returned run can generate it from the closed recording.
     pub fn record(
         self,
         schedule: &mut impl Schedule,
@@ -146,15 +146,15 @@ pub struct ClosedRun {
     wall_time: f64,
     end: RunEnd,
     failed: Option<RunError>,
-    /// What is in it, unless it must be read for that.
+    /// Content of the recording. `None` if it must be read from the file.
     closed: Result<Option<Recorded>, RecordError>,
 }
 
 impl ClosedRun {
-    /// Makes the report, also of a run that failed.
+    /// Generates the report, even if the run failed.
     ///
     /// # Errors
-    /// When the run, the recording or the report fails.
+    /// If the run, the recording or the report failed.
     pub fn report(self) -> Result<FinishedRun, RunError> {
         let report = match self.closed {
             Ok(Some((recording, data))) => {
@@ -175,23 +175,23 @@ impl ClosedRun {
     }
 }
 
-/// A run that is over, recorded and reported.
+/// A run that is complete, recorded and reported.
 pub struct FinishedRun {
-    /// The session, as of its last step.
+    /// The session after its last step.
     pub session: Session,
-    /// How the run ended.
+    /// End of the run.
     pub end: RunEnd,
-    /// How long it took, s.
+    /// Duration of the run in wall-clock time (s).
     pub wall_time: f64,
     /// The report.
     pub report: ReportOutcome,
 }
 
-/// What is recorded beside what always is: the policy that decides, what forces were made of, where they were made of
-/// pictures, and those `pictures` where they are wanted.
+/// Returns the options for recording: the policy, if any, the calibrations if forces are computed from images,
+/// and the images themselves if `pictures` is `true`.
 ///
 /// # Errors
-/// When no pictures are taken, or a calibration or the policy cannot be read.
+/// If images are requested but not taken, or a calibration or the policy cannot be read.
 pub fn record_options(experiment: &Experiment, pictures: bool) -> Result<RecordOptions, RunError> {
     let options = RecordOptions {
         policy: experiment.policy_file()?,
@@ -208,15 +208,15 @@ pub fn record_options(experiment: &Experiment, pictures: bool) -> Result<RecordO
     }
 }
 
-/// The session of a run that is recorded with `options`.
+/// Sets up the session of a run that is recorded with `options`.
 ///
 /// # Errors
-/// When a part of the experiment makes no sense.
+/// If a part of the experiment is invalid.
 pub fn session(
     experiment: &Experiment,
     options: &RecordOptions,
 ) -> Result<Session, ExperimentError> {
-    // Nobody sees the pictures but who reads the recording.
+    // Whole images are needed only for the recording.
     let pictures = match options.pictures {
         true => Pictures::Whole,
         false => Pictures::Sensed,
@@ -224,13 +224,13 @@ pub fn session(
     let session = Session::drawing(experiment, pictures)?;
     match experiment.config.sensing {
         Sensing::Image => session.sensing_side_by_side(),
-        // Handing over to a thread takes longer than that.
+        // Direct sensing is faster than the transfer to a thread.
         Sensing::Direct => Ok(session),
     }
 }
 
-/// How a run of `controller` ended: because it `failed`, because the hand or the task did, or because it was
-/// `interrupted`.
+/// Returns the end of a run of `controller` from the error `failed`, the state of the hand or the task, or the flag
+/// `interrupted`, in this order.
 pub fn run_end(failed: Option<String>, controller: &Controller, interrupted: bool) -> RunEnd {
     let given_up = |reason: String| RunEnd::because(RunState::GivenUp, reason);
     if let Some(error) = failed {
@@ -254,10 +254,10 @@ pub fn run_end(failed: Option<String>, controller: &Controller, interrupted: boo
     }
 }
 
-/// Closes the recording in `folder` of a run that took `wall_time` (s), and makes its report.
+/// Closes the recording in `folder` of a run with the duration `wall_time` (s), and generates its report.
 ///
 /// # Errors
-/// When one of them cannot be written.
+/// If the recording or the report cannot be written.
 pub fn finish(
     log: RunLog,
     wall_time: f64,

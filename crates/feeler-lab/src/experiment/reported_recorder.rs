@@ -1,4 +1,4 @@
-//! Records a run for its report.
+//! Recorder that also collects the data of the report.
 
 use feeler_record::{
     MessageSink, RecordError, RecordOptions, RecordedMessage, RecordedTopic, Recorder, Recording,
@@ -7,21 +7,21 @@ use feeler_record::{
 use feeler_report::RunData;
 use feeler_report::long_run::RunRecorder;
 
-/// Records a run in its file and makes its columns meanwhile, so that the file need not be read for the report.
+/// Records a run in a file and collects the columns of its report, so that the file need not be read again.
 pub(super) struct ReportedRecorder {
     recorder: Recorder,
-    /// None where the file is read in the end: where it has pictures, or less than was written.
+    /// `None` if the report is made from the file: if it contains images, or messages were dropped.
     columns: Option<RunRecorder>,
 }
 
-/// A recording and its columns, as reading the file gives them.
+/// A recording and its columns, identical to those read from the file.
 pub(super) type Recorded = (Recording, RunData);
 
 impl ReportedRecorder {
-    /// Records with `recorder` a run of these constants.
+    /// Records a run with these constants with `recorder`.
     ///
     /// # Errors
-    /// When they make no sense.
+    /// If the constants are invalid.
     pub fn new(
         recorder: Recorder,
         facts: &RunFacts,
@@ -42,15 +42,16 @@ impl ReportedRecorder {
         Ok(Self { recorder, columns })
     }
 
-    /// Makes no columns: who keeps to a schedule cannot wait while a long run lets go of rows.
+    /// Disables the columns: a run in real time cannot wait while the rows of a long run are decimated.
     pub fn without_columns(&mut self) {
         self.columns = None;
     }
 
-    /// Closes the file of a run that took so much time (s) and ended like that. What is in it, unless it must be read for that.
+    /// Closes the file of a run with the duration `wall_time` (s) and the given `end`. Returns its content, or `None`
+    /// if it must be read from the file.
     ///
     /// # Errors
-    /// When the file cannot be written.
+    /// If the file cannot be written.
     pub fn finish(mut self, wall_time: f64, end: RunEnd) -> Result<Option<Recorded>, RecordError> {
         self.recorder.set_end(end.clone());
         let digest = self.recorder.finish(Some(wall_time))?;

@@ -1,4 +1,4 @@
-//! Folders for runs.
+//! Folders of runs.
 
 use super::{ExperimentError, run_facts};
 use crate::config::ExperimentConfig;
@@ -6,43 +6,43 @@ use feeler_report::make::{RECORDING, REPORT, SUMMARY, create_folder};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 
-/// Why there is no folder for a run.
+/// Error in the creation or search of a run folder.
 #[derive(Debug, thiserror::Error)]
 pub enum RunFolderError {
-    /// The folder has a run.
-    #[error("{}: there is a run already ({found}); expected a new folder", folder.display())]
+    /// The folder already contains a run.
+    #[error("{}: the folder already contains a run ({found}); expected a new folder", folder.display())]
     Taken {
         /// The folder.
         folder: PathBuf,
-        /// A file of the run.
+        /// Name of a file of the run.
         found: &'static str,
     },
-    /// The folder cannot be made.
+    /// The folder cannot be created.
     #[error("{}: {source}; expected a new folder", folder.display())]
     Make {
         /// The folder.
         folder: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// There is no recording.
+    /// The path does not contain a recording.
     #[error(
-        "{}: there is no recording; expected the folder of a run, with {RECORDING} in it, or an MCAP file",
+        "{}: found no recording; expected the folder of a run, with {RECORDING} in it, or an MCAP file",
         path.display()
     )]
     NoRecording {
-        /// Where it was looked for.
+        /// The searched path.
         path: PathBuf,
     },
-    /// The run cannot be named.
+    /// The name of the run cannot be determined.
     #[error(transparent)]
     Experiment(#[from] ExperimentError),
 }
 
-/// Makes the folder `out`, unless there is a run in it already.
+/// Creates the folder `out`, unless it already contains a run.
 ///
 /// # Errors
-/// When there is, or the folder cannot be made.
+/// If it contains a run, or cannot be created.
 pub fn named(out: &Path) -> Result<(), RunFolderError> {
     let folder = out.to_path_buf();
     let mut names = [RECORDING, REPORT, SUMMARY].into_iter();
@@ -52,11 +52,11 @@ pub fn named(out: &Path) -> Result<(), RunFolderError> {
     create_folder(out).map_err(|source| RunFolderError::Make { folder, source })
 }
 
-/// Makes a folder of its own in `parent` for a run of `config`, called NAME-SENSING-NUMBER or, where there is one,
-/// NAME-SENSING-NUMBER-2, ...; without a `number`, by its seed.
+/// Creates a new folder in `parent` for a run of `config`. It is called NAME-SENSING-NUMBER, or NAME-SENSING-NUMBER-2
+/// and so on if that exists. The default of `number` is the seed.
 ///
 /// # Errors
-/// When the folder cannot be made.
+/// If the folder cannot be created.
 pub fn new(
     parent: &Path,
     config: &ExperimentConfig,
@@ -84,10 +84,10 @@ pub fn new(
     })
 }
 
-/// The recording that is meant by `path`: a run's folder, or the file itself.
+/// Returns the recording in the run folder `path`, or `path` itself if it is a file.
 ///
 /// # Errors
-/// When there is none.
+/// If there is no recording.
 pub fn recording(path: &Path) -> Result<PathBuf, RunFolderError> {
     let inside = path.join(RECORDING);
     let mut files = [inside, path.to_path_buf()].into_iter();

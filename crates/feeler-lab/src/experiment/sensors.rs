@@ -1,4 +1,4 @@
-//! The fingertips' sensors of one run.
+//! Construction of the fingertip sensors of a run.
 
 use super::held_touch::{FramesTaken, HeldTouch};
 use super::{ExperimentError, Pictures, Sensor};
@@ -14,15 +14,16 @@ use feeler_sim::rig::SimRig;
 use feeler_sim::sensor_faults::SensorFaults;
 use feeler_sim::sim_camera::SimCamera;
 
-/// What the rig has of a finger's sensor.
+/// Simulated sensor of a finger.
 pub(super) enum RigSensor {
-    /// The camera in its fingertip.
+    /// The camera in the fingertip.
     Camera(Box<SimCamera>),
-    /// Forces without pictures.
+    /// A sensor that provides forces without images.
     Direct(Box<DirectSensor>),
 }
 
-/// One sensor per finger, with its flag analyzer. Where their frames are counted, `taken` has those of finger 0.
+/// Creates one sensor per finger, with its flag analyzer. `taken` counts the frames of finger 0 if there is a frame
+/// period.
 pub(super) fn sensors(
     experiment: &Experiment,
     rig: &SimRig,
@@ -54,7 +55,7 @@ pub(super) fn sensors(
         .collect()
 }
 
-/// The sensor of `finger` that looks at its fingertip through `camera`, with its flag analyzer.
+/// Creates the sensor of `finger` that evaluates the images of `camera`, with its flag analyzer.
 pub(super) fn optical_sensor<C: Camera + Send + 'static>(
     experiment: &Experiment,
     finger: usize,
@@ -76,7 +77,7 @@ pub(super) fn optical_sensor<C: Camera + Send + 'static>(
     Ok(Box::new(AnalyzedSensor::new(sensor, thresholds)))
 }
 
-/// What the rig has of each finger's sensor.
+/// Creates the simulated sensor of each finger.
 pub(super) fn rig_sensors(
     experiment: &Experiment,
     rig: &SimRig,
@@ -110,7 +111,7 @@ pub(super) fn rig_sensors(
     sensors.map(|sensors| swapped(sensors, &sim.fault))
 }
 
-/// The sensors, as `faults` connect them to the fingers.
+/// Exchanges sensors between fingers as configured in `faults`.
 fn swapped(mut sensors: Vec<RigSensor>, faults: &[FaultConfig]) -> Vec<RigSensor> {
     for fault in faults {
         if let FaultKind::SwappedSensors { finger, other } = fault.kind {

@@ -1,5 +1,5 @@
-//! A bench for slip detectors: a simulated fingertip presses, drags, twists and holds still on a specimen, and
-//! the simulator says which feelers slipped in each frame.
+//! Benchmark of slip detectors: a simulated fingertip presses, drags, twists and holds still on a specimen, and the
+//! simulator provides the true slip of each feeler in each frame.
 
 use super::{ExperimentError, fingers_at_home, layouts, steps_per_command};
 use crate::config::{Experiment, ExperimentConfig};
@@ -23,49 +23,49 @@ use rand_pcg::Pcg64;
 use std::collections::BTreeMap;
 use std::f64::consts::TAU;
 
-/// Detectors that are scored, in the order of a sample's scores.
+/// Names of the evaluated detectors, in the order of a sample's scores.
 pub const DETECTORS: [&str; 3] = [
     "shear rate (the paper's)",
-    "missing shear, on what may move",
+    "missing shear, movable objects",
     "missing shear",
 ];
 
 /// One element in one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
-    /// The frame.
+    /// Number of the frame.
     pub frame: u32,
-    /// The element.
+    /// Index of the element.
     pub element: u32,
-    /// Whether it slipped since the frame before, in truth.
+    /// Ground truth: whether the element slipped since the previous frame.
     pub slipped: bool,
-    /// What each detector makes of it: shear rate, N/s; missing shear, N.
+    /// Scores of the detectors: shear rate (N/s) and missing shear (N).
     pub scores: [f64; DETECTORS.len()],
 }
 
-/// Motions of a trial after the first press.
+/// Number of motions of a trial after the first press.
 const MOTIONS: usize = 5;
-/// Depths of the fingertip's pole in the specimen, m.
+/// Range of depths of the fingertip's pole in the specimen (m).
 const DEPTH: (f64, f64) = (0.0004, 0.002);
-/// Distance from the specimen at the start, m.
+/// Initial distance from the specimen (m).
 const GAP: f64 = 0.0002;
 
-/// Where the fingertip is relative to the specimen, and how it moves.
+/// State of the prescribed motion of the fingertip relative to the specimen.
 struct Course {
-    /// The specimen's surface under the fingertip, and its outward normal and tangents, in W.
+    /// Point on the specimen's surface under the fingertip (m, in W).
     surface: DVec3,
     frame: DMat3,
-    /// The fingertip's rotation before any twist.
+    /// Rotation of the fingertip before any twist.
     rotation: DMat3,
-    /// How far its pole is in the surface, m.
+    /// Depth of the pole in the surface (m).
     depth: f64,
-    /// How far it was dragged along both tangents, m.
+    /// Drag distances along both tangents (m).
     dragged: [f64; 2],
-    /// How far it was twisted about the surface's normal, rad.
+    /// Twist about the surface normal (rad).
     twist: f64,
 }
 
-/// A velocity of a course: of depth, m/s, along the tangents, m/s, and of the twist, rad/s; and for how long, s.
+/// Constant velocities for a duration (s): depth (m/s), along the tangents (m/s), and twist (rad/s).
 struct Motion {
     depth: f64,
     drag: [f64; 2],
@@ -73,11 +73,11 @@ struct Motion {
     duration: f64,
 }
 
-/// One trial with the fingertip of finger 0 of `experiment`; every sample is of an element that was pressed harder than
-/// F1 at the frame before, in truth.
+/// Runs one trial with the fingertip of finger 0 of `experiment`. Samples are taken of elements whose true force in
+/// the previous frame was above F1.
 ///
 /// # Errors
-/// When a part of the experiment makes no sense.
+/// If a part of the experiment is invalid.
 pub fn trial(experiment: &Experiment, seed: u64) -> Result<Vec<Sample>, ExperimentError> {
     let mut random = Pcg64::seed_from_u64(seed);
     let config = &experiment.config;
@@ -102,19 +102,19 @@ pub fn trial(experiment: &Experiment, seed: u64) -> Result<Vec<Sample>, Experime
     Ok(judge.samples)
 }
 
-/// The detectors, what they feel, and what is true.
+/// The detectors with their input and the ground truth.
 struct Judge {
     layout: ElementLayout,
     touch_force: f64,
     analyzer: FlagAnalyzer,
-    /// One that does not know that the specimen stands still, and one that does.
+    /// One detector for specimens that may move, and one for fixed specimens.
     detectors: [SlipDetector; 2],
     touch: FingerTouch,
-    /// Forces on the elements, N.
+    /// True forces on the elements (N).
     truth: Vec<DVec3>,
-    /// Which elements were pressed harder than F1 at the frame before.
+    /// `true` if each element was pressed with more than F1 in the previous frame.
     pressed: Vec<bool>,
-    /// How far each feeler had slipped by the frame before, m.
+    /// Total slip distance of each feeler until the previous frame (m).
     way: Vec<f64>,
     samples: Vec<Sample>,
 }
@@ -123,7 +123,7 @@ impl Judge {
     fn new(config: &ExperimentConfig, sim: &SimConfig, layout: ElementLayout) -> Self {
         let elements = layout.elements.len();
         let touch_force = config.control.touch_force;
-        // The nominal rubber, as measured on a bench; that of a trial differs from it.
+        // Nominal rubber, as measured on a test bench; the rubber of a trial differs from it.
         let feeler = FeelerShape {
             normal_stiffness: sim.feeler.normal_stiffness,
             shear_stiffness: sim.feeler.shear_stiffness,
@@ -145,7 +145,7 @@ impl Judge {
         }
     }
 
-    /// Takes the next frame: the true forces with `noise`.
+    /// Takes the next frame: the true forces plus `noise`.
     fn feel(&mut self, world: &World, noise: &DirectSensingConfig, random: &mut Pcg64) {
         world.element_forces(0, &mut self.truth);
         let frame = &mut self.touch.frame;
@@ -159,7 +159,7 @@ impl Judge {
         self.touch.analyze(&mut self.analyzer);
     }
 
-    /// Asks the detectors about the newest frame, and the simulator.
+    /// Evaluates the detectors on the latest frame, and reads the ground truth.
     fn judge(&mut self, world: &World, pose: &Pose) {
         let finger = FingerSense {
             pose: FingertipPose {
@@ -191,7 +191,7 @@ impl Judge {
     }
 }
 
-/// A fingertip over a specimen, with rubber that is not quite the nominal one.
+/// Places a fingertip with slightly different rubber over a specimen.
 fn on_specimen(
     experiment: &Experiment,
     random: &mut Pcg64,
@@ -207,7 +207,8 @@ fn on_specimen(
     sim.object = BTreeMap::from([("specimen".to_string(), specimen)]);
     let tangent = normal.any_orthonormal_vector();
     let frame = DMat3::from_cols(tangent, normal.cross(tangent), normal);
-    // The dome's axis into the surface, leaning by up to 25 degrees anywhere, and turned anyhow about itself.
+    // The dome's axis points into the surface, tilted by up to 25 degrees in a random direction, with a random
+    // rotation about itself.
     let towards = between(0.0, TAU);
     let axis = frame * DVec3::new(towards.cos(), towards.sin(), 0.0);
     let lean = DMat3::from_axis_angle(axis, between(0.0, 25_f64.to_radians()));
@@ -227,7 +228,7 @@ fn on_specimen(
     Ok((world, course))
 }
 
-/// A specimen of unknown shape and friction, and a point on it (m, in W) with its outward normal.
+/// Draws a specimen of random shape and friction, and a point on it (m, in W) with its outward normal.
 fn specimen(between: &mut impl FnMut(f64, f64) -> f64) -> (ObjectConfig, DVec3, DVec3) {
     let static_friction = between(0.3, 1.2);
     let friction = Friction {
@@ -235,7 +236,7 @@ fn specimen(between: &mut impl FnMut(f64, f64) -> f64) -> (ObjectConfig, DVec3, 
         kinetic_friction: static_friction * between(0.6, 0.95),
         stribeck_speed: 0.0,
     };
-    // Far below the fingers, which stay at home.
+    // Far below the fingers, which stay at their home positions.
     let centre = DVec3::new(0.0, 0.0, -1.0);
     let radius = between(0.012, 0.05);
     let side = centre + radius * DVec3::X;
@@ -259,7 +260,7 @@ fn specimen(between: &mut impl FnMut(f64, f64) -> f64) -> (ObjectConfig, DVec3, 
 }
 
 impl Motion {
-    /// First a press from outside; then presses, drags, twists and holds, as they come.
+    /// Draws a motion: first a press from outside, then a random press, drag, twist or hold.
     fn draw(number: usize, course: &Course, random: &mut Pcg64) -> Self {
         let mut between = |low: f64, high: f64| low + (high - low) * random.random::<f64>();
         let duration = between(0.3, 0.8);
@@ -294,7 +295,7 @@ impl Course {
         self.twist += motion.twist * duration;
     }
 
-    /// The fingertip, whose dome reaches as far as `reach` (m).
+    /// Pose of the fingertip, whose dome has the radius `reach` (m) including the tips.
     fn pose(&self, reach: f64) -> Pose {
         let [x, y] = self.dragged;
         Pose {

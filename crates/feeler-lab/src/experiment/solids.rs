@@ -1,4 +1,4 @@
-//! What stands around the hand in a simulated world, as far as a viewer needs it.
+//! Geometry of the objects in a simulated world, for viewers.
 
 use feeler_record::{Solid, SolidFrame, SolidShape};
 use feeler_sim::config::SimConfig;
@@ -7,15 +7,15 @@ use feeler_sim::shape::ShapeConfig;
 use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::TAU;
 
-/// Corners of an outline, and of each of its knurls.
+/// Number of corners of an outline, and of each of its knurls.
 const CORNERS: u32 = 120;
 const CORNERS_PER_KNURL: u32 = 6;
-/// What is drawn of a half-space: a plate, m.
+/// Size of the plate that represents a half-space (m).
 const PLATE: [f64; 3] = [0.12, 0.12, 0.002];
 
-/// The objects of a simulated world, each in the frame that it moves with. The first that turns on a thread moves with
-/// the cap, the first that is free with the object that is carried; of more, nothing is on record, and they are left out,
-/// as are those whose shape is in a file.
+/// Returns the objects of a simulated world, each in the frame that it moves with: `Cap` for the first object with a
+/// thread, `Object` for the first free object. Other moving objects are omitted because their motion is not recorded,
+/// and so are objects whose shape is in a file.
 pub fn solids(sim: &SimConfig) -> Vec<Solid> {
     let (cap, mut carried) = (sim.cap().map(|(name, ..)| name), None);
     let mut solids = Vec::new();
@@ -33,7 +33,7 @@ pub fn solids(sim: &SimConfig) -> Vec<Solid> {
 
 fn of_object(name: &str, object: &ObjectConfig, frame: SolidFrame) -> Vec<Solid> {
     let start = object.rotation();
-    // A frame that moves is that of the object; a free one's also has its rotation.
+    // The origin of a moving frame is the object's; the frame of a free object also has its rotation.
     let (origin, turned) = match frame {
         SolidFrame::World => (DVec3::from(object.position), start),
         SolidFrame::Cap => (DVec3::ZERO, start),
@@ -49,7 +49,7 @@ fn of_object(name: &str, object: &ObjectConfig, frame: SolidFrame) -> Vec<Solid>
     shapes(&object.shape).into_iter().map(place).collect()
 }
 
-/// The parts of a shape and their centres in its frame, m.
+/// Parts of a shape with their centres in the frame of the shape (m).
 fn shapes(shape: &ShapeConfig) -> Vec<(SolidShape, DVec3)> {
     let single = |shape| vec![(shape, DVec3::ZERO)];
     match *shape {
@@ -103,7 +103,7 @@ fn shapes(shape: &ShapeConfig) -> Vec<(SolidShape, DVec3)> {
     }
 }
 
-/// An outline with a corner for each of so many angles, drawn out to `length`.
+/// A prism of length `length` whose outline has `corners` vertices at equally spaced angles.
 fn prism(corners: u32, length: f64, corner: impl Fn(f64) -> [f64; 2]) -> SolidShape {
     let angles = (0..corners).map(|k| TAU * f64::from(k) / f64::from(corners));
     SolidShape::Prism {
@@ -112,8 +112,8 @@ fn prism(corners: u32, length: f64, corner: impl Fn(f64) -> [f64; 2]) -> SolidSh
     }
 }
 
-/// Where all that is within `rounding` of the hull of `corners`, of which there is one at least, reaches farthest in the
-/// direction `angle`.
+/// The point farthest in direction `angle` of the convex hull of `corners`, expanded by `rounding`. `corners` must not
+/// be empty.
 fn rounded(corners: &[[f64; 2]], rounding: f64, angle: f64) -> [f64; 2] {
     let (sin, cos) = angle.sin_cos();
     let reach = |[x, y]: &&[f64; 2]| x * cos + y * sin;

@@ -1,4 +1,4 @@
-//! Whether there is something to touch where a task expects its specimen.
+//! Checks that a finger can reach a specimen where the task expects one.
 
 use crate::config::ExperimentConfig;
 use feeler::control::task::TaskConfig;
@@ -8,54 +8,54 @@ use feeler::hand::inverse_kinematics::{KinematicsError, inverse_kinematics};
 use feeler_sim::world::World;
 use glam::DVec3;
 
-/// A dome is said to touch from this far off, m.
+/// Distance at which a dome counts as touching (m).
 const TOUCHING: f64 = 1e-4;
-/// Most steps on the way to the specimen; a finger that passes very close to something for long is believed to touch.
+/// Maximum number of search steps. A finger that passes very close to an object for long counts as touching.
 const MAX_STEPS: usize = 10_000;
 
-/// Why the finger cannot press on the specimen.
+/// Error of a specimen that a finger cannot press on.
 #[derive(Debug, thiserror::Error)]
 pub enum SpecimenError {
-    /// There is nothing where it searches.
+    /// The search path meets no object.
     #[error(
-        "task.friction_scan.search_limit = {limit}: there is nothing to touch within so many metres of \
+        "task.friction_scan.search_limit = {limit}: nothing to touch within this distance (m) of \
          task.friction_scan.home along the approach; the finger would pass the nearest object, \
          sim.object.{nearest}, at {gap:.4} m"
     )]
     Nothing {
-        /// How far it searches, m.
+        /// Length of the search (m).
         limit: f64,
-        /// The object that it comes closest to.
+        /// The object nearest to the path.
         nearest: String,
-        /// How close, m.
+        /// Distance from that object (m).
         gap: f64,
     },
-    /// It cannot go there.
+    /// The finger cannot reach the contact position.
     #[error(
         "task.friction_scan: the finger touches the specimen with its dome's centre at {position}, which \
          cannot be reached: {source}"
     )]
     BeyondReach {
-        /// Where, m, in W.
+        /// Position of the dome's centre in W (m).
         position: DVec3,
-        /// Why it cannot.
+        /// Reason from the inverse kinematics.
         source: Box<KinematicsError>,
     },
-    /// It must not go there.
+    /// The contact position is outside of the workspace.
     #[error(
         "task.friction_scan: the finger touches the specimen with its dome's centre at {position}; \
          expected within control.limits.workspace_lower and workspace_upper"
     )]
     OutsideWorkspace {
-        /// Where, m, in W.
+        /// Position of the dome's centre in W (m).
         position: DVec3,
     },
 }
 
-/// Refuses a friction scan of `config` whose finger would not meet anything in `world`.
+/// Rejects a friction scan in `config` whose finger would not meet an object in `world` or could not reach it.
 ///
 /// # Errors
-/// Saying what is in the way, or that nothing is.
+/// Describes the obstacle, or the nearest object.
 pub fn check_specimen(
     config: &ExperimentConfig,
     fingers: &[FingerGeometry],
@@ -83,7 +83,7 @@ pub fn check_specimen(
         })
 }
 
-/// Where the centre of a dome of radius `dome` (m) is when it first touches something, m, in W.
+/// Returns the position (m, in W) at which the centre of a dome of radius `dome` (m) first touches an object.
 fn first_touch(
     scan: &FrictionScanConfig,
     world: &World,
@@ -104,7 +104,7 @@ fn first_touch(
         if gap <= TOUCHING {
             return Ok(position);
         }
-        // Nothing is nearer than the gap, so that the dome may go so far.
+        // The gap to the nearest object is a safe step (sphere tracing).
         travel += gap;
         if travel > scan.search_limit {
             break;

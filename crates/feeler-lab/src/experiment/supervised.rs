@@ -1,4 +1,4 @@
-//! What a simulated run does around each control step.
+//! Readings of the instruments around each control step of a simulated run.
 
 use super::truth::SlipMeter;
 use super::{AnyHand, Instruments, Sensor, SimulatedLoop, is_finished};
@@ -7,14 +7,16 @@ use feeler::pace::Tick;
 use feeler_sim::rig::SimRig;
 use std::ops::ControlFlow;
 
-/// Reads the instruments before every step (of a world that goes on by itself, after it) and hands them on after it, until the run is finished.
+/// Reads the instruments before every step, or after it if the world advances independently, and passes them to
+/// `each_step` until the run is finished.
 pub(super) struct InstrumentedRun<'a, F> {
     pub rig: &'a SimRig,
     pub cap: Option<usize>,
     pub slip: &'a mut SlipMeter,
-    /// The world goes on by itself: what the instruments read is of the time of the forces only right after these were felt.
+    /// `true` if the world advances independently. The readings then match the time of the forces only right after
+    /// these were measured.
     pub is_driven: bool,
-    /// What the instruments read before the step under way.
+    /// Readings before the current step.
     pub instruments: Option<Instruments>,
     pub time_limit: f64,
     pub each_step: F,
@@ -24,7 +26,7 @@ impl<B, F> Supervisor<Sensor, AnyHand> for InstrumentedRun<'_, F>
 where
     F: FnMut(&mut SimulatedLoop, &Instruments, &Tick) -> ControlFlow<B>,
 {
-    /// What `each_step` broke with; none where the run was finished.
+    /// Value with which `each_step` broke. `None` if the run was finished.
     type Break = Option<B>;
 
     fn before_step(&mut self, _: &mut SimulatedLoop, _: &Tick) {

@@ -1,4 +1,4 @@
-//! Sensors that are read on threads of their own, side by side.
+//! Tactile sensors that are read concurrently on background threads.
 
 use super::Sensor;
 use feeler::control::touch::{FingerTouch, TouchSource};
@@ -10,14 +10,15 @@ use std::sync::mpsc::{Receiver, RecvError, SyncSender, TryRecvError, sync_channe
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How long who waits looks again and again before it falls asleep: to be woken takes longer than most of what is waited for here.
+/// Duration of spinning before a waiting thread sleeps. Most waits here are shorter than waking a thread.
 const LOOKING: Duration = Duration::from_micros(100);
 
-/// A sensor that is read on a thread of its own from when a step [begins](TouchSource::begin). It says what it would say without.
+/// A tactile sensor that is read on a background thread as soon as a step [begins](TouchSource::begin). The readings
+/// are identical to synchronous ones.
 ///
-/// Sensor and touch go to the thread and come back, so that nothing is shared.
+/// Sensor and reading are moved to the thread and back, so no state is shared.
 pub(super) struct ThreadedTouch {
-    /// `None` while the thread has it.
+    /// `None` while the thread uses it.
     idle: Option<Reading>,
     elements: usize,
     to_thread: SyncSender<Reading>,
@@ -30,17 +31,17 @@ struct Reading {
 }
 
 impl ThreadedTouch {
-    /// What `sensor` says.
+    /// Starts a thread that reads `sensor`.
     ///
     /// # Errors
-    /// When the system gives no thread.
+    /// If the system cannot create a thread.
     pub fn new(sensor: Sensor) -> io::Result<Self> {
         let (to_thread, work) = sync_channel::<Reading>(1);
         let (done, from_thread) = sync_channel(1);
         thread::Builder::new()
             .name("sensor".into())
             .spawn(move || {
-                // Until all that it works for is dropped.
+                // Ends when the owner is dropped.
                 while let Ok(mut reading) = receive(&work) {
                     let result = reading.sensor.touch(&mut reading.touch);
                     if done.send((reading, result)).is_err() {
@@ -66,7 +67,7 @@ impl TouchSource for ThreadedTouch {
 
     fn begin(&mut self) {
         if let Some(reading) = self.idle.take() {
-            // A thread that has ended is noticed when its answer is asked for.
+            // A failed send is detected on the next receive.
             let _ = self.to_thread.send(reading);
         }
     }
@@ -78,7 +79,7 @@ impl TouchSource for ThreadedTouch {
             return Err(SensorError::ElementCount { expected, actual });
         }
         self.begin();
-        let ended = |_| SensorError::Failed("its thread has ended".into());
+        let ended = |_| SensorError::Failed("the sensor thread has ended".into());
         let (reading, result) = receive(&self.from_thread).map_err(ended)?;
         if result.is_ok() {
             touch.copy_from(&reading.touch);
@@ -92,7 +93,7 @@ impl TouchSource for ThreadedTouch {
     }
 }
 
-/// What comes through `channel`, waited for awake at first.
+/// Receives from `channel`, spinning at first.
 fn receive<T>(channel: &Receiver<T>) -> Result<T, RecvError> {
     let began = Instant::now();
     while began.elapsed() < LOOKING {
@@ -109,7 +110,8 @@ fn receive<T>(channel: &Receiver<T>) -> Result<T, RecvError> {
 mod tests {
     use super::*;
 
-    /// Feels the next number when it is asked, but the same again whenever that is even; fails at the fifth, ends its thread at the sixth.
+    /// Returns the next number on each read, but repeats even numbers; fails at the fifth read, and ends its thread
+    /// at the sixth.
     struct Counting(u64);
 
     impl TouchSource for Counting {
@@ -130,11 +132,11 @@ mod tests {
     }
 
     #[test]
-    fn a_sensor_on_a_thread_says_what_it_says_without() {
+    fn background_readings_equal_synchronous_ones() {
         let mut threaded = ThreadedTouch::new(Box::new(Counting(0))).expect("a thread");
         let mut touch = FingerTouch::none(threaded.element_count());
         for expected in [1, 1, 3, 3] {
-            // Whether it was told beforehand or not.
+            // With and without a preceding `begin`.
             if expected == 1 {
                 threaded.begin();
             }
@@ -153,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn a_touch_of_another_finger_is_refused() {
+    fn a_buffer_of_another_size_is_rejected() {
         let mut threaded = ThreadedTouch::new(Box::new(Counting(0))).expect("a thread");
         let refused = threaded.touch(&mut FingerTouch::none(3));
         assert!(matches!(

@@ -1,4 +1,4 @@
-//! What only the simulator knows of a run: for whoever judges it, never for the hand.
+//! Ground truth of a run, for evaluation only. It never reaches the hand.
 
 use super::Session;
 use super::held_touch::{FrameTimes, FramesTaken};
@@ -8,25 +8,25 @@ use feeler_sim::state::State;
 use feeler_sim::world::World;
 use std::sync::atomic::Ordering;
 
-/// What came of a run so far, in truth.
+/// Ground truth of a run so far.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Truth {
-    /// Torque that the cap is tightened to, N·m: what its thread now holds against being turned on. None
+    /// Tightening torque of the cap, that is, the torque that its thread resists when turned further (N·m). `None`
     /// without a cap.
     pub cap_torque: Option<f64>,
-    /// How far the cap is turned on, rad. None without a cap.
+    /// Angle by which the cap is turned on (rad). `None` without a cap.
     pub cap_angle: Option<f64>,
-    /// Work that friction took from feelers that slipped, J.
+    /// Work dissipated by slipping feelers (J).
     pub slip_work: f64,
 }
 
 impl Truth {
-    /// What came of `session` so far.
+    /// Returns the ground truth of `session` so far.
     pub fn of(session: &Session) -> Self {
         Self::in_world(&session.rig().world(), session.cap())
     }
 
-    /// What came of a run in `world` so far, whose object `cap` is on a thread.
+    /// Returns the ground truth of a run in `world` so far. `cap` is the index of the object with a thread.
     pub(crate) fn in_world(world: &World, cap: Option<usize>) -> Self {
         let (model, state) = (world.model(), world.state());
         let cap = cap.and_then(|cap| {
@@ -44,21 +44,22 @@ impl Truth {
     }
 }
 
-/// Measures how far feelers slip from one time to the next.
+/// Measures the slip distance of feelers between readings.
 #[derive(Debug, Clone)]
 pub(super) struct SlipMeter {
-    /// Way that each feeler of each finger had slipped when it was last looked at, m.
+    /// Total slip distance of each feeler of each finger at the last reading (m).
     ways: Vec<Vec<f64>>,
-    /// Steps of the world by then, and what it said.
+    /// Number of world steps and result of the last reading.
     newest: Option<(u64, [f64; MAX_FINGERS])>,
-    /// When there are pictures, where there is not one in every control period.
+    /// Times of frames, if the frame rate is lower than the control rate.
     frames: Option<FrameTimes>,
-    /// Where time does not wait for steps, pictures are counted instead: as many as when it was last looked, and the count.
+    /// Number of frames at the last reading and the frame counter, used instead of times if the world advances
+    /// independently.
     taken: Option<(u64, FramesTaken)>,
 }
 
 impl SlipMeter {
-    /// For the fingers of `state`, as far as they have slipped by then; with a `frame_period` (s), from one picture to the next.
+    /// Starts measuring at `state`, between readings or, with a `frame_period` (s), between frames.
     pub fn new(state: &State, frame_period: Option<f64>) -> Self {
         let ways = state.fingers.iter().map(|finger| finger.slipped.clone());
         Self {
@@ -69,14 +70,14 @@ impl SlipMeter {
         }
     }
 
-    /// The same, from one picture that is `taken` to the next, where there is not one in every control period.
+    /// Uses the frame counter `taken` instead of times if the frame rate is lower than the control rate.
     #[cfg(target_os = "linux")]
     pub fn by_count(self, taken: FramesTaken) -> Self {
         let taken = self.frames.is_some().then_some((0, taken));
         Self { taken, ..self }
     }
 
-    /// Whether there is a new picture at `time`, s.
+    /// Returns `true` if there is a new frame at `time` (s).
     fn is_due(&mut self, time: f64) -> bool {
         match (&mut self.taken, &mut self.frames) {
             (Some((seen, taken)), _) => {
@@ -88,8 +89,9 @@ impl SlipMeter {
         }
     }
 
-    /// Of each finger's feelers, the longest way that one slipped since the time before, m. At the same time it
-    /// says the same again; and until the next picture, so that it is of the time that the newest flags are of.
+    /// Returns for each finger the longest slip distance of a feeler since the previous time (m). Repeated readings at
+    /// the same time are equal, and so are readings until the next frame, so that the result matches the time of the
+    /// latest flags.
     pub fn read(&mut self, state: &State) -> [f64; MAX_FINGERS] {
         match self.newest {
             Some((steps, slipped)) if steps == state.steps => return slipped,

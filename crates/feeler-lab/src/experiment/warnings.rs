@@ -1,4 +1,4 @@
-//! What may be meant, but more often is a mistake.
+//! Warnings about valid settings that are probably mistakes.
 
 use crate::config::{Experiment, ExperimentConfig, Sensing};
 use feeler_sim::fault::FaultKind;
@@ -9,20 +9,20 @@ use std::fmt;
 /// A likely mistake in an experiment.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Warning {
-    /// An object is larger than any finger reaches: a mesh in millimetres, most often.
+    /// An object is larger than the reach of any finger, often because of a mesh in millimetres.
     LargeObject {
-        /// Its name.
+        /// Name of the object.
         object: String,
-        /// Its largest extent, m.
+        /// Largest extent of the object (m).
         size: f64,
-        /// How far the longest finger reaches, m.
+        /// Reach of the longest finger (m).
         reach: f64,
-        /// Whether it comes from a file, in whose unit the mistake may be.
+        /// `true` if the shape is in a file, whose unit may be wrong.
         from_file: bool,
     },
-    /// A fault of pictures in an experiment without pictures.
+    /// A fault of images is configured in an experiment without images.
     NoPictures {
-        /// The fault, counted from 0.
+        /// Index of the fault.
         fault: usize,
     },
 }
@@ -48,14 +48,14 @@ impl fmt::Display for Warning {
             }
             Self::NoPictures { fault } => write!(
                 f,
-                "sim.fault[{fault}].kind.stuck_rows: nothing happens with sensing = \"direct\", \
-                 which takes no pictures; expected sensing = \"image\""
+                "sim.fault[{fault}].kind.stuck_rows: the fault has no effect with sensing = \"direct\", \
+                 which takes no images; expected sensing = \"image\""
             ),
         }
     }
 }
 
-/// The likely mistakes in `experiment`. What cannot be built is left to be refused.
+/// Returns the likely mistakes in `experiment`. Invalid parts are skipped because they are rejected elsewhere.
 pub fn warnings(experiment: &Experiment) -> Vec<Warning> {
     let config = &experiment.config;
     let mut warnings = Vec::new();
@@ -86,7 +86,7 @@ pub fn warnings(experiment: &Experiment) -> Vec<Warning> {
     warnings
 }
 
-/// How far the longest finger reaches from its base, m.
+/// Reach of the longest finger from its base (m).
 fn reach(config: &ExperimentConfig) -> f64 {
     let fingers = config.hand.finger.iter().enumerate();
     let reach = fingers.map(|(finger, links)| {
@@ -96,7 +96,7 @@ fn reach(config: &ExperimentConfig) -> f64 {
     reach.fold(0.0, f64::max)
 }
 
-/// The largest extent of an object along an axis of its shape, m; none without an end to it.
+/// Largest extent of an object along an axis of its shape (m). `None` if it is infinite or cannot be built.
 fn size(object: &ObjectConfig, experiment: &Experiment) -> Option<f64> {
     if object.shape == ShapeConfig::HalfSpace {
         return None;

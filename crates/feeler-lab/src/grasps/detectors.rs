@@ -1,4 +1,4 @@
-//! What slip detectors say of a recording of a grasp.
+//! Slip detectors applied to a recording of a grasp.
 
 use feeler::control::flags::{FlagAnalyzer, FlagThresholds};
 use feeler::control::grasp_slip::{
@@ -8,29 +8,29 @@ use feeler::sensor::reading::TactileFrame;
 use feeler_report::series::percentile;
 use glam::{DVec2, DVec3};
 
-/// Share of a recording's frames in which drag must be as high as its score: a slip lasts, a jolt does not.
+/// Quantile of the drag over a recording's frames that is its score. A quantile below 1 ignores short jolts.
 const SUSTAINED: f64 = 0.9;
-/// Time constant of the filter before the paper's rule, s.
+/// Time constant of the filter before the paper's rule (s).
 const RATE_FILTER: f64 = 0.1;
-/// Share of the elements that are usually seen which must be seen in the frame that the pattern is found in.
+/// Fraction of the usual number of visible elements that the frame used to find the pattern must contain.
 const USUAL: f64 = 0.9;
 
-/// A detector of slip.
+/// A slip detector.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Detector {
-    /// The paper's rule: the largest rate of shear of any element.
+    /// The paper's rule: largest shear rate of any element.
     ShearRate,
-    /// The same, of shear behind a filter of 0.1 s.
+    /// The paper's rule after a filter of 0.1 s.
     FilteredShearRate,
-    /// The largest shear of any element.
+    /// Largest shear of any element.
     Shear,
-    /// That contact is lost ([`ContactLoss`]).
+    /// Loss of contact ([`ContactLoss`]).
     ContactLoss,
-    /// That what is held moves in the grip ([`GraspDrag`]).
+    /// Motion of the object in the grip ([`GraspDrag`]).
     Drag,
 }
 
-/// All detectors, in the order of their numbers.
+/// All detectors, in the order of their scores.
 pub const DETECTORS: [Detector; 5] = [
     Detector::ShearRate,
     Detector::FilteredShearRate,
@@ -40,7 +40,7 @@ pub const DETECTORS: [Detector; 5] = [
 ];
 
 impl Detector {
-    /// What it is called.
+    /// Displayed name.
     pub fn name(self) -> &'static str {
         match self {
             Self::ShearRate => "shear rate (the paper's rule)",
@@ -51,7 +51,7 @@ impl Detector {
         }
     }
 
-    /// The same in a word, as in a table.
+    /// Name in tables and files.
     pub fn key(self) -> &'static str {
         match self {
             Self::ShearRate => "shear_rate",
@@ -62,7 +62,7 @@ impl Detector {
         }
     }
 
-    /// What its number for a frame is, where vectors are in `unit`.
+    /// Describes the score of a frame, for vectors in `unit`.
     pub fn meaning(self, unit: &str) -> String {
         match self {
             Self::ShearRate | Self::FilteredShearRate => {
@@ -74,19 +74,19 @@ impl Detector {
         }
     }
 
-    /// What its number for a whole recording is.
+    /// Describes the score of a whole recording.
     pub fn of_a_recording(self) -> &'static str {
         match self {
-            Self::ShearRate | Self::FilteredShearRate | Self::Shear => "its largest",
-            Self::ContactLoss => "its largest in the second half",
-            Self::Drag => "what it exceeds in a tenth of the frames",
+            Self::ShearRate | Self::FilteredShearRate | Self::Shear => "maximum",
+            Self::ContactLoss => "maximum of the second half",
+            Self::Drag => "value exceeded in a tenth of the frames",
         }
     }
 
-    /// The number for a recording of these numbers, one for each frame.
+    /// Returns the score of a recording with these scores of its frames.
     fn sum_up(self, mut frames: Vec<Option<f64>>) -> Option<f64> {
         if self == Self::ContactLoss {
-            // So that a later touch does not hide a loss, nor the time before a grasp look like one.
+            // Neither a later touch nor the time before the grasp should affect the score.
             frames.drain(..frames.len() / 2);
         }
         let known = frames.into_iter().flatten();
@@ -97,33 +97,33 @@ impl Detector {
     }
 }
 
-/// What is known of the elements where nothing touches.
+/// Knowledge of the elements without contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Untouched {
-    /// Nothing.
+    /// Nothing is known.
     Unknown,
-    /// Their vectors are 0.
+    /// The vectors of the elements are 0 without contact.
     Zero,
-    /// Their places are a regular pattern in the picture, of which this is known.
+    /// The elements form a regular pattern in the image. The argument describes the image, if known.
     Pattern(Option<Picture>),
-    /// Their places are a regular pattern in this picture, and nobody knows which is which from frame to frame: their vectors
-    /// are places, px, in any order and number.
+    /// The elements form a regular pattern in this image and are not tracked between frames: the vectors are positions
+    /// (px) in any order and number.
     Afresh(Picture),
 }
 
-/// One frame.
+/// One frame of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GraspFrame {
-    /// Its time, s.
+    /// Timestamp (s).
     pub stamp: f64,
-    /// Shear, or displacement in the plane, of each element; not a number where it has none.
+    /// Shear or in-plane displacement of each element; NaN if unknown.
     pub shear: Vec<DVec2>,
-    /// Load of each element along its normal, in the same unit; empty where only the plane is seen.
+    /// Normal load of each element in the same unit. Empty if only the plane is measured.
     pub normal: Vec<f64>,
 }
 
 impl GraspFrame {
-    /// Load of each element, 0 along the normal where only the plane is seen; not a number where it has none.
+    /// Load of each element, with a normal component of 0 if only the plane is measured; NaN if unknown.
     fn loads(&self) -> impl Iterator<Item = DVec3> + '_ {
         let normal = |element| self.normal.get(element).copied().unwrap_or(0.0);
         let shear = self.shear.iter().enumerate();
@@ -131,14 +131,14 @@ impl GraspFrame {
     }
 }
 
-/// A recording of a grasp, from any sensor.
+/// Recording of a grasp from any sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GraspRecording {
-    /// What is known of the elements where nothing touches.
+    /// Knowledge of the elements without contact.
     pub untouched: Untouched,
-    /// Place of each element in the picture where its vector is 0, px; empty where there is no picture.
+    /// Image position of each element where its vector is 0 (px). Empty if there are no images.
     pub origins: Vec<DVec2>,
-    /// The frames, in order.
+    /// The frames in chronological order.
     pub frames: Vec<GraspFrame>,
 }
 
@@ -148,21 +148,21 @@ impl GraspRecording {
         counts.max().unwrap_or(0)
     }
 
-    /// Places of all elements in a frame, px.
+    /// Positions of all elements in a frame (px).
     fn places<'a>(&'a self, frame: &'a GraspFrame) -> impl Iterator<Item = DVec2> + 'a {
         let origins = self.origins.iter().zip(&frame.shear);
         origins.map(|(origin, shear)| *origin + *shear)
     }
 
-    /// The detector of lost contact for this recording.
+    /// Creates the detector of contact loss for this recording.
     ///
     /// # Errors
-    /// When the elements are no regular pattern, where they should be one.
+    /// If the elements should form a regular pattern but do not.
     fn contact_loss(&self) -> Result<ContactLoss, GraspSlipError> {
         let config = ContactLossConfig::default();
         match self.untouched {
             Untouched::Unknown => Ok(ContactLoss::without_reference()),
-            // One load for all of them, which is found for each frame.
+            // A single element, whose load is computed from each frame.
             Untouched::Afresh(_) => ContactLoss::from_untouched(1, 1.0, config),
             Untouched::Zero => ContactLoss::from_untouched(self.elements(), 1.0, config),
             Untouched::Pattern(picture) => {
@@ -172,7 +172,7 @@ impl GraspRecording {
                 let mut counts: Vec<_> = self.frames.iter().map(count).collect();
                 counts.sort_unstable();
                 let usual = counts.get(counts.len() / 2).copied().unwrap_or(0);
-                // The first frame with the usual number of markers may be touched or not.
+                // The first frame with the usual number of markers, with or without contact.
                 let enough = |frame: &&GraspFrame| count(frame) as f64 >= USUAL * usual as f64;
                 let first = self.frames.iter().find(enough);
                 let places: Vec<_> = first.into_iter().flat_map(|f| self.places(f)).collect();
@@ -181,8 +181,8 @@ impl GraspRecording {
         }
     }
 
-    /// Standard deviation of the noise of a component of shear, in the unit of the vectors; none where nothing changes, or less than two
-    /// frames have vectors.
+    /// Standard deviation of the noise of a shear component, in the unit of the vectors. `None` if nothing changes, or
+    /// fewer than two frames have vectors.
     fn noise(&self) -> Option<f64> {
         let pairs = self.frames.windows(2);
         let changes = pairs.flat_map(|pair| pair[0].shear.iter().zip(&pair[1].shear));
@@ -193,24 +193,24 @@ impl GraspRecording {
     }
 }
 
-/// What the detectors say of a recording.
+/// Scores of all detectors for a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DetectorTrace {
-    /// Of each frame, each detector's number, in the order of [`DETECTORS`]; none where it is unknown. Drag is in the unit of the
+    /// Scores of each frame in the order of [`DETECTORS`]; `None` if unknown. Drag is in the unit of the
     /// vectors.
     pub frames: Vec<[Option<f64>; DETECTORS.len()]>,
-    /// The recording's noise in the unit of the vectors, if there is any.
+    /// Noise of the recording in the unit of the vectors, if known.
     pub noise: Option<f64>,
-    /// Why nothing is known of contact where places should have been a pattern; where each frame is fitted afresh, of the first
-    /// that was none.
+    /// The reason that contact loss is unknown although a pattern was expected. If frames are fitted individually, the
+    /// reason of the first failure.
     pub no_pattern: Option<GraspSlipError>,
 }
 
 impl DetectorTrace {
-    /// Runs all detectors over a recording.
+    /// Applies all detectors to a recording.
     ///
     /// # Errors
-    /// None that a test would not have found: the detectors' own values are in range.
+    /// If a detector rejects its default parameters, which does not happen.
     pub fn of(recording: &GraspRecording) -> Result<Self, GraspSlipError> {
         let elements = recording.elements();
         let (mut loss, mut no_pattern) = match recording.contact_loss() {
@@ -263,7 +263,7 @@ impl DetectorTrace {
         })
     }
 
-    /// Each detector's number for the whole recording.
+    /// Returns the score of each detector for the whole recording.
     pub fn sums(&self) -> [Option<f64>; DETECTORS.len()] {
         std::array::from_fn(|detector| {
             let frames = self.frames.iter().map(move |frame| frame[detector]);
@@ -272,11 +272,12 @@ impl DetectorTrace {
     }
 }
 
-/// Shear behind a filter, N.
+/// Low-pass filtered shear (N).
 struct FilteredRate(Vec<DVec2>);
 
 impl FilteredRate {
-    /// Rates of the filtered shear after the next frame, N/s: of a filter of first order, what it lacks over its time constant.
+    /// Updates the filter and returns the rates of the filtered shear (N/s): the remaining difference of a
+    /// first-order filter over its time constant.
     fn take<'a>(&'a mut self, interval: f64, shear: &'a [DVec2]) -> impl Iterator<Item = f64> + 'a {
         let part = -(-interval.max(0.0) / RATE_FILTER).exp_m1();
         let known = self.0.iter_mut().zip(shear);
@@ -292,10 +293,11 @@ impl FilteredRate {
     }
 }
 
-/// Load on the markers at `places` (px) of a single frame, spacings; not a number where too few are told from a lens.
+/// Load of the markers at `places` (px) in a single frame, in marker spacings. NaN if too few markers can be
+/// distinguished from lens distortion.
 ///
 /// # Errors
-/// When they are no regular pattern.
+/// If the markers do not form a regular pattern.
 fn load_afresh(places: &[DVec2], picture: Picture) -> Result<f64, GraspSlipError> {
     let config = ContactLossConfig::default();
     let mut loss = ContactLoss::on_pattern(places, Some(picture), config)?;
@@ -303,13 +305,13 @@ fn load_afresh(places: &[DVec2], picture: Picture) -> Result<f64, GraspSlipError
     Ok(loss.load().unwrap_or(f64::NAN))
 }
 
-/// Largest of the numbers that are finite.
+/// Largest finite number.
 fn largest(numbers: impl Iterator<Item = f64>) -> Option<f64> {
     let finite = numbers.filter(|number| number.is_finite());
     finite.max_by(f64::total_cmp)
 }
 
-/// Only rates are asked for.
+/// Infinite thresholds, for an analyzer that is used only for its rates.
 fn no_thresholds() -> FlagThresholds {
     FlagThresholds {
         touch_force: f64::INFINITY,

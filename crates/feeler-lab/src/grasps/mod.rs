@@ -1,8 +1,9 @@
 //! Slip detectors on labelled recordings of grasps.
 //!
-//! A [`GraspRecording`] has a vector per element and frame, from whatever sensor. [`DetectorTrace`] is what all detectors say
-//! of it, frame by frame; [`score`] holds one detector's numbers against labels, as they come out on groups of recordings (objects,
-//! say) that its threshold was not chosen on.
+//! A [`GraspRecording`] contains a vector per element and frame from any sensor. [`DetectorTrace`] contains the scores
+//! of all detectors for each frame. [`score`] evaluates the scores of one detector against labels with
+//! cross-validation: the threshold for each group of recordings (for example, an object) is chosen on the other
+//! groups.
 
 mod detectors;
 mod outcome;

@@ -1,43 +1,43 @@
-//! How well a detector tells labelled slips, on groups that its threshold was not chosen on.
+//! Evaluation of a slip detector against labels, with cross-validation over groups.
 
 use crate::sweep::interval::{Estimate, bootstrap_of};
 use std::collections::BTreeSet;
 
-/// A recording, or a frame, with its label.
+/// A recording or a frame with its label and score.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Labelled {
-    /// What it belongs to: all of a group are left out together, and drawn together.
+    /// Group of the sample. Cross-validation and bootstrap use whole groups.
     pub group: usize,
-    /// Whether there is slip.
+    /// Label: whether there is slip.
     pub slip: bool,
-    /// What the detector says, the higher the surer of slip; none where it says nothing.
+    /// Score of the detector; higher values indicate slip. `None` if there is no score.
     pub score: Option<f64>,
 }
 
-/// What was said of one, with the threshold of all other groups.
+/// Classification of one sample with the threshold chosen on all other groups.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Verdict {
-    /// The threshold; infinite where "always" or "never" is best on the others.
+    /// The threshold; infinite if one class is always the best answer on the other groups.
     pub threshold: f64,
-    /// Whether the score is above it.
+    /// `true` if the score is above the threshold.
     pub says_slip: bool,
 }
 
-/// How many were right and wrong.
+/// Confusion matrix.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Confusion {
-    /// Slips that were called so.
+    /// Number of true positives: detected slips.
     pub noticed: usize,
-    /// Slips that were not.
+    /// Number of false negatives: missed slips.
     pub missed: usize,
-    /// What was no slip and called one.
+    /// Number of false positives.
     pub false_alarms: usize,
-    /// What was no slip and not called one.
+    /// Number of true negatives.
     pub quiet: usize,
 }
 
 impl Confusion {
-    /// How many were judged.
+    /// Number of classified samples.
     pub fn count(self) -> usize {
         self.noticed + self.missed + self.false_alarms + self.quiet
     }
@@ -52,39 +52,40 @@ impl Confusion {
     }
 }
 
-/// How a detector did.
+/// Performance of a detector.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Outcome {
-    /// Area under the curve of slips noticed over false alarms: the chance that a slip has a higher score than what is none. With
-    /// the 95 % interval of drawing groups again; none where all are slips, or none is.
+    /// Area under the ROC curve: the probability that a sample with slip has a higher score than one without. The 95 %
+    /// interval is bootstrapped over groups. `None` if the labels are all equal.
     pub auc: Option<Estimate>,
-    /// Share that was called rightly, each with the threshold of all other groups; none with a single group.
+    /// Fraction of correct classifications, each with the threshold chosen on all other groups. `None` if there is
+    /// only one group.
     pub accuracy: Option<Estimate>,
-    /// The threshold of all together, for use on others.
+    /// Threshold chosen on all groups, for use on other data.
     pub threshold: f64,
-    /// How many were right and wrong with thresholds of all other groups.
+    /// Confusion matrix of the cross-validation.
     pub confusion: Confusion,
-    /// What was said of each; none where the detector says nothing, or there is no other group.
+    /// Classification of each sample. `None` without a score or another group.
     pub verdicts: Vec<Option<Verdict>>,
-    /// Share of false alarms, and of slips noticed, over all thresholds, from all to none.
+    /// ROC curve: false positive rate and true positive rate for all thresholds, from (1, 1) to (0, 0).
     pub curve: Vec<(f64, f64)>,
-    /// How many the detector says nothing of.
+    /// Number of samples without a score.
     pub unknown: usize,
 }
 
-/// One that the detector says something of.
+/// A sample with a score.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Known {
     pub score: f64,
     pub slip: bool,
     pub group: usize,
-    /// Its number among all.
+    /// Index among all samples.
     pub index: usize,
-    /// How many it counts as where a threshold is chosen.
+    /// Weight in the choice of a threshold.
     pub weight: u64,
 }
 
-/// Those of `samples` that the detector says something of, in the order of their scores.
+/// Returns the `samples` with a finite score, sorted by score.
 pub(super) fn known(samples: &[Labelled]) -> Vec<Known> {
     let known = samples.iter().enumerate().filter_map(|(index, sample)| {
         let Labelled { group, slip, score } = *sample;
@@ -102,24 +103,25 @@ pub(super) fn known(samples: &[Labelled]) -> Vec<Known> {
     known
 }
 
-/// The groups of those that are `known`, in order.
+/// Returns the groups of `known`, sorted.
 pub(super) fn groups_of(known: &[Known]) -> Vec<usize> {
     let groups: BTreeSet<_> = known.iter().map(|k| k.group).collect();
     groups.into_iter().collect()
 }
 
-/// Judgement of recordings, each with some threshold that was chosen without its group.
+/// Classification of samples, each with a threshold that was chosen without its group.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Judged {
-    /// Share that was called rightly, with the 95 % interval of drawing groups again; none where nothing was judged.
+    /// Fraction of correct classifications, with the 95 % interval bootstrapped over groups. `None` if nothing was
+    /// classified.
     pub accuracy: Option<Estimate>,
-    /// How many were right and wrong.
+    /// Confusion matrix.
     pub confusion: Confusion,
-    /// What was said of each; none where the detector says nothing, or there is no threshold.
+    /// Classification of each sample. `None` without a score or a threshold.
     pub verdicts: Vec<Option<Verdict>>,
 }
 
-/// Judges those that are `known` among so many, each by the threshold of its group.
+/// Classifies the samples `known`, each with the threshold of its group. `samples` is the total number of samples.
 pub(super) fn judge(
     known: &[Known],
     samples: usize,
@@ -156,15 +158,16 @@ pub(super) fn judge(
     }
 }
 
-/// How often each group was drawn, by its number.
+/// Returns how often each group was drawn, indexed by group.
 fn weights(groups: &[usize], drawn: &[&usize]) -> Vec<f64> {
     let mut weights = vec![0.0; groups.last().map_or(0, |group| group + 1)];
     drawn.iter().for_each(|&&group| weights[group] += 1.0);
     weights
 }
 
-/// How a detector with these scores does. Thresholds are those of most right on all other groups: midway between two scores,
-/// or none at all, in the middle of several that are as good.
+/// Evaluates a detector with these scores by cross-validation. Thresholds maximise the number of correct
+/// classifications on all other groups. They lie midway between two scores or at infinity; among several equally good
+/// ones, the middle one is used.
 pub fn score(samples: &[Labelled]) -> Outcome {
     let known = known(samples);
     let groups = groups_of(&known);
@@ -184,9 +187,10 @@ pub fn score(samples: &[Labelled]) -> Outcome {
     }
 }
 
-/// The threshold at which most of `known` (sorted by score) are right, as they are weighted.
+/// Returns the threshold that maximises the weighted number of correct classifications of `known`, which must be
+/// sorted by score.
 pub(super) fn best_threshold<'a>(known: impl Iterator<Item = &'a Known> + Clone) -> f64 {
-    // All are called slips at first.
+    // Start with a threshold that classifies all samples as slip.
     let mut right: u64 = known.clone().filter(|k| k.slip).map(|k| k.weight).sum();
     let mut best = (right, vec![f64::NEG_INFINITY]);
     let mut rest = known.peekable();
@@ -210,12 +214,12 @@ pub(super) fn best_threshold<'a>(known: impl Iterator<Item = &'a Known> + Clone)
     best.1[best.1.len() / 2]
 }
 
-/// Those of one score together, in ascending order.
+/// Groups samples with equal scores, in ascending order.
 fn tied(known: &[Known]) -> impl Iterator<Item = &[Known]> {
     known.chunk_by(|a, b| a.score == b.score)
 }
 
-/// Area under the curve, where each group has a weight; not a number where all are slips, or none is.
+/// Area under the ROC curve with weighted groups. NaN if the labels are all equal.
 fn area(known: &[Known], weights: &[f64]) -> f64 {
     let (mut slips, mut others, mut area) = (0.0, 0.0, 0.0);
     for tie in tied(known) {
@@ -231,7 +235,7 @@ fn area(known: &[Known], weights: &[f64]) -> f64 {
     area / (slips * others)
 }
 
-/// Shares of false alarms and of slips noticed as the threshold rises.
+/// ROC curve: false positive and true positive rates for increasing thresholds.
 fn curve(known: &[Known]) -> Vec<(f64, f64)> {
     let all = |slip: bool| known.iter().filter(|k| k.slip == slip).count() as f64;
     let (slips, others) = (all(true), all(false));
@@ -249,7 +253,7 @@ fn curve(known: &[Known]) -> Vec<(f64, f64)> {
     points
 }
 
-/// Samples of these groups, whether they slip, and scores.
+/// Creates samples from groups, labels and scores.
 #[cfg(test)]
 pub(super) fn samples(rows: &[(usize, bool, f64)]) -> Vec<Labelled> {
     let rows = rows.iter().map(|&(group, slip, score)| Labelled {
@@ -266,7 +270,7 @@ mod tests {
 
     /// Counted by hand: of 3 x 2 pairs, 4 are in order and one is a tie.
     #[test]
-    fn the_area_is_the_share_of_pairs_in_order() {
+    fn the_area_is_the_fraction_of_ordered_pairs() {
         let outcome = score(&samples(&[
             (0, true, 3.0),
             (1, true, 2.0),
@@ -281,10 +285,10 @@ mod tests {
         assert_eq!(outcome.curve.last(), Some(&(0.0, 0.0)));
     }
 
-    /// The group's own members do not choose its threshold: without group 2, any from 1 to 9 parts the others, and 5 stands
-    /// in the middle; with it, its slip of 4 would.
+    /// The members of a group do not affect its threshold. Without group 2, any threshold from 1 to 9 separates the
+    /// others, and 5 is in the middle; with group 2, its slip with score 4 would change the threshold.
     #[test]
-    fn a_threshold_is_chosen_without_its_own_group() {
+    fn a_threshold_does_not_depend_on_its_group() {
         let outcome = score(&samples(&[
             (0, false, 1.0),
             (1, true, 9.0),
@@ -312,7 +316,7 @@ mod tests {
     }
 
     #[test]
-    fn what_cannot_be_known_is_not_said() {
+    fn undetermined_results_are_none() {
         let unknown = Labelled {
             group: 0,
             slip: true,
@@ -331,7 +335,7 @@ mod tests {
         assert_eq!(one_group.accuracy, None);
         assert_eq!(one_group.auc.unwrap().mean, 1.0);
         assert_eq!(score(&[]).confusion, Confusion::default());
-        // All slips: never wrong with "always".
+        // All labels are slips, so "always" has no errors.
         let all = score(&samples(&[(0, true, 1.0), (1, true, 2.0)]));
         assert_eq!((all.auc, all.confusion.noticed), (None, 2));
     }

@@ -1,21 +1,23 @@
-//! How well a detector does with a threshold that was learnt elsewhere: in simulation, or on another sensor.
+//! Performance of a detector whose threshold was chosen on other data, such as simulations or another sensor.
 
 use super::outcome::{Judged, Labelled, best_threshold, judge, known};
 
-/// How a detector does on some recordings with what others taught it.
+/// Performance of a detector on recordings with thresholds from other data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Transfer {
-    /// The threshold that the others alone choose; infinite where "always" or "never" is best on them.
+    /// Threshold chosen on the other data; infinite if one class is always the best answer there.
     pub threshold: f64,
-    /// With that threshold.
+    /// Classification with that threshold.
     pub alone: Judged,
-    /// With thresholds that are each chosen on the others and on all other groups together, where both count as much.
+    /// Classification with thresholds that are chosen on the other data and the other groups together, with equal
+    /// total weights.
     pub added: Judged,
 }
 
-/// Judges `samples` by thresholds that `others` choose, alone or with them; none where the detector says nothing of the others.
+/// Classifies `samples` with thresholds chosen on `others` alone, and on both. Returns `None` if `others` have no
+/// scores.
 ///
-/// Groups of `samples` and of `others` have nothing to do with each other.
+/// The group numbers of `samples` and `others` are unrelated.
 pub fn transfer(others: &[Labelled], samples: &[Labelled]) -> Option<Transfer> {
     let (mut taught, mut known) = (known(others), known(samples));
     if taught.is_empty() {
@@ -44,9 +46,10 @@ mod tests {
     use super::super::outcome::samples;
     use super::*;
 
-    /// The others part at 5 and call 6 a slip that is none; with the samples' own groups, whose 6 is none twice, it is 7.5.
+    /// The others are separated at 5 and contain a non-slip with score 6. Together with the samples' other groups,
+    /// which contain two such non-slips, the threshold is 7.5.
     #[test]
-    fn others_choose_the_threshold_alone_or_with_other_groups() {
+    fn thresholds_are_chosen_on_other_data_alone_or_combined() {
         let others = samples(&[(0, false, 4.0), (1, true, 6.0), (2, true, 9.0)]);
         let own = samples(&[
             (0, false, 6.0),
@@ -68,7 +71,7 @@ mod tests {
     }
 
     #[test]
-    fn others_of_which_nothing_is_said_choose_none() {
+    fn no_threshold_without_scores() {
         let unknown = Labelled {
             group: 0,
             slip: true,

@@ -1,33 +1,33 @@
-//! Contact of one element at one place: displacement of its tip against where it touched first.
+//! Contacts of single elements: displacement of the tip relative to the first contact.
 
 use super::trace::{FingerTrace, Row};
 use feeler::control::task::probe::Step;
 use glam::{DMat3, DVec3};
 
-/// Control steps over which the rate of the displacement is taken, to either side.
+/// Half width of the window for the rate of the displacement, in control steps.
 const RATE_ROWS: usize = 2;
 
 /// One sample of a touching element.
 #[derive(Debug, Clone, Copy)]
 pub struct Sample {
-    /// Step of the routine.
+    /// Step of the probing routine.
     pub step: Step,
-    /// Displacement of the undeformed tip since the first contact, m, in the element's frame.
+    /// Displacement of the undeformed tip since the first contact, in the element's frame (m).
     pub moved: DVec3,
-    /// Rate of that displacement, m/s.
+    /// Rate of the displacement (m/s).
     pub rate: DVec3,
-    /// Force on the element, N, in its frame; see [`TactileFrame`](feeler::sensor::reading::TactileFrame).
+    /// Force on the element in its frame (N); see [`TactileFrame`](feeler::sensor::reading::TactileFrame).
     pub force: DVec3,
 }
 
-/// The samples of one element at one place, up to the end of easing: it sticks.
+/// Samples of one element at one place while it sticks, until the end of [`Step::Ease`].
 #[derive(Debug, Clone)]
 pub struct Contact {
-    /// In order of time.
+    /// Samples in chronological order.
     pub samples: Vec<Sample>,
 }
 
-/// Whether an element sticks in `step`.
+/// Returns `true` if elements stick in `step`.
 fn sticks(step: Step) -> bool {
     matches!(
         step,
@@ -35,8 +35,8 @@ fn sticks(step: Step) -> bool {
     )
 }
 
-/// Every contact of a finger in which an element was pressed with at least `force`, N, with the samples above a third of that. A tip of radius
-/// `tip_radius`, m, rolls on the object as the fingertip turns.
+/// Finds all contacts of a finger in which an element was pressed with at least `force` (N). Each contact contains the
+/// samples above a third of that force. `tip_radius` (m) accounts for the rolling of the tip as the fingertip turns.
 pub fn contacts(trace: &FingerTrace, force: f64, tip_radius: f64) -> Vec<Contact> {
     let mut contacts = Vec::new();
     let places = trace.rows.iter().map(|row| row.place).max().unwrap_or(0);
@@ -71,7 +71,7 @@ fn samples(
     let displacement = |row: &Row| {
         let moved = row.tip(&trace.layout, element) - reference.tip(&trace.layout, element);
         let turn = rotation_vector(row.pose.rotation * reference.pose.rotation.transpose());
-        // The object's outward normal is about against the approach.
+        // The object's outward normal is approximately opposite to the approach.
         let rolled = tip_radius * turn.cross(-trace.approach);
         let frame = row.pose.rotation * trace.layout.elements[element].rotation;
         frame.transpose() * (moved - rolled)
@@ -92,7 +92,7 @@ fn samples(
         .collect()
 }
 
-/// Rotation vector of a small rotation, rad.
+/// Rotation vector of a small rotation (rad).
 fn rotation_vector(rotation: DMat3) -> DVec3 {
     let (x, y, z) = (rotation.x_axis, rotation.y_axis, rotation.z_axis);
     0.5 * DVec3::new(y.z - z.y, z.x - x.z, x.y - y.x)

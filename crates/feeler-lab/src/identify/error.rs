@@ -1,42 +1,42 @@
-//! Reasons why a hand was not identified.
+//! Errors of the identification of a hand.
 
 use super::estimate::EstimateError;
 use crate::config::ConfigError;
 use crate::experiment::ExperimentError;
 use feeler::control::stop_reason::StopReason;
 
-/// Reason why a hand was not identified.
+/// Error of the identification of a hand.
 #[derive(Debug, thiserror::Error)]
 pub enum IdentifyError {
-    /// The experiment has no rectangle to probe along.
+    /// The experiment has no path to probe along.
     #[error(
-        "expected an experiment with [task.screw] or [task.probe], which give each finger's home, approach and stroke; found [task.{task}]"
+        "expected an experiment with [task.screw] or [task.probe], which define the home, approach and stroke of each finger; got [task.{task}]"
     )]
     NoRectangle {
         /// Task of the experiment.
         task: &'static str,
     },
-    /// The experiment with the probe in place of its task is invalid.
+    /// The experiment is invalid with the probe in place of its task.
     #[error(transparent)]
     Config(#[from] ConfigError),
-    /// The probing run could not be set up or continue.
+    /// The probing run could not be set up, or failed.
     #[error(transparent)]
     Experiment(#[from] ExperimentError),
-    /// The hand stopped before the routine was over.
-    #[error("the hand stopped before the probe was over: {reason}")]
+    /// The hand stopped before the routine was complete.
+    #[error("the hand stopped before the probe was complete: {reason}")]
     Stopped {
-        /// Reason of the stop.
+        /// Reason for the stop.
         reason: StopReason,
     },
-    /// The time limit of the experiment ended the run.
+    /// The run reached the time limit of the experiment.
     #[error(
-        "the probe was not over at the experiment's time_limit = {limit} s; expected a limit of 30 s or more"
+        "the probe was not complete at the experiment's time_limit = {limit} s; set it to 30 s or more"
     )]
     TimeOver {
-        /// The limit, s.
+        /// The limit (s).
         limit: f64,
     },
-    /// A quantity cannot be estimated from the run.
+    /// The run does not determine a quantity.
     #[error(transparent)]
     Estimate(#[from] EstimateError),
 }

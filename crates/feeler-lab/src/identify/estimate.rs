@@ -1,4 +1,4 @@
-//! From the trace of a probing run to estimates with intervals.
+//! Estimates of all quantities with intervals, from the trace of a probing run.
 
 use super::contact::{Contact, contacts};
 use super::friction::{Friction, Slide, friction, slides};
@@ -11,17 +11,17 @@ use super::trace::{FingerTrace, Trace};
 use super::warnings::warnings;
 use feeler::control::feeler_shape::Stiffness;
 
-/// Half the width of a 95 % interval, in standard deviations.
+/// Half width of a 95 % interval in standard deviations.
 const NORMAL: f64 = 1.96;
-/// Noise by which a force must exceed zero to be that of a touching element, in standard deviations, and the least such force, N.
+/// Threshold of a touching element's force: a multiple of the noise in standard deviations, and a minimum (N).
 const TOUCHES: f64 = 6.0;
 const LEAST_TOUCH: f64 = 0.06;
 
-/// Number of times that forces and poses are aligned: the fit shows a delay to first order only.
+/// Number of alignments of forces and poses. They are iterated because the fit is accurate to first order in the delay.
 const ALIGNMENTS: usize = 3;
 
-// Errors of the models, calibrated on plausible simulated hands: factors on standard deviations, and deviations that no
-// averaging reduces.
+// Model errors, calibrated on plausible simulated hands: factors on standard deviations, and systematic deviations that
+// averaging does not reduce.
 const NORMAL_STIFFNESS: f64 = 0.006;
 const SHEAR_STIFFNESS: f64 = 0.0085;
 const HYSTERESIS: (f64, f64) = (1.0, 0.0003);
@@ -35,34 +35,34 @@ const RADIUS: f64 = 1.0;
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 #[error("{what} cannot be estimated: {reason}")]
 pub struct EstimateError {
-    /// The quantity, with its finger.
+    /// The quantity and the finger.
     pub what: String,
-    /// What the run lacks, and what to do.
+    /// The missing data and advice.
     pub reason: &'static str,
 }
 
-/// What was fitted to a trace, for plots.
+/// Fits to a trace, for plots.
 #[derive(Debug, Clone)]
 pub struct Fits {
     /// Circle through the tips.
     pub(super) circle: Circle,
-    /// The fingers, in order.
+    /// Fits of each finger.
     pub(super) fingers: Vec<FingerFits>,
 }
 
-/// What was fitted to the trace of a finger.
+/// Fits to the trace of one finger.
 #[derive(Debug, Clone)]
 pub(super) struct FingerFits {
-    /// Intervals in which an element sticks to the object.
+    /// Periods in which an element sticks to the object.
     pub contacts: Vec<Contact>,
-    /// Slides, one for each place.
+    /// Slides, one per place.
     pub slides: Vec<Slide>,
 }
 
-/// Estimates all quantities of the probing run `trace` of `experiment` with `seed`.
+/// Estimates all quantities from the probing run `trace` of `experiment` with `seed`.
 ///
 /// # Errors
-/// If the run does not determine one of them.
+/// If the run does not determine a quantity.
 pub fn estimate(
     trace: &Trace,
     experiment: &str,
@@ -78,7 +78,7 @@ pub fn estimate(
         .collect();
     let circle = circle(&touching).ok_or(EstimateError {
         what: "the pivot".to_string(),
-        reason: "too few elements touched; expected a round object between the fingers, as wide as the probe's spacing or more",
+        reason: "too few elements touched; expected a round object between the fingers that is at least as wide as the probe's spacing",
     })?;
     let (mut finger, mut fingers) = (Vec::new(), Vec::new());
     for (index, pressed) in pressed.iter().enumerate() {
@@ -106,16 +106,16 @@ pub fn estimate(
     Ok((identified, fits))
 }
 
-/// Force above which an element counts as touching, N, from the standard deviation of the `noise`, N.
+/// Force above which an element counts as touching (N), from the standard deviation of the `noise` (N).
 pub fn least_touch(noise: f64) -> f64 {
     (TOUCHES * noise).max(LEAST_TOUCH)
 }
 
-/// What one finger shows without the other ones.
+/// Results of one finger that do not depend on the others.
 struct Pressed {
-    /// Intervals in which an element sticks to the object.
+    /// Periods in which an element sticks to the object.
     contacts: Vec<Contact>,
-    /// The trace with the forces at the poses that they belong to.
+    /// The trace with forces aligned to the poses at which they were measured.
     aligned: FingerTrace,
     noise: Measured,
     contact: ContactFit,
@@ -136,7 +136,7 @@ impl Pressed {
             )
         })?;
         let drive =
-            drive_lag(own).ok_or_else(|| missing("the lag", "the drives were given no command"))?;
+            drive_lag(own).ok_or_else(|| missing("the lag", "the drives received no commands"))?;
         let [smallest, largest] = trace.probe.tip_radius;
         let force = (3.0 * least_touch(noise.value)).min(0.5 * trace.probe.press_force);
         let mut aligned = own.clone();
@@ -155,7 +155,7 @@ impl Pressed {
             fitted = Some((fit, contacts));
         }
         let (contact, contacts) =
-            fitted.ok_or_else(|| missing("the contact stiffness", "nothing was fitted"))?;
+            fitted.ok_or_else(|| missing("the contact stiffness", "no fit was made"))?;
         Ok(Self {
             noise,
             contact,
@@ -204,7 +204,8 @@ impl Pressed {
     }
 }
 
-/// Pivot and radius from the circle on which the centres of rounded tips lie, whose own radius is between two ends, m.
+/// Pivot and radius from the circle through the centres of the rounded tips. The radius of the tips is between two
+/// bounds (m).
 fn object(circle: &Circle, [smallest, largest]: [f64; 2]) -> ObjectEstimates {
     let method = "circle through pressed tips";
     let tip = 0.5 * (smallest + largest);
@@ -213,9 +214,9 @@ fn object(circle: &Circle, [smallest, largest]: [f64; 2]) -> ObjectEstimates {
     let mut radius = interval(
         radius,
         (RADIUS, 0.0),
-        "circle through pressed tips, less the tip's radius",
+        "circle through pressed tips minus the tip radius",
     );
-    // Any tip radius between both ends is as likely as any other.
+    // The tip radius is uniformly distributed between its bounds.
     let half = (0.5 * 0.95 * (largest - smallest)).hypot(0.5 * (radius.high - radius.low));
     (radius.low, radius.high) = (radius.value - half, radius.value + half);
     ObjectEstimates {
@@ -225,7 +226,8 @@ fn object(circle: &Circle, [smallest, largest]: [f64; 2]) -> ObjectEstimates {
     }
 }
 
-/// The 95 % interval of a quantity whose standard deviation is `factor` times the measured one, and `floor` beside that.
+/// Returns the 95 % interval of a quantity. Its standard deviation is the measured one times `factor`, combined with
+/// `floor`.
 fn interval(measured: Measured, (factor, floor): (f64, f64), method: &str) -> Estimate {
     let half = NORMAL * (factor * measured.deviation).hypot(floor);
     Estimate {
@@ -236,7 +238,8 @@ fn interval(measured: Measured, (factor, floor): (f64, f64), method: &str) -> Es
     }
 }
 
-/// An estimate of what cannot be negative. Where noise makes it so, its interval begins at 0 and stays half as wide.
+/// Restricts the estimate of a non-negative quantity. If noise makes the value negative, the interval begins at 0 and
+/// keeps half its width.
 fn from_zero(estimate: Estimate) -> Estimate {
     let half = estimate.high - estimate.value;
     let value = estimate.value.max(0.0);
@@ -253,7 +256,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn an_interval_is_of_both_deviations() {
+    fn an_interval_combines_both_deviations() {
         let measured = Measured {
             value: 5.0,
             deviation: 0.3,
@@ -271,7 +274,7 @@ mod tests {
     }
 
     #[test]
-    fn the_objects_radius_is_less_by_the_tips() {
+    fn the_tip_radius_is_subtracted_from_the_object_radius() {
         let exact = |value| Measured {
             value,
             deviation: 0.0,

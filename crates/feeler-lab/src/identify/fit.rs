@@ -2,11 +2,11 @@
 
 use glam::{DMat3, DVec3};
 
-/// Greatest standard deviation of the first coefficient, relative to it, of a stretch that shows it at all.
+/// Maximum relative standard deviation of the first coefficient with which a stretch is used.
 const EXCITED: f64 = 0.2;
 
-/// Samples of one stretch of a run: rows of up to three regressors, and the value that they explain but for a constant of the
-/// stretch.
+/// Samples of a section of a run: rows of up to three regressors and the dependent value, which has an unknown
+/// constant offset in each stretch.
 #[derive(Debug, Clone, Default)]
 pub struct Stretch {
     rows: Vec<(DVec3, f64)>,
@@ -22,7 +22,7 @@ impl Stretch {
         self.rows.len()
     }
 
-    /// The samples about their mean.
+    /// Samples relative to their mean.
     fn centred(&self) -> impl Iterator<Item = (DVec3, f64)> {
         let count = self.rows.len().max(1) as f64;
         let sum = self.rows.iter().fold((DVec3::ZERO, 0.0), |sum, sample| {
@@ -35,20 +35,20 @@ impl Stretch {
     }
 }
 
-/// Coefficients of a fit.
+/// Result of a fit.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Fit {
     /// The coefficients.
     pub coefficients: DVec3,
-    /// Their standard deviations if the residuals are independent.
+    /// Standard deviations of the coefficients, for independent residuals.
     pub deviations: DVec3,
     /// Standard deviation of the residuals.
     pub residual: f64,
 }
 
 impl Fit {
-    /// Fits those of `stretches` together that fit alone: whose residual is at most twice that of the best one. An element that
-    /// slips stands out.
+    /// Fits those of `stretches` together whose separate fits have a residual of at most twice the smallest one. This
+    /// excludes elements that slip. Also returns the stretches used.
     pub fn of_consistent(stretches: Vec<Stretch>, used: usize) -> Option<(Self, Vec<Stretch>)> {
         let alone = stretches.into_iter().filter_map(|stretch| {
             let fit = Self::of(std::slice::from_ref(&stretch), used)?;
@@ -67,7 +67,8 @@ impl Fit {
         Some((Self::of(&kept, used)?, kept))
     }
 
-    /// Fits all `stretches` together, with the first `used` regressors; `None` if they do not determine the coefficients.
+    /// Fits all `stretches` together with the first `used` regressors. Returns `None` if they do not determine the
+    /// coefficients.
     pub fn of(stretches: &[Stretch], used: usize) -> Option<Self> {
         let (mut normal, mut right) = (DMat3::ZERO, DVec3::ZERO);
         let (mut squares, mut count) = (0.0, 0.0);
@@ -89,7 +90,7 @@ impl Fit {
         }
         let freedom = count - used as f64;
         let scale = normal.x_axis.x * normal.y_axis.y * normal.z_axis.z;
-        // Relative to regressors that are independent of each other.
+        // The determinant is compared with its value for uncorrelated regressors.
         if !(freedom > 0.0 && normal.determinant() > 1e-9 * scale && scale > 0.0) {
             return None;
         }
@@ -109,7 +110,7 @@ impl Fit {
 mod tests {
     use super::*;
 
-    /// A stretch of `y = 3 a - 2 b + 0.5 c + constant` with regressors that are independent of each other.
+    /// Samples of `y = 3 a - 2 b + 0.5 c + constant` with uncorrelated regressors.
     fn stretch(constant: f64) -> Stretch {
         let mut stretch = Stretch::default();
         for index in 0..40 {
@@ -121,7 +122,7 @@ mod tests {
     }
 
     #[test]
-    fn coefficients_of_exact_samples_are_exact_whatever_the_constants() {
+    fn exact_samples_give_exact_coefficients_for_any_constant() {
         let fit = Fit::of(&[stretch(1.0), stretch(-7.0)], 3).expect("a fit");
         let expected = DVec3::new(3.0, -2.0, 0.5);
         assert!((fit.coefficients - expected).length() < 1e-9, "{fit:?}");
@@ -129,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn regressors_that_do_not_vary_determine_nothing() {
+    fn constant_regressors_are_rejected() {
         let mut flat = Stretch::default();
         for index in 0..10 {
             flat.add(DVec3::X, f64::from(index));
@@ -139,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stretch_that_does_not_fit_is_left_out() {
+    fn an_inconsistent_stretch_is_excluded() {
         let mut slipped = stretch(0.0);
         for (_, value) in &mut slipped.rows[20..] {
             *value -= 30.0;

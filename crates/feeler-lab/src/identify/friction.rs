@@ -1,4 +1,4 @@
-//! Friction: the ratio of shear and normal force while a finger slides along the object's axis.
+//! Friction coefficients from the ratio of shear to normal force while a finger slides along the object's axis.
 
 use super::noise::Measured;
 use super::pivot::{Circle, pushed_tip};
@@ -6,34 +6,35 @@ use super::trace::{FingerTrace, Row};
 use feeler::control::feeler_shape::Stiffness;
 use feeler::control::task::probe::Step;
 
-/// Coefficients of friction of one finger's elements.
+/// Friction coefficients of one finger's elements.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Friction {
-    /// While an element sticks.
+    /// Coefficient while an element sticks.
     pub static_friction: Measured,
-    /// While it slips.
+    /// Coefficient while an element slips.
     pub kinetic_friction: Measured,
 }
 
-/// A fall of the ratio counts as a slip if it exceeds this many standard deviations of a difference of two samples.
+/// Threshold at which a decrease of the ratio counts as a slip, in standard deviations of one sample.
 const FALL: f64 = 5.0 * std::f64::consts::SQRT_2;
-/// Least number of samples before and after the first slip.
+/// Minimum number of samples before and after the first slip.
 const LEAST_SAMPLES: usize = 8;
 
-/// Ratio of shear to normal force of one sliding element, sample by sample.
+/// Ratio of shear to normal force of one sliding element over time.
 #[derive(Debug, Clone, Default)]
 pub struct Slide {
-    /// Times since the slide began, s.
+    /// Times since the beginning of the slide (s).
     pub time: Vec<f64>,
-    /// Ratios; negative while the shear force still points along the motion.
+    /// Ratios; negative while the shear force points along the motion.
     pub ratio: Vec<f64>,
     /// Standard deviation of the noise of a ratio.
     pub noise: f64,
-    /// First sample after the first slip.
+    /// Index of the first sample after the first slip.
     pub onset: usize,
 }
 
-/// The slides of a finger, one for each place: of the element that carries most. The forces have the standard deviation `noise`, N.
+/// Extracts the slides of a finger: at each place, that of the element with the largest load. `noise` is the standard
+/// deviation of the forces (N).
 pub fn slides(
     trace: &FingerTrace,
     circle: &Circle,
@@ -72,7 +73,7 @@ fn slide(
         if normal < 2.0 * noise {
             continue;
         }
-        // Friction on the feeler acts against its motion.
+        // Friction on the feeler opposes its motion.
         let shear = force - normal * outward;
         let along = -shear.dot(way);
         let across = (shear.length_squared() - along * along).max(0.0);
@@ -92,9 +93,10 @@ fn slide(
     Some(slide)
 }
 
-/// First sample after the first slip: where a line before it and a constant after it fit best. `None` if the ratio never stops rising.
+/// Finds the first sample after the first slip by fitting a line before it and a constant after it. `None` if the
+/// ratio never stops rising.
 fn onset(ratio: &[f64]) -> Option<usize> {
-    // It falls while what pressing left behind is undone.
+    // The ratio first decreases while the shear left from pressing relaxes.
     let begin = (0..ratio.len()).min_by(|&a, &b| f64::total_cmp(&ratio[a], &ratio[b]))?;
     let rising = &ratio[begin..];
     let latest = rising.len().checked_sub(LEAST_SAMPLES)?;
@@ -104,7 +106,7 @@ fn onset(ratio: &[f64]) -> Option<usize> {
     (at < latest).then_some(begin + at)
 }
 
-/// Sum of squares about the mean, or about a line.
+/// Sum of squared deviations from the mean, or from a fitted line.
 fn misfit(values: &[f64], line: bool) -> f64 {
     let count = values.len() as f64;
     let mean = values.iter().sum::<f64>() / count;
@@ -119,11 +121,11 @@ fn misfit(values: &[f64], line: bool) -> f64 {
     if line { yy - xy * xy / xx } else { yy }
 }
 
-/// Both coefficients from the slides of one finger; `None` if the elements never slid.
+/// Estimates both coefficients from the slides of one finger. Returns `None` if the elements never slid.
 ///
-/// An element sticks and slips in turn: the ratio rises to static friction and falls to kinetic friction. Both coefficients
-/// follow from clear falls. If noise hides these, they follow from mean and variance of the ratio, which rises linearly from one
-/// to the other.
+/// A sliding element alternates between sticking and slipping: the ratio rises to the static coefficient and falls to
+/// the kinetic one. Both are computed from distinct falls, if there are enough. If noise hides the falls, they are
+/// computed from the mean and variance of the ratio, which rises linearly between the two.
 pub fn friction(slides: &[Slide]) -> Option<Friction> {
     let falls = by_falls(slides);
     falls.or_else(|| by_spread(slides))
@@ -147,7 +149,8 @@ fn by_falls(slides: &[Slide]) -> Option<Friction> {
     if before.len() < 3 {
         return None;
     }
-    // A fall is anywhere between two samples: on average the ratio rises by half a sample's share before it, and after it.
+    // A slip occurs between two samples: on average, the ratio rises by half a sample's increment before it and after
+    // it.
     let rise = mean(&rise);
     let (highest, lowest) = (mean(&before) + 0.5 * rise, mean(&after) - 0.5 * rise);
     if highest - lowest < 2.0 * FALL * noise {
@@ -178,7 +181,7 @@ fn by_spread(slides: &[Slide]) -> Option<Friction> {
     }
     let (total, own) = (squares / (count - 1.0), own / count);
     let half = (3.0 * (total - own)).max(0.0).sqrt();
-    // The variance is known to sqrt(2 / count) of itself.
+    // The relative standard error of the variance is sqrt(2 / count).
     let variance = total * (2.0 / count).sqrt();
     let spread = (3.0 * variance)
         .sqrt()
@@ -206,7 +209,7 @@ mod tests {
     use super::*;
     use std::f64::consts::TAU;
 
-    /// A slide that rises by `rise` a sample, sticks up to `highest` and slips back to `lowest`.
+    /// A slide whose ratio rises by `rise` per sample to `highest` and then falls to `lowest`.
     fn sawtooth((highest, lowest, rise): (f64, f64, f64), noise: f64) -> Slide {
         let mut ratio = Vec::new();
         let (mut exact, mut seed) = (-0.1, 0.0_f64);
@@ -215,7 +218,7 @@ mod tests {
             if exact > highest {
                 exact = lowest + (exact - highest) % (highest - lowest);
             }
-            // Gaussian noise by Box and Muller, from a low-discrepancy sequence.
+            // Gaussian noise by the Box-Muller transform of a low-discrepancy sequence.
             seed += 1.0;
             let (u, v) = ((0.618_034 * seed).fract(), (0.754_878 * seed).fract());
             let normal = (-2.0 * (1.0 - u).ln()).sqrt() * (TAU * v).cos();
@@ -230,10 +233,10 @@ mod tests {
     }
 
     #[test]
-    fn clear_falls_show_both_coefficients() {
+    fn distinct_falls_determine_both_coefficients() {
         let slides = [1.2, 1.21].map(|highest| sawtooth((highest, 0.8, 0.013), 0.002));
         let found = friction(&slides).expect("it slides");
-        // A fall is anywhere within a sample's rise.
+        // A slip occurs anywhere within the rise of one sample.
         assert!(
             (found.static_friction.value - 1.205).abs() < 0.013,
             "{found:?}"
@@ -245,7 +248,7 @@ mod tests {
     }
 
     #[test]
-    fn falls_that_noise_hides_show_in_the_spread() {
+    fn the_spread_determines_coefficients_if_noise_hides_falls() {
         let slides = [0.011, 0.013, 0.017].map(|rise| sawtooth((0.9, 0.75, rise), 0.05));
         let found = friction(&slides).expect("it slides");
         let (fixed, sliding) = (found.static_friction, found.kinetic_friction);
@@ -261,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn what_only_rises_does_not_slide() {
+    fn a_rising_ratio_is_not_a_slide() {
         let rising: Vec<_> = (0..200).map(|index| 0.004 * f64::from(index)).collect();
         assert_eq!(onset(&rising), None);
         assert_eq!(friction(&[]), None);

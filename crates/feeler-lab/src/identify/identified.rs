@@ -1,26 +1,26 @@
-//! `identified.toml`: the estimates of a probing run, each with its 95 % interval and method.
+//! The file `identified.toml`: the estimates of a probing run, each with its 95 % interval and method.
 
 use serde::{Deserialize, Serialize};
 
-/// Everything that a probing run estimated.
+/// All estimates of a probing run.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Identified {
-    /// Name of the experiment that was probed.
+    /// Name of the probed experiment.
     pub experiment: String,
     /// Seed of the probing run.
     pub seed: u64,
-    /// Findings that need attention, one sentence each.
+    /// Warnings, one sentence each.
     #[serde(default)]
     pub warnings: Vec<String>,
-    /// The object that the fingers touched.
+    /// Estimates of the touched object.
     pub object: ObjectEstimates,
-    /// The fingers, in the hand's order.
+    /// Estimates of the fingers, in the order of the hand.
     pub finger: Vec<FingerEstimates>,
 }
 
 impl Identified {
-    /// The text of `identified.toml`.
+    /// Returns the text of `identified.toml`.
     ///
     /// # Errors
     /// If a value cannot be written as TOML.
@@ -33,11 +33,11 @@ impl Identified {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ObjectEstimates {
-    /// x of the axis about which the object turns, m, in W.
+    /// x of the axis about which the object turns, in W (m).
     pub pivot_x: Estimate,
-    /// y of that axis, m, in W.
+    /// y of the axis about which the object turns, in W (m).
     pub pivot_y: Estimate,
-    /// Radius of the object where the fingers touch it, m.
+    /// Radius of the object at the contacts (m).
     pub radius: Estimate,
 }
 
@@ -45,11 +45,11 @@ pub struct ObjectEstimates {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FingerEstimates {
-    /// Standard deviation of the noise of one component of an element's force, N.
+    /// Standard deviation of the noise of one component of an element's force (N).
     pub force_noise: Estimate,
-    /// Contact stiffness of an element along its axis, N/m.
+    /// Contact stiffness of an element along its axis (N/m).
     pub normal_stiffness: Estimate,
-    /// Contact stiffness of an element across its axis, N/m.
+    /// Contact stiffness of an element across its axis (N/m).
     pub shear_stiffness: Estimate,
     /// Work lost in a cycle of pressing and releasing, relative to the work of pressing.
     pub hysteresis: Estimate,
@@ -57,9 +57,9 @@ pub struct FingerEstimates {
     pub static_friction: Estimate,
     /// Coefficient of kinetic friction.
     pub kinetic_friction: Estimate,
-    /// Time constant of the drives, first order, s.
+    /// Time constant of the drives, as a first-order lag (s).
     pub servo_lag: Estimate,
-    /// Time from a command to the first change of force, s, without the drives' lag.
+    /// Delay from a command to the first change of force, without the drives' lag (s).
     pub dead_time: Estimate,
 }
 
@@ -67,12 +67,12 @@ pub struct FingerEstimates {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Estimate {
-    /// Best estimate, in SI units.
+    /// Best estimate in SI units.
     pub value: f64,
-    /// Lower end of its 95 % interval.
+    /// Lower end of the 95 % interval.
     pub low: f64,
-    /// Upper end of its 95 % interval.
+    /// Upper end of the 95 % interval.
     pub high: f64,
-    /// How it was estimated, in a few words.
+    /// Method of estimation in a few words.
     pub method: String,
 }

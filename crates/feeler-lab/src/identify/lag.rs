@@ -1,28 +1,29 @@
-//! Lag of the drives: commanded joint velocities against joint angles.
+//! Lag and delay of the drives, from commanded joint velocities and measured joint angles.
 
 use super::noise::Measured;
 use super::trace::FingerTrace;
 use glam::DVec3;
 
-/// Duration of the stretches in which the model's joint angles have an offset of their own, s: a drive may drift.
+/// Duration of the sections in which the modelled joint angles have separate offsets (s), to allow for drift of a
+/// drive.
 const STRETCH: f64 = 1.0;
-/// Greatest lag and delay that are tried, s.
+/// Maximum lag and delay considered (s).
 const MOST_LAG: f64 = 0.2;
 const MOST_DELAY: f64 = 0.1;
 const LEAST_LAG: f64 = 1e-4;
-/// Accuracy of the search for the least cost, s.
+/// Accuracy of the minimisation (s).
 const ACCURACY: f64 = 5e-5;
 
 /// Lag and delay of a finger's drives.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct DriveLag {
-    /// Time constant, first order, s.
+    /// First-order time constant (s).
     pub lag: Measured,
-    /// Delay from a command to the begin of motion, s.
+    /// Delay from a command to the beginning of the motion (s).
     pub delay: Measured,
 }
 
-/// Joint velocity and angle of a first-order drive.
+/// State of a first-order drive.
 #[derive(Debug, Clone, Copy, Default)]
 struct Drive {
     velocity: DVec3,
@@ -30,7 +31,7 @@ struct Drive {
 }
 
 impl Drive {
-    /// Follows the velocity `command` for `time`, exactly, with the time constant `lag`.
+    /// Advances by `time` under a constant velocity `command`, exactly, with the time constant `lag`.
     fn follow(&mut self, command: DVec3, time: f64, lag: f64) {
         let decay = (-time / lag).exp();
         let behind = self.velocity - command;
@@ -39,7 +40,7 @@ impl Drive {
     }
 }
 
-/// Joint angles less those of the model, m about their mean in each stretch; flat over rows and joints.
+/// Measured minus modelled joint angles (rad), relative to their mean in each section; flattened over rows and joints.
 fn residuals(trace: &FingerTrace, lag: f64, delay: f64) -> Vec<f64> {
     let rows = &trace.rows;
     let mut drive = Drive::default();
@@ -54,7 +55,7 @@ fn residuals(trace: &FingerTrace, lag: f64, delay: f64) -> Vec<f64> {
             break;
         };
         let period = next.time - row.time;
-        // For the first part of the period the older command is still effective.
+        // During the first part of the period, the previous command is still effective.
         let back = (delay / period) as usize;
         let older = delay - back as f64 * period;
         drive.follow(command_at(index, back + 1), older, lag);
@@ -76,7 +77,7 @@ fn squares(residuals: &[f64]) -> f64 {
     residuals.iter().map(|r| r * r).sum()
 }
 
-/// Estimates lag and delay by least squares; `None` if the drives hardly moved.
+/// Estimates lag and delay by least squares. Returns `None` if the drives hardly moved.
 pub fn drive_lag(trace: &FingerTrace) -> Option<DriveLag> {
     let moved = trace.rows.iter().any(|row| row.command.length() > 1e-3);
     if !moved {
@@ -100,7 +101,7 @@ pub fn drive_lag(trace: &FingerTrace) -> Option<DriveLag> {
     })
 }
 
-/// Argument of the least value of `cost` between two ends, by golden section: there is one valley.
+/// Minimises the unimodal function `cost` between two bounds by golden-section search.
 fn least_of((mut low, mut high): (f64, f64), cost: impl Fn(f64) -> f64) -> f64 {
     const GOLDEN: f64 = 0.618_033_988_749_894_9;
     let inner = |low: f64, high: f64| (high - GOLDEN * (high - low), low + GOLDEN * (high - low));
@@ -120,7 +121,7 @@ fn least_of((mut low, mut high): (f64, f64), cost: impl Fn(f64) -> f64) -> f64 {
     0.5 * (low + high)
 }
 
-/// Shape of the cost about a lag and a delay.
+/// Curvature of the cost at the estimated lag and delay.
 struct Curvature {
     /// Standard deviations of lag and delay at the minimum.
     deviations: (f64, f64),
@@ -157,7 +158,7 @@ mod tests {
     use feeler::control::task::probe::Step;
     use feeler::sensor::layout::{ElementLayout, LayoutConfig};
 
-    /// Joints that follow changing commands, in steps of a tenth of a millisecond, with this lag and delay.
+    /// Joint angles that follow changing commands with the given lag and delay, computed in steps of 0.1 ms.
     fn trace(lag: f64, delay: f64) -> FingerTrace {
         let command_at = |time: f64| match time {
             time if time < 0.0 => DVec3::ZERO,
@@ -182,7 +183,7 @@ mod tests {
                 forces: Vec::new(),
             });
             for part in 0..100 {
-                // Commands change at control steps only.
+                // Commands change only at control steps.
                 let since = time + 1e-4 * f64::from(part) + 5e-5 - delay;
                 drive.follow(command_at((since / 0.01).floor() * 0.01), 1e-4, lag);
             }
@@ -199,7 +200,7 @@ mod tests {
     fn lag_and_delay_of_exact_joints_are_found() {
         for (lag, delay) in [(0.003, 0.0), (0.03, 0.0), (0.012, 0.017)] {
             let found = drive_lag(&trace(lag, delay)).expect("it moves");
-            // The search ends within 0.05 ms; lag and delay replace each other in part.
+            // The search ends within 0.05 ms, and lag and delay are correlated.
             assert!(
                 (found.lag.value - lag).abs() < 3e-4,
                 "{lag} {delay} {found:?}"
@@ -212,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn a_finger_that_rests_has_no_lag() {
+    fn a_finger_at_rest_has_no_lag() {
         let mut trace = trace(0.01, 0.0);
         for row in &mut trace.rows {
             row.command = DVec3::ZERO;

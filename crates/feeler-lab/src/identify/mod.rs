@@ -1,7 +1,7 @@
-//! Identification of a hand by touch: what a probing run says about fingertips, drives and object.
+//! Identification of a hand by touch: estimates the properties of fingertips, drives and object from a probing run.
 //!
-//! [`probing`] puts a probe in place of an experiment's task, [`probe`] runs it in the simulator, and [`estimate`] turns the
-//! recorded forces, joint angles and commands into estimates. Estimation uses nothing that a real hand lacks.
+//! [`probing`] replaces an experiment's task by a probe, [`probe`] runs it in the simulator, and [`estimate`] computes
+//! estimates from the recorded forces, joint angles and commands. Estimation uses only data that a real hand provides.
 
 mod contact;
 mod error;

@@ -1,20 +1,21 @@
-//! Noise of the forces, while nothing touches.
+//! Noise of the forces without contact.
 
 use super::trace::FingerTrace;
 use feeler::control::task::probe::Step;
 
-/// Mean and its standard deviation.
+/// A measured value with its standard deviation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Measured {
     /// Best estimate.
     pub value: f64,
-    /// Its standard deviation.
+    /// Standard deviation of the estimate.
     pub deviation: f64,
 }
 
-/// Standard deviation of the noise of one component of an element's force, N; `None` with fewer than ten frames at rest.
+/// Standard deviation of the noise of one component of an element's force (N). `None` if there are fewer than ten
+/// frames at rest.
 ///
-/// The variance of each component of each element about its mean, averaged over all of them. The spread of these variances gives
+/// The variances of all components of all elements about their means are averaged. The spread of the variances gives
 /// the standard deviation of the average.
 pub fn force_noise(trace: &FingerTrace) -> Option<Measured> {
     let rest: Vec<_> = trace
@@ -66,7 +67,7 @@ mod tests {
                 command: DVec3::ZERO,
                 joints: DVec3::ZERO,
                 pose: FingertipPose::default(),
-                // Each element with an offset of its own, which is no noise.
+                // The different offsets of the elements do not count as noise.
                 forces: (0..layout.elements.len())
                     .map(|element| DVec3::splat(noise + 0.1 * element as f64))
                     .collect(),
@@ -81,15 +82,15 @@ mod tests {
     }
 
     #[test]
-    fn noise_is_the_deviation_about_each_elements_mean() {
+    fn noise_is_relative_to_each_elements_mean() {
         let noise = force_noise(&trace(100)).expect("a noise");
-        // All deviate by 3 mN: of 100 samples, the unbiased variance is 100/99 of that.
+        // All values deviate by 3 mN; the unbiased variance of 100 samples is 100/99 of 3 mN squared.
         assert!((noise.value - 0.003 * (100.0_f64 / 99.0).sqrt()).abs() < 1e-12);
         assert!(noise.deviation < 1e-12, "{noise:?}");
     }
 
     #[test]
-    fn few_frames_say_nothing() {
+    fn few_frames_give_no_estimate() {
         assert_eq!(force_noise(&trace(9)), None);
     }
 }

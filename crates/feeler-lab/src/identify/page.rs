@@ -1,4 +1,4 @@
-//! What `identify.html` shows of a probing run.
+//! Content of the page `identify.html` about a probing run.
 
 use super::contact::Contact;
 use super::estimate::Fits;
@@ -6,7 +6,7 @@ use super::identified::{Estimate, Identified};
 use feeler::control::task::probe::Step;
 use feeler_report::identify_page::{EstimateRow, FingerProbes, IdentifyPage};
 
-/// The page of `identified`, with the probes that `fits` were made of.
+/// Builds the page of `identified` with plots of `fits`.
 pub fn page(identified: &Identified, fits: &Fits) -> IdentifyPage {
     let circle = &fits.circle;
     IdentifyPage {
@@ -85,7 +85,7 @@ fn probes(identified: &Identified, fits: &Fits, index: usize) -> FingerProbes {
         .max_by(|a, b| force(a).total_cmp(&force(b)));
     let samples = contact.map_or(&[][..], |contact| &contact.samples);
     let sheared = |step: Step| matches!(step, Step::Shear | Step::ShearBack);
-    // Of both components the one that is sheared more.
+    // Plot the component with the larger shear.
     let most = |axis: usize| -> f64 {
         let own = samples.iter().filter(|sample| sheared(sample.step));
         let (low, high) = own.fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), sample| {

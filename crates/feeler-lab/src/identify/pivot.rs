@@ -1,4 +1,4 @@
-//! Pivot and radius of the object: a circle through the tips of the touching elements.
+//! Pivot and radius of the object, from a circle through the tips of the touching elements.
 
 use super::noise::Measured;
 use super::trace::FingerTrace;
@@ -7,32 +7,32 @@ use feeler::control::task::probe::Step;
 use glam::{DMat3, DVec2, DVec3};
 use std::collections::BTreeMap;
 
-/// Least number of contacts that determine a circle.
+/// Minimum number of contacts for fitting a circle.
 const LEAST_CONTACTS: usize = 5;
-/// Standard deviation of a contact's place that is assumed at least, m.
+/// Minimum assumed standard deviation of a contact's position (m).
 const LEAST_DEVIATION: f64 = 2e-5;
 
-/// Circle on which the centres of the rounded tips lie, along the object's axis.
+/// Circle through the centres of the rounded tips, in the plane perpendicular to the object's axis.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Circle {
-    /// Its centre, m, x and y in W.
+    /// x of the centre in W (m).
     pub x: Measured,
-    /// See `x`.
+    /// y of the centre in W (m).
     pub y: Measured,
-    /// Its radius, m.
+    /// Radius (m).
     pub radius: Measured,
-    /// The contacts that it was fitted to, m, x and y in W, by finger.
+    /// Fitted contacts: index of the finger, and position in the x-y plane of W (m).
     pub points: Vec<(usize, DVec2)>,
 }
 
 impl Circle {
-    /// Its centre, m, x and y in W.
+    /// Centre in the x-y plane of W (m).
     pub fn centre(&self) -> DVec2 {
         DVec2::new(self.x.value, self.y.value)
     }
 }
 
-/// Tip of `element` where the force on it has pushed it, m, in W.
+/// Tip of `element`, displaced by the force on it, in W (m).
 pub fn pushed_tip(trace: &FingerTrace, row: usize, element: usize, stiffness: Stiffness) -> DVec3 {
     let row = &trace.rows[row];
     let force = row.forces[element];
@@ -40,7 +40,7 @@ pub fn pushed_tip(trace: &FingerTrace, row: usize, element: usize, stiffness: St
     row.tip(&trace.layout, element) + frame * stiffness.displacement(force)
 }
 
-/// The mean tip of each contact: of one element at one place.
+/// Mean tip position of each contact, that is, of each element at each place.
 fn contact_points(
     (finger, trace): (usize, &FingerTrace),
     stiffness: Stiffness,
@@ -61,10 +61,11 @@ fn contact_points(
     means.map(|(sum, count)| (finger, sum / count)).collect()
 }
 
-/// Fits the circle to the contacts of all fingers that are pressed with at least `least`, N; `None` if they do not determine it.
+/// Fits a circle to the contacts of all fingers that are pressed with at least the given force (N). Returns `None` if
+/// they do not determine a circle.
 ///
-/// Algebraic fit first, then the geometric one by Gauss and Newton. Each contact is one observation, as the errors of its
-/// samples are not independent.
+/// An algebraic fit is refined by a geometric one with the Gauss-Newton method. Each contact is one observation
+/// because the errors of its samples are correlated.
 pub fn circle(fingers: &[(&FingerTrace, Stiffness, f64)]) -> Option<Circle> {
     let points: Vec<(usize, DVec2)> = fingers
         .iter()
@@ -76,7 +77,7 @@ pub fn circle(fingers: &[(&FingerTrace, Stiffness, f64)]) -> Option<Circle> {
     fit_circle(points)
 }
 
-/// Fits a circle to `points`, each with its finger; see [`circle`].
+/// Fits a circle to `points`, each with the index of its finger; see [`circle`].
 pub fn fit_circle(points: Vec<(usize, DVec2)>) -> Option<Circle> {
     if points.len() < LEAST_CONTACTS {
         return None;
@@ -135,7 +136,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn points_on_a_circle_give_it_back() {
+    fn points_on_a_circle_are_fitted_exactly() {
         let centre = DVec2::new(0.0003, -0.0002);
         let on = |finger: usize, angle: f64| {
             (
@@ -152,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn points_on_a_line_give_no_circle() {
+    fn points_on_a_line_do_not_determine_a_circle() {
         let points = (0..6).map(|index| (0, DVec2::new(0.001 * f64::from(index), 0.0)));
         assert_eq!(fit_circle(points.collect()), None);
         assert_eq!(fit_circle(Vec::new()), None);

@@ -1,4 +1,4 @@
-//! From an experiment to the probing run of its hand.
+//! Set-up and simulation of probing runs.
 
 use super::IdentifyError;
 use super::trace::Trace;
@@ -9,11 +9,11 @@ use feeler::control::phase::Phase;
 use feeler::control::task::TaskConfig;
 use feeler::control::task::probe::ProbeConfig;
 
-/// The experiment with a probe along the rectangles of its screw task in place of the task. An experiment whose task is a probe
-/// already stays as it is.
+/// Replaces the screw task of an experiment by a probe along the same paths. An experiment whose task is already a
+/// probe is returned unchanged.
 ///
 /// # Errors
-/// If it has another task, or the probe does not suit it.
+/// If the experiment has another task, or the resulting experiment is invalid.
 pub fn probing(experiment: &Experiment) -> Result<Experiment, IdentifyError> {
     let config = &experiment.config;
     let screw = match &config.task {
@@ -33,10 +33,10 @@ pub fn probing(experiment: &Experiment) -> Result<Experiment, IdentifyError> {
     Ok(experiment.with_config(probing)?)
 }
 
-/// Probes the simulated hand of `experiment`, whose task is that of [`probing`].
+/// Simulates a probing run of `experiment`, which [`probing`] returned.
 ///
 /// # Errors
-/// If the run cannot be set up, or the hand stopped before the routine was over.
+/// If the run cannot be set up, fails, or stops before the routine is complete.
 pub fn probe(experiment: &Experiment) -> Result<Trace, IdentifyError> {
     let config = &experiment.config;
     let probe = probe_of(config)?;

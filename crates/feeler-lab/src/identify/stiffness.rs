@@ -1,4 +1,4 @@
-//! Contact stiffness, hysteresis and delay of the forces: slopes of force over displacement while elements stick.
+//! Contact stiffness, hysteresis and delay of the forces, from force over displacement while elements stick.
 
 use super::contact::{Contact, Sample};
 use super::fit::{Fit, Stretch};
@@ -6,23 +6,24 @@ use super::noise::Measured;
 use feeler::control::task::probe::Step;
 use glam::DVec3;
 
-/// What pressing, releasing and shearing show of one finger's elements.
+/// Contact properties of one finger's elements.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ContactFit {
-    /// Stiffness along the element's axis, N/m.
+    /// Stiffness along the element's axis (N/m).
     pub normal: Measured,
-    /// Stiffness across it, N/m.
+    /// Stiffness across the element's axis (N/m).
     pub shear: Measured,
     /// Work lost in a cycle, relative to the work of pressing.
     pub hysteresis: Measured,
-    /// Delay of the forces behind the joint angles, s.
+    /// Delay of the forces relative to the joint angles (s).
     pub delay: Measured,
 }
 
-/// Fits the contacts of one finger; `None` if they do not determine the stiffness.
+/// Fits the contacts of one finger. Returns `None` if they do not determine the stiffness.
 ///
-/// `F_z = k_n (z - d dz/dt) + h s` with the direction of motion `s`, and a constant for each contact: a delay `d` shifts
-/// the force in proportion to the speed, friction inside the rubber by a constant `h`; pressing at two speeds separates both.
+/// The model is `F_z = k_n (z - d dz/dt) + h s` plus a constant per contact, where `s` is the direction of motion. A
+/// delay `d` shifts the force in proportion to the speed; friction in the rubber shifts it by a constant `h`. Pressing
+/// at two speeds separates the two.
 pub fn contact_fit(contacts: &[Contact]) -> Option<ContactFit> {
     let normal = contacts.iter().map(normal_stretch).collect();
     let shear = contacts.iter().flat_map(shear_stretches).collect();
@@ -42,7 +43,7 @@ pub fn contact_fit(contacts: &[Contact]) -> Option<ContactFit> {
             value: across.coefficients.x,
             deviation: (across.deviations.x).hypot(spread(&shear, 2, across.coefficients.x)),
         },
-        // The loop is 2 h wide, and the work of pressing is the mean load times its length.
+        // The loop is 2 h high, and the work of pressing is the mean load times the travel.
         hysteresis: Measured {
             value: 2.0 * friction / load,
             deviation: 2.0 * along.deviations.z / load,
@@ -75,7 +76,7 @@ fn normal_stretch(contact: &Contact) -> Stretch {
     stretch
 }
 
-/// Both components of shear as one series: they share the stiffness, and their constants differ.
+/// Returns both shear components of a contact. They have the same stiffness but different offsets.
 fn shear_stretches(contact: &Contact) -> [Stretch; 2] {
     let mut stretches = [Stretch::default(), Stretch::default()];
     let sheared = |sample: &&Sample| matches!(sample.step, Step::Shear | Step::ShearBack);
@@ -88,7 +89,7 @@ fn shear_stretches(contact: &Contact) -> [Stretch; 2] {
     stretches
 }
 
-/// Mean `F_z` of the elements while they are pressed, N.
+/// Mean `F_z` of the elements while they are pressed (N).
 fn mean_load(contacts: &[Contact]) -> f64 {
     let samples = contacts.iter().flat_map(|contact| &contact.samples);
     let pressed = samples.filter(|sample| direction(sample.step) > 0.0);
@@ -98,7 +99,7 @@ fn mean_load(contacts: &[Contact]) -> f64 {
     sum / f64::max(count, 1.0)
 }
 
-/// Standard deviation of the first coefficient by its spread over the contacts about the `pooled` one.
+/// Standard error of the first coefficient, from its scatter over the contacts about the `pooled` value.
 fn spread(stretches: &[Stretch], used: usize, pooled: f64) -> f64 {
     let fits = stretches
         .iter()
@@ -120,8 +121,8 @@ fn spread(stretches: &[Stretch], used: usize, pooled: f64) -> f64 {
 mod tests {
     use super::*;
 
-    /// A contact with stiffness 200 and 100 N/m that is pressed, released, pressed twice as fast, sheared and eased. Its forces lag by
-    /// `delay` and differ by `2 friction` between pressing and releasing.
+    /// A contact with stiffnesses of 200 and 100 N/m that is pressed, released, pressed at twice the speed, sheared
+    /// and eased. Its forces are delayed by `delay` and differ by `2 friction` between pressing and releasing.
     fn contact(delay: f64, friction: f64) -> Contact {
         let steps = [
             (Step::Press, DVec3::new(0.0, 0.0, 0.0015), 100),
@@ -163,7 +164,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_pressed_gives_no_stiffness() {
+    fn no_stiffness_without_pressed_elements() {
         assert_eq!(contact_fit(&[]), None);
     }
 }

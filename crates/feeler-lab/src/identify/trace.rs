@@ -1,4 +1,4 @@
-//! What a probing run records of each finger: what a real hand has, too.
+//! Recorded data of a probing run, limited to signals that a real hand provides.
 
 use feeler::control::control_loop::ControlLoop;
 use feeler::control::controller::ControlConfig;
@@ -9,58 +9,58 @@ use feeler::hand::Hand;
 use feeler::sensor::layout::ElementLayout;
 use glam::DVec3;
 
-/// A probing run, control step by control step.
+/// Trace of a probing run.
 #[derive(Debug, Clone)]
 pub struct Trace {
-    /// The routine.
+    /// Configuration of the routine.
     pub probe: ProbeConfig,
-    /// Control period, s.
+    /// Control period (s).
     pub period: f64,
-    /// F1: force above which an element touches, N.
+    /// F1: force above which an element touches (N).
     pub touch_force: f64,
-    /// The fingers, in the hand's order.
+    /// Traces of the fingers, in the order of the hand.
     pub fingers: Vec<FingerTrace>,
 }
 
-/// One finger of a probing run.
+/// Trace of one finger.
 #[derive(Debug, Clone)]
 pub struct FingerTrace {
-    /// Its elements.
+    /// Layout of its elements.
     pub layout: ElementLayout,
     /// Unit vector towards the object, in W.
     pub approach: DVec3,
     /// Unit vector along the object's axis, in W.
     pub axis: DVec3,
-    /// Control steps, in order.
+    /// Rows of all control steps.
     pub rows: Vec<Row>,
 }
 
-/// One finger at one control step.
+/// State of one finger at one control step.
 #[derive(Debug, Clone)]
 pub struct Row {
-    /// Time, s.
+    /// Time (s).
     pub time: f64,
-    /// Step of the routine.
+    /// Step of the probing routine.
     pub step: Step,
-    /// Place that is probed, from 0.
+    /// Index of the probed place, starting at 0.
     pub place: u32,
-    /// Joint velocities commanded from now on, rad/s.
+    /// Joint velocities commanded in this step (rad/s).
     pub command: DVec3,
-    /// Joint angles, rad.
+    /// Joint angles (rad).
     pub joints: DVec3,
-    /// Fingertip by the joint angles.
+    /// Pose of the fingertip, from the joint angles.
     pub pose: FingertipPose,
-    /// Latest force on each element, N, in its frame; see [`TactileFrame`](feeler::sensor::reading::TactileFrame).
+    /// Latest force on each element in its frame (N); see [`TactileFrame`](feeler::sensor::reading::TactileFrame).
     pub forces: Vec<DVec3>,
 }
 
 impl Row {
-    /// Tip of the undeformed `element`, m, in W.
+    /// Tip of the undeformed `element` in W (m).
     pub fn tip(&self, layout: &ElementLayout, element: usize) -> DVec3 {
         self.pose.position + self.pose.rotation * layout.tip(element)
     }
 
-    /// Greatest force `F_z` on an element, N.
+    /// Largest force `F_z` on any element (N).
     pub fn greatest(&self) -> f64 {
         self.forces
             .iter()
@@ -69,7 +69,7 @@ impl Row {
 }
 
 impl FingerTrace {
-    /// The same forces beside the pose and step of `delay` seconds before, to which they belong.
+    /// Returns a trace in which each force is paired with the pose and step of `delay` seconds earlier.
     #[must_use]
     pub fn aligned(&self, delay: f64) -> Self {
         let shifted = |(index, row): (usize, &Row)| {
@@ -93,7 +93,7 @@ impl FingerTrace {
                 place: nearest.place,
                 pose: FingertipPose {
                     position: from.position.lerp(to.position, part),
-                    // They differ by milliradians.
+                    // The rotations differ by milliradians only.
                     rotation: from.rotation * (1.0 - part) + to.rotation * part,
                 },
                 ..row.clone()
@@ -107,7 +107,7 @@ impl FingerTrace {
 }
 
 impl Trace {
-    /// A trace without rows of a hand whose fingers have the elements of `layouts`.
+    /// Creates an empty trace of a hand whose fingers have the elements of `layouts`.
     pub fn new(probe: &ProbeConfig, control: &ControlConfig, layouts: &[ElementLayout]) -> Self {
         let fingers = probe.finger.iter().zip(layouts).map(|(path, layout)| {
             let approach = DVec3::from_array(path.approach).normalize_or_zero();
@@ -127,7 +127,7 @@ impl Trace {
         }
     }
 
-    /// Adds the latest control step of `control_loop`.
+    /// Appends the latest control step of `control_loop`.
     pub fn push<S: TouchSource, H: Hand>(&mut self, control_loop: &ControlLoop<S, H>) {
         let controller = control_loop.controller();
         let task = controller.task();

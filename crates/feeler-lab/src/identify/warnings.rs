@@ -1,23 +1,23 @@
-//! Findings that need attention, in sentences.
+//! Warnings about the results of a probing run.
 
 use super::identified::{Estimate, FingerEstimates, Identified};
 use super::trace::Trace;
 use glam::{DVec2, DVec3};
 
-/// Factor by which fingers of one hand may differ.
+/// Factor by which the fingers of a hand may differ.
 const ALIKE: f64 = 1.3;
-/// Factor by which F1 should exceed the noise.
+/// Minimum ratio of F1 to the force noise.
 const ABOVE_NOISE: f64 = 5.0;
 /// Coefficient of kinetic friction below which a fingertip hardly grips.
 const LITTLE_FRICTION: f64 = 0.3;
-/// Share of the work of pressing above which hysteresis shows in the control.
+/// Hysteresis above which control is affected, relative to the work of pressing.
 const MUCH_HYSTERESIS: f64 = 0.3;
-/// Control periods that commands may be late.
+/// Maximum dead time in control periods.
 const LATE_PERIODS: f64 = 3.0;
-/// Distance of the object's axis from the middle of the homes that is still as laid out, m.
+/// Maximum distance of the object's axis from the centre of the home positions (m).
 const OFF_CENTRE: f64 = 0.002;
 
-/// Every warning about `identified`, which was estimated from `trace`.
+/// Returns all warnings about `identified`, which was estimated from `trace`.
 pub fn warnings(identified: &Identified, trace: &Trace) -> Vec<String> {
     let mut warnings = Vec::new();
     let mut fingers = identified.finger.iter().enumerate();
@@ -110,7 +110,7 @@ fn off_centre(identified: &Identified, trace: &Trace) -> Option<String> {
         .finger
         .iter()
         .map(|path| DVec3::from_array(path.home));
-    // One finger's home says nothing about where the axis is.
+    // The home of a single finger does not determine the expected position of the axis.
     let count = trace.probe.finger.len();
     let middle = homes.sum::<DVec3>().truncate() / count as f64;
     let at = |estimate: &Estimate| estimate.value;
@@ -180,12 +180,12 @@ mod tests {
     }
 
     #[test]
-    fn a_hand_as_laid_out_gives_no_warning() {
+    fn a_nominal_hand_gives_no_warning() {
         assert_eq!(warnings_of(finger(), 0.0003), Vec::<String>::new());
     }
 
     #[test]
-    fn each_finding_is_one_sentence_with_advice() {
+    fn each_warning_contains_advice() {
         let odd = FingerEstimates {
             normal_stiffness: exactly(410.0),
             force_noise: exactly(0.05),

@@ -51,7 +51,7 @@ pub enum LoadsFileError {
         line: u64,
         /// Name of the image, as in the file.
         picture: String,
-        /// What was found and what was expected.
+        /// The problem and the expected content.
         what: String,
     },
 }
@@ -64,8 +64,7 @@ pub struct LoadsFile {
 
 impl LoadsFile {
     /// Reads the file of loads at `csv` for a sensor with the elements `seen`. `axes` assigns columns, with signs, to
-    /// the axes
-    /// x, y and z of an element.
+    /// the axes x, y and z of an element.
     ///
     /// # Errors
     /// If the file cannot be read or is invalid.
@@ -129,8 +128,7 @@ impl LoadsFile {
     }
 
     /// Rejects loads that contradict the `calibration` fitted to them: a single outlier that exceeds all other loads,
-    /// or
-    /// constant offsets that differ between recordings. Returns a single outlier of ordinary size as a warning.
+    /// or constant offsets that differ between recordings. Returns a single outlier of ordinary size as a warning.
     ///
     /// # Errors
     /// If there is a contradiction. The error contains the load and its prediction, or the column, the recordings and

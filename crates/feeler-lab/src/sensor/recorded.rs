@@ -60,8 +60,7 @@ pub fn file_of(name: &Path) -> &Path {
 }
 
 /// Reads the image `name`: an image file, the first frame of a video, or `FILE@TIME`, the frame nearest to that time
-/// (s) of a
-/// video or of a recording with images.
+/// (s) of a video or of a recording with images.
 ///
 /// # Errors
 /// If the image cannot be read. The message contains the file name, the expected content and the problem.
@@ -109,8 +108,8 @@ impl NamedFrames {
     }
 
     /// Reads the frame `name`: an image file, or `FILE.mcap@TIME` or `FILE.mp4@TIME`, the frame nearest to that time
-    /// (s), which
-    /// must be within half a frame interval. If a recording has no images, its moments are copied to `moments`.
+    /// (s), which must be within half a frame interval. If a recording has no images, its moments are copied to
+    /// `moments`.
     ///
     /// # Errors
     /// If the frame cannot be read. The message contains the expected content and the problem.

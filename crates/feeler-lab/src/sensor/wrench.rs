@@ -36,7 +36,7 @@ pub enum ForcesFileError {
     /// Moments cannot be computed for the sensor.
     #[error(transparent)]
     Sensing(#[from] SensingError),
-    /// None of the images can be used.
+    /// No image can be used.
     #[error("none of the images can be used; the first: {reason}")]
     NoPicture {
         /// The problem with the first image.
@@ -87,7 +87,7 @@ impl ForcesFile {
         &self.forces.recordings
     }
 
-    /// Calls `measured` with each force (N) of which all three components were measured.
+    /// Calls `measured` with each force (N) that has all three components.
     pub fn each_force(&self, mut measured: impl FnMut(DVec3)) {
         for picture in &self.forces.pictures {
             if let [Some(x), Some(y), Some(z), ..] = picture.wrench {
@@ -123,9 +123,8 @@ impl ForcesFile {
         )
     }
 
-    /// Computes the moments of all images, and reads those of recordings at the given times. Calls `sensed` after
-    /// each one. Images
-    /// that cannot be used are skipped with a message.
+    /// Computes the moments of all images, and reads those of recordings at the given times. Calls `sensed` after each
+    /// one. Images that cannot be used are skipped with a message.
     ///
     /// # Errors
     /// If none of the images can be used.

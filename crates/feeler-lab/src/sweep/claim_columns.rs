@@ -1,21 +1,21 @@
-//! The columns that claims have in the table of trials.
+//! Columns of claims in the table of trials.
 
 use feeler_report::{Claim, DecidedBy, Summary};
 
-/// A claim that has columns in the table of trials.
+/// Columns of one claim in the table of trials.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct ClaimColumns {
-    /// The claim's id. Its columns are `claim.ID`, `claim.ID.value` and `claim.ID.margin`.
+    /// Id of the claim. Its columns are `claim.ID`, `claim.ID.value` and `claim.ID.margin`.
     pub id: &'static str,
-    /// What decides it.
+    /// Subject of the claim: the hand, or the hand and the bottle.
     pub decided_by: Option<DecidedBy>,
-    /// Whether it is a claim of any hand, instead of the task's own.
+    /// `true` if the claim applies to any hand instead of to the task.
     pub of_any_hand: bool,
 }
 
 impl ClaimColumns {
-    /// The columns of all claims that `summary` could make: the task's own whatever the law, so that tables of different
-    /// laws compare, and those of any hand.
+    /// Returns the columns of all claims in `summary`. The claims of the task are included for every law so that the
+    /// tables of different laws have the same columns.
     pub fn of(summary: &Summary) -> Vec<Self> {
         let columns = |of_any_hand| {
             move |claim: &Claim| Self {
@@ -29,17 +29,17 @@ impl ClaimColumns {
             .collect()
     }
 
-    /// The column of whether it holds.
+    /// Name of the column with the result of the claim, 1 (pass) or 0 (fail).
     pub fn holds(&self) -> String {
         format!("claim.{}", self.id)
     }
 
-    /// The column of its first value.
+    /// Name of the column with the claim's first value.
     pub fn value(&self) -> String {
         format!("claim.{}.value", self.id)
     }
 
-    /// The column of its margin.
+    /// Name of the column with the claim's margin.
     pub fn margin(&self) -> String {
         format!("claim.{}.margin", self.id)
     }

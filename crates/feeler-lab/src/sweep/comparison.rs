@@ -1,7 +1,7 @@
-//! Control laws on the same trials: from each law's table to what the comparison's page shows.
+//! Comparison of control laws on the same trials, from the tables of the laws to the comparison page.
 //!
-//! Trial `k` draws the same whatever the law, so that every difference between two laws is taken trial by
-//! trial, and what varies between trials drops out of it.
+//! Trial `k` draws the same values under each law. Differences between laws are therefore computed per trial, which
+//! eliminates the variation between trials.
 
 use super::interval::{Estimate, bootstrap};
 use super::table::Table;
@@ -12,42 +12,42 @@ use feeler_report::compare_page::{
 use feeler_report::figures::sweep::wilson;
 use std::collections::BTreeSet;
 
-/// Bins of what success and measures are drawn against.
+/// Number of bins of the curves over a parameter.
 const BINS: usize = 8;
-/// Strokes in which the fingers are to follow a cap that is closed.
+/// Strokes in which the fingers follow a cap that is closed.
 const CLOSED: [u32; 2] = [3, 4];
 
-/// What a trial must come to.
+/// Criterion of a successful trial.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Goal {
-    /// Torque that the cap must be tightened to, N·m.
+    /// Minimum final torque of the cap (N·m).
     pub torque: f64,
-    /// Force that no element may exceed, N.
+    /// Maximum force on any element (N).
     pub force: f64,
 }
 
-/// One law and its trials.
+/// A law with its trials.
 pub struct Candidate<'a> {
-    /// What it is called.
+    /// Displayed name.
     pub name: &'a str,
-    /// The law.
+    /// Configuration of the law.
     pub law: LawConfig,
-    /// Its rows.
+    /// Table of its trials.
     pub table: &'a Table,
 }
 
-/// What a trial of one law came to.
+/// Evaluation of one trial.
 #[derive(Debug, Clone, Copy)]
 struct Result {
     success: bool,
-    /// In the order of [`MEASURES`].
+    /// Values in the order of [`MEASURES`].
     measures: [Option<f64>; MEASURES.len()],
 }
 
-/// Name with unit, and where it comes from.
+/// Name with unit, and the function that extracts the value.
 type Measure = (&'static str, fn(&Fields<'_>) -> Option<f64>);
 
-/// What is measured of each trial. The first two are what a better law is judged by.
+/// Quantities compared for each trial. The first two decide which law is better.
 const MEASURES: [Measure; 7] = [
     ("final torque (mN·m)", |f| {
         Some(1e3 * f.number("cap_torque")?)
@@ -68,7 +68,7 @@ const MEASURES: [Measure; 7] = [
     ("time to the end (s)", |f| f.number("sim_time")),
 ];
 
-/// A row's fields by name.
+/// Access to the fields of a row by column name.
 struct Fields<'a> {
     table: &'a Table,
     row: &'a [String],
@@ -86,14 +86,14 @@ impl Fields<'_> {
         self.text(name).parse().ok()
     }
 
-    /// A measure of every stroke that was made.
+    /// Values of a stroke measure for all strokes of the trial.
     fn strokes(&self, name: &str) -> impl Iterator<Item = f64> {
         let columns = (1..).map(move |stroke| format!("stroke{stroke}.{name}"));
         let columns = columns.take_while(|column| self.table.column(column).is_some());
         columns.filter_map(|column| self.number(&column))
     }
 
-    /// Mean of a measure over [`CLOSED`], as far as those strokes were made; none where there is no such column.
+    /// Mean of a stroke measure over those of the strokes [`CLOSED`] that were made. `None` if there is no value.
     fn closed(&self, name: &str) -> Option<f64> {
         let strokes = CLOSED.map(|stroke| self.number(&format!("stroke{stroke}.{name}")));
         let made: Vec<_> = strokes.into_iter().flatten().collect();
@@ -111,7 +111,7 @@ impl Fields<'_> {
     }
 }
 
-/// The trials that all laws have finished.
+/// Returns the trials that all laws have finished.
 fn common(candidates: &[Candidate<'_>]) -> Vec<u64> {
     let mut trials = candidates
         .iter()
@@ -121,8 +121,8 @@ fn common(candidates: &[Candidate<'_>]) -> Vec<u64> {
     all.into_iter().collect()
 }
 
-/// What the page shows of the trials that all `candidates` have finished; measures are drawn against
-/// the parameter `against`. The first candidate is what the others are compared with.
+/// Builds the comparison page from the trials that all `candidates` have finished. Differences are relative to the
+/// first candidate. The curves are plotted over the parameter `against`.
 pub fn compare(candidates: &[Candidate<'_>], goal: Goal, against: Option<&str>) -> ComparePage {
     let trials = common(candidates);
     let results: Vec<Vec<Result>> = candidates
@@ -176,7 +176,7 @@ fn compared(candidate: &Candidate<'_>, own: &[Result], first: &[Result]) -> Comp
     }
 }
 
-/// Success rate, %, with Wilson's interval.
+/// Success rate (%) with its Wilson interval.
 fn rate(results: &[Result]) -> Option<[f64; 3]> {
     let (trials, successes) = (results.len(), results.iter().filter(|r| r.success).count());
     let (low, high) = wilson(successes as u64, trials as u64);
@@ -189,7 +189,7 @@ fn difference(ours: &[f64], theirs: &[f64]) -> Option<[f64; 3]> {
     estimate(&pairs.map(|(a, b)| a - b).collect::<Vec<_>>())
 }
 
-/// The mean between the ends of its interval, which are not numbers where a single value has none.
+/// Mean with the ends of its interval, which are NaN for a single value.
 fn estimate(values: &[f64]) -> Option<[f64; 3]> {
     bootstrap(values).map(|estimate| estimate.with_ends(values.len()))
 }
@@ -198,7 +198,7 @@ fn ends(estimate: Estimate) -> [f64; 3] {
     [estimate.low, estimate.mean, estimate.high]
 }
 
-/// Every other law beside the first, trial by trial, in what a better law is judged by.
+/// Pairs each other law with the first one, trial by trial, for the deciding measures.
 fn pairs(candidates: &[Candidate<'_>], trials: &[u64], results: &[Vec<Result>]) -> Vec<Pairs> {
     const JUDGED: usize = 2;
     let laws = candidates.iter().zip(results).skip(1);
@@ -223,7 +223,7 @@ fn pairs(candidates: &[Candidate<'_>], trials: &[u64], results: &[Vec<Result>]) 
     paired.collect()
 }
 
-/// Success and each measure against a parameter.
+/// Curves of the success rate and of each measure over a parameter.
 fn curves(
     candidates: &[Candidate<'_>],
     trials: &[u64],
@@ -271,12 +271,12 @@ fn curves(
             bootstrap(&values).map(ends)
         }));
     }
-    // What no trial has, as where there is no third stroke, is not drawn.
+    // Omit measures without values, such as those of a third stroke that was never made.
     curves.retain(|drawn| drawn.curves.iter().any(|curve| !curve.points.is_empty()));
     curves
 }
 
-/// Lines of a source that are neither blank nor comments.
+/// Counts the lines of a source that are neither blank nor comments.
 fn lines_of_code(source: &str) -> usize {
     let code = |line: &&str| !line.trim().is_empty() && !line.trim().starts_with("//");
     source.lines().filter(code).count()

@@ -1,73 +1,74 @@
-//! Which point of the space of parameters each trial takes: a design for shares and sensitivity indices.
+//! Experimental design for success rates and sensitivity indices: the parameter values of each trial.
 //!
-//! Rows are points of a Sobol' sequence with Owen scrambling: pair `n` of rows is its point `n` in twice as many
-//! dimensions as there are parameters, the first half for row `2 n` of matrix A, the second for row `2 n + 1` of B
-//! (Saltelli et al., Computer Physics Communications 181, 2010). Every row has a seed of its own for what varies from
-//! run to run. A trial depends on the sweep's seed, its number and the design alone.
+//! Rows are points of a Sobol' sequence with Owen scrambling. Pair `n` of rows is point `n` of the sequence in twice
+//! as many dimensions as there are parameters: the first half is row `2 n`, which belongs to matrix A, and the second
+//! half is row `2 n + 1` of matrix B (Saltelli et al., Computer Physics Communications 181, 2010). Each row has a
+//! separate seed for random effects within a run. A trial depends only on the seed of the sweep, its number and the
+//! design.
 
 use super::ranges::Entry;
 use serde::{Deserialize, Serialize};
 
-/// Most parameters: what the sequence has of dimensions.
+/// Maximum number of parameters, limited by the dimensions of the sequence.
 pub const MAX_PARAMETERS: usize = sobol_burley::NUM_DIMENSIONS as usize / 2;
-/// Most rows: what the sequence has of points, in pairs.
+/// Maximum number of rows, limited by the points of the sequence.
 pub const MAX_ROWS: u64 = 2 << 16;
 
-/// How many trials of which kind. They run in this order.
+/// Number of trials of each kind, in the order in which they run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Design {
-    /// Rows that all parameters are taken from, A and B in turn.
+    /// Number of rows with all parameters varied, alternating between A and B.
     pub rows: u64,
-    /// Rows from which one group is taken while all else is as the experiment has it; and as often nothing but the
-    /// seed.
+    /// Number of control trials: for each group of parameters, this many rows with only that group varied, and the
+    /// same number with only the seed varied.
     pub controls: u64,
-    /// Pairs of rows of which every factor is swapped by itself.
+    /// Number of row pairs for which each factor is swapped individually.
     pub pairs: u64,
 }
 
-/// What can be swapped between two rows.
+/// A factor that can be swapped between two rows.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Factor {
-    /// What it is called.
+    /// Name of the factor.
     pub name: String,
-    /// The parameters that it is made of.
+    /// Indices of its parameters.
     pub parameters: Vec<usize>,
-    /// Whether the run's own seed is swapped, too.
+    /// `true` if the seed of the run is swapped, too.
     pub seed: bool,
 }
 
-/// The name of the factor that is the run's own seed.
+/// Name of the factor that consists of the run's seed.
 pub const RUN_SEED: &str = "the run's own seed";
 
-/// What kind of trial a trial is.
+/// Kind of a trial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// Everything from one row.
+    /// All parameters and the seed from one row.
     Row(u64),
-    /// The parameters of one group from a row, the others nominal.
+    /// The parameters of one group from a row; the others nominal.
     Only {
-        /// The group.
+        /// Index of the group.
         group: usize,
-        /// The row.
+        /// Index of the row.
         row: u64,
     },
-    /// All parameters nominal, the seed a row's.
+    /// All parameters nominal; the seed from this row.
     Nominal(u64),
-    /// Row A of a pair, but one factor from its row B.
+    /// Row A of a pair with one factor taken from row B.
     Swapped {
-        /// The pair.
+        /// Index of the pair.
         pair: u64,
-        /// The factor.
+        /// Index of the factor.
         factor: usize,
     },
 }
 
-/// A design for a list of parameters.
+/// A design applied to a list of parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scheme {
     design: Design,
-    /// The groups, where there is more than one.
+    /// Names of the groups; empty if there is only one.
     pub groups: Vec<String>,
     /// Each parameter, the run's seed, and each group.
     pub factors: Vec<Factor>,
@@ -75,7 +76,7 @@ pub struct Scheme {
 }
 
 impl Scheme {
-    /// The scheme of these parameters.
+    /// Applies `design` to the parameters `entries`.
     pub fn new(design: Design, entries: &[Entry]) -> Self {
         let mut groups: Vec<String> = Vec::new();
         for entry in entries {
@@ -107,7 +108,7 @@ impl Scheme {
         }
     }
 
-    /// How many trials there are.
+    /// Total number of trials.
     pub fn trials(&self) -> u64 {
         let Design { rows, pairs, .. } = self.design;
         rows + self.controls() + pairs * self.factors.len() as u64
@@ -117,26 +118,26 @@ impl Scheme {
         self.design.controls * (self.groups.len() as u64 + 1)
     }
 
-    /// The numbers of the trials that take everything from one row.
+    /// Numbers of the trials with all parameters varied.
     pub fn rows(&self) -> std::ops::Range<u64> {
         0..self.design.rows
     }
 
-    /// The trials that vary one group alone, or for none nothing but the seed.
+    /// Numbers of the trials that vary only one group, or only the seed if `group` is `None`.
     pub fn only(&self, group: Option<usize>) -> std::ops::Range<u64> {
         let block = group.map_or(0, |group| group as u64 + 1);
         let start = self.design.rows + block * self.design.controls;
         start..start + self.design.controls
     }
 
-    /// For each pair the trials of row A, of row B, and of A with a factor from B.
+    /// Returns for each pair the trials of row A, of row B, and of row A with `factor` from row B.
     pub fn swaps(&self, factor: usize) -> impl Iterator<Item = [u64; 3]> + use<> {
         let start = self.design.rows + self.controls() + factor as u64;
         let step = self.factors.len() as u64;
         (0..self.design.pairs).map(move |pair| [2 * pair, 2 * pair + 1, start + pair * step])
     }
 
-    /// What kind of trial this is.
+    /// Returns the kind of a trial.
     pub fn kind(&self, trial: u64) -> Kind {
         let Design { rows, controls, .. } = self.design;
         let Some(past) = trial.checked_sub(rows) else {
@@ -160,7 +161,7 @@ impl Scheme {
         }
     }
 
-    /// The row that each parameter of a trial comes from (none: nominal), and the row of its seed.
+    /// Returns the row of each parameter of a trial (`None`: nominal), and the row of its seed.
     pub fn sources(&self, trial: u64) -> (Vec<Option<u64>>, u64) {
         let mut sources = vec![None; self.count];
         match self.kind(trial) {
@@ -184,10 +185,10 @@ impl Scheme {
         }
     }
 
-    /// Where a row lies along a parameter, 0 to below 1, in the sequence of this key.
+    /// Returns the coordinate (0 to below 1) of a row along a parameter in the sequence with the scrambling key `key`.
     pub fn coordinate(&self, row: u64, parameter: usize, key: u32) -> f64 {
         let dimension = parameter as u64 + (row % 2) * self.count as u64;
-        // Rows and parameters are limited to what the sequence has.
+        // The numbers of rows and parameters are limited to the size of the sequence.
         f64::from(sobol_burley::sample(
             (row / 2) as u32,
             dimension as u32,
@@ -222,9 +223,9 @@ mod tests {
     }
 
     #[test]
-    fn every_trial_is_of_one_kind_and_swaps_just_its_factor() {
+    fn every_trial_has_one_kind_and_swaps_only_its_factor() {
         let scheme = scheme(&["a", "b", "a"]);
-        // 8 rows, 3 each of nominal, a and b; 2 pairs of 3 parameters, the seed and 2 groups.
+        // 8 rows, 3 control trials each for nominal, a and b; 2 pairs with 3 parameters, the seed and 2 groups.
         assert_eq!(scheme.trials(), 8 + 9 + 12);
         assert_eq!(scheme.sources(5), (vec![Some(5); 3], 5));
         assert_eq!(
@@ -251,12 +252,12 @@ mod tests {
     }
 
     #[test]
-    fn one_group_is_no_control_of_its_own() {
+    fn a_single_group_has_no_control_runs() {
         assert_eq!(scheme(&["a", "a"]).trials(), 8 + 3 + 2 * 3);
     }
 
-    /// The first 2^m points of a scrambled Sobol' sequence have one in each of 2^m equal slices of every dimension:
-    /// where independent draws would leave more than a third of the slices empty.
+    /// The first 2^m points of a scrambled Sobol' sequence have exactly one point in each of 2^m equal slices of every
+    /// dimension. Independent draws would leave more than a third of the slices empty.
     #[test]
     fn rows_fill_the_space() {
         let scheme = scheme(&["a"; 40]);

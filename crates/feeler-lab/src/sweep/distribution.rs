@@ -1,39 +1,39 @@
-//! How a parameter varies: `uniform(0.3,1.2)`, and what else can stand there.
+//! Distributions of parameters, such as `uniform(0.3,1.2)`.
 
 use rand::RngExt;
 use rand_distr::StandardNormal;
 use rand_pcg::Pcg64;
 
-/// What a parameter is drawn from.
+/// Distribution of a parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Distribution {
-    /// Any number between both, alike.
+    /// Uniform between two bounds.
     Uniform(f64, f64),
-    /// Normally distributed: mean and standard deviation.
+    /// Normal: mean and standard deviation.
     Normal(f64, f64),
-    /// Any number between both, its logarithm uniformly.
+    /// Log-uniform between two bounds.
     LogUniform(f64, f64),
-    /// One of these, alike; TOML values or words.
+    /// One of these values with equal probability; TOML values or words.
     Choice(Vec<String>),
 }
 
-/// What can stand there, for messages.
+/// Valid forms, for error messages.
 const EXPECTED: &str = "expected uniform(a,b), normal(mean,sd), log_uniform(a,b), relative(a,b), shifted(a,b), \
                         choice(a,b,…) or a value";
 
 impl Distribution {
-    /// Reads a distribution. `relative(a,b)` is uniform from `a` to `b` times the experiment's own value `nominal`,
-    /// `shifted(a,b)` uniform from `a` to `b` more than it.
+    /// Parses a distribution. `relative(a,b)` is uniform from `a` to `b` times the experiment's value `nominal`;
+    /// `shifted(a,b)` is uniform from `nominal + a` to `nominal + b`.
     ///
     /// # Errors
-    /// What is wrong with it, in words.
+    /// If the text is not a valid distribution, a message that describes the problem.
     pub fn parse(text: &str, nominal: Option<f64>) -> Result<Self, String> {
         let text = text.trim();
         let Some((name, rest)) = text.split_once('(') else {
             let plain = !text.is_empty() && !text.contains([')', ',']);
             return plain
                 .then(|| Self::Choice(vec![text.to_string()]))
-                .ok_or_else(|| format!("{text:?} is no distribution: {EXPECTED}"));
+                .ok_or_else(|| format!("{text:?} is not a distribution: {EXPECTED}"));
         };
         let inside = (rest.strip_suffix(')'))
             .ok_or_else(|| format!("{text:?} does not end with a bracket: {EXPECTED}"))?;
@@ -49,7 +49,7 @@ impl Distribution {
             "relative" | "shifted" => {
                 let (ends, about) = (
                     two()?,
-                    nominal.ok_or(format!("{name}: of what is no number"))?,
+                    nominal.ok_or(format!("{name} applies only to numbers"))?,
                 );
                 about_nominal(name, ends, about)
             }
@@ -62,7 +62,7 @@ impl Distribution {
             "normal" => match two()? {
                 (mean, sd) if sd >= 0.0 => Ok(Self::Normal(mean, sd)),
                 (_, sd) => Err(format!(
-                    "normal: the deviation must not be negative, not {sd}"
+                    "normal: the standard deviation must not be negative, got {sd}"
                 )),
             },
             "choice" if arguments.iter().all(|a| !a.is_empty()) => {
@@ -70,11 +70,11 @@ impl Distribution {
                 Ok(Self::Choice(choices.collect()))
             }
             "choice" => Err("choice: one of its values is empty".to_string()),
-            other => Err(format!("there is no distribution {other:?}: {EXPECTED}")),
+            other => Err(format!("unknown distribution {other:?}: {EXPECTED}")),
         }
     }
 
-    /// Draws a value, as the text that would set it; `whole` rounds it to a whole number.
+    /// Draws a value, as text for a setting. `whole` rounds it to an integer.
     pub fn draw(&self, random: &mut Pcg64, whole: bool) -> String {
         match self {
             Self::Normal(mean, sd) => {
@@ -84,8 +84,8 @@ impl Distribution {
         }
     }
 
-    /// The value that a share `p` (0 to 1) of all draws are below, as the text that would set it. The mean of a
-    /// normal distribution, which has no bounds and stands in no file of ranges.
+    /// Returns the quantile at probability `p` (0 to 1), as text for a setting. For a normal distribution, which is
+    /// unbounded and not allowed in files of ranges, returns the mean.
     pub fn quantile(&self, p: f64, whole: bool) -> String {
         let number = match self {
             Self::Uniform(a, b) => a + (b - a) * p,
@@ -99,7 +99,7 @@ impl Distribution {
         number_text(number, whole)
     }
 
-    /// Values that must be good if the distribution is: its bounds, its mean, its choices.
+    /// Returns values that are valid if the distribution is: its bounds, its mean or its choices.
     pub fn extremes(&self, whole: bool) -> Vec<String> {
         match self {
             Self::Uniform(a, b) | Self::LogUniform(a, b) => {
@@ -111,7 +111,7 @@ impl Distribution {
     }
 }
 
-/// A number with all its digits, so that it reads back bit for bit.
+/// Formats a number with all digits, so that it parses back to the same value.
 pub fn number_text(number: f64, whole: bool) -> String {
     if whole {
         format!("{number:.0}")
@@ -131,7 +131,7 @@ fn about_nominal(name: &str, (a, b): (f64, f64), nominal: f64) -> Result<Distrib
     }
     if nominal == 0.0 {
         return Err(format!(
-            "relative({a},{b}): of a value that is 0; expected shifted(a,b)"
+            "relative({a},{b}): the experiment's value is 0; expected shifted(a,b)"
         ));
     }
     let (a, b) = (a * nominal, b * nominal);
@@ -141,11 +141,11 @@ fn about_nominal(name: &str, (a, b): (f64, f64), nominal: f64) -> Result<Distrib
 fn two_numbers(name: &str, arguments: &[&str]) -> Result<(f64, f64), String> {
     let [a, b] = arguments else {
         let count = arguments.len();
-        return Err(format!("{name} takes 2 numbers, not {count}: {EXPECTED}"));
+        return Err(format!("{name} takes 2 numbers, got {count}: {EXPECTED}"));
     };
     let number = |text: &str| match text.parse::<f64>() {
         Ok(number) if number.is_finite() => Ok(number),
-        _ => Err(format!("{name}: {text:?} is no number: {EXPECTED}")),
+        _ => Err(format!("{name}: {text:?} is not a number: {EXPECTED}")),
     };
     Ok((number(a)?, number(b)?))
 }
@@ -156,7 +156,7 @@ mod tests {
     use rand::SeedableRng;
 
     #[test]
-    fn what_is_drawn_is_distributed_as_asked() {
+    fn draws_follow_the_distribution() {
         let mut random = Pcg64::seed_from_u64(1);
         let mut mean = |text: &str| {
             let distribution = Distribution::parse(text, Some(-2.0)).unwrap();
@@ -168,26 +168,26 @@ mod tests {
             };
             (0..20_000).map(draw).sum::<f64>() / 20_000.0
         };
-        // Four standard errors of each mean.
+        // Tolerance: four standard errors of each mean.
         assert!((mean("uniform(0.3, 1.2)") - 0.75).abs() < 0.008);
         assert!((mean("normal(2,0.5)") - 2.0).abs() < 0.015);
         assert!((mean("log_uniform(1,100)") - 99.0 / 100f64.ln()).abs() < 0.7);
         assert!((mean("choice(1,3)") - 2.0).abs() < 0.03);
         assert_eq!(mean("4.5"), 4.5);
-        // About what the experiment has: -2.
+        // Relative to the nominal value, -2.
         assert!((mean("relative(0.5,1)") + 1.5).abs() < 0.009);
         assert!((mean("shifted(0,1)") + 1.5).abs() < 0.009);
     }
 
     #[test]
-    fn what_makes_no_sense_is_refused_in_words() {
+    fn invalid_distributions_are_rejected() {
         for (text, word) in [
             ("", "expected uniform"),
             ("uniform(1,2", "bracket"),
             ("uniform(1)", "2 numbers"),
             ("uniform(2,1)", "must not exceed"),
-            ("uniform(a,1)", "no number"),
-            ("uniform(nan,1)", "no number"),
+            ("uniform(a,1)", "not a number"),
+            ("uniform(nan,1)", "not a number"),
             ("log_uniform(0,1)", "above 0"),
             ("normal(0,-1)", "negative"),
             ("choice(1,,2)", "empty"),

@@ -1,4 +1,4 @@
-//! Runs the trials that are left, on as many threads as asked for; one thread writes.
+//! Runs the unfinished trials of a sweep on several threads, with one thread that writes the results.
 
 use super::SweepError;
 use super::store::Store;
@@ -7,26 +7,26 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::channel;
 use std::thread;
 
-/// Whether everything was run.
+/// Result of running a sweep.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Ended {
-    /// Every trial that was asked for is finished.
+    /// All requested trials are finished.
     Whole,
-    /// Somebody stopped it; trials are left.
+    /// The sweep was stopped before all trials were finished.
     Stopped,
 }
 
-/// Who watches a sweep.
+/// Receives the progress of a sweep.
 pub trait Progress {
-    /// After every finished trial: how many are finished, of how many, and how many were a success.
+    /// Called after every finished trial with the number of finished trials, their total, and the number of successes.
     fn show(&mut self, finished: u64, of: u64, successes: u64);
 }
 
-/// Runs what is left of the shard below trial `end` on `jobs` threads, until done or `stop` is raised.
-/// Trials under way are dropped then.
+/// Runs the unfinished trials of the shard below number `end` on `jobs` threads, until all are done or `stop` is set.
+/// Trials that are running when `stop` is set are discarded.
 ///
 /// # Errors
-/// When a row cannot be written; what was written is kept.
+/// If a row cannot be written. Rows written before are kept.
 pub fn run(
     trials: &Trials,
     store: &mut Store,
@@ -64,7 +64,7 @@ pub fn run(
         }
         drop(finished);
         for (trial, row) in rows {
-            // Whoever stopped it may go on with the folder by now.
+            // After a stop, another process may already be using the folder.
             if stop.load(Ordering::Relaxed) {
                 break;
             }

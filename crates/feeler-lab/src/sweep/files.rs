@@ -1,4 +1,4 @@
-//! The files that a sweep's trials read, for machines that do not have them.
+//! Collects the input files of a sweep's trials, for transfer to other machines.
 
 use super::SweepError;
 use super::parameter::settings;
@@ -9,18 +9,18 @@ use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Component, Path, PathBuf};
 
-/// What files hold, by the name that the experiment has for each.
+/// Contents of files, keyed by the file name used in the experiment.
 pub type Files = BTreeMap<String, Vec<u8>>;
 
-/// Last part of the key of a calibration's file. All other files are named by a key that ends with [`FILE`].
+/// Last segment of the keys of calibration files. The keys of all other files end with [`FILE`].
 const CALIBRATION: &str = "calibration";
 const FILE: &str = "file";
 
 impl Plan {
-    /// All files that a trial may read: those that the experiment names, and those that it could draw.
+    /// Reads all files that a trial may need: those that the experiment refers to, and those that may be drawn.
     ///
     /// # Errors
-    /// When the plan makes no sense, or a file is not there or lies outside of the experiment's folder.
+    /// If the plan is invalid, or a file is missing or outside of the experiment's folder.
     pub fn files(&self) -> Result<Files, SweepError> {
         let (experiment, parameters) = self.load()?;
         let mut files = Files::new();
@@ -36,14 +36,14 @@ impl Plan {
         Ok(files)
     }
 
-    /// The same plan where the experiment's file names are relative to `folder`, which has all of [`files`](Self::files).
+    /// Returns the plan with file names relative to `folder`, which must contain all [`files`](Self::files).
     #[must_use]
     pub fn with_folder(mut self, folder: PathBuf) -> Self {
         self.folder = Some(folder);
         self
     }
 
-    /// Reads what `experiment` names and is not in `files` yet.
+    /// Reads the files of `experiment` that are not in `files` yet.
     fn collect(&self, experiment: &Experiment, files: &mut Files) -> Result<(), SweepError> {
         for (key, value) in leaves(&experiment.config) {
             let kind = key.rsplit('.').next().unwrap_or_default();
@@ -61,7 +61,7 @@ impl Plan {
                 files.insert(name.to_string(), text.into());
                 continue;
             }
-            // Forces that are sensed directly need no calibration.
+            // Directly sensed forces need no calibration.
             let optional = kind == CALIBRATION && experiment.config.sensing == Sensing::Direct;
             let path = experiment.folder().join(name);
             if !optional || path.exists() {
@@ -72,7 +72,7 @@ impl Plan {
     }
 }
 
-/// The file that `key` calls `name`.
+/// Reads the file `name`, which is the value of `key`.
 fn read(key: &str, name: &str, path: &Path) -> Result<Vec<u8>, SweepError> {
     let inside = |part| matches!(part, Component::Normal(_) | Component::CurDir);
     if !Path::new(name).components().all(inside) {
@@ -86,6 +86,6 @@ fn read(key: &str, name: &str, path: &Path) -> Result<Vec<u8>, SweepError> {
     fs::read(path).map_err(|source| SweepError::File {
         path: path.to_path_buf(),
         source,
-        note: format!("{key} names it, and other machines need it"),
+        note: format!("{key} refers to this file, and other machines need it"),
     })
 }

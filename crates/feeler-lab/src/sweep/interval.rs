@@ -1,24 +1,24 @@
-//! Means of trials, each with an interval that says how well it is known.
+//! Means of trials with confidence intervals.
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-/// Samples that are drawn again from what was measured.
+/// Number of bootstrap resamples.
 const RESAMPLES: usize = 2000;
 
 /// A mean with its 95 % confidence interval.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Estimate {
-    /// Lower end.
+    /// Lower end of the interval.
     pub low: f64,
-    /// The mean itself.
+    /// The mean.
     pub mean: f64,
-    /// Upper end.
+    /// Upper end of the interval.
     pub high: f64,
 }
 
 impl Estimate {
-    /// The mean between the ends of its interval. That of a single trial has none: its ends are not numbers.
+    /// Returns the lower end, the mean and the upper end. The ends are NaN for a single trial.
     pub fn with_ends(self, trials: usize) -> [f64; 3] {
         match trials {
             1 => [f64::NAN, self.mean, f64::NAN],
@@ -27,21 +27,21 @@ impl Estimate {
     }
 }
 
-/// The mean of `values`, with the percentile bootstrap's interval; none of no values.
+/// Mean of `values` with the percentile bootstrap interval. `None` if there are no values.
 pub fn bootstrap(values: &[f64]) -> Option<Estimate> {
     bootstrap_of(values, |drawn| {
         drawn.iter().copied().sum::<f64>() / drawn.len() as f64
     })
 }
 
-/// What `quantity` makes of `values`, with the percentile bootstrap's interval; none of no values, or where it is
-/// not a number. The same for the same values, as its draws have a seed of their own.
+/// Value of `quantity` for `values` with the percentile bootstrap interval. `None` if there are no values or the
+/// quantity is not finite. The result is deterministic because the resampling uses a fixed seed.
 pub fn bootstrap_of<T>(values: &[T], quantity: impl Fn(&[&T]) -> f64) -> Option<Estimate> {
     bootstrap_each(values, |drawn| [quantity(drawn)]).map(|[estimate]| estimate)
 }
 
-/// As [`bootstrap_of`], of several quantities at once. Samples in which one is not a number do not count for its
-/// interval.
+/// Like [`bootstrap_of`], for several quantities at once. Resamples in which a quantity is not finite are
+/// ignored for its interval.
 pub fn bootstrap_each<T, const K: usize>(
     values: &[T],
     quantities: impl Fn(&[&T]) -> [f64; K],
@@ -81,9 +81,9 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_interval_is_that_of_the_normal_distribution_where_there_are_many() {
-        // 0 to 999: standard error of the mean is 999.5 / sqrt(12) / sqrt(1000) = 9.13 (1.96 of them: 17.9);
-        // 2000 resamples know a 2.5 % quantile to some 4 % of that.
+    fn the_interval_of_many_values_is_normal() {
+        // 0 to 999: the standard error of the mean is 999.5 / sqrt(12) / sqrt(1000) = 9.13, and 1.96 times that is
+        // 17.9; 2000 resamples estimate the 2.5 % quantile to about 4 % of that.
         let values: Vec<f64> = (0..1000).map(f64::from).collect();
         let estimate = bootstrap(&values).unwrap();
         assert_eq!(estimate.mean, 499.5);

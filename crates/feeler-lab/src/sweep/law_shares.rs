@@ -1,4 +1,4 @@
-//! Share of the same hands on which each control law meets the claims of any hand.
+//! Fraction of the same hands on which each control law passes the claims of any hand.
 
 use super::claim_columns::ClaimColumns;
 use super::robustness::{is_hand, ranges, share};
@@ -8,20 +8,20 @@ use feeler_report::law_shares_page::{LawShares, LawSharesPage};
 use feeler_report::robustness_page::Share;
 use std::collections::BTreeSet;
 
-/// One law and its trials.
+/// A law with its trials.
 pub struct LawTrials<'a> {
     /// Name of the law.
     pub name: &'a str,
-    /// Its trials. They have the same design and seed as those of the other laws.
+    /// Trials of the law, with the same design and seed as those of the other laws.
     pub trials: &'a Trials,
-    /// Their rows.
+    /// Table of the trials.
     pub table: &'a Table,
 }
 
-/// The shares of the hands that all `laws` have finished.
+/// Computes the fractions over the hands that all `laws` have finished.
 ///
-/// A point of the design is a hand if its experiment is valid under any of the laws. A law that refuses it does not hold
-/// there, and its refusals are counted.
+/// A point of the design counts as a hand if its experiment is valid under any of the laws. A law that rejects the hand
+/// fails on it; the number of rejected hands is reported.
 pub fn law_shares(laws: &[LawTrials<'_>]) -> LawSharesPage {
     let Some(first) = laws.first() else {
         return LawSharesPage::default();
@@ -51,7 +51,7 @@ pub fn law_shares(laws: &[LawTrials<'_>]) -> LawSharesPage {
     }
 }
 
-/// The trials that all laws have finished.
+/// Returns the trials that all laws have finished.
 fn finished(laws: &[LawTrials<'_>]) -> BTreeSet<u64> {
     let mut trials = laws
         .iter()
@@ -61,7 +61,8 @@ fn finished(laws: &[LawTrials<'_>]) -> BTreeSet<u64> {
 }
 
 impl LawTrials<'_> {
-    /// The share of `hands` on which each claim of any hand holds, and all of them with the task done.
+    /// Returns the fraction of `hands` that pass each claim of any hand, and the fraction that pass all of them and
+    /// finish the task.
     fn shares(&self, hands: &[u64]) -> Vec<Share> {
         let claims: Vec<_> = self.trials.hand_claims().collect();
         let columns = claims.iter().map(|c| self.table.column(&c.holds()));
@@ -84,7 +85,7 @@ impl LawTrials<'_> {
     }
 }
 
-/// The claim's name beside other claims of any hand.
+/// Short name of a claim of any hand.
 fn short(claim: &ClaimColumns) -> String {
     let id = claim.id.strip_prefix("hand-").unwrap_or(claim.id);
     id.replace('-', " ")
@@ -96,7 +97,8 @@ mod tests {
     use crate::config::Experiment;
     use crate::sweep::Plan;
 
-    /// Rows of `outcome`, and of the first of the claims of any hand; the other claims hold.
+    /// Builds a table from the outcome and the result of the first claim of any hand of each row. The other claims
+    /// pass.
     fn table(trials: &Trials, rows: &[(&str, &str)]) -> Table {
         let header = trials.header();
         let claims: Vec<_> = trials.hand_claims().map(ClaimColumns::holds).collect();
@@ -116,7 +118,7 @@ mod tests {
     }
 
     #[test]
-    fn a_law_that_refuses_a_hand_does_not_hold_on_it() {
+    fn a_law_that_rejects_a_hand_fails_on_it() {
         let experiment = Experiment::load("cap-closing", &[]).unwrap();
         let plan = Plan::new(&experiment, "cap-closing", &[], 0, 5).unwrap();
         let trials = Trials::new(&plan).unwrap();
@@ -128,7 +130,7 @@ mod tests {
             ("done", "1"),
         ];
         let one = table(&trials, &rows);
-        // Refuses the first hand; the last trial is not finished.
+        // This law rejects the first hand; the last trial is not finished.
         let two = table(
             &trials,
             &[
@@ -153,7 +155,7 @@ mod tests {
                 .collect::<Vec<_>>()
         };
         assert_eq!(holding(0), [2, 3, 3, 3, 3, 1]);
-        // A row that was refused has no claims.
+        // The row of a rejected hand has no claims.
         assert_eq!((holding(1)[0], holding(1)[5]), (2, 2));
         assert_eq!((page.laws[0].refused, page.laws[1].refused), (0, 1));
         assert_eq!(page.laws[1].shares[5].of, "all five");

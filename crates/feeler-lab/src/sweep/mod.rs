@@ -1,8 +1,8 @@
-//! Many randomised trials of one experiment: what varies, how trials run, and what is kept of them.
+//! Sweeps: many randomised trials of one experiment.
 //!
-//! Trial `k` draws all that it is made of from streams of its own, which sweep seed and `k` alone
-//! determine. So it comes out the same whatever ran before it, beside it, or on another machine. The trials of
-//! a [`design`] fill the space of what varies instead; they, too, follow from seed and number alone.
+//! The random streams of trial `k` depend only on the seed of the sweep and `k`. The result is therefore independent of
+//! other trials, their order and the machine. The trials of a [`design`] instead fill the parameter space evenly; they,
+//! too, depend only on seed and number.
 
 pub mod claim_columns;
 pub mod comparison;
@@ -33,37 +33,37 @@ pub use table::Table;
 
 use std::path::PathBuf;
 
-/// Why a sweep could not be set up, go on or be joined.
+/// Error of a sweep that cannot be set up, continued or merged.
 #[derive(Debug, thiserror::Error)]
 pub enum SweepError {
-    /// What is to vary makes no sense.
+    /// The varied parameter is invalid.
     #[error("{said}: {message}")]
     Vary {
         /// The `--vary` expression, or the name of the parameter in a file of ranges.
         said: String,
-        /// What is wrong with it, and what was expected.
+        /// The problem and the expected form.
         message: String,
     },
     /// The experiment cannot be used.
     #[error(transparent)]
     Config(#[from] crate::config::ConfigError),
-    /// A part of the rig makes no sense.
+    /// A part of the rig is invalid.
     #[error(transparent)]
     Experiment(#[from] crate::experiment::ExperimentError),
     /// A trial could not be recorded.
     #[error(transparent)]
     Record(#[from] feeler_record::RecordError),
-    /// The policy is another than that with which the sweep was started.
+    /// The policy differs from the policy with which the sweep was started.
     #[error(
         "control.law.policy.file = {file:?}: the policy has the SHA-256 {actual}; expected {expected}, with \
          which the sweep was started"
     )]
     Policy {
-        /// The policy's file, as the experiment names it.
+        /// The policy file, as named in the experiment.
         file: String,
-        /// SHA-256 of the policy that the sweep was started with.
+        /// SHA-256 of the policy with which the sweep was started.
         expected: String,
-        /// SHA-256 of what the file holds.
+        /// SHA-256 of the current content of the file.
         actual: String,
     },
     /// A file could not be read or written.
@@ -71,17 +71,17 @@ pub enum SweepError {
     File {
         /// The file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: std::io::Error,
-        /// What became of the sweep.
+        /// State of the sweep, or the expected content.
         note: String,
     },
-    /// A folder does not hold what it should.
+    /// A folder or file has unexpected content.
     #[error("{}: {message}", path.display())]
     Folder {
         /// The folder or file.
         path: PathBuf,
-        /// What is wrong, and what was expected.
+        /// The problem and the expected content.
         message: String,
     },
 }

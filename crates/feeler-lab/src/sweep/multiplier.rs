@@ -1,10 +1,10 @@
-//! A key whose value, raised to a power, multiplies what is drawn.
+//! Scaling of a drawn value by a power of another value of the experiment.
 
 use super::ranges::Entry;
 use crate::config::key::{find, number};
 use toml::Value;
 
-/// The value of a key of the experiment, raised to a power.
+/// A factor given by the value of a key, raised to a power.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Multiplier {
     /// The key.
@@ -15,11 +15,12 @@ pub struct Multiplier {
 }
 
 impl Multiplier {
-    /// The multiplier that `entry` names among the values `leaves` of the experiment, or `None` if it has no `of`.
+    /// Returns the multiplier of `entry`, whose key is looked up in the experiment's `leaves`, or `None` if it has no
+    /// `of`.
     ///
     /// # Errors
-    /// If the key is unknown, 0 or no number; if there is a power but no key, or the power is 0 or not finite; or if a
-    /// value below 0 is to be raised to a power other than 1.
+    /// If the key is unknown, its value is 0 or not a number, a power is given without a key, the power is 0 or not
+    /// finite, or a negative value would be raised to a power other than 1.
     pub fn of_entry(entry: &Entry, leaves: &[(String, Value)]) -> Result<Option<Self>, String> {
         let power = entry.power.unwrap_or(1.0);
         if !power.is_finite() || power == 0.0 {
@@ -29,13 +30,13 @@ impl Multiplier {
             return match entry.power {
                 None => Ok(None),
                 Some(_) => Err(format!(
-                    "power = {power}: there is nothing to raise to it; expected of = KEY beside it"
+                    "power = {power}: a power requires a key; add of = KEY"
                 )),
             };
         };
         let (key, value) = find(name, leaves)?;
         let nominal = number(value).filter(|value| *value != 0.0);
-        let nominal = nominal.ok_or(format!("{key} is 0 or no number"))?;
+        let nominal = nominal.ok_or(format!("{key} is 0 or not a number"))?;
         if power != 1.0 && nominal < 0.0 {
             return Err(format!(
                 "{key} is {nominal}, which has no power of {power}: expected a number above 0"
@@ -48,12 +49,12 @@ impl Multiplier {
         }))
     }
 
-    /// What it multiplies with in the experiment as it is.
+    /// Returns the factor for the unmodified experiment.
     pub fn nominal(&self) -> f64 {
         self.raised(self.nominal)
     }
 
-    /// What it multiplies with after the settings `earlier` (`KEY=VALUE`), the last of which counts.
+    /// Returns the factor after the settings `earlier` (`KEY=VALUE`); the last setting of the key wins.
     pub fn after(&self, earlier: &[String]) -> f64 {
         let set = earlier.iter().rev().find_map(|setting| {
             let (key, value) = setting.split_once('=')?;
@@ -84,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn the_value_counts_as_set_last_and_is_raised() {
+    fn the_last_setting_wins_and_is_raised_to_the_power() {
         let root = multiplier("of = \"stiffness\"\npower = 0.5")
             .unwrap()
             .unwrap();
@@ -98,13 +99,13 @@ mod tests {
     }
 
     #[test]
-    fn an_invalid_power_is_refused_in_words() {
+    fn an_invalid_power_is_rejected() {
         for (toml, words) in [
-            ("power = 0.5", "expected of = KEY"),
+            ("power = 0.5", "add of = KEY"),
             ("of = \"stiffness\"\npower = 0.0", "other than 0"),
             ("of = \"stiffness\"\npower = nan", "other than 0"),
             ("of = \"below\"\npower = 0.5", "above 0"),
-            ("of = \"zero\"\npower = 0.5", "0 or no number"),
+            ("of = \"zero\"\npower = 0.5", "0 or not a number"),
             ("of = \"stifness\"", "a.stiffness"),
         ] {
             let error = multiplier(toml).unwrap_err();

@@ -1,5 +1,5 @@
-//! What varies, and the keys of the experiment that it sets: `--vary NAME=DISTRIBUTION`, or an entry of a
-//! file of ranges ([`Entry`]), which can link several keys.
+//! Varied parameters and the keys that they set, from `--vary NAME=DISTRIBUTION` or from an entry of a file of ranges
+//! ([`Entry`]), which can link several keys.
 
 use super::SweepError;
 use super::distribution::{Distribution, number_text};
@@ -10,33 +10,33 @@ use crate::config::key::{FRICTION, find, leaves, number};
 use feeler::control::law::LawConfig;
 use toml::Value;
 
-/// Largest relative difference of two linked values that are called equal: what 12 digits leave.
+/// Maximum relative difference of linked values that count as equal, about 12 digits.
 const SAME: f64 = 1e-12;
 
 /// A varied parameter.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Parameter {
-    /// As it was called; also the name of its column.
+    /// Name as given by the user; also the name of its column.
     pub name: String,
-    /// What it is drawn from.
+    /// Distribution of the value.
     pub distribution: Distribution,
-    /// Whether it takes whole numbers only.
+    /// `true` if the values are integers.
     pub whole: bool,
-    /// The value that the experiment has, as text.
+    /// Value in the experiment, as text.
     pub nominal: String,
-    /// How it was asked for, for messages.
+    /// Text that specified the parameter, for messages.
     said: String,
-    /// The keys that it sets, each to the value times a factor.
+    /// Keys to set, each to the value times a factor.
     keys: Vec<(String, f64)>,
-    /// What multiplies them all.
+    /// Additional common factor of all keys.
     of: Option<Multiplier>,
 }
 
 impl Parameter {
-    /// Reads `NAME=DISTRIBUTION` for an experiment, and checks that its bounds are in range.
+    /// Parses `NAME=DISTRIBUTION` for an experiment and verifies that the bounds are in range.
     ///
     /// # Errors
-    /// When it does not parse, names no parameter or more than one, or is out of range.
+    /// If the expression is invalid, the name matches no key or several keys, or a value is out of range.
     pub fn parse(expression: &str, experiment: &Experiment) -> Result<Self, SweepError> {
         let said = format!("--vary {expression}");
         let parameter = Self::unchecked(expression, &said, experiment)
@@ -53,7 +53,7 @@ impl Parameter {
             .ok_or("expected NAME=DISTRIBUTION, as in friction=uniform(0.3,1.2)")?;
         let name = name.trim();
         let leaves = leaves(&experiment.config);
-        // The static friction of all feelers and objects, the kinetic in proportion.
+        // Static friction of all feelers and objects, with kinetic friction in proportion.
         let (keys, value) = if name == FRICTION {
             let keys = frictions(&leaves);
             let first = keys.first().and_then(|(key, _)| find(key, &leaves).ok());
@@ -65,11 +65,11 @@ impl Parameter {
         Self::new(name, said, range, keys, None, &value)
     }
 
-    /// The parameter that an entry of a file of ranges means. Its bounds are checked with all others
-    /// ([`check_together`]), as some make sense together only.
+    /// Creates the parameter of an entry of a file of ranges. Call [`check_together`] to check its bounds, because
+    /// some bounds are valid only in combination with other parameters.
     ///
     /// # Errors
-    /// When it names no keys, they are not in the proportion of their factors, or its range makes no sense.
+    /// If the entry has no keys, their values are not in the ratio of the factors, or the range is invalid.
     pub fn of_entry(entry: &Entry, experiment: &Experiment) -> Result<Self, SweepError> {
         let said = format!("parameter {:?}", entry.name);
         let made = Self::linked(entry, &said, experiment);
@@ -87,22 +87,22 @@ impl Parameter {
             let (key, value) = find(&name, &leaves)?;
             keys.push((key.clone(), factor));
             let own = match number(value) {
-                // As it is, so that a whole number stays one and nothing is rounded.
+                // Unscaled, so that integers remain integers and nothing is rounded.
                 _ if scale(factor) == 1.0 => value.clone(),
                 Some(number) => Value::Float(number / scale(factor)),
-                None => return Err(format!("{key} is no number and cannot be multiplied")),
+                None => return Err(format!("{key} is not a number and cannot be multiplied")),
             };
             match &nominal {
                 None => nominal = Some(own),
                 Some(first) if same(first, &own) => {}
                 Some(first) => {
                     return Err(format!(
-                        "the experiment has {first} for the first key and {own} for {key}; expected the same, factors taken out"
+                        "the experiment has {first} for the first key and {own} for {key}; expected equal values after division by the factors"
                     ));
                 }
             }
         }
-        let nominal = nominal.ok_or("it sets no key")?;
+        let nominal = nominal.ok_or("the parameter sets no key")?;
         Self::new(&entry.name, said, &entry.range, keys, of, &nominal)
     }
 
@@ -117,7 +117,7 @@ impl Parameter {
         let distribution = Distribution::parse(range, number(nominal))?;
         let whole = nominal.is_integer();
         if number(nominal).is_none() && !matches!(distribution, Distribution::Choice(_)) {
-            return Err(format!("{name} is no number: expected choice(a,b,…)"));
+            return Err(format!("{name} is not a number: expected choice(a,b,…)"));
         }
         Ok(Self {
             name: name.to_string(),
@@ -133,32 +133,33 @@ impl Parameter {
         })
     }
 
-    /// A key that both set, or that the other multiplies by though it is set only later.
+    /// Returns a message if both parameters set the same key, or if `later` sets a key by which this parameter is
+    /// multiplied.
     pub fn conflict(&self, later: &Self) -> Option<String> {
         let sets = |key: &str| later.keys.iter().any(|(other, _)| other == key);
         let both = self.keys.iter().find(|(key, _)| sets(key));
-        let both = both.map(|_| format!("varies what {} varies already", self.name));
+        let both = both.map(|_| format!("sets the same key as {}", self.name));
         both.or_else(|| {
             let Multiplier { key, .. } = self.of.as_ref().filter(|of| sets(&of.key))?;
             let name = &self.name;
             Some(format!(
-                "varies {key}, by which {name} is multiplied: expected it before that"
+                "varies {key}, by which {name} is multiplied: move this parameter before {name}"
             ))
         })
     }
 
-    /// Whether it sets this key of the experiment.
+    /// Returns `true` if the parameter sets this key of the experiment.
     pub fn sets(&self, key: &str) -> bool {
         self.keys.iter().any(|(own, _)| own == key)
     }
 
-    /// That something is wrong with it.
+    /// Returns an error about this parameter.
     pub fn error(&self, message: String) -> SweepError {
         let said = self.said.clone();
         SweepError::Vary { said, message }
     }
 
-    /// The settings that give it the value that this text says, after `earlier` ones.
+    /// Returns the settings that assign `value` to the parameter, after the settings `earlier`.
     fn settings(&self, value: &str, earlier: &[String]) -> Result<Vec<String>, SweepError> {
         let of = self.of.as_ref().map_or(1.0, |of| of.after(earlier));
         let keys = self.keys.iter().map(|(key, factor)| {
@@ -167,18 +168,21 @@ impl Parameter {
                 return Ok(format!("{key}={value}"));
             }
             let number: Result<f64, _> = value.parse();
-            let number =
-                number.map_err(|_| self.error(format!("{value:?} is no number to multiply")))?;
+            let number = number.map_err(|_| {
+                self.error(format!(
+                    "{value:?} is not a number and cannot be multiplied"
+                ))
+            })?;
             Ok(format!("{key}={}", number_text(factor * number, false)))
         });
         keys.collect()
     }
 }
 
-/// The settings that give each parameter its value, in their order.
+/// Returns the settings that assign each parameter its value, in order.
 ///
 /// # Errors
-/// When a value is no number where one is needed.
+/// If a value must be multiplied but is not a number.
 pub fn settings<'a>(
     values: impl IntoIterator<Item = (&'a Parameter, &'a String)>,
 ) -> Result<Vec<String>, SweepError> {
@@ -190,10 +194,10 @@ pub fn settings<'a>(
     Ok(settings)
 }
 
-/// Requires that no parameter sets what another one sets, or is multiplied by it before it is set.
+/// Requires that no two parameters set the same key, and that a key used as a multiplier is set before its use.
 ///
 /// # Errors
-/// The first that does.
+/// Describes the first conflict.
 pub fn check_conflicts(parameters: &[Parameter]) -> Result<(), SweepError> {
     for (index, parameter) in parameters.iter().enumerate() {
         let mut earlier = parameters[..index].iter();
@@ -204,10 +208,10 @@ pub fn check_conflicts(parameters: &[Parameter]) -> Result<(), SweepError> {
     Ok(())
 }
 
-/// Checks both ends of each parameter's range while all others are as the experiment has them.
+/// Checks both bounds of each parameter while all others have their nominal values.
 ///
 /// # Errors
-/// The first that is out of range.
+/// Describes the first value that is out of range.
 pub fn check_together(parameters: &[Parameter], experiment: &Experiment) -> Result<(), SweepError> {
     for (index, parameter) in parameters.iter().enumerate() {
         for value in parameter.distribution.extremes(parameter.whole) {
@@ -247,7 +251,7 @@ fn same(a: &Value, b: &Value) -> bool {
     }
 }
 
-/// The keys of static and kinetic friction: the kinetic by static as the experiment has it.
+/// Keys of static and kinetic friction with factors that preserve their ratios in the experiment.
 fn frictions(leaves: &[(String, Value)]) -> Vec<(String, f64)> {
     let number = |key: &str| {
         let found = leaves.iter().find(|(k, _)| k == key);
@@ -271,7 +275,7 @@ mod tests {
     }
 
     #[test]
-    fn friction_keeps_its_proportion() {
+    fn friction_coefficients_keep_their_ratio() {
         let experiment = Experiment::load(
             "cap-closing",
             &[
@@ -294,7 +298,7 @@ mod tests {
     }
 
     #[test]
-    fn an_entry_sets_its_keys_by_their_factors() {
+    fn an_entry_scales_its_keys_by_their_factors() {
         let mirrored = entry(
             r#"
             keys = [{ key = "screw.finger.0.home.0" }, { key = "screw.finger.1.home.0", factor = -1.0 }]
@@ -319,11 +323,14 @@ mod tests {
             range = "relative(0.9, 1.1)""#,
         );
         let error = Parameter::of_entry(&unlike, &reference()).unwrap_err();
-        assert!(error.to_string().contains("expected the same"), "{error}");
+        assert!(
+            error.to_string().contains("expected equal values"),
+            "{error}"
+        );
     }
 
     #[test]
-    fn what_is_relative_to_another_follows_it() {
+    fn a_relative_value_follows_its_reference() {
         let kinetic = entry(
             r#"
             key = "sim.feeler.kinetic_friction"

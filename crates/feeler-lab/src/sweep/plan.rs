@@ -1,4 +1,4 @@
-//! What a sweep is: everything that its trials follow from, as `sweep.toml` keeps it.
+//! The plan of a sweep: all inputs that determine its trials, stored as `sweep.toml`.
 
 use super::SweepError;
 use super::design::{Design, MAX_PARAMETERS, Scheme};
@@ -10,24 +10,24 @@ use sha2::{Digest as _, Sha256};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Name of the plan in a sweep's folder.
+/// Name of the plan file in the folder of a sweep.
 pub const PLAN: &str = "sweep.toml";
 
-/// Which trials of a sweep are this machine's: those with `trial % of == index - 1`.
+/// Part of a sweep that one machine runs: the trials with `trial % of == index - 1`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Shard {
-    /// From 1.
+    /// Index of the shard, starting at 1.
     pub index: u64,
-    /// How many there are.
+    /// Number of shards.
     pub of: u64,
 }
 
 impl Shard {
-    /// All of a sweep.
+    /// The only shard of an undivided sweep.
     pub const WHOLE: Self = Self { index: 1, of: 1 };
 
-    /// Whether a trial is of this shard.
+    /// Returns `true` if the trial belongs to this shard.
     pub fn has(self, trial: u64) -> bool {
         trial % self.of == self.index - 1
     }
@@ -45,45 +45,45 @@ impl std::str::FromStr for Shard {
     }
 }
 
-/// All that the trials of a sweep follow from.
+/// All inputs that determine the trials of a sweep.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Plan {
     /// Version of the program.
     pub version: String,
-    /// SHA-256 of version, seed, trials, expressions, design, experiment and policy.
+    /// SHA-256 of version, seed, number of trials, expressions, design, experiment and policy.
     pub hash: String,
-    /// Seed of all that is drawn.
+    /// Seed of the sweep.
     pub seed: u64,
-    /// Number of trials, of all shards.
+    /// Total number of trials in all shards.
     pub trials: u64,
     /// The `--vary` expressions.
     pub vary: Vec<String>,
-    /// What the experiment was called.
+    /// Name of the experiment as given by the user.
     pub origin: String,
-    /// The folder that the experiment's file names are relative to; none if it is built in.
+    /// Folder that file names in the experiment are relative to. `None` for a built-in experiment.
     #[serde(default)]
     pub folder: Option<PathBuf>,
-    /// The experiment as run but for what varies (TOML).
+    /// Text of the experiment (TOML) with all fixed settings applied.
     pub experiment: String,
-    /// SHA-256 of the policy's file, if the experiment names one.
+    /// SHA-256 of the policy file, if the experiment uses one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub policy: Option<String>,
-    /// Which trials this folder has.
+    /// Shard in this folder.
     pub shard: Shard,
-    /// How the trials lie in the space of `parameter`; without it, each draws by itself.
+    /// Design of the trials in the space of `parameter`. `None` if each trial draws independently.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub design: Option<Design>,
-    /// What a design varies.
+    /// Parameters varied by the design.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub parameter: Vec<Entry>,
 }
 
 impl Plan {
-    /// The plan of a design that varies `parameter` in an experiment that is called `origin`.
+    /// Creates the plan of a design that varies `parameter` in `experiment`, which the user called `origin`.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// Same as [`Self::new`].
     pub fn designed(
         experiment: &Experiment,
         origin: &str,
@@ -101,15 +101,16 @@ impl Plan {
         Ok(plan)
     }
 
-    /// The design's scheme, if there is one.
+    /// Returns the design applied to the parameters, if the plan has a design.
     pub fn scheme(&self) -> Option<Scheme> {
         Some(Scheme::new(self.design?, &self.parameter))
     }
 
-    /// The plan to vary `vary` in an experiment that is called `origin`.
+    /// Creates the plan of a sweep with the `--vary` expressions `vary` in `experiment`, which the user called
+    /// `origin`.
     ///
     /// # Errors
-    /// When the policy that the experiment names cannot be read.
+    /// If the policy file cannot be read.
     pub fn new(
         experiment: &Experiment,
         origin: &str,
@@ -144,10 +145,10 @@ impl Plan {
         Ok(plan)
     }
 
-    /// Reads the plan in a sweep's folder.
+    /// Reads the plan in the folder of a sweep.
     ///
     /// # Errors
-    /// When there is none, or it was changed or made by another version.
+    /// If there is no plan, or it was modified or written by another version.
     pub fn read(folder: &Path) -> Result<Self, SweepError> {
         let path = folder.join(PLAN);
         let text = fs::read_to_string(&path).map_err(|source| SweepError::File {
@@ -158,10 +159,10 @@ impl Plan {
         Self::parse(&text, &path)
     }
 
-    /// The plan that `text` says, which came from the file at `path` (for messages).
+    /// Parses a plan. `path` is used in error messages.
     ///
     /// # Errors
-    /// When it is none, or was changed or made by another version.
+    /// If the text is not a plan, or was modified or written by another version.
     pub fn parse(text: &str, path: &Path) -> Result<Self, SweepError> {
         let wrong = |message: String| SweepError::Folder {
             path: path.to_path_buf(),
@@ -171,7 +172,7 @@ impl Plan {
         if plan.version != env!("CARGO_PKG_VERSION") {
             let (theirs, ours) = (&plan.version, env!("CARGO_PKG_VERSION"));
             return Err(wrong(format!(
-                "made by version {theirs}, whose trials this version {ours} may not repeat"
+                "created by version {theirs}; version {ours} may not reproduce its trials"
             )));
         }
         if plan.hash != plan.computed_hash()
@@ -179,16 +180,16 @@ impl Plan {
             || plan.shard.index > plan.shard.of
         {
             return Err(wrong(
-                "changed since the sweep was started: its hash differs".into(),
+                "the plan was modified after the sweep was started: its hash differs".into(),
             ));
         }
         Ok(plan)
     }
 
-    /// The plan of the sweep that was stopped in `folder`, which must be this one.
+    /// Reads the plan of the stopped sweep in `folder` and verifies that it equals this plan.
     ///
     /// # Errors
-    /// When there is none, or it differs: names the first difference.
+    /// If there is no plan, or it differs. The error describes the first difference.
     pub fn resume(&self, folder: &Path) -> Result<Self, SweepError> {
         let kept = Self::read(folder)?;
         let shard = |p: &Self| format!("{}/{}", p.shard.index, p.shard.of);
@@ -200,23 +201,21 @@ impl Plan {
             None => Ok(kept),
             Some(difference) => Err(SweepError::Folder {
                 path: folder.to_path_buf(),
-                message: format!(
-                    "{difference}; expected the sweep that was stopped, of which nothing was changed"
-                ),
+                message: format!("{difference}; expected the interrupted sweep, unchanged"),
             }),
         }
     }
 
-    /// The text of `sweep.toml`.
+    /// Returns the text of `sweep.toml`.
     pub fn to_toml(&self) -> String {
-        // Strings, numbers and lists of them: there is nothing that TOML could not say.
+        // The plan contains only strings, numbers and lists, which TOML can always represent.
         toml::to_string(self).unwrap_or_default()
     }
 
-    /// The experiment with its policy, and what varies in it.
+    /// Loads the experiment with its policy, and the varied parameters.
     ///
     /// # Errors
-    /// When either makes no sense, or the policy is another than the plan's.
+    /// If either is invalid, or the policy file has changed.
     pub fn load(&self) -> Result<(Experiment, Vec<Parameter>), SweepError> {
         let experiment =
             Experiment::parse(&self.experiment, &self.origin, &[], self.folder.clone())?;
@@ -252,7 +251,7 @@ impl Plan {
         Ok((experiment, parameters))
     }
 
-    /// What differs from another plan of what should be the same sweep.
+    /// Describes the first difference from another plan of supposedly the same sweep. `None` if they are equal.
     pub fn difference(&self, other: &Self) -> Option<String> {
         let numbers = |what: &str, ours: u64, theirs: u64| {
             (ours != theirs).then(|| format!("its {what} is {ours}, not {theirs}"))
@@ -265,7 +264,7 @@ impl Plan {
             })
             .or_else(|| {
                 let differs = self.design != other.design || self.parameter != other.parameter;
-                differs.then(|| "it is of other ranges or another design".to_string())
+                differs.then(|| "its ranges or its design differ".to_string())
             })
             .or_else(|| {
                 let mut lines = self.experiment.lines().zip(other.experiment.lines());
@@ -274,13 +273,13 @@ impl Plan {
                     format!(": {:?}, not {:?}", ours.trim(), theirs.trim())
                 });
                 (self.experiment != other.experiment)
-                    .then(|| format!("it is of another experiment{line}"))
+                    .then(|| format!("its experiment differs{line}"))
             })
             .or_else(|| {
                 let digits = |plan: &Self| plan.policy.clone().unwrap_or_default();
                 (self.policy != other.policy).then(|| {
                     let (ours, theirs) = (digits(self), digits(other));
-                    format!("it is of a policy of SHA-256 {ours}, not {theirs}")
+                    format!("its policy has the SHA-256 {ours}, not {theirs}")
                 })
             })
             .or_else(|| (self.hash != other.hash).then(|| "its hash differs".to_string()))
@@ -303,7 +302,7 @@ impl Plan {
     }
 }
 
-/// The SHA-256 of `bytes`, in hexadecimal digits.
+/// SHA-256 of `bytes` as hexadecimal digits.
 fn sha256(bytes: &[u8]) -> String {
     digits(Sha256::new_with_prefix(bytes))
 }

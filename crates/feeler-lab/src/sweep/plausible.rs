@@ -1,4 +1,4 @@
-//! Plausible hands: rubber, bottle, drives and instruments drawn from the ranges that come with the program.
+//! Plausible hands: rubber, bottle, drives and instruments drawn from built-in ranges.
 
 use super::SweepError;
 use super::parameter::{Parameter, settings};
@@ -7,15 +7,15 @@ use super::trial::generator;
 use crate::config::Experiment;
 use std::path::Path;
 
-/// The experiment whose ranges are drawn from, and the group of them that is decided before anybody tunes anything.
+/// Built-in ranges to draw from, and the group of parameters that is fixed before any tuning.
 const RANGES: (&str, &str) = ("cap-closing", "apparatus");
 
-/// The settings, as `KEY=VALUE`, that give `experiment` the plausible hand number `hand`.
+/// Returns the settings (`KEY=VALUE`) that turn `experiment` into the plausible hand with number `hand`.
 ///
-/// Each value is drawn independently of the others, from a random stream of its own.
+/// The values are drawn independently, each from a separate random stream.
 ///
 /// # Errors
-/// If the experiment lacks a key that is drawn.
+/// If the experiment lacks a drawn key.
 pub fn plausible_hand(experiment: &Experiment, hand: u64) -> Result<Vec<String>, SweepError> {
     let files: [&Path; 0] = [];
     let entries = ranges::load(&files, RANGES.0)?.parameter;

@@ -1,4 +1,4 @@
-//! Files of ranges: over what each value of an experiment that nobody knows is plausible, and why.
+//! Files of ranges: plausible ranges of uncertain values of an experiment, with justifications.
 
 use super::SweepError;
 use crate::config::ConfigError;
@@ -6,48 +6,49 @@ use serde::{Deserialize, Serialize};
 use std::fs;
 use std::path::Path;
 
-/// The ranges that come with the program, by the experiment's name.
+/// Built-in ranges by experiment name.
 const BUILT_IN: [(&str, &str); 1] = [(
     "cap-closing",
     include_str!("../../experiments/cap-closing.robustness.toml"),
 )];
 
-/// One value that varies.
+/// One varied parameter.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Entry {
-    /// What it is called; also the name of its column.
+    /// Name of the parameter; also the name of its column.
     pub name: String,
-    /// Who decides it, as in `apparatus` (nature and workshop) or `tuning` (an engineer).
+    /// Group of the parameter by its origin, such as `apparatus` (materials and manufacturing) or `tuning` (chosen by
+    /// an engineer).
     pub group: String,
     /// Unit of the range; empty for ratios.
     #[serde(default)]
     pub unit: String,
-    /// The key that it sets…
+    /// The key to set, if there is only one.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub key: Option<String>,
-    /// …or several that belong together.
+    /// The keys to set together, if there are several.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub keys: Vec<Link>,
-    /// A key whose value it is a multiple of…
+    /// Key whose value scales the drawn value.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub of: Option<String>,
-    /// …raised to this power: the keys are set to what is drawn, times their factor, times `of^power`. 1 if missing.
+    /// Exponent of the scaling. The keys are set to the drawn value times their factor times `of^power`. Default: 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub power: Option<f64>,
-    /// What it is drawn from, as in `log_uniform(250, 1500)`.
+    /// Distribution, such as `log_uniform(250, 1500)`.
     pub range: String,
-    /// Why this range is plausible.
+    /// Justification of the range.
     pub why: String,
 }
 
-/// A key that is set to a multiple of what is drawn.
+/// A key that is set to a multiple of the drawn value.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Link {
     /// The key.
     pub key: String,
-    /// What the value is multiplied with.
+    /// Factor of the drawn value.
     #[serde(default = "one")]
     pub factor: f64,
 }
@@ -57,10 +58,10 @@ fn one() -> f64 {
 }
 
 impl Entry {
-    /// The keys that it sets, with their factors.
+    /// Returns the keys to set with their factors.
     ///
     /// # Errors
-    /// When it has not just one of `key` and `keys`, or a factor is 0 or not finite.
+    /// If neither or both of `key` and `keys` are given, or a factor is 0 or not finite.
     pub fn links(&self) -> Result<Vec<(String, f64)>, String> {
         match (&self.key, &self.keys[..]) {
             (Some(key), []) => Ok(vec![(key.clone(), 1.0)]),
@@ -78,22 +79,22 @@ impl Entry {
     }
 }
 
-/// What a file holds.
+/// Content of a file of ranges.
 #[derive(Debug, Default, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Ranges {
-    /// What is set in the experiment before anything varies, as `KEY=VALUE`: above all tables that it does not
-    /// have, but that hold something that varies.
+    /// Settings (`KEY=VALUE`) applied to the experiment before any variation, mainly to add tables that it lacks but
+    /// that contain varied values.
     #[serde(default)]
     pub set: Vec<String>,
-    /// What varies.
+    /// Varied parameters.
     pub parameter: Vec<Entry>,
 }
 
-/// The ranges of these files together, or those that come with the experiment called `experiment`.
+/// Loads and concatenates the given files of ranges, or the built-in ranges of `experiment` if there are no files.
 ///
 /// # Errors
-/// When there are none, or they make no sense.
+/// If there are no such ranges, or they are invalid.
 pub fn load(files: &[impl AsRef<Path>], experiment: &str) -> Result<Ranges, SweepError> {
     if !files.is_empty() {
         let mut all = Ranges::default();
@@ -113,7 +114,7 @@ pub fn load(files: &[impl AsRef<Path>], experiment: &str) -> Result<Ranges, Swee
     let (_, text) = built_in.ok_or_else(|| SweepError::Vary {
         said: "--ranges".to_string(),
         message: format!(
-            "no ranges come with {experiment}, only with {}: expected a file of them",
+            "there are no built-in ranges for {experiment}, only for {}: expected a file of ranges",
             BUILT_IN.map(|(name, _)| name).join(", ")
         ),
     })?;
@@ -139,7 +140,7 @@ fn parse(text: &str, origin: &str) -> Result<Ranges, SweepError> {
             .iter()
             .any(|other| other.name == entry.name)
         {
-            return Err(syntax(format!("parameter {:?} is there twice", entry.name)).into());
+            return Err(syntax(format!("parameter {:?} occurs twice", entry.name)).into());
         }
         if entry.range.trim_start().starts_with("normal") {
             let name = &entry.name;
@@ -162,7 +163,7 @@ mod tests {
     use crate::sweep::trial::Trials;
 
     #[test]
-    fn the_ranges_that_come_with_the_program_hold_what_the_experiment_has() {
+    fn built_in_ranges_contain_the_nominal_values() {
         for (name, _) in BUILT_IN {
             let files: [&Path; 0] = [];
             let ranges = load(&files, name).unwrap();
@@ -184,9 +185,9 @@ mod tests {
         }
     }
 
-    /// Every hand's elements bear what their stiffness lets them, and no law refuses a hand for it.
+    /// The elements of every hand withstand the force that their stiffness allows, and no law rejects a hand for it.
     #[test]
-    fn f2_goes_with_the_root_of_the_stiffness_under_any_law() {
+    fn f2_scales_with_the_root_of_the_stiffness_under_any_law() {
         for law in ["tri-axial", "best"] {
             let files: [&Path; 0] = [];
             let ranges = load(&files, "cap-closing").unwrap();
@@ -213,7 +214,7 @@ mod tests {
     }
 
     #[test]
-    fn what_makes_no_sense_is_refused_in_words() {
+    fn invalid_ranges_are_rejected() {
         let entry = |more: &str| {
             format!("[[parameter]]\nname = \"a\"\ngroup = \"g\"\nwhy = \"w\"\n{more}\n")
         };

@@ -1,8 +1,9 @@
-//! From the table of a designed sweep to shares of plausible hands and sensitivity indices.
+//! Success rates of plausible hands and sensitivity indices from the table of a designed sweep.
 //!
-//! A *hand* is a trial whose experiment can be run at all. One that is refused (`invalid`: a value out of its range, a
-//! home that no finger reaches) is no hand: it is counted, and stands in no share. A hand that stops, runs out of time
-//! or fails counts in every share, with the claims that hold of what it recorded; what was not measured does not hold.
+//! A *hand* is a trial whose experiment can be run. A rejected trial (`invalid`: a value out of range, a home position
+//! that no finger reaches) is not a hand; it is counted separately and excluded from all rates. A hand that stops,
+//! times out or fails is included in every rate, with the claims that its recording passes. Claims that were not
+//! measured fail.
 
 use super::design::Scheme;
 use super::distribution::Distribution;
@@ -19,29 +20,29 @@ use feeler_report::robustness_page::{
 use feeler_report::sweep_page::Varied;
 use std::collections::BTreeMap;
 
-/// Largest size of a margin that counts: twice the bound, or none of it, is as good or bad as it gets.
+/// Margins are clamped to this magnitude: beyond twice the bound, or zero, differences are irrelevant.
 const MARGIN: f64 = 1.0;
-/// How many parameters are drawn for each measure.
+/// Number of parameters plotted for each measure.
 const TRACES: usize = 3;
 
-/// What is judged of every hand: a claim, or several together.
+/// A criterion evaluated for every hand: one claim, or several together.
 struct Judged {
     name: String,
     decided_by: Option<DecidedBy>,
-    /// The columns that must be 1.
+    /// Columns that must be 1.
     holds: Vec<usize>,
-    /// The columns of its margins: the least counts.
+    /// Columns of the margins; the smallest margin counts.
     margins: Vec<usize>,
 }
 
-/// What came of one hand.
+/// Evaluation of one hand.
 #[derive(Debug, Clone, Copy)]
 struct Result {
     holds: bool,
     margin: f64,
 }
 
-/// What the page shows of the trials that are finished.
+/// Builds the robustness page from the finished trials.
 pub fn robustness(trials: &Trials, table: &Table) -> RobustnessPage {
     let plan = trials.plan();
     let Some(scheme) = plan.scheme() else {
@@ -70,7 +71,7 @@ pub fn robustness(trials: &Trials, table: &Table) -> RobustnessPage {
     }
 }
 
-/// The claims that a success requires, those about the hand first, and them together.
+/// Returns the claims that a success requires, claims about the hand first, and their combinations.
 fn judged(trials: &Trials, table: &Table) -> Vec<Judged> {
     let claims = trials.required_claims().filter_map(|claim| {
         Some(Judged {
@@ -112,10 +113,10 @@ pub(super) fn is_hand(table: &Table, row: &[String]) -> bool {
 }
 
 impl Judged {
-    /// What came of a trial; none if it is not finished or no hand.
+    /// Evaluates a trial. `None` if it is not finished or not a hand.
     fn of(&self, table: &Table, trial: u64) -> Option<Result> {
         let row = table.rows.get(&trial).filter(|row| is_hand(table, row))?;
-        // What was not measured is as bad as it gets.
+        // A missing measurement counts as the worst margin.
         let margin = |column: &usize| row[*column].parse().unwrap_or(-MARGIN);
         let least = self.margins.iter().map(margin).fold(MARGIN, f64::min);
         Some(Result {
@@ -190,7 +191,7 @@ fn index(scheme: &Scheme, factor: usize, value: &dyn Fn(u64) -> Option<f64>) -> 
     }
 }
 
-/// The parameters of greatest total effect, with their values in all hands.
+/// Returns the parameters with the largest total effects, with their values in all hands.
 fn traces(
     holds: &[Index],
     trials: &Trials,
@@ -234,12 +235,12 @@ fn with_unit(name: &str, unit: &str) -> String {
     }
 }
 
-/// How the trials ended that take everything from one row, and a reason for each.
+/// Counts the outcomes of the trials that vary all parameters, each with an example of the reason.
 fn endings(table: &Table, scheme: &Scheme) -> Vec<Ending> {
     let (Some(outcome), Some(reason)) = (table.column("outcome"), table.column("reason")) else {
         return Vec::new();
     };
-    // Reasons that differ in their numbers only are one.
+    // Reasons that differ only in numbers are merged.
     let kind = |reason: &str| {
         let letters: String = reason.chars().filter(|c| !c.is_ascii_digit()).collect();
         letters

@@ -1,33 +1,35 @@
-//! Variance-based sensitivity indices (Sobol', Mathematics and Computers in Simulation 55, 2001), by swapping one
-//! factor at a time between two independent rows.
+//! Variance-based sensitivity indices (Sobol', Mathematics and Computers in Simulation 55, 2001), computed by swapping
+//! one factor at a time between two independent rows.
 //!
-//! With `f` of row A, of row B and of row A whose factor `i` is row B's, and `V` the variance of `f`:
+//! Let `f_A`, `f_B` and `f_AB` be the values of `f` for row A, for row B, and for row A with factor `i` from row B,
+//! and `V` the variance of `f`.
 //!
-//! - first-order index, the share of `V` that `i` explains by itself: mean of `(f_B - m) (f_AB - f_A)` by `V`
-//!   (Saltelli et al., Computer Physics Communications 181, 2010; `m`, the mean, takes noise out and adds no bias),
-//! - total-effect index, the share that is left when all but `i` are known, interactions included: mean of
-//!   `(f_A - f_AB)^2 / 2` by `V` (Jansen, Computer Physics Communications 117, 1999).
+//! - The first-order index is the fraction of `V` explained by factor `i` alone: the mean of `(f_B - m) (f_AB - f_A)`
+//!   divided by `V` (Saltelli et al., Computer Physics Communications 181, 2010). Subtracting the mean `m` reduces
+//!   noise without bias.
+//! - The total-effect index is the fraction of `V` that remains if all factors except `i` are known, interactions
+//!   included: the mean of `(f_A - f_AB)^2 / 2` divided by `V` (Jansen, Computer Physics Communications 117, 1999).
 //!
-//! Where `f` says that something holds (0 or 1), the total-effect index is how often swapping `i` alone changes
-//! that, relative to how often swapping everything does.
+//! If `f` is 0 or 1 (fail or pass), the total-effect index is the probability that swapping only factor `i` changes the
+//! result, relative to the probability that swapping everything does.
 //!
-//! Intervals are the bootstrap's over pairs, as if pairs were independent. Points of a Sobol' sequence are more even
-//! than that, so that most intervals are too wide; indices below 0.005 are beyond what they can tell.
+//! The intervals are bootstrapped over pairs as if the pairs were independent. Points of a Sobol' sequence are more
+//! evenly distributed than that, so most intervals are too wide. Indices below 0.005 cannot be resolved.
 
 use super::interval::{Estimate, bootstrap_each};
 
-/// What came of rows A and B, and of A with one factor from B.
+/// Results of rows A and B, and of row A with one factor from row B.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Swap {
-    /// Row A.
+    /// Result of row A.
     pub a: f64,
-    /// Row B.
+    /// Result of row B.
     pub b: f64,
-    /// Row A with the factor from row B.
+    /// Result of row A with the factor from row B.
     pub ab: f64,
 }
 
-/// The indices of one factor, each with the 95 % interval of the percentile bootstrap over pairs of rows.
+/// Indices of one factor, each with the 95 % interval of the percentile bootstrap over pairs of rows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Indices {
     /// First-order index.
@@ -36,13 +38,13 @@ pub struct Indices {
     pub total: Estimate,
 }
 
-/// The indices of the factor that was swapped; none of fewer than two swaps, or where `f` does not vary.
+/// Computes the indices of the swapped factor. `None` if there are fewer than two swaps or `f` is constant.
 pub fn indices(swaps: &[Swap]) -> Option<Indices> {
     let [first, total] = bootstrap_each(swaps, estimate)?;
     Some(Indices { first, total })
 }
 
-/// First-order and total-effect index; not a number where `f` does not vary.
+/// First-order and total-effect index; NaN if `f` is constant.
 fn estimate(swaps: &[&Swap]) -> [f64; 2] {
     let count = swaps.len() as f64;
     let mean = swaps.iter().map(|s| s.a + s.b).sum::<f64>() / (2.0 * count);
@@ -63,7 +65,7 @@ mod tests {
     use crate::sweep::ranges::Entry;
     use std::f64::consts::PI;
 
-    /// The indices of every factor of `f`, which is given `count` coordinates from 0 to 1, over `pairs` pairs.
+    /// Computes the indices of every factor of `f`, which takes `count` coordinates from 0 to 1, from `pairs` pairs.
     fn found(f: &dyn Fn(&[f64]) -> f64, count: usize, pairs: u64) -> Vec<Indices> {
         let entry: Entry =
             toml::from_str("name=\"x\"\ngroup=\"g\"\nrange=\"uniform(0,1)\"\nwhy=\"w\"").unwrap();
@@ -90,14 +92,14 @@ mod tests {
             .collect()
     }
 
-    /// Holds each index against the closed form, and requires that it lies in or near the interval.
+    /// Compares each index with its closed form, and requires it to lie in or near the interval.
     fn near(found: &[Indices], first: &[f64], total: &[f64], tolerance: f64) {
         for (index, found) in found.iter().enumerate() {
             for (estimate, exact) in [(found.first, first[index]), (found.total, total[index])] {
                 let error = (estimate.mean - exact).abs();
                 assert!(error < tolerance, "{index}: {estimate:?}, expected {exact}");
-                // Points of a sequence are not independent, which the bootstrap cannot see: mostly its intervals
-                // are too wide for that, but for indices near 0 they may miss by some thousandths.
+                // The bootstrap does not model that points of a sequence are not independent. Most of its intervals
+                // are too wide therefore, but those of indices near 0 may be off by some thousandths.
                 let width = estimate.high - estimate.low;
                 assert!(
                     error <= width.max(0.005),
@@ -108,8 +110,8 @@ mod tests {
     }
 
     #[test]
-    fn ishigamis_function_has_its_known_indices() {
-        // sin x1 + 7 sin² x2 + 0.1 x3⁴ sin x1 over (-π, π)³; closed form in Saltelli et al., Global Sensitivity
+    fn ishigami_function_has_known_indices() {
+        // f = sin x1 + 7 sin² x2 + 0.1 x3⁴ sin x1 over (-π, π)³; closed form in Saltelli et al., Global Sensitivity
         // Analysis (2008), V = a²/8 + b π⁴/5 + b² π⁸/18 + 1/2.
         let (a, b) = (7.0, 0.1);
         let ishigami = |u: &[f64]| {
@@ -123,13 +125,13 @@ mod tests {
         let v = v1 + v2 + v13;
         let first = [v1 / v, v2 / v, 0.0];
         let total = [(v1 + v13) / v, v2 / v, v13 / v];
-        // Independent draws would have standard errors of up to 0.03 with 2048 pairs; the sequence does better.
+        // Independent draws would have standard errors of up to 0.03 with 2048 pairs; the sequence is more accurate.
         near(&found(&ishigami, 3, 2048), &first, &total, 0.03);
     }
 
     #[test]
-    fn sobols_g_function_has_its_known_indices() {
-        // Product of (|4 x - 2| + a) / (1 + a); Vi = 1 / (3 (1 + a)²), V = product of (1 + Vi) less 1.
+    fn sobol_g_function_has_known_indices() {
+        // f = product of (|4 x - 2| + a) / (1 + a); Vi = 1 / (3 (1 + a)²), V = product of (1 + Vi) minus 1.
         let a = [0.0, 1.0, 4.5, 9.0, 99.0, 99.0, 99.0, 99.0];
         let g = |u: &[f64]| {
             let factors = u.iter().zip(a);
@@ -145,8 +147,8 @@ mod tests {
     }
 
     #[test]
-    fn what_holds_or_not_has_its_known_indices() {
-        // x1 < 1/2 and x2 < 1/2: a share of 1/4, V = 3/16. Given x1, the share is 1/2 or 0: Vi = 1/16.
+    fn a_boolean_function_has_known_indices() {
+        // f = (x1 < 1/2 and x2 < 1/2): mean 1/4, V = 3/16. Given x1, the mean is 1/2 or 0, so Vi = 1/16.
         let both = |u: &[f64]| f64::from(u8::from(u[0] < 0.5 && u[1] < 0.5));
         let third = 1.0 / 3.0;
         near(
@@ -158,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn what_does_not_vary_has_no_indices() {
+    fn a_constant_has_no_indices() {
         let same = Swap {
             a: 1.0,
             b: 1.0,

@@ -1,19 +1,19 @@
-//! How well slip detectors do against the truth of the slip bench.
+//! Evaluation of slip detectors against the ground truth of the slip bench.
 
 use super::interval::bootstrap_of;
 use crate::experiment::slip_bench::{DETECTORS, Sample};
 use feeler_report::slip_page::{OperatingPoint, Roc};
 
-/// Frames without slip of an element after which its next slip is a new one.
+/// An element's slip counts as a new one after more than this number of frames without slip.
 const QUIET: u32 = 5;
-/// Frames within which a slip must be noticed, or it has been missed.
+/// Maximum delay in frames; a slip that is detected later counts as missed.
 const PATIENCE: u32 = 10;
-/// Precision that a threshold is chosen for, with a margin over the 95 % that are asked for.
+/// Precision for which thresholds are chosen: the target of 95 % plus a margin.
 const PRECISION: f64 = 0.96;
-/// Points of a curve.
+/// Number of points of a curve.
 const POINTS: usize = 200;
 
-/// Element-frames of one trial by what they were and what was said of them.
+/// Confusion matrix of one trial, in numbers of element-frames.
 #[derive(Debug, Clone, Copy, Default)]
 struct Counts {
     noticed: f64,
@@ -63,15 +63,15 @@ impl Counts {
         self.false_alarms / (self.false_alarms + self.quiet)
     }
 
-    /// Harmonic mean of precision and recall; 0 where nothing was noticed.
+    /// Harmonic mean of precision and recall; 0 if nothing was detected.
     fn f1(self) -> f64 {
         let wrong = self.missed + self.false_alarms;
         2.0 * self.noticed / (2.0 * self.noticed + wrong).max(1.0)
     }
 }
 
-/// The threshold at which `detector` notices most on `trials` while it is right in 96 % of what it
-/// says; where it never is, the one of the largest harmonic mean of precision and recall.
+/// Returns the threshold at which `detector` has the largest recall on `trials` with a precision of at least 96 %. If
+/// it never reaches this precision, returns the threshold with the largest harmonic mean of precision and recall.
 pub fn tune(trials: &[Vec<Sample>], detector: usize) -> f64 {
     let all = trials.concat();
     let counted = thresholds(&all, detector)
@@ -85,7 +85,7 @@ pub fn tune(trials: &[Vec<Sample>], detector: usize) -> f64 {
     best.map_or(f64::INFINITY, |(threshold, _)| *threshold)
 }
 
-/// How `detector` does on `trials` with `threshold`; the intervals come of drawing whole trials again.
+/// Evaluates `detector` on `trials` at `threshold`, with intervals bootstrapped over whole trials.
 pub fn operating_point(trials: &[Vec<Sample>], detector: usize, threshold: f64) -> OperatingPoint {
     let counts: Vec<_> = trials
         .iter()
@@ -118,7 +118,7 @@ pub fn operating_point(trials: &[Vec<Sample>], detector: usize, threshold: f64) 
     }
 }
 
-/// Frames from the beginning of each slip to its being noticed.
+/// Delays in frames from the beginning of each slip to its detection; `None` if it was missed.
 fn delays_in(samples: &[Sample], detector: usize, threshold: f64) -> Vec<Option<u32>> {
     let elements = samples.iter().map(|s| s.element).max().map_or(0, |e| e + 1);
     let mut delays = Vec::new();
@@ -140,7 +140,7 @@ fn delays_in(samples: &[Sample], detector: usize, threshold: f64) -> Vec<Option<
     delays
 }
 
-/// Shares of slips noticed and of false alarms over all thresholds.
+/// Receiver operating characteristic: recall over false alarm rate for all thresholds.
 pub fn roc(trials: &[Vec<Sample>], detector: usize) -> Roc {
     let all = trials.concat();
     let points = thresholds(&all, detector).into_iter().map(|threshold| {
@@ -156,7 +156,7 @@ pub fn roc(trials: &[Vec<Sample>], detector: usize) -> Roc {
     }
 }
 
-/// Thresholds that part the samples in shares, finest where scores are high.
+/// Thresholds at quantiles of the scores, with the finest steps at high scores.
 fn thresholds(samples: &[Sample], detector: usize) -> Vec<f64> {
     let mut scores: Vec<_> = samples.iter().map(|s| s.scores[detector]).collect();
     scores.sort_by(f64::total_cmp);

@@ -1,4 +1,4 @@
-//! A sweep's folder: its plan, and the rows that are finished, each safe as soon as it is there.
+//! The folder of a sweep: its plan and the rows of finished trials, each written to disk at once.
 
 use super::SweepError;
 use super::plan::{PLAN, Plan};
@@ -8,26 +8,26 @@ use std::fs::{self, File, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// The finished sweep's table.
+/// Table of a finished sweep.
 pub const TRIALS: &str = "trials.csv";
-/// The table as it grows, in the order in which trials finish.
+/// Table of an unfinished sweep, in the order in which trials finish.
 pub const GROWING: &str = "trials.csv.part";
-/// The summary.
+/// Summary page.
 pub const SUMMARY_PAGE: &str = "summary.html";
 
-/// A sweep's folder, open for more rows.
+/// The folder of a sweep, open for appending rows.
 pub struct Store {
     folder: PathBuf,
     file: File,
-    /// What is finished.
+    /// Finished trials.
     pub table: Table,
 }
 
 impl Store {
-    /// Makes the folder of a new sweep.
+    /// Creates the folder of a new sweep.
     ///
     /// # Errors
-    /// When there is a sweep already, or the folder cannot be written.
+    /// If the folder already contains a sweep, or cannot be written.
     pub fn create(folder: &Path, plan: &Plan, header: Vec<String>) -> Result<Self, SweepError> {
         if let Some(old) = [PLAN, TRIALS, GROWING]
             .into_iter()
@@ -36,7 +36,7 @@ impl Store {
             return Err(SweepError::Folder {
                 path: folder.to_path_buf(),
                 message: format!(
-                    "there is a sweep already ({old}); expected a new folder, or --resume to go on with it"
+                    "the folder already contains a sweep ({old}); expected a new folder, or --resume to continue the sweep"
                 ),
             });
         }
@@ -55,10 +55,10 @@ impl Store {
         })
     }
 
-    /// Opens the folder of a sweep that was stopped. A last line that was torn is dropped.
+    /// Opens the folder of a stopped sweep. An incomplete last line is removed.
     ///
     /// # Errors
-    /// When the rows there are not of this sweep, or the file cannot be read or written.
+    /// If the existing rows do not belong to this sweep, or the file cannot be read or written.
     pub fn resume(folder: &Path, plan: &Plan, header: Vec<String>) -> Result<Self, SweepError> {
         let mut table = Table::new(header);
         let finished = folder.join(TRIALS);
@@ -93,24 +93,24 @@ impl Store {
         })
     }
 
-    /// The trials of `plan` below trial `end` that are not finished.
+    /// Returns the trials of `plan` below number `end` that are not finished.
     pub fn missing(&self, plan: &Plan, end: u64) -> Vec<u64> {
         (0..plan.trials.min(end))
             .filter(|&trial| plan.shard.has(trial) && !self.table.rows.contains_key(&trial))
             .collect()
     }
 
-    /// Takes in the rows of a table with the same columns, as a machine sends them that ran some of the trials of `plan`.
+    /// Appends the rows of a table with the same columns, as sent by a machine that ran some trials of `plan`.
     ///
     /// # Errors
-    /// When it is no such table, or has a row that is there already; none is taken in then. When a row cannot be written;
-    /// all earlier ones are safe.
+    /// If the table is invalid or contains an existing row; no row is appended then. If a row cannot be written; the
+    /// rows before it are safe.
     pub fn push_table(&mut self, plan: &Plan, text: &[u8]) -> Result<(), SweepError> {
         let path = self.folder.join(GROWING);
         if !text.ends_with(b"\n") {
             return Err(SweepError::Folder {
                 path,
-                message: "rows were sent that end within a line; expected whole ones".to_string(),
+                message: "the received rows end within a line; expected complete lines".to_string(),
             });
         }
         let mut table = Table::new(self.table.header.clone());
@@ -124,36 +124,36 @@ impl Store {
         Ok(())
     }
 
-    /// Takes in a finished row, which is in the file when this returns.
+    /// Appends a finished row, which is in the file when this function returns.
     ///
     /// # Errors
-    /// When it cannot be written; all earlier rows are safe.
+    /// If it cannot be written; all earlier rows are safe.
     pub fn push(&mut self, trial: u64, row: Vec<String>) -> Result<(), SweepError> {
         let written = self.file.write_all(&line(&row));
         let finished = self.table.rows.len();
         written.map_err(|e| {
             let note =
-                format!("the {finished} trials finished are kept: make room and add --resume");
+                format!("the {finished} finished trials are kept: free disk space and continue with --resume");
             file_error(&self.folder.join(GROWING), e, &note)
         })?;
         self.table.rows.insert(trial, row);
         Ok(())
     }
 
-    /// Puts the sorted table in place of the growing one.
+    /// Writes the sorted table and removes the unsorted one.
     ///
     /// # Errors
-    /// When it cannot be written; the growing one is kept then.
+    /// If the sorted table cannot be written; the unsorted one is kept then.
     pub fn finish(self) -> Result<Table, SweepError> {
         write_whole(&self.folder.join(TRIALS), &self.table.to_csv())?;
         drop(self.file);
-        // What it says stands in the whole table now.
+        // Its content is in the sorted table now.
         let _ = fs::remove_file(self.folder.join(GROWING));
         Ok(self.table)
     }
 }
 
-/// Makes the file hold just these bytes, its own beginning, and opens it to go on.
+/// Truncates or rewrites the file so that it contains exactly `bytes`, and opens it for appending.
 fn rewind(path: &Path, bytes: &[u8]) -> io::Result<File> {
     let length = fs::metadata(path).map_or(0, |m| m.len());
     let mut file = OpenOptions::new().create(true).append(true).open(path)?;
@@ -166,10 +166,10 @@ fn rewind(path: &Path, bytes: &[u8]) -> io::Result<File> {
     Ok(file)
 }
 
-/// Reads a table that a sweep or a shard finished with.
+/// Reads the table of a finished sweep or shard.
 ///
 /// # Errors
-/// When there is none, or it is not of this plan.
+/// If there is no table, or it does not belong to this plan.
 pub fn read_finished(folder: &Path, plan: &Plan, table: &mut Table) -> Result<(), SweepError> {
     let whole = folder.join(TRIALS);
     let path = if whole.exists() {
@@ -189,10 +189,10 @@ pub fn read_finished(folder: &Path, plan: &Plan, table: &mut Table) -> Result<()
     })
 }
 
-/// Writes a file so that it is there whole or not at all.
+/// Writes a file atomically.
 ///
 /// # Errors
-/// When it cannot be written.
+/// If it cannot be written.
 pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), SweepError> {
     let mut part = path.as_os_str().to_owned();
     part.push(".new");
@@ -202,9 +202,9 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), SweepError> {
         file.sync_all()
     });
     written.and_then(|()| fs::rename(&part, path)).map_err(|e| {
-        // Of no use to anyone.
+        // Remove the temporary file.
         let _ = fs::remove_file(&part);
-        file_error(path, e, "what was finished before is kept")
+        file_error(path, e, "finished trials are kept")
     })
 }
 

@@ -1,11 +1,11 @@
-//! What the table of trials has of every stroke.
+//! Columns of each stroke in the table of trials.
 
 use feeler_report::{StrokeMeasures, StrokePattern};
 
-/// A measure of one stroke: its column and where it comes from.
+/// A measure of a stroke: column name, and the function that extracts the value.
 pub type Measure = (&'static str, fn(&StrokeMeasures) -> Option<f64>);
 
-/// What each stroke measures, in SI units; [`StrokeMeasures`] defines each.
+/// Measures of each stroke in SI units; see [`StrokeMeasures`].
 pub const MEASURES: [Measure; 15] = [
     ("peak_torque", |m| m.peak_torque),
     ("mean_grasp_force", |m| m.mean_grasp_force),
@@ -24,10 +24,10 @@ pub const MEASURES: [Measure; 15] = [
     ("peak_element_force", |m| m.peak_element_force),
 ];
 
-/// A part of the pattern of the strokes: its column and where it comes from.
+/// A criterion of the stroke pattern: column name, and the function that extracts the result.
 pub type Part = (&'static str, fn(&StrokePattern) -> bool);
 
-/// Whether the strokes go up and down as in the paper's Fig. 8, part by part; [`StrokePattern`] defines each.
+/// Criteria of agreement with the pattern of strokes in the paper's Fig. 8; see [`StrokePattern`].
 pub const PATTERN: [Part; 10] = [
     ("fig8.grasp.second_below_first", |p| {
         p.grasp_force.second_below_first
@@ -48,5 +48,5 @@ pub const PATTERN: [Part; 10] = [
     ("fig8.second_below_first", StrokePattern::second_below_first),
     ("fig8", StrokePattern::whole),
 ];
-/// How many strokes the pattern is of.
+/// Number of strokes in the pattern.
 pub const PATTERN_STROKES: u32 = 4;

@@ -1,4 +1,4 @@
-//! From a sweep's table to its page.
+//! Summary page of a sweep.
 
 use super::SweepError;
 use super::distribution::Distribution;
@@ -10,10 +10,10 @@ use feeler_report::text::significant;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// How many of the worst trials the page lists.
+/// Maximum number of failed trials listed.
 const WORST: usize = 20;
 
-/// Measures that the page shows: column, name with unit, and factor to that unit.
+/// Measures shown on the page: column, name with unit, and factor to that unit.
 const SHOWN: [(&str, &str, f64); 4] = [
     ("peak_torque", "peak torque (mN·m)", 1e3),
     ("mean_grasp_force", "mean grasp force (N)", 1.0),
@@ -21,10 +21,10 @@ const SHOWN: [(&str, &str, f64); 4] = [
     ("peak_element_force", "peak element force (N)", 1.0),
 ];
 
-/// Writes the page of a sweep into its folder.
+/// Writes the summary page of a sweep into its folder.
 ///
 /// # Errors
-/// When it cannot be written.
+/// If it cannot be written.
 pub fn write(folder: &Path, trials: &Trials, table: &Table) -> Result<(), SweepError> {
     let page = sweep_page(&page(trials, table));
     write_whole(&folder.join(SUMMARY_PAGE), page.as_bytes())
@@ -51,7 +51,7 @@ fn page(trials: &Trials, table: &Table) -> SweepPage {
             _ => words.push((parameter.name.clone(), count(values.into_iter()))),
         }
     }
-    // What the task found out says more than that it was done.
+    // The task's finding is more informative than the bare outcome.
     let told = match table.column("found") {
         Some(_) => "found",
         None => "outcome",
@@ -78,7 +78,8 @@ fn page(trials: &Trials, table: &Table) -> SweepPage {
     }
 }
 
-/// What tells most of a single trial: the torque that a cap came to, else what the task found out, else how long it took.
+/// Returns the most informative quantity of each trial: the final torque of a cap, else a finding of the task, else
+/// the duration.
 fn measured(table: &Table) -> Option<TrialMeasure> {
     const TORQUE: &str = "cap_torque";
     let found = table
@@ -119,7 +120,7 @@ fn column<'a>(table: &'a Table, name: &str) -> impl Iterator<Item = &'a str> + u
     rows.filter_map(move |row| row.get(column?).map(String::as_str))
 }
 
-/// Trials and successes of each value.
+/// Counts the trials and successes for each value.
 fn count<'a>(values: impl Iterator<Item = (&'a str, &'a str)>) -> Vec<Counted> {
     let mut counts: BTreeMap<&str, (u64, u64)> = BTreeMap::new();
     for (value, success) in values {
@@ -133,8 +134,8 @@ fn count<'a>(values: impl Iterator<Item = (&'a str, &'a str)>) -> Vec<Counted> {
         .collect()
 }
 
-/// The columns that say whether a claim holds, with the claim's id, unless it is about none of the trials. What else is
-/// known of it stands behind a dot.
+/// Returns the result columns of claims with the claim's id, except for claims that apply to no trial. Other columns
+/// of a claim have a dot after the id.
 fn claim_columns(table: &Table) -> impl Iterator<Item = (&str, &str)> {
     let columns = table.header.iter();
     let claims = columns.filter_map(|name| Some((name.as_str(), name.strip_prefix("claim.")?)));
@@ -146,7 +147,7 @@ fn claims(table: &Table) -> Vec<Counted> {
     claim_columns(table)
         .map(|(name, id)| {
             let held = column(table, name).filter(|&holds| holds == "1").count();
-            // It is not about a run of another control law, which leaves it empty.
+            // The claim does not apply to a trial under another control law, whose field is empty.
             let ran = column(table, "sim_time").map(|time| !time.is_empty());
             let about = column(table, name).zip(ran);
             let trials = about.filter(|(holds, ran)| !(holds.is_empty() && *ran));
@@ -155,7 +156,7 @@ fn claims(table: &Table) -> Vec<Counted> {
         .collect()
 }
 
-/// What the task found out, and the measures of the first stroke and the last one that has columns.
+/// Returns the findings of the task, and the measures of the first and the last stroke.
 fn measures(table: &Table) -> Vec<Measured> {
     let numbers = |name: &str| {
         let values = column(table, name).filter_map(|text| text.parse::<f64>().ok());
@@ -190,7 +191,7 @@ fn measures(table: &Table) -> Vec<Measured> {
     measured
 }
 
-/// The trials that were no success, those that went worst first.
+/// Returns the failed trials, worst first.
 fn worst(trials: &Trials, table: &Table) -> (Vec<String>, Vec<Vec<String>>) {
     let mut names = vec!["trial".to_string()];
     names.extend(trials.parameters().iter().map(|p| p.name.clone()));
@@ -217,7 +218,7 @@ fn worst(trials: &Trials, table: &Table) -> (Vec<String>, Vec<Vec<String>>) {
     (names, rows.collect())
 }
 
-/// A field as a page has it: what is a number, to as many digits as a reader wants.
+/// Formats a field for the page, with numbers rounded to significant digits.
 fn shown(field: &str) -> String {
     match field.parse::<f64>() {
         Ok(number) if number.is_finite() => significant(number),

@@ -1,29 +1,30 @@
-//! Rows of trials, as the CSV file has them.
+//! The table of trials as a CSV file.
 
 use super::SweepError;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// Finished trials.
+/// Table of finished trials.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Table {
-    /// The columns' names; the first is `trial`.
+    /// Column names; the first is `trial`.
     pub header: Vec<String>,
-    /// The rows, by trial.
+    /// Rows by trial.
     pub rows: BTreeMap<u64, Vec<String>>,
 }
 
 impl Table {
-    /// An empty one.
+    /// Creates an empty table.
     pub fn new(header: Vec<String>) -> Self {
         let rows = BTreeMap::new();
         Self { header, rows }
     }
 
-    /// Reads the text of a file. Every row must be whole, of a trial that `wanted` wants, and there once.
+    /// Reads the text of a file. Every row must be complete, unique, and belong to a trial for which `wanted` returns
+    /// `true`.
     ///
     /// # Errors
-    /// The first that is not, in words.
+    /// Describes the first invalid row.
     pub fn parse(
         &mut self,
         path: &Path,
@@ -37,24 +38,27 @@ impl Table {
         let mut reader = csv::Reader::from_reader(bytes);
         let header = reader.headers().map_err(|e| wrong(e.to_string()))?;
         if !header.iter().eq(self.header.iter()) {
-            return Err(wrong("its columns are not those of this sweep".into()));
+            return Err(wrong("its columns differ from those of this sweep".into()));
         }
         for (index, record) in reader.records().enumerate() {
             let line = index + 2;
             let record = record.map_err(|e| wrong(e.to_string()))?;
             let trial = record.get(0).and_then(|text| text.parse().ok());
             let trial = trial.filter(|&trial| wanted(trial));
-            let trial: u64 = trial
-                .ok_or_else(|| wrong(format!("line {line} is of no trial that belongs there")))?;
+            let trial: u64 = trial.ok_or_else(|| {
+                wrong(format!(
+                    "line {line}: the trial does not belong to this table"
+                ))
+            })?;
             let row = record.iter().map(String::from).collect();
             if self.rows.insert(trial, row).is_some() {
-                return Err(wrong(format!("trial {trial} is there twice")));
+                return Err(wrong(format!("trial {trial} occurs twice")));
             }
         }
         Ok(())
     }
 
-    /// The text of the file, sorted by trial.
+    /// Returns the text of the file, sorted by trial.
     pub fn to_csv(&self) -> Vec<u8> {
         let rows = self.rows.values().map(|row| line(row));
         let mut text = line(&self.header);
@@ -62,12 +66,12 @@ impl Table {
         text
     }
 
-    /// The column of this name.
+    /// Returns the index of the column with this name.
     pub fn column(&self, name: &str) -> Option<usize> {
         self.header.iter().position(|column| column == name)
     }
 
-    /// Trials in all, and those that were a success.
+    /// Returns the number of trials and the number of successes.
     pub fn successes(&self) -> (u64, u64) {
         let column = self.column("success");
         let good = |row: &&Vec<String>| column.is_some_and(|c| row[c] == "1");
@@ -76,10 +80,10 @@ impl Table {
     }
 }
 
-/// One line of the file.
+/// Returns the fields as one line of the file.
 pub fn line(fields: &[String]) -> Vec<u8> {
     let mut writer = csv::Writer::from_writer(Vec::new());
-    // Into memory, and every record by itself: neither can fail.
+    // Writing a single record to memory cannot fail.
     let _ = writer.write_record(fields);
     writer.into_inner().unwrap_or_default()
 }

@@ -1,4 +1,4 @@
-//! One trial: what it draws, how it runs, and the row it makes.
+//! A single trial: its random values, its run, and its row in the table.
 
 use super::SweepError;
 use super::claim_columns::ClaimColumns;
@@ -23,9 +23,9 @@ use std::ops::ControlFlow;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// The key of the control law, on which it depends whether the claims apply.
+/// Key of the control law, which determines the claims that apply.
 const LAW: &str = "control.law";
-/// Most strokes that have columns of their own.
+/// Maximum number of strokes that have columns.
 const MAX_STROKES: u32 = 8;
 
 /// The trials of a sweep, ready to run on any thread.
@@ -34,31 +34,31 @@ pub struct Trials {
     policy: Option<PolicyFile>,
     parameters: Vec<Parameter>,
     scheme: Option<Scheme>,
-    /// The claims that have columns.
+    /// Claims that have columns.
     claims: Vec<ClaimColumns>,
-    /// What makes a trial a success.
+    /// Criterion of a successful trial.
     criterion: Criterion,
-    /// What the task may find out.
+    /// Names of the findings that the task may report.
     findings: Vec<&'static str>,
-    /// Whether a cap is screwed until the hand knows what became of it.
+    /// `true` if a cap is screwed and its final state is measured.
     has_cap: bool,
     strokes: u32,
 }
 
-/// What a trial is made of.
+/// Random values of a trial.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Drawn {
-    /// The run's seed.
+    /// Seed of the run.
     pub seed: u64,
-    /// The value of each parameter, as text.
+    /// Value of each parameter, as text.
     pub values: Vec<String>,
 }
 
 impl Trials {
-    /// The trials of `plan`.
+    /// Prepares the trials of `plan`.
     ///
     /// # Errors
-    /// When its experiment or what varies in it makes no sense.
+    /// If the experiment or a varied parameter is invalid.
     pub fn new(plan: &Plan) -> Result<Self, SweepError> {
         let (experiment, parameters) = plan.load()?;
         let config = &experiment.config;
@@ -66,7 +66,7 @@ impl Trials {
         check_law(&experiment)?;
         let screws = matches!(config.task, TaskConfig::Screw(_));
         let facts = run_facts(config)?;
-        // The claims about screwing are about a cap that is screwed on.
+        // The claims of a screw task require a cap.
         let has_claims = !screws || config.cap().is_some();
         let claims = if has_claims {
             let nothing = MemoryRecorder::new(&facts)?.into_recording();
@@ -76,7 +76,7 @@ impl Trials {
         };
         let task = config.task.task();
         let findings = task.findings().iter().map(|finding| finding.name).collect();
-        // The measures of a stroke are of a screw's.
+        // Stroke measures exist only for screw tasks.
         let strokes = if screws {
             config.task.strokes().min(MAX_STROKES)
         } else {
@@ -101,39 +101,39 @@ impl Trials {
         for parameter in &trials.parameters {
             let columns = header.iter().filter(|name| **name == parameter.name);
             if columns.count() > 1 {
-                return Err(parameter.error("there is a column of that name already".to_string()));
+                return Err(parameter.error("another column already has this name".to_string()));
             }
         }
         Ok(trials)
     }
 
-    /// The plan.
+    /// Returns the plan.
     pub fn plan(&self) -> &Plan {
         &self.plan
     }
 
-    /// What varies.
+    /// Returns the varied parameters.
     pub fn parameters(&self) -> &[Parameter] {
         &self.parameters
     }
 
-    /// The claims that a success requires; empty if it requires none.
+    /// Returns the claims that a success requires, if any.
     pub fn required_claims(&self) -> impl Iterator<Item = &ClaimColumns> {
         let claims = self.claims.iter();
         claims.filter(|claim| self.criterion.requires(claim.id, claim.of_any_hand))
     }
 
-    /// The claims of any hand, if they have columns: those of a cap that is screwed in four strokes or more.
+    /// Returns the claims of any hand that have columns. They apply to caps that are screwed in four or more strokes.
     pub fn hand_claims(&self) -> impl Iterator<Item = &ClaimColumns> {
         self.claims.iter().filter(|claim| claim.of_any_hand)
     }
 
-    /// What a success is, in words.
+    /// Describes the criterion of success.
     pub fn success(&self) -> &'static str {
         self.criterion.words()
     }
 
-    /// The names of a row's columns.
+    /// Returns the column names.
     pub fn header(&self) -> Vec<String> {
         let mut header: Vec<String> = ["trial", "seed"].map(String::from).to_vec();
         header.extend(self.parameters.iter().map(|p| p.name.clone()));
@@ -167,10 +167,10 @@ impl Trials {
         header
     }
 
-    /// What trial `trial` draws: each quantity from a stream of its own, or as the design has it.
+    /// Draws the values of a trial: each from a separate random stream, or according to the design.
     pub fn draw(&self, trial: u64) -> Drawn {
         let stream = |trial: u64, purpose: &str| generator(self.plan.seed, trial, purpose);
-        // A seed of an experiment file is a TOML integer, which has a sign.
+        // TOML integers are signed, so the seed must fit into 63 bits.
         let run_seed = |trial| stream(trial, "").random::<u64>() >> 1;
         let parameters = self.parameters.iter();
         let Some(scheme) = &self.scheme else {
@@ -194,10 +194,10 @@ impl Trials {
         }
     }
 
-    /// The experiment that trial `trial` runs.
+    /// Returns the experiment of a trial.
     ///
     /// # Errors
-    /// When what was drawn is out of range.
+    /// If a drawn value is out of range.
     pub fn experiment(&self, trial: u64) -> Result<Experiment, SweepError> {
         let drawn = self.draw(trial);
         let set = settings(self.parameters.iter().zip(&drawn.values))?;
@@ -208,7 +208,7 @@ impl Trials {
         Ok(experiment.with_policy(self.policy.clone()))
     }
 
-    /// Runs trial `trial`; its row, unless `stop` was raised meanwhile. Whatever goes wrong stands in the row.
+    /// Runs a trial and returns its row, or `None` if `stop` was set meanwhile. Failures are reported in the row.
     pub fn run(&self, trial: u64, stop: &AtomicBool) -> Option<Vec<String>> {
         let ran = catch_unwind(AssertUnwindSafe(|| self.simulate(trial, stop)));
         let ran = ran.unwrap_or_else(|_| Ran::failed("error", "the program panicked".into()));
@@ -270,7 +270,7 @@ impl Trials {
         }
     }
 
-    /// The columns from `success` to the strokes', by the very code that makes a run's report.
+    /// Returns the columns from `success` to those of the strokes, computed by the same code as the report of a run.
     fn results(&self, outcome: &str, recording: &Recording, data: &RunData) -> Vec<String> {
         let summary = Summary::new(recording, data);
         let success = outcome == "done" && self.criterion.holds(&summary);
@@ -317,7 +317,7 @@ impl Trials {
         row
     }
 
-    /// Whether each claim holds, its value and its margin; empty for a claim that is not about this run.
+    /// Returns the result, value and margin of each claim; empty for claims that do not apply to this run.
     fn claim_fields(&self, facts: &RunFacts, summary: &Summary) -> Vec<String> {
         let applies = tasks::claims_apply(facts);
         let own = summary.claims.iter().filter(|_| applies);
@@ -336,7 +336,7 @@ impl Trials {
     }
 }
 
-/// Builds the law of every finger, so that a policy that is none is not found out by each trial.
+/// Builds the law of every finger, so that an invalid policy is detected before any trial runs.
 fn check_law(experiment: &Experiment) -> Result<(), ExperimentError> {
     experiment
         .control()?
@@ -344,11 +344,11 @@ fn check_law(experiment: &Experiment) -> Result<(), ExperimentError> {
     Ok(())
 }
 
-/// What came of a trial.
+/// Result of a trial.
 struct Ran {
     outcome: &'static str,
     reason: String,
-    /// What the hand recorded, and what the simulator knows beside.
+    /// The recording of the hand, and ground truth from the simulator.
     came_of_it: Option<((Recording, RunData), Truth)>,
 }
 
@@ -362,7 +362,7 @@ impl Ran {
     }
 }
 
-/// The stream of `purpose` in trial `trial` of the sweep of `seed`.
+/// Returns the random stream for `purpose` in a trial of the sweep with `seed`.
 pub(crate) fn generator(seed: u64, trial: u64, purpose: &str) -> Pcg64 {
     let mut hash = Sha256::new();
     hash.update(seed.to_le_bytes());
@@ -379,7 +379,7 @@ fn flag(holds: bool) -> String {
     u8::from(holds).to_string()
 }
 
-/// A number that reads back bit for bit; nothing where there is none.
+/// Formats a number such that it parses back to the same value. `None` becomes an empty field.
 fn number(value: Option<f64>) -> String {
     value.map_or_else(String::new, |value| format!("{value:?}"))
 }

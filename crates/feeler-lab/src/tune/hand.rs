@@ -1,4 +1,4 @@
-//! The hand that settings are computed for: identified values, checked, with what the experiment itself defines.
+//! Input of the tuning rules: the identified values of a hand, checked, and values defined by the experiment.
 
 use super::TuneError;
 use crate::config::Experiment;
@@ -9,40 +9,41 @@ use feeler::control::task::screw::ScrewConfig;
 use std::fs;
 use std::path::Path;
 
-/// Rated force of an element (N) of the reference stiffness (N/m).
+/// Rated force (N) and stiffness (N/m) of the reference element.
 const RATED: (f64, f64) = (0.505, 205.0);
 
-/// Quantities that the rules use, SI units.
+/// Quantities used by the rules, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hand {
-    /// Contact stiffness of an element along its axis, N/m.
+    /// Contact stiffness of an element along its axis (N/m).
     pub normal_stiffness: f64,
-    /// Contact stiffness of an element across its axis, N/m.
+    /// Contact stiffness of an element across its axis (N/m).
     pub shear_stiffness: f64,
     /// Coefficient of static friction.
     pub static_friction: f64,
     /// Coefficient of kinetic friction.
     pub kinetic_friction: f64,
-    /// Time constant of the drives, s.
+    /// Time constant of the drives (s).
     pub servo_lag: f64,
-    /// Standard deviation of the noise of one component of an element's force, N.
+    /// Standard deviation of the noise of one component of an element's force (N).
     pub force_noise: f64,
-    /// Distance of a dome's centre from the object's axis at the first touch, m.
+    /// Distance from the dome's centre to the object's axis at first contact (m).
     pub contact_radius: f64,
-    /// Largest force that an element is rated for, N.
+    /// Maximum force that an element is rated for (N).
     pub rated_force: f64,
-    /// Control period, s.
+    /// Control period (s).
     pub period: f64,
-    /// Axis about which the object turns, m, x and y in W.
+    /// Position of the axis about which the object turns, x and y in W (m).
     pub pivot: [f64; 2],
 }
 
 impl Hand {
-    /// The hand of `experiment` as it was `identified`. Values of several fingers are averaged, as they share one
-    /// `[control]`. Without `rated_force` (N), [`rated_force`] estimates it.
+    /// Combines the `identified` values with those of the `experiment`. Values of several fingers are averaged because
+    /// the fingers share one `[control]` table. If the rated force `rated` (N) is `None`, it is estimated by
+    /// [`rated_force`].
     ///
     /// # Errors
-    /// If the experiment has no `[task.screw]` that counts its strokes under the paper's law.
+    /// If the task is not a `[task.screw]` with a fixed number of strokes under the paper's law.
     pub fn new(
         experiment: &Experiment,
         identified: &Identified,
@@ -71,17 +72,17 @@ impl Hand {
     }
 }
 
-/// Rated force (N) of an element of `normal_stiffness` (N/m): the force at which it stores as much elastic energy,
-/// F²/(2 k), as the reference element does at its rating.
+/// Estimates the rated force (N) of an element of `normal_stiffness` (N/m) as the force at which it stores the same
+/// elastic energy, F²/(2 k), as the reference element at its rated force.
 pub fn rated_force(normal_stiffness: f64) -> f64 {
     let (force, stiffness) = RATED;
     force * (normal_stiffness / stiffness).sqrt()
 }
 
-/// The screw task of `experiment`.
+/// Returns the screw task of `experiment`.
 ///
 /// # Errors
-/// If the task is another one, or its law is not the paper's.
+/// If the experiment has another task, or does not use the paper's law.
 pub fn screw(experiment: &Experiment) -> Result<&ScrewConfig, TuneError> {
     let config = &experiment.config;
     let refuse = |message: String| TuneError::Untunable {
@@ -91,26 +92,26 @@ pub fn screw(experiment: &Experiment) -> Result<&ScrewConfig, TuneError> {
     let TaskConfig::Screw(screw) = &config.task else {
         let task = config.task.name();
         return Err(refuse(format!(
-            "its task is {task}; expected an experiment with [task.screw]"
+            "expected an experiment with [task.screw], got task.{task}"
         )));
     };
     let law = config.control.law.name();
     if law != PAPERS_LAW || !config.task.takes_law() {
         return Err(refuse(format!(
-            "its control law is {law:?}, its strokes end {:?}; expected {PAPERS_LAW:?} and strokes that are counted, which the rules are for",
+            "the rules require the control law {PAPERS_LAW:?} and a fixed number of strokes; got {law:?} and until = {:?}",
             screw.until
         )));
     }
     Ok(screw)
 }
 
-/// The law that the rules are for.
+/// Control law to which the rules apply.
 const PAPERS_LAW: &str = "tri-axial";
 
-/// Reads the identified values of the hand of `experiment`.
+/// Reads the identified values of the experiment's hand.
 ///
 /// # Errors
-/// If the file cannot be read, a value is out of its range, or the values are of another experiment.
+/// If the file cannot be read, a value is out of range, or the values belong to another experiment.
 pub fn read_identified(path: &Path, experiment: &Experiment) -> Result<Identified, TuneError> {
     let text = fs::read_to_string(path).map_err(|source| TuneError::Read {
         path: path.to_path_buf(),
@@ -124,24 +125,24 @@ pub fn read_identified(path: &Path, experiment: &Experiment) -> Result<Identifie
     let name = &experiment.config.name;
     if identified.experiment != *name {
         return Err(refuse(format!(
-            "values of the experiment {:?}; expected those of {name:?}",
+            "expected values of the experiment {name:?}, got {:?}",
             identified.experiment
         )));
     }
     let (found, expected) = (identified.finger.len(), experiment.config.hand.finger.len());
     if found != expected {
         return Err(refuse(format!(
-            "values of {found} fingers; expected {expected}, as the hand of {name} has"
+            "expected values of {expected} fingers, as in the hand of {name}, got {found}"
         )));
     }
     plausible(&identified).map_err(refuse)?;
     Ok(identified)
 }
 
-/// Requires values that a hand can have.
+/// Requires all values to be physically possible.
 ///
 /// # Errors
-/// Every value that is out of its range, a line each.
+/// Lists every value that is out of range, one per line.
 pub fn plausible(identified: &Identified) -> Result<(), String> {
     let mut checker = Checker::default();
     check(identified, &mut checker);
@@ -153,7 +154,7 @@ pub fn plausible(identified: &Identified) -> Result<(), String> {
     }
 }
 
-/// Requires every estimate to be physically possible.
+/// Checks that all estimates are physically possible.
 fn check(identified: &Identified, checker: &mut Checker) {
     let object = &identified.object;
     let mut estimates = vec![

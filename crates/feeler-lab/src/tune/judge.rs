@@ -1,4 +1,4 @@
-//! A simulated run of an experiment, judged by the claims about the hand.
+//! Evaluation of a simulated run by the claims about the hand.
 
 use super::TuneError;
 use crate::config::Experiment;
@@ -9,9 +9,9 @@ use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::channel;
 use std::thread;
 
-/// Number of claims that a run is judged by.
+/// Number of evaluated claims.
 pub const CLAIMS: usize = 5;
-/// The claims that a run is judged by: what the hand does, not how a torque sensor shows it.
+/// Evaluated claims. They concern the motion of the hand and do not depend on a torque sensor.
 pub const CLAIM_IDS: [&str; CLAIMS] = [
     "path-follows-contour",
     "path-is-curved",
@@ -20,30 +20,30 @@ pub const CLAIM_IDS: [&str; CLAIMS] = [
     "closed-after-third",
 ];
 
-/// Margin of each claim, relative to its bound, from -1 to 1; -1 where it is not measured.
+/// Margin of each claim relative to its bound, from -1 to 1; -1 if it was not measured.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Margins(pub [f64; CLAIMS]);
 
-/// Margins of a run that did not end its task, or could not begin.
+/// Margins of a run that did not complete its task, or could not begin.
 pub const FAILED: Margins = Margins([-1.0; CLAIMS]);
 
-/// Width over which [`Margins::score`] rises from failure to success.
+/// Width of the sigmoid in [`Margins::score`].
 const WIDTH: f64 = 0.08;
-/// Weight of the mean of the margins that are missed, which leads out of hopeless settings.
+/// Weight of the mean margin, which provides a gradient if the worst margin is far below zero.
 const MISSED: f64 = 0.3;
 
 impl Margins {
-    /// The smallest margin.
+    /// Returns the smallest margin.
     pub fn least(&self) -> f64 {
         self.0.iter().copied().fold(1.0, f64::min)
     }
 
-    /// Whether all claims hold.
+    /// Returns `true` if all claims pass.
     pub fn hold(&self) -> bool {
         self.0.iter().all(|margin| *margin >= 0.0)
     }
 
-    /// What a search maximises: a smooth step of the smallest margin, and a slope towards it.
+    /// Objective of the search: a sigmoid of the smallest margin plus a weighted mean of all margins.
     pub fn score(&self) -> f64 {
         let step = 1.0 / (1.0 + (-self.least() / WIDTH).exp());
         let missed = self.0.iter().map(|m| m.clamp(-1.0, 0.05)).sum::<f64>();
@@ -51,7 +51,7 @@ impl Margins {
     }
 }
 
-/// Simulates `experiment` once and measures its claims. An experiment that cannot be run has [`FAILED`].
+/// Simulates `experiment` once and evaluates its claims. Returns [`FAILED`] if the experiment cannot be run.
 ///
 /// # Errors
 /// If the run cannot be recorded in memory, or a simulated sensor fails.
@@ -72,10 +72,10 @@ pub fn judge(experiment: &Experiment) -> Result<Margins, TuneError> {
     })))
 }
 
-/// Margins of each of `experiments`, on `jobs` threads; `None` if `stop` was raised meanwhile.
+/// Evaluates `experiments` on `jobs` threads. Returns `None` if `stop` was set meanwhile.
 ///
 /// # Errors
-/// As [`judge`].
+/// Same as [`judge`].
 pub fn judge_all(
     experiments: &[Experiment],
     jobs: usize,

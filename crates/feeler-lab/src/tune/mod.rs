@@ -1,7 +1,7 @@
-//! Tuning: settings of `[control]` and `[task.screw]` from the identified values of a hand.
+//! Tuning: computes settings of `[control]` and `[task.screw]` from the identified values of a hand.
 //!
-//! [`rules`] compute the settings from dimensionless groups, [`search`] improves them in simulation, [`mod@write`] puts them
-//! into the experiment's text.
+//! [`rules`] computes the settings from dimensionless groups, [`search`] improves them in simulation, and
+//! [`mod@write`] writes them to the experiment file.
 
 pub mod hand;
 pub mod judge;
@@ -19,23 +19,23 @@ use crate::experiment::ExperimentError;
 use crate::sweep::SweepError;
 use std::path::PathBuf;
 
-/// Why a hand could not be tuned.
+/// Error of a hand that cannot be tuned.
 #[derive(Debug, thiserror::Error)]
 pub enum TuneError {
-    /// The file of identified values could not be read.
+    /// The file of identified values cannot be read.
     #[error("{}: {source}; expected the identified values of a hand (TOML)", path.display())]
     Read {
         /// The file.
         path: PathBuf,
-        /// The system's error.
+        /// Error of the operating system.
         source: std::io::Error,
     },
-    /// The file of identified values is not valid.
+    /// The file of identified values is invalid.
     #[error("{}: {message}", path.display())]
     Identified {
         /// The file.
         path: PathBuf,
-        /// What was found and what was expected.
+        /// The problem and the expected content.
         message: String,
     },
     /// The experiment cannot be tuned.
@@ -43,19 +43,19 @@ pub enum TuneError {
     Untunable {
         /// Name of the experiment.
         name: String,
-        /// What was found and what was expected.
+        /// The problem and the expected content.
         message: String,
     },
-    /// No plausible hand could be drawn.
+    /// No valid plausible hand could be drawn.
     #[error("no experiment with drawn values is valid; the last one: {0}")]
     NoHand(Box<ConfigError>),
-    /// The experiment is not valid.
+    /// The experiment is invalid.
     #[error(transparent)]
     Config(#[from] ConfigError),
     /// The experiment cannot be run.
     #[error(transparent)]
     Experiment(#[from] ExperimentError),
-    /// The plausible ranges are not valid.
+    /// The plausible ranges are invalid.
     #[error(transparent)]
     Sweep(#[from] SweepError),
 }

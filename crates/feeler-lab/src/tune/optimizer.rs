@@ -1,28 +1,29 @@
-//! Separable CMA-ES: an evolution strategy that adapts a step size and a variance of each coordinate.
+//! Separable CMA-ES: an evolution strategy that adapts the step size and the variance of each coordinate.
 //!
-//! After Ros and Hansen, "A Simple Modification in CMA-ES Achieving Linear Time and Space Complexity" (PPSN 2008). Without
-//! covariances it needs no eigenvalues and learns within the hundreds of evaluations that a search can afford.
+//! After Ros and Hansen, "A Simple Modification in CMA-ES Achieving Linear Time and Space Complexity" (PPSN 2008).
+//! Without covariances, the strategy needs no eigenvalues and adapts within the few hundred evaluations available to a
+//! search.
 
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 use rand_pcg::Pcg64;
 
-/// A search for the maximum of a noisy function of `N` variables of like scale.
+/// Maximises a noisy function of `N` variables of similar scale.
 #[derive(Debug, Clone)]
 pub struct Optimizer<const N: usize> {
-    /// Centre of the newest distribution: the estimate of the optimum.
+    /// Mean of the current distribution: the estimate of the optimum.
     pub mean: [f64; N],
     step: f64,
     variance: [f64; N],
     step_path: [f64; N],
     variance_path: [f64; N],
     generation: i32,
-    /// Standard normal numbers of the newest candidates.
+    /// Standard normal samples of the current candidates.
     drawn: Vec<[f64; N]>,
     random: Pcg64,
 }
 
-/// Constants of the strategy, as functions of the number of variables and candidates.
+/// Constants of the strategy, which depend on the number of variables and candidates.
 struct Rates {
     weights: Vec<f64>,
     /// Variance-effective number of parents.
@@ -45,7 +46,7 @@ impl Rates {
         let weights: Vec<f64> = raw.iter().map(|w| w / sum).collect();
         let parents = 1.0 / weights.iter().map(|w| w * w).sum::<f64>();
         let step = (parents + 2.0) / (n + parents + 5.0);
-        // Fewer degrees of freedom than a full matrix has are learnt faster.
+        // A diagonal matrix has fewer degrees of freedom than a full one and is learnt faster.
         let faster = (n + 2.0) / 3.0;
         let rank_one = (2.0 / ((n + 1.3).powi(2) + parents) * faster).min(1.0);
         let rank_mu = 2.0 * (parents - 2.0 + 1.0 / parents) / ((n + 2.0).powi(2) + parents);
@@ -63,7 +64,7 @@ impl Rates {
 }
 
 impl<const N: usize> Optimizer<N> {
-    /// A search that begins around `mean` with a standard deviation of `step` in each variable.
+    /// Starts a search around `mean` with the standard deviation `step` in each variable.
     pub fn new(mean: [f64; N], step: f64, seed: u64) -> Self {
         Self {
             mean,
@@ -77,7 +78,7 @@ impl<const N: usize> Optimizer<N> {
         }
     }
 
-    /// The next `count` candidates.
+    /// Draws the next `count` candidates.
     pub fn ask(&mut self, count: usize) -> Vec<[f64; N]> {
         let Self { random, drawn, .. } = self;
         drawn.clear();
@@ -86,7 +87,7 @@ impl<const N: usize> Optimizer<N> {
         self.drawn.iter().map(place).collect()
     }
 
-    /// Learns from the `values` of the newest candidates, the higher the better.
+    /// Updates the distribution with the `values` of the current candidates (higher is better).
     pub fn tell(&mut self, values: &[f64]) {
         let rates = Rates::new(N as f64, values.len());
         let mut order: Vec<usize> = (0..values.len().min(self.drawn.len())).collect();
@@ -129,9 +130,9 @@ impl<const N: usize> Optimizer<N> {
 mod tests {
     use super::*;
 
-    /// An ellipsoid whose axes differ by a factor of 30.
+    /// Uses an ellipsoid whose axes differ by a factor of 30.
     #[test]
-    fn the_maximum_of_an_ellipsoid_is_found() {
+    fn finds_the_maximum_of_an_ellipsoid() {
         let target = [0.3, -0.2, 0.5, 0.0];
         let value = |x: &[f64; 4]| -> f64 {
             let parts = x.iter().zip(target).zip([1.0, 30.0, 5.0, 100.0]);

@@ -1,4 +1,4 @@
-//! What tuning a hand results in: the tuned experiment, and its page.
+//! Complete tuning of a hand: returns the tuned experiment and a page about it.
 
 use super::TuneError;
 use super::hand::Hand;
@@ -14,37 +14,38 @@ use crate::identify::Identified;
 use feeler_report::tune_page::{ClaimRow, CostRow, SettingRow, TunePage};
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Draws that a prediction is made of.
+/// Number of simulated runs of a prediction.
 const PREDICTED: u64 = 200;
 
-/// How to tune.
+/// Options of [`tune`].
 #[derive(Debug, Clone, Copy)]
 pub struct TuneOptions {
-    /// Rated force of an element, N; without it, [estimated](super::hand::rated_force) from the stiffness.
+    /// Rated force of an element (N). If `None`, it is [estimated](super::hand::rated_force) from the stiffness.
     pub rated_force: Option<f64>,
-    /// Budget of a search; without it, the rules alone decide.
+    /// Budget of the search. If `None`, only the rules are used.
     pub search: Option<Budget>,
-    /// Seed of all that is drawn.
+    /// Random seed.
     pub seed: u64,
     /// Number of threads.
     pub jobs: usize,
 }
 
-/// The result of tuning.
+/// Result of tuning.
 pub struct Tuned {
-    /// The experiment with tuned values and their comments.
+    /// The experiment with tuned values and comments.
     pub experiment: Experiment,
-    /// The page about it.
+    /// Page about the result.
     pub page: TunePage,
-    /// Whether the search was ended before its budget was spent.
+    /// `true` if the search was stopped before its budget was used up.
     pub interrupted: bool,
 }
 
-/// Tunes `experiment` for its hand as it was `identified`. Raising `stop` ends a search with the best settings so far, and
-/// leaves out predictions. `progress` is called with the number of simulated runs of the search, and the best score.
+/// Tunes `experiment` for the hand with the `identified` values. Setting `stop` ends a search with the best settings
+/// so far, and skips the predictions. `progress` is called with the number of simulated runs of the search and the
+/// best score.
 ///
 /// # Errors
-/// If the experiment cannot be tuned or simulated, or a tuned value is out of its range.
+/// If the experiment cannot be tuned or simulated, or a tuned value is out of range.
 pub fn tune(
     experiment: &Experiment,
     identified: &Identified,
@@ -75,7 +76,7 @@ pub fn tune(
         Some(budget) => Some(search(&problem, budget, options.seed, progress)?),
         None => None,
     };
-    // What was found until Ctrl-C is judged all the same; a second one leaves that out.
+    // An interrupted search is followed by predictions nevertheless; a second Ctrl-C skips them.
     let mut interrupted = stop.swap(false, Ordering::Relaxed);
     let choice = Choice::new(&problem, found)?;
     interrupted |= stop.load(Ordering::Relaxed);
@@ -96,17 +97,17 @@ pub fn tune(
     })
 }
 
-/// The better settings of rules and search.
+/// The better of the settings by the rules and by the search.
 struct Choice {
     settings: Settings,
     origin: Origin,
-    /// With the experiment's own settings, by the rules, with the chosen ones; `None` if they were interrupted.
+    /// Predictions for the experiment's own settings, for the rules and for the chosen settings; `None` if interrupted.
     predictions: Option<[Prediction; 3]>,
 }
 
 impl Choice {
-    /// Chooses between the settings by the rules and those `found` by a search, by their predicted scores; the latter if the
-    /// predictions were interrupted.
+    /// Chooses between the rules and the settings `found` by a search by their predicted scores. If the predictions
+    /// were interrupted, chooses the search.
     fn new(problem: &Problem<'_>, found: Option<Found>) -> Result<Self, TuneError> {
         let rules = problem.settings(&[0.0; SETTINGS]);
         let candidate = found.map_or(rules, |found| found.settings);
@@ -133,7 +134,7 @@ impl Choice {
     }
 }
 
-/// A page without predictions.
+/// Creates a page without predictions.
 fn page(experiment: &Experiment, options: &TuneOptions, changes: &[Change]) -> TunePage {
     let row = |change: &Change| SettingRow {
         key: change.key.clone(),
@@ -164,7 +165,7 @@ fn claim_rows(before: &Prediction, after: &Prediction) -> Vec<ClaimRow> {
     rows.collect()
 }
 
-/// The uncertain values, the one whose thirds differ most in success first.
+/// Uncertain values, sorted by how much the success rate differs between their thirds.
 fn cost_rows(uncertainty: &Uncertainty, prediction: &Prediction) -> Vec<CostRow> {
     let rows = uncertainty
         .names()

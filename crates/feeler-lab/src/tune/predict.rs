@@ -1,25 +1,25 @@
-//! Predicted success of settings: draws that no search has used, simulated and judged.
+//! Predicted success rate of settings, from simulations of draws that the search did not use.
 
 use super::TuneError;
 use super::judge::{CLAIMS, Margins, judge_all};
 use super::search::{Problem, score};
 use super::settings::Settings;
 
-/// Margins of some settings, and of the experiment as it is, over the same draws.
+/// Results of simulating the same settings over several draws.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Prediction {
-    /// Margins of the five claims in each simulated run.
+    /// Margins of the five claims in each run.
     pub margins: Vec<Margins>,
     /// Drawn values of each run.
     pub values: Vec<Vec<f64>>,
 }
 
 impl Prediction {
-    /// Simulates `settings`, or without them the experiment's own, over draws 0 to `count - 1`; `None` if the problem's
-    /// `stop` was raised meanwhile.
+    /// Simulates `settings`, or the experiment's own settings if `None`, over the draws 0 to `count - 1`. Returns
+    /// `None` if the problem's `stop` was set meanwhile.
     ///
     /// # Errors
-    /// If nothing valid can be drawn, or a run fails.
+    /// If no valid experiment can be drawn, or a run fails.
     pub fn new(
         problem: &Problem<'_>,
         settings: Option<&Settings>,
@@ -38,17 +38,17 @@ impl Prediction {
         Ok(margins.map(|margins| Self { margins, values }))
     }
 
-    /// Number of runs in which all claims hold.
+    /// Number of runs in which all claims pass.
     pub fn successes(&self) -> u64 {
         self.margins.iter().filter(|margins| margins.hold()).count() as u64
     }
 
-    /// What the search maximises.
+    /// Mean score of the runs, which is the objective of the search.
     pub fn score(&self) -> f64 {
         score(&self.margins)
     }
 
-    /// The margin of claim `claim` that a share `p` (0 to 1) of the runs is below.
+    /// Returns the quantile of the margin of claim `claim` at probability `p` (0 to 1).
     pub fn quantile(&self, claim: usize, p: f64) -> Option<f64> {
         debug_assert!(claim < CLAIMS);
         let mut margins: Vec<f64> = self.margins.iter().map(|m| m.0[claim]).collect();
@@ -57,7 +57,8 @@ impl Prediction {
         margins.get((p * last as f64).round() as usize).copied()
     }
 
-    /// Share of runs in which all claims hold, in the lowest, middle and highest third of uncertain value `index`.
+    /// Fraction of runs in which all claims pass, for the lowest, middle and highest third of the uncertain value
+    /// `index`.
     pub fn thirds(&self, index: usize) -> [f64; 3] {
         let value = |run: usize| self.values[run][index];
         let mut order: Vec<usize> = (0..self.margins.len()).collect();
@@ -77,7 +78,7 @@ mod tests {
     use crate::tune::judge::FAILED;
 
     #[test]
-    fn thirds_show_where_success_is_lost() {
+    fn thirds_show_the_effect_of_a_value() {
         let good = Margins([0.1; CLAIMS]);
         let prediction = Prediction {
             margins: vec![good, FAILED, good, FAILED, good, good],

@@ -1,20 +1,20 @@
 //! Rules that compute the settings of a hand from dimensionless groups.
 //!
 //! Each setting is a physical quantity times a coefficient times a power of each [group](groups). The coefficients and
-//! exponents were found by CMA-ES over 512 plausible hands (seeds 400 to 403 of the group `apparatus`); `docs/tuning.md`
-//! has the share of other hands on which they work.
+//! exponents were fitted with CMA-ES over 512 plausible hands (seeds 400 to 403 of the group `apparatus`);
+//! `docs/tuning.md` reports the success rate on other hands.
 
 use super::hand::Hand;
 
-/// Number of settings that are tuned freely.
+/// Number of independently tuned settings.
 pub const SETTINGS: usize = 9;
 /// Number of dimensionless groups.
 pub const GROUPS: usize = 6;
-/// Values of the groups at which a rule is its coefficient alone.
+/// Values of the groups at which each rule equals its coefficient.
 const REFERENCE: [f64; GROUPS] = [0.5, 1.0, 0.78, 16.6, 1.0, 0.003];
 
-/// The dimensionless groups of a hand: k_t / k_n, mu_s, mu_k / mu_s, contact radius over an element's deflection at its
-/// rated force, drive lag over control period, force noise over rated force.
+/// Computes the dimensionless groups of a hand: k_t / k_n, mu_s, mu_k / mu_s, contact radius over an element's
+/// deflection at its rated force, drive lag over control period, force noise over rated force.
 pub fn groups(hand: &Hand) -> [f64; GROUPS] {
     let deflection = hand.rated_force / hand.normal_stiffness;
     [
@@ -27,10 +27,10 @@ pub fn groups(hand: &Hand) -> [f64; GROUPS] {
     ]
 }
 
-/// A power law in the groups.
+/// A power law of the groups.
 #[derive(Debug, Clone, Copy)]
 pub struct Rule {
-    /// Quantity that the rule gives, as a ratio, such as `v_r / v_m`.
+    /// The computed ratio, such as `v_r / v_m`.
     pub name: &'static str,
     /// Physical reason for the ratio.
     pub reason: &'static str,
@@ -39,10 +39,10 @@ pub struct Rule {
 }
 
 impl Rule {
-    /// The rule's value for a hand with these `groups`.
+    /// Evaluates the rule for a hand with these `groups`.
     pub fn value(&self, groups: &[f64; GROUPS]) -> f64 {
         let powers = groups.iter().zip(REFERENCE).zip(self.exponents);
-        // Lag and noise of zero count as small ones, since a power of zero may be infinite.
+        // The lower limit avoids infinite powers of zero lag or noise.
         let powers = powers.map(|((g, reference), e)| (g / reference).max(0.05).powf(e));
         self.coefficient * powers.product::<f64>()
     }
@@ -78,7 +78,7 @@ pub const RULES: [Rule; SETTINGS] = [
     ),
     rule(
         "dr / (k_t v_m)",
-        "what sticks is loaded at k_t v_m, so that only slips exceed dr",
+        "sticking contacts are loaded at k_t v_m, so only slips exceed dr",
         3.48,
         [0.0, 0.19, -0.15, -0.08, 0.22, 0.07],
     ),

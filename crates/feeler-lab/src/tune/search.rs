@@ -1,4 +1,4 @@
-//! Search for settings that keep the claims over draws of everything that remains uncertain.
+//! Search for settings with which the claims pass over draws of all uncertain values.
 
 use super::TuneError;
 use super::hand::Hand;
@@ -11,23 +11,23 @@ use crate::config::Experiment;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-/// Settings that are compared in a generation.
+/// Number of candidate settings per generation.
 const CANDIDATES: usize = 10;
-/// Draws that each of them is simulated with.
+/// Number of draws with which each candidate is simulated.
 const DRAWS: u64 = 12;
-/// Simulated runs of a generation.
+/// Number of simulated runs per generation.
 pub const GENERATION: u64 = CANDIDATES as u64 * DRAWS;
-/// Standard deviation of the first candidates about the rules: relative, as settings are searched on a logarithmic scale.
+/// Initial standard deviation about the rules. It is relative because the search is logarithmic.
 const STEP: f64 = 0.15;
-/// The draws of a search begin here; those below are kept for [predictions](super::predict).
+/// First draw used by a search. Draws below are reserved for [predictions](super::predict).
 const FIRST_DRAW: u64 = 1 << 32;
 
-/// When a search ends: at the first of these.
+/// Limits of a search, which ends at the first one reached.
 #[derive(Debug, Clone, Copy)]
 pub struct Budget {
-    /// Wall time, if limited.
+    /// Wall-clock time, if limited.
     pub time: Option<Duration>,
-    /// Number of simulated runs, if limited. A search that ends by it is reproducible.
+    /// Number of simulated runs, if limited. A search that ends at this limit is reproducible.
     pub runs: Option<u64>,
 }
 
@@ -35,13 +35,13 @@ pub struct Budget {
 pub struct Problem<'a> {
     /// The hand.
     pub hand: Hand,
-    /// What remains uncertain of it.
+    /// Uncertain values of the hand.
     pub uncertainty: &'a Uncertainty,
-    /// Limit of commanded speeds, m/s.
+    /// Limit of commanded speeds (m/s).
     pub fingertip_speed: f64,
     /// Number of threads.
     pub jobs: usize,
-    /// Ends a search or prediction once it is raised.
+    /// Ends a search or prediction when set.
     pub stop: &'a AtomicBool,
 }
 
@@ -55,12 +55,12 @@ pub struct Found {
 }
 
 impl Problem<'_> {
-    /// The settings with these `offsets` of the rules' logarithms.
+    /// Returns the settings of the rules with `offsets` added to the logarithms of their ratios.
     pub fn settings(&self, offsets: &[f64; SETTINGS]) -> Settings {
         Settings::new(&self.hand, offsets, self.fingertip_speed)
     }
 
-    /// The experiments of `draws` with `settings`.
+    /// Applies `settings` to each of `draws`.
     fn simulated(&self, settings: &Settings, draws: &[Experiment]) -> Vec<Experiment> {
         let mut experiments = draws.to_vec();
         for experiment in &mut experiments {
@@ -70,11 +70,11 @@ impl Problem<'_> {
     }
 }
 
-/// Searches about the rules until the `budget` is spent or the problem's `stop` is raised; the best estimate so far is
-/// returned. `progress` is called after each generation with the number of runs and the best candidate's score.
+/// Searches around the rules until the `budget` is used up or the problem's `stop` is set, and returns the best
+/// estimate. `progress` is called after each generation with the number of runs and the best candidate's score.
 ///
 /// # Errors
-/// If nothing valid can be drawn, or a run fails.
+/// If no valid experiment can be drawn, or a run fails.
 pub fn search(
     problem: &Problem<'_>,
     budget: Budget,

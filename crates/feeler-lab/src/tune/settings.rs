@@ -1,4 +1,4 @@
-//! The settings that are tuned, computed by the rules and put into an experiment.
+//! Tuned settings: their computation by the rules, and their application to an experiment.
 
 use super::hand::Hand;
 use super::rules::{RULES, SETTINGS, groups};
@@ -6,43 +6,43 @@ use crate::config::ExperimentConfig;
 use feeler::control::task::TaskConfig;
 use glam::DVec2;
 
-/// Largest travel of a stroke, m: "within 10 mm" (paper, section V.B).
+/// Maximum travel of a stroke (m): "within 10 mm" (paper, section V.B).
 const MAX_TRAVEL: f64 = 0.010;
-/// Share of `control.limits.fingertip_speed` that a commanded speed may take.
+/// Maximum commanded speed relative to `control.limits.fingertip_speed`.
 const MAX_SPEED_SHARE: f64 = 0.9;
 /// F1 relative to F2, as in the reference experiment.
 const TOUCH: f64 = 0.2;
 /// Significant digits of a setting.
 const DIGITS: usize = 4;
 
-/// Settings of `[control]` and `[task.screw]`, SI units.
+/// Settings of `[control]` and `[task.screw]`, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// F2, N.
+    /// F2 (N).
     pub over_force: f64,
-    /// v_m, m/s.
+    /// v_m (m/s).
     pub move_speed: f64,
-    /// dr, N/s.
+    /// dr (N/s).
     pub slip_threshold: f64,
-    /// v_r, m/s.
+    /// v_r (m/s).
     pub recompression_speed: f64,
-    /// Grasp force below which a moving finger is re-compressed, N.
+    /// Grasp force below which a moving finger is re-compressed (N).
     pub minimum_grasp_force: f64,
-    /// Grasp force at which a searching finger stops, N.
+    /// Grasp force at which a searching finger stops (N).
     pub grasp_force: f64,
-    /// v_0, m/s.
+    /// v_0 (m/s).
     pub search_speed: f64,
-    /// Length of the stroke, m.
+    /// Length of the stroke (m).
     pub travel: f64,
-    /// Distance by which the stroke begins before the point where it is tangent to the object, m.
+    /// Distance from the beginning of the stroke to the point where it is tangent to the object (m).
     pub start: f64,
-    /// F1, N.
+    /// F1 (N).
     pub touch_force: f64,
 }
 
 impl Settings {
-    /// The settings for `hand`, with the coefficient of each rule times the exponential of its entry of `offsets`:
-    /// zeros for the rules themselves. `fingertip_speed` (m/s) is the limit of commanded speeds.
+    /// Computes the settings for `hand`, with the coefficient of each rule multiplied by the exponential of its entry
+    /// in `offsets`; zeros give the rules themselves. `fingertip_speed` is the limit of commanded speeds (m/s).
     pub fn new(hand: &Hand, offsets: &[f64; SETTINGS], fingertip_speed: f64) -> Self {
         let groups = groups(hand);
         let mut ratios = [0.0; SETTINGS];
@@ -93,7 +93,7 @@ impl Settings {
         }
     }
 
-    /// Puts the settings into `config`, a screw task about an object that turns about `pivot` (m, x and y in W).
+    /// Applies the settings to `config`, a screw task for an object that turns about `pivot` (x and y in W, m).
     pub fn apply(&self, config: &mut ExperimentConfig, pivot: [f64; 2]) {
         let control = &mut config.control;
         control.over_force = self.over_force;
@@ -114,7 +114,7 @@ impl Settings {
     }
 }
 
-/// The `home` of a finger (m, in W), moved along its `stroke` so that the stroke begins `start` before the point where
+/// Moves the `home` of a finger (m, in W) along its `stroke` such that the stroke begins `start` before the point where
 /// it is tangent to an object about `pivot`.
 fn home(home: [f64; 3], stroke: [f64; 3], pivot: [f64; 2], start: f64) -> [f64; 3] {
     let along = DVec2::new(stroke[0], stroke[1]).normalize_or_zero();
@@ -128,7 +128,7 @@ fn home(home: [f64; 3], stroke: [f64; 3], pivot: [f64; 2], start: f64) -> [f64; 
     ]
 }
 
-/// `value` with [`DIGITS`] significant digits.
+/// Rounds `value` to [`DIGITS`] significant digits.
 fn rounded(value: f64) -> f64 {
     let text = format!("{value:.*e}", DIGITS - 1);
     text.parse().unwrap_or(value)
@@ -151,7 +151,8 @@ mod tests {
         pivot: [0.0, 0.0],
     };
 
-    /// Other units of length, force and time change no group, and settings by their own units alone.
+    /// A change of the units of length, force and time does not change the groups, and scales settings only by their
+    /// own units.
     #[test]
     fn rules_are_dimensionally_consistent() {
         let (metre, newton, second) = (0.7, 3.0, 1.25);
@@ -188,7 +189,7 @@ mod tests {
             (a.touch_force * newton, b.touch_force),
         ];
         for (expected, scaled) in pairs {
-            // Four significant digits each.
+            // Each is rounded to four significant digits.
             assert!(
                 (scaled / expected - 1.0).abs() < 2e-3,
                 "{expected} {scaled}"
@@ -197,7 +198,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stroke_begins_before_the_tangent_point_of_an_object_off_its_place() {
+    fn a_stroke_begins_before_the_tangent_point_of_a_displaced_object() {
         let moved = home(
             [-0.038, 0.00195, 0.1],
             [0.0, -2.0, 0.0],

@@ -1,4 +1,4 @@
-//! What remains uncertain of an identified hand, and draws of it.
+//! Uncertain values of an identified hand, and random draws of them.
 
 use super::TuneError;
 use crate::config::{ConfigError, Experiment};
@@ -10,14 +10,14 @@ use crate::sweep::trial::generator;
 use rand::RngExt;
 use std::path::Path;
 
-/// The experiment whose plausible ranges are drawn from where nothing was identified.
+/// Experiment whose plausible ranges are used for values that were not identified.
 const RANGES: &str = "cap-closing";
-/// The group of these ranges that nature and workshop decide.
+/// Group of these ranges that materials and manufacturing determine.
 const GROUP: &str = "apparatus";
-/// Most attempts at a draw: some draws are no hand, as with a kinetic friction above the static one.
+/// Maximum number of attempts per draw. Some draws are invalid, for example kinetic friction above static friction.
 const ATTEMPTS: u64 = 100;
 
-/// A simulated hand with everything that is uncertain of it.
+/// A simulated hand with its uncertain values.
 pub struct Uncertainty {
     experiment: Experiment,
     parameters: Vec<Parameter>,
@@ -26,15 +26,15 @@ pub struct Uncertainty {
 
 /// One plausible hand.
 pub struct Draw {
-    /// The experiment with the drawn values in `[sim]`, forces sensed directly.
+    /// The experiment with the drawn values in `[sim]` and directly sensed forces.
     pub experiment: Experiment,
-    /// Value of each of [`Uncertainty::names`].
+    /// Values in the order of [`Uncertainty::names`].
     pub values: Vec<f64>,
 }
 
 impl Uncertainty {
-    /// The uncertainty of the hand of `experiment` as it was `identified`: each identified value within its 95 % interval,
-    /// the others within the plausible ranges of the group `apparatus`. All draws follow from `seed`.
+    /// Describes the uncertainty of the experiment's hand: identified values vary within their 95 % intervals, all
+    /// others within the plausible ranges of the group `apparatus`. The draws depend only on `seed`.
     ///
     /// # Errors
     /// If the experiment has no `[sim]`, or no cap on a thread.
@@ -57,7 +57,7 @@ impl Uncertainty {
         let files: [&Path; 0] = [];
         let plausible = ranges::load(&files, RANGES)?.parameter.into_iter();
         let plausible = plausible.filter(|entry| entry.group == GROUP);
-        // Ranges of what this experiment does not have are left out.
+        // Ranges of keys that this experiment lacks are omitted.
         let plausible = plausible.filter_map(|e| Parameter::of_entry(&e, experiment).ok());
         let unknown = plausible.filter(|p| known.iter().all(|k| k.conflict(p).is_none()));
         let unknown: Vec<_> = unknown.collect();
@@ -68,15 +68,15 @@ impl Uncertainty {
         })
     }
 
-    /// Names of what is uncertain.
+    /// Names of the uncertain values.
     pub fn names(&self) -> impl Iterator<Item = &str> {
         self.parameters.iter().map(|parameter| &*parameter.name)
     }
 
-    /// Draw `index`, with a run seed of its own.
+    /// Returns the draw with this index. Each draw has a separate seed of the run.
     ///
     /// # Errors
-    /// If no experiment with drawn values is valid.
+    /// If no valid experiment can be drawn.
     pub fn draw(&self, index: u64) -> Result<Draw, TuneError> {
         let mut attempt = 0;
         loop {

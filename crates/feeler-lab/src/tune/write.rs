@@ -1,4 +1,4 @@
-//! The tuned experiment's text: the original, with other values and comments where settings were tuned.
+//! Writes tuned values and comments to the text of an experiment.
 
 use super::TuneError;
 use super::hand::screw;
@@ -9,27 +9,27 @@ use feeler::control::controller::ControlConfig;
 use feeler::control::task::screw::ScrewConfig;
 use toml_edit::{DocumentMut, Item};
 
-/// A value of the experiment that was tuned.
+/// A tuned value of the experiment.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Change {
-    /// Its key in the experiment file.
+    /// Key in the experiment file.
     pub key: String,
-    /// Unit of its values.
+    /// Unit of the values.
     pub unit: &'static str,
-    /// The value before.
+    /// Original value.
     pub before: f64,
     /// The tuned value.
     pub after: f64,
-    /// The quantity that the rule is about, and why.
+    /// Ratio computed by the rule, and its physical reason.
     pub reason: String,
 }
 
-/// How settings were found, for comments.
+/// Method by which settings were found, for comments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Origin {
-    /// By the rules alone.
+    /// The rules.
     Rules,
-    /// By a search about the rules.
+    /// A search around the rules.
     Search,
 }
 
@@ -42,10 +42,10 @@ impl Origin {
     }
 }
 
-/// A setting: its key below the table, its unit, its value, and the index of its rule.
+/// A setting: key within its table, unit, value, and index of its rule.
 type Setting<C> = (&'static str, &'static str, fn(&C) -> f64, usize);
 
-/// F1, which follows from F2.
+/// Reason for F1, which is derived from F2.
 const TOUCH: &str = "F1 / F2: as in the reference experiment";
 
 const CONTROL: [Setting<ControlConfig>; 4] = [
@@ -65,7 +65,7 @@ const SCREW: [Setting<ScrewConfig>; 4] = [
 /// Index of the rule for the start of the stroke.
 const START: usize = 8;
 
-/// The values that `settings` change in `experiment`, whose object turns about `pivot` (m, x and y in W).
+/// Returns the values of `experiment` that `settings` changes. The object turns about `pivot` (x and y in W, m).
 ///
 /// # Errors
 /// If the experiment has no `[task.screw]`.
@@ -114,10 +114,10 @@ pub fn changes(
     Ok(all.filter(|c| c.before != c.after).collect())
 }
 
-/// `experiment` with the values of `changes`, each with a comment that says where it came from.
+/// Applies `changes` to `experiment`, with a comment about the origin of each value.
 ///
 /// # Errors
-/// If a value is out of its range in the experiment.
+/// If a value is out of range.
 pub fn tuned(
     experiment: &Experiment,
     changes: &[Change],
@@ -138,7 +138,7 @@ pub fn tuned(
         comment_on(document.as_item_mut(), key, comment);
     }
     let toml = document.to_string();
-    // Within an inline table a comment would hide what follows on its line.
+    // Within an inline table, a comment would hide the rest of the line.
     let reads = toml::from_str::<ExperimentConfig>(&toml).is_ok_and(|c| c == plain.config);
     if reads {
         plain.toml = toml;
@@ -146,7 +146,7 @@ pub fn tuned(
     Ok(plain)
 }
 
-/// Puts `comment` behind the value of `key`; of an entry of a list, behind the list.
+/// Appends `comment` to the value of `key`, or to its list if the value is an element of a list.
 fn comment_on(document: &mut Item, key: &str, comment: String) {
     let mut item = document;
     for part in key.split('.') {
@@ -186,7 +186,7 @@ mod tests {
         line.split('#').next().unwrap_or_default().trim()
     }
 
-    /// Lines differ where values were tuned, and nowhere else.
+    /// Only the lines of tuned values differ.
     #[test]
     fn only_tuned_values_differ() {
         let experiment = Experiment::load("cap-closing", &[]).unwrap();
@@ -207,9 +207,9 @@ mod tests {
         assert_eq!(tuned.config, expected);
     }
 
-    /// Keys that have their defaults are added.
+    /// Keys that were omitted because of their defaults are added.
     #[test]
-    fn a_file_without_the_keys_gets_them() {
+    fn missing_keys_are_added() {
         let toml = Experiment::load("cap-closing", &[]).unwrap().toml;
         let keys = ["slip_threshold", "travel", "touch_force"];
         let short = toml

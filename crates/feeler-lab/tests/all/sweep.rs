@@ -160,7 +160,7 @@ fn rows_of_another_machine_are_taken_in_once_and_whole_or_not_at_all() {
     assert_eq!(store.missing(plan, 3), [1]);
     let torn = rows(&[1]);
     for (wrong, expected) in [
-        (rows(&[1, 0]), "no trial that belongs there"),
+        (rows(&[1, 0]), "does not belong to this table"),
         (rows(&[1, 1]), "twice"),
         (b"trial,seed\n1,2\n".to_vec(), "columns"),
         (torn[..torn.len() - 2].to_vec(), "within a line"),

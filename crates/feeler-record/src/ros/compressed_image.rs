@@ -4,14 +4,14 @@ use super::header::{Header, header_schema};
 use crate::wire::Message;
 use serde::{Deserialize, Serialize};
 
-/// A picture in the format of a picture file.
+/// An image in the format of an image file.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct CompressedImage {
-    /// When it was taken, and by which camera.
+    /// Time and camera.
     pub header: Header,
     /// The format: `png`.
     pub format: String,
-    /// The file. In one piece: byte by byte, it would take a hundred times as long.
+    /// Contents of the image file. Serialized as one block: byte by byte, it would take a hundred times as long.
     #[serde(with = "serde_bytes")]
     pub data: Vec<u8>,
 }

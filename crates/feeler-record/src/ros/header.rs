@@ -1,22 +1,22 @@
-//! What stands before most messages.
+//! `std_msgs/Header`, the header of most messages.
 
 use crate::channels::nanoseconds;
 use serde::{Deserialize, Serialize};
 
-/// Nanoseconds of a second.
+/// Nanoseconds per second.
 const SECOND: u64 = 1_000_000_000;
 
-/// A time, as ROS 2's `builtin_interfaces/Time`: of the run, not of the wall clock.
+/// A run time in the format of ROS 2's `builtin_interfaces/Time`. Not a wall-clock time.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Time {
     /// Whole seconds.
     pub sec: i32,
-    /// Nanoseconds after them.
+    /// Additional nanoseconds.
     pub nanosec: u32,
 }
 
 impl Time {
-    /// The time `stamp`, s, to the nanosecond; none if it is no time of a run.
+    /// Rounds `stamp` (s) to the nearest nanosecond. `None` if it is not a valid time of a run.
     pub fn of(stamp: f64) -> Option<Self> {
         let ns = nanoseconds(stamp)?;
         Some(Self {
@@ -26,17 +26,17 @@ impl Time {
     }
 }
 
-/// What stands before most messages, `std_msgs/Header`.
+/// Header of most messages, `std_msgs/Header`.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Header {
-    /// Time of what the message tells.
+    /// Time of the message's data.
     pub stamp: Time,
-    /// The frame that it is in.
+    /// Coordinate frame of the message's data.
     pub frame_id: String,
 }
 
 impl Header {
-    /// Of what is in `frame`, at time 0.
+    /// Creates a header for data in `frame` at time 0.
     pub fn of(frame: impl Into<String>) -> Self {
         Self {
             stamp: Time::default(),
@@ -44,13 +44,13 @@ impl Header {
         }
     }
 
-    /// The stamp, s.
+    /// The stamp in seconds.
     pub fn seconds(&self) -> f64 {
         f64::from(self.stamp.sec) + f64::from(self.stamp.nanosec) * 1e-9
     }
 }
 
-/// The text of `name`, to stand after that of a message that uses it.
+/// Text of the type `name`, to be appended to the text of a message that uses it.
 macro_rules! nested {
     ($name:literal, $($line:literal),+ $(,)?) => {
         concat!(
@@ -61,7 +61,7 @@ macro_rules! nested {
     };
 }
 
-/// The text of `std_msgs/Header`, to stand after that of a message that uses it.
+/// Text of `std_msgs/Header`, to be appended to the text of a message that uses it.
 macro_rules! header_schema {
     () => {
         concat!(
@@ -75,7 +75,7 @@ macro_rules! header_schema {
     };
 }
 
-/// The texts of `geometry_msgs` types, to stand after those of messages that use them.
+/// Text of a `geometry_msgs` type with components x, y and z, to be appended to the text of a message that uses it.
 macro_rules! xyz_schema {
     ($name:literal) => {
         $crate::ros::header::nested!($name, "float64 x", "float64 y", "float64 z")

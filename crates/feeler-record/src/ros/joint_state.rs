@@ -4,18 +4,18 @@ use super::header::{Header, header_schema};
 use crate::wire::Message;
 use serde::{Deserialize, Serialize};
 
-/// All joints of a hand.
+/// States of all joints of a hand.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct JointState {
-    /// When they were read.
+    /// Time of the reading.
     pub header: Header,
     /// Names of the joints.
     pub name: Vec<String>,
-    /// Their angles, rad.
+    /// Joint angles (rad).
     pub position: Vec<f64>,
-    /// Their velocities, rad/s.
+    /// Joint velocities (rad/s).
     pub velocity: Vec<f64>,
-    /// Their torques, N m; empty, as they are not known.
+    /// Joint torques (N m). Empty, because they are not known.
     pub effort: Vec<f64>,
 }
 

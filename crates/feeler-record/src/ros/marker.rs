@@ -6,25 +6,25 @@ use crate::wire::{Message, Quaternion, Vector3};
 use glam::DQuat;
 use serde::{Deserialize, Serialize};
 
-/// What a marker is.
+/// Shape of a marker.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(i32)]
 pub enum MarkerType {
-    /// A box of the sizes `scale`.
+    /// A box of size `scale`.
     Cube = 1,
-    /// An ellipsoid of the diameters `scale`.
+    /// An ellipsoid with diameters `scale`.
     Sphere = 2,
-    /// A cylinder along z, of the diameters and the length `scale`.
+    /// A cylinder along z with diameters and length `scale`.
     Cylinder = 3,
-    /// Lines between each two points, as wide as `scale.x`.
+    /// A line between each pair of points, with width `scale.x`.
     LineList = 5,
-    /// A sphere of the diameter `scale.x` at each point.
+    /// A sphere with diameter `scale.x` at each point.
     SphereList = 7,
     /// A triangle for each three points.
     TriangleList = 11,
 }
 
-/// A colour; all parts from 0 to 1.
+/// A colour with components from 0 to 1.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct ColorRGBA {
     /// Red.
@@ -33,93 +33,93 @@ pub struct ColorRGBA {
     pub g: f32,
     /// Blue.
     pub b: f32,
-    /// How much hides what is behind.
+    /// Opacity.
     pub a: f32,
 }
 
-/// Where a marker is in its frame.
+/// Pose of a marker in its frame.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct MarkerPose {
-    /// Its origin, m.
+    /// Origin (m).
     pub position: Vector3,
-    /// Its rotation.
+    /// Rotation.
     pub orientation: Quaternion,
 }
 
-/// A span of time.
+/// A duration.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Duration {
     /// Whole seconds.
     pub sec: i32,
-    /// Nanoseconds after them.
+    /// Additional nanoseconds.
     pub nanosec: u32,
 }
 
-/// A place in a texture.
+/// Coordinates in a texture.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct UVCoordinate {
-    /// Along the picture.
+    /// Horizontal coordinate.
     pub u: f32,
-    /// Down the picture.
+    /// Vertical coordinate.
     pub v: f32,
 }
 
-/// A file with a mesh.
+/// A mesh file.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct MeshFile {
-    /// Its name.
+    /// File name.
     pub filename: String,
-    /// Its bytes.
+    /// File contents.
     #[serde(with = "serde_bytes")]
     pub data: Vec<u8>,
 }
 
-/// Something to be drawn.
+/// A drawn object.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct Marker {
-    /// When, and in which frame.
+    /// Time and coordinate frame.
     pub header: Header,
-    /// What it belongs to; with `id` it says which marker it is.
+    /// Namespace, which identifies the marker together with `id`.
     pub ns: String,
-    /// Its number.
+    /// Number of the marker in its namespace.
     pub id: i32,
-    /// What it is: a [`MarkerType`].
+    /// Shape, a [`MarkerType`].
     #[serde(rename = "type")]
     pub kind: i32,
-    /// 0: it is there from now on.
+    /// Action: 0 adds the marker.
     pub action: i32,
-    /// Where it is.
+    /// Pose in the frame of `header`.
     pub pose: MarkerPose,
-    /// Its size, m.
+    /// Size (m).
     pub scale: Vector3,
-    /// Its colour.
+    /// Colour.
     pub color: ColorRGBA,
-    /// How long it is there; for ever if 0.
+    /// Duration for which the marker is shown; 0 means forever.
     pub lifetime: Duration,
-    /// Whether it moves with its frame.
+    /// `true` if the marker moves with its frame.
     pub frame_locked: bool,
-    /// Of lists: the points, m.
+    /// Points of a list (m).
     pub points: Vec<Vector3>,
-    /// Of lists: the points' colours.
+    /// Colours of a list's points.
     pub colors: Vec<ColorRGBA>,
-    /// Without use here, as all that follows.
+    /// Not used, like all following fields.
     pub texture_resource: String,
-    /// A picture on it.
+    /// Texture image.
     pub texture: CompressedImage,
-    /// Where that is.
+    /// Texture coordinates.
     pub uv_coordinates: Vec<UVCoordinate>,
-    /// A text.
+    /// Text.
     pub text: String,
-    /// A mesh.
+    /// Path of a mesh.
     pub mesh_resource: String,
-    /// The mesh's file.
+    /// Mesh file.
     pub mesh_file: MeshFile,
-    /// Whether it has its own colours.
+    /// `true` if the mesh contains its colours.
     pub mesh_use_embedded_materials: bool,
 }
 
 impl Marker {
-    /// A marker that moves with `frame`, until it is told again.
+    /// Creates a marker that moves with `frame` and is shown until it is replaced.
     pub fn new(frame: impl Into<String>, ns: impl Into<String>, kind: MarkerType) -> Self {
         Self {
             header: Header::of(frame),
@@ -148,7 +148,7 @@ impl Marker {
     }
 }
 
-/// Things to be drawn.
+/// A list of markers.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct MarkerArray {
     /// The markers.

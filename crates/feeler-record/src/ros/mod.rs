@@ -1,6 +1,6 @@
-//! Standard messages of ROS 2, for viewers and tools that know no messages of ours.
+//! Standard ROS 2 messages, for viewers and tools that do not know feeler's messages.
 //!
-//! Fields, their order and the texts are those of `common_interfaces`; what is written depends on both.
+//! Names, order and texts of the fields are those of `common_interfaces`; they determine the wire format.
 
 pub mod compressed_image;
 mod header;
@@ -20,7 +20,8 @@ pub use text::Text;
 pub use transform::{TFMessage, Transform, TransformStamped};
 pub use wrench::{Wrench, WrenchStamped};
 
-/// Messages that follow from others of the recording: they are for viewers, and neither digested nor read back.
+/// Implements recording for messages derived from others: they are for viewers, not part of the digest and not read
+/// back.
 macro_rules! derived {
     ($($type:ty, $stamp:expr);+ $(;)?) => {
         $(impl $crate::channels::Stamped for $type {

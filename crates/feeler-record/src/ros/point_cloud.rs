@@ -4,47 +4,47 @@ use super::header::{Header, header_schema, nested};
 use crate::wire::Message;
 use serde::{Deserialize, Serialize};
 
-/// What stands where in a point's bytes.
+/// Layout of one field in a point's bytes.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PointField {
-    /// What it is called.
+    /// Name of the field.
     pub name: String,
-    /// Where it begins, bytes.
+    /// Offset in bytes.
     pub offset: u32,
-    /// What it is: [`Self::UINT8`], [`Self::FLOAT32`].
+    /// Data type: [`Self::UINT8`] or [`Self::FLOAT32`].
     pub datatype: u8,
-    /// How many of them there are.
+    /// Number of elements.
     pub count: u32,
 }
 
 impl PointField {
-    /// A byte.
+    /// 8-bit unsigned integer.
     pub const UINT8: u8 = 2;
-    /// A number of 32 bits.
+    /// 32-bit floating-point number.
     pub const FLOAT32: u8 = 7;
 }
 
-/// Points, each of which has fields.
+/// A cloud of points with fields.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct PointCloud2 {
-    /// When, and in which frame.
+    /// Time and coordinate frame.
     pub header: Header,
-    /// Rows: 1.
+    /// Number of rows: 1.
     pub height: u32,
-    /// Points.
+    /// Number of points per row.
     pub width: u32,
-    /// What a point's bytes are.
+    /// Fields of a point.
     pub fields: Vec<PointField>,
-    /// Whether the most significant byte of a number comes first.
+    /// `true` if numbers are big-endian.
     pub is_bigendian: bool,
-    /// Bytes of a point.
+    /// Size of a point in bytes.
     pub point_step: u32,
-    /// Bytes of a row.
+    /// Size of a row in bytes.
     pub row_step: u32,
-    /// The points' bytes.
+    /// Bytes of the points.
     #[serde(with = "serde_bytes")]
     pub data: Vec<u8>,
-    /// Whether all points have all fields.
+    /// `true` if all fields of all points are valid.
     pub is_dense: bool,
 }
 

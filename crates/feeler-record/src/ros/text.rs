@@ -3,12 +3,12 @@
 use crate::wire::Message;
 use serde::{Deserialize, Serialize};
 
-/// A text.
+/// A text message.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Text {
     /// The text.
     pub data: String,
-    /// Time at which it is recorded, s; no part of the message.
+    /// Recorded time (s). Not part of the message.
     #[serde(skip)]
     pub stamp: f64,
 }

@@ -5,12 +5,12 @@ use crate::wire::{Message, Quaternion, Vector3};
 use glam::{DAffine3, DQuat};
 use serde::{Deserialize, Serialize};
 
-/// Where a frame is in another.
+/// Pose of a frame in its parent.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 pub struct Transform {
-    /// Its origin, m.
+    /// Origin (m).
     pub translation: Vector3,
-    /// Its rotation.
+    /// Rotation.
     pub rotation: Quaternion,
 }
 
@@ -29,21 +29,21 @@ impl From<DAffine3> for Transform {
     }
 }
 
-/// Where a frame is in another, and when.
+/// Pose of a frame in its parent at a time.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct TransformStamped {
-    /// When, and in which frame.
+    /// Time and parent frame.
     pub header: Header,
-    /// The frame that is there.
+    /// Name of the child frame.
     pub child_frame_id: String,
-    /// Where it is.
+    /// Pose of the child in its parent.
     pub transform: Transform,
 }
 
-/// Where frames are in others.
+/// A list of transforms.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct TFMessage {
-    /// One for each frame.
+    /// The transforms, one per frame.
     pub transforms: Vec<TransformStamped>,
 }
 

@@ -7,18 +7,18 @@ use serde::{Deserialize, Serialize};
 /// A force and a torque.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Wrench {
-    /// Force, N.
+    /// Force (N).
     pub force: Vector3,
-    /// Torque about the frame's origin, N m.
+    /// Torque about the frame's origin (N m).
     pub torque: Vector3,
 }
 
-/// What acts on a fingertip by all that its elements touch, in the frame of its dome.
+/// Wrench on a fingertip by everything that its elements touch, in the dome's frame.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct WrenchStamped {
-    /// Time of the picture that the forces come from, and the dome's frame.
+    /// Time of the image from which the forces were computed, and the dome's frame.
     pub header: Header,
-    /// What acts on the fingertip.
+    /// Wrench on the fingertip.
     pub wrench: Wrench,
 }
 

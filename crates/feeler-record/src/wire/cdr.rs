@@ -1,36 +1,36 @@
-//! ROS 2's wire format: Common Data Representation, little endian, behind four bytes that say so.
+//! ROS 2's wire format: little-endian Common Data Representation (CDR) after a header of four bytes.
 
 use super::Message;
 use byteorder::LittleEndian;
 
-/// Why a message could not be put into its wire format or read from it.
+/// Errors returned when a message is encoded or decoded.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum WireError {
-    /// A value has no form in the wire format.
+    /// A value cannot be represented in the wire format.
     #[error("{schema} cannot be encoded: {reason}")]
     Encode {
         /// Name of the message's schema.
         schema: &'static str,
-        /// What was wrong.
+        /// Description of the error.
         reason: String,
     },
-    /// Bytes are not those of such a message.
+    /// The bytes are not a valid message of this type.
     #[error("{schema}: {reason}")]
     Decode {
         /// Name of the message's schema.
         schema: &'static str,
-        /// What was expected and what was found.
+        /// Expected and actual content.
         reason: String,
     },
 }
 
-/// Plain CDR, little endian, no options: how every message begins.
+/// Header of every message: plain CDR, little endian, no options.
 pub const ENCAPSULATION: [u8; 4] = [0, 1, 0, 0];
 
-/// Writes `message` behind what `buffer` holds.
+/// Appends an encoded `message` to `buffer`.
 ///
 /// # Errors
-/// When a value has no form in CDR, in words; no message of ours has such a value.
+/// If a value cannot be represented in CDR. This does not occur for feeler's messages.
 pub fn encode<M: Message>(message: &M, buffer: &mut Vec<u8>) -> Result<(), WireError> {
     let start = buffer.len();
     buffer.extend_from_slice(&ENCAPSULATION);
@@ -43,10 +43,10 @@ pub fn encode<M: Message>(message: &M, buffer: &mut Vec<u8>) -> Result<(), WireE
     })
 }
 
-/// Reads one message.
+/// Decodes one message.
 ///
 /// # Errors
-/// What is wrong with `bytes`.
+/// If `bytes` is not a valid message.
 pub fn decode<M: Message>(bytes: &[u8]) -> Result<M, WireError> {
     let wrong = |reason| WireError::Decode {
         schema: M::SCHEMA_NAME,
@@ -55,13 +55,13 @@ pub fn decode<M: Message>(bytes: &[u8]) -> Result<M, WireError> {
     let Some((head, body)) = bytes.split_first_chunk::<4>() else {
         let length = bytes.len();
         return Err(wrong(format!(
-            "4 bytes of encapsulation expected, {length} found"
+            "expected 4 bytes of encapsulation, got {length}"
         )));
     };
-    // The two bytes behind it are options, which tell at most how many bytes of padding follow: whoever reads leaves them
+    // The other two bytes are options: at most the number of padding bytes at the end, which readers may ignore
     // (DDS-XTypes 1.3, 7.6.3.1.2).
     if head[..2] != ENCAPSULATION[..2] {
-        let reason = format!("encapsulation {ENCAPSULATION:?} expected, {head:?} found");
+        let reason = format!("expected encapsulation {ENCAPSULATION:?}, got {head:?}");
         return Err(wrong(reason));
     }
     cdr_encoding::from_bytes::<M, LittleEndian>(body)

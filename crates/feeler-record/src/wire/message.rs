@@ -1,18 +1,18 @@
-//! What a message is, and the parts that several messages share.
+//! The [`Message`] trait, and types shared by several messages.
 
 use glam::{DQuat, DVec3};
 use serde::{Deserialize, Serialize, de::DeserializeOwned};
 
-/// A plain struct with its ROS 2 message text. The order of its fields is the order of the text's lines;
-/// both are the wire format.
+/// A plain struct with its ROS 2 message text. The fields are in the order of the text's lines; both define the wire
+/// format.
 pub trait Message: Serialize + DeserializeOwned {
     /// ROS 2 name of the message type.
     const SCHEMA_NAME: &'static str;
-    /// ROS 2 message text, with the text of every nested type after it.
+    /// ROS 2 message text, followed by the text of every nested type.
     const SCHEMA: &'static str;
 }
 
-/// A vector, as ROS 2's `geometry_msgs/Vector3`; unit and frame stand with the field that holds it.
+/// A vector, as ROS 2's `geometry_msgs/Vector3`. Unit and frame are documented at the field.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Vector3 {
     /// Component along x.
@@ -69,7 +69,7 @@ impl From<DQuat> for Quaternion {
     }
 }
 
-/// Implements [`Message`](crate::wire::Message): name of the type in `feeler_msgs`, lines of its text.
+/// Implements [`Message`](crate::wire::Message) from the name of the type in `feeler_msgs` and the lines of its text.
 #[macro_export]
 macro_rules! message {
     ($type:ident, $name:literal, $($line:expr),+ $(,)?) => {
@@ -80,7 +80,7 @@ macro_rules! message {
     };
 }
 
-/// The text of `geometry_msgs/Quaternion`, to stand after a schema that uses it.
+/// Text of `geometry_msgs/Quaternion`, to be appended to a schema that uses it.
 #[macro_export]
 macro_rules! quaternion_schema {
     () => {
@@ -93,7 +93,7 @@ macro_rules! quaternion_schema {
     };
 }
 
-/// The text of `geometry_msgs/Vector3`, to stand after a schema that uses it.
+/// Text of `geometry_msgs/Vector3`, to be appended to a schema that uses it.
 #[macro_export]
 macro_rules! vector3_schema {
     () => {

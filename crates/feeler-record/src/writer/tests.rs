@@ -1,4 +1,4 @@
-//! A file that takes nothing for a while, or fails.
+//! Files that accept no data for some time, or fail.
 
 use super::*;
 use crate::facts::RunFacts;
@@ -18,14 +18,14 @@ use std::sync::{Arc, Mutex};
 /// Long enough that a test that waits for it is noticed.
 const FOR_EVER: Duration = Duration::from_secs(3600);
 
-/// Drops what finds no room.
+/// Drops messages immediately if the queue is full.
 const HURRY: Patience = Patience::Limited(Duration::ZERO);
 
-/// A store that takes a batch for each permit, and all of them once nobody can give one any more.
+/// A store that accepts one batch per permit, and all batches once the permit sender is dropped.
 struct Gated<S> {
     permits: Receiver<()>,
     store: S,
-    /// Whether there is a batch that waits for its permit.
+    /// `true` if a batch waits for its permit.
     begun: Arc<AtomicBool>,
 }
 
@@ -42,7 +42,7 @@ impl<S: Store> Store for Gated<S> {
     }
 }
 
-/// What a store took: the time (ns) of each message, and the gaps between them.
+/// Content written to a store: the time (ns) of each message, and gaps.
 #[derive(Debug, Clone, PartialEq)]
 enum Taken {
     Message(u64),
@@ -66,7 +66,7 @@ impl Store for Memory {
     }
 }
 
-/// A disk that is full after so many batches.
+/// A disk that is full after this number of batches.
 struct Full(usize);
 
 impl Store for Full {
@@ -84,7 +84,7 @@ impl Store for Full {
     }
 }
 
-/// The time (ns) from the first message of each batch to its last.
+/// Time (ns) from the first to the last message of each batch.
 #[derive(Clone, Default)]
 struct Spans(Arc<Mutex<Vec<u64>>>);
 
@@ -99,7 +99,7 @@ impl Store for Spans {
     }
 }
 
-/// A recorder of two fingers to `store`, every step of which is a chunk.
+/// Creates a recorder for two fingers that writes every step to `store` as a chunk.
 fn recorder(store: impl Store, patience: Patience) -> Recorder {
     let options = RecordOptions {
         patience,
@@ -115,7 +115,7 @@ fn gated<S: Store>(store: S, patience: Patience) -> (Recorder, Sender<()>) {
     (recorder, permit)
 }
 
-/// The same behind step 0, whose batch waits for its permit: until then nothing makes room for what follows.
+/// Like [`gated`], but returns once step 0 is waiting for its permit, so that the queue's free space is known.
 fn held_up<S: Store>(store: S, patience: Patience) -> (Recorder, Sender<()>) {
     let (mut recorder, permit, begun) = gate(store, patience);
     write_step(&mut recorder, 0).unwrap();
@@ -125,7 +125,7 @@ fn held_up<S: Store>(store: S, patience: Patience) -> (Recorder, Sender<()>) {
     (recorder, permit)
 }
 
-/// A recorder, its permits, and whether a batch waits for one.
+/// Creates a recorder with its permits and the flag of [`Gated::begun`].
 fn gate<S: Store>(store: S, patience: Patience) -> (Recorder, Sender<()>, Arc<AtomicBool>) {
     let (permit, permits) = channel();
     let begun = Arc::<AtomicBool>::default();
@@ -137,7 +137,7 @@ fn gate<S: Store>(store: S, patience: Patience) -> (Recorder, Sender<()>, Arc<At
     (recorder(gated, patience), permit, begun)
 }
 
-/// Writes the two messages of step number `step`, of 10 ms; whether none was dropped.
+/// Writes the two messages of step `step` (10 ms each). Returns `false` if messages were dropped.
 fn write_step(recorder: &mut Recorder, step: usize) -> Result<bool, RecordError> {
     let stamp = step as f64 * 0.01;
     let joints = Joints {
@@ -153,9 +153,9 @@ fn write_step(recorder: &mut Recorder, step: usize) -> Result<bool, RecordError>
     recorder.step_ends()
 }
 
-/// A hand whose disk hangs takes no memory for what waits.
+/// No batch is allocated while the disk hangs.
 #[test]
-fn batches_of_a_hand_that_moves_are_made_before() {
+fn batches_of_a_moving_hand_are_preallocated() {
     let (mut recorder, _permit) = gated(Memory::default(), HURRY);
     let made = recorder.writer.spares.len();
     assert_eq!(made, WAITING_BATCHES + 1);
@@ -171,7 +171,7 @@ fn batches_of_a_hand_that_moves_are_made_before() {
 }
 
 #[test]
-fn what_is_old_is_handed_on_with_the_step() {
+fn old_messages_are_written_with_whole_steps() {
     let spans = Spans::default();
     let options = RecordOptions {
         flush_interval: 0.1,
@@ -184,23 +184,23 @@ fn what_is_old_is_handed_on_with_the_step() {
         write_step(&mut recorder, step).unwrap();
     }
     recorder.finish(None).unwrap();
-    // Eleven steps of 10 ms each, and the rest.
+    // Chunks of eleven steps of 10 ms, and the rest.
     assert_eq!(
         *spans.0.lock().unwrap(),
         [&[100_000_000; 9][..], &[0]].concat()
     );
 }
 
-/// Steps for which there is surely no room while the store takes nothing.
+/// Number of steps that certainly exceeds the queue while the store accepts nothing.
 const OVERFLOW: usize = WAITING_BATCHES + 20;
 
 #[test]
-fn a_file_that_takes_nothing_holds_no_write_up() {
+fn a_stuck_file_does_not_block_writes() {
     let (mut recorder, permit) = gated(Memory::default(), HURRY);
-    // The first step begins before it is known that there will be steps.
+    // The first step is written before the recorder works in whole steps.
     let kept = (0..OVERFLOW).filter(|&step| write_step(&mut recorder, step).unwrap());
     let kept = kept.count();
-    // One batch may be with the store already; the first step makes two.
+    // One batch may already be with the store; the first step makes two.
     assert!(
         (WAITING_BATCHES - 1..=WAITING_BATCHES).contains(&kept),
         "{kept}"
@@ -221,7 +221,7 @@ fn a_file_that_takes_nothing_holds_no_write_up() {
 fn a_write_that_may_wait_waits_once_until_there_is_room() {
     let (mut recorder, permit) = held_up(Memory::default(), Patience::Limited(FOR_EVER));
     for step in 1..OVERFLOW {
-        // As if it had waited in vain once there was no room; it would hang here if it waited again.
+        // Simulates a wait in vain when the queue is first full; a second wait would hang the test.
         recorder.writer.waited |= recorder.dropped() == 0;
         write_step(&mut recorder, step).unwrap();
     }
@@ -234,7 +234,7 @@ fn a_write_that_may_wait_waits_once_until_there_is_room() {
         thread::yield_now();
     }
     let dropped = recorder.dropped();
-    // From here on it waits again, and drops nothing.
+    // From here on, writes wait again, and nothing is dropped.
     for step in step..step + 3 * OVERFLOW {
         assert!(write_step(&mut recorder, step).unwrap());
     }
@@ -262,7 +262,7 @@ fn unlimited_patience_loses_nothing() {
 }
 
 #[test]
-fn a_full_disk_ends_no_run_that_does_not_wait_for_it() {
+fn a_full_disk_does_not_end_a_run_of_limited_patience() {
     let mut recorder = recorder(Full(3), HURRY);
     let mut step = 0;
     while recorder.failure().is_none() {
@@ -281,7 +281,7 @@ fn a_full_disk_ends_no_run_that_does_not_wait_for_it() {
 }
 
 #[test]
-fn a_full_disk_is_an_error_of_a_write_that_loses_nothing() {
+fn a_full_disk_is_an_error_with_unlimited_patience() {
     let mut recorder = recorder(Full(3), Patience::Unlimited);
     let mut steps = 0..;
     let error = loop {
@@ -295,7 +295,7 @@ fn a_full_disk_is_an_error_of_a_write_that_loses_nothing() {
     recorder.finish(None).unwrap_err();
 }
 
-/// Facts without which nothing is readable.
+/// Minimal facts of a run.
 fn facts() -> RunFacts {
     let facts = BTreeMap::from(
         [
@@ -321,7 +321,7 @@ fn facts() -> RunFacts {
     RunFacts::from_map(&facts).unwrap()
 }
 
-/// The recording of so many steps to a file that takes nothing until all but the last ten are written.
+/// Records [`OVERFLOW`] steps to a file that accepts no data meanwhile, then steps until one is accepted.
 fn with_gap(name: &str, patience: Patience) -> Recording {
     let path = std::env::temp_dir().join(format!("feeler-{name}-{}", std::process::id()));
     let channels = Channel::of_run(&facts(), false);
@@ -344,12 +344,12 @@ fn with_gap(name: &str, patience: Patience) -> Recording {
 }
 
 #[test]
-fn the_record_tells_its_gap() {
+fn the_recording_reports_its_gap() {
     let recording = with_gap("gap", HURRY);
     let [gap] = recording.gaps[..] else {
         panic!("one gap expected: {:?}", recording.gaps);
     };
-    // Whole steps are missing, and those before and after them are there.
+    // Whole steps are missing; those before and after are recorded.
     let (before, after) = recording.task.split_at(gap.steps_before);
     let step = |stamp: f64| (stamp * 100.0).round() as usize;
     assert_eq!(step(gap.missing.start), before.len());
@@ -369,9 +369,9 @@ fn the_record_tells_its_gap() {
 }
 
 proptest! {
-    /// Whenever the file takes something and whenever not: every message is in it or counted in a gap, in order.
+    /// For any timing of the store, every message is written or counted in a gap, in order.
     #[test]
-    fn every_message_is_kept_or_told_of(moves in proptest::collection::vec(0..4usize, 1..200)) {
+    fn every_message_is_kept_or_counted(moves in proptest::collection::vec(0..4usize, 1..200)) {
         let memory = Memory::default();
         let (mut recorder, permit) = gated(memory.clone(), HURRY);
         let mut steps = 0;

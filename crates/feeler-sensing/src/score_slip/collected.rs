@@ -1,4 +1,4 @@
-//! Labelled recordings, and what the detectors say of them.
+//! Reads labelled recordings and runs the detectors over them.
 
 use super::in_order::in_order;
 use super::labels::{Label, Labels, read_frames};
@@ -15,25 +15,25 @@ use feeler_lab::grasps::{DETECTORS, Detector, DetectorTrace, GraspRecording, Lab
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-/// A recording that was read.
+/// A recording that has been read.
 pub struct Read {
-    /// Names by which labels may call it; the first is its own.
+    /// Names under which labels may list the recording, the primary one first.
     pub names: Vec<String>,
     pub recording: GraspRecording,
 }
 
-/// What reads recordings.
+/// Reader of all supported kinds of recordings.
 struct Reader {
     taxels: Option<TaxelTables>,
-    /// Whether tables may be of tracks, too, where there are taxels.
+    /// `true` if tables may contain tracks even though taxels are given.
     either: bool,
     tracks: TrackTables,
-    /// Where there are any.
+    /// Reader of videos, if there are any.
     videos: Option<Videos>,
 }
 
 impl Reader {
-    /// For what `options` say of the recordings to be scored, or of `others`.
+    /// Creates a reader for the recordings to be scored, or for `others`, according to `options`.
     fn new(
         options: &RecordedOptions,
         sources: &[Source],
@@ -44,7 +44,7 @@ impl Reader {
             .map(|name| TaxelTables::new(name, options))
             .transpose()?;
         let video = |source: &Source| source.kind() == Kind::Video;
-        // What is said of the pictures of the recordings to be scored is not true of others.
+        // Options for the images of the recordings to be scored do not apply to other recordings.
         let plain = RecordedOptions::default();
         let pictures = if others { &plain } else { options };
         let videos = sources.iter().any(video).then(|| Videos::new(pictures));
@@ -64,36 +64,36 @@ impl Reader {
         }
     }
 
-    /// Whether a recording is of taxels.
+    /// Returns `true` if a recording is of taxels.
     fn is_of_taxels(&self, source: &Source) -> bool {
         let is_table = source.kind() == Kind::Table && self.taxels.is_some();
         is_table && !(self.either && source.tables.iter().all(|table| is_tracks(table)))
     }
 
-    /// Unit of the vectors.
+    /// Unit of the vectors in the recordings.
     fn unit(&self) -> &'static str {
         let taxels = self.taxels.as_ref();
         taxels.map_or("units of the table", TaxelTables::unit)
     }
 }
 
-/// Recordings and their labels, found and not read yet.
+/// Recordings and labels that have been found but not yet read.
 pub struct Found<'a> {
     path: &'a Path,
     sources: Vec<Source>,
     labels: Option<Labels>,
     reader: Reader,
-    /// Name of the table of labels in each recording's folder.
+    /// Name of the label table in each recording's folder.
     frame_labels: Option<&'a str>,
-    /// Whether frames are labelled.
+    /// `true` if frames are labelled, `false` if whole recordings are.
     pub of_frames: bool,
 }
 
 impl<'a> Found<'a> {
-    /// Those at `path` that are to be scored, with `labels` or labels of frames.
+    /// Finds the recordings to be scored at `path`, with `labels` or labels of frames.
     ///
     /// # Errors
-    /// When there are none, or the labels cannot be read.
+    /// If there are no recordings, or the labels cannot be read.
     pub fn new(
         path: &'a Path,
         labels: Option<&Path>,
@@ -103,10 +103,11 @@ impl<'a> Found<'a> {
         Self::find(path, labels, (options, false), notes)
     }
 
-    /// Others at `path`: tables of tracks and videos about which nothing else is said, or tables of the taxels of those to be scored.
+    /// Finds other recordings at `path`: tables of tracks and videos with default options, or tables of the same taxels
+    /// as the recordings to be scored.
     ///
     /// # Errors
-    /// When there are none, or the labels cannot be read.
+    /// If there are no recordings, or the labels cannot be read.
     pub fn others(
         path: &'a Path,
         labels: &Path,
@@ -143,21 +144,21 @@ impl<'a> Found<'a> {
         })
     }
 
-    /// The files that are read.
+    /// Returns the paths of all input files.
     pub fn inputs(&self) -> impl Iterator<Item = &Path> {
         let tables = self.sources.iter().flat_map(|source| &source.tables);
         tables.map(PathBuf::as_path)
     }
 
-    /// Unit of the vectors.
+    /// Unit of the vectors in the recordings.
     pub fn unit(&self) -> &'static str {
         self.reader.unit()
     }
 
-    /// Runs the detectors over all of them.
+    /// Runs the detectors over all recordings.
     ///
     /// # Errors
-    /// When none has a label.
+    /// If no recording has a label.
     pub fn collect(mut self, notes: &mut Notes) -> Result<Collected, CommandError> {
         let mut collected = Collected {
             scored: Vec::new(),
@@ -169,7 +170,7 @@ impl<'a> Found<'a> {
         let bar = Steps::new(self.sources.len());
         let read = |source: &Source| {
             let mut own = Notes::default();
-            // An error may not leave its thread.
+            // Errors are converted to text because they are not `Send`.
             let read = self.reader.read(source, &mut own);
             (read.map_err(|error| error.to_string()), own)
         };
@@ -183,9 +184,7 @@ impl<'a> Found<'a> {
                         collected.add(read, source, self.frame_labels, labels, notes)?;
                     }
                 }
-                Err(error) => notes.add("unreadable", || {
-                    format!("{error}; the recording is left out")
-                }),
+                Err(error) => notes.add("unreadable", || format!("{error}; recording skipped")),
             }
             bar.advance();
             Ok::<_, CommandError>(())
@@ -193,31 +192,31 @@ impl<'a> Found<'a> {
         drop(bar);
         for name in self.labels.iter().flat_map(Labels::unused) {
             notes.add("unused", || {
-                format!("{name} is labelled, and there is no such recording")
+                format!("{name} is labelled, but there is no such recording")
             });
         }
         if collected.scored.is_empty() {
-            return Err(format!("{}: no recording with a label; expected LABELS to name them as their files, folders or sequences are", self.path.display()).into());
+            return Err(format!("{}: no recording has a label; the names in LABELS must match the files, folders or sequences", self.path.display()).into());
         }
         Ok(collected)
     }
 }
 
-/// What detectors say of labelled recordings.
+/// Detector scores of labelled recordings.
 pub struct Collected {
     pub scored: Vec<Scored>,
-    /// Numbers of groups by name.
+    /// Index of each group by name.
     pub groups: BTreeMap<String, usize>,
-    /// Noise of each recording.
+    /// Noise of each recording, in the unit of its vectors.
     noise: Vec<f64>,
-    /// Whether loads are in spacings of a pattern, and not in a sensor's own unit.
+    /// `true` if all loads are in spacings of a pattern, `false` if any is in a sensor's unit.
     pub in_spacings: bool,
-    /// Whether all are of taxels.
+    /// `true` if all recordings are of taxels.
     pub of_taxels: bool,
 }
 
 impl Collected {
-    /// Runs the detectors over a recording, if it has a label.
+    /// Runs the detectors over a recording if it has a label.
     fn add(
         &mut self,
         read: &Read,
@@ -238,31 +237,27 @@ impl Collected {
                 Some(path) if path.is_file() => Some(read_frames(&path, notes)?),
                 Some(path) => {
                     notes.add("no frame labels", || {
-                        format!("{}: there is none; {name} is left out", path.display())
+                        format!("{} not found; {name} skipped", path.display())
                     });
                     return Ok(());
                 }
                 None => {
                     let message =
-                        "--frame-labels: recordings have no folders of their own; expected --table";
+                        "--frame-labels: requires recordings in separate folders; add --table";
                     return Err(message.into());
                 }
             };
         }
         let Some(label) = label.filter(|_| is_listed) else {
-            notes.add("unlabelled", || {
-                format!("{name} has no label and is left out")
-            });
+            notes.add("unlabelled", || format!("{name} has no label; skipped"));
             return Ok(());
         };
         let trace = DetectorTrace::of(&read.recording)?;
         if let Some(why) = &trace.no_pattern {
             let known = trace.sums().iter().any(Option::is_some);
             let what = match read.recording.untouched {
-                Untouched::Afresh(_) if known => {
-                    "a frame is no pattern, and nothing is known of contact in it"
-                }
-                _ => "nothing is known of its contact",
+                Untouched::Afresh(_) if known => "a frame shows no pattern; its contact is unknown",
+                _ => "its contact is unknown",
             };
             notes.add("pattern", || format!("{name}: {why}; {what}"));
         }
@@ -293,7 +288,7 @@ impl Collected {
                 let count = trace.frames.len();
                 if frames.len() != count {
                     let labelled = frames.len();
-                    notes.add("frames", || format!("{name}: {count} frames, {labelled} of them labelled; those with both count"));
+                    notes.add("frames", || format!("{name}: {count} frames, {labelled} labels; only frames with a label are scored"));
                 }
                 for (frame, slip) in frames {
                     if let Some(scores) = trace.frames.get(frame) {
@@ -305,14 +300,15 @@ impl Collected {
         Ok(())
     }
 
-    /// Gives drag in standard deviations of the noise: of the median recording, as all are of one sensor.
+    /// Divides the drag scores by the noise of the median recording, assuming that all are of the same sensor.
     pub fn normalize(&mut self) {
         self.noise.sort_by(f64::total_cmp);
         let noise = self.noise.get(self.noise.len() / 2).copied();
         self.divide_drag(|_| noise);
     }
 
-    /// As [`Self::normalize`], each by its own noise, as each may be of another sensor.
+    /// Like [`normalize`](Self::normalize), but divides by the noise of each recording, which may be of different
+    /// sensors.
     pub fn normalize_each(&mut self) {
         self.divide_drag(|scored| scored.own_noise);
     }
@@ -329,7 +325,7 @@ impl Collected {
         }
     }
 
-    /// Labels and scores of a detector, by its number.
+    /// Labels and scores of the detector with this index.
     pub fn labelled(&self, detector: usize) -> Vec<Labelled> {
         let labelled = self.scored.iter().map(|s| Labelled {
             group: s.group,

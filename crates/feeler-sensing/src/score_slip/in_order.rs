@@ -1,14 +1,14 @@
-//! Work on all processors, whose results are taken in order.
+//! Parallel work whose results are processed in order.
 
 use std::num::NonZero;
 use std::sync::mpsc::sync_channel;
 use std::thread;
 
-/// Does `work` on each of `items`, on as many threads as there are processors, and gives `take` what comes of each, in the order of
-/// the items. Threads are two items ahead of that at most.
+/// Runs `work` on each of `items` on all processors and passes each result to `take`, in the order of the items.
+/// Threads run ahead by at most two items.
 ///
 /// # Errors
-/// The first one of `take`, after which no other work begins.
+/// Returns the first error of `take`. No further work starts after it.
 pub fn in_order<T: Sync, R: Send, E>(
     items: &[T],
     work: impl Fn(&T) -> R + Sync,
@@ -30,7 +30,7 @@ pub fn in_order<T: Sync, R: Send, E>(
         };
         let receivers: Vec<_> = (0..threads.min(items.len())).map(begin).collect();
         for (item, receiver) in items.iter().zip(receivers.iter().cycle()) {
-            // Where a thread panicked, the scope does, too.
+            // If a thread panicked, the scope panics, too.
             let Ok(result) = receiver.recv() else { break };
             take(item, result)?;
         }
@@ -46,7 +46,7 @@ mod tests {
     use std::time::Duration;
 
     #[test]
-    fn results_come_in_order_of_the_items_however_long_each_takes() {
+    fn results_are_in_the_order_of_the_items() {
         let items: Vec<u64> = (0..40).collect();
         let mut taken = Vec::new();
         let slow_first = |&item: &u64| {
@@ -63,7 +63,7 @@ mod tests {
     }
 
     #[test]
-    fn an_error_ends_the_work() {
+    fn an_error_stops_the_work() {
         let items = vec![(); 10_000];
         let begun = AtomicUsize::new(0);
         let count = |_: &()| begun.fetch_add(1, Ordering::Relaxed);

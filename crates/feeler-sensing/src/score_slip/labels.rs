@@ -1,4 +1,4 @@
-//! Which recordings, or which of their frames, have slip.
+//! Slip labels of recordings or of their frames.
 
 use super::notes::Notes;
 use feeler::sensor::table::{Header, NumberColumn, Quantity, Table};
@@ -9,37 +9,37 @@ use std::fmt::Display;
 use std::io::{BufReader, Read};
 use std::path::Path;
 
-/// Names of the column that names the recording, where it is not the first.
+/// Names of the column that identifies the recording; by default the first column.
 const NAMES: [&str; 3] = ["recording", "sequence", "video"];
-/// The column with the label, and that of the frame.
+/// Names of the label column and the frame column.
 const SLIP: &str = "slip";
 const FRAME: &str = "frame";
 
-/// A recording's label.
+/// Slip label of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Label {
-    /// Of all of it.
+    /// Label of the whole recording.
     Whole(bool),
-    /// Of some of its frames, by their number from 0.
+    /// Labels of some frames, by frame number from 0.
     Frames(BTreeMap<usize, bool>),
 }
 
-/// The labels of many recordings.
+/// Labels of many recordings.
 #[derive(Debug, Default)]
 pub struct Labels {
-    /// By the recording's name as the table has it: its group, and its label where there is one.
+    /// Group and label, if any, by the name of the recording in the table.
     recordings: HashMap<String, (String, Option<Label>)>,
-    /// Whether frames are labelled.
+    /// `true` if frames are labelled, `false` if whole recordings are.
     pub of_frames: bool,
-    /// Which labels were asked for.
+    /// Names of recordings whose labels were used.
     used: std::collections::HashSet<String>,
 }
 
 impl Labels {
-    /// Reads a table of labels; recordings are in groups by the column `group`, or alone.
+    /// Reads a table of labels. Recordings are grouped by the column `group`; without it, each is a group.
     ///
     /// # Errors
-    /// When it cannot be read, or a column is missing.
+    /// If the table cannot be read, or a column is missing.
     pub fn read(path: &Path, group: Option<&str>, notes: &mut Notes) -> Result<Self, CommandError> {
         let mut table = LabelTable::open(path)?;
         let names = NAMES
@@ -58,7 +58,7 @@ impl Labels {
             let name = &*row.cell(name);
             if name.is_empty() {
                 notes.add("unnamed", || {
-                    row.odd("a label without the name of a recording, left out")
+                    row.odd("a label without a recording name; skipped")
                 });
                 continue;
             }
@@ -69,7 +69,7 @@ impl Labels {
             if own_group != *known_group {
                 notes.add("groups", || {
                     row.odd(&format!(
-                        "{name} is in another group than before, where it stays"
+                        "{name} was in another group before; the first group is used"
                     ))
                 });
             }
@@ -80,20 +80,20 @@ impl Labels {
                 (None, None) => *label = Some(Label::Whole(slip)),
                 (None, Some(Label::Whole(before))) if *before == slip => {
                     notes.add("twice", || {
-                        row.odd(&format!("{name} is labelled twice, alike"))
+                        row.odd(&format!("{name} is labelled twice with the same label"))
                     });
                 }
                 (None, Some(_)) => {
                     notes.add("both", || {
                         row.odd(&format!(
-                            "{name} is labelled twice, differently; the first counts"
+                            "{name} has two different labels; the first is used"
                         ))
                     });
                 }
                 (Some(frame), label) => {
                     let Some(frame) = row.frame(frame) else {
                         notes.add("frame", || {
-                            row.odd("a frame that is no number from 0, left out")
+                            row.odd("the frame is not a whole number from 0; row skipped")
                         });
                         continue;
                     };
@@ -101,7 +101,7 @@ impl Labels {
                     if let Label::Frames(frames) = label
                         && *frames.entry(frame).or_insert(slip) != slip
                     {
-                        notes.add("both", || row.odd(&format!("frame {frame} of {name} is labelled twice, differently; the first counts")));
+                        notes.add("both", || row.odd(&format!("frame {frame} of {name} has two different labels; the first is used")));
                     }
                 }
             }
@@ -109,7 +109,7 @@ impl Labels {
         Ok(labels)
     }
 
-    /// Group and label of a recording that has one of these names.
+    /// Returns the group and label of the recording with one of these names.
     pub fn of(&mut self, names: &[&str]) -> Option<(String, Option<Label>)> {
         let name = names
             .iter()
@@ -118,7 +118,7 @@ impl Labels {
         self.recordings.get(*name).cloned()
     }
 
-    /// Names that no recording had.
+    /// Names in the table that match no recording.
     pub fn unused(&self) -> Vec<&str> {
         let names = self
             .recordings
@@ -130,10 +130,10 @@ impl Labels {
     }
 }
 
-/// Reads the labels of a recording's frames, row by row.
+/// Reads the labels of one recording's frames, row by row.
 ///
 /// # Errors
-/// When the table cannot be read, or has no column `slip`.
+/// If the table cannot be read, or has no column `slip`.
 pub fn read_frames(path: &Path, notes: &mut Notes) -> Result<Label, CommandError> {
     let mut table = LabelTable::open(path)?;
     let frame = table.find(FRAME)?;
@@ -145,7 +145,7 @@ pub fn read_frames(path: &Path, notes: &mut Notes) -> Result<Label, CommandError
         number += 1;
         let Some(own) = own else {
             notes.add("frame", || {
-                row.odd("a frame that is no number from 0, left out")
+                row.odd("the frame is not a whole number from 0; row skipped")
             });
             continue;
         };
@@ -177,7 +177,7 @@ impl LabelTable {
         Ok(Self { name, table, slip })
     }
 
-    /// The column called `column`, if there is one.
+    /// Finds the column named `column`.
     fn find(&self, column: &str) -> Result<Option<usize>, CommandError> {
         let found = self.table.column(column);
         found.map_err(|e| format!("{}: {e}", self.name).into())
@@ -188,16 +188,14 @@ impl LabelTable {
         found.ok_or_else(|| no_column(&self.name, column, self.table.header()))
     }
 
-    /// Goes to the next row that can be read, if there is one.
+    /// Advances to the next readable row and returns `true`, or returns `false` at the end.
     fn next(&mut self, notes: &mut Notes) -> bool {
         loop {
             match self.table.advance() {
                 Ok(there_is) => return there_is,
                 Err(error) => {
-                    notes.add("row", || {
-                        format!("{}: {error}; the row is left out", self.name)
-                    });
-                    // A stream that fails goes on failing.
+                    notes.add("row", || format!("{}: {error}; row skipped", self.name));
+                    // The stream will not recover.
                     if !error.is_of_a_row() {
                         return false;
                     }
@@ -210,7 +208,7 @@ impl LabelTable {
         self.table.text(column)
     }
 
-    /// The frame in a column, from 0.
+    /// Frame number in a column, from 0.
     fn frame(&self, column: usize) -> Option<usize> {
         usize::try_from(self.table.whole(column)?).ok()
     }
@@ -219,15 +217,15 @@ impl LabelTable {
         format!("{}, line {}: {what}", self.name, self.table.line())
     }
 
-    /// The row's label, if there is one.
+    /// Label of the current row, if valid.
     fn slip(&self, notes: &mut Notes) -> Option<bool> {
         let cell = self.table.number_text(self.slip);
         match self.table.number(self.slip) {
             Ok(0.0) => return Some(false),
             Ok(1.0) => return Some(true),
-            _ if cell.is_empty() => notes.add("no label", || self.odd("no label, left out")),
+            _ if cell.is_empty() => notes.add("no label", || self.odd("no label; skipped")),
             _ => notes.add("label", || {
-                self.odd(&format!("the label {cell:?}, left out; expected 0 or 1"))
+                self.odd(&format!("expected a label 0 or 1, got {cell:?}; skipped"))
             }),
         }
         None
@@ -236,5 +234,5 @@ impl LabelTable {
 
 fn no_column(table: &str, column: &str, header: &Header) -> CommandError {
     let header = header.shown();
-    format!("{table}: no column {column:?}; expected one beside {header}").into()
+    format!("{table}: no column {column:?}; columns found: {header}").into()
 }

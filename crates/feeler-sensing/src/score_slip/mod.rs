@@ -1,4 +1,4 @@
-//! `feeler score-slip`: slip detectors against the truth, the simulator's or that of labelled recordings.
+//! `feeler score-slip`: compares slip detectors with the simulator's ground truth or with labelled recordings.
 
 mod collected;
 mod in_order;
@@ -20,7 +20,7 @@ pub use recorded::RecordedOptions;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// Name of the page.
+/// File name of the page.
 const PAGE: &str = "slip.html";
 
 /// What to score slip detectors on.
@@ -57,23 +57,21 @@ pub fn score_slip(
     let labelled = options.labels.is_some() || options.recorded.frame_labels.is_some();
     if !labelled {
         if let Some(option) = options.recorded.given() {
-            let message = format!(
-                "{option} is for recordings; expected their LABELS, or --frame-labels, too"
-            );
+            let message = format!("{option} is for recordings; add their LABELS or --frame-labels");
             return Err(message.into());
         }
         let source = &options.source;
-        // A run of an experiment may have left a folder of its name.
+        // A run of an experiment may have created a folder with the experiment's name.
         let built_in = BUILT_IN.iter().any(|b| b.name == source);
         if !built_in && Path::new(source).is_dir() {
-            return Err(format!("{source}: it is a folder of recordings; expected their LABELS behind it, or --frame-labels").into());
+            return Err(format!("{source}: a folder of recordings requires LABELS as the second argument, or --frame-labels").into());
         }
         return simulated::score(options, out);
     }
     recorded::score(options, out)
 }
 
-/// Makes the output folder.
+/// Creates the output folder.
 fn make_folder(options: &SlipScoreOptions) -> Result<(), CommandError> {
     create_folder(&options.out)
         .map_err(|e| format!("--out {}: {e}; expected a folder", options.out.display()).into())

@@ -1,25 +1,25 @@
-//! What was odd: of each kind the first few are said, and how many more there were.
+//! Collects notes about irregular data. Of each kind, the first few are printed, and the rest is counted.
 
 use feeler_console::warn;
 
-/// How many of a kind are said.
+/// Maximum number of notes of one kind that are printed.
 const SAID: usize = 4;
 
-/// Kinds of oddities, in the order in which they came.
+/// Notes by kind, in order of first occurrence.
 #[derive(Debug, Default)]
 pub struct Notes(Vec<Note>);
 
 #[derive(Debug, Default)]
 struct Note {
     kind: String,
-    /// What is said of the first.
+    /// The first notes.
     said: Vec<String>,
-    /// How many more there were.
+    /// Number of further notes.
     more: usize,
 }
 
 impl Notes {
-    /// Adds one of a `kind`, of which this is to be said if it is one of the first.
+    /// Adds a note of this `kind`. `sentence` is called only if the note will be printed.
     pub fn add(&mut self, kind: &str, sentence: impl FnOnce() -> String) {
         let place = self.0.iter().position(|note| note.kind == kind);
         let place = place.unwrap_or_else(|| {
@@ -37,20 +37,20 @@ impl Notes {
         }
     }
 
-    /// Adds all of `others`, which came after these.
+    /// Appends the notes of `others`.
     pub fn extend(&mut self, others: Self) {
         for Note { kind, said, more } in others.0 {
             for sentence in said {
                 self.add(&kind, || sentence);
             }
-            // There are more than are said of those kinds only of which enough was said.
+            // `more` is only positive if the maximum number of notes is already stored.
             if let Some(note) = self.0.iter_mut().find(|note| note.kind == kind) {
                 note.more += more;
             }
         }
     }
 
-    /// What is said, sentence by sentence.
+    /// Returns the notes to be printed.
     pub fn sentences(&self) -> Vec<String> {
         let sentences = self.0.iter().flat_map(|note| {
             let last = note.said.len().saturating_sub(1);
@@ -65,7 +65,7 @@ impl Notes {
         sentences.collect()
     }
 
-    /// Says all of it on standard error.
+    /// Prints the notes as warnings on standard error.
     pub fn tell(&self) {
         for sentence in self.sentences() {
             warn(&sentence);

@@ -1,4 +1,4 @@
-//! `feeler score-slip RECORDINGS LABELS`: against the labels of recordings.
+//! `feeler score-slip RECORDINGS LABELS`: compares detectors with the labels of recordings.
 
 use super::collected::{Collected, Found};
 use super::notes::Notes;
@@ -44,7 +44,7 @@ pub struct RecordedOptions {
 }
 
 impl RecordedOptions {
-    /// An option that was given, if any was.
+    /// Returns the first given option that requires recordings.
     pub fn given(&self) -> Option<&'static str> {
         let given = [
             ("--taxels", self.taxels.is_some()),
@@ -60,7 +60,7 @@ impl RecordedOptions {
     }
 }
 
-/// The other recordings, from which thresholds are taken, and their name.
+/// Other recordings, from which thresholds are taken, and their name.
 struct Others {
     name: String,
     collected: Collected,
@@ -82,7 +82,7 @@ pub fn score(options: &SlipScoreOptions, out: &mut dyn Write) -> Result<Outcome,
         .as_ref()
         .is_some_and(|others| others.of_frames != found.of_frames)
     {
-        let message = "--thresholds-from: labels of recordings on one side, of frames on the other; expected the same of both";
+        let message = "--thresholds-from: one side labels recordings, the other frames; expected the same kind of labels for both";
         return Err(message.into());
     }
     make_folder(options)?;
@@ -93,7 +93,7 @@ pub fn score(options: &SlipScoreOptions, out: &mut dyn Write) -> Result<Outcome,
         .chain(recorded.layout.as_deref());
     let mut outputs = Outputs::new(options.force, inputs.map(Some));
     let (page_path, scores_path) = (options.out.join(PAGE), options.out.join(SCORES));
-    // Opened first: scoring takes its time.
+    // Opened first, because scoring takes a long time.
     let page_file = outputs.create(&page_path, "--out")?;
     let scores_file = outputs.create(&scores_path, "--out")?;
 
@@ -167,7 +167,7 @@ fn judge(
         let says_nothing = outcome.unknown == labelled.len();
         if says_nothing {
             notes.add(detector.key(), || {
-                format!("{} says nothing of any recording", detector.name())
+                format!("{} gives no score for any recording", detector.name())
             });
         }
         detectors.push(GraspDetector {
@@ -215,8 +215,10 @@ fn judge(
     }
 }
 
-/// Whether a detector's numbers mean the same on both: drag is in deviations of the noise, and the load in spacings, where both
-/// are of patterns. All others are in a sensor's own unit, which is the same where both are of one kind of taxel array.
+/// Returns `true` if the detector's scores are in the same unit on both.
+///
+/// Drag is in standard deviations of the noise. The load is in spacings if both are of patterns. All others are in a
+/// sensor's unit, which is the same if both are of one kind of taxel array.
 fn is_comparable(detector: Detector, one: &Collected, other: &Collected) -> bool {
     match detector {
         Detector::Drag => true,

@@ -7,10 +7,10 @@ use feeler_report::grasp_slip_page::{
 use std::collections::BTreeMap;
 use std::io::Write;
 
-/// Recordings that are named as wrong on standard output, for each detector.
+/// Maximum number of misjudged recordings listed on standard output for each detector.
 const NAMED: usize = 12;
 
-/// The recordings that a detector called wrongly, or how many of their frames.
+/// Lists the recordings that a detector misjudged, or the number of misjudged frames of each.
 pub fn wrong(scored: &[Scored], detector: usize) -> Vec<String> {
     let mut wrong: BTreeMap<&str, (usize, bool, bool)> = BTreeMap::new();
     let all = scored
@@ -24,25 +24,25 @@ pub fn wrong(scored: &[Scored], detector: usize) -> Vec<String> {
     let frames = scored.iter().any(|s| s.frame.is_some());
     let words = |(name, (count, slip, _)): (&str, (usize, bool, bool))| match (frames, slip) {
         (true, _) => format!("{name}: {count} frames"),
-        (false, true) => format!("{name}: a slip that was missed"),
-        (false, false) => format!("{name}: a false alarm"),
+        (false, true) => format!("{name}: missed slip"),
+        (false, false) => format!("{name}: false alarm"),
     };
     wrong.into_iter().map(words).collect()
 }
 
-/// The page as text.
+/// Writes the content of the page as text.
 pub fn say(page: &GraspSlipPage, out: &mut dyn Write) -> std::io::Result<()> {
     let (all, slips, groups) = page.counts;
     let base = 100.0 * base_rate(all, slips);
     writeln!(
         out,
-        "{all} {} in {groups} groups, {slips} slips; who always says the same is right in {base:.1} %",
+        "{all} {} in {groups} groups, {slips} slips; always giving the more frequent label is right in {base:.1} %",
         page.of
     )?;
     if let Some((name, all, slips)) = &page.others {
         writeln!(
             out,
-            "thresholds of {name}: {all} {}, {slips} slips",
+            "thresholds from {name}: {all} {}, {slips} slips",
             page.of
         )?;
     }

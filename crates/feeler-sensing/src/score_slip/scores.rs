@@ -1,27 +1,28 @@
-//! `scores.csv`: what each detector says of each recording, or frame.
+//! `scores.csv`: the score and verdict of each detector for each recording or frame.
 
 use feeler_lab::grasps::{DETECTORS, Verdict};
 
-/// Name of the table.
+/// File name of the table.
 pub const SCORES: &str = "scores.csv";
 
-/// A recording, or a frame of it, with its label and what the detectors say.
+/// A recording or one of its frames, with its label and the detectors' scores.
 pub struct Scored {
     pub recording: String,
     pub frame: Option<usize>,
     pub group: usize,
     pub slip: bool,
-    /// In the order of [`DETECTORS`].
+    /// Scores in the order of [`DETECTORS`].
     pub scores: [Option<f64>; DETECTORS.len()],
     /// Noise of its recording, in the unit of the vectors.
     pub own_noise: Option<f64>,
-    /// With the thresholds of other groups.
+    /// Verdicts with thresholds chosen on the other groups.
     pub verdicts: [Option<Verdict>; DETECTORS.len()],
-    /// With the thresholds of `--thresholds-from` alone.
+    /// Verdicts with thresholds chosen on `--thresholds-from` alone.
     pub verdicts_by_others: [Option<Verdict>; DETECTORS.len()],
 }
 
-/// The table, a row for each recording (frame) and detector; with thresholds `by_others` too, if there are any.
+/// Writes the table, one row per recording (or frame) and detector. Set `by_others` to include the thresholds of
+/// `--thresholds-from`.
 pub fn scores_csv(scored: &[Scored], of_frames: bool, by_others: bool) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let header = [
@@ -43,7 +44,7 @@ pub fn scores_csv(scored: &[Scored], of_frames: bool, by_others: bool) -> String
     };
     let mut write = |row: [String; 10]| {
         let cells = row.iter().enumerate().filter(|(column, _)| used(column));
-        // Writing to memory does not fail.
+        // Writing to memory cannot fail.
         let _ = writer.write_record(cells.map(|(_, cell)| cell));
     };
     write(header.map(String::from));

@@ -1,4 +1,4 @@
-//! `feeler score-slip [EXPERIMENT]`: against the simulator's truth.
+//! `feeler score-slip [EXPERIMENT]`: compares detectors with the simulator's ground truth.
 
 use super::{PAGE, SlipScoreOptions, make_folder};
 use feeler_console::Outputs;
@@ -18,13 +18,13 @@ pub fn score(options: &SlipScoreOptions, out: &mut dyn Write) -> Result<Outcome,
     make_folder(options)?;
     let path = options.out.join(PAGE);
     let inputs = [Some(Path::new(&options.source))];
-    // Opened first: scoring takes its time.
+    // Opened first, because scoring takes a long time.
     let file = Outputs::new(options.force, inputs).create(&path, "--out")?;
     let bar = Steps::new(2 * options.trials as usize);
     let run = |part: u64| -> Result<Vec<Vec<Sample>>, CommandError> {
         (0..options.trials)
             .map(|number| {
-                // Even seeds are for choosing thresholds, odd ones for scoring: no trial is both.
+                // Even seeds choose thresholds, odd seeds are scored, so no trial does both.
                 let seed = options.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
                 let samples = trial(&experiment, seed.wrapping_add(2 * number + part))?;
                 bar.advance();

@@ -1,4 +1,4 @@
-//! Where recordings are.
+//! Finds recordings.
 
 use super::notes::Notes;
 use feeler_console::CommandError;
@@ -7,26 +7,26 @@ use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// What a recording is in.
+/// File type of a recording.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// A table, packed or not.
+    /// A table, compressed or not.
     Table,
     /// A video.
     Video,
 }
 
-/// What the files of tables end with, in lower case.
+/// File name extensions of tables, in lower case.
 const TABLES: [&str; 2] = [".csv", ".csv.gz"];
 
-/// A place of one recording, or of several in one table.
+/// Location of one recording, or of several in one table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Source {
-    /// What it is called: the name of its folder, or of its file.
+    /// Name of the folder or file.
     pub name: String,
-    /// Its folder, if it has one of its own.
+    /// Folder of the recording, if it has a separate one.
     pub folder: Option<PathBuf>,
-    /// Its tables.
+    /// Paths of its tables, or of its video.
     pub tables: Vec<PathBuf>,
 }
 
@@ -40,7 +40,7 @@ impl Source {
         }
     }
 
-    /// What it is in: a table, unless its file is called as a video is.
+    /// File type of the recording: a table unless the file has a video's extension.
     pub fn kind(&self) -> Kind {
         match self.folder {
             None if is_video_name(Path::new(&self.name)) => Kind::Video,
@@ -48,7 +48,7 @@ impl Source {
         }
     }
 
-    /// The name without what it ends with, as in `.csv` or `.csv.gz`.
+    /// Name without the file extension (`.csv`, `.csv.gz`).
     pub fn stem(&self) -> &str {
         if self.folder.is_some() {
             return &self.name;
@@ -58,11 +58,13 @@ impl Source {
     }
 }
 
-/// The recordings at `path`: itself, if it is a file; in a folder, each table and video; where `tables` are named, each folder in it
-/// that has any of them. Files of `others` are none.
+/// Finds the recordings at `path`.
+///
+/// A file is a recording. In a folder, each table and video is one or, if `tables` are named, each subfolder with any
+/// of these tables. Files in `others` are excluded.
 ///
 /// # Errors
-/// When there are none, or they cannot be looked for.
+/// If no recordings are found, or the folder cannot be read.
 pub fn find(
     path: &Path,
     tables: &[String],
@@ -77,7 +79,7 @@ pub fn find(
         return match tables {
             [] => Ok(vec![Source::file(path)]),
             _ => Err(refused(
-                "it is a file; --table expects a folder with a folder for each recording",
+                "expected a folder with one subfolder per recording (--table), got a file",
             )),
         };
     }
@@ -100,8 +102,8 @@ pub fn find(
     };
     if found.is_empty() {
         return Err(refused(&match tables {
-            [] => "no recording in it; expected files ending in .csv, .csv.gz, .avi, .mp4, .mkv, .mov, .webm or .m4v, or --table for recordings in folders of their own".into(),
-            _ => format!("no folder in it has {}", tables.join(" or ")),
+            [] => "no recording found; expected files ending in .csv, .csv.gz, .avi, .mp4, .mkv, .mov, .webm or .m4v, or --table for recordings in separate folders".into(),
+            _ => format!("no subfolder contains {}", tables.join(" or ")),
         }));
     }
     Ok(found)
@@ -115,7 +117,7 @@ fn in_folder(folder: &Path, tables: &[String], notes: &mut Notes) -> Option<Sour
     }
     if let Some(missing) = paths.iter().find(|path| !path.is_file()) {
         notes.add("table", || {
-            format!("{}: there is none; {name} is left out", missing.display())
+            format!("{} not found; {name} skipped", missing.display())
         });
         return None;
     }

@@ -1,4 +1,4 @@
-//! Recordings of three-axis taxel arrays.
+//! Reads recordings of three-axis taxel arrays.
 
 use super::collected::Read;
 use super::notes::Notes;
@@ -13,22 +13,22 @@ use feeler_lab::grasps::{GraspFrame, GraspRecording, Untouched};
 use glam::DVec2;
 use std::path::Path;
 
-/// Reads the tables of an array, or of several that felt the same grasp.
+/// Reader of the tables of one or more taxel arrays that measured the same grasp.
 pub struct TaxelTables {
-    /// A layout for each array in a table: they differ in their prefix.
+    /// Layout of each array in a table. They differ in the column prefix.
     layouts: Vec<TaxelLayout>,
     rate: Option<f64>,
     untouched: bool,
 }
 
-/// Frames of one array under the name of their sequence, empty where there are no sequences.
+/// Frames of one array by the name of their sequence, which is empty if there are no sequences.
 type Sequences = Vec<(String, Vec<GraspFrame>)>;
 
 impl TaxelTables {
-    /// For the layout called `name`, with what the options say of it.
+    /// Creates a reader for the layout `name` with the options in `options`.
     ///
     /// # Errors
-    /// When there is no such layout, or it cannot be used.
+    /// If the layout does not exist or is invalid.
     pub fn new(name: &str, options: &RecordedOptions) -> Result<Self, CommandError> {
         let refused = |e| format!("--taxels {name}: {e}");
         let layout = TaxelLayout::from_toml(&taxel_layout_text(name)?).map_err(refused)?;
@@ -48,7 +48,7 @@ impl TaxelTables {
             .into_iter()
             .map(with_prefix)
             .collect::<Result<_, _>>()?;
-        // What a layout gives as zero was taken without load; the first rows of a grasp may be in contact already.
+        // Zeros in a layout were measured without load; the first rows of a grasp may already be in contact.
         let given = |layout: &TaxelLayout| layout.taxels.iter().all(|taxel| taxel.zero.is_some());
         let untouched = options.untouched || layouts.iter().all(given);
         Ok(Self {
@@ -65,10 +65,10 @@ impl TaxelTables {
             .map_or("counts", |layout| layout.force_unit().name())
     }
 
-    /// The recordings in the tables of `source`.
+    /// Reads the recordings in the tables of `source`.
     ///
     /// # Errors
-    /// When one cannot be read.
+    /// If a table cannot be read.
     pub fn read(&self, source: &Source, notes: &mut Notes) -> Result<Vec<Read>, CommandError> {
         let mut arrays: Vec<(usize, Sequences)> = Vec::new();
         for table in &source.tables {
@@ -133,7 +133,7 @@ impl TaxelTables {
                 if known.is_some() {
                     notes.add("again", || {
                         refused(&format_args!(
-                            "sequence {name:?} goes on after another; both parts count as one"
+                            "sequence {name:?} continues after another one; its parts are joined"
                         ))
                     });
                 }
@@ -160,14 +160,14 @@ impl TaxelTables {
                 return Err(refused(&error).into());
             }
             notes.add("torn", || {
-                refused(&format_args!("{error}; what was read before counts"))
+                refused(&format_args!("{error}; the rows before it are used"))
             });
         }
         Ok(sequences)
     }
 }
 
-/// The frames of several arrays as those of one; where an array has no more, its elements have no shear.
+/// Joins the frames of several arrays. If an array has fewer frames, its missing elements are NaN.
 fn side_by_side(
     arrays: &[(usize, &[GraspFrame])],
     name: &str,
@@ -180,9 +180,7 @@ fn side_by_side(
     );
     if least < most {
         notes.add("length", || {
-            format!(
-                "{name}: one array has {least} rows, another {most}; what is missing has no shear"
-            )
+            format!("{name}: arrays have between {least} and {most} rows; missing rows are ignored")
         });
     }
     let frame = |number: usize| {
@@ -196,7 +194,7 @@ fn side_by_side(
     (0..most).map(frame).collect()
 }
 
-/// The `part` of all arrays' frames of this number, `missing` for each taxel that has none.
+/// Joins `part` of frame `number` of all arrays, filling missing taxels with `missing`.
 fn joined<T: Copy>(
     arrays: &[(usize, &[GraspFrame])],
     number: usize,

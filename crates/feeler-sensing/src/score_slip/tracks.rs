@@ -1,4 +1,4 @@
-//! Recordings as `feeler sense` writes them: a row for each element and frame.
+//! Reads recordings in the format of `feeler sense`: one row per element and frame.
 
 use super::collected::Read;
 use super::notes::Notes;
@@ -14,19 +14,19 @@ use std::fs;
 use std::io::BufRead;
 use std::path::{Path, PathBuf};
 
-/// Pairs of columns that hold what moves, in the order in which they are looked for.
+/// Pairs of columns that may contain the vectors, in order of preference.
 const VECTORS: [[&str; 2]; 2] = [["u_x", "u_y"], ["f_x", "f_y"]];
 
-/// Reads tables of tracks.
+/// Reader of tables of tracks.
 pub struct TrackTables {
-    /// The layout of all recordings that have none beside them.
+    /// Layout of all recordings that have none next to them.
     layout: Option<PathBuf>,
     rate: Option<f64>,
     untouched: bool,
 }
 
 impl TrackTables {
-    /// As the options say.
+    /// Creates a reader with the options in `options`.
     pub fn new(options: &RecordedOptions) -> Self {
         Self {
             layout: options.layout.clone(),
@@ -35,14 +35,14 @@ impl TrackTables {
         }
     }
 
-    /// The recording in the table of `source`.
+    /// Reads the recording in the table of `source`.
     ///
     /// # Errors
-    /// When it cannot be read.
+    /// If the table cannot be read.
     pub fn read(&self, source: &Source, notes: &mut Notes) -> Result<Vec<Read>, CommandError> {
         let [table] = source.tables.as_slice() else {
             let message = format!(
-                "{}: several tables; expected one for a recording without --taxels",
+                "{}: expected one table per recording without --taxels, got several",
                 source.name
             );
             return Err(message.into());
@@ -57,15 +57,15 @@ impl TrackTables {
                 untouched = Untouched::Pattern(Some(picture));
                 origins = layout.elements.iter().map(|element| element.centre_px).collect();
             }
-            Some(_) => notes.add("dome", || format!("{}: places on a dome, or forces, are no pattern in a picture: nothing is known of contact", source.name)),
-            None => notes.add("no layout", || format!("{}: no layout beside it, no --layout, no --untouched: nothing is known of contact", source.name)),
+            Some(_) => notes.add("dome", || format!("{}: positions on a dome and forces form no pattern in an image; contact is unknown", source.name)),
+            None => notes.add("no layout", || format!("{}: no layout next to it, no --layout and no --untouched; contact is unknown", source.name)),
         }
         if let Some(most) = frames.iter().map(|frame| frame.shear.len()).max()
             && !origins.is_empty()
             && most > origins.len()
         {
             let (name, count) = (&source.name, origins.len());
-            notes.add("elements", || format!("{name}: {most} elements, {count} in its layout; nothing is known of the contact of the others"));
+            notes.add("elements", || format!("{name}: {most} elements, but only {count} in its layout; contact of the others is unknown"));
         }
         Ok(vec![Read {
             names: vec![source.stem().to_owned(), source.name.clone()],
@@ -77,7 +77,7 @@ impl TrackTables {
         }])
     }
 
-    /// The layout beside the table, or that of all.
+    /// Returns the layout next to the table, or the common layout.
     fn layout_of(
         &self,
         source: &Source,
@@ -91,7 +91,7 @@ impl TrackTables {
         };
         let refused = |e: &dyn std::fmt::Display| {
             format!(
-                "{}: {e}; expected a layout of `feeler locate`",
+                "{}: {e}; expected a layout from `feeler locate`",
                 path.display()
             )
         };
@@ -101,7 +101,7 @@ impl TrackTables {
         ))
     }
 
-    /// The frames, and whether they hold displacements, not forces.
+    /// Reads the frames, and whether their vectors are displacements (`true`) or forces.
     fn read_frames(
         &self,
         path: &Path,
@@ -118,9 +118,7 @@ impl TrackTables {
                 Ok(true) => {}
                 Ok(false) => break,
                 Err(error) => {
-                    notes.add("row", || {
-                        refused(&format_args!("{error}; the row is left out"))
-                    });
+                    notes.add("row", || refused(&format_args!("{error}; row skipped")));
                     if !error.is_of_a_row() {
                         break;
                     }
@@ -135,14 +133,14 @@ impl TrackTables {
             frames.take(&table, &columns, &mut odd);
         }
         if frames.0.is_empty() {
-            return Err(refused(&"no row with a frame and an element can be read").into());
+            return Err(refused(&"no readable row with a frame and an element").into());
         }
         let frames = frames.0.into_iter().map(|(_, frame)| frame);
         Ok((frames.collect(), columns.are_places))
     }
 }
 
-/// Whether the table at `path` is one of tracks: it has a frame and an element in each row.
+/// Returns `true` if the table at `path` contains tracks: it has the columns `frame` and `element`.
 pub fn is_tracks(path: &Path) -> bool {
     let table = open_table(path)
         .ok()
@@ -153,29 +151,29 @@ pub fn is_tracks(path: &Path) -> bool {
     })
 }
 
-/// Where the columns are.
+/// Indices of the columns.
 struct Columns {
     frame: usize,
     element: usize,
-    /// What moves, or pulls.
+    /// Displacement or tangential force.
     vector: [NumberColumn; 2],
-    /// Whether that is in a picture.
+    /// `true` if the vectors are displacements in an image.
     are_places: bool,
     normal: Option<NumberColumn>,
     clock: Clock,
 }
 
-/// Where the times of frames are from.
+/// Source of the frames' times.
 enum Clock {
     Rate(f64),
     Stamp(NumberColumn),
 }
 
 impl Columns {
-    /// In a table, whose frames come at a `rate` if it is given.
+    /// Finds the columns in a table. If `rate` is given, no time column is required.
     ///
     /// # Errors
-    /// If one is missing.
+    /// If a column is missing.
     fn find<R: BufRead>(table: &mut Table<R>, rate: Option<f64>) -> Result<Self, String> {
         let words = |e: TableError| e.to_string();
         let frame = table.column("frame").map_err(words)?;
@@ -183,8 +181,8 @@ impl Columns {
         let Some((frame, element)) = frame.zip(element) else {
             let (header, separator) = (table.header().shown(), table.separator());
             return Err(format!(
-                "no columns frame and element in its header {header:?}, read with {separator} between cells; expected a table of \
-                 `feeler sense`, or --taxels"
+                "expected columns frame and element, got header {header:?}, read with {separator} between cells; use a table \
+                 of `feeler sense`, or add --taxels"
             ));
         };
         let mut number = |name, quantity| table.number_column(name, quantity).map_err(words);
@@ -193,7 +191,7 @@ impl Columns {
             let both = number(x, Quantity::Any)?.zip(number(y, Quantity::Any)?);
             vector = vector.or(both.map(|(x, y)| (kind == 0, [x, y])));
         }
-        let (are_places, vector) = vector.ok_or("no columns u_x and u_y, nor f_x and f_y")?;
+        let (are_places, vector) = vector.ok_or("expected columns u_x and u_y, or f_x and f_y")?;
         let normal = if are_places {
             None
         } else {
@@ -202,8 +200,7 @@ impl Columns {
         let clock = match rate {
             Some(rate) => Clock::Rate(rate),
             None => Clock::Stamp(
-                number("stamp", Quantity::Time)?
-                    .ok_or("no column stamp; expected one, or --rate")?,
+                number("stamp", Quantity::Time)?.ok_or("expected a column stamp, or --rate")?,
             ),
         };
         Ok(Self {
@@ -222,7 +219,7 @@ impl Columns {
 struct Frames(Vec<(u64, GraspFrame)>);
 
 impl Frames {
-    /// Takes the newest row of a table; calls `odd` with the kind and the words of what is.
+    /// Adds the current row of a table. Calls `odd` with kind and description of each irregularity.
     fn take<R: BufRead>(
         &mut self,
         table: &Table<R>,
@@ -234,7 +231,7 @@ impl Frames {
             .and_then(|e| usize::try_from(e).ok())
             .filter(|&e| e < MAX_LOCATED_ELEMENTS);
         let (Some(number), Some(element)) = (table.whole(columns.frame), element) else {
-            return odd("cells", "no frame and element, left out");
+            return odd("cells", "no frame and element; row skipped");
         };
         if self.0.last().is_none_or(|(newest, _)| *newest != number) {
             self.begin(number, table, &columns.clock, odd);
@@ -250,7 +247,7 @@ impl Frames {
         {
             odd(
                 "number",
-                "a cell that is no number; nothing is known of its element in this frame",
+                "a cell is not a number; the element is ignored in this frame",
             );
         }
         let Some((_, frame)) = self.0.last_mut() else {
@@ -262,7 +259,7 @@ impl Frames {
         if !frame.shear[element].is_nan() {
             odd(
                 "element twice",
-                "the element stands twice in its frame; the last counts",
+                "the element occurs twice in its frame; the last row is used",
             );
         }
         frame.shear[element] = vector.map_or(DVec2::NAN, |(x, y)| DVec2::new(x, y));
@@ -272,7 +269,7 @@ impl Frames {
         }
     }
 
-    /// Begins the frame of this number.
+    /// Starts the frame with this number.
     fn begin<R: BufRead>(
         &mut self,
         number: u64,
@@ -286,17 +283,14 @@ impl Frames {
         };
         let known = known.filter(|stamp| stamp.is_finite());
         if known.is_none() {
-            odd(
-                "stamp",
-                "no time; its frame is taken at that of the one before",
-            );
+            odd("stamp", "no time; the time of the previous frame is used");
         }
         let before = self.0.last();
         let stamp = known.unwrap_or(before.map_or(0.0, |(_, frame)| frame.stamp));
         if before.is_some_and(|(newest, frame)| number < *newest || stamp <= frame.stamp) {
             odd(
                 "back",
-                "the frame or its time goes back or stands still; kept",
+                "the frame number decreases or the time does not increase; kept",
             );
         }
         let (shear, normal) = (Vec::new(), Vec::new());

@@ -1,8 +1,8 @@
 //! Videos of a marker gel, decoded by ffmpeg.
 //!
-//! Markers are located in single frames and not followed from one to the next: what is lost for a moment, or jumps, does no
-//! harm. So there are places, of which [`ContactLoss`](feeler::control::grasp_slip::ContactLoss) can say whether they are
-//! a pattern, and no displacements.
+//! Markers are located in single frames and not tracked, so markers that jump or are temporarily lost do no harm. This
+//! gives positions, in which [`ContactLoss`](feeler::control::grasp_slip::ContactLoss) can recognize a pattern, but no
+//! displacements.
 
 use super::collected::Read;
 use super::notes::Notes;
@@ -16,28 +16,28 @@ use feeler_lab::grasps::{GraspFrame, GraspRecording, Picture, Untouched};
 use feeler_sources::video_file::{Ffmpeg, VideoFile};
 use glam::DVec2;
 
-/// How often markers are located, Hz: several times within the half second that a loss takes to be told.
+/// Rate at which markers are located (Hz): several times within the half second after which a loss is reported.
 const LOOKS: f64 = 10.0;
 
-/// Reads videos.
+/// Reader of videos.
 pub struct Videos {
     rate: Option<f64>,
 }
 
 impl Videos {
-    /// As the options say.
+    /// Creates a reader with the options in `options`.
     ///
     /// # Errors
-    /// When there is no ffmpeg.
+    /// If ffmpeg is not found.
     pub fn new(options: &RecordedOptions) -> Result<Self, CommandError> {
         Ffmpeg::find()?;
         Ok(Self { rate: options.rate })
     }
 
-    /// The recording in the video of `source`.
+    /// Reads the recording in the video of `source`.
     ///
     /// # Errors
-    /// When it cannot be decoded, or markers were located in none of its frames.
+    /// If it cannot be decoded, or no frame shows markers.
     pub fn read(&self, source: &Source, notes: &mut Notes) -> Result<Vec<Read>, CommandError> {
         let Some(path) = source.tables.first() else {
             return Ok(Vec::new());
@@ -71,12 +71,16 @@ impl Videos {
         };
         match ended {
             CameraError::Ended { .. } => {}
-            damaged => notes.add("ffmpeg", || format!("{damaged}; these count")),
+            damaged => notes.add("ffmpeg", || format!("{damaged}; these are used")),
         }
         let empty = frames.iter().filter(|frame| frame.shear.is_empty()).count();
         if let Some(error) = failed {
             let (name, all) = (&source.name, frames.len());
-            notes.add("markers", || format!("{name}: in {empty} of {all} frames no markers were located, the first because of: {error}"));
+            notes.add("markers", || {
+                format!(
+                    "{name}: no markers located in {empty} of {all} frames; first error: {error}"
+                )
+            });
         }
         if empty == frames.len() {
             return Err(refused(&"no markers located in any frame"));
@@ -92,15 +96,15 @@ impl Videos {
     }
 }
 
-/// Locates the markers in one picture of a video after the other.
+/// Locates the markers in successive images of a video.
 #[derive(Default)]
 struct Locator {
-    /// What was found in the first picture that shows markers; all others are searched for the same.
+    /// Markers of the first image that shows any. All others are searched for the same markers.
     first: Option<Located>,
 }
 
 impl Locator {
-    /// Where the markers are in a picture, px.
+    /// Returns the positions of the markers in an image (px).
     fn places(&mut self, picture: &Grey) -> Result<Vec<DVec2>, CommandError> {
         let picture = ReferencePicture::mean([picture])?;
         let config = LocateConfig::default();

@@ -1,4 +1,4 @@
-//! The fingertip that pictures are taken to be of where nobody says whose they are.
+//! Checks that images show the default fingertip if none was named.
 
 use super::SenseOptions;
 use feeler::sensor::calibration::Calibration;
@@ -10,11 +10,11 @@ use feeler_console::CommandError;
 use feeler_lab::config::Experiment;
 use feeler_lab::sensor::SensorGeometry;
 
-/// What to do about it.
-const WAY_OUT: &str = "Find its elements with `feeler locate PICTURE -o layout.toml` and give `--layout layout.toml`, or name the \
-                       experiment whose fingertip it is with `--experiment`";
+/// Advice appended to errors.
+const WAY_OUT: &str = "Find its elements with `feeler locate PICTURE -o layout.toml` and pass `--layout layout.toml`, or name the \
+                       experiment of the fingertip with `--experiment`";
 
-/// An experiment's fingertip that nobody has named.
+/// An experiment's fingertip that is assumed by default.
 pub struct AssumedFingertip {
     experiment: String,
     size: (usize, usize),
@@ -24,7 +24,7 @@ pub struct AssumedFingertip {
 }
 
 impl AssumedFingertip {
-    /// The fingertip that is assumed, whose `geometry` is this; none where one was named.
+    /// Returns the assumed fingertip, described by `geometry`, or `None` if one was named.
     pub fn of(
         options: &SenseOptions,
         geometry: &SensorGeometry,
@@ -43,10 +43,10 @@ impl AssumedFingertip {
         }))
     }
 
-    /// What was assumed, if `picture`, and the `moments` of it, may be of the fingertip.
+    /// Checks that `picture`, with its `moments`, may show the fingertip, and returns a note about the assumption.
     ///
     /// # Errors
-    /// When it cannot be: what was seen, and what to do.
+    /// If the image does not show the fingertip. The message describes the difference and the remedy.
     pub fn check(
         &self,
         picture: &Picture,
@@ -62,7 +62,7 @@ impl AssumedFingertip {
         let likeness = Likeness::of(picture, moments, calibration, regions, *dark_level);
         if !likeness.is_enough() {
             return Err(format!(
-                "the picture is not of the fingertip of {experiment}, which is assumed: {likeness}. {WAY_OUT}"
+                "the image does not show the assumed fingertip of {experiment}: {likeness}. {WAY_OUT}"
             )
             .into());
         }
@@ -70,17 +70,17 @@ impl AssumedFingertip {
             alike, elements, ..
         } = likeness;
         Ok(format!(
-            "the fingertip of {experiment} is assumed, as {alike} of its {elements} elements are where they can be; --layout or \
-             --experiment names another"
+            "assuming the fingertip of {experiment}: {alike} of its {elements} elements are in possible positions; use \
+             --layout or --experiment to select another"
         ))
     }
 
-    /// That the picture called `name` has another size, px, than the fingertip's pictures.
+    /// Returns the error message for an image `name` whose size (px) differs from the fingertip's images.
     pub fn refuse_size(&self, name: &str, (width, height): (usize, usize)) -> String {
         let (experiment, (columns, rows)) = (&self.experiment, self.size);
         format!(
-            "{name}: a picture of {width}x{height} px is not of the fingertip of {experiment}, which is assumed: {columns}x{rows} px \
-             expected. {WAY_OUT}"
+            "{name}: a {width}x{height} px image does not show the assumed fingertip of {experiment}; expected {columns}x{rows} \
+             px. {WAY_OUT}"
         )
     }
 }

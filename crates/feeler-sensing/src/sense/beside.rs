@@ -1,4 +1,4 @@
-//! What is said on standard error while frames are sensed: progress, where it is a terminal, and warnings.
+//! Messages on standard error during sensing: warnings and, on a terminal, the progress.
 
 use feeler_console::Warnings;
 use indicatif::{ProgressBar, ProgressStyle};
@@ -8,32 +8,32 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::Duration;
 
-/// Time between two drawings of the progress.
+/// Time between two updates of the progress line.
 pub const INTERVAL: Duration = Duration::from_millis(100);
 
-/// How long the end waits for a terminal that is paused.
+/// Maximum time to wait for a paused terminal at the end.
 const LAST: Duration = Duration::from_secs(1);
 
-/// Progress and warnings.
+/// Printer of progress and warnings.
 pub enum Beside {
-    /// Shown at once, however long that takes.
+    /// Prints synchronously; may block.
     Waiting(ProgressBar),
-    /// Shown by threads of their own: a hand waits for what is sensed.
+    /// Prints on background threads, because a hand depends on the readings.
     Aside(Aside),
 }
 
-/// Progress and warnings that hold nobody up.
+/// Printer of progress and warnings that never blocks the caller.
 pub struct Aside {
     progress: Arc<Mutex<String>>,
-    /// Dropped to take the progress off the screen.
+    /// Dropped to remove the progress line.
     stop: Mutex<Option<Sender<()>>>,
-    /// Ends when it is off.
+    /// Disconnected once the progress line is removed.
     ended: Mutex<Receiver<()>>,
     warnings: Warnings,
 }
 
 impl Beside {
-    /// The progress is hidden unless standard error is a terminal.
+    /// Creates a printer. The progress is hidden unless standard error is a terminal.
     pub fn new(waits: bool) -> Self {
         let bar = ProgressBar::new_spinner();
         let style = ProgressStyle::with_template("{spinner} {msg}");
@@ -55,7 +55,7 @@ impl Beside {
         }
     }
 
-    /// Says something.
+    /// Prints a line.
     pub fn say(&self, line: &str) {
         match self {
             Self::Waiting(bar) => say_beside(bar, line),
@@ -63,7 +63,7 @@ impl Beside {
         }
     }
 
-    /// The same as [`say`](Self::say), for somebody else to call.
+    /// Returns a function that prints lines from another thread.
     pub fn sayer(&self) -> Box<dyn FnMut(&str) + Send> {
         match self {
             Self::Waiting(bar) => {
@@ -74,13 +74,13 @@ impl Beside {
         }
     }
 
-    /// Takes the progress off the screen.
+    /// Removes the progress line.
     pub fn clear(&self) {
         match self {
             Self::Waiting(bar) => bar.finish_and_clear(),
             Self::Aside(aside) => {
                 drop(lock(&aside.stop).take());
-                // Nothing is sent: it is off, or takes too long.
+                // Nothing is ever sent: this returns when the line is removed, or after the time limit.
                 let _ = lock(&aside.ended).recv_timeout(LAST);
             }
         }
@@ -100,7 +100,7 @@ impl Aside {
                 drop(ends);
             }
         };
-        // Without a thread there is no progress to see.
+        // Without a thread, there is no progress line.
         let _ = thread::Builder::new().name("progress".into()).spawn(draw);
         let bar = bar.clone();
         Self {
@@ -121,7 +121,7 @@ fn draw_until(stopped: &Receiver<()>, progress: &Mutex<String>, bar: &ProgressBa
 }
 
 fn say_beside(bar: &ProgressBar, line: &str) {
-    // Where nobody listens, the table says what there is.
+    // Ignore a closed standard error.
     bar.suspend(|| {
         let _ = writeln!(stderr(), "{line}");
     });

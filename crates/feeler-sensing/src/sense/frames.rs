@@ -1,4 +1,4 @@
-//! Pictures in, readings out.
+//! Converts images to readings and writes them.
 
 use super::assumed::AssumedFingertip;
 use super::output::{FrameReadings, Output};
@@ -15,7 +15,7 @@ use feeler_sources::pump::FramePump;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-/// How long to wait for a frame before looking whether to stop.
+/// Maximum time to wait for a frame before the interrupt flag is checked.
 pub const WAIT: Duration = Duration::from_millis(50);
 
 /// Senses all frames of `source`, or those until `interrupted`.
@@ -61,7 +61,7 @@ fn sense_all(
     interrupted: &AtomicBool,
 ) -> Result<(), CommandError> {
     while !is_raised(interrupted) {
-        // What is written is handed on as soon as no frame waits.
+        // Flush as soon as no frame is waiting.
         let mut captured = pump.next(Duration::ZERO);
         if captured.is_none() {
             stage.output.flush()?;
@@ -87,22 +87,22 @@ fn sense_all(
     Ok(())
 }
 
-/// From a frame to what is written.
+/// Senses frames and writes their readings.
 struct Stage<'a> {
     sensing: SensingChain,
     readings: Vec<ElementReading>,
-    /// Frames whose mean becomes the reference, where there is none.
+    /// Number of frames whose mean becomes the reference if none is given.
     unloaded: usize,
-    /// Such frames: number, stamp (s), readings.
+    /// Frames that wait for the reference: number, stamp (s), readings.
     waiting: Vec<(u64, f64, Vec<ElementReading>)>,
-    /// The fingertip that the first picture must be of, where nobody has named one.
+    /// Fingertip that the first image must show, if none was named.
     assumed: Option<AssumedFingertip>,
     output: Box<dyn Output>,
     tally: &'a mut Tally,
 }
 
 impl Stage<'_> {
-    /// Senses a frame that came in at `at`.
+    /// Senses a frame received at `at`.
     fn sense(&mut self, frame: &Frame, at: Instant) -> Result<(), CommandError> {
         let failed = |e: &dyn std::fmt::Display| format!("frame {}: {e}", frame.sequence);
         let sensed = self.sensing.sense(&frame.picture, &mut self.readings);
@@ -131,7 +131,7 @@ impl Stage<'_> {
         Ok(())
     }
 
-    /// Refuses a first picture of another size than those of the fingertip that is assumed.
+    /// Rejects a first image whose size differs from the assumed fingertip's images.
     fn check_size(&self, error: &CameraError) -> Result<(), CommandError> {
         match (&self.assumed, error) {
             (
@@ -147,7 +147,7 @@ impl Stage<'_> {
         }
     }
 
-    /// Makes the reference of the frames that wait for it, and writes them.
+    /// Computes the reference from the waiting frames and writes them.
     fn settle_reference(&mut self) -> Result<(), CommandError> {
         let waiting = std::mem::take(&mut self.waiting);
         if waiting.is_empty() {
@@ -155,7 +155,7 @@ impl Stage<'_> {
         }
         let (count, wanted) = (waiting.len(), self.unloaded);
         if count < wanted {
-            let warning = format!("u counts from {count} frames without load, {wanted} expected");
+            let warning = format!("u is measured from {count} unloaded frames; expected {wanted}");
             self.tally.warn(&warning);
         }
         let reference = Reference::mean(waiting.iter().map(|(_, _, r)| r.as_slice()));
@@ -170,7 +170,8 @@ impl Stage<'_> {
         }
         let unknown = reference.centroids.iter().filter(|c| c.is_none()).count();
         if unknown > 0 {
-            let warning = format!("{unknown} elements are dark without load; u is left out there");
+            let warning =
+                format!("{unknown} elements are dark in the unloaded frames; their u is omitted");
             self.tally.warn(&warning);
         }
         Ok(self.sensing.set_reference(reference)?)

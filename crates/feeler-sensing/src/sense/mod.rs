@@ -33,10 +33,10 @@ use tally::Tally;
 pub use taxels::{TaxelOptions, taxel_layout_text};
 pub use track::Track;
 
-/// The experiment whose fingertip it is where nobody says otherwise.
+/// Experiment whose fingertip is assumed by default.
 const EXPERIMENT: &str = "cap-closing";
 
-/// Frames per second where nobody says otherwise.
+/// Default frame rate (Hz).
 const DEFAULT_RATE: f64 = 30.0;
 
 /// What to sense, with which sensor, and where the readings go.
@@ -91,12 +91,12 @@ pub struct SenseOptions {
 }
 
 impl SenseOptions {
-    /// Refuses what would change nothing.
+    /// Rejects options that have no effect.
     fn refuse_without_effect(&self) -> Result<(), CommandError> {
         if let Some(option) = self.publishing_option.filter(|_| !self.publish) {
             return Err(format!(
-                "{option}: changes nothing without --publish; expected --publish beside it, or an experiment file \
-                 that says so"
+                "{option}: has no effect without --publish; add --publish, or edit the experiment file \
+                 instead"
             )
             .into());
         }
@@ -109,7 +109,7 @@ impl SenseOptions {
             .find(|&(_, given)| given && self.publish);
         match given {
             Some((option, _)) => Err(format!(
-                "{option}: changes nothing with --publish, where the calibration says what is without load"
+                "{option}: has no effect with --publish, because the calibration defines the unloaded state"
             )
             .into()),
             None => Ok(()),
@@ -127,22 +127,22 @@ impl SenseOptions {
         self.rate.unwrap_or(DEFAULT_RATE)
     }
 
-    /// The experiment whose fingertip it is.
+    /// Name or path of the experiment whose fingertip is used.
     fn experiment(&self) -> &str {
         self.experiment.as_deref().unwrap_or(EXPERIMENT)
     }
 
-    /// Whether nobody has said whose elements are looked at.
+    /// Returns `true` if no option identifies the fingertip.
     fn assumes_fingertip(&self) -> bool {
         self.experiment.is_none() && self.layout.is_none() && self.calibration.is_none()
     }
 
-    /// The finger under whose name pictures are kept, if they are.
+    /// Finger whose images are recorded, or `None` if images are not recorded.
     fn recorded_finger(&self) -> Option<usize> {
         self.record_frames.then(|| self.finger.unwrap_or(0))
     }
 
-    /// Refuses to keep pictures where there is no place for them.
+    /// Rejects `--record-frames` if the output is not MCAP.
     fn refuse_pictures_elsewhere(&self) -> Result<(), CommandError> {
         let is_mcap = |path: &Path| path.extension().is_some_and(|e| e == "mcap");
         if !self.record_frames || self.output.as_deref().is_some_and(is_mcap) {
@@ -153,18 +153,18 @@ impl SenseOptions {
             None => "a table on standard output".into(),
         };
         Err(format!(
-            "--record-frames: only MCAP holds pictures; expected -o FILE.mcap, got {actual}"
+            "--record-frames: only MCAP files can contain images; expected -o FILE.mcap, got {actual}"
         )
         .into())
     }
 
-    /// Opens the output for what pictures say.
+    /// Opens the output for readings of images.
     fn open_output(&self, forces: bool) -> Result<Box<dyn Output>, CommandError> {
         let pictures = self.recorded_finger();
         self.open_output_as(&OfPictures { forces, pictures })
     }
 
-    /// Lets a thread of its own write `output` where it is pictures, so that they hold up no sensor.
+    /// Moves `output` to a background thread if images are recorded, so that writing them does not block sensing.
     fn beside_the_sensor(
         &self,
         output: Box<dyn Output>,
@@ -181,12 +181,12 @@ impl SenseOptions {
         Ok(Box::new(Queued::start(output, full, true, tally.warner())?))
     }
 
-    /// Opens the output in this format.
+    /// Opens the output for rows or messages of this format.
     fn open_output_as(&self, format: &dyn Format) -> Result<Box<dyn Output>, CommandError> {
         output::open(self.output.as_deref(), self.outputs(), format)
     }
 
-    /// What may be written to: none of the files that are read.
+    /// Returns the set of output files, which rejects input files as outputs.
     fn outputs(&self) -> Outputs {
         let recordings: Vec<_> = self.sources.iter().map(|s| s.join(RECORDING)).collect();
         let named = [&self.layout, &self.calibration, &self.reference];
@@ -210,7 +210,7 @@ pub fn sense(options: &SenseOptions) -> Result<Outcome, CommandError> {
         Some(layout) => {
             options.refuse_without_effect()?;
             if options.record_frames {
-                return Err("--record-frames: taxels have no pictures".into());
+                return Err("--record-frames: taxels have no images".into());
             }
             taxels::sense(options, layout, &mut tally, &interrupted)?;
         }
@@ -225,7 +225,7 @@ pub fn sense(options: &SenseOptions) -> Result<Outcome, CommandError> {
     Ok(Outcome::Done)
 }
 
-/// Senses what is not a table.
+/// Senses a source other than a taxel table.
 fn sense_source(
     options: &SenseOptions,
     tally: &mut Tally,
@@ -235,11 +235,11 @@ fn sense_source(
     options.refuse_without_effect()?;
     match source {
         Source::Recording(_) if options.publish => {
-            let message = "--publish: expected pictures, a camera or rig:, not a recorded run";
+            let message = "--publish: expected images, a camera or rig:, got a recorded run";
             Err(message.into())
         }
         Source::Rig if !options.publish => {
-            Err("rig: is sensed for the hand; expected --publish beside it".into())
+            Err("rig: requires --publish, because it is sensed for the hand".into())
         }
         Source::Recording(path) => recorded::sense(options, &path, tally, interrupted),
         source if options.publish => publish::publish(options, &source, tally, interrupted),
@@ -250,9 +250,9 @@ fn sense_source(
     }
 }
 
-/// Closes `output` however sensing `ended`, and says how it went. What is not `whole` stays a partial file.
+/// Closes `output` and reports the result, also if sensing `ended` with an error.
 ///
-/// A reader that has had enough is no error.
+/// The file remains a partial file unless it is `whole`. A closed pipe (a reader that stops early) is not an error.
 fn close(
     output: Box<dyn Output>,
     tally: &Tally,

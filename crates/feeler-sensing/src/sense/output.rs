@@ -1,4 +1,4 @@
-//! Where readings go: a table, lines of JSON, or MCAP.
+//! Destinations for readings: a table, JSON Lines, or MCAP.
 
 mod filed;
 mod mcap;
@@ -18,64 +18,65 @@ use feeler_console::Outputs;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// The readings of one frame.
+/// Readings of one frame.
 pub struct FrameReadings<'a> {
     /// Number of the frame, from 0.
     pub sequence: u64,
-    /// Time of the frame, s.
+    /// Time of the frame (s).
     pub stamp: f64,
-    /// One for each element.
+    /// One reading per element.
     pub readings: &'a [ElementReading],
-    /// One for each element where markers are tracked.
+    /// One marker per element if markers are tracked, otherwise empty.
     pub markers: &'a [TrackedMarker],
 }
 
-/// Something that readings are written to.
+/// A destination for readings.
 pub trait Output: Send {
     /// Writes one frame.
     fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError>;
-    /// Writes the picture of a frame, where pictures are kept; before the frame itself.
+    /// Writes the image of a frame if images are recorded. Called before the frame itself is written.
     fn write_picture(&mut self, _frame: &Frame) -> Result<(), CommandError> {
         Ok(())
     }
-    /// The frames from here on are of another sequence, of this name, and have nothing to do with those before.
+    /// Starts a sequence of this name: later frames are independent of earlier ones.
     fn begin_sequence(&mut self, _name: &str) -> Result<(), CommandError> {
         Ok(())
     }
-    /// Hands on what was collected, where that costs no room.
+    /// Passes buffered data on unless this enlarges the file.
     fn flush(&mut self) -> Result<(), CommandError>;
-    /// Hands on everything that was collected.
+    /// Passes all buffered data on.
     fn settle(&mut self) -> Result<(), CommandError> {
         self.flush()
     }
-    /// What is to be said of all that was written, if anything is.
+    /// Returns a warning about the written data, if any.
     fn warning(&self) -> Option<String> {
         None
     }
-    /// Writes what belongs at the end of what is `whole` or not: the partial file that is left, if one is.
+    /// Writes the end of the output and returns the path of the partial file that remains, if any. If `whole` is
+    /// `false`, the output is marked as partial.
     fn finish(mut self: Box<Self>, _whole: bool) -> Result<Option<PathBuf>, CommandError> {
         self.flush().map(|()| None)
     }
 }
 
-/// What rows are written to.
+/// A writer of rows.
 pub type RowWriter = Box<dyn Write + Send>;
 
-/// What outputs say, and how, in each of the formats.
+/// Output content that can be written in each of the file formats.
 pub trait Format {
     /// Comma-separated values.
     fn csv(&self, writer: RowWriter) -> Result<Box<dyn Output>, CommandError>;
-    /// Lines of JSON.
+    /// JSON Lines.
     fn jsonl(&self, writer: RowWriter) -> Result<Box<dyn Output>, CommandError>;
     /// An MCAP file.
     fn mcap(&self, path: &Path) -> Result<Box<dyn Output>, CommandError>;
 }
 
-/// What pictures say: moments and, calibrated, forces.
+/// Output format for images: moments and, if calibrated, forces.
 pub struct OfPictures {
-    /// Whether there are forces.
+    /// `true` if forces are written.
     pub forces: bool,
-    /// The finger whose pictures are kept, if they are.
+    /// Finger whose images are recorded, or `None` if images are not recorded.
     pub pictures: Option<usize>,
 }
 
@@ -106,7 +107,8 @@ impl Format for OfPictures {
     }
 }
 
-/// The output that `path` names by its extension, one of `outputs`, or a table on standard output.
+/// Opens the output whose format is given by the extension of `path`, or a table on standard output if there is no
+/// path.
 pub fn open(
     path: Option<&Path>,
     mut outputs: Outputs,
@@ -134,7 +136,7 @@ pub fn open(
     Ok(Box::new(Prompt::new(Box::new(filed))))
 }
 
-/// An error after which a part of the output is left.
+/// Adds the path of the remaining partial file to an error.
 pub fn partial(error: &CommandError, part: &Path) -> CommandError {
     format!("{error}; {} is partial", part.display()).into()
 }

@@ -1,4 +1,4 @@
-//! An output that keeps nothing to itself for long.
+//! Limits the time for which an output buffers rows.
 
 use super::output::{FrameReadings, Output};
 use feeler::sensor::frame::Frame;
@@ -6,17 +6,17 @@ use feeler_console::CommandError;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};
 
-/// How long a row waits at most before it is handed to the system, once a row follows it.
+/// Maximum age of a buffered row when the next row is written.
 const PROMPT: Duration = Duration::from_secs(1);
 
-/// Hands on all that is older than [`PROMPT`], so that no more is lost with a program that is killed.
+/// Passes on all rows older than [`PROMPT`], to limit the loss if the program is killed.
 pub struct Prompt {
     output: Box<dyn Output>,
     settled: Instant,
 }
 
 impl Prompt {
-    /// The same output, promptly.
+    /// Wraps `output`.
     pub fn new(output: Box<dyn Output>) -> Self {
         let settled = Instant::now();
         Self { output, settled }

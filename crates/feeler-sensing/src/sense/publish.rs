@@ -1,4 +1,4 @@
-//! `feeler sense --publish`: what one finger feels, for the hand program.
+//! `feeler sense --publish`: publishes one finger's readings for the hand program.
 
 use super::output::{FrameReadings, Output};
 use super::queued::{Full, Queued};
@@ -20,21 +20,21 @@ use feeler_sources::pump::{Captured, FramePump};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-/// How long to wait for a picture before looking whether to stop.
+/// Maximum time to wait for an image before the stop flag is checked.
 const WAIT: Duration = Duration::from_millis(50);
 
-/// The sensor program of one finger, with what the user sees and keeps of it.
+/// The sensor program of one finger, with its optional output file and its statistics.
 struct Publisher<'a> {
     program: SensorProgram,
     sensing: SensingChain,
     readings: Vec<ElementReading>,
     output: Option<Box<dyn Output>>,
-    /// Whether it was said that the pictures are of another fingertip.
+    /// `true` once a warning was given that the images show another fingertip.
     is_mismatched: bool,
     tally: &'a mut Tally,
 }
 
-/// Senses what `source` delivers and publishes it, until it ends or `stop` is raised.
+/// Senses and publishes the images of `source` until it ends or `stop` is raised.
 pub fn publish(
     options: &SenseOptions,
     source: &Source,
@@ -105,7 +105,7 @@ impl<'a> Publisher<'a> {
         })
     }
 
-    /// Senses the pictures of a rig in another program.
+    /// Senses the images of a rig in another program.
     fn sense_rig(
         &mut self,
         experiment: &Experiment,
@@ -148,7 +148,7 @@ impl<'a> Publisher<'a> {
         Ok(())
     }
 
-    /// Senses the pictures of a camera, or of files in its stead.
+    /// Senses the images of a camera or of files.
     fn sense_camera(
         &mut self,
         options: &SenseOptions,
@@ -176,7 +176,7 @@ impl<'a> Publisher<'a> {
                     self.write(frame.sequence + 1, frame.sequence, frame.stamp, at)?;
                     pump.give_back(frame);
                 }
-                // Of a rig at work, a picture that is of no use is one that never came.
+                // While a rig is running, an unusable image is treated like a missing one.
                 Err(error) if error.may_pass() => self.tally.skip(&error.to_string()),
                 Err(CameraError::Ended { .. }) => return Ok(()),
                 Err(error) => return Err(error.into()),
@@ -185,8 +185,9 @@ impl<'a> Publisher<'a> {
         Ok(())
     }
 
-    /// Says once, here and by heartbeat, where the first pictures are of another fingertip than the calibration. It ends
-    /// nothing: a sensor program may start while its finger is pressed all over.
+    /// Warns once, here and by heartbeat, if the first images show a fingertip other than the calibration's.
+    ///
+    /// Sensing continues, because a sensor program may start while its finger is pressed all over.
     fn check_first(&mut self, picture: &Picture) {
         if self.is_mismatched {
             return;
@@ -204,7 +205,7 @@ impl<'a> Publisher<'a> {
         }
     }
 
-    /// Writes and counts the newest readings: those of picture `number`, the `sequence`-th that came, at `at`.
+    /// Writes and counts the latest readings: those of image `number`, the `sequence`-th received, at time `at`.
     fn write(
         &mut self,
         sequence: u64,

@@ -1,4 +1,4 @@
-//! An output that holds nobody up: a thread of its own writes it.
+//! Writes an output on a background thread, so that the caller is not blocked.
 
 use super::output::{FrameReadings, Output, partial};
 use feeler::sensor::frame::{Frame, Picture};
@@ -9,48 +9,48 @@ use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, TrySendError, channel,
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Frames that may wait for the disk: some seconds of a fast camera, 2 MB.
+/// Maximum number of queued frames: several seconds of a fast camera, 2 MB.
 const WAITING: usize = 512;
 
-/// The same where frames have their pictures: 2 s of a camera of 30 Hz, 20 MB of 640x480 px.
+/// Maximum number of queued frames with images: 2 s of a 30 Hz camera, 20 MB for 640x480 px.
 const WAITING_WITH_PICTURES: usize = 64;
 
-/// How long the end waits for a disk that takes nothing.
+/// Maximum time to wait at the end for a disk that accepts no data.
 const LAST: Duration = Duration::from_secs(5);
 
-/// Time between two looks at whether there is room.
+/// Interval at which a full queue is polled.
 const POLL: Duration = Duration::from_millis(1);
 
-/// Says something to the user.
+/// Prints a message for the user.
 pub type Say = Box<dyn FnMut(&str) + Send>;
 
-/// What becomes of frames that find no room.
+/// Policy for frames that do not fit into the queue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Full {
-    /// They wait for it: files and streams can.
+    /// Wait for space, for files and streams.
     Wait,
-    /// They are dropped and counted: a camera goes on. Where the output fails, so does sensing.
+    /// Drop and count them, for a camera. An error of the output ends sensing.
     Drop,
-    /// The same, and a hand needs what is sensed, whatever becomes of the output.
+    /// Like [`Drop`](Self::Drop), but an error of the output does not end sensing, because a hand needs the readings.
     DropForAHand,
 }
 
-/// Writes frames to another output as fast as that takes them.
+/// Writes frames to another output on a background thread.
 pub struct Queued {
     works: Option<SyncSender<Work>>,
     full: Full,
     spare: Receiver<Sensed>,
     spare_pictures: Receiver<Frame>,
-    /// What came of it, when the thread ends: the partial file that is left, if one is.
+    /// Result of the thread: the path of the partial file that remains, if any.
     ended: Receiver<Result<Option<PathBuf>, String>>,
     say: Say,
     dropped: u64,
-    /// Pictures that were dropped, which their frames need not be.
+    /// Number of dropped images, whose frames may have been written.
     dropped_pictures: u64,
     is_dropping: bool,
 }
 
-/// The readings of one frame, for a thread.
+/// Readings of one frame, owned by the queue.
 #[derive(Default)]
 struct Sensed {
     sequence: u64,
@@ -61,22 +61,23 @@ struct Sensed {
 enum Work {
     Write(Sensed),
     Picture(Frame),
-    /// Close what is whole, or not.
+    /// Close the output, which is complete if `true`.
     Finish(bool),
 }
 
 impl Queued {
-    /// Writes to `output`, and tells `say` what is dropped; frames may have `pictures`.
+    /// Starts a thread that writes to `output`. Dropped frames are reported to `say`. Set `pictures` if frames may have
+    /// images.
     ///
     /// # Errors
-    /// When the system has no thread left.
+    /// If the thread cannot be started.
     pub fn start(
         output: Box<dyn Output>,
         full: Full,
         pictures: bool,
         say: Say,
     ) -> Result<Self, CommandError> {
-        // A picture is a work of its own.
+        // An image takes one place in the queue.
         let (works, waiting) = sync_channel(match pictures {
             true => 2 * WAITING_WITH_PICTURES,
             false => WAITING,
@@ -85,13 +86,13 @@ impl Queued {
         let (give_back_picture, spare_pictures) = channel();
         let (tell, ended) = channel();
         let write = move || {
-            // Whoever takes no more frames needs no memory for them.
+            // The receiver may have been dropped.
             let give_back = |written| match written {
                 Work::Write(sensed) => give_back.send(sensed).unwrap_or_default(),
                 Work::Picture(frame) => give_back_picture.send(frame).unwrap_or_default(),
                 Work::Finish(_) => {}
             };
-            // Who does not wait for the end does not ask.
+            // The receiver may not wait for the end.
             let _ = tell.send(write_all(output, &waiting, give_back));
         };
         thread::Builder::new().name("output".into()).spawn(write)?;
@@ -108,7 +109,7 @@ impl Queued {
         })
     }
 
-    /// Why the thread has ended before it was told to.
+    /// Returns the error of a thread that ended early.
     fn why_ended(&mut self) -> String {
         self.works = None;
         match self.ended.recv() {
@@ -124,15 +125,15 @@ impl Queued {
         }
     }
 
-    /// What was dropped so far, in words.
+    /// Describes what was dropped so far.
     fn missing(&self) -> String {
         match (self.dropped, self.dropped_pictures) {
             (frames, 0) => format!("{frames} frames"),
-            (frames, pictures) => format!("{frames} frames and {pictures} pictures"),
+            (frames, pictures) => format!("{frames} frames and {pictures} images"),
         }
     }
 
-    /// Hands on what is to be written, or drops it where there is no room and it must not wait.
+    /// Queues `work`, or drops it if the queue is full and must not block.
     fn hand_on(&mut self, work: Work) -> Result<(), CommandError> {
         let Some(works) = &self.works else {
             return Ok(());
@@ -151,13 +152,13 @@ impl Queued {
         match sent {
             Ok(()) if was_dropping => {
                 let missing = self.missing();
-                (self.say)(&format!("output: goes on; {missing} are missing so far"));
+                (self.say)(&format!("output: resumed; {missing} missing so far"));
             }
             Ok(()) => {}
             Err(TrySendError::Full(_)) => {
                 self.count(is_picture);
                 if !was_dropping {
-                    (self.say)("output: the disk takes nothing; frames are left out of the file");
+                    (self.say)("output: the disk accepts no data; frames are missing in the file");
                 }
             }
             Err(TrySendError::Disconnected(_)) => {
@@ -165,7 +166,7 @@ impl Queued {
                 if self.full != Full::DropForAHand {
                     return Err(error.into());
                 }
-                (self.say)(&format!("{error}; publishing goes on without a file"));
+                (self.say)(&format!("{error}; publishing continues without a file"));
                 self.count(is_picture);
             }
         }
@@ -173,7 +174,7 @@ impl Queued {
     }
 }
 
-/// Writes all that comes, then closes `output`.
+/// Writes all queued work, then closes `output`.
 fn write_all(
     mut output: Box<dyn Output>,
     works: &Receiver<Work>,
@@ -186,7 +187,7 @@ fn write_all(
                 Ok(work) => work,
                 Err(TryRecvError::Disconnected) => return Ok(false),
                 Err(TryRecvError::Empty) => {
-                    // What is written is handed on as soon as no frame waits.
+                    // Flush as soon as no frame is waiting.
                     output.flush()?;
                     match works.recv() {
                         Ok(work) => work,
@@ -245,15 +246,15 @@ impl Output for Queued {
     }
 
     fn finish(mut self: Box<Self>, whole: bool) -> Result<Option<PathBuf>, CommandError> {
-        let slow = "output: the disk takes nothing; the file is left as it is, partial";
+        let slow = "output: the disk accepts no data; the file remains partial";
         let Some(works) = self.works.take() else {
-            return Err("output: it was not written to its end".into());
+            return Err("output: not written completely".into());
         };
         if self.full == Full::Wait {
-            // A thread that has ended says why.
+            // If the thread has ended, its result is received below.
             let _ = works.send(Work::Finish(whole));
             let ended = self.ended.recv();
-            return Ok(ended.map_err(|_| "output: it was not written to its end")??);
+            return Ok(ended.map_err(|_| "output: not written completely")??);
         }
         let start = Instant::now();
         let whole = whole && self.dropped + self.dropped_pictures == 0;

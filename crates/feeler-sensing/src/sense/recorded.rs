@@ -1,4 +1,4 @@
-//! The forces that a run has on record.
+//! Reads the forces of a recorded run.
 
 use super::output::{FrameReadings, Output};
 use super::tally::Tally;
@@ -11,7 +11,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
 
-/// Gives out the forces of one finger of the recording at `path`.
+/// Writes the forces of one finger of the recording at `path`.
 pub fn sense(
     options: &SenseOptions,
     path: &Path,
@@ -21,9 +21,10 @@ pub fn sense(
     let recording = Recording::read(path)?;
     let (finger, fingers) = (options.finger.unwrap_or(0), recording.fingers.len());
     if finger >= fingers {
-        return Err(
-            format!("--finger {finger}: expected less than {fingers}, the run's fingers").into(),
-        );
+        return Err(format!(
+            "--finger {finger}: expected less than {fingers}, the number of fingers of the run"
+        )
+        .into());
     }
     let mut output = options.open_output(true)?;
     let mut sensor = RecordedSensor::new(&recording, finger);
@@ -33,7 +34,7 @@ pub fn sense(
         Some(problem) => {
             let (path, until) = (path.display(), recording.readable_until);
             Err(format!(
-                "{path}: the recording is incomplete ({problem}); forces up to {until:.2} s"
+                "{path}: the recording is incomplete ({problem}); forces are available up to {until:.2} s"
             )
             .into())
         }
@@ -58,7 +59,7 @@ fn give_out(
         }
         let at = Instant::now();
         for (reading, &force) in readings.iter_mut().zip(&frame.forces) {
-            // There is no picture that could say more.
+            // Without an image, only the force is known.
             *reading = ElementReading {
                 integrated_gray: f64::NAN,
                 force: Some(force),

@@ -1,4 +1,4 @@
-//! Rows of text: comma-separated values, or lines of JSON.
+//! Rows of text: comma-separated values or JSON Lines.
 
 use super::output::RowWriter;
 use super::whole_rows::WholeRows;
@@ -6,16 +6,16 @@ use feeler_console::CommandError;
 use serde::Serialize;
 use std::io::{self, Write};
 
-/// Where rows are written to, in either form.
+/// A writer of rows in one of two formats.
 pub enum RowFile {
     /// Comma-separated values.
     Csv(Box<csv::Writer<WholeRows<RowWriter>>>),
-    /// Lines of JSON.
+    /// JSON Lines: one object per row.
     JsonLines(WholeRows<RowWriter>),
 }
 
 impl RowFile {
-    /// A table with these columns.
+    /// Creates a table with these columns.
     pub fn csv<'a>(
         writer: RowWriter,
         columns: impl IntoIterator<Item = &'a str>,
@@ -27,17 +27,17 @@ impl RowFile {
         Ok(Self::Csv(Box::new(writer)))
     }
 
-    /// A line for each row.
+    /// Creates a JSON Lines writer.
     pub fn json_lines(writer: RowWriter) -> Self {
         Self::JsonLines(WholeRows::new(writer))
     }
 
-    /// Writes a row whose fields have the names of the columns.
+    /// Writes a row whose fields are named like the columns.
     pub fn write(&mut self, row: &impl Serialize) -> Result<(), CommandError> {
         self.write_either(row, row)
     }
 
-    /// Writes a row: `cells`, the values of the columns in their order, or `object`, in which they have names.
+    /// Writes a row as `cells` (column values in order) to a table, or as `object` (named fields) to JSON Lines.
     pub fn write_either(
         &mut self,
         cells: &impl Serialize,
@@ -52,7 +52,7 @@ impl RowFile {
         }
     }
 
-    /// Hands on all whole rows.
+    /// Passes all complete rows on.
     pub fn flush(&mut self) -> io::Result<()> {
         match self {
             Self::Csv(writer) => writer.flush(),

@@ -1,4 +1,4 @@
-//! The sensor that the options describe.
+//! Sensors selected by the command-line options.
 
 use super::SenseOptions;
 use feeler::sensor::calibration::Calibration;
@@ -12,14 +12,14 @@ use feeler_sources::picture::read_picture;
 use std::fmt::Display;
 use std::path::Path;
 
-/// The experiment's fingertip, or the located layout.
+/// Returns the located layout if `--layout` is given, otherwise the experiment's fingertip.
 pub fn asked_sensor(options: &SenseOptions) -> Result<SensorGeometry, CommandError> {
     let layout = options.layout.as_deref();
     named_sensor(options.experiment(), options.finger, layout)
 }
 
-/// The sensing of a sensor, with calibration or reference if there is one; and what predicts the wrench, if it is that which is
-/// calibrated.
+/// Creates the sensing chain of a sensor with its calibration or reference, if any, and the wrench estimator if the
+/// calibration is one of wrenches.
 pub fn sensing_of(
     geometry: SensorGeometry,
     options: &SenseOptions,
@@ -44,8 +44,8 @@ pub fn sensing_of(
     }
     if let Some(estimator) = &estimator {
         if options.drift_correction {
-            let message = "--drift-correction: changes nothing with the calibration of a wrench, which a common gain does not \
-                           change; expected the calibration of elements";
+            let message = "--drift-correction: has no effect with a wrench calibration, which a common gain does not \
+                           change; use a calibration of elements";
             return Err(message.into());
         }
         sensing.set_reference(estimator.reference())?;
@@ -63,13 +63,14 @@ pub fn sensing_of(
 
 /// The sensor of one finger for the hand program.
 pub struct SensorOf {
-    /// Senses its pictures, forces included.
+    /// Sensing chain from images to forces.
     pub sensing: SensingChain,
-    /// SHA-256 of its fingertip or layout, by which the hand knows it.
+    /// SHA-256 of the fingertip or layout, used by the hand as its identifier.
     pub sha256: String,
 }
 
-/// The sensor of `finger` of `experiment`, by the options' layout and calibration or the experiment's own.
+/// Creates the sensor of `finger` of `experiment` with the layout and calibration in `options`, or else those of the
+/// experiment.
 pub fn for_the_hand(
     options: &SenseOptions,
     experiment: &Experiment,
@@ -99,7 +100,7 @@ pub fn for_the_hand(
     Ok(SensorOf { sensing, sha256 })
 }
 
-/// The fingertip of `finger` of the experiment called `name`, or the sensor whose `layout` was located, if one was.
+/// Returns the located sensor of `layout`, if given, otherwise the fingertip of `finger` of the experiment `name`.
 pub fn named_sensor(
     name: &str,
     finger: Option<usize>,
@@ -112,12 +113,12 @@ pub fn named_sensor(
     }
 }
 
-/// The calibration at `path`, which --calibration names, if it was made for the sensor.
+/// Reads the calibration at `path` (`--calibration`) and checks that it belongs to the sensor.
 fn named_calibration(geometry: &SensorGeometry, path: &Path) -> Result<Calibration, CommandError> {
     if named_estimator(geometry, path)?.is_some() {
         let path = path.display();
         return Err(format!(
-            "--calibration {path}: it is the calibration of a wrench; expected that of elements"
+            "--calibration {path}: expected a calibration of elements, got a wrench calibration"
         )
         .into());
     }
@@ -125,7 +126,7 @@ fn named_calibration(geometry: &SensorGeometry, path: &Path) -> Result<Calibrati
     read.map_err(|e| format!("--calibration {}: {e}", path.display()).into())
 }
 
-/// What predicts the wrench by the calibration at `path`; none where that is of elements.
+/// Creates the wrench estimator of the calibration at `path`, or `None` if it is a calibration of elements.
 fn named_estimator(
     geometry: &SensorGeometry,
     path: &Path,
@@ -137,7 +138,7 @@ fn named_estimator(
     Ok(estimator.map_err(|e| named(&e))?)
 }
 
-/// Where the centroids are in the picture at `path`.
+/// Measures the unloaded centroids in the image at `path`.
 fn reference(path: &Path, sensing: &mut SensingChain) -> Result<Reference, CommandError> {
     let picture = read_picture(path)?;
     let mut readings = vec![ElementReading::default(); sensing.element_count()];

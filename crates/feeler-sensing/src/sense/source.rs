@@ -1,4 +1,4 @@
-//! Which source is meant, and its camera.
+//! Parses the source argument and opens its camera.
 
 use super::SenseOptions;
 use crate::camera::CameraName;
@@ -13,27 +13,27 @@ use feeler_sources::video_file::{VideoFile, is_video_name};
 use std::io::stdin;
 use std::path::{Path, PathBuf};
 
-/// Where readings come from.
+/// A source of readings.
 #[derive(Debug, PartialEq)]
 pub enum Source {
-    /// Folders and files of pictures.
+    /// Folders and files of images.
     Pictures(Vec<PathBuf>),
-    /// Raw grey frames of this size (columns, rows) on standard input, px.
+    /// Raw grey frames of this size (columns, rows; px) on standard input.
     Raw((usize, usize)),
     /// A camera.
     Camera(CameraName),
-    /// A run's recording.
+    /// The recording of a run.
     Recording(PathBuf),
-    /// Pictures that were sensed before and kept.
+    /// Recorded images of a sensor.
     Sensed(PathBuf),
     /// A video file.
     Video(PathBuf),
-    /// The rig that another program plays.
+    /// A rig served by another program.
     Rig,
 }
 
 impl Source {
-    /// What the options mean.
+    /// Determines the source from the options.
     pub fn of(options: &SenseOptions) -> Result<Self, CommandError> {
         let source = Self::named(&options.sources, options.raw)?;
         let raw = matches!(source, Self::Raw(_));
@@ -49,7 +49,7 @@ impl Source {
             (
                 "--record-frames",
                 options.record_frames && recording,
-                "pictures",
+                "images",
             ),
             (
                 options.camera.given().unwrap_or_default(),
@@ -61,30 +61,26 @@ impl Source {
                 options.finger.is_some() && !recording && options.layout.is_some(),
                 "a recorded run or an experiment's fingertip",
             ),
-            (
-                "--layout",
-                options.layout.is_some() && recording,
-                "pictures",
-            ),
+            ("--layout", options.layout.is_some() && recording, "images"),
             (
                 "--calibration",
                 options.calibration.is_some() && recording,
-                "pictures",
+                "images",
             ),
             (
                 "--reference",
                 options.reference.is_some() && recording,
-                "pictures",
+                "images",
             ),
             (
                 "--unloaded",
                 options.unloaded.is_some() && recording,
-                "pictures",
+                "images",
             ),
         ];
         match of_no_use.into_iter().find(|&(_, given, _)| given) {
             Some((flag, _, what)) => Err(format!(
-                "{flag} is for {what}; {} is something else",
+                "{flag} requires {what}, got {}",
                 options.sources[0].display()
             )
             .into()),
@@ -92,7 +88,7 @@ impl Source {
         }
     }
 
-    /// Whether it ends only when somebody ends it: what was sensed until then is whole.
+    /// Returns `true` if the source ends only when interrupted. An interrupted stream is complete.
     pub fn is_stream(&self) -> bool {
         matches!(self, Self::Raw(_) | Self::Camera(_) | Self::Rig)
     }
@@ -102,7 +98,7 @@ impl Source {
             return match paths.iter().find(|path| is_video_name(path)) {
                 Some(video) => {
                     let video = video.display();
-                    Err(format!("{video}: expected one video by itself, or pictures").into())
+                    Err(format!("{video}: expected a single video, or only images").into())
                 }
                 None => Ok(Self::Pictures(paths.to_vec())),
             };
@@ -136,7 +132,7 @@ impl Source {
         Ok(Self::Pictures(vec![path.clone()]))
     }
 
-    /// The source's camera, whose pictures must have `size` (columns, rows), px.
+    /// Opens the camera of the source, whose images must have `size` (columns, rows; px).
     pub fn camera(
         &self,
         options: &SenseOptions,
@@ -159,21 +155,24 @@ impl Source {
                 let settings = options.camera.settings(size, options.rate());
                 Ok(name.open(settings)?.camera)
             }
-            Self::Rig => Err("rig: its pictures come over the link".into()),
+            Self::Rig => Err("rig: its images are received over the link".into()),
             Self::Recording(path) => {
                 let path = path.display();
-                Err(format!("{path}: the pictures of a run are for `feeler replay`").into())
+                Err(
+                    format!("{path}: expected images, got a recorded run; use `feeler replay`")
+                        .into(),
+                )
             }
         }
     }
 }
 
-/// The pictures in the recording of a sensor at `path`.
+/// Opens the images in a sensor's recording at `path`.
 fn sensed_pictures(path: &Path) -> Result<Box<dyn Camera + Send>, CommandError> {
     let pictures = SensedPictures::open(path)?;
     if pictures.is_empty() {
         return Err(format!(
-            "{}: there are no pictures in it; expected a recording made by `feeler sense --record-frames`",
+            "{}: contains no images; expected a recording made by `feeler sense --record-frames`",
             path.display()
         )
         .into());
@@ -181,7 +180,7 @@ fn sensed_pictures(path: &Path) -> Result<Box<dyn Camera + Send>, CommandError> 
     Ok(Box::new(pictures))
 }
 
-/// Refuses frames of another size than the fingertip's.
+/// Rejects frames whose size differs from the fingertip's.
 fn check_size(
     flag: &str,
     (width, height): (usize, usize),
@@ -191,8 +190,8 @@ fn check_size(
         return Ok(());
     }
     Err(format!(
-        "{flag} {width}x{height}: the fingertip's pictures are of {}x{} px; expected these, or another \
-         fingertip (--layout, as `feeler locate` writes it, or --experiment)",
+        "{flag} {width}x{height}: expected the size of the fingertip's images, {}x{} px; change the size or the fingertip \
+         (--layout, written by `feeler locate`, or --experiment)",
         expected.0, expected.1
     )
     .into())

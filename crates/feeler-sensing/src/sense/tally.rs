@@ -1,4 +1,4 @@
-//! Counts what was sensed and what was not, and says so on standard error.
+//! Counts sensed, skipped and dropped frames and reports them on standard error.
 
 use super::beside::{Beside, INTERVAL};
 use feeler::sensor::exposure::Exposure;
@@ -6,33 +6,33 @@ use feeler::sensor::sensing::ElementReading;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 
-/// Elements that are named in one warning at most.
+/// Maximum number of elements named in one warning.
 const NAMED: usize = 12;
 
-/// What came of the frames so far.
+/// Statistics of the frames so far.
 pub struct Tally {
     beside: Beside,
     shown: Instant,
     start: Instant,
     frames: u64,
     skipped: u64,
-    /// Why the first picture was skipped.
+    /// Reason why the first skipped image was skipped.
     first_skipped: Option<String>,
     dropped: u64,
-    /// The number that the next frame should have.
+    /// Expected number of the next frame.
     expected: Option<u64>,
-    /// How old the newest frame was when it was written.
+    /// Age of the latest frame when it was written.
     age: Duration,
     black: Uniform,
     white: Uniform,
     same: Uniform,
-    /// What the newest picture showed.
+    /// Readings of the latest image.
     seen: Vec<ElementReading>,
     dark: BTreeMap<usize, u64>,
     saturated: BTreeMap<usize, u64>,
 }
 
-/// Frames of one kind: the same all over, or as the one before.
+/// Counter of frames of one kind, such as black frames, and the first of them.
 #[derive(Default)]
 struct Uniform {
     count: u64,
@@ -49,7 +49,7 @@ impl Uniform {
 }
 
 impl Tally {
-    /// Nothing yet. What it says waits for the terminal, or, where somebody waits for what is sensed, not.
+    /// Creates empty statistics. If `waits` is `false`, messages are printed by background threads and never block.
     pub fn new(waits: bool) -> Self {
         let now = Instant::now();
         Self {
@@ -71,21 +71,21 @@ impl Tally {
         }
     }
 
-    /// Frames that were sensed.
+    /// Number of sensed frames.
     pub fn frames(&self) -> u64 {
         self.frames
     }
 
-    /// That there was nothing to sense, and why the first picture was not.
+    /// Returns the error message for a source without usable frames, with the reason for the first skipped image.
     pub fn nothing(&self) -> String {
         let skipped = match (self.skipped, &self.first_skipped) {
             (count, Some(first)) => format!("{count} skipped, the first: {first}"),
             (count, None) => format!("{count} skipped"),
         };
-        format!("there was no frame to sense ({skipped}); expected at least 1")
+        format!("no frame was sensed ({skipped}); expected at least 1")
     }
 
-    /// Counts a frame that came in at `at`.
+    /// Counts a frame received at `at`.
     pub fn frame(&mut self, sequence: u64, at: Instant, readings: &[ElementReading]) {
         self.dropped += self.expected.map_or(0, |e| sequence.saturating_sub(e));
         self.expected = Some(sequence.saturating_add(1));
@@ -98,7 +98,8 @@ impl Tally {
         }
     }
 
-    /// The same for a picture, of which no two are alike unless one is a copy.
+    /// Like [`frame`](Self::frame), but also counts images that are identical to the previous one, which indicates a
+    /// copy.
     pub fn picture(&mut self, sequence: u64, at: Instant, readings: &[ElementReading]) {
         let alike = |(a, b): (&ElementReading, &ElementReading)| {
             a.integrated_gray == b.integrated_gray && a.centroid == b.centroid
@@ -133,7 +134,7 @@ impl Tally {
         }
     }
 
-    /// Counts and names a picture that is skipped. Its number is not called dropped.
+    /// Counts and reports a skipped image. Its number is not counted as dropped.
     pub fn skip(&mut self, reason: &str) {
         self.skipped += 1;
         self.first_skipped.get_or_insert_with(|| reason.to_owned());
@@ -141,28 +142,28 @@ impl Tally {
         self.warn(&format!("skipped: {reason}"));
     }
 
-    /// Counts lines of a table that are no frames.
+    /// Adds skipped lines of a table.
     pub fn skip_lines(&mut self, count: u64) {
         self.skipped += count;
     }
 
-    /// Says something that is not as it should be.
+    /// Prints a warning.
     pub fn warn(&self, warning: &str) {
         self.beside.say(&format!("warning: {warning}"));
     }
 
-    /// Says something that the user may want to know.
+    /// Prints a note.
     pub fn note(&self, note: &str) {
         self.beside.say(note);
     }
 
-    /// The same as [`warn`](Self::warn), for somebody else to call.
+    /// Returns a function that prints warnings from another thread.
     pub fn warner(&self) -> Box<dyn FnMut(&str) + Send> {
         let mut say = self.beside.sayer();
         Box::new(move |warning| say(&format!("warning: {warning}")))
     }
 
-    /// Takes the progress off the screen and says how it went.
+    /// Removes the progress line and prints the summary.
     pub fn close(&self) {
         self.beside.clear();
         let uniform = [(&self.black, "black"), (&self.white, "white")];
@@ -170,19 +171,19 @@ impl Tally {
             let first = uniform.first;
             let frames = frames(uniform.count);
             self.warn(&format!(
-                "{frames} all {colour}, the first of them frame {first}; no forces"
+                "{frames} all {colour}, the first is frame {first}; no forces"
             ));
         }
         if self.same.count > 0 {
             let (same, first) = (frames(self.same.count), self.same.first);
             self.warn(&format!(
-                "{same} whose readings are those of the one before: kept; the first of them frame {first}"
+                "{same} with readings identical to the previous frame (kept), the first is frame {first}"
             ));
         }
         let lit = [(&self.dark, "dark"), (&self.saturated, "saturated")];
         for (elements, how) in lit.into_iter().filter(|(e, _)| !e.is_empty()) {
             let names = named(elements);
-            self.warn(&format!("sub-regions {how}, no force there: {names}"));
+            self.warn(&format!("{how} sub-regions, force omitted: {names}"));
         }
         self.beside.say(&self.line());
     }

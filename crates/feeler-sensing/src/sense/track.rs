@@ -1,4 +1,4 @@
-//! Markers followed by identity: pictures in, displacements and how sure they are out.
+//! `feeler sense --track`: tracks the identity of markers and writes displacements with their confidence.
 
 use super::frames::WAIT;
 use super::output::{Format, FrameReadings, OfPictures, Output, RowWriter};
@@ -20,16 +20,16 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-/// How a picture follows from the one before.
+/// Relation between successive images.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Track {
-    /// Pictures follow each other in time.
+    /// Images are consecutive in time; markers are tracked from one to the next.
     Video,
-    /// Each picture stands for itself.
+    /// Images are independent; each is matched against the layout alone.
     Single,
 }
 
-/// Follows the markers of the layout through all pictures of `source`, or those until `interrupted`.
+/// Tracks the markers of the layout through all images of `source`, or until `interrupted`.
 pub fn sense(
     options: &SenseOptions,
     track: Track,
@@ -38,7 +38,7 @@ pub fn sense(
     interrupted: &AtomicBool,
 ) -> Result<(), CommandError> {
     let Some(path) = &options.layout else {
-        return Err("--track: expected --layout LAYOUT.toml, as `feeler locate` writes it".into());
+        return Err("--track: requires --layout LAYOUT.toml, written by `feeler locate`".into());
     };
     let layout = read_layout(path).map_err(|e| format!("--layout {}: {e}", path.display()))?;
     let mut stage = Stage::new(&layout, track)?;
@@ -58,9 +58,9 @@ struct Stage {
     tracker: MarkerTracker,
     track: Track,
     readings: Vec<ElementReading>,
-    /// Pictures in which markers were found again by the reference alone.
+    /// Number of images in which markers were recovered by matching against the reference.
     found_again: u64,
-    /// Pictures that show no pattern of markers, and the first of them.
+    /// Number of images without a pattern of markers, and the first of them.
     without: Option<(u64, u64)>,
 }
 
@@ -83,7 +83,7 @@ impl Stage {
         interrupted: &AtomicBool,
     ) -> Result<(), CommandError> {
         while !is_raised(interrupted) {
-            // What is written is handed on as soon as no frame waits.
+            // Flush as soon as no frame is waiting.
             let mut captured = pump.next(Duration::ZERO);
             if captured.is_none() {
                 output.flush()?;
@@ -114,7 +114,7 @@ impl Stage {
         Ok(())
     }
 
-    /// Finds the markers in the next picture.
+    /// Locates the markers in the next image.
     fn see(&mut self, picture: &Picture, sequence: u64) -> Result<(), CommandError> {
         if self.track == Track::Video {
             self.tracker.track(picture)?;
@@ -123,7 +123,7 @@ impl Stage {
             match self.tracker.match_picture(picture) {
                 Ok(_) => self.found_again += u64::from(self.track == Track::Video),
                 Err(TrackError::Locate(_)) => {
-                    // Nothing like markers is seen; all are lost.
+                    // No pattern is visible: all markers are lost.
                     self.tracker.lose();
                     let (count, first) = self.without.unwrap_or((0, sequence));
                     self.without = Some((count + 1, first));
@@ -148,24 +148,24 @@ impl Stage {
         if self.found_again > 0 {
             let count = self.found_again;
             tally.warn(&format!(
-                "markers were lost or in doubt in {count} frames, and matched against the layout anew"
+                "markers were lost or uncertain in {count} frames and were matched against the layout again"
             ));
         }
         if let Some((count, first)) = self.without {
             tally.warn(&format!(
-                "{count} frames show no pattern of markers, the first of them frame {first}"
+                "{count} frames show no pattern of markers, the first is frame {first}"
             ));
         }
     }
 }
 
-/// What is said of each marker.
+/// Output format for tracked markers.
 struct OfMarkers {
-    /// The finger whose pictures are kept, if they are.
+    /// Finger whose images are recorded, or `None` if images are not recorded.
     pictures: Option<usize>,
 }
 
-/// One marker in one frame, as it is written.
+/// One marker in one frame as written.
 #[derive(Serialize)]
 struct Row {
     frame: u64,
@@ -202,7 +202,7 @@ impl Format for OfMarkers {
     }
 
     fn mcap(&self, path: &Path) -> Result<Box<dyn Output>, CommandError> {
-        // Moments as without tracking; of a marker that is lost there is no displacement.
+        // Moments as without tracking; a lost marker has no displacement.
         OfPictures {
             forces: false,
             pictures: self.pictures,

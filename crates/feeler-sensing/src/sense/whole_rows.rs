@@ -1,22 +1,22 @@
-//! Whole rows for the system: a program that is killed leaves no half of one.
+//! Buffers output so that only complete rows are written, even if the program is killed.
 
 use std::io::{self, Write};
 
-/// Bytes that are collected before they are handed on, unless somebody asks for them earlier.
+/// Maximum number of buffered bytes before a write.
 const BUFFER: usize = 1 << 16;
 
-/// Collects what is written and hands on whole rows, which end with a line feed.
+/// Buffers output and writes complete rows only. A row ends with a line feed.
 ///
-/// A flush hands on all whole rows; what stands after the last of them waits for its end.
+/// A flush writes all complete rows; an incomplete row remains in the buffer.
 pub struct WholeRows<W> {
     writer: W,
     waiting: Vec<u8>,
-    /// Bytes that wait, up to the end of the last whole row.
+    /// Length of the buffered data up to the end of the last complete row.
     whole: usize,
 }
 
 impl<W: Write> WholeRows<W> {
-    /// Hands them on to `writer`.
+    /// Creates a buffer in front of `writer`.
     pub fn new(writer: W) -> Self {
         Self {
             writer,
@@ -27,7 +27,7 @@ impl<W: Write> WholeRows<W> {
 
     fn hand_on(&mut self) -> io::Result<()> {
         let written = self.writer.write_all(&self.waiting[..self.whole]);
-        // Also after an error: nothing is written twice.
+        // Also after an error, so that nothing is written twice.
         self.waiting.drain(..self.whole);
         self.whole = 0;
         written
@@ -58,7 +58,7 @@ mod tests {
     use proptest::prelude::*;
     use std::sync::{Arc, Mutex};
 
-    /// What the system was handed, write by write.
+    /// Data passed to the operating system, write by write.
     #[derive(Clone, Default)]
     struct System(Arc<Mutex<Vec<Vec<u8>>>>);
 
@@ -74,7 +74,7 @@ mod tests {
     }
 
     proptest! {
-        /// However rows are cut into pieces, and whenever somebody asks for them.
+        /// Holds for any split of rows into writes and any flushes in between.
         #[test]
         fn the_system_is_handed_whole_rows(
             pieces in proptest::collection::vec(("[a-z\n]{0,40}", 1..600usize, any::<bool>()), 0..60)

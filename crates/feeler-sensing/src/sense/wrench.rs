@@ -1,4 +1,4 @@
-//! The wrench in each frame: a table, lines of JSON, or MCAP.
+//! Writes the wrench of each frame as a table, JSON Lines, or MCAP.
 
 use super::output::{Format, FrameReadings, Output, Pictures, RowWriter, moments};
 use super::row_file::RowFile;
@@ -12,13 +12,13 @@ use feeler_record::{MessageSink, SensedWriter};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// Name of the frame in which a wrench was measured.
+/// Name of the coordinate frame in which wrenches are given.
 const FRAME: &str = "wrench_sensor";
 
-/// The wrench that the estimator predicts of what pictures say.
+/// Output format for the wrench that the estimator predicts from each image.
 pub struct OfWrench {
     pub estimator: WrenchEstimator,
-    /// The finger whose pictures are kept, if they are.
+    /// Finger whose images are recorded, or `None` if images are not recorded.
     pub pictures: Option<usize>,
 }
 
@@ -52,7 +52,7 @@ impl Format for OfWrench {
     }
 }
 
-/// Something that wrenches are written to.
+/// A destination for wrenches.
 trait Sink: Send {
     fn write(
         &mut self,
@@ -60,15 +60,15 @@ trait Sink: Send {
         estimate: &WrenchEstimate,
     ) -> Result<(), CommandError>;
 
-    /// Writes the picture of a frame, where pictures are kept.
+    /// Writes the image of a frame if images are recorded.
     fn write_picture(&mut self, _frame: &Frame) -> Result<(), CommandError> {
         Ok(())
     }
 
-    /// Hands on what was collected, where that costs no room.
+    /// Passes buffered data on unless this enlarges the file.
     fn flush(&mut self) -> Result<(), CommandError>;
 
-    /// Hands on everything that was collected.
+    /// Passes all buffered data on.
     fn settle(&mut self) -> Result<(), CommandError> {
         self.flush()
     }
@@ -76,7 +76,7 @@ trait Sink: Send {
     fn finish(self: Box<Self>) -> Result<(), CommandError>;
 }
 
-/// Predicts wrenches and hands them on.
+/// Predicts wrenches and writes them to a sink.
 struct Estimated {
     estimator: WrenchEstimator,
     sink: Box<dyn Sink>,
@@ -109,7 +109,7 @@ impl Output for Estimated {
             frames, invalid, ..
         } = self;
         (*invalid > 0).then(|| {
-            format!("{invalid} of {frames} frames are unlike those of the calibration; their wrench is not valid")
+            format!("{invalid} of {frames} frames differ too much from those of the calibration; their wrench is not valid")
         })
     }
 
@@ -118,7 +118,7 @@ impl Output for Estimated {
     }
 }
 
-/// The wrench in one frame, as it is written; what there is not is left empty.
+/// The wrench of one frame as written; missing values are empty.
 #[derive(Serialize)]
 struct Row {
     frame: u64,
@@ -171,7 +171,7 @@ impl Sink for Rows {
     }
 }
 
-/// ROS 2 messages in an MCAP file: moments and wrenches; pictures where they are kept.
+/// ROS 2 messages in an MCAP file: moments, wrenches and, if recorded, images.
 struct Mcap {
     writer: SensedWriter,
     pictures: Pictures,
@@ -184,7 +184,7 @@ impl Sink for Mcap {
         estimate: &WrenchEstimate,
     ) -> Result<(), CommandError> {
         self.writer.write(MOMENTS, &moments(frame))?;
-        // What there is not, or is not valid, is not a number.
+        // Components that are missing or not valid become NaN.
         let known = |component: Option<f64>| component.filter(|_| estimate.valid);
         let [f_x, f_y, f_z, m_x, m_y, m_z] =
             (estimate.components).map(|component| known(component).unwrap_or(f64::NAN));
@@ -213,7 +213,7 @@ impl Sink for Mcap {
         self.pictures.write(frame, &mut self.writer)
     }
 
-    /// Not for every frame: each time costs 0.6 KB.
+    /// Does nothing, because each flush adds 0.6 KB to the file.
     fn flush(&mut self) -> Result<(), CommandError> {
         Ok(())
     }

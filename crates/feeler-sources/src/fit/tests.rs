@@ -14,7 +14,7 @@ fn a_gelsight_mini_fits_pictures_of_common_sizes() {
 }
 
 #[test]
-fn what_would_be_enlarged_or_cut_too_far_is_refused() {
+fn enlarging_and_excessive_cropping_are_refused() {
     let refused = |offered, wanted, words: &str| {
         let error = Fit::new(offered, wanted).expect_err("no fit").to_string();
         assert!(error.contains(words), "{error}");
@@ -22,7 +22,7 @@ fn what_would_be_enlarged_or_cut_too_far_is_refused() {
     refused(
         (320, 240),
         (640, 480),
-        "320x240 px are too few for pictures of 640x480 px",
+        "320x240 px are too few for images of 640x480 px",
     );
     refused((640, 470), (640, 480), "too few");
     refused(
@@ -34,10 +34,11 @@ fn what_would_be_enlarged_or_cut_too_far_is_refused() {
     refused((640, 480), (0, 480), "too few");
 }
 
-/// Area averages by sampling each area at so many places that none lies on an edge of a pixel and each pixel gets its share exactly.
+/// Area averages by dense sampling. No sample lies on the edge of a pixel, and each pixel gets its exact share.
 fn sampled(fit: &Fit, source: &[u8]) -> Vec<f64> {
     let (width, height) = fit.wanted;
-    // The side that is not cut has this many pixels to one wanted pixel, as a fraction; half of it is the unit of the cut.
+    // The side that is not cropped has this many pixels per output pixel, as a fraction; the crop is a multiple of
+    // half of it.
     let columns_limit = fit.offered.0 * height <= fit.offered.1 * width;
     let samples = 2 * if columns_limit {
         fit.offered.0
@@ -66,7 +67,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
     #[test]
-    fn areas_are_averaged_as_samples_of_them(
+    fn area_averages_equal_dense_sampling(
         wanted in (1_usize..8, 1_usize..8),
         more in (0_usize..30, 0_usize..30),
         seed in any::<u32>(),
@@ -77,7 +78,7 @@ proptest! {
         let source: Vec<u8> = (0..offered.0 * offered.1).map(pixel).collect();
         let mut pixels = vec![0; wanted.0 * wanted.1];
         AreaAverage::new(&fit, 1).average(&source, offered.0, &mut pixels);
-        // Half a grey level of rounding, and what single precision loses in a sum of 37 x 37 products.
+        // Half a grey level of rounding, and the single-precision error in a sum of 37 x 37 products.
         let bound = 0.5 + 1e-2;
         for (pixel, sampled) in pixels.iter().zip(sampled(&fit, &source)) {
             prop_assert!((f64::from(*pixel) - sampled).abs() <= bound, "{} of {}", pixel, sampled);
@@ -85,7 +86,7 @@ proptest! {
     }
 
     #[test]
-    fn an_even_picture_stays_even_and_a_ramp_a_ramp(
+    fn a_uniform_image_stays_uniform_and_a_ramp_monotonic(
         wanted in (2_usize..60, 2_usize..60),
         scale in 1.0..9.0_f64,
         grey in any::<u8>(),
@@ -103,7 +104,7 @@ proptest! {
         average.average(&ramp, columns, &mut pixels);
         for row in pixels.chunks(wanted.0) {
             prop_assert!(row.is_sorted());
-            // Single precision may round the same value to another grey level in another row.
+            // Single precision may round the same value to a different grey level in another row.
             prop_assert!(row.iter().zip(&pixels).all(|(a, b)| a.abs_diff(*b) <= 1));
         }
     }
@@ -114,7 +115,7 @@ proptest! {
         wanted in (1_usize..2000, 1_usize..2000),
     ) {
         if let Ok(fit) = Fit::new(offered, wanted) {
-            // What is kept lies within the picture, and touches two of its edges.
+            // The kept area lies within the image and touches two of its edges.
             let kept = (fit.cell * wanted.0 as f64, fit.cell * wanted.1 as f64);
             let over = [kept.0 - offered.0 as f64, kept.1 - offered.1 as f64];
             prop_assert!(over.iter().all(|&over| over < 1e-6));

@@ -1,7 +1,8 @@
-//! Aravis 0.8, loaded when a camera is asked for, so that nothing of it is needed to build. All that is unsafe is here and in the two
-//! modules below.
+//! Bindings to Aravis 0.8, which is loaded when a camera is opened, so that builds do not need it. All unsafe code of
+//! the module `genicam` is here and in the two submodules.
 //!
-//! The functions are those of Aravis' reference manual; their types must be those of its header files, as no compiler compares them.
+//! The functions are documented in Aravis' reference manual. Their types must match its header files, which no
+//! compiler checks.
 
 #![allow(unsafe_code, reason = "a C library")]
 
@@ -17,13 +18,13 @@ use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
 use std::ptr::{NonNull, null, null_mut};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
-/// The library's name: that of its stable interface 0.8, as every distribution has it.
+/// Name of the shared library with the stable interface 0.8, the same in all distributions.
 const LIBRARY: &str = "libaravis-0.8.so.0";
 
-/// A `GObject` of some kind.
+/// Pointer to a `GObject`.
 type Object = *mut c_void;
 
-/// GLib's error.
+/// GLib's `GError`.
 #[repr(C)]
 pub(super) struct GError {
     domain: u32,
@@ -41,13 +42,13 @@ macro_rules! functions {
         }
 
         impl Functions {
-            /// Those of `library`.
+            /// Looks up the functions in `library`.
             ///
             /// # Safety
             /// `library` must be Aravis 0.8, whose functions have these types.
             unsafe fn of(library: &Library) -> Result<Self, libloading::Error> {
                 Ok(Self {
-                    // SAFETY: the caller says that the functions have these types.
+                    // SAFETY: the caller guarantees that the functions have these types.
                     $($name: *unsafe { library.get(concat!(stringify!($name), "\0").as_bytes()) }?,)*
                 })
             }
@@ -118,23 +119,23 @@ functions! {
     g_error_free(*mut GError);
 }
 
-/// Aravis, and what it has found.
+/// The loaded library.
 pub(super) struct Aravis {
     functions: Functions,
-    /// Aravis' list of devices is one for the whole process.
+    /// Guards Aravis' list of devices, which is global in the process.
     devices: Mutex<()>,
 }
 
 impl Aravis {
-    /// The library, loaded once; why it is not there.
+    /// Loads the library once; returns the reason if that fails.
     pub(super) fn load() -> Result<&'static Self, String> {
         static LOADED: OnceLock<Result<Aravis, String>> = OnceLock::new();
         let load = || {
-            // SAFETY: loading runs the constructors of Aravis and GLib, which ask for nothing.
+            // SAFETY: loading runs the constructors of Aravis and GLib, which have no preconditions.
             let library = unsafe { Library::new(LIBRARY) }.map_err(|e| e.to_string())?;
             // SAFETY: a library of this name is Aravis with the stable interface 0.8.
             let functions = unsafe { Functions::of(&library) }.map_err(|e| e.to_string())?;
-            // GLib's threads and types outlive every camera: it stays for as long as the process.
+            // GLib's threads and types outlive every camera, so the library is never unloaded.
             std::mem::forget(library);
             let devices = Mutex::new(());
             Ok(Self { functions, devices })
@@ -142,25 +143,25 @@ impl Aravis {
         LOADED.get_or_init(load).as_ref().map_err(Clone::clone)
     }
 
-    /// Lets Aravis simulate a camera, `Fake_1`.
+    /// Enables the camera `Fake_1`, which Aravis simulates.
     pub(super) fn enable_fake(&self) {
         let _one = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
-        // SAFETY: the text ends with a zero; the lock keeps others from the list of interfaces.
+        // SAFETY: the text is zero-terminated; the lock guards the list of interfaces.
         unsafe { (self.functions.arv_enable_interface)(c"Fake".as_ptr()) }
     }
 
-    /// All cameras that answer, which takes a second.
+    /// Lists all cameras that respond. Takes a second.
     pub(super) fn devices(&self) -> Vec<GenicamDevice> {
         let _one = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
         let functions = &self.functions;
-        // SAFETY: nothing is asked for.
+        // SAFETY: the functions have no preconditions.
         let count = unsafe {
             (functions.arv_update_device_list)();
             (functions.arv_get_n_devices)()
         };
         let device = |index: c_uint| {
-            // SAFETY: `index` is below the number of devices, of which nobody else makes a new list; the texts are Aravis' own
-            // until then, and copied.
+            // SAFETY: `index` is below the number of devices, and the lock keeps the list unchanged. The texts belong
+            // to Aravis and are copied.
             let text =
                 |of: unsafe extern "C" fn(c_uint) -> *const c_char| unsafe { text(of(index)) };
             GenicamDevice {
@@ -175,7 +176,7 @@ impl Aravis {
         (0..count).map(device).collect()
     }
 
-    /// Opens the camera with this id, serial number or address, or the first one.
+    /// Opens the camera with this id, serial number or address, or the first camera if `None`.
     pub(super) fn open(&'static self, id: Option<&str>) -> Result<Device, String> {
         let id = id
             .map(CString::new)
@@ -183,7 +184,7 @@ impl Aravis {
             .map_err(|e| e.to_string())?;
         let id = id.as_ref().map_or(null(), |id| id.as_ptr());
         let _one = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
-        // SAFETY: `id` is null or a text that ends with a zero and outlives the call.
+        // SAFETY: `id` is null or a zero-terminated text that outlives the call.
         let camera =
             self.checked(|failure| unsafe { (self.functions.arv_camera_new)(id, failure) })?;
         let camera = NonNull::new(camera).ok_or("no camera")?;
@@ -193,14 +194,14 @@ impl Aravis {
         })
     }
 
-    /// What `call` gives, or the error that it left.
+    /// Returns the result of `call`, or the message of the error that it sets.
     fn checked<T>(&self, call: impl FnOnce(Failure) -> T) -> Result<T, String> {
         let mut error = null_mut();
         let value = call(&raw mut error);
         let Some(error) = NonNull::new(error) else {
             return Ok(value);
         };
-        // SAFETY: GLib left an error, which is the caller's to read and to free.
+        // SAFETY: GLib has set an error, which the caller may read and must free.
         unsafe {
             let message = text(error.as_ref().message);
             (self.functions.g_error_free)(error.as_ptr());
@@ -209,15 +210,15 @@ impl Aravis {
     }
 }
 
-/// A copy of a C text; empty where there is none.
+/// Copies a C string; a null pointer gives an empty string.
 ///
 /// # Safety
-/// `text` must be null or end with a zero.
+/// `text` must be null or zero-terminated.
 unsafe fn text(text: *const c_char) -> String {
     if text.is_null() {
         return String::new();
     }
-    // SAFETY: the caller says so.
+    // SAFETY: guaranteed by the caller.
     let text = unsafe { CStr::from_ptr(text) };
     text.to_string_lossy().into_owned()
 }

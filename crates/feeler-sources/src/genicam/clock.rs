@@ -1,39 +1,39 @@
-//! A device's stamps on the host's clock, and its frame counter as sequence numbers. No device is needed for it.
+//! Maps a camera's stamps onto the host's clock and its frame counter onto sequence numbers. Independent of hardware.
 
-/// Arrivals by which the offset between both clocks is known reach back one to two of these, s. Clocks drift by some 50 ppm, a
-/// quarter of a millisecond in that time.
+/// The clocks' offset is estimated from arrivals of the last one to two of these windows, s. Clocks drift by some 50
+/// ppm, a quarter of a millisecond in that time.
 const WINDOW: f64 = 5.0;
-/// Part of the device's own interval by which a stamp follows the one before it at least.
+/// Minimum increment of a stamp, as a fraction of the device's own interval.
 const LEAST_STEP: f64 = 0.5;
 
 /// Maps a device's clock onto the host's.
 ///
-/// A picture arrives some time after it was taken, never before, so that the clocks' offset is the least difference between arrival
-/// and device time: that of the fastest of the last pictures. A stamp never goes back and is never later than the arrival. A device
-/// clock that stands still, goes back or runs fast therefore makes no picture look newer than one without a clock would be; one
-/// that runs slow makes pictures look older than they are.
+/// An image arrives some time after its exposure, never before. The offset of the clocks is therefore the smallest
+/// difference between arrival and device time among recent images. A stamp never decreases and is never later than
+/// the arrival. If the device's clock stops, goes back or runs fast, no image looks newer than it would without a
+/// device clock; if it runs slow, images look older than they are.
 #[derive(Debug, Default)]
 pub(super) struct DeviceClock {
     anchor: Option<Anchor>,
-    /// The newest stamp, s.
+    /// Latest stamp, s.
     stamp: f64,
 }
 
 #[derive(Debug)]
 struct Anchor {
-    /// Device time of the picture that the others count from, and of the newest, ns.
+    /// Device time of the reference image and of the latest image, ns.
     origin: u64,
     newest: u64,
-    /// Least offset in this window and in the one before, s.
+    /// Smallest offset in this window and in the previous one, s.
     offset: f64,
     before: f64,
-    /// When this window began, s.
+    /// Start of this window, s.
     began: f64,
 }
 
 impl DeviceClock {
-    /// The stamp (s on the host's clock) of a picture that the device took at `device` ns of its own clock and that came in at
-    /// `arrival`, s.
+    /// Returns the stamp (s, host clock) of an image with the device time `device` (ns) that arrived at `arrival`
+    /// (s).
     pub(super) fn stamp(&mut self, device: u64, arrival: f64) -> f64 {
         let known = self.anchor.as_mut().filter(|known| device > known.newest);
         let (time, step) = match known {
@@ -49,7 +49,7 @@ impl DeviceClock {
                 let time = seconds(device - known.origin) + known.offset.min(known.before);
                 (time, LEAST_STEP * step)
             }
-            // The first picture, or a clock that was set back or stands still.
+            // First image, or a clock that was set back or has stopped.
             None => {
                 self.anchor = Some(Anchor {
                     origin: device,
@@ -61,7 +61,8 @@ impl DeviceClock {
                 (arrival, 0.0)
             }
         };
-        // An offset that falls at once would put a picture before the last one, or so close to it that its forces seem to jump.
+        // A sudden drop of the offset would put an image before the previous one, or so close to it that its forces
+        // seem to jump.
         let forward = time.max(self.stamp + step).min(arrival);
         self.stamp = forward.max(self.stamp);
         self.stamp
@@ -72,16 +73,16 @@ fn seconds(nanoseconds: u64) -> f64 {
     nanoseconds as f64 * 1e-9
 }
 
-/// Makes sequence numbers of a device's frame numbers, which GigE Vision counts from 1 to 65535 and again from 1.
+/// Converts a device's frame numbers to sequence numbers. GigE Vision counts from 1 to 65535 and restarts at 1.
 #[derive(Debug, Default)]
 pub(super) struct FrameCounter {
-    /// Frame number and sequence number of the newest picture.
+    /// Frame number and sequence number of the latest image.
     newest: Option<(u64, u64)>,
 }
 
 impl FrameCounter {
-    /// The sequence number of the picture with the device's number `id`: greater than the last, by as much more than 1 as there
-    /// were pictures in between. None of a picture that was taken before the last one.
+    /// Returns the sequence number of the image with the device's frame number `id`. It exceeds the previous one by 1
+    /// plus the number of missing images. `None` if the image was taken before the previous one.
     pub(super) fn sequence(&mut self, id: u64) -> Option<u64> {
         let sequence = match self.newest {
             None => 0,
@@ -92,10 +93,10 @@ impl FrameCounter {
     }
 }
 
-/// Pictures from number `before` to number `id`; none where that is a late one.
+/// Number of images from frame `before` to frame `id`, or `None` if `id` is a late arrival.
 fn steps(before: u64, id: u64) -> Option<u64> {
     const WRAP: u64 = u16::MAX as u64;
-    /// A picture is this far behind others at most; a counter that is set back is further.
+    /// Maximum lag of a late image, in frames. A larger step back means that the counter was reset.
     const LATE: u64 = 64;
     let behind = match id > before {
         true if id <= WRAP => (before + WRAP).saturating_sub(id),
@@ -108,7 +109,7 @@ fn steps(before: u64, id: u64) -> Option<u64> {
     if id > before {
         return Some((id - before).min(u64::from(u32::MAX)));
     }
-    // Less than half the way around: the counter has wrapped. More: it was set back, or stands still.
+    // Less than half a turn: the counter has wrapped. More: it was reset or has stopped.
     let around = (WRAP + id).saturating_sub(before);
     if before <= WRAP && around < WRAP / 2 {
         return Some(around.max(1));
@@ -121,7 +122,8 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Device times (ns) and arrivals (s) of 60 pictures a second, by a clock that is `fast` by a part, each late by what `late` says.
+    /// Device times (ns), arrivals (s) and exposure times (s) of images at 60 Hz. The device clock is fast by the
+    /// fraction `fast`; `late` returns the latency (s) of each image.
     fn pictures(count: usize, fast: f64, late: impl Fn(usize) -> f64) -> Vec<(u64, f64, f64)> {
         let mut arrived = 0.0_f64;
         let picture = |index: usize| {
@@ -133,7 +135,7 @@ mod tests {
         (0..count).map(picture).collect()
     }
 
-    /// A network that is fast once in a second: 2 ms, and up to 42 ms else.
+    /// Latency of a network that is fast once a second: 2 ms then, up to 42 ms otherwise.
     fn late(index: usize) -> f64 {
         if index % 60 == 30 {
             return 2e-3;
@@ -142,15 +144,15 @@ mod tests {
     }
 
     #[test]
-    fn stamps_are_exposures_and_the_fastest_way_whatever_the_network_does() {
+    fn stamps_are_exposure_times_plus_the_smallest_latency() {
         for fast in [-50e-6, 0.0, 50e-6] {
             let mut clock = DeviceClock::default();
             let pictures = pictures(60 * 120, fast, late);
             let mut worst = 0.0_f64;
             for (index, &(device, arrival, taken)) in pictures.iter().enumerate() {
                 let stamp = clock.stamp(device, arrival);
-                // From the first fast picture on. Half a millisecond is what 50 ppm make in two windows; another bound holds
-                // until the stamps, which go on, have come back to the offset.
+                // Checked from the first fast image on. 50 ppm amount to half a millisecond in two windows. The bound
+                // is wider because stamps advance steadily until they reach the new offset.
                 if index > 120 {
                     worst = worst.max((stamp - taken - 2e-3).abs());
                 }
@@ -160,9 +162,9 @@ mod tests {
     }
 
     #[test]
-    fn a_clock_that_is_reset_or_leaps_makes_no_picture_newer_than_it_is() {
+    fn a_clock_that_is_reset_or_jumps_makes_no_image_newer_than_its_arrival() {
         let mut clock = DeviceClock::default();
-        // Steady, back to zero, an hour ahead, and standing still.
+        // A steady clock, one reset to zero, one an hour ahead, and one that has stopped.
         let devices = [
             [10_000, 10_016, 10_033],
             [1, 17, 34],
@@ -175,7 +177,7 @@ mod tests {
             arrival += 1.0 / 60.0;
             let stamp = clock.stamp(device * 1_000_000, arrival);
             assert!(stamp > before && stamp <= arrival, "{stamp} of {arrival}");
-            // All came in at once: none is late by more than the rounding of its millisecond.
+            // All images arrived without latency, so the error is only the rounding to a millisecond.
             assert!(arrival - stamp < 2e-3, "{stamp} of {arrival}");
             before = stamp;
         }
@@ -183,7 +185,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn whatever_a_device_says_stamps_go_forward_and_not_beyond_arrivals(
+        fn stamps_never_decrease_or_exceed_arrivals(
             said in proptest::collection::vec((any::<u64>(), 0.0..1.0_f64), 1..200)
         ) {
             let mut clock = DeviceClock::default();
@@ -211,14 +213,14 @@ mod tests {
         let ids = [65_530, 65_531, 65_533, 65_535, 1, 3, 3, 20_000, 7];
         let sequences = ids.map(|id| counter.sequence(id).expect("a newer one"));
         assert_eq!(sequences, [0, 1, 3, 5, 6, 8, 9, 20_006, 20_007]);
-        // A counter of 64 bits does not wrap there.
+        // A 64-bit counter does not wrap at 16 bits.
         let mut wide = FrameCounter::default();
         let sequences = [65_535, 65_536, 1 << 40].map(|id| wide.sequence(id));
         assert_eq!(sequences, [0, 1, 1 + u64::from(u32::MAX)].map(Some));
     }
 
     #[test]
-    fn a_picture_that_comes_after_a_later_one_has_no_number() {
+    fn an_image_that_arrives_after_a_later_one_has_no_number() {
         let mut counter = FrameCounter::default();
         let ids = [100, 102, 101, 103, 65_535, 2, 65_534, 3];
         let sequences = ids.map(|id| counter.sequence(id));

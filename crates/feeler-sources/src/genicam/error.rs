@@ -1,46 +1,46 @@
-//! Why a GenICam camera cannot be used.
+//! Errors of GenICam cameras.
 
-/// Why a camera cannot be used.
+/// Error of a GenICam camera.
 #[derive(Debug, thiserror::Error)]
 pub enum GenicamError {
-    /// Aravis is not there.
+    /// Aravis cannot be loaded.
     #[error(
         "GenICam cameras need the library Aravis 0.8: {reason}; install it (Debian, Ubuntu: apt install libaravis-0.8-0)"
     )]
     Library {
-        /// What the system said.
+        /// Error of the system.
         reason: String,
     },
-    /// There is no such camera.
+    /// No camera matches.
     #[error(
-        "genicam:{id}: no such camera ({reason}); expected one of those that `feeler cameras` lists: {listed}"
+        "genicam:{id}: no such camera ({reason}); expected one of those listed by `feeler cameras`: {listed}"
     )]
     NotFound {
-        /// Which was asked for; empty for the first.
+        /// Requested id; empty for the first camera.
         id: String,
-        /// What Aravis said.
+        /// Error of Aravis.
         reason: String,
-        /// Those that are there.
+        /// Ids of the available cameras.
         listed: String,
     },
-    /// The camera cannot be set as is asked for.
+    /// The camera rejects a setting.
     #[error("{camera}: {what}: {reason}")]
     Setting {
-        /// The camera.
+        /// Name of the camera.
         camera: String,
-        /// What was to be set.
+        /// The rejected setting.
         what: String,
-        /// What is missing or out of range.
+        /// Missing feature or valid range.
         reason: String,
     },
-    /// The camera does not do what it must.
-    #[error("{camera}: {what}: {reason}; expected a GenICam camera that nobody else uses")]
+    /// An operation on the camera failed.
+    #[error("{camera}: {what}: {reason}; expected a GenICam camera that no other program uses")]
     Device {
-        /// The camera.
+        /// Name of the camera.
         camera: String,
-        /// What was tried.
+        /// The operation that failed.
         what: &'static str,
-        /// What Aravis said.
+        /// Error of Aravis.
         reason: String,
     },
 }

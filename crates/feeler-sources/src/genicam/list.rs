@@ -1,68 +1,68 @@
-//! Which cameras answer, and what they can do.
+//! Lists the cameras that respond, with their capabilities.
 
 use super::FAKE;
 use super::GenicamError;
 use super::aravis::{Aravis, Quantity};
 
-/// Least and largest value.
+/// Minimum and maximum value.
 pub type Range = [f64; 2];
 
-/// A camera that answers.
+/// A camera that responds.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct GenicamDevice {
-    /// What it is called by, as in `genicam:ID`.
+    /// Id, as in `genicam:ID`.
     pub id: String,
-    /// Who made it.
+    /// Vendor.
     pub vendor: String,
-    /// What the maker calls it.
+    /// Model.
     pub model: String,
-    /// Its serial number.
+    /// Serial number.
     pub serial: String,
-    /// How it is connected: `GigEVision`, `USB3Vision`, or `Fake` where Aravis simulates it.
+    /// Protocol: `GigEVision`, `USB3Vision`, or `Fake` if Aravis simulates the camera.
     pub protocol: String,
-    /// Its address in the network; empty or 0.0.0.0 without one.
+    /// Network address; empty or 0.0.0.0 if the camera has none.
     pub address: String,
 }
 
-/// A camera that answers, and what it can do.
+/// A camera that responds, and its capabilities.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GenicamInfo {
-    /// Which one it is.
+    /// Identity of the camera.
     pub device: GenicamDevice,
-    /// What it can do; why that is not known (it is in use by another program).
+    /// Capabilities, or the reason why they cannot be read (such as another program using the camera).
     pub abilities: Result<Abilities, String>,
 }
 
-/// What a camera can do.
+/// Capabilities of a camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Abilities {
-    /// Columns and rows of its sensor, px.
+    /// Columns and rows of the sensor, px.
     pub sensor_size: [i32; 2],
-    /// Column, row, columns and rows of the region that is read now, px.
+    /// Column, row, width and height of the current region, px.
     pub region: [i32; 4],
-    /// Names of its pixel formats.
+    /// Names of the available pixel formats.
     pub pixel_formats: Vec<String>,
-    /// Exposure times, s; none if they cannot be set.
+    /// Range of exposure times, s; `None` if they cannot be set.
     pub exposure: Option<Range>,
-    /// Gains, in the camera's unit; none if they cannot be set.
+    /// Range of gains, in the camera's unit; `None` if they cannot be set.
     pub gain: Option<Range>,
-    /// Frame rates, Hz; none if they cannot be set.
+    /// Range of frame rates, Hz; `None` if they cannot be set.
     pub rate: Option<Range>,
-    /// What can trigger a picture.
+    /// Names of the available trigger sources.
     pub triggers: Vec<String>,
 }
 
-/// All cameras that answer within a second; with those that Aravis simulates if `simulated`.
+/// Lists all cameras that respond within a second, including those that Aravis simulates if `simulated`.
 ///
 /// # Errors
-/// When Aravis is not there.
+/// If Aravis cannot be loaded.
 pub fn list(simulated: bool) -> Result<Vec<GenicamInfo>, GenicamError> {
     let aravis = Aravis::load().map_err(|reason| GenicamError::Library { reason })?;
     if simulated {
         aravis.enable_fake();
     }
     let devices = aravis.devices().into_iter();
-    // One that is simulated may be known from before.
+    // A simulated camera may be enabled from an earlier call.
     let devices = devices.filter(|device| simulated || !device.id.starts_with(FAKE));
     let info = |device: GenicamDevice| GenicamInfo {
         abilities: abilities(aravis, &device.id),
@@ -71,7 +71,7 @@ pub fn list(simulated: bool) -> Result<Vec<GenicamInfo>, GenicamError> {
     Ok(devices.map(info).collect())
 }
 
-/// The ids of all cameras that answer.
+/// Ids of all cameras that respond, separated by commas.
 pub(super) fn ids(aravis: &Aravis) -> String {
     let ids: Vec<String> = aravis
         .devices()
@@ -94,7 +94,7 @@ fn abilities(aravis: &'static Aravis, id: &str) -> Result<Abilities, String> {
         exposure: exposure.map(|range| range.map(|microseconds| microseconds / 1e6)),
         gain: device.bounds(Quantity::Gain)?,
         rate: device.bounds(Quantity::FrameRate)?,
-        // A camera that cannot be triggered has no list of sources.
+        // A camera without triggers has no list of sources.
         triggers: device.trigger_sources().unwrap_or_default(),
     })
 }

@@ -1,8 +1,8 @@
-//! Grey pixels as GenICam cameras code them. No device is needed for it.
+//! Grey pixel formats of GenICam cameras. Independent of hardware.
 
 use feeler::sensor::frame::Picture;
 
-/// How a camera codes its pictures: names and numbers are those of the Pixel Format Naming Convention.
+/// Pixel format of a camera's images. Names and codes are those of the Pixel Format Naming Convention.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Pixels {
     Mono8,
@@ -12,8 +12,8 @@ pub(super) enum Pixels {
 }
 
 impl Pixels {
-    /// All of them, the first to be preferred. Those of more bits are scaled down, so that they are of use only where a camera
-    /// has no other.
+    /// All formats, in order of preference. More than 8 bits are scaled down, so the others are useful only if a
+    /// camera has no `Mono8`.
     pub(super) const ALL: [Self; 4] = [Self::Mono8, Self::Mono10, Self::Mono12, Self::Mono16];
 
     pub(super) fn name(self) -> &'static str {
@@ -34,7 +34,7 @@ impl Pixels {
         }
     }
 
-    /// Bits beyond eight, of pixels of two bytes.
+    /// Number of bits to drop from two-byte pixels; `None` for one-byte pixels.
     fn shift(self) -> Option<u32> {
         match self {
             Self::Mono8 => None,
@@ -44,14 +44,14 @@ impl Pixels {
         }
     }
 
-    /// Puts the camera's bytes into `picture`; what follows them (chunks of other data) is left.
+    /// Converts the camera's bytes to `picture`. Bytes after the image (chunk data) are ignored.
     pub(super) fn unpack(self, bytes: &[u8], picture: &mut Picture) -> Result<(), String> {
         let pixels = &mut picture.pixels;
         let expected = pixels.len() * if self.shift().is_some() { 2 } else { 1 };
         let actual = bytes.len();
         let bytes = bytes
             .get(..expected)
-            .ok_or_else(|| format!("{expected} bytes expected, got {actual}"))?;
+            .ok_or_else(|| format!("expected {expected} bytes, got {actual}"))?;
         match self.shift() {
             None => pixels.copy_from_slice(bytes),
             Some(shift) => {
@@ -70,7 +70,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn pixels_of_all_widths_become_eight_bits() {
+    fn all_pixel_formats_are_scaled_to_eight_bits() {
         let mut picture = Picture::black(2, 2);
         let gray = [1, 2, 3, 4, 99];
         assert_eq!(Pixels::Mono8.unpack(&gray, &mut picture), Ok(()));
@@ -89,7 +89,7 @@ mod tests {
             assert_eq!(picture.pixels, [0, 127, 255, 0], "{pixels:?}");
             assert!(pixels.unpack(&bytes[..7], &mut picture).is_err());
         }
-        // Bits that a camera must leave zero do not wrap around.
+        // Bits that a camera must leave zero do not overflow.
         assert_eq!(Pixels::Mono10.unpack(&[0xff; 8], &mut picture), Ok(()));
         assert_eq!(picture.pixels, [255; 4]);
     }

@@ -1,16 +1,17 @@
-//! Sets a camera as is asked for, and looks whether it did so.
+//! Applies settings to a camera and reads them back.
 
 use super::GenicamError;
 use super::aravis::{Device, Quantity};
 use super::pixels::Pixels;
 use crate::settings::{CameraSettings, Trigger};
 
-/// Name of the source of a trigger by command.
+/// Name of the trigger source for triggering by command.
 const SOFTWARE: &str = "Software";
-/// µs, the unit of exposure times, in a second.
+/// Microseconds, the unit of exposure times, per second.
 const MICROSECONDS: f64 = 1e6;
 
-/// Sets `device`, which is called `name`; the pixel format that it has now.
+/// Applies `settings` to the camera `device` and returns the chosen pixel format. `name` is the camera's name in
+/// errors.
 pub(super) fn apply(
     device: &Device,
     name: &str,
@@ -24,11 +25,11 @@ pub(super) fn apply(
             reason,
         }
     };
-    let pixels = pixel_format(device).map_err(refused("pictures".into()))?;
+    let pixels = pixel_format(device).map_err(refused("images".into()))?;
     let (width, height) = settings.size;
     let what = match settings.offset {
         Some((x, y)) => format!("a region of {width}x{height} px from column {x}, row {y}"),
-        None => format!("pictures of {width}x{height} px"),
+        None => format!("images of {width}x{height} px"),
     };
     region(device, settings).map_err(refused(what))?;
     if let Some(exposure) = settings.exposure {
@@ -44,7 +45,7 @@ pub(super) fn apply(
     Ok(pixels)
 }
 
-/// Takes the first of the known pixel formats that the camera has.
+/// Sets the preferred pixel format among those that the camera has.
 fn pixel_format(device: &Device) -> Result<Pixels, String> {
     let offered = device.pixel_formats()?;
     let known = |pixels: &Pixels| offered.iter().any(|name| name == pixels.name());
@@ -69,7 +70,7 @@ fn region(device: &Device, settings: &CameraSettings) -> Result<(), String> {
         None => None,
     };
     let (x, y) = offset.unwrap_or((0, 0));
-    // A region that began elsewhere before may leave no room for this one.
+    // An offset set earlier may leave no room for this region.
     let movable = device.has_offset();
     if movable {
         let [_, _, width, height] = device.region()?;
@@ -94,13 +95,14 @@ fn region(device: &Device, settings: &CameraSettings) -> Result<(), String> {
     let [column, row, columns, rows] = device.region()?;
     if [columns, rows] != [width, height] || (movable && [column, row] != [x, y]) {
         return Err(format!(
-            "the camera takes {columns}x{rows} px from column {column}, row {row} instead; expected multiples of its steps"
+            "the camera uses {columns}x{rows} px from column {column}, row {row} instead; use multiples of its step sizes"
         ));
     }
     Ok(())
 }
 
-/// Sets a quantity to `value`, in a unit that is so many of the camera's, if it lies within the camera's range.
+/// Sets a quantity to `value` if it is within the camera's range. `units` is the number of camera units per unit of
+/// `value`.
 fn within(
     device: &Device,
     quantity: Quantity,
@@ -130,15 +132,17 @@ fn trigger(device: &Device, settings: &CameraSettings) -> Result<(), String> {
     let sources = device.trigger_sources()?;
     if !sources.iter().any(|known| known == source) {
         let sources = sources.join(", ");
-        return Err(format!("the camera has the trigger sources {sources}"));
+        return Err(format!(
+            "expected one of the camera's trigger sources: {sources}"
+        ));
     }
     device.set_trigger(source)
 }
 
-/// The nearest rate that the camera can take.
+/// Sets the camera's frame rate nearest to `rate` (Hz).
 fn rate(device: &Device, rate: f64) -> Result<(), String> {
     match device.bounds(Quantity::FrameRate)? {
-        // Low and high may be the wrong way round for the time that a long exposure leaves.
+        // The bounds may be reversed because of a long exposure.
         Some([low, high]) => device.set(Quantity::FrameRate, rate.min(high).max(low)),
         None => Ok(()),
     }

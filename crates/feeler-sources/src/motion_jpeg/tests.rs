@@ -3,10 +3,10 @@ use image::codecs::jpeg::JpegEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 use proptest::prelude::*;
 
-/// Columns and rows of a GelSight Mini's pictures, px.
+/// Columns and rows of the images of a GelSight Mini, px.
 const MINI: (usize, usize) = (3280, 2464);
 
-/// A colour picture of a skin with dark markers, unevenly lit, and some noise.
+/// A colour image of a skin with dark markers, uneven lighting and some noise.
 fn skin((width, height): (usize, usize)) -> Vec<u8> {
     let mut noise = 1_u32;
     let mut pixels = Vec::with_capacity(3 * width * height);
@@ -41,10 +41,10 @@ fn decode(bytes: &[u8], wanted: (usize, usize)) -> Picture {
 }
 
 #[test]
-fn a_scaled_picture_is_the_average_of_the_whole_one() {
+fn a_scaled_image_is_the_average_of_the_full_image() {
     let grey: Vec<u8> = skin(MINI).into_iter().step_by(3).collect();
     let bytes = jpeg_of(MINI, &grey, ExtendedColorType::L8);
-    // By another decoder.
+    // Reference from another decoder.
     let whole = image::load_from_memory(&bytes)
         .expect("a picture")
         .into_luma8();
@@ -65,8 +65,9 @@ fn a_scaled_picture_is_the_average_of_the_whole_one() {
             let off = (mean - f64::from(pixel)).abs();
             (sum, largest) = (sum + off, largest.max(off));
         }
-        // At 1/8 a pixel is its block's constant part: its mean but for two roundings. Shorter transforms cut the block's high frequencies
-        // off instead of averaging, which differs where markers have their edges (steps of 90 grey levels), and hardly on average.
+        // At 1/8 a pixel is the DC term of its block: its mean but for two roundings. Shorter transforms drop high
+        // frequencies instead of averaging, which differs at the edges of markers (steps of 90 grey levels) but
+        // hardly on average.
         let mean = sum / scaled.pixels.len() as f64;
         assert!(
             mean <= mean_bound && largest <= bound,
@@ -81,7 +82,7 @@ fn colours_become_their_luma_and_markers_stay_round() {
     let picture = decode(&bytes, (640, 480));
     let dark: Vec<usize> = (0..640 * 480)
         .filter(|&index| {
-            // Around the marker at column 1,870, row 1,190 of the camera's picture.
+            // Around the marker at column 1,870, row 1,190 of the camera's image.
             let (x, y): (usize, usize) = (index % 640, index / 640);
             x.abs_diff(365) < 20 && y.abs_diff(231) < 20 && picture.pixels[index] < 90
         })
@@ -93,8 +94,9 @@ fn colours_become_their_luma_and_markers_stay_round() {
     };
     let (x, wide) = side(dark.iter().map(|index| index % 640).collect());
     let (y, high) = side(dark.iter().map(|index| index / 640).collect());
-    // Of a disc of 30 px radius: half the radius, at one scale of 5.125 (1/4, then 820 of 820 columns and 615 of 616 rows).
-    // Whole pixels count as dark or not, which moves their mean by up to a fifth of one.
+    // The standard deviation of a disc with a radius of 30 px is half the radius, at one scale of 5.125 (1/4, then
+    // 820 of 820 columns and 615 of 616 rows). Pixels count as dark or not, which moves their mean by up to a fifth
+    // of a pixel.
     let cell = 3280.0 / 640.0;
     let cut = (2464.0 - 480.0 * cell) / 2.0;
     assert!(
@@ -106,7 +108,7 @@ fn colours_become_their_luma_and_markers_stay_round() {
 }
 
 #[test]
-fn frames_that_are_no_whole_picture_of_the_size_are_refused() {
+fn damaged_frames_and_other_sizes_are_refused() {
     let size = (64, 48);
     let colours = skin(size);
     let bytes = jpeg_of(size, &colours, ExtendedColorType::Rgb8);
@@ -118,16 +120,16 @@ fn frames_that_are_no_whole_picture_of_the_size_are_refused() {
         assert!(error.contains(words), "{error}");
         assert_eq!(picture, Picture::black(32, 24));
     };
-    refused((128, 96), &bytes, "128x96 px expected, got 64x48 px");
+    refused((128, 96), &bytes, "expected 128x96 px, got 64x48 px");
     refused(size, &bytes[..bytes.len() - 2], "truncated");
-    refused(size, b"\xFF\xD8\xFF\xD9", "a JPEG picture expected");
+    refused(size, b"\xFF\xD8\xFF\xD9", "expected a JPEG image");
     refused(size, b"GREY", "no start mark");
-    // The frame header of a progressive picture.
+    // The frame header of a progressive image.
     let start = bytes.windows(2).position(|pair| pair == [0xFF, 0xC0]);
     let mut progressive = bytes.clone();
     progressive[start.expect("a frame header") + 1] = 0xC2;
-    refused(size, &progressive, "expected a sequential picture");
-    // Cameras fill their buffers up behind the picture.
+    refused(size, &progressive, "expected a sequential image");
+    // Cameras pad their buffers after the image.
     let mut picture = Picture::black(0, 0);
     let fit = Fit::new(size, size).expect("a fit");
     let padded = [&bytes[..], &[0; 999]].concat();
@@ -139,7 +141,7 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(32))]
 
     #[test]
-    fn one_decoder_gives_the_same_pictures_as_a_new_one_for_each(
+    fn a_reused_decoder_gives_the_same_images_as_a_new_one(
         sizes in (16_usize..90, 16_usize..90),
         greys in prop::collection::vec(any::<u8>(), 1..40),
     ) {
@@ -151,7 +153,7 @@ proptest! {
             let pixels: Vec<u8> = (0..sizes.0 * sizes.1).map(grey).collect();
             let bytes = jpeg_of(sizes, &pixels, ExtendedColorType::L8);
             let [mut kept, mut fresh] = [(); 2].map(|()| Picture::black(0, 0));
-            // A damaged one in between leaves nothing behind.
+            // A damaged frame in between has no effect.
             let _ = decoder.decode(&bytes[..bytes.len() / 2], &mut kept);
             prop_assert!(decoder.decode(&bytes, &mut kept).is_ok());
             prop_assert!(MotionJpeg::new(fit).decode(&bytes, &mut fresh).is_ok());

@@ -1,28 +1,28 @@
-//! Where a sensor is and what its counts mean, as one address.
+//! Address of a sensor and scale of its counts.
 
 use super::rdt::RDT_PORT;
 use std::fmt;
 use std::str::FromStr;
 
-/// What an address looks like.
-const EXPECTED: &str = "netft://HOST[:PORT], or netft://HOST[:PORT]?cpf=COUNTS&cpt=COUNTS, with the counts per newton and per newton \
-                        metre that the sensor's web page shows under Configurations";
+/// Expected syntax of an address.
+const EXPECTED: &str = "netft://HOST[:PORT], or netft://HOST[:PORT]?cpf=COUNTS&cpt=COUNTS, with counts per newton and per newton \
+                        metre as shown on the sensor's web page under Configurations";
 
-/// A sensor's address: `netft://192.168.1.1`, whose web page says what its counts mean, or
-/// `netft://192.168.1.1?cpf=1000000&cpt=1000000`, which says it itself.
+/// Address of a Net F/T sensor: `netft://192.168.1.1` reads the scale of the counts from the sensor's web page;
+/// `netft://192.168.1.1?cpf=1000000&cpt=1000000` specifies it.
 ///
-/// Counts per unit belong to the sensor's calibration and are in no record, so that there is no default for them.
+/// Counts per unit are part of the sensor's calibration and not transmitted in records, so they have no default.
 #[derive(Debug, Clone, PartialEq)]
 pub struct NetFtAddress {
     /// Host and port.
     pub host: String,
-    /// What its counts mean; as its web page says if none.
+    /// Scale of the counts; `None` to read it from the sensor's web page.
     pub counts: Option<Counts>,
-    /// Port of its web page (`web=PORT`); 80 if none.
+    /// Port of the web page (`web=PORT`); 80 if `None`.
     pub web_port: Option<u16>,
 }
 
-/// What a sensor's counts mean.
+/// Scale of a sensor's counts.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Counts {
     /// Counts per newton.
@@ -31,11 +31,11 @@ pub struct Counts {
     pub per_newton_metre: f64,
 }
 
-/// Why a text is no sensor's address.
+/// Error of parsing a sensor's address.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{what}; expected {EXPECTED}")]
 pub struct AddressError {
-    /// What is wrong.
+    /// The invalid part.
     what: String,
 }
 
@@ -45,11 +45,11 @@ impl FromStr for NetFtAddress {
     fn from_str(text: &str) -> Result<Self, AddressError> {
         let wrong = |what: String| AddressError { what };
         let rest = text.strip_prefix("netft://");
-        let rest = rest.ok_or_else(|| wrong(format!("{text:?} is no netft:// address")))?;
+        let rest = rest.ok_or_else(|| wrong(format!("{text:?} is not a netft:// address")))?;
         let (host, query) = rest.split_once('?').unwrap_or((rest, ""));
         let host = host.trim_end_matches('/');
         if host.is_empty() || host.chars().any(|c| c.is_whitespace() || c == '/') {
-            return Err(wrong(format!("{host:?} is no host")));
+            return Err(wrong(format!("{host:?} is not a host")));
         }
         let (mut force, mut torque, mut web_port) = (None, None, None);
         for pair in query.split('&').filter(|pair| !pair.is_empty()) {
@@ -62,7 +62,7 @@ impl FromStr for NetFtAddress {
                     web_port = Some(port.ok_or_else(|| wrong(format!("web is {value:?}")))?);
                     continue;
                 }
-                _ => return Err(wrong(format!("{name:?} is not known"))),
+                _ => return Err(wrong(format!("{name:?} is not a known parameter"))),
             };
             let number = value.parse::<f64>().ok();
             let number = number.filter(|number| number.is_finite() && *number > 0.0);
@@ -85,14 +85,14 @@ impl FromStr for NetFtAddress {
 }
 
 impl NetFtAddress {
-    /// Host and port of its web page.
+    /// Host and port of the sensor's web page.
     pub(super) fn web_host(&self) -> String {
         let host = self.host.rsplit_once(':').map_or("", |(host, _)| host);
         format!("{host}:{}", self.web_port.unwrap_or(80))
     }
 }
 
-/// The host with RDT's own port, unless it names another; an IPv6 address stands in brackets.
+/// Adds RDT's port to the host if it has none. IPv6 addresses are in brackets.
 fn with_port(host: &str) -> String {
     let after = host.rsplit_once(']').map_or(host, |(_, after)| after);
     match after.contains(':') {
@@ -123,7 +123,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn addresses_are_read_and_others_refused_in_words() {
+    fn addresses_are_parsed_and_invalid_ones_refused() {
         let read = |text: &str| text.parse::<NetFtAddress>();
         let own = read("netft://10.0.0.2?cpf=1e6&cpt=500").unwrap();
         assert_eq!(own.host, "10.0.0.2:49152");
@@ -144,12 +144,12 @@ mod tests {
             "[::1]:7"
         );
         for (text, words) in [
-            ("10.0.0.2", "no netft:// address"),
-            ("netft://?cpf=1&cpt=1", "no host"),
+            ("10.0.0.2", "not a netft:// address"),
+            ("netft://?cpf=1&cpt=1", "not a host"),
             ("netft://a?cpf=1", "cpt is missing"),
             ("netft://a?cpf=-1&cpt=1", "cpf is \"-1\""),
             ("netft://a?cpf=nan&cpt=1", "cpf is \"nan\""),
-            ("netft://a?rate=1", "\"rate\" is not known"),
+            ("netft://a?rate=1", "\"rate\" is not a known parameter"),
             ("netft://a?web=0", "web is \"0\""),
         ] {
             let error = read(text).unwrap_err().to_string();
@@ -162,7 +162,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_is_read_is_written_alike(text in "(netft://)?.{0,40}") {
+        fn parsed_addresses_round_trip(text in "(netft://)?.{0,40}") {
             if let Ok(address) = text.parse::<NetFtAddress>() {
                 prop_assert_eq!(address.to_string().parse::<NetFtAddress>(), Ok(address));
             }

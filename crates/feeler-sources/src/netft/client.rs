@@ -1,4 +1,4 @@
-//! Takes a sensor's records on a thread of its own.
+//! Receives a sensor's records on a background thread.
 
 use super::address::{Counts, NetFtAddress};
 use super::counts::{CountsError, read_counts};
@@ -11,57 +11,57 @@ use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, TrySendError, sync_cha
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// After so long without a record the sensor is silent.
+/// Time without a record after which the sensor is reported as silent.
 const SILENCE: Duration = Duration::from_millis(500);
-/// How often the thread looks whether to end.
+/// Interval at which the thread checks whether to end.
 const LOOK: Duration = Duration::from_millis(100);
-/// Samples that may wait: a second of the fastest sensor.
+/// Capacity of the sample queue: one second of the fastest sensor.
 const WAITING: usize = 8192;
 
-/// One reading, in SI units.
+/// One force/torque sample in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceSample {
-    /// When it came in.
+    /// Time of arrival.
     pub at: Instant,
-    /// Force on the sensor's tool side by what touches it, N, and torque, N m, in the sensor's frame.
+    /// Force (N) and torque (N m) exerted on the sensor's tool side by the object in contact, in the sensor's frame.
     pub wrench: [f64; 6],
-    /// Records that were lost on the way before it.
+    /// Number of records lost before this one.
     pub lost: u32,
 }
 
-/// Why there are no readings.
+/// Error of a force/torque sensor.
 #[derive(Debug, Clone, thiserror::Error)]
 pub enum ForceError {
     /// The sensor cannot be reached.
     #[error("{address}: {reason}; expected a sensor that streams RDT")]
     Unreachable {
-        /// Its address.
+        /// Address of the sensor.
         address: String,
-        /// What the system said.
+        /// Error of the system.
         reason: String,
     },
-    /// What its counts mean is not known.
+    /// The scale of the counts is unknown.
     #[error(transparent)]
     Counts(#[from] CountsError),
-    /// Nothing came for a time.
-    #[error("{address}: no record for {} ms; expected one every few", SILENCE.as_millis())]
+    /// No record has arrived for some time.
+    #[error("{address}: no record for {} ms; expected one every few ms", SILENCE.as_millis())]
     Silent {
-        /// Its address.
+        /// Address of the sensor.
         address: String,
     },
-    /// The sensor says that something is wrong with it.
+    /// The sensor reports a fault.
     #[error(
         "{address}: the sensor reports status {status:#010x}: it is saturated, or broken (see its web page, System Status)"
     )]
     Faulty {
-        /// Its address.
+        /// Address of the sensor.
         address: String,
-        /// Its status word.
+        /// Status word of the record.
         status: u32,
     },
 }
 
-/// A sensor that streams. Stops it when dropped.
+/// A streaming force/torque sensor. Dropping it stops the stream.
 #[derive(Debug)]
 pub struct NetFt {
     samples: Receiver<Result<ForceSample, ForceError>>,
@@ -69,10 +69,12 @@ pub struct NetFt {
 }
 
 impl NetFt {
-    /// Asks the sensor at `address` to stream; before that its web page, where the address does not say what its counts mean.
+    /// Requests a stream from the sensor at `address`. If the address has no counts, their scale is first read from
+    /// the sensor's web page.
     ///
     /// # Errors
-    /// When it cannot be asked, or its page does not answer. A sensor that sends nothing is found by [`Self::next_sample`].
+    /// If the request cannot be sent or the web page does not respond. A sensor that sends nothing is reported by
+    /// [`Self::next_sample`].
     pub fn connect(address: &NetFtAddress) -> Result<Self, ForceError> {
         let counts = match address.counts {
             Some(counts) => counts,
@@ -95,10 +97,10 @@ impl NetFt {
         Ok(Self { samples, stop })
     }
 
-    /// The next sample that has come in, if there is one. Does not wait.
+    /// Next sample in the queue, or `None` if it is empty. Does not wait.
     ///
     /// # Errors
-    /// When the sensor is silent or says that it is faulty; it may go on after that.
+    /// If the sensor is silent or reports a fault. Samples may follow later.
     pub fn next_sample(&self) -> Result<Option<ForceSample>, ForceError> {
         match self.samples.try_recv() {
             Ok(sample) => sample.map(Some),
@@ -117,13 +119,13 @@ struct Stream {
     socket: UdpSocket,
     address: NetFtAddress,
     counts: Counts,
-    /// Number of the newest record.
+    /// Sequence number of the latest record.
     newest: Option<u32>,
 }
 
 impl Stream {
     fn open(address: &NetFtAddress, counts: Counts) -> io::Result<Self> {
-        // Of the family that the sensor's address has.
+        // Binds the address family of the sensor.
         let socket = match UdpSocket::bind("0.0.0.0:0").and_then(|socket| {
             socket.connect(&address.host)?;
             Ok(socket)
@@ -161,7 +163,7 @@ impl Stream {
                 }
                 None if heard.elapsed() > SILENCE => {
                     heard = Instant::now();
-                    // The request may have been lost, or the sensor started again.
+                    // The request may have been lost, or the sensor restarted.
                     let _ = self.ask(Command::Stream);
                     self.newest = None;
                     Err(ForceError::Silent {
@@ -170,7 +172,7 @@ impl Stream {
                 }
                 None => continue,
             };
-            // Where nobody takes samples for a second, newer ones are lost.
+            // If the queue is full, new samples are dropped.
             if let Err(TrySendError::Disconnected(_)) = samples.try_send(sample) {
                 break;
             }
@@ -178,13 +180,13 @@ impl Stream {
         let _ = self.ask(Command::Stop);
     }
 
-    /// The next record; none where nothing, or no record, came in time.
+    /// Next sample, or `None` if no valid record arrives in time.
     fn receive(&mut self) -> Option<Result<ForceSample, ForceError>> {
         let mut bytes = [0; 64];
         let length = match self.socket.recv(&mut bytes) {
             Ok(length) => length,
             Err(error) => {
-                // Refused by a host on which no sensor runs (yet): as silent as no host.
+                // Connection refused: no sensor is running on that host (yet). Handled like silence.
                 if !matches!(error.kind(), ErrorKind::WouldBlock | ErrorKind::TimedOut) {
                     thread::sleep(LOOK);
                 }
@@ -196,7 +198,7 @@ impl Stream {
         let gap = self
             .newest
             .map(|newest| record.rdt_sequence.wrapping_sub(newest));
-        // A record that came twice, or after a later one.
+        // A repeated or late record.
         if gap.is_some_and(|gap| gap == 0 || gap > u32::MAX / 2) {
             return None;
         }

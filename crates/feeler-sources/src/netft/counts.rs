@@ -1,17 +1,17 @@
-//! What a sensor's counts mean, by its web page.
+//! Reads the scale of a sensor's counts from its web page.
 
 use super::address::{Counts, NetFtAddress};
 use std::io::{self, Read, Write};
 use std::net::{TcpStream, ToSocketAddrs};
 use std::time::{Duration, Instant};
 
-/// The page, in XML.
+/// Path of the XML page.
 const PAGE: &str = "/netftapi2.xml";
-/// The page must be there within this time, and be no longer than so many bytes: it has some thousands.
+/// Maximum duration of the request and maximum size of the page (bytes); it usually has a few thousand.
 const TIME: Duration = Duration::from_secs(5);
 const LONGEST: usize = 1 << 18;
 
-/// Units that a sensor may be configured to, as its page names them, and what one of them is in N.
+/// Force units that a sensor may be configured to, with the name on its page and the value in N.
 const FORCES: [(&str, f64); 6] = [
     ("N", 1.0),
     ("kN", 1e3),
@@ -20,7 +20,7 @@ const FORCES: [(&str, f64); 6] = [
     ("gf", 9.806_65e-3),
     ("kgf", 9.806_65),
 ];
-/// The same of torques, in N m.
+/// Torque units that a sensor may be configured to, with the name on its page and the value in N m.
 const TORQUES: [(&str, f64); 6] = [
     ("Nm", 1.0),
     ("Nmm", 1e-3),
@@ -30,41 +30,41 @@ const TORQUES: [(&str, f64); 6] = [
     ("kgfcm", 9.806_65e-2),
 ];
 
-/// Why a sensor's web page does not say what its counts mean.
+/// Error of reading the scale of a sensor's counts.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum CountsError {
-    /// There is no page.
+    /// The page cannot be loaded.
     #[error(
-        "http://{web}{PAGE}: {reason}; expected the sensor's web page, or its counts as ?cpf=COUNTS&cpt=COUNTS"
+        "http://{web}{PAGE}: {reason}; expected the sensor's web page, or counts in the address as ?cpf=COUNTS&cpt=COUNTS"
     )]
     NoPage {
         /// Host and port.
         web: String,
-        /// What the system or the page said.
+        /// Error of the system or of the page.
         reason: String,
     },
-    /// The page is no XML.
-    #[error("the sensor's web page is no XML: {reason}")]
+    /// The page is not XML.
+    #[error("the sensor's web page is not XML: {reason}")]
     NoXml {
-        /// What is wrong with it.
+        /// Error of the parser.
         reason: String,
     },
-    /// The page does not say it.
-    #[error("the sensor's web page says {name} = {value:?}; expected {expected}")]
+    /// A field is missing or invalid.
+    #[error("the sensor's web page has {name} = {value:?}; expected {expected}")]
     Field {
-        /// Which element of the page.
+        /// Name of the element.
         name: &'static str,
-        /// What stands there; empty where it is not there.
+        /// Value found; empty if the element is missing.
         value: String,
-        /// What should.
+        /// Expected value.
         expected: String,
     },
 }
 
-/// Asks the sensor's web page.
+/// Reads the scale of the counts from the sensor's web page.
 ///
 /// # Errors
-/// When it does not answer within five seconds, or does not say it.
+/// If the page does not respond within five seconds, or a field is missing or invalid.
 pub fn read_counts(address: &NetFtAddress) -> Result<Counts, CountsError> {
     let web = address.web_host();
     let page = get(&web).map_err(|error| CountsError::NoPage {
@@ -74,10 +74,10 @@ pub fn read_counts(address: &NetFtAddress) -> Result<Counts, CountsError> {
     parse_counts(&page)
 }
 
-/// Reads what the page says of the configuration that is in use: `cfgcpf`, `cfgcpt`, and their units `scfgfu`, `scfgtu`.
+/// Parses the active configuration on the page: `cfgcpf`, `cfgcpt`, and their units `scfgfu`, `scfgtu`.
 ///
 /// # Errors
-/// When it is no XML, or does not say it.
+/// If the page is not XML, or a field is missing or invalid.
 pub fn parse_counts(page: &str) -> Result<Counts, CountsError> {
     let page = roxmltree::Document::parse(page).map_err(|error| CountsError::NoXml {
         reason: error.to_string(),
@@ -99,7 +99,7 @@ pub fn parse_counts(page: &str) -> Result<Counts, CountsError> {
     };
     let unit = |name: &'static str, units: &[(&str, f64)]| {
         let value = text(name);
-        // Written N-m, N·m or Nm, by firmware.
+        // Firmware versions write N-m, N·m or Nm.
         let plain: String = value.chars().filter(char::is_ascii_alphabetic).collect();
         let known = units.iter().find(|(unit, _)| plain == *unit);
         let names: Vec<&str> = units.iter().map(|(unit, _)| *unit).collect();
@@ -115,12 +115,12 @@ pub fn parse_counts(page: &str) -> Result<Counts, CountsError> {
     })
 }
 
-/// The page's text.
+/// Loads the page and returns its body.
 fn get(web: &str) -> io::Result<String> {
     let until = Instant::now() + TIME;
     let mut stream = connect(web)?;
     stream.set_write_timeout(Some(TIME))?;
-    // HTTP 1.0: the answer comes in one piece, which ends with the connection.
+    // HTTP 1.0: the response is not chunked and ends with the connection.
     let request = format!("GET {PAGE} HTTP/1.0\r\nHost: {web}\r\nConnection: close\r\n\r\n");
     stream.write_all(request.as_bytes())?;
     let mut answer = Vec::new();
@@ -148,7 +148,7 @@ fn get(web: &str) -> io::Result<String> {
     Ok(body.to_owned())
 }
 
-/// A connection to the first of the host's addresses that takes one.
+/// Connects to the first of the host's addresses that accepts.
 fn connect(web: &str) -> io::Result<TcpStream> {
     let mut failed = io::Error::other("the host has no address");
     for address in web.to_socket_addrs()? {
@@ -187,9 +187,9 @@ mod tests {
     }
 
     #[test]
-    fn what_the_page_does_not_say_is_named() {
+    fn missing_and_invalid_fields_are_named() {
         let refused = |text: &str| parse_counts(text).unwrap_err().to_string();
-        assert!(refused("404 not found").contains("no XML"));
+        assert!(refused("404 not found").contains("not XML"));
         for (fields, words) in [
             ("", "cfgcpf = \"\""),
             ("<cfgcpf>-1</cfgcpf>", "above 0"),
@@ -206,7 +206,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn any_page_is_read_or_refused(text in ".{0,80}", fields in "(<cfgcpf>.{0,4}</cfgcpf>|<scfgfu>.{0,4}</scfgfu>){0,4}") {
+        fn any_page_is_parsed_or_refused(text in ".{0,80}", fields in "(<cfgcpf>.{0,4}</cfgcpf>|<scfgfu>.{0,4}</scfgfu>){0,4}") {
             let _ = parse_counts(&text);
             if let Ok(counts) = parse_counts(&page(&fields)) {
                 prop_assert!(counts.per_newton > 0.0 && counts.per_newton_metre > 0.0);

@@ -1,4 +1,4 @@
-//! A sensor without the device: streams what it is told.
+//! Emulates a force/torque sensor.
 
 use super::rdt::{Command, Record, Request};
 use std::io::{self, Read, Write};
@@ -8,8 +8,8 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// A force/torque sensor on this computer that speaks RDT to the client that asked last, and has the part of a sensor's web page
-/// that says what its counts mean.
+/// A force/torque sensor on this computer that streams RDT records to the client whose request came last. It also
+/// serves the part of a sensor's web page that contains the scale of the counts.
 #[derive(Debug)]
 pub struct NetFtEmulator {
     address: SocketAddr,
@@ -22,10 +22,11 @@ impl NetFtEmulator {
     /// Counts per newton and per newton metre.
     pub const COUNTS: f64 = 1e6;
 
-    /// Streams at `rate` Hz; `wrench` says forces (N) and torques (N m) now, or none where the sensor is to report a fault.
+    /// Starts streaming at `rate` Hz. `wrench` returns the current forces (N) and torques (N m), or `None` to report
+    /// a fault.
     ///
     /// # Errors
-    /// When the system gives no socket or thread.
+    /// If a socket or thread cannot be created.
     pub fn start(
         rate: f64,
         mut wrench: impl FnMut() -> Option<[f64; 6]> + Send + 'static,
@@ -53,7 +54,7 @@ impl NetFtEmulator {
                     if let Some(client) = asked {
                         record.rdt_sequence = record.rdt_sequence.wrapping_add(1);
                         (record.status, record.counts) = (status, counts);
-                        // A client that has gone asks no more, or asks again.
+                        // A send error means that the client is gone.
                         let _ = socket.send_to(&record.to_bytes(), client);
                     }
                 }
@@ -71,7 +72,7 @@ impl NetFtEmulator {
                     if stop.load(Ordering::Relaxed) {
                         break;
                     }
-                    // A client that has gone does not need it.
+                    // A client that is gone does not need a response.
                     let _ = answer(client);
                 }
             })?;
@@ -79,19 +80,19 @@ impl NetFtEmulator {
         Ok(emulator)
     }
 
-    /// Its address with its counts, as [`NetFtAddress`](super::NetFtAddress) reads it.
+    /// Address with counts, in the syntax of [`NetFtAddress`](super::NetFtAddress).
     pub fn address(&self) -> String {
         let counts = Self::COUNTS;
         format!("netft://{}?cpf={counts}&cpt={counts}", self.address)
     }
 
-    /// Its address without its counts, which its web page says.
+    /// Address without counts, which the emulated web page provides.
     pub fn bare_address(&self) -> String {
         format!("netft://{}?web={}", self.address, self.web.port())
     }
 }
 
-/// Answers any request with the page.
+/// Responds to any request with the page.
 fn answer(mut client: TcpStream) -> io::Result<()> {
     let wait = Some(Duration::from_secs(1));
     client.set_read_timeout(wait)?;
@@ -112,7 +113,7 @@ fn answer(mut client: TcpStream) -> io::Result<()> {
     )
 }
 
-/// Takes requests until `due`.
+/// Processes requests until `due`.
 fn listen(socket: &UdpSocket, due: Instant, asked: &mut Option<SocketAddr>) {
     loop {
         let left = due.saturating_duration_since(Instant::now());
@@ -136,10 +137,10 @@ fn listen(socket: &UdpSocket, due: Instant, asked: &mut Option<SocketAddr>) {
 impl Drop for NetFtEmulator {
     fn drop(&mut self) {
         self.stop.store(true, Ordering::Relaxed);
-        // Wakes the page's thread.
+        // Wakes up the web page's thread.
         let _ = TcpStream::connect(self.web);
         for thread in self.threads.drain(..) {
-            // It ends within its period; one that panicked has ended.
+            // The threads end within a period; a thread that panicked has already ended.
             let _ = thread.join();
         }
     }

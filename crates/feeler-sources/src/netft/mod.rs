@@ -1,4 +1,4 @@
-//! Six-axis force/torque sensors that stream over Ethernet as ATI's Net F/T does: Raw Data Transfer (RDT) over UDP.
+//! Six-axis force/torque sensors that stream over Ethernet with the protocol of ATI's Net F/T, Raw Data Transfer (RDT) over UDP.
 //!
 //! ATI Industrial Automation, *Net F/T Installation and Operation Manual*, section "UDP Interface Using RDT".
 

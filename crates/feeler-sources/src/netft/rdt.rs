@@ -1,6 +1,6 @@
-//! The bytes of RDT. All numbers are big-endian.
+//! Wire format of RDT. All numbers are big-endian.
 
-/// UDP port on which a sensor takes requests.
+/// UDP port of the sensor.
 pub const RDT_PORT: u16 = 49152;
 
 /// First bytes of a request.
@@ -8,56 +8,56 @@ const HEADER: u16 = 0x1234;
 /// Bytes of a request and of a record.
 const REQUEST: usize = 8;
 const RECORD: usize = 36;
-/// The bit of a status that says that something is wrong.
+/// Status bit that indicates a fault.
 const ERROR: u32 = 1 << 31;
 
-/// What a request asks for.
+/// Command of a request.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Command {
     /// Stop sending.
     Stop,
     /// Send records as they are measured.
     Stream,
-    /// Take the present load as none.
+    /// Take the present load as zero.
     Bias,
 }
 
 /// A request to a sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Request {
-    /// What it asks for.
+    /// Command.
     pub command: Command,
-    /// Number of records to send; 0 for no end.
+    /// Number of records to send; 0 for an endless stream.
     pub count: u32,
 }
 
-/// Why bytes are no request or record.
+/// Error of parsing a datagram.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum RdtError {
-    /// The datagram has another length.
-    #[error("a datagram of {actual} bytes; expected {expected}")]
+    /// The datagram has the wrong length.
+    #[error("expected a datagram of {expected} bytes, got {actual}")]
     Length {
-        /// Bytes that were expected.
+        /// Expected length, bytes.
         expected: usize,
-        /// Bytes that came.
+        /// Actual length, bytes.
         actual: usize,
     },
-    /// A request begins otherwise.
-    #[error("a request that begins with {actual:#06x}; expected {HEADER:#06x}")]
+    /// A request has the wrong header.
+    #[error("expected a request with header {HEADER:#06x}, got {actual:#06x}")]
     Header {
-        /// What it begins with.
+        /// Header found.
         actual: u16,
     },
-    /// A request asks for something else.
-    #[error("command {actual:#06x}; expected 0 (stop), 2 (stream) or 0x42 (bias)")]
+    /// A request has an unknown command.
+    #[error("expected command 0 (stop), 2 (stream) or 0x42 (bias), got {actual:#06x}")]
     Command {
-        /// The command.
+        /// Command found.
         actual: u16,
     },
 }
 
 impl Request {
-    /// Its bytes.
+    /// Encodes the request.
     pub fn to_bytes(self) -> [u8; REQUEST] {
         let command: u16 = match self.command {
             Command::Stop => 0x0000,
@@ -71,10 +71,10 @@ impl Request {
         bytes
     }
 
-    /// The request of these bytes.
+    /// Decodes a request.
     ///
     /// # Errors
-    /// When they are none.
+    /// If length, header or command is invalid.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, RdtError> {
         let words: [u8; REQUEST] = exact(bytes)?;
         let [a, b, c, d, e, f, g, h] = words;
@@ -93,21 +93,21 @@ impl Request {
     }
 }
 
-/// One reading of a sensor.
+/// One sample of a sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Record {
-    /// Number of the record since the request; it wraps.
+    /// Number of the record since the request; wraps.
     pub rdt_sequence: u32,
-    /// Number of the sensor's own sample; it wraps.
+    /// Number of the sensor's internal sample; wraps.
     pub ft_sequence: u32,
-    /// What is wrong with the sensor, see [`Record::is_faulty`].
+    /// Status word, see [`Record::is_faulty`].
     pub status: u32,
     /// Forces along x, y, z and torques about them, in counts.
     pub counts: [i32; 6],
 }
 
 impl Record {
-    /// Its bytes.
+    /// Encodes the record.
     pub fn to_bytes(self) -> [u8; RECORD] {
         let mut bytes = [0; RECORD];
         let head = [self.rdt_sequence, self.ft_sequence, self.status];
@@ -121,10 +121,10 @@ impl Record {
         bytes
     }
 
-    /// The record of these bytes.
+    /// Decodes a record.
     ///
     /// # Errors
-    /// When they are of another length.
+    /// If the length is wrong.
     pub fn from_bytes(bytes: &[u8]) -> Result<Self, RdtError> {
         let bytes: [u8; RECORD] = exact(bytes)?;
         let word = |index: usize| {
@@ -139,7 +139,7 @@ impl Record {
         })
     }
 
-    /// Whether the sensor says that its reading is wrong: saturated, broken strain gauge, no power.
+    /// Returns whether the sensor reports invalid readings: saturation, a broken strain gauge or missing power.
     pub fn is_faulty(&self) -> bool {
         self.status & ERROR != 0
     }
@@ -157,9 +157,9 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// The manual's table of the request to stream without end, and a record by hand.
+    /// The manual's example of an endless stream request, and a record encoded by hand.
     #[test]
-    fn bytes_are_those_of_the_manual() {
+    fn encoding_matches_the_manual() {
         let request = Request {
             command: Command::Stream,
             count: 0,
@@ -180,7 +180,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn any_bytes_are_read_or_refused(bytes in proptest::collection::vec(any::<u8>(), 0..64)) {
+        fn any_bytes_are_decoded_or_refused(bytes in proptest::collection::vec(any::<u8>(), 0..64)) {
             if let Ok(record) = Record::from_bytes(&bytes) {
                 prop_assert_eq!(&record.to_bytes()[..], &bytes[..]);
             } else {

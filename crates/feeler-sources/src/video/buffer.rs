@@ -1,7 +1,7 @@
-//! The driver's stamp and sequence number of a picture.
+//! Driver's stamp and sequence number of an image.
 //!
-//! `linuxvideo` hides them. The driver returns them once more if it is asked for a buffer (`VIDIOC_QUERYBUF`) that was dequeued and not yet
-//! queued again.
+//! `linuxvideo` hides them. The driver returns them again for a buffer that is dequeued and not yet requeued
+//! (`VIDIOC_QUERYBUF`).
 
 use linuxvideo::stream::ReadStream;
 use rustix::fd::{AsFd, OwnedFd};
@@ -13,12 +13,12 @@ use std::ffi::{c_long, c_ulong};
 const VIDEO_CAPTURE: u32 = 1;
 /// `V4L2_MEMORY_MMAP`
 const MMAP: u32 = 1;
-/// `V4L2_BUF_FLAG_QUEUED`, `V4L2_BUF_FLAG_DONE`: the buffer is the driver's.
+/// `V4L2_BUF_FLAG_QUEUED`, `V4L2_BUF_FLAG_DONE`: the driver owns the buffer.
 const OF_THE_DRIVER: u32 = 0x2 | 0x4;
 /// `V4L2_BUF_FLAG_TIMESTAMP_MASK`, `V4L2_BUF_FLAG_TIMESTAMP_MONOTONIC`
 const CLOCK: u32 = 0xe000;
 const MONOTONIC: u32 = 0x2000;
-/// Most buffers of a stream (`VIDEO_MAX_FRAME`).
+/// Maximum number of buffers of a stream (`VIDEO_MAX_FRAME`).
 const MOST: u32 = 32;
 
 /// `struct v4l2_buffer`
@@ -41,12 +41,12 @@ struct Buffer {
 
 const QUERYBUF: rustix::ioctl::Opcode = opcode::read_write::<Buffer>(b'V', 9);
 
-/// What the driver says of a picture.
+/// The driver's stamp and number of an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct DriverStamp {
-    /// Time on the monotonic clock, s; `None` if the driver uses another clock or the time is no time.
+    /// Time on the monotonic clock, s; `None` if the driver uses another clock or the time is invalid.
     pub(super) time: Option<f64>,
-    /// Number of the picture, or of its frame, since streaming began.
+    /// Number of the image since streaming started.
     pub(super) sequence: u32,
 }
 
@@ -65,7 +65,7 @@ impl StreamBuffers {
         Ok(Self { device })
     }
 
-    /// Stamp of the buffer that is dequeued at the moment; `None` if the driver does not name exactly one.
+    /// Stamp of the buffer that is currently dequeued; `None` unless the driver reports exactly one.
     pub(super) fn dequeued(&self) -> Option<DriverStamp> {
         let buffers = (0..MOST).map_while(|index| self.query(index).ok());
         let mut dequeued = buffers.filter(|buffer| buffer.flags & OF_THE_DRIVER == 0);
@@ -73,7 +73,7 @@ impl StreamBuffers {
         dequeued.next().is_none().then(|| stamp_of(&buffer))
     }
 
-    /// The state of buffer `index`.
+    /// Queries the state of buffer `index`.
     fn query(&self, index: u32) -> Result<Buffer, Errno> {
         let mut buffer = Buffer {
             index,
@@ -81,8 +81,8 @@ impl StreamBuffers {
             memory: MMAP,
             ..Buffer::default()
         };
-        // SAFETY: `Buffer` has the layout of `struct v4l2_buffer`, which this ioctl reads and writes; its size is part of the opcode. It is
-        // the driver that owns what `place` refers to, which is not used.
+        // SAFETY: `Buffer` has the layout of `struct v4l2_buffer`, which this ioctl reads and writes; its size is
+        // part of the opcode. The memory that `place` refers to belongs to the driver and is not accessed.
         unsafe { ioctl(&self.device, Updater::<QUERYBUF, Buffer>::new(&mut buffer))? };
         Ok(buffer)
     }
@@ -105,7 +105,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_buffer_is_laid_out_as_the_kernel_has_it() {
+    fn the_buffer_has_the_kernel_s_layout() {
         // `videodev2.h` on 64 bits: 88 bytes, `VIDIOC_QUERYBUF` is 0xc0585609.
         if cfg!(target_pointer_width = "64") {
             assert_eq!(size_of::<Buffer>(), 88);
@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn times_of_other_clocks_and_impossible_ones_are_none() {
+    fn other_clocks_and_invalid_times_give_none() {
         let buffer = |timestamp, flags| Buffer {
             timestamp,
             flags,

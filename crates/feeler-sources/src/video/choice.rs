@@ -1,21 +1,21 @@
-//! Which of the formats and sizes that a camera has is used. No device is needed for it.
+//! Chooses among the formats and sizes of a camera. Independent of hardware.
 
 use super::coding::Coding;
 use super::list::VideoFormat;
 use crate::fit::{Fit, FitError};
 use std::cmp::Ordering;
 
-/// A format and size that a camera has.
+/// A format and size of a camera.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Candidate {
     pub(super) coding: Coding,
     /// Columns and rows, px.
     pub(super) size: (usize, usize),
-    /// Highest frame rate, Hz, if the driver says it.
+    /// Highest frame rate, Hz, if the driver reports it.
     pub(super) rate: Option<f64>,
 }
 
-/// The formats and sizes in a camera's list that can be decoded. Of a range of sizes, the largest.
+/// Formats and sizes in a camera's list that can be decoded. A range of sizes is represented by its largest size.
 pub(super) fn candidates(formats: &[VideoFormat]) -> Vec<Candidate> {
     let mut candidates = Vec::new();
     for coding in Coding::ALL {
@@ -31,11 +31,11 @@ pub(super) fn candidates(formats: &[VideoFormat]) -> Vec<Candidate> {
     candidates
 }
 
-/// The candidate from which pictures of the `wanted` size are made: one that reaches the `rate` (Hz), or else the fastest; of these the
-/// smallest; of these the first.
+/// Chooses the candidate from which images of the `wanted` size are made: one that reaches `rate` (Hz), or else the
+/// fastest; among these the smallest; among these the first.
 ///
 /// # Errors
-/// If none can be made to fit: why the last one cannot; `None` if there is no candidate.
+/// If no candidate fits: the error of the last one, or `None` if there are no candidates.
 pub(super) fn choose(
     candidates: &[Candidate],
     wanted: (usize, usize),
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn a_gelsight_mini_has_no_choice() {
+    fn a_gelsight_mini_has_one_format() {
         let mini = [format("MJPG", &[(3280, 2464, 25.0)])];
         for wanted in [(320, 240), (640, 480), (3280, 2464)] {
             let expected = (Coding::MotionJpeg, (3280, 2464));
@@ -108,7 +108,7 @@ mod tests {
     }
 
     #[test]
-    fn the_rate_counts_before_the_size_and_the_size_before_the_format() {
+    fn rate_precedes_size_and_size_precedes_format() {
         let webcam = [
             format(
                 "MJPG",
@@ -123,7 +123,7 @@ mod tests {
         );
         assert_eq!(chosen(&webcam, wanted, 20.0), (Coding::Yuyv, (800, 600)));
         assert_eq!(chosen(&webcam, wanted, 5.0), (Coding::Yuyv, (800, 600)));
-        // Nothing reaches it: the fastest of the same shape.
+        // No candidate reaches the rate: the fastest of the same shape is chosen.
         assert_eq!(
             chosen(&webcam, wanted, 90.0),
             (Coding::MotionJpeg, (800, 600))

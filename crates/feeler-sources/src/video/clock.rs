@@ -1,42 +1,43 @@
-//! Stamps and sequence numbers of a camera's pictures: the driver's as long as they can be true, else those of arrival. No device is needed
-//! for it.
+//! Stamps and sequence numbers of a camera's images: the driver's if they are plausible, otherwise derived from
+//! arrivals. Independent of hardware.
 
 use super::buffer::DriverStamp;
 use std::collections::VecDeque;
 
-/// A driver's stamp may be so much later than the arrival, s: what conversion between a camera's clock and the host's may miss. It then
-/// counts as the arrival.
+/// Maximum time by which a driver's stamp may exceed the arrival, s: error of converting between the camera's and the
+/// host's clock. Such a stamp is replaced by the arrival.
 const AHEAD: f64 = 5e-3;
-/// A picture may be so much older than the time at which its buffer was handed to the driver, s: longest exposure and read-out.
+/// Maximum time from exposure until the image's buffer was handed to the driver, s: longest exposure and read-out.
 const EXPOSURE: f64 = 1.0;
-/// Buffers that wait for the driver or the program at most; more than any stream here has.
+/// Upper bound of the number of buffers in a stream.
 const BUFFERS: usize = 8;
-/// Pictures that a driver may count in one interval, for rates that are set lower than the camera's.
+/// Maximum number of images counted by a driver per interval, for rates set lower than the camera's.
 const RATE: f64 = 4.0;
-/// Pictures that it may count besides.
+/// Number of images that it may count in addition.
 const SPARE: f64 = 30.0;
 
-/// Stamp and number of one picture.
+/// Stamp and sequence number of one image.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Stamped {
     /// Seconds since the camera was opened.
     pub(super) stamp: f64,
-    /// Grows; a gap is a dropped frame.
+    /// Sequence number, increasing; a gap means dropped frames.
     pub(super) sequence: u64,
-    /// What is wrong with the driver's stamp or number, where that is new.
+    /// Warning about the driver's stamp or number, the first time it is implausible.
     pub(super) warning: Option<String>,
 }
 
-/// Stamps and numbers frames.
+/// Assigns stamps and sequence numbers to frames.
 ///
-/// A stamp never goes back and is never later than the arrival, so that no driver makes a picture look newer than one without stamps would.
+/// A stamp never decreases and is never later than the arrival, so no driver can make an image look newer than it
+/// would without stamps.
 #[derive(Debug)]
 pub(super) struct FrameClock {
-    /// When the camera was opened, by the driver's clock, s.
+    /// Time of opening by the driver's clock, s.
     opened: f64,
-    /// Time between frames as the driver has set it, s.
+    /// Time between frames as set by the driver, s.
     interval: f64,
-    /// The last arrivals, the newest at the back, s.
+    /// Last arrivals, the latest at the back, s.
     arrivals: VecDeque<f64>,
     last: Option<Last>,
     has_warned: bool,
@@ -51,7 +52,8 @@ struct Last {
 }
 
 impl FrameClock {
-    /// Stamps frames that are `interval` seconds apart, of a camera that was opened at `opened` by the driver's clock (s).
+    /// Creates a clock for frames that are `interval` seconds apart. `opened` is the time by the driver's clock (s)
+    /// at which the camera was opened.
     pub(super) fn new(opened: f64, interval: f64) -> Self {
         Self {
             opened,
@@ -62,7 +64,7 @@ impl FrameClock {
         }
     }
 
-    /// Stamp and number of a picture that came in `arrival` seconds after the camera was opened.
+    /// Stamp and sequence number of an image that arrived `arrival` seconds after the camera was opened.
     pub(super) fn stamp(&mut self, driver: Option<DriverStamp>, arrival: f64) -> Stamped {
         let (stamp, late) = match self.time(driver, arrival) {
             Ok(stamp) => (stamp, None),
@@ -93,7 +95,7 @@ impl FrameClock {
         }
     }
 
-    /// The driver's stamp, s since the camera was opened; why it cannot be true.
+    /// The driver's stamp in seconds since the camera was opened, or the reason why it is implausible.
     fn time(&self, driver: Option<DriverStamp>, arrival: f64) -> Result<f64, String> {
         let driver = driver.ok_or("the driver returns no stamps")?;
         let time = driver
@@ -104,7 +106,7 @@ impl FrameClock {
             let ahead = stamp - arrival;
             return Err(format!("the driver's stamp is {ahead:.3} s in the future"));
         }
-        // The oldest of these arrivals came before the driver got this picture's buffer.
+        // The oldest of these arrivals precedes the time at which the driver received this image's buffer.
         let handed = match self.arrivals.len() < BUFFERS {
             true => 0.0,
             false => self.arrivals.front().copied().unwrap_or_default(),
@@ -112,29 +114,29 @@ impl FrameClock {
         if stamp < handed - EXPOSURE {
             let age = arrival - stamp;
             return Err(format!(
-                "the driver's stamp is {age:.3} s old, older than the picture can be"
+                "the driver's stamp is {age:.3} s old, older than the image can be"
             ));
         }
         if let Some(last) = self.last
             && stamp <= last.stamp
         {
-            return Err("the driver's stamp is not later than the last picture's".into());
+            return Err("the driver's stamp is not later than the last image's".into());
         }
         Ok(stamp.min(arrival))
     }
 
-    /// Frames since the last picture, at least 1; why the driver's number was not used, if it has any.
+    /// Number of frames since the last image, at least 1, and the reason if the driver's number was rejected.
     fn steps(&self, driver: Option<DriverStamp>, arrival: f64) -> (u64, Option<String>) {
         let elapsed = arrival - self.arrivals.back().copied().unwrap_or(arrival);
         let intervals = elapsed / self.interval;
-        // A cast saturates: an interval of 0 s or none at all gives the next number.
+        // The cast saturates: an interval of 0 s or NaN gives a step of one.
         let by_time = (intervals.round() as u64).clamp(1, u64::from(u32::MAX));
         let counted = self.last.and_then(|last| last.counted);
         let (Some(before), Some(driver)) = (counted, driver) else {
             return (by_time, None);
         };
         let steps = driver.sequence.wrapping_sub(before);
-        // Before this picture's buffer was free, frames were dropped that this picture's arrival is no measure of.
+        // Frames dropped before this image's buffer was free are not reflected in this image's arrival.
         let since = arrival - self.arrivals.front().copied().unwrap_or(arrival);
         let most = (RATE * (since + EXPOSURE) / self.interval).max(0.0) + SPARE;
         if steps == 0 || f64::from(steps) > most {
@@ -145,7 +147,7 @@ impl FrameClock {
         (u64::from(steps), None)
     }
 
-    /// Warns of the first `fault`.
+    /// Returns the warning for the first `fault`, and `None` for later ones.
     fn warning(&mut self, fault: Option<String>, sequence: u64) -> Option<String> {
         let fault = fault.filter(|_| !self.has_warned)?;
         self.has_warned = true;

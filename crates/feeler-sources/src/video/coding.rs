@@ -1,11 +1,11 @@
-//! How a camera codes its pictures, and what is grey in them. No device is needed for it.
+//! Pixel formats of a camera and their conversion to grey. Independent of hardware.
 
 use crate::fit::{AreaAverage, Fit};
 use crate::motion_jpeg::MotionJpeg;
 use feeler::sensor::frame::Picture;
 use linuxvideo::format::PixelFormat;
 
-/// How the camera codes its pictures.
+/// Pixel format of a camera's images.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(super) enum Coding {
     Gray,
@@ -14,10 +14,10 @@ pub(super) enum Coding {
 }
 
 impl Coding {
-    /// All of them, the first to be preferred.
+    /// All formats, in order of preference.
     pub(super) const ALL: [Self; 3] = [Self::Gray, Self::Yuyv, Self::MotionJpeg];
 
-    /// Its code in Video4Linux.
+    /// Code of the format in Video4Linux.
     pub(super) fn pixels(self) -> PixelFormat {
         match self {
             Self::Gray => PixelFormat::from_fourcc(*b"GREY"),
@@ -27,13 +27,13 @@ impl Coding {
     }
 }
 
-/// Makes grey pictures of the wanted size from the camera's bytes.
+/// Converts the camera's bytes to greyscale images of the wanted size.
 pub(super) enum Decoder {
-    /// Pixels as they are, in rows `stride` bytes apart.
+    /// Uncompressed pixels, in rows `stride` bytes apart.
     Raw {
         coding: Coding,
         stride: usize,
-        /// A picture of the camera's size, and how it is scaled; `None` if it already has the wanted size.
+        /// Buffer of the camera's size and the scaling; `None` if the camera's images have the wanted size.
         scaled: Option<(Picture, AreaAverage)>,
     },
     /// Motion JPEG.
@@ -41,7 +41,7 @@ pub(super) enum Decoder {
 }
 
 impl Decoder {
-    /// Decodes pictures of `coding` as `fit` says.
+    /// Creates a decoder for images in `coding` that scales them by `fit`.
     pub(super) fn new(coding: Coding, stride: usize, fit: Fit) -> Self {
         if coding == Coding::MotionJpeg {
             return Self::Jpeg(Box::new(MotionJpeg::new(fit)));
@@ -56,7 +56,7 @@ impl Decoder {
         }
     }
 
-    /// Puts the camera's bytes into `picture`, which has the wanted size.
+    /// Decodes the camera's bytes into `picture`, which has the wanted size.
     pub(super) fn decode(&mut self, bytes: &[u8], picture: &mut Picture) -> Result<(), String> {
         match self {
             Self::Jpeg(decoder) => decoder.decode(bytes, picture).map_err(|e| e.to_string()),
@@ -78,7 +78,7 @@ impl Decoder {
     }
 }
 
-/// Puts the grey of the camera's pixels into `picture`, which has the camera's size.
+/// Copies the grey values of the camera's pixels into `picture`, which has the camera's size.
 fn unpack(
     coding: Coding,
     stride: usize,
@@ -89,13 +89,13 @@ fn unpack(
     let bytes_per_pixel = match coding {
         Coding::Gray => 1,
         Coding::Yuyv => 2,
-        Coding::MotionJpeg => return Err("pixels expected, got Motion JPEG".into()),
+        Coding::MotionJpeg => return Err("expected uncompressed pixels, got Motion JPEG".into()),
     };
     let row_bytes = width * bytes_per_pixel;
     let stride = stride.max(row_bytes);
     let expected = stride * height.saturating_sub(1) + row_bytes;
     if bytes.len() < expected {
-        return Err(format!("{expected} bytes expected, got {}", bytes.len()));
+        return Err(format!("expected {expected} bytes, got {}", bytes.len()));
     }
     let rows = picture.pixels.chunks_exact_mut(width.max(1));
     for (row, bytes) in rows.zip(bytes.chunks(stride)) {
@@ -111,7 +111,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn rows_are_taken_without_their_padding_and_colours() {
+    fn row_padding_and_colours_are_skipped() {
         let mut picture = Picture::black(2, 2);
         let gray = [1, 2, 99, 3, 4];
         assert_eq!(unpack(Coding::Gray, 3, &gray, &mut picture), Ok(()));

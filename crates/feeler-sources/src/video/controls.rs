@@ -1,21 +1,21 @@
-//! Exposure time and gain, by whichever names a camera's controls go.
+//! Sets exposure time and gain; drivers differ in the names of these controls.
 
 use super::{VideoConfig, VideoError};
 use linuxvideo::Device;
 
-/// Names of the control that sets the exposure time, in units of 100 us.
+/// Names of the control for the exposure time, in units of 100 us.
 const EXPOSURE: [&str; 2] = ["Exposure Time, Absolute", "Exposure (Absolute)"];
-/// Names of the control that must be [`MANUAL_EXPOSURE`] for that.
+/// Names of the control that must be [`MANUAL_EXPOSURE`] before.
 const AUTO_EXPOSURE: [&str; 2] = ["Auto Exposure", "Exposure, Auto"];
 /// `V4L2_EXPOSURE_MANUAL`.
 const MANUAL_EXPOSURE: i32 = 1;
-/// Exposure time's unit, s.
+/// Unit of the exposure time, s.
 const EXPOSURE_UNIT: f64 = 1e-4;
-/// Names of the control that sets the gain, in the driver's unit, and of the one that must be off for that.
+/// Names of the control for the gain (in the driver's unit), and of the control that must be off before.
 const GAIN: [&str; 2] = ["Gain", "Analogue Gain"];
 const AUTO_GAIN: [&str; 2] = ["Gain, Automatic", "Gain, Auto"];
 
-/// Sets exposure time and gain as `config` says.
+/// Sets exposure time and gain from `config`.
 pub(super) fn set_controls(config: &VideoConfig) -> Result<(), VideoError> {
     let refused = |what: String| {
         let device = config.device.clone();
@@ -41,7 +41,8 @@ pub(super) fn set_controls(config: &VideoConfig) -> Result<(), VideoError> {
     Ok(())
 }
 
-/// Sets the control that has one of the `names` to the value that it has by its range, once the automatic one is set to manual.
+/// Sets the control that has one of the `names` after setting the `automatic` control to manual. `value` computes the
+/// value from the control's minimum and maximum.
 fn set(
     config: &VideoConfig,
     names: [&str; 2],
@@ -61,7 +62,7 @@ fn set(
     written.map_err(|e| e.to_string())
 }
 
-/// An exposure time (s) in the control's unit, if it lies within its range.
+/// Converts an exposure time (s) to the control's unit and checks its range.
 fn exposure_steps(exposure: f64, low: i32, high: i32) -> Result<i32, String> {
     let steps = (exposure / EXPOSURE_UNIT).round();
     if (f64::from(low)..=f64::from(high)).contains(&steps) {
@@ -71,13 +72,13 @@ fn exposure_steps(exposure: f64, low: i32, high: i32) -> Result<i32, String> {
     Err(format!("expected {low:.4} to {high:.4} s"))
 }
 
-/// A gain in the control's unit, if it lies within its range.
+/// Converts a gain to the control's unit and checks its range.
 fn gain_steps(gain: f64, low: i32, high: i32) -> Result<i32, String> {
     if gain.fract() == 0.0 && (f64::from(low)..=f64::from(high)).contains(&gain) {
         return Ok(gain as i32);
     }
     Err(format!(
-        "expected a whole number of the driver's unit from {low} to {high}"
+        "expected an integer from {low} to {high} (driver's unit)"
     ))
 }
 
@@ -86,7 +87,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn settings_are_refused_beyond_the_control() {
+    fn settings_outside_the_control_s_range_are_refused() {
         assert_eq!(exposure_steps(0.01, 1, 5000), Ok(100));
         assert!(exposure_steps(1.0, 1, 5000).is_err());
         assert!(exposure_steps(f64::NAN, 1, 5000).is_err());

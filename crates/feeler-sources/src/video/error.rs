@@ -1,44 +1,44 @@
-//! Why a Video4Linux camera cannot be used.
+//! Errors of Video4Linux cameras.
 
 use std::io;
 use std::path::PathBuf;
 
-/// Why a camera cannot be used.
+/// Error of a Video4Linux camera.
 #[derive(Debug, thiserror::Error)]
 pub enum VideoError {
-    /// The device cannot be opened, or refuses to be set.
+    /// An operation on the device failed.
     #[error("{}: {what}: {source}; expected a Video4Linux camera", device.display())]
     Device {
-        /// The device.
+        /// Path of the device.
         device: PathBuf,
-        /// What was tried.
+        /// The operation that failed.
         what: &'static str,
-        /// What the system said.
+        /// Error of the system.
         source: io::Error,
     },
-    /// The camera has no pictures of this size and in a known format.
+    /// The camera does not offer this size in a known format.
     #[error(
-        "{}: pictures of {width}x{height} px as GREY, YUYV or MJPG expected, the camera offers {offered}",
+        "{}: expected images of {width}x{height} px as GREY, YUYV or MJPG; the camera offers {offered}",
         device.display()
     )]
     Format {
-        /// The device.
+        /// Path of the device.
         device: PathBuf,
-        /// Columns that were asked for, px.
+        /// Requested number of columns, px.
         width: usize,
-        /// Rows that were asked for, px.
+        /// Requested number of rows, px.
         height: usize,
-        /// What it would do instead.
+        /// Sizes and formats that the camera offers instead.
         offered: String,
     },
-    /// The camera cannot be set as is asked for.
+    /// The camera rejects a setting.
     #[error("{}: {what}: {reason}", device.display())]
     Setting {
-        /// The device.
+        /// Path of the device.
         device: PathBuf,
-        /// What was to be set.
+        /// The rejected setting.
         what: String,
-        /// What is missing or out of range.
+        /// Missing control or valid range.
         reason: String,
     },
 }

@@ -1,4 +1,4 @@
-//! Which Video4Linux cameras are there, and what they can do.
+//! Lists Video4Linux cameras and their capabilities.
 
 use linuxvideo::format::{FrameIntervals, FrameSizes, PixelFormat};
 use linuxvideo::{BufType, CapabilityFlags, Device, Fract};
@@ -6,71 +6,71 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// A device named as cameras are.
+/// A device with the name of a video device.
 #[derive(Debug)]
 pub struct VideoListed {
-    /// The device, as in `/dev/video0`.
+    /// Path of the device, as in `/dev/video0`.
     pub device: PathBuf,
-    /// Its name below `/dev/v4l/by-id`, which stays when cables are plugged elsewhere.
+    /// Link in `/dev/v4l/by-id`, which does not depend on the port.
     pub by_id: Option<PathBuf>,
-    /// What it is; why that is not known.
+    /// Description of the camera, or the error of reading it.
     pub info: io::Result<VideoInfo>,
 }
 
-/// A camera.
+/// Description of a camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VideoInfo {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// Its driver.
+    /// Name of the driver.
     pub driver: String,
-    /// Where it is plugged in.
+    /// Bus address.
     pub bus: String,
-    /// Its pixel formats.
+    /// Available pixel formats.
     pub formats: Vec<VideoFormat>,
-    /// Its controls that have a range.
+    /// Controls that can be varied.
     pub controls: Vec<VideoControl>,
 }
 
 /// A pixel format of a camera.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VideoFormat {
-    /// Four letters, as in `GREY`.
+    /// Four-character code, as in `GREY`.
     pub fourcc: String,
-    /// The driver's words for it.
+    /// Description by the driver.
     pub description: String,
-    /// Its sizes.
+    /// Available sizes.
     pub sizes: Vec<VideoSize>,
 }
 
-/// A size, or a range of sizes, of a camera's pictures.
+/// A size, or a range of sizes, of a camera's images.
 #[derive(Debug, Clone, PartialEq)]
 pub struct VideoSize {
-    /// Least and largest number of columns, px.
+    /// Minimum and maximum number of columns, px.
     pub columns: [u32; 2],
-    /// Least and largest number of rows, px.
+    /// Minimum and maximum number of rows, px.
     pub rows: [u32; 2],
-    /// Frame rates at the largest size, Hz, from the lowest: all of them, or the ends of their range.
+    /// Frame rates at the largest size, Hz, in increasing order: all rates, or the ends of their range.
     pub rates: Vec<f64>,
 }
 
 /// A control of a camera.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct VideoControl {
-    /// Its name.
+    /// Name.
     pub name: String,
-    /// Least and largest value.
+    /// Minimum and maximum value.
     pub range: [i32; 2],
-    /// Between values.
+    /// Step between values.
     pub step: i32,
-    /// What it is unless somebody sets it.
+    /// Default value.
     pub default: i32,
 }
 
-/// All devices named as cameras are, without those that are no cameras (another stream of one, such as its metadata).
+/// Lists all video devices, except those that cannot capture (such as the metadata stream of a camera).
 ///
 /// # Errors
-/// When `/dev` cannot be read.
+/// If `/dev` cannot be read.
 pub fn list() -> io::Result<Vec<VideoListed>> {
     let mut devices = Vec::new();
     for entry in fs::read_dir("/dev")? {
@@ -94,7 +94,7 @@ pub fn list() -> io::Result<Vec<VideoListed>> {
     Ok(listed.collect())
 }
 
-/// The link to `device` that is named by what the camera is.
+/// Link to `device` by the camera's identity.
 fn by_id(device: &Path) -> Option<PathBuf> {
     let links = fs::read_dir("/dev/v4l/by-id").ok()?;
     let links = links.filter_map(Result::ok).map(|link| link.path());
@@ -103,7 +103,7 @@ fn by_id(device: &Path) -> Option<PathBuf> {
         .find(|link| fs::canonicalize(link).is_ok_and(|to| to == device))
 }
 
-/// What `device` is; none if it takes no pictures.
+/// Reads the description of the device at `path`; `None` if it cannot capture images.
 pub(super) fn info(path: &Path) -> io::Result<Option<VideoInfo>> {
     let device = Device::open(path)?;
     let capabilities = device.capabilities()?;
@@ -147,7 +147,7 @@ fn sizes(device: &Device, pixels: PixelFormat) -> Vec<VideoSize> {
             [range.min_width(), range.max_width()],
             [range.min_height(), range.max_height()],
         ]],
-        // A driver need not say it.
+        // Drivers may not support this query.
         Err(_) => Vec::new(),
     };
     let size = |[columns, rows]: [[u32; 2]; 2]| {

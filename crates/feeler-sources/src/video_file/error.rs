@@ -1,21 +1,21 @@
-//! Why there are no frames.
+//! Errors of video files.
 
 use super::MAX_SIDE;
 use super::ffmpeg::VARIABLE;
 use feeler::sensor::camera::CameraError;
 use std::path::PathBuf;
 
-/// Why a video cannot be read.
+/// Error of reading a video file.
 #[derive(Debug, thiserror::Error)]
 pub enum VideoFileError {
     /// ffmpeg cannot be started.
     #[error(
-        "{program}: {source}; expected ffmpeg, which reads videos: apt-get install ffmpeg, or pip install imageio-ffmpeg and \
+        "{program}: {source}; ffmpeg is required to read videos; install it with apt-get install ffmpeg, or pip install imageio-ffmpeg and \
          {}=$(python3 -c 'import imageio_ffmpeg as f; print(f.get_ffmpeg_exe())')",
         VARIABLE
     )]
     NoFfmpeg {
-        /// The program that was started.
+        /// Program that was started.
         program: String,
         /// Error of the system.
         source: std::io::Error,
@@ -23,27 +23,27 @@ pub enum VideoFileError {
     /// The file cannot be read.
     #[error("{}: {source}; expected a video", path.display())]
     Read {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Error of the system.
         source: std::io::Error,
     },
-    /// A folder.
-    #[error("{}: it is a folder; expected a video", path.display())]
+    /// The path is a folder.
+    #[error("{}: expected a video file, got a folder", path.display())]
     Folder {
-        /// The folder.
+        /// Path of the folder.
         path: PathBuf,
     },
-    /// A file of zero bytes.
+    /// The file has zero bytes.
     #[error("{}: the file is empty; expected a video", path.display())]
     Empty {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// ffmpeg decodes no frame.
-    #[error("{}: no frame of video in it ({reason}); expected a video that ffmpeg decodes", path.display())]
+    /// ffmpeg cannot decode any frame.
+    #[error("{}: no video frame found ({reason}); expected a video that ffmpeg can decode", path.display())]
     NoFrame {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// ffmpeg's error.
         reason: String,
@@ -51,7 +51,7 @@ pub enum VideoFileError {
     /// Frames are too large.
     #[error("{}: frames of {width}x{height} px; expected at most {MAX_SIDE} px each way", path.display())]
     FrameSize {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Columns, px.
         width: usize,

@@ -1,4 +1,4 @@
-//! The program ffmpeg, and its messages about frames.
+//! Runs ffmpeg and parses its messages about frames.
 
 use super::VideoFileError;
 use std::ffi::OsString;
@@ -7,16 +7,16 @@ use std::path::Path;
 use std::process::{Child, ChildStderr, ChildStdout, Command, Stdio};
 use std::sync::mpsc::Sender;
 
-/// The variable that names ffmpeg.
+/// Environment variable with the path of ffmpeg.
 pub const VARIABLE: &str = "FEELER_FFMPEG";
-/// Longest part of a line of messages that is looked at, bytes.
+/// Maximum length of a message line, bytes; longer lines are split.
 const LONGEST: u64 = 1 << 16;
 
-/// The program, as the variable `FEELER_FFMPEG` or the search path names it.
+/// The program ffmpeg, from the variable `FEELER_FFMPEG` or the search path.
 #[derive(Debug, Clone)]
 pub struct Ffmpeg {
     program: OsString,
-    /// The option that keeps frames as they are in the file, none twice and none left out.
+    /// Option that passes frames through unchanged, without duplicating or dropping any.
     sync: &'static str,
 }
 
@@ -24,7 +24,7 @@ impl Ffmpeg {
     /// Finds ffmpeg.
     ///
     /// # Errors
-    /// If it cannot be started.
+    /// If ffmpeg cannot be started.
     pub fn find() -> Result<Self, VideoFileError> {
         let program = std::env::var_os(VARIABLE).unwrap_or_else(|| "ffmpeg".into());
         let mut command = Command::new(&program);
@@ -33,18 +33,20 @@ impl Ffmpeg {
         let output = command.stderr(Stdio::null()).output().map_err(missing)?;
         if !output.status.success() {
             let status = output.status;
-            return Err(missing(Error::other(format!("it ended with {status}"))));
+            return Err(missing(Error::other(format!("exited with {status}"))));
         }
         let sync = sync_option(&String::from_utf8_lossy(&output.stdout));
         Ok(Self { program, sync })
     }
 
-    /// Starts decoding the first video stream of `path`: grey frames come by the first pipe, messages by the second.
+    /// Starts decoding the first video stream of `path`. Grey frames are written to the first pipe, messages to the
+    /// second.
     pub(super) fn decode(
         &self,
         path: &Path,
     ) -> Result<(Child, ChildStdout, ChildStderr), VideoFileError> {
-        // Neither an address nor an option, and nothing but files is opened, whatever the file refers to.
+        // The prefix `file:` keeps the path from being taken as a URL or an option. The whitelist restricts references
+        // inside the video to files.
         let mut input = OsString::from("file:");
         input.push(path);
         let mut command = Command::new(&self.program);
@@ -60,14 +62,14 @@ impl Ffmpeg {
             .stdin(Stdio::null())
             .stdout(Stdio::piped())
             .stderr(Stdio::piped());
-        // Ctrl-C is for feeler alone, which then ends ffmpeg.
+        // Ctrl-C reaches only feeler, which then ends ffmpeg.
         #[cfg(unix)]
         std::os::unix::process::CommandExt::process_group(&mut command, 0);
         let missing = |source| missing(&self.program, source);
         let mut child = command.spawn().map_err(missing)?;
         match (child.stdout.take(), child.stderr.take()) {
             (Some(pixels), Some(messages)) => Ok((child, pixels, messages)),
-            _ => Err(missing(Error::other("it has no output"))),
+            _ => Err(missing(Error::other("no output pipe"))),
         }
     }
 }
@@ -79,7 +81,7 @@ fn missing(program: &OsString, source: Error) -> VideoFileError {
     }
 }
 
-/// The option of this version: `-vsync` before 5.1, which later ones may not have any more.
+/// Name of the option in this version: `-vsync` before 5.1; later versions may have removed it.
 fn sync_option(version: &str) -> &'static str {
     let number = version.strip_prefix("ffmpeg version ").unwrap_or_default();
     let number = number.trim_start_matches('n');
@@ -91,19 +93,19 @@ fn sync_option(version: &str) -> &'static str {
     }
 }
 
-/// A frame that ffmpeg writes next.
+/// Properties of the next frame that ffmpeg writes.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FrameInfo {
     /// Presentation time, s.
     pub stamp: Option<f64>,
     /// Columns and rows, px.
     pub size: (usize, usize),
-    /// Nominal number of frames per second of the stream, Hz.
+    /// Nominal frame rate of the stream, Hz.
     pub rate: Option<f64>,
 }
 
-/// Hands on what ffmpeg's `messages` say of frames, until they end; returns the first message that says that the file is
-/// damaged.
+/// Reads ffmpeg's `messages` until they end and sends the frames that they announce. Returns the first message that
+/// reports damage, if any.
 pub fn listen(messages: impl Read, frames: &Sender<FrameInfo>) -> Option<String> {
     let mut messages = BufReader::new(messages);
     let mut heard = Heard::default();
@@ -116,7 +118,7 @@ pub fn listen(messages: impl Read, frames: &Sender<FrameInfo>) -> Option<String>
         }
         match heard.line(&String::from_utf8_lossy(&line)) {
             Ok(Some(frame)) => {
-                // Without a reader of frames, messages are read on so that ffmpeg does not wait.
+                // If the receiver is gone, continues to read so that ffmpeg does not block.
                 let _ = frames.send(frame);
             }
             Ok(None) => {}
@@ -125,20 +127,20 @@ pub fn listen(messages: impl Read, frames: &Sender<FrameInfo>) -> Option<String>
     }
 }
 
-/// What the messages have said so far.
+/// State collected from the messages.
 #[derive(Default)]
 struct Heard {
-    /// s.
+    /// Numerator and denominator, s.
     time_base: Option<(f64, f64)>,
     rate: Option<f64>,
     complaint: Option<String>,
 }
 
 impl Heard {
-    /// The frame that `line` announces.
+    /// Returns the frame that `line` announces, if any.
     ///
     /// # Errors
-    /// If it announces a frame in a way that is not understood.
+    /// If the announcement cannot be parsed.
     fn line(&mut self, line: &str) -> Result<Option<FrameInfo>, String> {
         if let Some(complaint) = complaint(line) {
             self.complaint.get_or_insert(complaint);
@@ -164,14 +166,14 @@ impl Heard {
         else {
             return Err(format!("unknown message {:?}", shown.trim_end()));
         };
-        // Not pts_time, which has 6 digits only.
+        // `pts_time` has only 6 digits.
         let stamp = pts.parse::<i64>().ok().map(|pts| pts as f64 * unit / per);
         let rate = self.rate;
         Ok(Some(FrameInfo { stamp, size, rate }))
     }
 }
 
-/// What a line says of damage: an error, or the warning that data are corrupt.
+/// Extracts a report of damage from a line: an error, or a warning about corrupt data.
 fn complaint(line: &str) -> Option<String> {
     let after = |level| line.split_once(level).map(|(_, text)| text.trim_end());
     let warning = after("[warning] ").filter(|text| text.contains("corrupt"));
@@ -179,7 +181,7 @@ fn complaint(line: &str) -> Option<String> {
     Some(text.to_owned())
 }
 
-/// What follows `key` in a line, up to the next space or comma.
+/// Value that follows `key` in a line, up to the next space or comma.
 fn value<'a>(line: &'a str, key: &str) -> Option<&'a str> {
     let (_, rest) = line.split_once(key)?;
     let value = rest.split_ascii_whitespace().next()?;
@@ -205,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn frames_have_exact_times_and_damage_is_heard() {
+    fn frame_times_are_exact_and_damage_is_reported() {
         let text = "[info]   Stream #0:0: Video: h264, 64x48, 25 fps\n\
             [Parsed_showinfo_0 @ 0x1] [info] config in time_base: 1/90000, frame_rate: 30000/1001\n\
             [Parsed_showinfo_0 @ 0x1] [info] config out time_base: 0/0, frame_rate: 0/0\n\
@@ -229,14 +231,14 @@ mod tests {
     }
 
     #[test]
-    fn messages_that_are_not_understood_end_the_video() {
+    fn unknown_messages_end_the_video() {
         let (frames, complaint) = heard("[Parsed_showinfo_0 @ 0x1] n:0 pts:0 pts_time:0 s:wide\n");
         assert!(frames.is_empty() && complaint.unwrap().contains("s:wide"));
         assert_eq!(heard(&"x".repeat(200_000)), (Vec::new(), None));
     }
 
     #[test]
-    fn versions_before_5_1_have_another_option() {
+    fn the_option_depends_on_the_version() {
         for (version, option) in [
             ("ffmpeg version 4.4.2-0ubuntu0.22.04.1 Copyright", "-vsync"),
             ("ffmpeg version n5.0.1", "-vsync"),

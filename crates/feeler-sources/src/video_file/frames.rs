@@ -1,25 +1,25 @@
-//! Single frames of a video file.
+//! Random access to the frames of a video file.
 
 use super::{VideoFile, VideoFileError};
 use feeler::sensor::camera::{Camera, CameraError};
 use feeler::sensor::frame::{Frame, Picture};
 use std::path::{Path, PathBuf};
 
-/// The frames of a video file by their numbers, from 0.
+/// Frames of a video file, by index from 0.
 ///
-/// Frames that are read in their order are decoded once; going back decodes from the beginning.
+/// Frames read in increasing order are decoded once; going back decodes from the beginning.
 #[derive(Debug)]
 pub struct VideoFrames {
     path: PathBuf,
     stamps: Vec<f64>,
     frame: Frame,
-    /// Whether `frame` is one of the video.
+    /// `true` if `frame` contains a frame of the video.
     is_read: bool,
     video: Option<VideoFile>,
 }
 
 impl VideoFrames {
-    /// Decodes the video at `path` once, for the times of its frames.
+    /// Opens the video at `path` and decodes it once to read the times of its frames.
     ///
     /// # Errors
     /// If the file cannot be decoded to its end.
@@ -49,10 +49,10 @@ impl VideoFrames {
         &self.stamps
     }
 
-    /// Frame `index`.
+    /// Returns frame `index`.
     ///
     /// # Errors
-    /// If there is no such frame, or the file cannot be decoded any more.
+    /// If there is no such frame, or the file can no longer be decoded.
     pub fn read(&mut self, index: usize) -> Result<&Picture, VideoFileError> {
         let index = index as u64;
         if self.is_read && self.frame.sequence > index {
@@ -70,7 +70,7 @@ impl VideoFrames {
         Ok(&self.frame.picture)
     }
 
-    /// Ends the decoding; the next frame that is read is decoded from the beginning.
+    /// Stops decoding. The next frame that is read is decoded from the beginning.
     pub fn close(&mut self) {
         self.video = None;
         self.is_read = false;

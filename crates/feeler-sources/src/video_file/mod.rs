@@ -1,4 +1,4 @@
-//! Video files as a camera, decoded by ffmpeg.
+//! A camera that reads video files, decoded by ffmpeg.
 
 mod error;
 mod ffmpeg;
@@ -17,38 +17,39 @@ use std::process::{Child, ChildStdout};
 use std::sync::mpsc::{Receiver, channel};
 use std::thread::{self, JoinHandle};
 
-/// Extensions of video files, in any case.
+/// Extensions of video files, in lower case; any case is accepted.
 pub const EXTENSIONS: [&str; 6] = ["avi", "mp4", "mkv", "mov", "webm", "m4v"];
 
-/// Largest width or height of a frame, px.
+/// Maximum width or height of a frame, px.
 const MAX_SIDE: usize = 16_384;
-/// Frames per second of a file that gives neither times nor a rate, Hz: ffmpeg's own assumption.
+/// Frame rate of a file that contains neither times nor a rate, Hz; the same as ffmpeg's.
 const ASSUMED_RATE: f64 = 25.0;
 
-/// Whether the extension of `path` is that of a video file.
+/// Returns whether `path` has the extension of a video file.
 pub fn is_video_name(path: &Path) -> bool {
     let extension = path.extension().and_then(|e| e.to_str());
     extension.is_some_and(|e| EXTENSIONS.iter().any(|known| known.eq_ignore_ascii_case(e)))
 }
 
-/// The first video stream of a file, in grey with 8 bits (the luma, Rec. 601), rotated as the file's metadata says.
+/// A camera that reads the first video stream of a file, as 8-bit grey (the luma, Rec. 601), rotated as specified in
+/// the file's metadata.
 ///
 /// Stamps are the frames' presentation times in seconds from the beginning of the file. A damaged file ends with
-/// [`CameraError::Failed`] after the frames that ffmpeg decodes.
+/// [`CameraError::Failed`] after the frames that ffmpeg can decode.
 #[derive(Debug)]
 pub struct VideoFile {
     path: PathBuf,
     ffmpeg: Child,
     pixels: ChildStdout,
     infos: Receiver<FrameInfo>,
-    /// Returns the first complaint of ffmpeg when that has ended.
+    /// Reads ffmpeg's messages and returns its first complaint when ffmpeg has ended.
     listener: Option<JoinHandle<Option<String>>>,
     complaint: Option<String>,
-    /// The next frame, if known already.
+    /// The next frame, if already announced.
     next: Option<FrameInfo>,
     size: (usize, usize),
     rate: Option<f64>,
-    /// Frames per second that replace the file's times, Hz.
+    /// Frame rate that replaces the file's times, Hz.
     assumed_rate: Option<f64>,
     count: u64,
     last_stamp: f64,
@@ -60,7 +61,7 @@ impl VideoFile {
     /// Opens the video at `path` and decodes its first frame.
     ///
     /// # Errors
-    /// If ffmpeg is missing, or decodes no frame of the file.
+    /// If ffmpeg is missing, or cannot decode any frame of the file.
     pub fn open(path: &Path) -> Result<Self, VideoFileError> {
         let path_buf = path.to_path_buf();
         match std::fs::metadata(path) {
@@ -95,7 +96,7 @@ impl VideoFile {
         };
         let Ok(first) = video.infos.recv() else {
             return Err(VideoFileError::NoFrame {
-                reason: video.problem().unwrap_or_else(|| "it has none".into()),
+                reason: video.problem().unwrap_or_else(|| "it contains none".into()),
                 path: path.to_path_buf(),
             });
         };
@@ -112,7 +113,7 @@ impl VideoFile {
         Ok(video)
     }
 
-    /// Replaces the file's times: frame k (from 0) is taken at `k / rate`, if `rate` (Hz) is given.
+    /// Replaces the file's times if `rate` (Hz) is given: frame k (from 0) gets the stamp `k / rate`.
     #[must_use]
     pub fn at_rate(mut self, rate: Option<f64>) -> Self {
         self.assumed_rate = rate;
@@ -124,19 +125,19 @@ impl VideoFile {
         self.size
     }
 
-    /// Nominal number of frames per second, Hz, or `None` if the file has none.
+    /// Nominal frame rate, Hz, or `None` if the file has none.
     pub fn rate(&self) -> Option<f64> {
         self.rate
     }
 
-    /// Waits for ffmpeg to end; what went wrong, or `None` if the file was decoded to its end.
+    /// Waits for ffmpeg to end. Returns the problem, or `None` if the file was decoded to its end.
     fn problem(&mut self) -> Option<String> {
         if let Some(listener) = self.listener.take() {
             let complaint = listener.join();
             self.complaint = complaint.unwrap_or_else(|_| Some("its messages are lost".into()));
         }
         if self.complaint.is_some() {
-            // It may wait for a reader of its frames.
+            // ffmpeg may be blocked on writing frames.
             let _ = self.ffmpeg.kill();
         }
         let ended = self.ffmpeg.wait();
@@ -149,7 +150,7 @@ impl VideoFile {
         complaint.map(|what| format!("ffmpeg: {what}")).or(status)
     }
 
-    /// The end of the video, or the damage that ends it. `torn`: in the middle of a frame.
+    /// Error for the end of the video or for the damage that ends it. `torn` means in the middle of a frame.
     fn end(&mut self, torn: bool) -> CameraError {
         let count = self.count;
         let problem = self.problem();
@@ -158,7 +159,7 @@ impl VideoFile {
             None => CameraError::Ended { count },
             Some(problem) => self.failed(&format!(
                 "the video is damaged or truncated, {count} frames were decoded ({problem}); `ffmpeg -i FILE -c:v ffv1 NEW.mkv` \
-                 writes what can be decoded as a whole video"
+                 saves the decodable frames as a new video"
             )),
         }
     }
@@ -178,7 +179,7 @@ impl VideoFile {
         if !std::mem::replace(&mut self.untimed, true) {
             let (path, count) = (self.path.display(), self.count);
             self.warning = Some(format!(
-                "{path}: frame {count} has no presentation time; such frames are counted at {rate} Hz"
+                "{path}: frame {count} has no presentation time; such frames are stamped at {rate} Hz"
             ));
         }
         match self.count {
@@ -199,7 +200,7 @@ impl Camera for VideoFile {
         if info.size != self.size {
             let count = self.count;
             return Err(self.failed(&format!(
-                "frame {count} has {width}x{height} px; expected {columns}x{rows} px as of the first frame"
+                "frame {count} has {width}x{height} px; expected {columns}x{rows} px like the first frame"
             )));
         }
         if self.pixels.read_exact(&mut frame.picture.pixels).is_err() {
@@ -222,7 +223,7 @@ impl Camera for VideoFile {
 
 impl Drop for VideoFile {
     fn drop(&mut self) {
-        // It may have ended long ago.
+        // ffmpeg may have ended already.
         let _ = self.ffmpeg.kill();
         let _ = self.ffmpeg.wait();
     }

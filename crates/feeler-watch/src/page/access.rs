@@ -1,69 +1,67 @@
-//! Who is let in: whoever knows the token, and comes by the address that was printed.
+//! Access control: requests need the secret token and must use the printed address.
 
 use axum::http::header::{HOST, ORIGIN};
 use axum::http::{HeaderMap, HeaderName, Method, Uri};
 use feeler_report::make::RECORDING;
 use subtle::ConstantTimeEq;
 
-/// Bytes of a token.
+/// Length of a token in bytes.
 const TOKEN: usize = 16;
-/// What follows the token in the path of the socket.
+/// Path segment of the WebSocket, after the token.
 const SOCKET: &str = "live";
-/// The port that an address need not name.
+/// Default HTTP port, which is omitted from host names.
 const HTTP: u16 = 80;
 
-/// Why somebody is not let in.
+/// Reason for rejecting a request.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum Refusal {
-    /// The address of the page was not typed, nor followed here.
+    /// The request names another host, which indicates a DNS rebinding attack.
     #[error(
-        "the request is for the host {actual:?}; expected the address that feeler printed, at {expected}"
+        "expected the address that feeler printed, at {expected}, got a request for the host {actual:?}"
     )]
     Host {
-        /// Where the page is.
+        /// Hosts of the page.
         expected: String,
-        /// Where it was looked for.
+        /// Host in the request.
         actual: String,
     },
-    /// Another page asks.
-    #[error("the request comes from {actual:?}; expected from the page at {expected}")]
+    /// The request was sent by another page.
+    #[error("expected a request from the page at {expected}, got one from {actual:?}")]
     Origin {
-        /// Where the page is.
+        /// Origins of the page.
         expected: String,
-        /// Who asks.
+        /// Origin in the request.
         actual: String,
     },
-    /// The token is another, or none.
-    #[error(
-        "the address does not end with the token of this program; expected the whole address that feeler printed"
-    )]
+    /// The token is missing or wrong.
+    #[error("wrong or missing token; use the complete address that feeler printed")]
     Token,
 }
 
-/// What is asked for.
+/// The requested resource.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Wanted {
     /// The page.
     Page,
-    /// Its socket.
+    /// The page's WebSocket.
     Socket,
-    /// The recording that it is of.
+    /// The recording that the page shows.
     Recording,
-    /// Something that is not there.
+    /// An unknown resource.
     Nothing,
 }
 
-/// Where a page is, and its token.
+/// Port and secret token of a page.
 pub struct Address {
     port: u16,
     token: String,
 }
 
 impl Address {
-    /// At this port, with a token that nobody can guess.
+    /// Creates an address at this port with a random token.
     ///
     /// # Errors
-    /// When the system gives no random numbers.
+    /// If the operating system provides no random numbers.
     pub fn draw(port: u16) -> Result<Self, getrandom::Error> {
         let mut bytes = [0; TOKEN];
         getrandom::fill(&mut bytes)?;
@@ -71,17 +69,17 @@ impl Address {
         Ok(Self { port, token })
     }
 
-    /// What to type.
+    /// URL of the page.
     pub fn url(&self) -> String {
         format!("http://127.0.0.1:{}/{}/", self.port, self.token)
     }
 
-    /// Path of the socket.
+    /// Path of the WebSocket.
     pub fn socket(&self) -> String {
         format!("/{}/{SOCKET}", self.token)
     }
 
-    /// The hosts by which the page is reached.
+    /// Accepted values of the `Host` header.
     pub fn hosts(&self) -> [String; 2] {
         ["127.0.0.1", "localhost"].map(|host| match self.port {
             HTTP => host.to_string(),
@@ -89,10 +87,10 @@ impl Address {
         })
     }
 
-    /// What is wanted by a request, if whoever asks is let in.
+    /// Checks a request and returns the resource that it asks to read.
     ///
     /// # Errors
-    /// When host, origin or token are not this page's.
+    /// If the host, origin or token is not the page's.
     pub fn admit(
         &self,
         method: &Method,
@@ -119,7 +117,7 @@ impl Address {
             _ => Wanted::Nothing,
         };
         let origins = hosts.map(|host| format!("http://{host}"));
-        // A page that is typed has none.
+        // A page opened by its address has no origin.
         let needs_origin = wanted == Wanted::Socket || headers.contains_key(ORIGIN);
         let origin = only(headers, ORIGIN).unwrap_or_default();
         if needs_origin && !is_one_of(&origin, &origins) {
@@ -135,13 +133,13 @@ impl Address {
     }
 }
 
-/// The token of a path, and what follows it.
+/// Splits a path into the token and the rest.
 fn split(path: &str) -> (&str, &str) {
     let path = path.strip_prefix('/').unwrap_or(path);
     path.split_once('/').unwrap_or((path, ""))
 }
 
-/// The value of a header that is there once.
+/// Returns the value of a header that occurs exactly once.
 fn only(headers: &HeaderMap, name: HeaderName) -> Option<String> {
     let mut values = headers.get_all(name).iter();
     let value = values.next()?;
@@ -171,7 +169,7 @@ mod tests {
     }
 
     #[test]
-    fn only_who_knows_the_token_and_comes_by_the_address_is_let_in() {
+    fn only_requests_with_token_and_address_are_admitted() {
         let address = Address::draw(4321).expect("a token");
         let page = format!("/{}/", address.token);
         let (host, origin) = ((HOST, "127.0.0.1:4321"), (ORIGIN, "http://localhost:4321"));

@@ -1,4 +1,4 @@
-//! One page that looks: what it gets, and what it says.
+//! The WebSocket connection to one page.
 
 use super::state::Request;
 use axum::body::Bytes;
@@ -11,27 +11,28 @@ use std::time::Duration;
 use tokio::sync::watch::Receiver;
 use tokio::time::{MissedTickBehavior, interval, timeout};
 
-/// A page is asked so often whether it has read what was sent.
+/// Interval at which a page is pinged to check that it has read what was sent.
 const PING: Duration = Duration::from_secs(1);
-/// While so many questions wait for their answers, nothing else is sent but the last update: a page that is slow misses rows.
+/// Number of unanswered pings from which only the last update is sent, so that a slow page misses rows.
 const BEHIND: u64 = 2;
-/// With so many, nobody is there.
+/// Number of unanswered pings from which the page is considered gone.
 const GONE: u64 = 6;
-/// A message that the system does not take for so long is not sent, and nothing after it.
+/// Maximum time to send a message; after it, the connection is closed.
 const PATIENCE: Duration = Duration::from_secs(5);
 
-/// The newest of what pages get. There is no queue: what a page is too slow for is replaced by the next.
+/// The latest row and state for all pages. There is no queue: an update that a slow page misses is replaced by the
+/// next.
 #[derive(Debug, Clone, Default)]
 pub struct Update {
-    /// Number of the row.
+    /// Number of the row, increasing.
     pub number: u64,
-    /// The row.
+    /// Encoded row.
     pub row: Bytes,
-    /// What the hand is about.
+    /// State of the hand (JSON).
     pub state: Utf8Bytes,
 }
 
-/// Serves one page until either side has enough; `order` gets what it asks for.
+/// Serves one page until either side closes. Requests of the page are passed to `order`.
 pub async fn serve(socket: WebSocket, updates: Receiver<Update>, order: impl Fn(Request)) {
     let (sink, stream) = socket.split();
     let answered = AtomicU64::new(0);
@@ -45,14 +46,14 @@ pub async fn serve(socket: WebSocket, updates: Receiver<Update>, order: impl Fn(
     let mut listening = pin!(listen(stream, &answered, order));
     tokio::select! {
         sent = outlet.keep_sending(updates) => if sent.is_ok() {
-            // Whoever leaves with messages unread takes back what is still on its way to the page.
+            // Closing with unread messages would reset the connection and lose data in flight.
             let _ = timeout(PATIENCE, listening).await;
         },
         () = &mut listening => {}
     }
 }
 
-/// Takes in what a page says. What makes no sense changes nothing.
+/// Reads the messages of a page. Invalid messages are ignored.
 async fn listen(mut stream: SplitStream<WebSocket>, answered: &AtomicU64, order: impl Fn(Request)) {
     while let Some(Ok(message)) = stream.next().await {
         match message {
@@ -72,49 +73,49 @@ async fn listen(mut stream: SplitStream<WebSocket>, answered: &AtomicU64, order:
     }
 }
 
-/// The way to a page.
+/// Sends updates to one page.
 struct Outlet<'a> {
     sink: SplitSink<WebSocket, Message>,
-    /// The number of the newest question that the page answered.
+    /// Number of the latest ping that the page answered.
     answered: &'a AtomicU64,
-    /// The number of the newest that it was asked.
+    /// Number of the latest ping that was sent.
     asked: u64,
-    /// What it has seen.
+    /// Number of the latest row sent.
     number: u64,
     state: Utf8Bytes,
 }
 
-/// That nobody takes what is sent.
+/// Error for a page that no longer receives.
 struct Gone;
 
 impl Outlet<'_> {
-    /// Sends what is new until there is nothing more to come, and then the last of it.
+    /// Sends updates until the sender is dropped, and then the last update.
     async fn keep_sending(mut self, mut updates: Receiver<Update>) -> Result<(), Gone> {
         let mut pings = interval(PING);
         pings.set_missed_tick_behavior(MissedTickBehavior::Delay);
         loop {
             tokio::select! {
                 changed = updates.changed() => if changed.is_err() {
-                    // There is nothing more to come.
+                    // The sender was dropped.
                     break;
                 },
                 _ = pings.tick() => self.ping().await?,
             }
-            // It is not borrowed while it is sent: the next update waits for nobody.
+            // Cloned, because a borrow would block the next update while this one is sent.
             let update = updates.borrow_and_update().clone();
             if self.waiting() < BEHIND {
                 self.show(update).await?;
             }
         }
-        // A page that is behind gets it, too: it says how everything ended.
+        // Sent to slow pages, too, because it reports how the run ended.
         let last = updates.borrow().clone();
         self.show(last).await?;
-        // Where it is not taken, the connection ends all the same.
+        // The connection ends even if the close is not received.
         let _ = timeout(PATIENCE, self.sink.close()).await;
         Ok(())
     }
 
-    /// Questions that wait for an answer. A page cannot answer what it was not asked.
+    /// Number of unanswered pings. A page cannot answer pings that were not sent.
     fn waiting(&self) -> u64 {
         let answered = self.answered.load(Ordering::Relaxed);
         self.asked.saturating_sub(answered)
@@ -129,7 +130,7 @@ impl Outlet<'_> {
         self.send(Message::Ping(number)).await
     }
 
-    /// Sends what is new of `update`.
+    /// Sends the parts of `update` that changed.
     async fn show(&mut self, update: Update) -> Result<(), Gone> {
         if update.number != self.number {
             self.number = update.number;

@@ -1,4 +1,4 @@
-//! The recording that a page is of, as its link gets it.
+//! Downloads of the recording that a page shows.
 
 use axum::body::{Body, Bytes};
 use axum::http::header::{CONTENT_LENGTH, CONTENT_TYPE, HeaderValue};
@@ -10,10 +10,10 @@ use std::path::Path;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
-/// Bytes that are read at a time.
+/// Block size in bytes.
 const BLOCK: u64 = 64 * 1024;
 
-/// Whether a part of a long answer was taken since somebody looked.
+/// Flag that part of a long response was sent.
 #[derive(Debug, Clone, Default)]
 pub struct Progress(Arc<AtomicBool>);
 
@@ -22,26 +22,26 @@ impl Progress {
         self.0.store(true, Ordering::Relaxed);
     }
 
-    /// Whether there was any since the last call.
+    /// Returns `true` if there was progress since the last call.
     pub fn was_made(&self) -> bool {
         self.0.swap(false, Ordering::Relaxed)
     }
 }
 
-/// The file at `path`, as long as it is now, block by block as it is taken.
+/// Responds with the file at `path`, up to its current length, block by block.
 ///
 /// # Errors
-/// When the file cannot be opened.
+/// If the file cannot be opened.
 pub fn download(path: &Path, progress: Progress) -> io::Result<Response> {
     let file = File::open(path)?;
     let length = file.metadata()?.len();
     let mut rest = file.take(length);
-    // The page's thread does nothing else of importance: it may wait for the disk.
+    // Reading may block: the page's thread has no other important work.
     let blocks = std::iter::from_fn(move || {
         progress.made();
         next_block(&mut rest).transpose()
     });
-    // MCAP has no media type of its own.
+    // MCAP has no registered media type.
     let kind = HeaderValue::from_static("application/octet-stream");
     let headers = [
         (CONTENT_TYPE, kind),
@@ -51,7 +51,7 @@ pub fn download(path: &Path, progress: Progress) -> io::Result<Response> {
     Ok((headers, body).into_response())
 }
 
-/// What is read next; nothing at the end.
+/// Reads the next block, or returns `None` at the end.
 fn next_block(file: &mut impl Read) -> io::Result<Option<Bytes>> {
     let mut block = Vec::new();
     file.take(BLOCK).read_to_end(&mut block)?;

@@ -1,38 +1,38 @@
-//! What passes between a hand and those who look at it: the newest moment one way, orders the other. Neither side waits.
+//! Exchange between a hand and its live pages: the latest moment in one direction, orders in the other. Neither blocks.
 
 use std::mem;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, TryLockError};
 
-/// Bytes of words that a moment has room for.
+/// Capacity of a moment's text in bytes.
 const WORDS: usize = 512;
 
-/// What is to be seen at one time. Its memory is there from the beginning.
+/// State of the hand at one time. Its memory is allocated at construction.
 #[derive(Debug, Clone)]
 pub struct Moment {
-    /// Time, s; not a number where none is known.
+    /// Time (s), or NaN if unknown.
     pub time: f64,
-    /// The numbers of a row after its time; too few where nothing is known yet.
+    /// Numbers of a row after its time; incomplete if no data has arrived.
     pub numbers: Vec<f32>,
-    /// What the hand is about.
+    /// Description of the hand's state.
     pub words: Words,
-    /// Whether the hand is stopped.
+    /// `true` if the hand is stopped.
     pub stopped: bool,
-    /// Whether this is the end.
+    /// `true` for the last moment.
     pub over: bool,
 }
 
-/// Words in memory that does not grow: what does not fit is left out.
+/// Text of fixed capacity; what does not fit is cut off.
 #[derive(Debug, Clone)]
 pub struct Words(String);
 
 impl Words {
-    /// The words so far.
+    /// The current text.
     pub fn as_str(&self) -> &str {
         &self.0
     }
 
-    /// Begins anew.
+    /// Removes all text.
     pub fn clear(&mut self) {
         self.0.clear();
     }
@@ -50,30 +50,30 @@ impl std::fmt::Write for Words {
     }
 }
 
-/// What those who look want done since they were asked last.
+/// Orders from live pages since the last query.
 #[derive(Debug, Default, PartialEq, Eq)]
 pub struct Orders {
-    /// Who wants the hand stopped.
+    /// Source of a stop request, if any.
     pub stop: Option<String>,
-    /// Whether the hand is to go on.
+    /// `true` if the hand must resume.
     pub resume: bool,
 }
 
-/// Between a hand and those who look at it.
+/// Exchange between a hand and its live pages.
 pub struct Feed {
-    /// Numbers of a row after its time.
+    /// Number of values in a row after its time.
     width: usize,
-    /// Whether somebody waits for a moment.
+    /// `true` if a page waits for a moment.
     wanted: AtomicBool,
-    /// The newest moment, and whether nobody has seen it.
+    /// Latest moment, and whether it is unread.
     newest: Mutex<(Moment, bool)>,
-    /// Whether there are orders.
+    /// `true` if there are orders.
     ordered: AtomicBool,
     orders: Mutex<Orders>,
 }
 
 impl Feed {
-    /// For rows of `width` numbers after the time.
+    /// Creates a feed for rows with `width` values after the time.
     pub fn new(width: usize) -> Self {
         let moment = Moment {
             time: f64::NAN,
@@ -91,12 +91,12 @@ impl Feed {
         }
     }
 
-    /// Numbers of a row after its time.
+    /// Number of values in a row after its time.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Lets `fill` write the newest moment, if somebody waits for one and does not look at this very moment.
+    /// Calls `fill` to update the latest moment, if one was requested and it is not being read.
     pub fn offer(&self, fill: impl FnOnce(&mut Moment)) {
         if !self.wanted.load(Ordering::Relaxed) {
             return;
@@ -108,7 +108,7 @@ impl Feed {
         }
     }
 
-    /// The same for the last one, whether somebody waits or not.
+    /// Calls `fill` to write the last moment, whether or not one was requested.
     pub fn offer_last(&self, fill: impl FnOnce(&mut Moment)) {
         let mut newest = self
             .newest
@@ -119,12 +119,12 @@ impl Feed {
         newest.1 = true;
     }
 
-    /// Asks for the next moment that there is.
+    /// Requests the next moment.
     pub fn want(&self) {
         self.wanted.store(true, Ordering::Relaxed);
     }
 
-    /// Lets `look` see the newest moment, if nobody has seen it; whether it did.
+    /// Calls `look` with the latest moment if it is unread. Returns `true` if it was.
     pub fn take(&self, look: impl FnOnce(&Moment)) -> bool {
         let Some(mut newest) = free(&self.newest) else {
             return false;
@@ -136,12 +136,12 @@ impl Feed {
         is_new
     }
 
-    /// Says that the hand is to stop, and who says so.
+    /// Orders the hand to stop, on behalf of `by`.
     pub fn stop(&self, by: &str) {
         self.order(|orders| orders.stop = Some(by.into()));
     }
 
-    /// Says that the hand is to go on.
+    /// Orders the hand to resume.
     pub fn resume(&self) {
         self.order(|orders| orders.resume = true);
     }
@@ -155,7 +155,7 @@ impl Feed {
         self.ordered.store(true, Ordering::Release);
     }
 
-    /// What was ordered since the last call. Orders that are being given at this very moment come with the next.
+    /// Takes the orders since the last call. Orders being placed at this moment are returned by the next call.
     pub fn orders(&self) -> Orders {
         if !self.ordered.load(Ordering::Acquire) {
             return Orders::default();
@@ -167,7 +167,7 @@ impl Feed {
     }
 }
 
-/// What is behind a lock that nobody holds.
+/// Locks a mutex if it is free.
 fn free<T>(lock: &Mutex<T>) -> Option<MutexGuard<'_, T>> {
     match lock.try_lock() {
         Ok(guard) => Some(guard),
@@ -190,10 +190,10 @@ mod tests {
     #[test]
     fn a_moment_is_filled_when_it_is_wanted_and_seen_once() {
         let feed = Feed::new(1);
-        feed.offer(|_| unreachable!("nobody asked"));
+        feed.offer(|_| unreachable!("not requested"));
         feed.want();
         feed.offer(|moment| moment.time = 1.0);
-        feed.offer(|_| unreachable!("nobody asked again"));
+        feed.offer(|_| unreachable!("not requested again"));
         assert_eq!(seen(&feed), Some(1.0));
         assert_eq!(seen(&feed), None);
         feed.want();
@@ -202,26 +202,26 @@ mod tests {
     }
 
     #[test]
-    fn nobody_waits_for_who_looks() {
+    fn offering_does_not_wait_for_a_reader() {
         let feed = Feed::new(1);
         feed.want();
         feed.offer(|moment| moment.time = 1.0);
         let taken = feed.take(|_| {
             feed.want();
-            feed.offer(|_| unreachable!("somebody looks"));
+            feed.offer(|_| unreachable!("being read"));
         });
         feed.offer_last(|moment| moment.time = 3.0);
         assert!(taken && feed.take(|moment| assert!(moment.over)));
     }
 
     #[test]
-    fn orders_are_given_once_and_a_stop_says_whose_it_is() {
+    fn orders_are_given_once_and_a_stop_names_its_source() {
         let feed = Feed::new(1);
         assert_eq!(feed.orders(), Orders::default());
         feed.resume();
-        feed.stop("somebody");
+        feed.stop("a page");
         let orders = Orders {
-            stop: Some("somebody".into()),
+            stop: Some("a page".into()),
             resume: true,
         };
         assert_eq!(feed.orders(), orders);
@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn words_stay_in_their_memory() {
+    fn text_does_not_grow_its_buffer() {
         let mut words = Words(String::with_capacity(8));
         let capacity = words.0.capacity();
         for _ in 0..100 {

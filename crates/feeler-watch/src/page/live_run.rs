@@ -1,4 +1,4 @@
-//! A run in the browser: what is shown of it, and what its page does to it.
+//! Live page of a simulated run.
 
 use super::ServerOptions;
 use super::feed::{Feed, Moment, Orders};
@@ -17,26 +17,26 @@ use std::fmt::Write as _;
 use std::io::Write;
 use std::sync::Arc;
 
-/// Who stops the hand when a button is pressed.
+/// Name of the live page as source of a stop.
 const BY: &str = "the live page";
 
-/// A run in the browser.
+/// Live page of a simulated run.
 pub struct LiveRun {
     feed: Arc<Feed>,
     server: Server,
     run: Run,
-    /// What the instruments read in the newest step.
+    /// Readings of the instruments in the latest step.
     instruments: Option<Instruments>,
 }
 
-/// What a row of a run is made with.
+/// Constants needed to build a run's rows.
 struct Run {
     source: Source,
     strokes: u32,
 }
 
 impl LiveRun {
-    /// Serves the page of a run of `experiment` that is about to begin, and says where.
+    /// Serves the page of a run of `experiment` that is about to start, and prints its address.
     pub fn open(
         experiment: &Experiment,
         options: ServerOptions,
@@ -57,14 +57,15 @@ impl LiveRun {
         })
     }
 
-    /// Offers the newest step of `control_loop`, and does what the page asks for. It neither waits nor allocates.
+    /// Offers the latest step of `control_loop` to the page and executes the page's orders. Neither blocks nor
+    /// allocates.
     pub fn step(&mut self, control_loop: &mut SimulatedLoop, instruments: &Instruments) {
         self.instruments = Some(*instruments);
         let Orders { stop, resume } = self.feed.orders();
         if resume {
             control_loop.controller_mut().resume();
         }
-        // Of two people, whoever wants it to stand still is heard.
+        // A stop takes precedence over a resume.
         if let Some(by) = stop {
             control_loop.controller_mut().stop(StopReason::Told { by });
         }
@@ -73,19 +74,19 @@ impl LiveRun {
             .offer(|moment| run.fill(moment, control_loop, instruments));
     }
 
-    /// Tells pages that the run of `control_loop` is over, and how it ended.
+    /// Sends pages the last state of `control_loop` and how the run ended.
     pub fn over(&self, control_loop: &SimulatedLoop, end: &RunEnd) {
         self.feed.offer_last(|moment| {
             if let Some(instruments) = &self.instruments {
                 self.run.fill(moment, control_loop, instruments);
             }
             moment.words.clear();
-            // Words that do not fit are left out.
+            // Text that does not fit is cut off.
             let _ = say_end(moment, end);
         });
     }
 
-    /// Waits, for two seconds at most, until pages know how the run ended: as they were told, or that it `failed`.
+    /// Waits up to two seconds until pages have received how the run ended, or that it `failed`.
     pub fn leave(self, failed: Option<&CommandError>) {
         if let Some(error) = failed {
             self.feed.offer_last(|moment| {
@@ -106,7 +107,7 @@ impl Run {
         let stopped = controller.stop_reason();
         moment.stopped = stopped.is_some();
         moment.words.clear();
-        // Words that do not fit are left out.
+        // Text that does not fit is cut off.
         let _ = match stopped {
             Some(reason) => write!(moment.words, "The hand is stopped: {reason}."),
             None => say_phase(moment, phase, stroke, self.strokes),
@@ -138,7 +139,7 @@ impl Run {
     }
 }
 
-/// How a run ended.
+/// Writes how a run ended.
 fn say_end(moment: &mut Moment, end: &RunEnd) -> std::fmt::Result {
     match (end.state, &end.reason) {
         (RunState::Done, _) => write!(moment.words, "The task is done."),
@@ -147,7 +148,7 @@ fn say_end(moment: &mut Moment, end: &RunEnd) -> std::fmt::Result {
     }
 }
 
-/// How far a hand is that does as it should.
+/// Writes the phase and stroke of a hand that works normally.
 pub fn say_phase(moment: &mut Moment, phase: Phase, stroke: u32, strokes: u32) -> std::fmt::Result {
     match (stroke, strokes) {
         (0, _) => write!(moment.words, "{phase}."),
@@ -172,7 +173,7 @@ mod tests {
         open: false,
     };
 
-    /// Rows of whole runs of all built-in experiments: somebody looks at every step, and stops the hand at times.
+    /// Runs all built-in experiments while a page reads every step and stops the hand at times.
     #[test]
     fn handing_a_step_to_the_page_does_not_allocate() {
         for built_in in BUILT_IN {
@@ -190,7 +191,7 @@ mod tests {
                     step += 1;
                     match step % 300 {
                         100 => feed.stop(BY),
-                        // Who stopped the hand is forgotten, which frees memory; the hand stands still then.
+                        // Resuming frees the stop reason's memory, but the hand stands still then.
                         110 => control_loop.controller_mut().resume(),
                         _ => {}
                     }
@@ -204,7 +205,7 @@ mod tests {
                 },
             );
             ran.expect("a run");
-            // The server takes some of them.
+            // The server takes some of the moments.
             assert!(whole > step / 2, "{}: {whole} of {step}", built_in.name);
             assert!(stopped > 0, "{}", built_in.name);
         }

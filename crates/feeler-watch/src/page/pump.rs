@@ -1,4 +1,4 @@
-//! From a hand to all pages: thirty times a second, the newest.
+//! Sends the latest moment of a hand to all pages, 30 times per second.
 
 use super::client::Update;
 use super::feed::{Feed, Moment};
@@ -11,10 +11,10 @@ use tokio::time::{MissedTickBehavior, interval, sleep};
 
 /// Time between two rows.
 const INTERVAL: Duration = Duration::from_nanos(1_000_000_000 / 30);
-/// How soon a row is seen: the hand's thread, which makes it, wakes nobody.
+/// Polling interval for new rows. The hand's thread must not spend time on waking another thread.
 const LOOK: Duration = Duration::from_millis(3);
 
-/// Sends pages what `feed` has, until its last moment; `told` is what they asked for last.
+/// Sends the moments of `feed` to pages until the last one. `told` is the pages' latest order.
 pub async fn pump(feed: &Feed, told: &Mutex<Option<Told>>, updates: &Sender<Update>) {
     let mut ticks = interval(INTERVAL);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
@@ -22,7 +22,7 @@ pub async fn pump(feed: &Feed, told: &Mutex<Option<Told>>, updates: &Sender<Upda
     let mut over = false;
     while !over {
         ticks.tick().await;
-        // Asked for only now, as it would be as old as the interval is long by the next tick.
+        // Requested only now; a row requested earlier would be one interval old.
         feed.want();
         let mut look = |moment: &Moment| {
             over = moment.over;
@@ -45,7 +45,7 @@ pub async fn pump(feed: &Feed, told: &Mutex<Option<Told>>, updates: &Sender<Upda
     }
 }
 
-/// The message of a row; none while there is none.
+/// Encodes a row, or returns `None` if it is incomplete.
 fn row(moment: &Moment, width: usize) -> Option<Bytes> {
     let is_whole = moment.time.is_finite() && moment.numbers.len() == width;
     is_whole.then(|| {

@@ -1,4 +1,4 @@
-//! `feeler view RUN`: the report of a recording, made in memory.
+//! `feeler view RUN`: shows the report of a recording.
 
 use super::ServerOptions;
 use super::server::Door;
@@ -13,7 +13,7 @@ use std::sync::atomic::Ordering;
 use std::thread;
 use std::time::Duration;
 
-/// Ctrl-C is seen this soon.
+/// Interval at which Ctrl-C is checked.
 const PATIENCE: Duration = Duration::from_millis(50);
 
 /// Serves the report of the recording at `path` until Ctrl-C.

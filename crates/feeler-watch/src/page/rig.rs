@@ -1,4 +1,4 @@
-//! `feeler view RIG`: a running rig of several programs.
+//! `feeler view RIG`: shows a running rig of several programs.
 
 use super::ServerOptions;
 use super::feed::{Feed, Moment, Orders};
@@ -20,9 +20,9 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
 use std::time::Duration;
 
-/// Who stops the hand when a button is pressed.
+/// Name of the page as source of a stop.
 const BY: &str = "the page of feeler view";
-/// Time between two looks at what was heard and at what is ordered.
+/// Interval at which received messages and orders are processed.
 const INTERVAL: Duration = Duration::from_millis(10);
 
 /// Serves the page of the rig named `rig`, which runs `experiment` and is connected by `network`, until Ctrl-C.
@@ -44,7 +44,7 @@ pub fn serve_rig(
     let watching = watch(&mut watched, &source, &feed, &interrupted);
     feed.offer_last(|moment| {
         moment.words.clear();
-        // Words that do not fit are left out.
+        // Text that does not fit is cut off.
         let _ = match &watching {
             Ok(()) => write!(moment.words, "feeler view was ended"),
             Err(error) => write!(moment.words, "feeler view failed: {error}"),
@@ -56,7 +56,7 @@ pub fn serve_rig(
     Ok(Outcome::Done)
 }
 
-/// Shows what is heard and sends what is ordered, until it is `interrupted`.
+/// Shows received messages and sends orders until `interrupted`.
 fn watch(
     watched: &mut Watched,
     source: &Source,
@@ -70,7 +70,7 @@ fn watch(
         if resume {
             watched.resume(BY)?;
         }
-        // Of two people, whoever wants it to stand still is heard.
+        // A stop takes precedence over a resume.
         if let Some(by) = stop {
             watched.stop(&by)?;
         }
@@ -83,7 +83,7 @@ fn fill(moment: &mut Moment, source: &Source, watched: &Watched) {
     let snapshot = watched.snapshot();
     moment.stopped = watched.is_stopped();
     moment.words.clear();
-    // Words that do not fit are left out.
+    // Text that does not fit is cut off.
     let _ = say(moment, &snapshot);
     let mut row = Row::begin(moment, snapshot.time);
     let phase = snapshot.task.map(|task| f64::from(u8::from(task.phase)));
@@ -113,13 +113,13 @@ fn fill(moment: &mut Moment, source: &Source, watched: &Watched) {
     }
 }
 
-/// What is wrong, or how far the hand is.
+/// Writes the current fault, or the phase of the hand.
 fn say(moment: &mut Moment, snapshot: &Snapshot) -> std::fmt::Result {
     let fault = snapshot.fault.as_ref().filter(|fault| !fault.over);
     match (fault, snapshot.task) {
         (Some(fault), _) => write!(moment.words, "{}.", fault.words),
         (None, _) if !snapshot.notice.is_empty() => write!(moment.words, "{}.", snapshot.notice),
-        (None, None) => write!(moment.words, "No hand was heard."),
+        (None, None) => write!(moment.words, "No message from a hand."),
         (None, Some(task)) => say_phase(
             moment,
             task.phase,

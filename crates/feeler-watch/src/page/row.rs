@@ -1,4 +1,4 @@
-//! One row of a page, in the order of its columns.
+//! Writes one row of a page in the order of its columns.
 
 use super::feed::Moment;
 use feeler::control::flags::FingerFlags;
@@ -6,34 +6,34 @@ use feeler_report::page_data::flag_bits;
 use glam::{DQuat, DVec3};
 use std::iter;
 
-/// Writes the numbers of a row into memory that is there: what does not fit is left out.
+/// Writer of a row's numbers into preallocated memory; what does not fit is omitted.
 pub struct Row<'a>(&'a mut Vec<f32>);
 
-/// One finger, as a row has it.
+/// Values of one finger in a row.
 pub struct FingerRow<'a, F> {
-    /// Joint angles, rad.
+    /// Joint angles (rad).
     pub joints: [f64; 3],
-    /// Elements of the fingertip.
+    /// Number of elements of the fingertip.
     pub elements: usize,
-    /// Force at each element in its frame, N.
+    /// Force at each element, in the element's frame (N).
     pub forces: F,
-    /// TOUCH, SLIP, OVER, the largest element, the grasp force.
+    /// TOUCH, SLIP, OVER, largest element and grasp force.
     pub flags: &'a FingerFlags,
-    /// Whether it slips in truth, as far as anybody knows.
+    /// `true` if the finger truly slips; `false` if the ground truth is unknown.
     pub slips: bool,
-    /// How fast the tangential force of each element changes, N/s.
+    /// Rate of change of each element's tangential force (N/s).
     pub shear_rates: &'a [f64],
 }
 
 impl<'a> Row<'a> {
-    /// Begins the row of `moment`, which is at `time`, s.
+    /// Starts the row of `moment` at `time` (s).
     pub fn begin(moment: &'a mut Moment, time: f64) -> Self {
         moment.time = time;
         moment.numbers.clear();
         Self(&mut moment.numbers)
     }
 
-    /// The next number.
+    /// Appends a number.
     pub fn push(&mut self, number: f64) {
         if self.0.len() < self.0.capacity() {
             self.0.push(number as f32);
@@ -44,7 +44,7 @@ impl<'a> Row<'a> {
         numbers.into_iter().for_each(|number| self.push(number));
     }
 
-    /// The columns of the next finger.
+    /// Appends the columns of the next finger.
     pub fn finger(&mut self, finger: FingerRow<'_, impl Iterator<Item = DVec3>>) {
         let FingerRow { flags, .. } = finger;
         self.extend(finger.joints);
@@ -59,13 +59,13 @@ impl<'a> Row<'a> {
         self.push(largest.flatten().copied().unwrap_or_default());
     }
 
-    /// How the cap stands: its centre in `W`, m, and its angle, rad.
+    /// Appends the pose of the cap: its centre in `W` (m) and its angle (rad).
     pub fn cap(&mut self, centre: DVec3, angle: f64) {
         self.pose(centre, DQuat::from_rotation_z(angle));
         self.push(angle);
     }
 
-    /// Where a frame is in its parent.
+    /// Appends the pose of a frame in its parent.
     pub fn pose(&mut self, position: DVec3, rotation: DQuat) {
         self.extend(position.to_array());
         self.extend(rotation.to_array());

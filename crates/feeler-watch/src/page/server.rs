@@ -1,4 +1,4 @@
-//! The server: a thread of its own, for browsers of this computer.
+//! HTTP server on a background thread, reachable from this computer only.
 
 use super::access::Address;
 use super::client::Update;
@@ -22,55 +22,53 @@ use tokio::runtime::{Builder, Runtime};
 use tokio::sync::{Semaphore, oneshot, watch};
 use tokio::time::{sleep, timeout};
 
-/// Connections that ask for something, or have not asked yet; pages that look are not among them.
+/// Maximum number of open connections without a WebSocket.
 const MOST_ASKING: usize = 16;
-/// Connections that the system keeps until they are accepted.
+/// Maximum number of connections that wait to be accepted.
 const BACKLOG: u32 = 16;
-/// Bytes on their way that the system keeps for a connection: a page that does not read gets no more.
+/// Size of a connection's send buffer in bytes. A page that does not read receives no more than this.
 const SEND_BUFFER: u32 = 128 * 1024;
-/// A request is to be there within this time.
+/// Maximum time to receive a request.
 const ASKING: Duration = Duration::from_secs(5);
-/// An answer is to be taken within this time, and of a long one the next part.
+/// Maximum time to send a response, or the next part of a long one.
 const ANSWERING: Duration = Duration::from_secs(60);
-/// Where the system has no connections to give, it is asked again after this time.
+/// Time to wait after a failed accept.
 const REST: Duration = Duration::from_millis(50);
-/// Pages are waited for this long in the end: a page that is behind has to take what is on its way first.
+/// Maximum time to wait at the end for pages to read pending messages.
 const FAREWELL: Duration = Duration::from_secs(2);
 
-/// Why nothing is served.
+/// Errors when starting the server.
 #[derive(Debug, thiserror::Error)]
 pub enum ServerError {
-    /// The port is not to be had.
-    #[error(
-        "port {port} of this computer cannot be listened at: {source}; expected a free one, or 0 for any"
-    )]
+    /// The port is not available.
+    #[error("failed to listen on port {port}: {source}; use a free port, or 0 for any")]
     Port {
         /// The port.
         port: u16,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// There are no random numbers for a token.
-    #[error("the system gives no random numbers for the token: {0}")]
+    /// The token could not be created.
+    #[error("failed to read the OS random source: {0}")]
     Token(#[from] getrandom::Error),
-    /// There is no thread to serve on.
-    #[error("the server cannot begin: {0}")]
+    /// The server's thread could not be started.
+    #[error("failed to start the server: {0}")]
     Thread(#[from] io::Error),
 }
 
-/// A place where a page can be served.
+/// A listening socket with the address of its page.
 pub struct Door {
     runtime: Runtime,
     listener: TcpListener,
-    /// Where that is.
+    /// Address of the page.
     pub address: Address,
 }
 
 impl Door {
-    /// At `port` of this computer, which nobody else reaches; at any where that is 0.
+    /// Listens on `port` of the loopback interface; 0 selects a free port.
     ///
     /// # Errors
-    /// When the port is not free, or the system gives no random numbers.
+    /// If the port is not free, or the operating system provides no random numbers.
     pub fn open(port: u16) -> Result<Self, ServerError> {
         let runtime = Builder::new_current_thread().enable_all().build()?;
         let listener = {
@@ -85,10 +83,10 @@ impl Door {
         })
     }
 
-    /// Serves `page` here, and what `feed` has, whose orders are given as from `by`.
+    /// Serves `page` and the moments of `feed`. Orders of the page are attributed to `by`.
     ///
     /// # Errors
-    /// When there is no thread for it.
+    /// If the thread cannot be started.
     pub fn serve_live(
         self,
         page: String,
@@ -105,10 +103,10 @@ impl Door {
         self.serve(page, Subject::Live(live), updates)
     }
 
-    /// Serves `page` here, and the `recording` that it is of.
+    /// Serves `page` and the `recording` that it shows.
     ///
     /// # Errors
-    /// When there is no thread for it.
+    /// If the thread cannot be started.
     pub fn serve_recording(self, page: String, recording: PathBuf) -> Result<Server, ServerError> {
         let (updates, _) = watch::channel(Update::default());
         self.serve(page, Subject::Recording(recording), updates)
@@ -138,7 +136,7 @@ impl Door {
 
 fn listen(port: u16) -> io::Result<TcpListener> {
     let socket = TcpSocket::new_v4()?;
-    // Elsewhere this would let others listen at the same port.
+    // On other systems, this would let other programs listen on the same port.
     #[cfg(unix)]
     socket.set_reuseaddr(true)?;
     socket.set_send_buffer_size(SEND_BUFFER)?;
@@ -146,24 +144,24 @@ fn listen(port: u16) -> io::Result<TcpListener> {
     socket.listen(BACKLOG)
 }
 
-/// A server at work, until it is dropped. Pages get the last moment of their feed, where it has one, before it ends.
+/// A running server. When dropped, it stops after pages have received the last moment of their feed, if any.
 pub struct Server {
-    /// Dropped to say that the server is to end.
+    /// Dropped to stop the server.
     _closing: oneshot::Sender<()>,
     thread: Option<JoinHandle<()>>,
 }
 
 impl Server {
-    /// Waits until pages have the last moment of the feed, but no longer than two seconds.
+    /// Waits up to two seconds until pages have received the last moment of the feed.
     pub fn wait_for_last(mut self) {
         if let Some(thread) = self.thread.take() {
-            // It does not panic, and would have said so.
+            // The thread does not panic.
             let _ = thread.join();
         }
     }
 }
 
-/// Serves until the feed is over or `closed`.
+/// Serves until the feed ends or `closed` resolves.
 async fn keep_serving(
     listener: TcpListener,
     site: Arc<Site>,
@@ -181,7 +179,7 @@ async fn keep_serving(
         () = pumping => {}
         _ = closed => {}
     }
-    // Pages see by this that nothing more comes.
+    // Pages end when the sender is dropped.
     drop(updates);
     let _ = timeout(FAREWELL, site.pages.acquire_many(MOST_PAGES)).await;
 }
@@ -194,7 +192,7 @@ async fn accept(listener: TcpListener, site: &Arc<Site>) {
             sleep(REST).await;
             continue;
         };
-        // One too many is closed at once: nobody who waits is told that it may come to something.
+        // Connections above the limit are closed at once, not queued.
         let Ok(place) = Arc::clone(&asking).try_acquire_owned() else {
             continue;
         };
@@ -208,9 +206,9 @@ async fn accept(listener: TcpListener, site: &Arc<Site>) {
     }
 }
 
-/// Answers what comes over one connection, up to its end or to a socket.
+/// Serves one connection until it closes or becomes a WebSocket.
 async fn serve(stream: TcpStream, router: Router) {
-    // Rows are small, and are to be seen at once.
+    // Rows are small and must arrive without delay.
     let _ = stream.set_nodelay(true);
     let progress = Progress::default();
     let router = router.layer(Extension(progress.clone()));
@@ -220,6 +218,6 @@ async fn serve(stream: TcpStream, router: Router) {
         .serve_connection(TokioIo::new(stream), TowerToHyperService::new(router))
         .with_upgrades();
     let mut connection = pin!(connection);
-    // Who asks nonsense, or leaves, is not answered.
+    // Malformed requests and closed connections are ignored.
     while timeout(ANSWERING, connection.as_mut()).await.is_err() && progress.was_made() {}
 }

@@ -1,4 +1,4 @@
-//! What is answered to a request.
+//! Answers HTTP requests.
 
 use super::access::{Address, Wanted};
 use super::client::{self, Update};
@@ -17,42 +17,42 @@ use std::path::{Path, PathBuf};
 use std::sync::{Arc, Mutex, PoisonError};
 use tokio::sync::{Semaphore, watch};
 
-/// Pages that look at the same time.
+/// Maximum number of open pages.
 pub const MOST_PAGES: u32 = 8;
-/// Bytes of a message of a page at most.
+/// Maximum size of a page's message in bytes.
 const LONGEST_MESSAGE: usize = 1024;
-/// Bytes that wait for the system to take them, at most.
+/// Maximum number of bytes that wait to be sent.
 const LONGEST_WAITING: usize = 1 << 20;
 
-/// What there is to see.
+/// State of the server.
 pub struct Site {
-    /// Where it is.
+    /// Address of the page.
     pub address: Address,
-    /// The page.
+    /// HTML of the page.
     pub page: Bytes,
-    /// What it is of.
+    /// Subject of the page.
     pub subject: Subject,
-    /// How many more pages may look.
+    /// Permits for further pages.
     pub pages: Arc<Semaphore>,
 }
 
-/// What a page is of.
+/// Subject of a page.
 pub enum Subject {
-    /// The recording in this file.
+    /// A recording in this file.
     Recording(PathBuf),
-    /// A hand that works meanwhile.
+    /// A hand at work.
     Live(Live),
 }
 
-/// A hand that works.
+/// A hand at work.
 pub struct Live {
-    /// What it shows, and who orders.
+    /// Exchange with the hand.
     pub feed: Arc<Feed>,
-    /// Who gives the orders of its pages.
+    /// Name to which orders of the pages are attributed.
     pub by: &'static str,
-    /// What they asked for last.
+    /// Latest order of the pages.
     pub told: Mutex<Option<Told>>,
-    /// What they get.
+    /// Updates for the pages.
     pub updates: watch::Receiver<Update>,
 }
 
@@ -81,12 +81,10 @@ pub async fn answer(State(site): State<Arc<Site>>, request: Request) -> Response
         Ok(Wanted::Recording) => match &site.subject {
             Subject::Recording(path) => recording(path, &request),
             Subject::Live(_) => {
-                nothing("The recording is being made: it is in the folder of the run.")
+                nothing("The recording is still being written, in the folder of the run.")
             }
         },
-        Ok(Wanted::Nothing) => {
-            nothing("There is nothing here but the page, to be asked for by GET.")
-        }
+        Ok(Wanted::Nothing) => nothing("Not found. This server provides only its page, by GET."),
         Err(refusal) => (StatusCode::FORBIDDEN, format!("{refusal}\n")).into_response(),
     };
     (guarded(&site.address), response).into_response()
@@ -109,10 +107,10 @@ async fn socket(site: Arc<Site>, request: Request) -> Response {
         Err(rejection) => return rejection.into_response(),
     };
     if let Subject::Recording(_) = &site.subject {
-        return nothing("This page is of a recording: nothing comes from it.");
+        return nothing("This page shows a recording and has no live data.");
     }
     let Ok(place) = Arc::clone(&site.pages).try_acquire_owned() else {
-        let said = format!("{MOST_PAGES} pages are open; expected no more. Close one of them.\n");
+        let said = format!("At most {MOST_PAGES} pages can be open. Close one of them.\n");
         return (StatusCode::SERVICE_UNAVAILABLE, said).into_response();
     };
     upgrade
@@ -128,7 +126,7 @@ async fn socket(site: Arc<Site>, request: Request) -> Response {
         })
 }
 
-/// What keeps a browser from showing the page to others, from keeping it, and from asking anybody else for anything.
+/// Headers that prevent framing, caching and requests to other hosts.
 fn guarded(address: &Address) -> HeaderMap {
     let sockets = address.hosts().map(|host| format!("ws://{host}")).join(" ");
     let policy = format!(

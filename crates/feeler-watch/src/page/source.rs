@@ -1,4 +1,4 @@
-//! The page of a rig, made and served.
+//! Builds and serves the live page of a rig.
 
 use super::ServerOptions;
 use super::feed::Feed;
@@ -11,23 +11,23 @@ use feeler_report::live_page::{Live, LiveRig, live_page};
 use std::io::Write;
 use std::sync::Arc;
 
-/// Rows that a page keeps: a minute of them.
+/// Number of rows that a page keeps: one minute.
 const KEEP: usize = 30 * 60;
 
-/// What is known of a rig before its first row.
+/// Constants of a rig.
 pub struct Source {
     facts: RunFacts,
     homes: Vec<[f64; 3]>,
-    /// Elements of each fingertip.
+    /// Number of elements of each fingertip.
     pub elements: Vec<usize>,
-    /// Whether rows say how a cap stands.
+    /// `true` if rows contain the pose of a cap.
     pub cap: bool,
-    /// Whether rows say where an object is that is carried.
+    /// `true` if rows contain the pose of a carried object.
     pub object: bool,
 }
 
 impl Source {
-    /// Of the rig of `config`.
+    /// Reads the constants of the rig of `config`.
     pub fn new(config: &ExperimentConfig) -> Result<Self, CommandError> {
         let facts = run_facts(config)?;
         let elements = facts.hand.iter().map(|model| model.element_tips.len());
@@ -51,7 +51,7 @@ impl Source {
     }
 }
 
-/// Serves the page of `source` and says where; its orders are given as from `by`.
+/// Serves the page of `source` and prints its address. Orders of the page are attributed to `by`.
 pub fn serve(
     title: &str,
     source: &Source,
@@ -61,7 +61,7 @@ pub fn serve(
 ) -> Result<(Arc<Feed>, Server), CommandError> {
     let rig = source.rig();
     let numbers: usize = rig.columns().iter().map(|(_, width)| width).sum();
-    // Time is not among them.
+    // The time is not among these values.
     let feed = Arc::new(Feed::new(numbers - 1));
     let door = Door::open(options.port)?;
     let live = Live {
@@ -75,7 +75,7 @@ pub fn serve(
     Ok((feed, server))
 }
 
-/// Says where a page is, and opens it unless told not to.
+/// Prints the address of a page, and opens it unless `--no-open` is given.
 pub fn say_where(
     url: &str,
     options: ServerOptions,
@@ -84,7 +84,7 @@ pub fn say_where(
     writeln!(out, "live page: {url}")?;
     out.flush()?;
     if options.open {
-        // Without a browser, the address is there.
+        // Without a browser, the user can still open the printed address.
         let _ = open::that_detached(url);
     }
     Ok(())

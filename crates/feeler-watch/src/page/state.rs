@@ -1,19 +1,19 @@
-//! What a page is told in words.
+//! State messages and orders of live pages.
 
 use super::feed::Moment;
 use serde::{Deserialize, Serialize};
 use std::time::{Duration, Instant};
 
-/// A hand that does not do what it was told within this time is said not to.
+/// Time after which an order that had no effect is reported as failed.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// What a page may ask for.
+/// An order from a page.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Request {
     /// Stop the hand.
     Stop,
-    /// Let it go on.
+    /// Let the hand resume.
     Resume,
 }
 
@@ -24,7 +24,7 @@ struct OrderMessage {
 }
 
 impl Request {
-    /// What a message of a page asks for; nothing where it makes no sense.
+    /// Parses a page's message, or returns `None` if it is invalid.
     pub fn read(message: &str) -> Option<Self> {
         let message: Option<OrderMessage> = serde_json::from_str(message).ok();
         message.map(|message| message.order)
@@ -40,7 +40,7 @@ struct LiveState<'a> {
     over: bool,
 }
 
-/// The last request, and what came of it.
+/// The latest order and its effect.
 #[derive(Debug, Clone, Copy)]
 pub struct Told {
     request: Request,
@@ -49,7 +49,7 @@ pub struct Told {
 }
 
 impl Told {
-    /// That somebody asked now.
+    /// Creates the record of an order received now.
     pub fn now(request: Request) -> Self {
         Self {
             request,
@@ -58,24 +58,24 @@ impl Told {
         }
     }
 
-    /// What came of it, where the hand is `stopped` or not.
+    /// Describes the effect of the order, given whether the hand is `stopped`.
     pub fn answer(&mut self, stopped: bool) -> &'static str {
         let is_so = stopped == (self.request == Request::Stop);
         self.heeded |= is_so;
         match (self.request, self.heeded, self.at.elapsed() < PATIENCE) {
             (Request::Stop, true, _) => "Stop: the hand stands still.",
-            (Request::Resume, true, _) => "Resume: the hand goes on.",
-            (Request::Stop, false, true) => "Stop: the hand was told.",
-            (Request::Resume, false, true) => "Resume: the hand was told.",
+            (Request::Resume, true, _) => "Resume: the hand continues.",
+            (Request::Stop, false, true) => "Stop: order sent.",
+            (Request::Resume, false, true) => "Resume: order sent.",
             (Request::Stop, false, false) => {
-                "Stop: the hand does not say that it stands still. Use its own stop."
+                "Stop: the hand does not confirm that it stands still. Use the stop of the hand itself."
             }
             (Request::Resume, false, false) => "Resume: the hand stays stopped.",
         }
     }
 }
 
-/// What a page is told of `moment`, and what came of the last request.
+/// Encodes `moment` and the effect of the latest order as a state message (JSON).
 pub fn state(moment: &Moment, told: Option<&mut Told>) -> String {
     let state = LiveState {
         state: moment.words.as_str(),
@@ -83,7 +83,7 @@ pub fn state(moment: &Moment, told: Option<&mut Told>) -> String {
         answer: told.map(|told| told.answer(moment.stopped)),
         over: moment.over,
     };
-    // Text, truths and nothing else can always be written.
+    // Strings and booleans can always be encoded.
     serde_json::to_string(&state).unwrap_or_default()
 }
 
@@ -92,7 +92,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn only_the_two_orders_are_orders() {
+    fn only_the_two_orders_are_accepted() {
         assert_eq!(Request::read(r#"{"order":"stop"}"#), Some(Request::Stop));
         assert_eq!(
             Request::read(r#"{"order":"resume"}"#),
@@ -112,11 +112,11 @@ mod tests {
     }
 
     #[test]
-    fn an_answer_says_what_came_of_it() {
+    fn an_answer_reports_the_effect_of_the_order() {
         let mut told = Told::now(Request::Resume);
-        assert_eq!(told.answer(true), "Resume: the hand was told.");
-        assert_eq!(told.answer(false), "Resume: the hand goes on.");
-        // That somebody stops it again later is another matter.
-        assert_eq!(told.answer(true), "Resume: the hand goes on.");
+        assert_eq!(told.answer(true), "Resume: order sent.");
+        assert_eq!(told.answer(false), "Resume: the hand continues.");
+        // A later stop does not change the answer.
+        assert_eq!(told.answer(true), "Resume: the hand continues.");
     }
 }

@@ -1,9 +1,8 @@
-//! From moments to forces: the calibration of one fingertip, and its file.
+//! Calibration of one fingertip: the map from moments to forces, and its file.
 //!
-//! Two models: [`separable`](super::separable), the paper's, one curve for each component of the
-//! force; and [`coupled`](super::coupled), each component from all moments together. Either takes an
-//! element's moments relative to its unloaded ones ([`Inputs`]). How far a calibration can be trusted
-//! stands in it ([`ElementQuality`]).
+//! There are two models: [`separable`](super::separable), the paper's, with one curve for each component of the
+//! force; and [`coupled`](super::coupled), with each component a function of all moments. Both take an element's
+//! moments relative to its unloaded ones ([`Inputs`]). The calibration contains its accuracy ([`ElementQuality`]).
 
 pub use super::calibration_error::CalibrationError;
 pub use super::calibration_quality::{ElementQuality, FullScale, HeldOutError, explained};
@@ -17,20 +16,20 @@ use super::{
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-/// Version of the calibration file that this program reads and writes.
+/// Version of the calibration file format.
 pub const CALIBRATION_VERSION: u32 = 2;
 
-/// An element's moments relative to those without load.
+/// An element's moments relative to the unloaded ones.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Inputs {
     /// Relative growth of the integrated gray value, `G / G_0 - 1`.
     pub growth: f64,
-    /// Displacement of the centroid, `c - c_0`, m (or px) in x, y of `E_i`.
+    /// Displacement of the centroid, `c - c_0`, m (or px), in x, y of `E_i`.
     pub displacement: DVec2,
 }
 
 impl Inputs {
-    /// `moments` relative to the integrated gray value and centroid without load.
+    /// Computes `moments` relative to the unloaded integrated gray value and centroid.
     pub fn relative(
         moments: &ElementMoments,
         unloaded_gray: f64,
@@ -43,28 +42,28 @@ impl Inputs {
     }
 }
 
-/// How forces follow from moments.
+/// Model of the map from moments to forces.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum CalibrationModel {
     /// One curve for each component of the force (paper, section II).
     Separable,
-    /// Each component from all moments together.
+    /// Each component as a function of all moments.
     Coupled,
 }
 
-/// The map from an element's moments to the force on it.
+/// Map from an element's moments to the force on it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ForceMap {
     /// One curve for each component of the force.
     Separable(SeparableMap),
-    /// Each component from all moments together.
+    /// Each component as a function of all moments.
     Coupled(CoupledMap),
 }
 
 impl ForceMap {
-    /// The force in `E_i`, N. Finite for all inputs that are numbers.
+    /// Force in `E_i`, N. Finite unless an input is NaN.
     pub fn force(&self, inputs: Inputs) -> DVec3 {
         match self {
             Self::Separable(map) => map.force(inputs),
@@ -72,7 +71,7 @@ impl ForceMap {
         }
     }
 
-    /// Least and greatest growth, displacement along x and along y among the loads.
+    /// Minimum and maximum growth, displacement along x and displacement along y among the loads.
     pub fn ranges(&self) -> [[f64; 2]; 3] {
         match self {
             Self::Separable(map) => map.ranges(),
@@ -80,7 +79,7 @@ impl ForceMap {
         }
     }
 
-    /// Whether `inputs` are within the ranges of the loads, or beyond them by at most the part `margin` of each.
+    /// Returns whether `inputs` are within the ranges of the loads, extended by the fraction `margin` at both ends.
     pub(super) fn covers(&self, inputs: Inputs, margin: f64) -> bool {
         let Inputs {
             growth,
@@ -94,7 +93,7 @@ impl ForceMap {
         inputs.into_iter().zip(self.ranges()).all(within)
     }
 
-    /// Which of the two it is.
+    /// Model of the map.
     pub fn model(&self) -> CalibrationModel {
         match self {
             Self::Separable(_) => CalibrationModel::Separable,
@@ -103,49 +102,48 @@ impl ForceMap {
     }
 }
 
-/// How far the force at one element can be trusted in one picture.
+/// Validity of the force at one element in one image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ForceValidity {
-    /// Moments such as the calibration's loads caused.
+    /// The moments are within the range of the calibration's loads.
     Calibrated,
-    /// Beyond what its loads caused, by more than a tenth of their range: the force is a guess at a
-    /// straight line. Most saturated and overexposed sub-regions are here.
+    /// The moments exceed the range of the calibration's loads by more than a tenth: the force is extrapolated
+    /// linearly. Most saturated and overexposed sub-regions are in this state.
     Extrapolated,
-    /// Less than half as bright as without load, or not a number: the light, the camera or the element
-    /// failed, and the force means nothing.
+    /// The element is less than half as bright as without load, or its centroid is not finite. The light, the camera or
+    /// the element has failed, and the force is meaningless.
     Dark,
 }
 
-/// The calibration of one element.
+/// Calibration of one element.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ElementCalibration {
-    /// Integrated gray value without load, grey levels times m² (or px²).
+    /// Unloaded integrated gray value, grey levels times m² (or px²).
     pub unloaded_gray: f64,
-    /// Centroid without load, m (or px), in x, y of `E_i`.
+    /// Unloaded centroid, m (or px), in x, y of `E_i`.
     pub unloaded_centroid: DVec2,
-    /// From moments to force.
+    /// Map from moments to force.
     pub map: ForceMap,
-    /// How far it is off.
+    /// Accuracy of the map.
     pub quality: ElementQuality,
 }
 
 impl ElementCalibration {
-    /// The moments relative to those without load.
+    /// Computes `moments` relative to the unloaded ones.
     pub fn inputs(&self, moments: &ElementMoments) -> Inputs {
         Inputs::relative(moments, self.unloaded_gray, self.unloaded_centroid)
     }
 
-    /// The force at the element in its frame `E_i`, N (sign: see
-    /// [`TactileFrame`](super::reading::TactileFrame)). Finite for all finite moments; `F_z` is below
-    /// zero where the picture is darker than without load.
+    /// Force at the element in its frame `E_i`, N (sign: see [`TactileFrame`](super::reading::TactileFrame)). Finite
+    /// for all finite moments. `F_z` is negative if the image is darker than without load.
     pub fn force(&self, moments: &ElementMoments) -> DVec3 {
         self.map.force(self.inputs(moments))
     }
 
-    /// How far the force under `moments` can be trusted.
+    /// Validity of the force for `moments`.
     pub fn validity(&self, moments: &ElementMoments) -> ForceValidity {
-        /// Part of a range by which noise may exceed it.
+        /// Fraction of a range by which noise may exceed it.
         const MARGIN: f64 = 0.1;
         let is_lit = moments.integrated_gray > 0.5 * self.unloaded_gray;
         if !(is_lit && moments.centroid.is_finite()) {
@@ -158,7 +156,7 @@ impl ElementCalibration {
         }
     }
 
-    /// The largest force at the ends of the ranges of growth and displacement, each by itself, N.
+    /// Largest force at the ends of the ranges of growth and displacement, varied separately, N.
     fn largest_force(&self) -> f64 {
         let [growth, along_x, along_y] = self.map.ranges();
         let grown = growth.map(|growth| (growth, DVec2::ZERO));
@@ -175,10 +173,10 @@ impl ElementCalibration {
         forces.fold(0.0, f64::max)
     }
 
-    /// Refuses numbers that would make a force infinite or not a number.
+    /// Rejects values that could make a force infinite or NaN.
     fn check(&self, element: usize) -> Result<(), CalibrationError> {
         let unusable = |what: String| CalibrationError::Unusable { element, what };
-        // A tiny unloaded value would make growth infinite.
+        // A tiny unloaded value would make the growth infinite.
         if !(self.unloaded_gray.is_finite() && self.unloaded_gray > 1e-100) {
             let gray = self.unloaded_gray;
             return Err(unusable(format!(
@@ -199,22 +197,22 @@ impl ElementCalibration {
     }
 }
 
-/// The calibration of all elements of one fingertip.
+/// Calibration of all elements of one fingertip.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Calibration {
-    /// Version of the file, [`CALIBRATION_VERSION`].
+    /// Version of the file format, [`CALIBRATION_VERSION`].
     pub version: u32,
     /// Unit of all forces: `"N"`.
     pub force_unit: ForceUnit,
-    /// What shares of full scale refer to.
+    /// Reference of percentages of full scale.
     pub full_scale: FullScale,
-    /// Whether loads outside of the usual range ([`ELEMENT_RANGE`]) were confirmed when it was made.
+    /// `true` if loads outside the usual range ([`ELEMENT_RANGE`]) were confirmed when the calibration was made.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub loads_confirmed: bool,
-    /// What it was made for.
+    /// The fingertip or layout for which the calibration was made.
     pub made_for: MadeFor,
-    /// Its elements, in the layout's order.
+    /// Calibrations of the elements, in the layout's order.
     pub elements: Vec<ElementCalibration>,
 }
 
@@ -227,17 +225,17 @@ pub enum ForceUnit {
     Newton,
 }
 
-/// Only the version, to tell a file of another version from a broken one.
+/// Reads only the version, to distinguish a file of another version from an invalid one.
 #[derive(Deserialize)]
 struct VersionOnly {
     version: u32,
 }
 
 impl Calibration {
-    /// Reads a calibration from the text of its file.
+    /// Parses a calibration file.
     ///
     /// # Errors
-    /// When the text is not a calibration of this version, or a number in it cannot be used.
+    /// If the text is not a calibration of this version, or contains an invalid value.
     pub fn from_toml(text: &str) -> Result<Self, CalibrationError> {
         let VersionOnly { version } = toml::from_str(text)?;
         if version != CALIBRATION_VERSION {
@@ -249,29 +247,29 @@ impl Calibration {
         Ok(calibration)
     }
 
-    /// The text of the calibration's file.
+    /// Formats the calibration as a file.
     ///
     /// # Errors
-    /// When a value has no form in TOML.
+    /// If a value cannot be represented in TOML.
     pub fn to_toml(&self) -> Result<String, CalibrationError> {
         Ok(toml::to_string(self)?)
     }
 
-    /// Which model it is of: that of its first element.
+    /// Model of the calibration, taken from its first element.
     pub fn model(&self) -> CalibrationModel {
         let first = self.elements.first();
         first.map_or(CalibrationModel::Separable, |element| element.map.model())
     }
 
-    /// Refuses a calibration that was made for anything but `fingertip`.
+    /// Checks that the calibration was made for `fingertip`.
     ///
     /// # Errors
-    /// When the layout, the camera or the way of taking moments differs.
+    /// If the layout, the camera or the configuration of the moments differs.
     pub fn check_made_for(&self, fingertip: &FingertipConfig) -> Result<(), CalibrationError> {
         MadeFor::fingertip(fingertip)?.check_same(&self.made_for)
     }
 
-    /// Refuses numbers that cannot be used.
+    /// Rejects invalid values.
     pub(super) fn check(&self) -> Result<(), CalibrationError> {
         self.made_for.check()?;
         let FullScale { normal, shear } = self.full_scale;
@@ -295,13 +293,14 @@ impl Calibration {
         check_signs(&self.elements)
     }
 
-    /// Refuses a calibration whose largest forces no soft element bears, or no picture shows, as forces in another unit are. One that is
-    /// refused is refused again whenever its file is read.
+    /// Checks that the largest forces are plausible for a soft element, to detect loads in another unit. The check is
+    /// repeated whenever the file is read.
     ///
     /// # Errors
-    /// Full scale or the forces at the ends of the ranges are out of range, and loads are not [confirmed](Self::loads_confirmed).
+    /// If full scale or the forces at the ends of the ranges are out of range, and the loads are not
+    /// [confirmed](Self::loads_confirmed).
     pub fn check_magnitude(&self) -> Result<(), CalibrationError> {
-        /// A map may be this many times beyond the largest load at the ends of its ranges.
+        /// Factor by which a map may exceed the largest load at the ends of its ranges.
         const BEYOND: f64 = 3.0;
         if self.loads_confirmed {
             return Ok(());
@@ -321,15 +320,14 @@ impl Calibration {
         }
     }
 
-    /// Turns `moments` into `forces`, element by element, N, whatever their validity. Neither allocates
-    /// nor panics.
+    /// Converts `moments` to `forces` (N) for each element, regardless of validity. Neither allocates nor panics.
     pub fn forces(&self, moments: &[ElementMoments], forces: &mut [DVec3]) {
         for ((element, moments), force) in self.elements.iter().zip(moments).zip(forces) {
             *force = element.force(moments);
         }
     }
 
-    /// How far the force at each element can be trusted. Neither allocates nor panics.
+    /// Computes the validity of the force at each element. Neither allocates nor panics.
     pub fn validity(&self, moments: &[ElementMoments], validity: &mut [ForceValidity]) {
         for ((element, moments), validity) in self.elements.iter().zip(moments).zip(validity) {
             *validity = element.validity(moments);

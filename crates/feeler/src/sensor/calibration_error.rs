@@ -1,20 +1,20 @@
-//! Why a calibration cannot be made, read or used.
+//! Errors of calibrations.
 
 use super::{calibration::CALIBRATION_VERSION, load_check::ELEMENT_RANGE};
 
-/// Why a calibration cannot be made, read or used.
+/// Error of making, reading or using a calibration.
 #[derive(Debug, thiserror::Error)]
 pub enum CalibrationError {
-    /// The text is no calibration.
+    /// The text is not a calibration.
     #[error("not a calibration file: {0}")]
     Parse(#[from] toml::de::Error),
-    /// The calibration cannot be written as text.
+    /// The calibration cannot be formatted.
     #[error("the calibration cannot be written: {0}")]
     Write(#[from] toml::ser::Error),
-    /// The file is of another version.
+    /// The file has another version.
     #[error(
-        "calibration file version {CALIBRATION_VERSION} expected, got {actual}; \
-         `feeler calibrate` makes one of this version"
+        "expected calibration file version {CALIBRATION_VERSION}, got {actual}; \
+         run `feeler calibrate` to make one of this version"
     )]
     Version {
         /// Version of the file.
@@ -22,81 +22,81 @@ pub enum CalibrationError {
     },
     /// The calibration was made for another fingertip.
     #[error(
-        "the calibration is for another fingertip: {part} has {key} = {expected} here, \
-         {actual} in the calibration; `feeler calibrate` makes one for the fingertip here"
+        "the calibration is for another fingertip: {part} has {key} = {expected} in the configuration, \
+         {actual} in the calibration; run `feeler calibrate` to make one for this fingertip"
     )]
     OtherFingertip {
-        /// What differs: the layout, the camera or the moments.
+        /// Part that differs: the layout, the camera or the moments.
         part: &'static str,
-        /// The first value of it that differs.
+        /// Key of the first value that differs.
         key: String,
-        /// As configured.
+        /// Configured value.
         expected: String,
-        /// As calibrated.
+        /// Value in the calibration.
         actual: String,
     },
-    /// What the file says of its fingertip does not have the hash that stands beside it.
+    /// The description of the fingertip in the file does not match its hash.
     #[error(
-        "made_for.fingertip has the SHA-256 {expected}, made_for.sha256 = {actual}: \
-         one of them was changed after calibrating"
+        "made_for.fingertip has the SHA-256 {expected}, but made_for.sha256 = {actual}: \
+         one of them was changed after the calibration"
     )]
     Hash {
-        /// Hash of the fingertip in the file.
+        /// Hash computed from the fingertip in the file.
         expected: String,
-        /// Hash that stands in the file.
+        /// Hash in the file.
         actual: String,
     },
-    /// A number of elements, or of lists of loads, is wrong.
-    #[error("{what} for {expected} elements expected, got {actual}")]
+    /// The number of elements, or of lists of loads, is wrong.
+    #[error("expected {what} for {expected} elements, got {actual}")]
     ElementCount {
-        /// What was counted.
+        /// Items that were counted.
         what: &'static str,
-        /// Elements of the fingertip.
+        /// Number of elements of the fingertip.
         expected: usize,
-        /// How many arrived.
+        /// Number found.
         actual: usize,
     },
-    /// Forces point against what pictures show.
+    /// Forces contradict the images.
     #[error(
-        "{force} is reversed in {reversed} of {elements} elements: the calibration would report {} (expected {}); its loads had the \
-         wrong sign or axis, `feeler calibrate` makes one of loads that fit the pictures",
-        if *force == "f_z" { "tension where an element is pressed" } else { "shear against the way in which an element is dragged" },
+        "{force} is reversed in {reversed} of {elements} elements: the calibration would report {} (expected {}); its loads have the \
+         wrong sign or axis; correct them and run `feeler calibrate` again",
+        if *force == "f_z" { "tension where an element is pressed" } else { "shear against the displacement of the centroid" },
         if *force == "f_z" { "compression, which is positive when pressed" } else { "shear along the displacement of the centroid" }
     )]
     Reversed {
-        /// The component of the force.
+        /// Component of the force.
         force: &'static str,
-        /// Elements in which it is reversed.
+        /// Number of elements in which it is reversed.
         reversed: usize,
-        /// All elements.
+        /// Number of all elements.
         elements: usize,
     },
-    /// Its forces are too large or too small.
+    /// The forces are too large or too small.
     #[error(
-        "full_scale is {full_scale} N, forces are up to {largest:.3} N; expected {} to {} N on a soft element: were its loads in another unit? \
-         `feeler calibrate --confirm-loads` makes one of loads that are so",
+        "full_scale is {full_scale} N, forces are up to {largest:.3} N; expected {} to {} N on a soft element: are its loads in another unit? \
+         If not, run `feeler calibrate --confirm-loads`",
         ELEMENT_RANGE[0], ELEMENT_RANGE[1]
     )]
     Magnitude {
-        /// The larger of its full scales, N.
+        /// The larger of the full scales, N.
         full_scale: f64,
-        /// The largest force within its ranges, N.
+        /// Largest force within the ranges, N.
         largest: f64,
     },
-    /// A full scale is no force.
-    #[error("full_scale.{key} = {actual}: expected a force in N that is not negative")]
+    /// A full scale is not a valid force.
+    #[error("full_scale.{key} = {actual}: expected a non-negative force in N")]
     FullScale {
         /// `normal` or `shear`.
         key: &'static str,
-        /// As in the file, N.
+        /// Value in the file, N.
         actual: f64,
     },
-    /// A number in the calibration is not usable, or an element's loads do not determine one.
+    /// A value in the calibration is invalid, or an element's loads do not determine it.
     #[error("element {element}: {what}")]
     Unusable {
         /// Index of the element.
         element: usize,
-        /// Expected and actual.
+        /// Description with the expected and the actual value.
         what: String,
     },
 }

@@ -1,4 +1,4 @@
-//! A calibration from known loads and the moments they cause: which model, which terms, how good.
+//! Fits a calibration to known loads and their moments: chooses the model and its terms, and measures the accuracy.
 
 pub(super) mod outlier;
 
@@ -20,45 +20,45 @@ use super::{
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-/// A known load on one element and what the picture says under it.
+/// A known load on one element and the moments under it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LoadSample {
-    /// The load in the element's frame `E_i`, N (sign as in
-    /// [`TactileFrame`](super::reading::TactileFrame)).
+    /// Load in the element's frame `E_i`, N (sign as in [`TactileFrame`](super::reading::TactileFrame)).
     pub force: DVec3,
-    /// Moments of the element under it.
+    /// Moments of the element under the load.
     pub moments: ElementMoments,
 }
 
-/// What was recorded of one element to calibrate it.
+/// Measurements for calibrating one element.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ElementRecord {
-    /// Moments without load; their mean becomes the reference.
+    /// Moments without load; their mean is the reference.
     pub unloaded: Vec<ElementMoments>,
-    /// Loads to fit.
+    /// Loads for the fit.
     pub fitted: Vec<LoadSample>,
-    /// Loads to find the error on, kept from the fit. Where there are none, each fitted load is
-    /// predicted by a fit to four fifths of the loads that it is not among.
+    /// Loads for measuring the error, excluded from the fit. If empty, the error is cross-validated: each fitted load
+    /// is predicted by a fit to the other four fifths of the loads.
     pub held_out: Vec<LoadSample>,
-    /// Loads put on again and again, in their order, to find repeatability and hysteresis; not fitted.
+    /// Repeated loads, in order, for measuring repeatability and hysteresis; excluded from the fit.
     pub cycled: Vec<LoadSample>,
 }
 
-/// Which model to fit.
+/// Choice of the model to fit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum ModelChoice {
-    /// The paper's: one curve for each component of the force.
+    /// The paper's model: one curve for each component of the force.
     #[default]
     Separable,
-    /// Each component from all moments together.
+    /// Each component as a function of all moments.
     Coupled,
-    /// The one that predicts loads better which it has not been fitted to, over all elements.
+    /// The model with the smaller cross-validated error over all elements.
     Auto,
 }
 
 impl FullScale {
-    /// As large as the largest of the loads in `records`, rounded up to the millinewton; the default where there are none.
+    /// Full scale from the largest load in `records`, rounded up to the millinewton; the default if there are no
+    /// loads.
     pub fn of_loads(records: &[ElementRecord]) -> Self {
         let largest = |of: fn(DVec3) -> f64, default: f64| {
             let loads = records.iter().flat_map(|record| &record.fitted);
@@ -75,10 +75,10 @@ impl FullScale {
     }
 }
 
-/// Fits a calibration to `records`, one for each element of what it is `made_for`.
+/// Fits a calibration to `records`, one for each element of `made_for`.
 ///
 /// # Errors
-/// When a record is missing or empty, an element is dark, or its loads do not determine a map.
+/// If a record is missing or empty, an element is dark, or its loads do not determine a map.
 pub fn fit(
     made_for: MadeFor,
     records: &[ElementRecord],
@@ -112,7 +112,7 @@ pub fn fit(
             match (fit_all(true), separable) {
                 (Ok(coupled), Ok(separable)) if coupled.score <= separable.score => coupled,
                 (Ok(coupled), Err(_)) => coupled,
-                // That the coupled model cannot be fitted is no reason to have none.
+                // If the coupled model cannot be fitted, the separable one is used.
                 (_, separable) => separable?,
             }
         }
@@ -129,15 +129,15 @@ pub fn fit(
     Ok(calibration)
 }
 
-/// All elements fitted with one model.
+/// All elements, fitted with one model.
 #[derive(Default)]
 struct Fitted {
     elements: Vec<ElementCalibration>,
-    /// Sum of the mean squares of cross-validated errors, in shares of full scale.
+    /// Sum over elements of the mean squared cross-validated error, relative to full scale.
     score: f64,
 }
 
-/// One element's loads, made ready for fitting.
+/// One element's loads, prepared for fitting.
 struct Prepared<'a> {
     record: &'a ElementRecord,
     unloaded_gray: f64,
@@ -150,7 +150,7 @@ struct Prepared<'a> {
 impl<'a> Prepared<'a> {
     fn new(record: &'a ElementRecord) -> Result<Self, String> {
         if record.unloaded.is_empty() {
-            return Err("at least 1 unloaded picture expected, got none".into());
+            return Err("expected at least 1 unloaded image, got none".into());
         }
         let pictures = record.unloaded.len() as f64;
         let grays = record.unloaded.iter().map(|m| m.integrated_gray);
@@ -159,7 +159,7 @@ impl<'a> Prepared<'a> {
             record.unloaded.iter().map(|m| m.centroid).sum::<DVec2>() / pictures;
         if !(unloaded_gray > 0.0 && unloaded_gray.is_finite() && unloaded_centroid.is_finite()) {
             return Err(format!(
-                "an element that is lit without load expected, got an integrated gray value of \
+                "expected an element that is lit without load, got an integrated gray value of \
                  {unloaded_gray}"
             ));
         }
@@ -184,8 +184,7 @@ impl<'a> Prepared<'a> {
         Inputs::relative(moments, self.unloaded_gray, self.unloaded_centroid)
     }
 
-    /// The calibration of one model, and the mean square of its cross-validated errors in shares of
-    /// full scale.
+    /// Fits one model. Returns the calibration and its mean squared cross-validated error relative to full scale.
     fn fit(
         &self,
         coupled: bool,
@@ -231,7 +230,7 @@ impl<'a> Prepared<'a> {
         Ok((calibration, score / validated.len() as f64))
     }
 
-    /// The error of each fitted load in a fit to the loads of other folds, N, fold by fold.
+    /// Error of each fitted load when predicted by a fit to the other folds, N, in the order of the folds.
     fn cross_validate(&self, orders: Option<Orders>) -> Result<Vec<DVec3>, String> {
         let mut errors = Vec::with_capacity(self.forces.len());
         for fold in self.folds.all() {
@@ -257,20 +256,20 @@ fn fit_map(
     }
 }
 
-/// Refuses loads from which no map can be learned.
+/// Rejects loads that do not determine a map.
 fn check_forces(forces: &[DVec3]) -> Result<(), String> {
     if forces.is_empty() {
-        return Err("loads expected, got none".into());
+        return Err("expected loads, got none".into());
     }
     if let Some(force) = forces.iter().find(|force| !force.is_finite()) {
-        return Err(format!("loads of finite forces expected, got {force} N"));
+        return Err(format!("expected loads of finite forces, got {force} N"));
     }
     for (axis, name) in ["f_x", "f_y", "f_z"].into_iter().enumerate() {
         let first = forces[0][axis];
         if forces.iter().all(|force| force[axis] == first) {
             let count = forces.len();
             return Err(format!(
-                "loads that change {name} expected, all {count} have {first} N"
+                "expected loads that vary {name}; all {count} have {first} N"
             ));
         }
     }

@@ -1,4 +1,4 @@
-//! How far a calibration can be trusted: errors, repeatability, hysteresis, resolution.
+//! Accuracy of a calibration: errors, repeatability, hysteresis, resolution.
 
 use super::calibration::{Calibration, ForceMap, Inputs};
 use super::calibration_fit::ElementRecord;
@@ -6,7 +6,7 @@ use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 
-/// The forces that shares of full scale refer to, N.
+/// Reference forces for percentages of full scale, N.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FullScale {
@@ -27,18 +27,18 @@ impl Default for FullScale {
 }
 
 impl FullScale {
-    /// Full scale of x, y, z of `E_i`, N.
+    /// Full scale along x, y, z of `E_i`, N.
     pub fn components(self) -> DVec3 {
         DVec3::new(self.shear, self.shear, self.normal)
     }
 
-    /// `force` as shares of full scale, %.
+    /// Converts `force` to % of full scale.
     pub fn percent(self, force: DVec3) -> DVec3 {
         100.0 * force / self.components()
     }
 }
 
-/// Errors on loads that the fit has not seen, along x, y, z of the element's frame `E_i`.
+/// Errors on loads excluded from the fit, along x, y, z of the element's frame `E_i`.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HeldOutError {
@@ -53,7 +53,7 @@ pub struct HeldOutError {
 }
 
 impl HeldOutError {
-    /// Root mean square and largest of `errors`, N.
+    /// Computes root mean square and largest magnitude of `errors` (N).
     pub fn of(errors: &[DVec3], full_scale: FullScale) -> Self {
         let rms = root_mean_square(errors);
         let worst = errors.iter().fold(DVec3::ZERO, |w, e| w.max(e.abs()));
@@ -66,33 +66,32 @@ impl HeldOutError {
     }
 }
 
-/// Root mean square of each component of `errors`; 0 if there are none.
+/// Root mean square of each component of `errors`; 0 if `errors` is empty.
 pub(super) fn root_mean_square(errors: &[DVec3]) -> DVec3 {
     let squares: DVec3 = errors.iter().map(|error| error * error).sum();
     (squares / errors.len().max(1) as f64).map(f64::sqrt)
 }
 
-/// What is known of one element's errors, N, along x, y, z of its frame `E_i`.
+/// Accuracy of one element, N, along x, y, z of its frame `E_i`.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ElementQuality {
-    /// Errors on loads that the fit has not seen.
+    /// Errors on loads excluded from the fit.
     pub held_out: HeldOutError,
-    /// Largest standard deviation of the readings under one load that was put on at least three
-    /// times, N.
+    /// Largest standard deviation of the readings under the same load, among loads applied at least three times, N.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub repeatability: Option<DVec3>,
-    /// Largest difference between the mean readings under one load reached from a smaller and from a
-    /// larger one, N; at least the noise of those means.
+    /// Largest difference between the mean readings under the same load when reached from smaller and from larger
+    /// loads, N. Not less than the noise of these means.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hysteresis: Option<DVec3>,
-    /// Three standard deviations of the reading without load, N: what can just be told from nothing.
+    /// Three standard deviations of the reading without load, N: the smallest detectable force.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub resolution: Option<DVec3>,
 }
 
-/// Part of the variance of the held-out loads that a calibration explains, along x, y, z of the elements' frames, all elements together: 1
-/// is all of it, 0 is no more than the mean load does. Of an axis along which no load varies, 1.
+/// Coefficient of determination (R²) on the held-out loads, along x, y, z of the elements' frames, over all elements.
+/// 1 is a perfect prediction, 0 is no better than predicting the mean load. 1 along axes without varying loads.
 pub fn explained(calibration: &Calibration, records: &[ElementRecord]) -> DVec3 {
     let (mut errors, mut variance) = (DVec3::ZERO, DVec3::ZERO);
     for (element, record) in calibration.elements.iter().zip(records) {
@@ -114,13 +113,13 @@ pub fn explained(calibration: &Calibration, records: &[ElementRecord]) -> DVec3 
     DVec3::new(part(0), part(1), part(2))
 }
 
-/// Three standard deviations of what `map` reads in pictures without load, N.
+/// Three standard deviations of the readings of `map` in unloaded images, N.
 pub(super) fn resolution(map: &ForceMap, unloaded: impl Iterator<Item = Inputs>) -> Option<DVec3> {
     let forces: Vec<_> = unloaded.map(|inputs| map.force(inputs)).collect();
     Some(3.0 * deviation(&forces, 2)?)
 }
 
-/// Standard deviation of at least `least` forces, N.
+/// Standard deviation, N, or `None` for fewer than `least` forces.
 fn deviation(forces: &[DVec3], least: usize) -> Option<DVec3> {
     let count = forces.len() as f64;
     if forces.len() < least {
@@ -131,16 +130,16 @@ fn deviation(forces: &[DVec3], least: usize) -> Option<DVec3> {
     Some((squares / (count - 1.0)).map(f64::sqrt))
 }
 
-/// One load of a series as it went on: the load and the reading, N.
+/// Load and reading at one step of a series, N.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct CycledReading {
-    /// What was put on.
+    /// Applied load.
     pub force: DVec3,
-    /// What was read.
+    /// Reading.
     pub reading: DVec3,
 }
 
-/// Readings under one and the same load.
+/// Readings under the same load.
 #[derive(Default)]
 struct SameLoad {
     all: Vec<DVec3>,
@@ -148,8 +147,8 @@ struct SameLoad {
     falling: Vec<DVec3>,
 }
 
-/// Repeatability and hysteresis, N, of a series of loads in the order in which they were put on;
-/// none where no load was repeated, or none reached from both sides.
+/// Repeatability and hysteresis (N) of a series of loads in the order of application. `None` if no load was repeated
+/// often enough, or none was reached from both sides.
 pub fn repeatability_and_hysteresis(series: &[CycledReading]) -> (Option<DVec3>, Option<DVec3>) {
     let mut loads: BTreeMap<[u64; 3], SameLoad> = BTreeMap::new();
     let mut before = 0.0;
@@ -169,7 +168,7 @@ pub fn repeatability_and_hysteresis(series: &[CycledReading]) -> (Option<DVec3>,
     let mean = |v: &[DVec3]| (!v.is_empty()).then(|| v.iter().sum::<DVec3>() / v.len() as f64);
     let deviations = loads.values().filter_map(|load| deviation(&load.all, 3));
     let differences = loads.values().filter_map(|load| {
-        // One reading each way tells noise, not hysteresis.
+        // One reading in each direction shows noise, not hysteresis.
         let enough = load.rising.len() >= 2 && load.falling.len() >= 2;
         let difference = mean(&load.rising)? - mean(&load.falling)?;
         enough.then_some(difference.abs())

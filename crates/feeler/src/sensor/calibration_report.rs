@@ -1,36 +1,36 @@
-//! How far a calibration is off, as text.
+//! Formats the accuracy of a calibration as text.
 
 use super::calibration::{Calibration, CalibrationModel, ElementCalibration};
 use glam::DVec3;
 use std::fmt;
 
-/// The errors of a calibration on held-out loads, as text: a line for each ring, or for each element
-/// where there are no rings.
+/// Displays the errors of a calibration on held-out loads: one line per ring, or per element if the calibration has
+/// no rings.
 #[derive(Debug, Clone, Copy)]
 pub struct CalibrationReport<'a> {
-    /// What to report on.
+    /// Calibration to report on.
     pub calibration: &'a Calibration,
-    /// Whether to give each element a line, too.
+    /// If `true`, prints a line for each element in addition.
     pub verbose: bool,
 }
 
-/// What a line of the report says of one or several elements, N, along x, y, z of `E_i`.
+/// Accuracy over one or several elements, N, along x, y, z of `E_i`.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Errors {
     /// Root mean square on held-out loads.
     pub rms: DVec3,
     /// Largest magnitude on held-out loads.
     pub worst: DVec3,
-    /// Largest standard deviation under one load; zero where it is not known.
+    /// Largest standard deviation under the same load; zero if unknown.
     pub repeatability: DVec3,
-    /// Largest difference between rising and falling loads; zero where it is not known.
+    /// Largest difference between rising and falling loads; zero if unknown.
     pub hysteresis: DVec3,
-    /// Three standard deviations without load; zero where they are not known.
+    /// Three standard deviations without load; zero if unknown.
     pub resolution: DVec3,
 }
 
 impl Errors {
-    /// Over `elements`: the root of the mean square, and the largest of everything else.
+    /// Combines the accuracy of `elements`: the root of the mean square for `rms`, and the maximum for all others.
     pub fn over(elements: &[ElementCalibration]) -> Self {
         let mut errors = Self::default();
         for ElementCalibration { quality, .. } in elements {
@@ -51,7 +51,7 @@ impl Errors {
 }
 
 impl<'a> CalibrationReport<'a> {
-    /// Reports on `calibration`, ring by ring.
+    /// Creates a report on `calibration` with one line per ring.
     pub fn new(calibration: &'a Calibration) -> Self {
         Self {
             calibration,
@@ -59,7 +59,7 @@ impl<'a> CalibrationReport<'a> {
         }
     }
 
-    /// The errors over the elements of each ring; none where no rings are known.
+    /// Errors over the elements of each ring; empty if the calibration has no rings.
     pub fn rings(&self) -> Vec<Errors> {
         let mut rest = &self.calibration.elements[..];
         let fingertip = self.calibration.made_for.fingertip.as_ref();

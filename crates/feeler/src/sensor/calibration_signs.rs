@@ -1,16 +1,17 @@
-//! Whether a calibration's forces point the way that pictures do.
+//! Checks that the signs of a calibration's forces agree with the images.
 
 use super::calibration::{CalibrationError, ElementCalibration, Inputs};
 use glam::DVec2;
 
-/// Part of the elements in which forces must be reversed for loads to have been: of single elements, noise may be the reason.
+/// Fraction of elements with reversed forces above which loads are considered reversed; in single elements, noise may
+/// be the cause.
 const SYSTEMATIC: f64 = 0.9;
 
-/// Whether a component of an element's force is reversed.
+/// Predicate: a component of an element's force is reversed.
 type IsReversed = fn(&ElementCalibration) -> bool;
 
-/// Refuses a calibration that reports tension where elements are pressed, or shear against the displacement, as one that was fitted to
-/// loads of reversed signs does.
+/// Rejects a calibration that reports tension for compressed elements, or shear against the displacement, as results
+/// from loads with reversed signs.
 pub fn check_signs(elements: &[ElementCalibration]) -> Result<(), CalibrationError> {
     let columns: [(_, IsReversed); 3] = [
         ("f_x", |element| shear_slope(element, DVec2::X) < 0.0),
@@ -34,7 +35,8 @@ pub fn check_signs(elements: &[ElementCalibration]) -> Result<(), CalibrationErr
     Ok(())
 }
 
-/// Whether `F_z` falls with growth, down to more tension than there is compression: a sensor that dims under compression has none.
+/// Returns whether `F_z` decreases with growth to more tension than there is compression. This is not the case for a
+/// sensor that darkens under compression.
 fn is_tension(element: &ElementCalibration) -> bool {
     let [range, ..] = element.map.ranges();
     let [low, high] = range.map(|growth| {
@@ -50,8 +52,8 @@ fn is_tension(element: &ElementCalibration) -> bool {
     high < low && high + low < 0.0
 }
 
-/// By how much the shear along `axis` rises from the least to the greatest displacement along it, N, at half of the growth: without any,
-/// there is no load.
+/// Increase of the shear along `axis` from the smallest to the largest displacement along it, N, at half of the
+/// maximum growth (without growth there is no load).
 fn shear_slope(element: &ElementCalibration, axis: DVec2) -> f64 {
     let [[_, growth], along_x, along_y] = element.map.ranges();
     let range = if axis == DVec2::X { along_x } else { along_y };

@@ -1,89 +1,89 @@
-//! The seam between whatever takes pictures and the sensor program.
+//! Interface between sources of images and the sensor.
 
 use super::frame::Frame;
 use std::time::Duration;
 
-/// Why a camera delivered no frame.
+/// Error of a camera.
 #[derive(Debug, thiserror::Error)]
 pub enum CameraError {
-    /// The frame to fill has another size than the camera's pictures.
+    /// The frame to fill does not have the size of the camera's images.
     #[error(
-        "the camera takes pictures of {expected_width}x{expected_height} px, the frame to fill is {width}x{height} px"
+        "expected a frame of {expected_width}x{expected_height} px like the camera's images, got {width}x{height} px"
     )]
     FrameSize {
-        /// Columns of the camera's pictures, px.
+        /// Columns of the camera's images, px.
         expected_width: usize,
-        /// Rows of the camera's pictures, px.
+        /// Rows of the camera's images, px.
         expected_height: usize,
         /// Columns of the frame to fill, px.
         width: usize,
         /// Rows of the frame to fill, px.
         height: usize,
     },
-    /// A picture has another size than the sensor's.
+    /// An image does not have the size of the sensor's images.
     #[error(
-        "{name}: a picture of {expected_width}x{expected_height} px expected, it has {width}x{height} px"
+        "{name}: expected an image of {expected_width}x{expected_height} px, got {width}x{height} px"
     )]
     PictureSize {
-        /// Where the picture is.
+        /// Name of the image.
         name: String,
-        /// Columns that were expected, px.
+        /// Expected columns, px.
         expected_width: usize,
-        /// Rows that were expected, px.
+        /// Expected rows, px.
         expected_height: usize,
-        /// Columns of the picture, px.
+        /// Columns of the image, px.
         width: usize,
-        /// Rows of the picture, px.
+        /// Rows of the image, px.
         height: usize,
     },
-    /// One picture is lost; the next one may be good.
+    /// One image is lost; the next may be valid.
     #[error("{name}: {reason}")]
     Unreadable {
-        /// Which one.
+        /// Name of the image.
         name: String,
-        /// What was expected and what was found.
+        /// Description with the expected and the actual value.
         reason: String,
     },
-    /// The camera could not take a picture, and will not take another one.
-    #[error("no picture: {0}")]
+    /// The camera has failed and delivers no further images.
+    #[error("no image: {0}")]
     Failed(String),
-    /// There is no further picture (the end of a recording).
-    #[error("no picture after the {count} that were taken")]
+    /// There are no further images (end of a recording).
+    #[error("no image after the first {count}")]
     Ended {
-        /// How many pictures there were.
+        /// Number of images captured.
         count: u64,
     },
 }
 
 impl CameraError {
-    /// Whether one picture is lost, and the next may be good.
+    /// Returns whether only one image is lost and the next may be valid.
     pub fn may_pass(&self) -> bool {
         matches!(self, Self::Unreadable { .. } | Self::PictureSize { .. })
     }
 }
 
-/// How a picture was made, besides the picture. What a camera does not know is `None`.
+/// Information about a capture besides the image. `None` if the camera does not report it.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct CaptureReport {
-    /// Number of bytes that came from the device.
+    /// Number of bytes received from the device.
     pub bytes: Option<usize>,
     /// Duration of decoding.
     pub decoding: Option<Duration>,
-    /// What is wrong with the camera, but not with the picture. Reported once.
+    /// Problem of the camera that does not affect the image. Reported once.
     pub warning: Option<String>,
 }
 
-/// Something that takes pictures of the inside of one fingertip's dome.
+/// A source of images of the inside of one fingertip's dome.
 pub trait Camera {
-    /// Fills `frame` with the newest picture, its sequence number and its stamp.
+    /// Fills `frame` with the latest image, its sequence number and its stamp.
     ///
     /// # Errors
-    /// When the frame has another size than the camera's pictures, a picture is no good, or there is
-    /// no further one. After [`CameraError::Unreadable`] the camera goes on with the next picture; its
-    /// sequence number tells that one is missing.
+    /// If the frame does not have the size of the camera's images, an image is invalid, or there are no further
+    /// images. After [`CameraError::Unreadable`] the camera continues with the next image; the gap in its sequence
+    /// numbers indicates the missing one.
     fn capture(&mut self, frame: &mut Frame) -> Result<(), CameraError>;
 
-    /// Takes the report of the newest picture.
+    /// Takes the report of the latest image.
     fn take_report(&mut self) -> CaptureReport {
         CaptureReport::default()
     }
@@ -99,10 +99,10 @@ impl<C: Camera + ?Sized> Camera for Box<C> {
     }
 }
 
-/// Refuses a frame of another size than `(width, height)` of a camera's pictures, px.
+/// Checks that a frame has the size `(width, height)` of a camera's images, px.
 ///
 /// # Errors
-/// [`CameraError::FrameSize`].
+/// Returns [`CameraError::FrameSize`] if it does not.
 pub fn check_frame_size((width, height): (usize, usize), frame: &Frame) -> Result<(), CameraError> {
     let picture = &frame.picture;
     if (picture.width, picture.height, picture.pixels.len()) == (width, height, width * height) {

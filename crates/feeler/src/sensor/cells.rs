@@ -1,11 +1,11 @@
-//! Points in square cells: those near a place are found without a look at all others.
+//! Spatial index of points in a grid of square cells.
 
 use glam::DVec2;
 
-/// Points that lie in one cell on average.
+/// Average number of points per cell.
 const POINTS_PER_CELL: f64 = 2.0;
 
-/// Points sorted into square cells.
+/// Points sorted into a grid of square cells.
 #[derive(Debug, Clone)]
 pub(crate) struct Cells<'a> {
     points: &'a [DVec2],
@@ -14,14 +14,14 @@ pub(crate) struct Cells<'a> {
     side: f64,
     columns: usize,
     rows: usize,
-    /// Index in `order` at which each cell begins, and the end of the last one.
+    /// Index in `order` at which each cell starts, and the end of the last one.
     starts: Vec<usize>,
-    /// Indices of the points, cell by cell.
+    /// Indices of the points, sorted by cell.
     order: Vec<usize>,
 }
 
 impl<'a> Cells<'a> {
-    /// Sorts `points`, which are finite.
+    /// Builds the index. All `points` must be finite.
     pub fn new(points: &'a [DVec2]) -> Self {
         let low = points
             .iter()
@@ -31,7 +31,7 @@ impl<'a> Cells<'a> {
             .fold(DVec2::NEG_INFINITY, |high, point| high.max(*point));
         let extent = (high - low).max(DVec2::ZERO);
         let share = POINTS_PER_CELL / points.len().max(1) as f64;
-        // Points on a line get cells along it.
+        // Points on a line get cells along that line.
         let side = (extent.x * extent.y * share).sqrt();
         let side = side.max(extent.max_element() * share).max(1e-9);
         let mut cells = Self {
@@ -78,7 +78,7 @@ impl<'a> Cells<'a> {
         row * self.columns + column
     }
 
-    /// Indices of the points in the cells from `first` to `last` (column, row), both included.
+    /// Indices of the points in the cells from `first` to `last` (column, row), both inclusive.
     fn in_block(
         &self,
         first: (usize, usize),
@@ -91,7 +91,7 @@ impl<'a> Cells<'a> {
         })
     }
 
-    /// Indices of the points within `radius` of a place, in no order.
+    /// Indices of the points within `radius` of a place, in unspecified order.
     pub fn within(&self, place: DVec2, radius: f64) -> impl Iterator<Item = usize> + '_ {
         let first = self.column_and_row(place - radius);
         let last = self.column_and_row(place + radius);
@@ -100,8 +100,8 @@ impl<'a> Cells<'a> {
         self.in_block(first, last).filter(near)
     }
 
-    /// Replaces `nearest` by the squared distances and indices of the `count` points nearest to a place, the nearest first; of points
-    /// as near, the one with the smaller index.
+    /// Replaces the contents of `nearest` by the squared distances and indices of the `count` points nearest to a
+    /// place, in order of distance and, for equal distances, of index.
     pub fn nearest(&self, place: DVec2, count: usize, nearest: &mut Vec<(f64, usize)>) {
         let (column, row) = self.column_and_row(place);
         let mut reach = (count as f64 / POINTS_PER_CELL).sqrt() as usize / 2;
@@ -130,7 +130,8 @@ impl<'a> Cells<'a> {
         nearest.sort_unstable_by(by_distance);
     }
 
-    /// Distance from a place to the nearest point that may be outside of the cells from `first` to `last`; infinite if none is.
+    /// Lower bound of the distance from a place to points outside the cells from `first` to `last`; infinite if these
+    /// are all cells.
     fn distance_out_of(&self, first: (usize, usize), last: (usize, usize), place: DVec2) -> f64 {
         let offset = place - self.low;
         let below = |first: usize, offset: f64| match first {
@@ -153,14 +154,14 @@ mod tests {
     use proptest::prelude::*;
 
     fn point() -> impl Strategy<Value = DVec2> {
-        // Whole numbers, too, so that points coincide, lie on lines, and are equally far.
+        // Includes integers, so that points coincide, lie on lines and have equal distances.
         let number = prop_oneof![-50.0..50.0_f64, (-5..5_i32).prop_map(f64::from)];
         (number.clone(), number).prop_map(DVec2::from)
     }
 
     proptest! {
         #[test]
-        fn the_nearest_are_those_of_all(
+        fn results_equal_an_exhaustive_search(
             points in proptest::collection::vec(point(), 0..60), place in point(), count in 0..20_usize, radius in 0.0..30.0_f64
         ) {
             let cells = Cells::new(&points);

@@ -1,13 +1,13 @@
-//! The coupled calibration, for one element: each force from growth and displacement together.
+//! Coupled calibration of one element: each force as a function of growth and displacement.
 //!
-//! A column on preloaded cones tilts the farther the less it is pressed: `u_x` goes as
-//! `F_x (h / (8 f_0 + F_z) + 1 / k)` and `G` as `8 f_0 + F_z`, so `F_x` is near `a u_x + b g u_x` with
-//! the growth `g = G / G_0 - 1`. Further terms stand for what the eye sees differently off the axis:
-//! the dewarp's scale, spots cut by the sub-region's rim, vignetting.
+//! A column on preloaded cones tilts less the more it is pressed: `u_x` is proportional to
+//! `F_x (h / (8 f_0 + F_z) + 1 / k)` and `G` to `8 f_0 + F_z`, so `F_x` is close to `a u_x + b g u_x` with the growth
+//! `g = G / G_0 - 1`. Further terms model off-axis effects of the camera: the scale of the dewarping, spots cut by
+//! the rim of the sub-region, and vignetting.
 //!
-//! Every force is a polynomial in inputs divided by their largest magnitude among the loads, without a
-//! constant term: no load reads zero. The terms stand in an order such that each of a few lengths is a
-//! model of its own ([`NORMAL_ORDERS`], [`SHEAR_ORDERS`]); cross-validation chooses the length.
+//! Each force is a polynomial in inputs that are divided by their largest magnitude among the loads. It has no
+//! constant term, so an unloaded element reads zero. The terms are ordered such that certain prefixes are complete
+//! models ([`NORMAL_ORDERS`], [`SHEAR_ORDERS`]); cross-validation chooses the length.
 
 mod orders;
 
@@ -19,12 +19,12 @@ use glam::DVec3;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-/// Numbers of terms of `F_z` that are models of their own: without the displacement; with its
-/// squares, as tilting needs them; with all of the second order; of the third and more.
+/// Numbers of terms of `F_z` that form complete models: without displacement; with its squares, which tilting
+/// requires; with all terms of second order; with terms of third and higher order.
 pub const NORMAL_ORDERS: [usize; 4] = [2, 7, 12, 20];
 
-/// Numbers of terms of `F_x` and `F_y` that are models of their own: tilting alone; with its
-/// curvature and the growth; with the other displacement; with squares of displacements.
+/// Numbers of terms of `F_x` and `F_y` that form complete models: tilting alone; with its curvature and the growth;
+/// with the other displacement; with squares of displacements.
 pub const SHEAR_ORDERS: [usize; 4] = [2, 5, 10, 17];
 
 const NORMAL_TERMS: usize = NORMAL_ORDERS[3];
@@ -42,7 +42,7 @@ fn normal_terms([g, x, y]: [f64; 3]) -> [f64; NORMAL_TERMS] {
     ]
 }
 
-/// Terms of a shear force in growth `g`, the displacement `u` along it and `v` across it.
+/// Terms of a shear force in growth `g`, the displacement `u` along the force and `v` across it.
 #[rustfmt::skip]
 fn shear_terms([g, u, v]: [f64; 3]) -> [f64; SHEAR_TERMS] {
     let (gg, uu, vv, uv) = (g * g, u * u, v * v, u * v);
@@ -58,18 +58,18 @@ fn polynomial(coefficients: &[f64], terms: &[f64]) -> f64 {
     coefficients.iter().zip(terms).map(|(c, t)| c * t).sum()
 }
 
-/// The forces on one element from all that its picture says.
+/// Forces on one element as functions of all its moments.
 ///
-/// Beyond the range of its loads an input counts as at the range's end, and the force that it mostly
-/// goes with (growth: `F_z`, x: `F_x`, y: `F_y`) goes on with its mean slope over that range.
+/// Inputs beyond the range of the loads are clamped to it. The force that depends most on an input (growth: `F_z`, x:
+/// `F_x`, y: `F_y`) is then extrapolated with its mean slope over that range.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct CoupledMap {
-    /// Least and greatest growth among the loads, 0 included.
+    /// Minimum and maximum growth among the loads, including 0.
     pub growth_range: [f64; 2],
-    /// Least and greatest displacement along x among the loads, 0 included.
+    /// Minimum and maximum displacement along x among the loads, including 0.
     pub x_range: [f64; 2],
-    /// Least and greatest displacement along y among the loads, 0 included.
+    /// Minimum and maximum displacement along y among the loads, including 0.
     pub y_range: [f64; 2],
     /// Coefficients of `F_z`, N.
     pub normal: Vec<f64>,
@@ -85,7 +85,7 @@ pub(super) use orders::choose_orders;
 pub(super) type Orders = [usize; 3];
 
 impl CoupledMap {
-    /// The force in `E_i`, N. Finite for all inputs that are numbers.
+    /// Force in `E_i`, N. Finite unless an input is NaN.
     pub fn force(&self, inputs: Inputs) -> DVec3 {
         let ranges = self.ranges();
         let raw = [inputs.growth, inputs.displacement.x, inputs.displacement.y];
@@ -102,7 +102,7 @@ impl CoupledMap {
             self.y_at([g, x, y]),
             self.z_at([g, x, y]),
         );
-        // Almost never: outside of the calibrated range.
+        // Rare: outside the calibrated range.
         if outside != [0.0; 3] {
             let [growth, along_x, along_y] = outside;
             force.z += growth * mean_slope(self.growth_range, |g| self.z_at([g, x, y]));
@@ -112,7 +112,7 @@ impl CoupledMap {
         force
     }
 
-    /// Least and greatest growth, x and y among the loads.
+    /// Minimum and maximum growth, x and y among the loads.
     pub fn ranges(&self) -> [[f64; 2]; 3] {
         [self.growth_range, self.x_range, self.y_range]
     }
@@ -129,19 +129,19 @@ impl CoupledMap {
         polynomial(&self.normal, &normal_terms(inputs))
     }
 
-    /// Numbers of terms of its models.
+    /// Numbers of terms of the map.
     pub(super) fn orders(&self) -> Orders {
         [&self.shear_x, &self.shear_y, &self.normal].map(Vec::len)
     }
 
-    /// Fits the models of `orders`.
+    /// Fits polynomials with the numbers of terms in `orders`.
     pub(super) fn fit(inputs: &[Inputs], forces: &[DVec3], orders: Orders) -> Result<Self, String> {
         let range = |input: fn(&Inputs) -> f64, name: &str| {
             let low = inputs.iter().map(input).fold(0.0, f64::min);
             let high = inputs.iter().map(input).fold(0.0, f64::max);
             if high - low < LEAST_SLOPE_RANGE {
                 return Err(format!(
-                    "loads that change the picture expected, got {name} from {low} to {high}"
+                    "expected loads that change the image, got {name} from {low} to {high}"
                 ));
             }
             Ok([low, high])
@@ -167,12 +167,14 @@ impl CoupledMap {
         Ok(map)
     }
 
-    /// Says what makes a force of the map unusable.
+    /// Checks that the map gives finite forces; returns a description of the first invalid value.
     pub(super) fn check(&self) -> Result<(), String> {
         let names = ["growth_range", "x_range", "y_range"];
         for (name, [low, high]) in names.into_iter().zip(self.ranges()) {
             if !(low.is_finite() && high.is_finite() && low < high && low <= 0.0 && high >= 0.0) {
-                return Err(format!("{name} must rise and hold 0, got {low} to {high}"));
+                return Err(format!(
+                    "{name} must be increasing and contain 0, got {low} to {high}"
+                ));
             }
         }
         let lists = [
@@ -183,12 +185,14 @@ impl CoupledMap {
         for (name, list, orders) in lists {
             if !orders.contains(&list.len()) {
                 let actual = list.len();
-                return Err(format!("{name} of {orders:?} terms expected, got {actual}"));
+                return Err(format!(
+                    "expected {name} to have one of {orders:?} terms, got {actual}"
+                ));
             }
-            // Terms are at most 1, so their sum stays finite with room for the straight lines.
+            // Terms are at most 1, so their sum stays finite, with room for the extrapolation.
             if let Some(wrong) = list.iter().find(|c| c.is_nan() || c.abs() > 1e100) {
                 return Err(format!(
-                    "{name} of finite coefficients up to 1e100 N expected, got {wrong}"
+                    "expected {name} to have finite coefficients up to 1e100 N, got {wrong}"
                 ));
             }
         }
@@ -196,19 +200,19 @@ impl CoupledMap {
     }
 }
 
-/// Largest magnitude in a range that holds 0.
+/// Largest magnitude in a range that contains 0.
 fn scale([low, high]: [f64; 2]) -> f64 {
     high.max(-low)
 }
 
-/// Mean slope over `range` of a force given over the scaled input.
+/// Mean slope over `range` of a force that is a function of the scaled input.
 fn mean_slope(range: [f64; 2], force: impl Fn(f64) -> f64) -> f64 {
     let [low, high] = range;
     let scale = scale(range);
     (force(high / scale) - force(low / scale)) / (high - low)
 }
 
-/// The `order` first coefficients of `terms` that are nearest to `forces`.
+/// Least-squares fit of the first `order` coefficients of `terms` to `forces`.
 fn solve<const N: usize>(
     inputs: &[[f64; 3]],
     terms: fn([f64; 3]) -> [f64; N],

@@ -1,4 +1,4 @@
-//! Where two configurations differ, for messages.
+//! Finds the first difference between two configurations, for messages.
 
 use serde::Serialize;
 use toml::Value;
@@ -6,24 +6,24 @@ use toml::Value;
 /// A value that differs.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct Difference {
-    /// Its key, as in `rings[1].elements`.
+    /// Key of the value, as in `rings[1].elements`.
     pub key: String,
-    /// What it is on the one side.
+    /// Value on the left side.
     pub left: String,
-    /// What it is on the other side.
+    /// Value on the right side.
     pub right: String,
 }
 
-/// The first value that differs between `left` and `right`, which differ.
+/// Finds the first value that differs between `left` and `right`, which must not be equal.
 pub(super) fn first_difference<T: Serialize>(left: &T, right: &T) -> Difference {
     match (Value::try_from(left), Value::try_from(right)) {
         (Ok(left), Ok(right)) => descend(String::new(), Some(&left), Some(&right)),
-        // Values without a form in TOML have no keys either.
+        // A value that cannot be represented in TOML has no keys.
         _ => difference("a value".into(), None, None),
     }
 }
 
-/// Goes into tables and arrays as far as both sides have them.
+/// Descends into tables and arrays that both sides have.
 fn descend(key: String, left: Option<&Value>, right: Option<&Value>) -> Difference {
     match (left, right) {
         (Some(Value::Table(a)), Some(Value::Table(b))) => {

@@ -1,45 +1,44 @@
-//! How the camera sees the inside of the dome, and how its picture is unwarped.
+//! Camera model of the inside of the dome, and the dewarping of its images.
 //!
 //! # Axes
 //!
-//! The camera sits on the dome's axis, behind the dome's centre, and looks outward along x of the
-//! fingertip frame `T`. Columns of the picture grow along y of `T`, rows along z of `T`: the picture
-//! is not mirrored. Pixel `(column, row)` has its centre at exactly these coordinates, so that the
-//! top left pixel covers -0.5..0.5 px in both.
+//! The camera is on the dome's axis, behind the dome's centre, and looks outward along x of the fingertip frame `T`.
+//! Columns of the image increase along y of `T`, rows along z of `T`: the image is not mirrored. Pixel
+//! `(column, row)` has its centre at exactly these coordinates, so the top left pixel covers -0.5..0.5 px in both.
 //!
-//! # Which sphere
+//! # Sphere of the spots
 //!
-//! The conical feelers touch the acrylic dome a feeler's length below the tips. That length is small
-//! and not known, so bright spots are taken to lie on the sphere of the tips, `dome_radius`. The
-//! calibration absorbs the constant scale that this puts on lengths in an element's plane.
+//! The conical feelers touch the acrylic dome below the tips, by the length of a feeler. This length is small and
+//! unknown, so bright spots are assumed to lie on the sphere of the tips, `dome_radius`. The calibration absorbs the
+//! resulting constant scale of lengths in an element's plane.
 
 use super::{layout::SensingElement, radial_distortion::RadialDistortion};
 use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-/// A fingertip's camera: a pinhole with radial distortion.
+/// Camera of a fingertip: a pinhole with radial distortion.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct CameraConfig {
-    /// Columns of the picture, px.
+    /// Columns of the image, px.
     pub width: usize,
-    /// Rows of the picture, px.
+    /// Rows of the image, px.
     pub height: usize,
     /// Focal length, px (assumed).
     pub focal_length_px: f64,
-    /// Distance of the pinhole behind the dome's centre, on its axis, m (assumed); the pinhole has
-    /// to lie inside the dome.
+    /// Distance of the pinhole behind the dome's centre, on its axis, m (assumed). The pinhole must lie inside the
+    /// dome.
     pub standoff: f64,
-    /// Column and row at which the dome's axis is seen, px; the middle of the picture if absent.
+    /// Column and row of the dome's axis in the image, px; the centre of the image if absent.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub centre_px: Option<[f64; 2]>,
-    /// Radial distortion `k1, k2`: a ray at slope `r` from the axis (the tangent of its angle) is
-    /// seen at `r (1 + k1 r^2 + k2 r^4)` focal lengths from the centre; negative is a barrel.
+    /// Radial distortion `k1, k2`: a ray at slope `r` from the axis (the tangent of its angle) is imaged at
+    /// `r (1 + k1 r^2 + k2 r^4)` focal lengths from the centre. Negative values are barrel distortion.
     pub radial_distortion: [f64; 2],
 }
 
 impl Default for CameraConfig {
-    /// Sees all 41 elements of the reference layout out to the rim of the outermost sub-regions.
+    /// Shows all 41 elements of the reference layout, up to the rim of the outermost sub-regions.
     fn default() -> Self {
         Self {
             width: 640,
@@ -52,18 +51,18 @@ impl Default for CameraConfig {
     }
 }
 
-/// Most pixels of a picture: what is computed once for each takes some twenty bytes.
+/// Maximum number of pixels of an image; precomputed tables take about twenty bytes per pixel.
 pub const MAX_PICTURE_PIXELS: usize = 1 << 22;
 
-/// Most pixels to a side of a picture.
+/// Maximum number of pixels along one side of an image.
 pub const MAX_PICTURE_SIDE: usize = 4096;
 
-/// Why a camera cannot look at a dome.
+/// Error of a camera model.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum DomeError {
-    /// The picture has no pixels, or more than any camera.
+    /// The image is empty or too large.
     #[error(
-        "camera: width x height must be 1 to {MAX_PICTURE_SIDE} px each and {MAX_PICTURE_PIXELS} px in all, got {width}x{height} px"
+        "camera: width x height must be 1 to {MAX_PICTURE_SIDE} px each and at most {MAX_PICTURE_PIXELS} px in total, got {width}x{height} px"
     )]
     PictureSize {
         /// Columns, px.
@@ -74,20 +73,20 @@ pub enum DomeError {
     /// A length is not a positive number.
     #[error("{name} must be a positive number, got {value}")]
     NotPositive {
-        /// Which one.
+        /// Name of the value.
         name: &'static str,
-        /// What it was.
+        /// The invalid value.
         value: f64,
     },
-    /// A value is infinite or not a number.
+    /// A value is infinite or NaN.
     #[error("{name} must be a finite number, got {value}")]
     NotFinite {
-        /// Which one.
+        /// Name of the value.
         name: &'static str,
-        /// What it was.
+        /// The invalid value.
         value: f64,
     },
-    /// The pinhole lies outside the dome, so that a ray may miss it.
+    /// The pinhole lies outside the dome, so that rays could miss it.
     #[error(
         "the pinhole must lie inside the dome: standoff {standoff} m must be less than its radius {dome_radius} m"
     )]
@@ -99,16 +98,16 @@ pub enum DomeError {
     },
 }
 
-/// A point of the picture laid into the tangent plane of an element.
+/// A point of the image, mapped to the tangent plane of an element.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dewarped {
-    /// Position in x, y of the element's frame `E_i`, m, from the element's axis.
+    /// Position relative to the element's axis in x, y of the element's frame `E_i`, m.
     pub point: DVec2,
-    /// Area of the tangent plane that one pixel covers there, m² per px².
+    /// Area of the tangent plane covered by one pixel, m² per px².
     pub area: f64,
 }
 
-/// The map between points of the dome and pixels.
+/// Projection between points of the dome and pixels.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DomeProjection {
     width: usize,
@@ -121,11 +120,11 @@ pub struct DomeProjection {
 }
 
 impl DomeProjection {
-    /// The map for `camera` in a dome of radius `dome_radius`, m.
+    /// Creates the projection of `camera` in a dome of radius `dome_radius`, m.
     ///
     /// # Errors
-    /// When the picture is empty or huge, a value is not finite or has the wrong sign, or the pinhole lies
-    /// outside the dome.
+    /// If the image is empty or too large, a value is not finite or has the wrong sign, or the pinhole lies outside
+    /// the dome.
     pub fn new(camera: &CameraConfig, dome_radius: f64) -> Result<Self, DomeError> {
         let CameraConfig { width, height, .. } = *camera;
         let sides = 1..=MAX_PICTURE_SIDE;
@@ -161,30 +160,30 @@ impl DomeProjection {
         })
     }
 
-    /// Where the camera's pinhole is, m, in the fingertip frame `T`.
+    /// Position of the pinhole in the fingertip frame `T`, m.
     pub fn pinhole(&self) -> DVec3 {
         DVec3::new(-self.standoff, 0.0, 0.0)
     }
 
-    /// Columns of the picture, px.
+    /// Columns of the image, px.
     pub fn width(&self) -> usize {
         self.width
     }
 
-    /// Rows of the picture, px.
+    /// Rows of the image, px.
     pub fn height(&self) -> usize {
         self.height
     }
 
-    /// Where the dome's axis is seen: column and row, px.
+    /// Column and row of the dome's axis in the image, px.
     pub fn centre(&self) -> DVec2 {
         self.centre
     }
 
-    /// Column and row at which `point` (m, in `T`) is seen, px; they may lie outside the picture.
+    /// Projects `point` (m, in `T`) to column and row, px, which may lie outside the image.
     ///
-    /// `None` if the point is not in front of the pinhole, or so far off the axis that the
-    /// distortion folds the picture over.
+    /// `None` if the point is not in front of the pinhole, or so far off the axis that the distortion is not
+    /// monotonic.
     pub fn project(&self, point: DVec3) -> Option<DVec2> {
         let depth = point.x + self.standoff;
         if depth <= 0.0 {
@@ -195,9 +194,9 @@ impl DomeProjection {
         Some(self.centre + self.focal_length * scale * slope)
     }
 
-    /// The point of the dome (m, in `T`) that is seen at column and row `pixel`, px.
+    /// Point of the dome (m, in `T`) that is visible at column and row `pixel`, px.
     ///
-    /// `None` where the distortion leaves the picture without a ray.
+    /// `None` if no ray is distorted to that pixel.
     pub fn point_at(&self, pixel: DVec2) -> Option<DVec3> {
         let distorted = (pixel - self.centre) / self.focal_length;
         let slope = distorted / self.distortion.inverse_scale(distorted.length())?;
@@ -209,18 +208,18 @@ impl DomeProjection {
         Some(t * direction - DVec3::new(self.standoff, 0.0, 0.0))
     }
 
-    /// The point of the dome (m, in `T`) above `plane` (m, x and y of the element's frame).
+    /// Point of the dome (m, in `T`) above `plane` (m, x and y of the element's frame).
     ///
-    /// The tangent plane is left along the element's normal, as a conical feeler stands on it.
-    /// `None` if no point of the dome lies there.
+    /// The projection is along the element's normal, the direction of the conical feelers. `None` if no point of the
+    /// dome lies there.
     pub fn lift(&self, plane: DVec2, element: &SensingElement) -> Option<DVec3> {
         let height = self.dome_radius.powi(2) - plane.length_squared();
         (height >= 0.0).then(|| element.rotation * plane.extend(height.sqrt()))
     }
 
-    /// Lays column and row `pixel`, px, into the tangent plane of `element`: the dewarp.
+    /// Maps column and row `pixel`, px, to the tangent plane of `element` (dewarping).
     ///
-    /// `None` where the picture has no ray, or the dome's other half is seen.
+    /// `None` if the pixel has no ray, or shows the other half of the dome.
     pub fn dewarp(&self, pixel: DVec2, element: &SensingElement) -> Option<Dewarped> {
         let plane = |offset: DVec2| {
             let point = element.rotation.transpose() * self.point_at(pixel + offset)?;

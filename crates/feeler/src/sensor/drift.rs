@@ -1,36 +1,35 @@
-//! Takes out of the moments what the lamp and slow creep put in, between two touches.
+//! Removes drift of the lighting and slow creep from the moments, between two touches.
 //!
-//! **How it works.** A lamp that dims makes all elements darker alike; a touch makes a few brighter.
-//! In every frame the elements are ordered by `G / G_0`, and the darkest group of at least a quarter of
-//! them that agree within a tolerance is taken for untouched: pressing only brightens, and touched
-//! elements hardly agree so well. The group's mean is the common gain, followed with a lag against
-//! noise, and `G` is divided by it. An element of that group whose centroid has not moved either is
-//! unloaded beyond doubt; its own rest, in gain and centroid, is slowly re-zeroed within bounds.
+//! **Method.** A lamp that dims darkens all elements alike; a touch brightens a few. In every frame the elements are
+//! sorted by `G / G_0`. The darkest group of at least a quarter of the elements that agree within a tolerance is
+//! considered untouched, because pressing only brightens and touched elements rarely agree so closely. The group's
+//! mean, low-pass filtered, is the common gain; `G` is divided by it. An element of that group whose centroid has not
+//! moved either is considered unloaded; its offsets in gain and centroid are slowly re-zeroed within bounds.
 //!
-//! **When it cannot work.** Where more than three quarters of the elements are touched, or no quarter
-//! agrees (a spot of dirt on most of them), the last gain is held and the lamp's further change counts as
-//! force. Where a quarter or more are pressed equally hard and all the others harder, that quarter passes
-//! for untouched. An element that is dirtied while touched, or at once by more than the tolerance, is off
-//! until it is calibrated again. Under a press slower and weaker than the tolerances, re-zeroing
-//! takes the press for creep, up to its bounds. A change of light within one frame is followed with the lag.
+//! **Limitations.** If more than three quarters of the elements are touched, or no quarter agrees (such as dirt on
+//! most of them), the last gain is kept and further changes of the lamp count as force. If a quarter or more are
+//! pressed equally and all others harder, that quarter is considered untouched. An element that gets dirty while
+//! touched, or suddenly by more than the tolerance, is wrong until it is recalibrated. A press that is slower and
+//! weaker than the tolerances is re-zeroed like creep, up to the bounds. A sudden change of light is followed with
+//! the filter's delay.
 
 use super::{calibration::Calibration, moments::ElementMoments};
 use crate::check::Checker;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-/// How drift is told from touch.
+/// Parameters for distinguishing drift from touch.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct DriftConfig {
-    /// Part of `G / G_0` by which untouched elements may differ, about ten times its noise.
+    /// Maximum difference of `G / G_0` among untouched elements, as a fraction; about ten times its noise.
     pub tolerance: f64,
-    /// Displacement of the centroid from its rest up to which an element counts as unmoved, in shares of
-    /// the range of displacements that the calibration knows.
+    /// Maximum displacement of the centroid from its offset for an element to count as unmoved, as a fraction of the
+    /// calibration's range of displacements.
     pub displacement_tolerance: f64,
-    /// Part of the way to the newest gain that is gone in each frame, 0 to 1.
+    /// Gain of the low-pass filter of the common gain per frame, 0 to 1.
     pub gain_rate: f64,
-    /// Part of the way to the newest rest that an untouched element goes in each frame; 0: never.
+    /// Gain of the low-pass filter of an untouched element's offsets per frame; 0 disables re-zeroing.
     pub rezero_rate: f64,
 }
 
@@ -46,7 +45,7 @@ impl Default for DriftConfig {
 }
 
 impl DriftConfig {
-    /// Requires every value of the table `key` to be in its range.
+    /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         let shares = [
             ("tolerance", self.tolerance),
@@ -60,14 +59,14 @@ impl DriftConfig {
     }
 }
 
-/// What one element shows without load, relative to its calibration.
+/// Offsets of one unloaded element relative to its calibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct Rest {
-    /// Integrated gray value without load when calibrated.
+    /// Integrated gray value without load at calibration.
     calibrated_gray: f64,
-    /// Centroid without load when calibrated.
+    /// Centroid without load at calibration.
     calibrated_centroid: DVec2,
-    /// Displacement up to which it counts as unmoved, m (or px).
+    /// Maximum displacement for the element to count as unmoved, m (or px).
     unmoved: f64,
     /// `G / G_0` relative to the common gain.
     gain: f64,
@@ -75,21 +74,21 @@ struct Rest {
     displacement: DVec2,
 }
 
-/// Most by which an element's own gain may be re-zeroed.
+/// Maximum correction of an element's own gain.
 const LARGEST_OWN_GAIN: f64 = 0.05;
 
-/// A stage between moments and calibration; see the module.
+/// Stage between moments and calibration that removes drift; see the module documentation.
 #[derive(Debug, Clone)]
 pub struct DriftCorrection {
     config: DriftConfig,
     rests: Vec<Rest>,
-    /// `G / G_0` of the elements in this frame, in rising order.
+    /// `G / G_0` of the elements in this frame, in increasing order.
     ratios: Vec<f64>,
     gain: Option<f64>,
 }
 
 impl DriftCorrection {
-    /// For the fingertip of `calibration`.
+    /// Creates a correction for the fingertip of `calibration`.
     pub fn new(config: DriftConfig, calibration: &Calibration) -> Self {
         let rests: Vec<_> = (calibration.elements.iter())
             .map(|element| {
@@ -111,14 +110,14 @@ impl DriftCorrection {
         }
     }
 
-    /// The common gain of the light relative to the calibration's; 1 before it is known.
+    /// Common gain of the lighting relative to the calibration; 1 until it is known.
     pub fn gain(&self) -> f64 {
         self.gain.unwrap_or(1.0)
     }
 
-    /// Takes drift out of the moments of one frame, in place. Neither allocates nor panics.
+    /// Removes drift from the moments of one frame in place. Neither allocates nor panics.
     ///
-    /// Moments of another number of elements are corrected as far as both go.
+    /// If the number of elements differs, surplus elements are ignored.
     pub fn correct(&mut self, moments: &mut [ElementMoments]) {
         self.follow_gain(moments);
         let gain = self.gain();
@@ -129,7 +128,7 @@ impl DriftCorrection {
         }
     }
 
-    /// Follows the common gain of the elements that are not touched, if there are enough.
+    /// Updates the common gain from the untouched elements, if there are enough.
     fn follow_gain(&mut self, moments: &[ElementMoments]) {
         let elements = self.rests.iter().zip(moments);
         for ((rest, moments), ratio) in elements.zip(&mut self.ratios) {
@@ -145,7 +144,7 @@ impl DriftCorrection {
 }
 
 impl Rest {
-    /// Goes a little way to what the element shows, if it is beyond doubt not touched.
+    /// Moves the offsets towards the current moments if the element is certainly untouched.
     fn rezero(&mut self, moments: &ElementMoments, gain: f64, config: &DriftConfig) {
         let own = moments.integrated_gray / (self.calibrated_gray * gain);
         let displacement = moments.centroid - self.calibrated_centroid;
@@ -161,8 +160,7 @@ impl Rest {
     }
 }
 
-/// Mean of the first run of at least a quarter of the `rising` ratios that lie within `tolerance` of
-/// each other.
+/// Mean of the first run of at least a quarter of the `rising` ratios that lie within `tolerance` of each other.
 fn untouched_gain(rising: &[f64], tolerance: f64) -> Option<f64> {
     let least = rising.len().div_ceil(4).max(1);
     let start = (rising.windows(least)).position(|window| match window {
@@ -179,9 +177,9 @@ fn untouched_gain(rising: &[f64], tolerance: f64) -> Option<f64> {
     Some(sum / count)
 }
 
-/// Whether two rising ratios are of elements in the same light; darkness is none.
+/// Returns whether two ratios in increasing order belong to elements in the same light. Dark elements never do.
 fn agree(low: f64, high: f64, tolerance: f64) -> bool {
-    /// Least gain that is a light's: below, the picture is dead.
+    /// Minimum gain of a working lamp; below, the image is dark.
     const DARK: f64 = 0.3;
     low > DARK && high.is_finite() && high - low <= tolerance * low
 }
@@ -200,7 +198,7 @@ mod tests {
             );
         };
         close(gain(&[0.9; 12]), 0.9);
-        // Nine of twelve are pressed, each in its own way; one is dirty.
+        // Nine of twelve elements are pressed differently; one is dirty.
         let mut pressed = vec![0.5, 0.9, 0.9, 0.9, 1.2, 1.5, 2.0, 2.5, 3.0, 3.5, 4.0, 5.0];
         close(gain(&pressed), 0.9);
         pressed[3] = 1.1;

@@ -1,30 +1,29 @@
-//! Whether a sub-region is lit such that its moments mean something.
+//! Detection of sub-regions whose exposure makes the moments unusable.
 
 use super::{frame::Picture, subregion::WeightedPixel};
 use multiversion::multiversion;
 
-/// Gray value at which a pixel says no more than "at least this bright".
+/// Gray value of a saturated pixel, which only means "at least this bright".
 pub const SATURATED: u8 = 255;
 
-/// Part of a sub-region's pixels that may be saturated before its moments are called wrong, unless
-/// another one is asked for. A few hot pixels do no harm; the bright spots of an unloaded element
-/// alone fill several percent of its sub-region.
+/// Default maximum fraction of saturated pixels in a sub-region with valid moments. A few hot pixels do no harm. The
+/// bright spots of an unloaded element alone fill several percent of its sub-region.
 pub const DEFAULT_MAX_SATURATED: f64 = 0.01;
 
-/// How a sub-region is lit.
+/// Exposure of a sub-region.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Exposure {
-    /// Its moments can be used.
+    /// The moments are valid.
     #[default]
     Good,
-    /// No pixel is above the dark level, so that there is no centroid.
+    /// No pixel is above the dark level, so there is no centroid.
     Dark,
-    /// Too many pixels are saturated: its integrated gray value is less than the light that there
-    /// was. Of dark elements: too many are black.
+    /// Too many pixels are saturated, so the integrated gray value is too small. For dark elements: too many pixels
+    /// are black.
     Saturated,
 }
 
-/// Where each element's pixels are, row by row, to count those that are saturated.
+/// Counts the saturated pixels of each element.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SaturationCheck {
     elements: Vec<Region>,
@@ -34,15 +33,15 @@ pub struct SaturationCheck {
 
 #[derive(Debug, Clone, PartialEq)]
 struct Region {
-    /// First pixel and number of pixels of each unbroken piece of a row.
+    /// First pixel and length of each contiguous span of a row.
     spans: Vec<(usize, usize)>,
-    /// Where blocks of pixels start that cover all spans, some pixels twice and neighbours among them.
+    /// Start of each block of pixels. The blocks cover all spans, may overlap, and may include pixels outside.
     blocks: Vec<usize>,
-    /// Saturated pixels that are still good.
+    /// Maximum number of saturated pixels.
     allowed: usize,
 }
 
-/// Pixels that are compared side by side.
+/// Number of pixels that are compared at once.
 const BLOCK: usize = 32;
 
 impl Region {
@@ -60,7 +59,7 @@ impl Region {
         }
     }
 
-    /// The number of saturated pixels.
+    /// Number of saturated pixels.
     fn count(&self, pixels: &[u8], limit: u8) -> usize {
         let of_span = |&(start, length): &(usize, usize)| {
             let pixels = pixels.get(start..start + length).unwrap_or(&[]);
@@ -70,12 +69,12 @@ impl Region {
     }
 }
 
-/// No less than the number of saturated pixels in a region of `blocks`, found faster than that, with
-/// the widest instructions that the processor has.
+/// Upper bound of the number of saturated pixels in the region of `blocks`. Faster than the exact count; uses the
+/// widest available instructions.
 #[multiversion(targets("x86_64+avx2"))]
 fn at_most(blocks: &[usize], pixels: &[u8], limit: u8) -> usize {
     let mut count = 0;
-    // A lane is a byte: at most 255 blocks do not overflow it.
+    // Each lane is a byte: at most 255 blocks do not overflow it.
     for blocks in blocks.chunks(255) {
         let mut lanes = [0_u8; BLOCK];
         for &start in blocks {
@@ -94,8 +93,8 @@ fn at_most(blocks: &[usize], pixels: &[u8], limit: u8) -> usize {
 }
 
 impl SaturationCheck {
-    /// For sub-regions in pictures of `width` columns, each sorted by row and then by column, of
-    /// whose pixels a part `max_saturated` (0 to 1) may be saturated.
+    /// Creates a check for sub-regions in images of `width` columns. The pixels of each region must be sorted by row
+    /// and then by column. A fraction `max_saturated` (0 to 1) of them may be saturated.
     pub fn new(width: usize, regions: &[Vec<WeightedPixel>], max_saturated: f64) -> Self {
         let elements = regions
             .iter()
@@ -106,14 +105,14 @@ impl SaturationCheck {
         }
     }
 
-    /// The same for dark elements, of which black pixels say no more than "at least this dark".
+    /// Checks for black pixels instead, which only mean "at least this dark" in dark elements.
     #[must_use]
     pub fn of_dark_elements(self) -> Self {
         Self { limit: 0, ..self }
     }
 
-    /// Whether more of the pixels of `element` are saturated than are allowed. Neither allocates nor
-    /// panics; pixels beyond the picture are not.
+    /// Returns whether `element` has more saturated pixels than allowed. Neither allocates nor panics; pixels beyond
+    /// the image count as unsaturated.
     pub fn saturated<P: AsRef<[u8]>>(&self, picture: &Picture<P>, element: usize) -> bool {
         let Some(region) = self.elements.get(element) else {
             return false;
@@ -142,7 +141,7 @@ mod tests {
     use glam::DVec2;
 
     #[test]
-    fn only_own_pixels_beyond_the_allowed_part_count() {
+    fn only_pixels_of_the_element_above_the_limit_count() {
         let pixel = |column, row| WeightedPixel {
             column,
             row,
@@ -155,18 +154,21 @@ mod tests {
         let check = SaturationCheck::new(100, &[region], 0.02);
         let mut picture = Picture::black(100, 2);
         picture.pixels[50..100].fill(255);
-        assert!(!check.saturated(&picture, 0), "none of these is its own");
+        assert!(
+            !check.saturated(&picture, 0),
+            "none of these belongs to the element"
+        );
         picture.pixels[0] = 255;
         picture.pixels[149] = 255;
         assert!(!check.saturated(&picture, 0), "2 of 100 are allowed");
         picture.pixels[100] = 255;
         assert!(check.saturated(&picture, 0), "3 of 100 are not");
-        assert!(!check.saturated(&picture, 1), "there is no such element");
+        assert!(!check.saturated(&picture, 1), "unknown element");
     }
 
-    /// Regions of every width at every place, the picture's corners among them.
+    /// Regions of every width at several positions, including the image's corners.
     #[test]
-    fn the_fast_count_is_never_less() {
+    fn the_fast_count_is_an_upper_bound() {
         for columns in 1..40 {
             for first in [0, 3, 40 - columns] {
                 let first = first.min(40 - columns);

@@ -1,4 +1,4 @@
-//! All that makes one fingertip's gray values what they are: what a calibration belongs to.
+//! Configuration of one fingertip that determines its gray values, and for which a calibration is valid.
 
 use super::{
     dome::{CameraConfig, DomeError, DomeProjection},
@@ -12,20 +12,21 @@ use crate::check::Checker;
 use serde::{Deserialize, Serialize};
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// One optical fingertip: its elements, its camera, and how moments are taken of the picture.
+/// One optical fingertip: its elements, its camera, and the configuration of the moments.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct FingertipConfig {
-    /// Where the sensing elements sit.
+    /// Arrangement of the sensing elements.
     pub layout: LayoutConfig,
-    /// The camera inside the dome.
+    /// Camera inside the dome.
     pub camera: CameraConfig,
-    /// How moments are taken.
+    /// Configuration of the moments.
     pub moments: MomentsConfig,
 }
 
 impl FingertipConfig {
-    /// Requires every value of the table `key` to be in its range. What the camera sees is found out where it is built.
+    /// Checks that every value of the table `key` is in its range. The field of view is checked by
+    /// [`Fingertip::new`].
     pub fn check(&self, key: &str, checker: &mut Checker) {
         self.layout.check(&format!("{key}.layout"), checker);
         let dome_radius = self.layout.dome_radius;
@@ -34,45 +35,45 @@ impl FingertipConfig {
     }
 }
 
-/// Why a fingertip cannot be built.
+/// Error of building a fingertip.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FingertipError {
-    /// There are no elements, or more than fit on a fingertip.
+    /// There are no elements, or too many.
     #[error("a fingertip must have 1 to {MAX_ELEMENTS} elements, got {actual}")]
     ElementCount {
-        /// How many the rings have.
+        /// Number of elements.
         actual: usize,
     },
-    /// The camera cannot look at the dome.
+    /// The camera is invalid.
     #[error(transparent)]
     Dome(#[from] DomeError),
-    /// Moments cannot be taken.
+    /// The moments are invalid.
     #[error(transparent)]
     Moments(#[from] MomentsError),
 }
 
-/// Kernels that are kept, of some 5 MB each.
+/// Number of cached kernels, of about 5 MB each.
 const KEPT: usize = 2;
 
 /// A kernel, and the pixels of each element.
 type Sensed = (MomentsKernel, Vec<Vec<WeightedPixel>>);
 
-/// A [`FingertipConfig`] turned into what sensing needs; it never changes.
+/// Immutable data for sensing, built from a [`FingertipConfig`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct Fingertip {
-    /// The sensing elements.
+    /// Sensing elements.
     pub layout: ElementLayout,
-    /// Between the dome and the picture.
+    /// Projection from the dome to the image.
     pub projection: DomeProjection,
-    /// From a picture to moments.
+    /// Computes the moments of an image.
     pub kernel: MomentsKernel,
 }
 
 impl Fingertip {
-    /// Builds the fingertip that `config` describes.
+    /// Builds the fingertip described by `config`.
     ///
     /// # Errors
-    /// When the camera does not see all sub-regions, or a value makes no sense.
+    /// If the camera does not see all sub-regions, or a value is invalid.
     pub fn new(config: &FingertipConfig) -> Result<Self, FingertipError> {
         let (layout, projection) = Self::layout_and_projection(config)?;
         Ok(Self {
@@ -82,19 +83,19 @@ impl Fingertip {
         })
     }
 
-    /// The kernel of the fingertip, and the pixels of each element that it was made of.
+    /// Returns the kernel of the fingertip and the pixels of each element from which it was built.
     ///
     /// # Errors
-    /// As [`Self::new`].
+    /// Like [`Self::new`].
     pub fn kernel_and_subregions(config: &FingertipConfig) -> Result<Sensed, FingertipError> {
         Ok(Self::sensed(config)?.as_ref().clone())
     }
 
-    /// The same. It takes some 60 ms to make, so that the newest ones are kept: a rig's fingertips are mostly alike, and a sweep's trials
-    /// ask for the same again and again.
+    /// Cached kernel and pixels. Building them takes about 60 ms, so the latest ones are kept: a rig's fingertips are
+    /// mostly identical, and the trials of a sweep request the same one repeatedly.
     fn sensed(config: &FingertipConfig) -> Result<Arc<Sensed>, FingertipError> {
         static NEWEST: Mutex<Vec<(FingertipConfig, Arc<Sensed>)>> = Mutex::new(Vec::new());
-        // What is kept is whole, whatever a thread did that had it.
+        // Entries are complete even if a thread panicked while holding the lock.
         let newest = || NEWEST.lock().unwrap_or_else(PoisonError::into_inner);
         let known = |kept: &[(FingertipConfig, Arc<Sensed>)]| {
             let known = kept.iter().find(|(own, _)| own == config);
@@ -105,7 +106,7 @@ impl Fingertip {
         }
         let sensed = Arc::new(Self::make_sensed(config)?);
         let mut newest = newest();
-        // Another thread may have made it, too.
+        // Another thread may have built the same entry meanwhile.
         if known(&newest).is_none() {
             newest.truncate(KEPT - 1);
             newest.insert(0, (config.clone(), sensed.clone()));
@@ -121,10 +122,10 @@ impl Fingertip {
         Ok((kernel, regions))
     }
 
-    /// Where the camera sees each element.
+    /// Position of each element in the camera's image.
     ///
     /// # Errors
-    /// When it does not see one, or a value makes no sense.
+    /// If an element is not visible, or a value is invalid.
     pub fn seen_elements(config: &FingertipConfig) -> Result<Vec<SeenElement>, FingertipError> {
         let (layout, projection) = Self::layout_and_projection(config)?;
         let seen = |(element, place)| {
@@ -132,7 +133,7 @@ impl Fingertip {
             seen.ok_or_else(|| {
                 FingertipError::Moments(MomentsError::OutOfPicture {
                     element,
-                    seen_at: "where the camera sees nothing".into(),
+                    seen_at: "points outside the camera's field of view".into(),
                     width: config.camera.width,
                     height: config.camera.height,
                 })
@@ -141,10 +142,10 @@ impl Fingertip {
         layout.elements.iter().enumerate().map(seen).collect()
     }
 
-    /// The part of the fingertip that takes no time to build: all but the kernel.
+    /// Builds the parts of the fingertip that are cheap to build: all but the kernel.
     ///
     /// # Errors
-    /// As [`Self::new`], but for what the kernel finds.
+    /// Like [`Self::new`], except for errors of the kernel.
     pub fn layout_and_projection(
         config: &FingertipConfig,
     ) -> Result<(ElementLayout, DomeProjection), FingertipError> {

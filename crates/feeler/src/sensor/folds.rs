@@ -1,22 +1,22 @@
-//! Loads in groups, to predict each group from a fit that has not seen it.
+//! Division of loads into folds for cross-validation.
 
 use glam::DVec3;
 use std::collections::HashMap;
 
-/// How many groups.
+/// Number of folds.
 const FOLDS: usize = 5;
 
-/// Loads divided into five groups, the same every time.
+/// Loads divided into five folds. The division is deterministic.
 ///
-/// Loads of the same force stay together: to be told a force that the fit has seen would be no test.
-/// Neighbours in the order of loading are spread, so that no sweep is left out as a whole.
+/// Equal forces are in the same fold, because predicting a force that is part of the fit would not be a test.
+/// Neighbours in the order of loading are distributed over the folds, so that no sweep is left out as a whole.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Folds {
     fold_of: Vec<usize>,
 }
 
 impl Folds {
-    /// Divides loads of these forces.
+    /// Divides loads with these forces.
     pub(super) fn new(forces: &[DVec3]) -> Self {
         let mut groups: HashMap<[u64; 3], usize> = HashMap::new();
         let group_of: Vec<_> = (forces.iter())
@@ -27,7 +27,7 @@ impl Folds {
                     .or_insert(next)
             })
             .collect();
-        // Multiplying by a large odd number scatters what is evenly spaced.
+        // Multiplying by a large odd number scatters evenly spaced groups.
         let mut order: Vec<usize> = (0..groups.len()).collect();
         order.sort_by_key(|&group| (group as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15) >> 20);
         let mut fold_of_group = vec![0; groups.len()];
@@ -39,17 +39,17 @@ impl Folds {
         }
     }
 
-    /// The groups.
+    /// Indices of the folds.
     pub(super) fn all(&self) -> impl Iterator<Item = usize> + use<> {
         0..FOLDS
     }
 
-    /// The loads of a group.
+    /// Loads of a fold.
     pub(super) fn own(&self, fold: usize) -> Vec<usize> {
         self.rows(|other| other == fold)
     }
 
-    /// The loads of all other groups.
+    /// Loads of all other folds.
     pub(super) fn others(&self, fold: usize) -> Vec<usize> {
         self.rows(|other| other != fold)
     }
@@ -67,7 +67,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn every_load_is_left_out_once_and_together_with_its_like() {
+    fn every_load_is_left_out_once_together_with_equal_ones() {
         let forces: Vec<_> = (0..100).map(|i| DVec3::splat(f64::from(i % 37))).collect();
         let folds = Folds::new(&forces);
         let mut left_out = vec![0; forces.len()];

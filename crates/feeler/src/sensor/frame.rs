@@ -1,19 +1,19 @@
-//! One grey picture, with the time at which it was taken.
+//! Greyscale images with their exposure times.
 
-/// A grey 8-bit picture from a fingertip's camera, row by row from the top left. Its pixels are its own, or somebody
-/// else's, as in `Picture<&[u8]>`.
+/// An 8-bit greyscale image from a fingertip's camera, row by row from the top left. The pixels are owned, or
+/// borrowed as in `Picture<&[u8]>`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Picture<P = Vec<u8>> {
     /// Columns, px.
     pub width: usize,
     /// Rows, px.
     pub height: usize,
-    /// Grey values, `width * height` of them, row-major; 0 is dark, 255 saturated.
+    /// Grey values, row-major, `width * height` in number; 0 is dark, 255 saturated.
     pub pixels: P,
 }
 
 impl Picture {
-    /// A black picture of `width` by `height` px.
+    /// Creates a black image of `width` by `height` px.
     pub fn black(width: usize, height: usize) -> Self {
         Self {
             width,
@@ -23,21 +23,21 @@ impl Picture {
     }
 }
 
-/// A picture and when it was taken: what a [`Camera`](super::camera::Camera) delivers.
+/// An image with its exposure time, as delivered by a [`Camera`](super::camera::Camera).
 ///
-/// A frame is allocated once and filled again and again, so that sensing allocates nothing.
+/// Frames are allocated once and reused, so that sensing does not allocate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
-    /// Counts the camera's exposures from 0; a gap is a dropped frame.
+    /// Sequence number of the exposure, from 0; a gap means dropped frames.
     pub sequence: u64,
-    /// Time of exposure, s, on the clock of the camera (simulated time in a simulation).
+    /// Time of exposure by the camera's clock, s (simulated time in a simulation).
     pub stamp: f64,
-    /// What the camera saw.
+    /// The image.
     pub picture: Picture,
 }
 
 impl Frame {
-    /// A black frame of `width` by `height` px, to be filled by a camera.
+    /// Creates a black frame of `width` by `height` px, to be filled by a camera.
     pub fn black(width: usize, height: usize) -> Self {
         Self {
             sequence: 0,

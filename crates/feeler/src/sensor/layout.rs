@@ -1,28 +1,28 @@
-//! Where the sensing elements sit on the dome.
+//! Arrangement of the sensing elements on the dome.
 
 use crate::check::Checker;
 use glam::{DMat3, DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
-/// Most elements on a fingertip.
+/// Maximum number of elements of a fingertip.
 pub const MAX_ELEMENTS: usize = 512;
 
-/// The arrangement of sensing elements on a dome: concentric (paper, section II), or a grid.
+/// Arrangement of sensing elements on a dome: concentric rings (paper, section II) or a grid.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct LayoutConfig {
     /// Radius of the sphere on which the tips of the unloaded columnar feelers lie, m.
     pub dome_radius: f64,
-    /// The rings, from the apex outward; none where there is a grid.
+    /// Rings from the apex outward; empty if there is a grid.
     pub rings: Vec<RingConfig>,
-    /// A grid in place of rings.
+    /// Grid, instead of rings.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub grid: Option<GridConfig>,
 }
 
 impl Default for LayoutConfig {
-    /// The reference fingertip: 41 elements in rings of 1, 8, 12 and 20 (the paper gives only their
-    /// number; the arrangement and the radius are assumed).
+    /// The reference fingertip: 41 elements in rings of 1, 8, 12 and 20. The paper gives only their number;
+    /// arrangement and radius are assumed.
     fn default() -> Self {
         let rings = [(1, 0.0), (8, 22.5), (12, 45.0), (20, 67.5)];
         Self {
@@ -49,14 +49,14 @@ impl LayoutConfig {
         in_rings.saturating_add(grid)
     }
 
-    /// Requires every value of the table `key` to be in its range.
+    /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         checker.between(&format!("{key}.dome_radius"), self.dome_radius, 1e-3, 1.0);
         checker.require(
             &format!("{key}.rings"),
             format!("{} rings", self.rings.len()),
             self.rings.is_empty() == self.grid.is_some(),
-            "at least one ring, as in [{ elements = 8, polar_angle_deg = 22.5 }], or a grid and rings = []",
+            "at least one ring, as in [{ elements = 8, polar_angle_deg = 22.5 }], or a grid with rings = []",
         );
         if let Some(grid) = &self.grid {
             let key = format!("{key}.grid");
@@ -95,15 +95,15 @@ pub struct RingConfig {
     pub polar_angle_deg: f64,
 }
 
-/// A square grid of sensing elements about the apex.
+/// A square grid of sensing elements around the apex.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GridConfig {
-    /// Elements along y of the fingertip frame `T`, at least 1.
+    /// Number of elements along y of the fingertip frame `T`, at least 1.
     pub columns: usize,
-    /// Elements along z of `T`, at least 1.
+    /// Number of elements along z of `T`, at least 1.
     pub rows: usize,
-    /// Distance of neighbours at the apex, along the dome, m.
+    /// Spacing of neighbours at the apex, along the dome, m.
     pub spacing: f64,
 }
 
@@ -112,7 +112,8 @@ impl GridConfig {
         self.columns.saturating_mul(self.rows)
     }
 
-    /// The directions of the elements in `T`, row by row: each as far from the apex along the dome as it would be in the plane.
+    /// Directions of the elements in `T`, row by row. The distance of each from the apex along the dome equals its
+    /// distance in the plane of the grid.
     fn directions(&self, dome_radius: f64) -> impl Iterator<Item = DVec3> {
         let off_middle = |index: usize, count: usize| index as f64 - 0.5 * (count as f64 - 1.0);
         (0..self.element_count()).map(move |index| {
@@ -125,10 +126,10 @@ impl GridConfig {
     }
 }
 
-/// One sensing element: a columnar feeler standing on eight conical feelers.
+/// One sensing element: a columnar feeler on eight conical feelers.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SensingElement {
-    /// Ring that the element belongs to, 0 at the apex; 0 in a grid.
+    /// Ring of the element, 0 at the apex; 0 in a grid.
     pub ring: usize,
     /// Rotation of the element's frame `E_i` in the fingertip frame `T`: columns are x and y,
     /// tangent to the dome (y along its parallel, x away from the apex along its meridian), and z,
@@ -137,9 +138,9 @@ pub struct SensingElement {
 }
 
 impl SensingElement {
-    /// The element whose outward normal is along `direction` (a unit vector in `T`), its frame turned
-    /// as those of the rings are. Within a degree of the apex, where the meridian is a matter of
-    /// noise, x of the element is along y of `T`, as at the apex itself. Its ring is not known and 0.
+    /// Element whose outward normal is along `direction` (a unit vector in `T`). Its frame is oriented like those on
+    /// rings. Within a degree of the apex, where the meridian would be determined by noise, x of the element is along
+    /// y of `T`, like at the apex. The ring is unknown and set to 0.
     pub fn facing(direction: DVec3) -> Self {
         let off_axis = direction.y.hypot(direction.z);
         let rotation = if direction.x > 0.0 && off_axis < 1_f64.to_radians().sin() {
@@ -153,33 +154,33 @@ impl SensingElement {
         Self { ring: 0, rotation }
     }
 
-    /// The outward normal of the dome at the element, a unit vector in `T`.
+    /// Outward normal of the dome at the element, a unit vector in `T`.
     pub fn normal(&self) -> DVec3 {
         self.rotation.z_axis
     }
 
-    /// A `force` as a [`TactileFrame`](super::reading::TactileFrame) has it (`F_x`, `F_y` and the
-    /// compression `F_z`, N), as the vector of the force on the element by what it touches, N, in `T`.
+    /// Converts a `force` of a [`TactileFrame`](super::reading::TactileFrame) (`F_x`, `F_y` and the compression
+    /// `F_z`, N) to the force on the element by the object, N, in `T`.
     pub fn force_on_fingertip(&self, force: DVec3) -> DVec3 {
         // Compression is positive along the inward normal.
         self.rotation * force.with_z(-force.z)
     }
 }
 
-/// The sensing elements of one fingertip, ring by ring from the apex.
+/// Sensing elements of one fingertip, ring by ring from the apex.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ElementLayout {
     /// Radius of the sphere on which the unloaded tips lie, m.
     pub dome_radius: f64,
-    /// The elements.
+    /// Elements.
     pub elements: Vec<SensingElement>,
 }
 
 impl ElementLayout {
     /// Places the elements of `config`.
     ///
-    /// Within a ring, element j of n stands at azimuth `2 pi j / n` about the dome's axis (x of
-    /// `T`), counted from y of `T` towards z of `T`. A grid stands row by row, along z of `T`.
+    /// Within a ring, element j of n is at azimuth `2 pi j / n` about the dome's axis (x of `T`), from y of `T`
+    /// towards z of `T`. The elements of a grid are placed row by row along z of `T`.
     pub fn new(config: &LayoutConfig) -> Self {
         let grid = config.grid.iter();
         let in_grid = grid.flat_map(|grid| grid.directions(config.dome_radius));
@@ -210,7 +211,7 @@ impl ElementLayout {
     }
 }
 
-/// Frame of the element at `polar` from x of `T` and `azimuth` from y of `T` towards z of `T`, rad.
+/// Frame of the element at the angle `polar` from x of `T` and at `azimuth` from y of `T` towards z of `T`, rad.
 fn element_rotation(polar: f64, azimuth: f64) -> DMat3 {
     let (sin_polar, cos_polar) = polar.sin_cos();
     let (sin_azimuth, cos_azimuth) = azimuth.sin_cos();

@@ -1,16 +1,15 @@
-//! What fits by least squares share.
+//! Shared functions of least-squares fits.
 
 use glam::{DMat3, DVec3};
 use nalgebra::{DMatrix, DVector};
 
-/// Least width of a range of inputs over which a slope makes sense.
+/// Minimum width of a range of inputs for a meaningful slope.
 pub(super) const LEAST_SLOPE_RANGE: f64 = 1e-12;
 
-/// Largest distance beyond a range, in widths of it, over which a force goes on growing.
+/// Maximum extrapolation beyond a range, in widths of the range.
 const FARTHEST: f64 = 1e6;
 
-/// How far `input` lies outside of `range`, signed; limited so that forces stay finite however far
-/// it is. Not a number where `input` is none.
+/// Signed distance of `input` from `range`, limited so that forces stay finite. NaN if `input` is NaN.
 pub(super) fn beyond(input: f64, [low, high]: [f64; 2]) -> f64 {
     let farthest = FARTHEST * (high - low);
     let outside = if input > high {
@@ -31,35 +30,35 @@ pub(super) fn beyond(input: f64, [low, high]: [f64; 2]) -> f64 {
     }
 }
 
-/// The product of a row of three terms with itself: its share of the normal equations.
+/// Outer product of a row of three terms with itself: its contribution to the normal equations.
 pub(super) fn outer(row: DVec3) -> DMat3 {
     DMat3::from_cols(row.x * row, row.y * row, row.z * row)
 }
 
-/// The combination of `columns` that is nearest to `forces`.
+/// Coefficients of the linear combination of `columns` that best approximates `forces`.
 ///
 /// # Errors
-/// When there are not more rows than columns, or a column follows from the others.
+/// If there are no more rows than columns, or the columns are linearly dependent.
 pub(super) fn least_squares(columns: DMatrix<f64>, forces: &[f64]) -> Result<Vec<f64>, String> {
-    /// Least part of a column that the columns before it may leave, relative to the largest.
+    /// Minimum remainder of a column after projection onto the previous ones, relative to the largest.
     const LEAST_PART: f64 = 1e-9;
     let (rows, terms) = columns.shape();
     if rows <= terms {
-        return Err(format!("more than {terms} loads expected, got {rows}"));
+        return Err(format!("expected more than {terms} loads, got {rows}"));
     }
     let all_finite = columns.iter().chain(forces).all(|v| v.is_finite());
     if !all_finite {
-        return Err("loads and pictures of finite numbers expected".into());
+        return Err("expected loads and images with finite values".into());
     }
     let decomposition = columns.qr();
     let triangle = decomposition.r();
     let (least, largest) = (triangle.diagonal().abs().min(), triangle.amax());
     if least <= LEAST_PART * largest {
-        return Err(format!("at least {terms} different loads expected"));
+        return Err(format!("expected at least {terms} different loads"));
     }
     let mut solution = DVector::from_column_slice(forces);
     decomposition.q_tr_mul(&mut solution);
     let solved = triangle.solve_upper_triangular(&solution.rows(0, terms));
-    let solution = solved.ok_or("loads that determine the coefficients expected")?;
+    let solution = solved.ok_or("expected loads that determine the coefficients")?;
     Ok(solution.iter().copied().collect())
 }

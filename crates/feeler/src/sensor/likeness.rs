@@ -1,4 +1,4 @@
-//! Whether a picture may be of a fingertip at all, whatever presses on it.
+//! Checks that an image may be of a fingertip, loaded or not.
 
 use super::calibration::{Calibration, ForceValidity};
 use super::frame::Picture;
@@ -6,28 +6,28 @@ use super::moments::ElementMoments;
 use super::subregion::WeightedPixel;
 use std::fmt;
 
-/// Part of the elements that must be as the calibration has seen them, at rest or pressed. Of pressed and unpressed fingertips
-/// nearly all are; of other pictures, an element is by chance.
+/// Minimum fraction of elements whose moments are within the calibration's range. In images of a fingertip, pressed
+/// or not, nearly all elements are; in other images, only by chance.
 const LEAST_ALIKE: f64 = 0.8;
 
-/// Most light between the sub-regions, as a part of that within them, pixel for pixel. Between a fingertip's elements there
-/// is none; an even picture has as much.
+/// Maximum mean brightness between the sub-regions relative to that within them. It is about 0 for a fingertip and 1
+/// for a uniform image.
 const MOST_BETWEEN: f64 = 0.25;
 
-/// How much a picture looks like one of a fingertip.
+/// Similarity of an image to the images of a fingertip.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Likeness {
-    /// Elements whose moments are such as the calibration's loads caused.
+    /// Number of elements whose moments are within the range of the calibration's loads.
     pub alike: usize,
-    /// All elements.
+    /// Number of all elements.
     pub elements: usize,
-    /// Mean grey level above the ground between the sub-regions, over that within them.
+    /// Mean grey level above the background between the sub-regions, relative to the mean within them.
     pub between: f64,
 }
 
 impl Likeness {
-    /// How much `picture`, and the `moments` of it, look like the fingertip that `calibration` was made with, whose elements
-    /// have these `regions` on a ground of `dark_level`.
+    /// Compares `picture` and its `moments` with the fingertip for which `calibration` was made. `regions` are the
+    /// pixels of its elements and `dark_level` is the grey level of the background.
     pub fn of(
         picture: &Picture,
         moments: &[ElementMoments],
@@ -45,7 +45,7 @@ impl Likeness {
         }
     }
 
-    /// Whether the picture may be of the fingertip.
+    /// Returns whether the image may be of the fingertip.
     pub fn is_enough(&self) -> bool {
         self.alike as f64 >= LEAST_ALIKE * self.elements as f64 && self.between <= MOST_BETWEEN
     }
@@ -60,15 +60,15 @@ impl fmt::Display for Likeness {
         } = self;
         write!(
             f,
-            "{alike} of {elements} elements are where and as bright as they can be ({:.0} expected), and between them it is {between:.2} \
-             times as bright as at them (at most {MOST_BETWEEN} expected)",
+            "{alike} of {elements} elements have a plausible position and brightness (expected at least {:.0}), and the brightness between them is {between:.2} \
+             times that of the elements (expected at most {MOST_BETWEEN})",
             (LEAST_ALIKE * *elements as f64).ceil()
         )
     }
 }
 
-/// Mean grey level above `dark_level` of the pixels that are in no region but within the rectangle about all of them, over that
-/// of the pixels in regions; infinite where all of those are dark.
+/// Mean grey level above `dark_level` of the pixels between the regions, within their common bounding box, relative
+/// to the mean within the regions. Infinite if the regions are dark.
 fn light_between(picture: &Picture, regions: &[Vec<WeightedPixel>], dark_level: u8) -> f64 {
     let mut within = vec![false; picture.pixels.len()];
     let (mut columns, mut rows) = ((usize::MAX, 0), (usize::MAX, 0));

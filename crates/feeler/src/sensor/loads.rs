@@ -1,16 +1,16 @@
-//! The file of loads that a calibration is fitted to: which picture was taken under which forces.
+//! The CSV file of loads for a calibration: images and the forces under which they were taken.
 //!
-//! A [`table`](super::table) with the columns `picture, element, f_x, f_y, f_z` in any order, others ignored: a picture's
-//! file, relative to the CSV; the index of an element; the force on it in its frame `E_i`, N. A
-//! picture may have a row for each of several elements. A row of zero force says that the element was not
-//! loaded; a row without an element (and without a force, or with a zero one) says so of all elements.
-//! Of an element that has no row nothing is learned from the picture. Rows are taken to be in the
-//! order in which the loads were put on.
+//! A [`table`](super::table) with the columns `picture, element, f_x, f_y, f_z` in any order; other columns are
+//! ignored. `picture` is an image file relative to the CSV, `element` the index of an element, and the force is given
+//! in the element's frame `E_i`, N. An image may have one row for each of several elements. A row with zero force
+//! means that the element was not loaded. A row without an element (and without a force or with zero force) means
+//! that no element was loaded. Elements without a row are not used from that image. Rows are assumed to be in the
+//! order of loading.
 //!
-//! With the columns `column` and `row`, where the element is seen (px), elements are told by their places, and `element` is a
-//! name, which may be missing. `x_angle` is where x of the frame of the force points in the picture, rad
-//! ([`SeenElement::x_angle`]): forces are turned from there into the frame of the layout's element, and are taken to be in
-//! that where it is missing.
+//! If the table has the columns `column` and `row`, the position of the element in the image (px), elements are
+//! identified by position, and `element` is an optional name. `x_angle` is the direction in the image of x of the
+//! force's frame, rad ([`SeenElement::x_angle`]): forces are rotated from this frame to that of the layout's element.
+//! Without `x_angle` they are assumed to be in the latter.
 
 mod place;
 mod records;
@@ -29,46 +29,46 @@ use std::{
     ops::Range,
 };
 
-/// The columns that there must be.
+/// Required columns.
 pub const COLUMNS: [&str; 5] = ["picture", "element", "f_x", "f_y", "f_z"];
 
-/// The columns that may be there beside them: where the element is seen, px, and where x of its frame points, rad.
+/// Optional columns: position of the element in the image, px, and direction of x of its frame, rad.
 pub const PLACE_COLUMNS: [&str; 3] = ["column", "row", "x_angle"];
 
-/// Why loads cannot be used.
+/// Error of reading loads.
 #[derive(Debug, thiserror::Error)]
 pub enum LoadsError {
-    /// The table, or a row of it, cannot be read.
+    /// The table, or one of its rows, cannot be read.
     #[error(transparent)]
     Table(#[from] TableError),
-    /// A column is not in the header.
+    /// A required column is missing.
     #[error(
         "no column {column:?} in the header {header:?}, read with {separator} between cells; expected picture, element, f_x, f_y, f_z"
     )]
     Column {
-        /// The column that is missing.
+        /// Name of the missing column.
         column: &'static str,
-        /// The header as it is.
+        /// Header of the table.
         header: String,
-        /// What stands between its cells, in words.
+        /// Name of the separator between cells.
         separator: &'static str,
     },
     /// There are no rows.
-    #[error("no loads: at least one row expected below the header")]
+    #[error("no loads: expected at least one row below the header")]
     Empty,
-    /// A field cannot be used.
+    /// A field is invalid.
     #[error("line {line}: {field} = {value:?}; expected {expected}")]
     Field {
         /// Line in the file, from 1.
         line: u64,
-        /// The column.
+        /// Name of the column.
         field: &'static str,
-        /// What stands there.
+        /// Value found.
         value: String,
-        /// What should.
+        /// Expected value.
         expected: String,
     },
-    /// There is no element where one is said to be.
+    /// No element of the layout is near the given position.
     #[error(
         "line {line}: element {name:?} at column {}, row {}: the nearest element of the layout, {nearest}, is {distance:.1} px \
          away; expected less than {limit:.1} px, half the distance to its neighbour", place_px.x, place_px.y
@@ -76,62 +76,64 @@ pub enum LoadsError {
     NoSuchPlace {
         /// Line in the file, from 1.
         line: u64,
-        /// What the file calls the element.
+        /// Name of the element in the file.
         name: String,
-        /// Its place, px.
+        /// Position in the file, px.
         place_px: DVec2,
-        /// The nearest element of the layout.
+        /// Nearest element of the layout.
         nearest: usize,
-        /// How far that is away, px.
+        /// Distance of that element, px.
         distance: f64,
-        /// How far it may be, px.
+        /// Maximum distance, px.
         limit: f64,
     },
-    /// An element of the file is two of the layout, or two of the file are one of the layout.
+    /// Elements of the file and of the layout do not correspond one to one.
     #[error(
-        "line {line}: element {name:?} is at the place of element {element} of the layout, {before}; expected one element of the \
-         layout for each"
+        "line {line}: element {name:?} is at the place of element {element} of the layout, {before}; expected a different element of the \
+         layout for each element of the file"
     )]
     SamePlace {
         /// Line in the file, from 1.
         line: u64,
-        /// What the file calls the element.
+        /// Name of the element in the file.
         name: String,
-        /// Number in the layout.
+        /// Index in the layout.
         element: usize,
-        /// What an earlier row says, in words.
+        /// Description of the conflicting earlier row.
         before: String,
     },
-    /// Two rows speak of the same element in the same picture.
-    #[error("line {line}: {picture:?} has a force for element {element} already in line {before}")]
+    /// Two rows give a force for the same element in the same image.
+    #[error(
+        "line {line}: {picture:?} has a force for element {element} already in line {before}; expected one"
+    )]
     Twice {
         /// The later line.
         line: u64,
         /// The earlier line.
         before: u64,
-        /// The picture.
+        /// The image.
         picture: String,
         /// The element.
         element: usize,
     },
 }
 
-/// One picture and the forces on elements in it.
+/// One image and the forces on elements in it.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LoadedPicture {
-    /// File of the picture, as it stands in the CSV.
+    /// Path of the image as written in the CSV.
     pub picture: String,
     /// Line of its first row.
     pub line: u64,
-    /// Force on each element, N; none where nothing is said of it.
+    /// Force on each element, N; `None` if the file does not specify it.
     pub forces: Vec<Option<DVec3>>,
 }
 
-/// Reads the loads of a fingertip whose elements the camera sees as `seen`, picture by picture; forces in the frames of these. `axes` are
-/// the columns, with their signs, that are x, y and z of an element.
+/// Reads the loads of a fingertip whose elements have the positions `seen` in the image. Returns the images in order,
+/// with forces in the frames of these elements. `axes` maps the columns, with signs, to x, y and z of an element.
 ///
 /// # Errors
-/// Names line, field, value and what was expected.
+/// Returns the line, field, value and expected value of an invalid row, or the error of the table.
 pub fn read_loads(
     text: impl Read,
     seen: &[SeenElement],
@@ -174,12 +176,12 @@ pub fn read_loads(
     Ok(pictures)
 }
 
-/// Where in a row the fields are.
+/// Indices of the fields in a row.
 struct Columns {
     picture: usize,
     element: Option<usize>,
     force: [NumberColumn; 3],
-    /// Column and row of a place; `None` unless the table has both.
+    /// Column and row of a position; `None` unless the table has both.
     place: Option<[NumberColumn; 2]>,
     x_angle: Option<NumberColumn>,
 }
@@ -215,7 +217,7 @@ impl Columns {
         })
     }
 
-    /// Whether nothing of a row says of which element it is.
+    /// Returns whether a row does not identify an element.
     fn name_none<R: BufRead>(&self, table: &Table<R>) -> bool {
         let mut place = self.place.iter().flatten();
         self.element
@@ -224,7 +226,7 @@ impl Columns {
     }
 }
 
-/// One row.
+/// One row of the table.
 struct Row {
     picture: String,
     elements: Range<usize>,
@@ -232,7 +234,7 @@ struct Row {
 }
 
 impl Row {
-    /// The newest row of `table`.
+    /// Parses the current row of `table`.
     fn parse<R: BufRead>(
         table: &Table<R>,
         columns: &Columns,
@@ -242,7 +244,7 @@ impl Row {
         let field = Field { table };
         let picture = table.text(columns.picture).into_owned();
         if picture.is_empty() {
-            return Err(field.wrong("picture", &picture, "the file of a picture"));
+            return Err(field.wrong("picture", &picture, "the path of an image"));
         }
         let all = columns.name_none(table);
         let mut force = DVec3::ZERO;
@@ -253,7 +255,7 @@ impl Row {
             }
             force[axis] = field.number(name, column, "a finite number, N")?;
             if all && force[axis] != 0.0 {
-                let expected = "0 N or nothing, as no element is named";
+                let expected = "0 N or an empty field, as no element is named";
                 return Err(field.wrong(name, &text, expected));
             }
         }
@@ -271,7 +273,8 @@ impl Row {
             .x_angle
             .filter(|&column| !table.number_text(column).is_empty());
         if let Some(column) = angle {
-            let angle = field.number("x_angle", column, "a finite number, rad, or nothing")?;
+            let angle =
+                field.number("x_angle", column, "a finite number, rad, or an empty field")?;
             force = by_place.turned(element, force, angle);
         }
         Ok(Self {
@@ -282,7 +285,7 @@ impl Row {
     }
 }
 
-/// The layout's element that a row is about, by its place if the file has places.
+/// Index in the layout of the row's element, identified by position if the file has positions.
 fn element_of<R: BufRead>(
     field: &Field<R>,
     columns: &Columns,
@@ -306,7 +309,7 @@ fn element_of<R: BufRead>(
         field.number(
             name,
             column,
-            "a finite number, px, as there is a column for it",
+            "a finite number, px, as the file has this column",
         )
     };
     let place_px = DVec2::new(pixels("column", column)?, pixels("row", row)?);
@@ -317,13 +320,13 @@ fn element_of<R: BufRead>(
     })
 }
 
-/// The newest row of a table, whose fields may be wrong.
+/// Current row of a table, for error messages.
 struct Field<'a, R> {
     table: &'a Table<R>,
 }
 
 impl<R: BufRead> Field<'_, R> {
-    /// The finite number in a column.
+    /// Finite number in a column.
     fn number(
         &self,
         name: &'static str,

@@ -1,4 +1,4 @@
-//! The layout file: the sensing elements that were located in a picture.
+//! The layout file: sensing elements located in an image.
 
 mod check;
 mod error;
@@ -22,10 +22,10 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::fmt::Write as _;
 
-/// Version of the layout file that this program reads and writes.
+/// Version of the layout file format.
 pub const LAYOUT_VERSION: u32 = 1;
 
-/// Most elements of a located layout.
+/// Maximum number of elements of a located layout.
 pub const MAX_LOCATED_ELEMENTS: usize = 4096;
 
 /// The dome and the camera in it.
@@ -34,7 +34,7 @@ pub const MAX_LOCATED_ELEMENTS: usize = 4096;
 pub struct DomeGeometry {
     /// Radius of the sphere on which the tips of the unloaded elements lie, m.
     pub radius: f64,
-    /// The camera inside it.
+    /// Camera inside the dome.
     pub camera: CameraConfig,
 }
 
@@ -42,60 +42,62 @@ pub struct DomeGeometry {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ElementPlace {
-    /// Column and row of its centre, px.
+    /// Column and row of the centre, px.
     pub centre_px: DVec2,
-    /// Radius of its sub-region, px; where two overlap, the nearer centre has the pixel.
+    /// Radius of the sub-region, px; where two overlap, a pixel belongs to the nearer centre.
     pub radius_px: f64,
-    /// Where it points on the dome: a unit vector in the fingertip frame `T`, if the dome is known.
+    /// Direction of the element from the dome's centre, a unit vector in the fingertip frame `T`; `None` if the dome
+    /// is unknown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub direction: Option<DVec3>,
-    /// Its ring, 0 innermost, if the dome is known.
+    /// Ring, 0 innermost; `None` if the dome is unknown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ring: Option<usize>,
-    /// Grey level of the ground about it, where light is uneven; see [`LocatedLayout::dark_level`].
+    /// Grey level of the background around the element, if the lighting is uneven; see [`LocatedLayout::dark_level`].
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub ground_level: Option<u8>,
 }
 
-/// The sensing elements of a fingertip as they were located in a picture of it.
+/// Sensing elements of a fingertip as located in an image of it.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LocatedLayout {
-    /// Version of the file, [`LAYOUT_VERSION`].
+    /// Version of the file format, [`LAYOUT_VERSION`].
     pub version: u32,
-    /// Columns of the picture, px.
+    /// Columns of the image, px.
     pub width: usize,
-    /// Rows of the picture, px.
+    /// Rows of the image, px.
     pub height: usize,
-    /// Whether the elements are bright on dark or dark on bright.
+    /// Polarity of the elements: bright on dark or dark on bright.
     #[serde(default, skip_serializing_if = "Polarity::is_bright")]
     pub polarity: Polarity,
-    /// Whether the camera's pictures are black and white only: moments then count pixels, and saturation cannot be told.
+    /// `true` if the camera's images have only two levels, black and white. Moments then count pixels, and saturation
+    /// cannot be detected.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub two_level: bool,
-    /// Grey level of the ground, unless an element has its own: up to it a pixel counts as dark; of dark elements, from it on as
-    /// bright.
+    /// Grey level of the background, unless specified per element. Pixels up to this level count as dark; for dark
+    /// elements, pixels from this level on count as bright.
     pub dark_level: u8,
-    /// Diameter of a spot where each element is one, px: what a marker is tracked by.
+    /// Diameter of a spot, px, if each element consists of one spot; used for tracking markers.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub spot_diameter_px: Option<f64>,
-    /// The dome and its camera, if they are known: moments are then taken in m, in each element's
-    /// tangent plane, else in px.
+    /// The dome and its camera, if known. Moments are then computed in m, in each element's tangent plane, otherwise
+    /// in px.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub dome: Option<DomeGeometry>,
-    /// The elements.
+    /// Elements.
     #[serde(rename = "element")]
     pub elements: Vec<ElementPlace>,
 }
 
-/// Only the version, to tell a file of another version from a broken one.
+/// Reads only the version, to distinguish a file of another version from an invalid one.
 #[derive(Deserialize)]
 struct VersionOnly {
     version: u32,
 }
 
 impl LocatedLayout {
-    /// The layout of what was located, in the picture's plane.
+    /// Creates a layout in the image plane from located elements.
     pub fn new(located: &Located) -> Self {
         let place = |element: &LocatedElement| ElementPlace {
             centre_px: rounded(element.centre_px),
@@ -118,13 +120,12 @@ impl LocatedLayout {
         }
     }
 
-    /// The layout of what was located on a dome: an element points to the mean of where its spots
-    /// lie on the sphere. Elements are sorted ring by ring, and by azimuth about the dome's axis,
-    /// from y of `T` towards z of `T`.
+    /// Creates a layout on a dome from located elements. The direction of an element is the mean of its spots'
+    /// positions on the sphere. Elements are sorted by ring and by azimuth about the dome's axis, from y of `T`
+    /// towards z of `T`.
     ///
     /// # Errors
-    /// When the dome makes no sense, is seen in a picture of another size, or does not reach to
-    /// where an element is seen.
+    /// If the dome is invalid, its camera has another image size, or an element lies outside the dome.
     pub fn on_dome(located: &Located, dome: DomeGeometry) -> Result<Self, LayoutError> {
         let projection = DomeProjection::new(&dome.camera, dome.radius)?;
         let mut layout = Self::new(located);
@@ -155,10 +156,10 @@ impl LocatedLayout {
         Ok(layout)
     }
 
-    /// Reads a layout from the text of its file.
+    /// Parses a layout file.
     ///
     /// # Errors
-    /// When the text is not a layout of this version, or a value in it cannot be used.
+    /// If the text is not a layout of this version, or contains an invalid value.
     pub fn from_toml(text: &str) -> Result<Self, LayoutError> {
         let VersionOnly { version } = toml::from_str(text)?;
         if version != LAYOUT_VERSION {
@@ -169,33 +170,33 @@ impl LocatedLayout {
         Ok(layout)
     }
 
-    /// The text of the layout's file.
+    /// Formats the layout as a file.
     ///
     /// # Errors
-    /// When a value has no form in TOML.
+    /// If a value cannot be represented in TOML.
     pub fn to_toml(&self) -> Result<String, LayoutError> {
         Ok(toml::to_string(self)?)
     }
 
-    /// What a calibration made with this layout knows it by: the SHA-256 of all that moments depend
-    /// on, as 64 hexadecimal digits. Comments and the order of keys in the file do not matter.
+    /// Identifies the layout in calibrations: SHA-256 of all values that affect moments, as 64 hexadecimal digits.
+    /// Comments and the order of keys in the file do not matter.
     ///
     /// # Errors
-    /// When a value has no form in TOML.
+    /// If a value cannot be represented in TOML.
     pub fn hash(&self) -> Result<String, LayoutError> {
         let digest = Sha256::digest(self.to_toml()?.as_bytes());
         Ok(digest.iter().fold(String::new(), |mut text, byte| {
-            // Writing to a string does not fail.
+            // Writing to a string cannot fail.
             let _ = write!(text, "{byte:02x}");
             text
         }))
     }
 
-    /// What the moments are taken with: in m in the tangent plane of each element if the dome is
-    /// known, else in px from each element's centre, a pixel counting 1 px².
+    /// Kernel of the layout's moments. Lengths are in m in the tangent plane of each element if the dome is known,
+    /// otherwise in px from each element's centre, with an area of 1 px² per pixel.
     ///
     /// # Errors
-    /// When a value cannot be used.
+    /// If a value is invalid.
     pub fn kernel(&self) -> Result<MomentsKernel, LayoutError> {
         self.check()?;
         let size = (self.width, self.height);
@@ -206,10 +207,11 @@ impl LocatedLayout {
         Ok(kernel.with_ground(self.polarity, &levels)?)
     }
 
-    /// Where the camera sees each element, and how its frame lies in the picture: along the picture's axes, unless the dome is known.
+    /// Position of each element in the image, and orientation of its frame there (along the image's axes if the dome
+    /// is unknown).
     ///
     /// # Errors
-    /// When the dome makes no sense, or an element points to where the camera does not see it.
+    /// If the dome is invalid, or the camera does not see an element.
     pub fn seen_elements(&self) -> Result<Vec<SeenElement>, LayoutError> {
         let projection = match &self.dome {
             Some(dome) => Some((DomeProjection::new(&dome.camera, dome.radius)?, dome.radius)),
@@ -235,8 +237,8 @@ impl LocatedLayout {
         self.elements.iter().enumerate().map(seen).collect()
     }
 
-    /// Rotation of each element's frame `E_i`: in the fingertip frame `T` where the dome is known, otherwise none, as lengths are those
-    /// of the picture (x to the right, y down, z away from the camera).
+    /// Rotation of each element's frame `E_i`: relative to the fingertip frame `T` if the dome is known. Otherwise
+    /// the identity, as lengths are in the image (x to the right, y down, z away from the camera).
     pub fn element_frames(&self) -> Vec<DMat3> {
         let frame = |place: &ElementPlace| match (&self.dome, place.direction) {
             (Some(_), Some(direction)) => SensingElement::facing(direction).rotation,
@@ -245,21 +247,21 @@ impl LocatedLayout {
         self.elements.iter().map(frame).collect()
     }
 
-    /// Part of a sub-region's pixels that may be saturated before its moments are called wrong, unless another one is asked for.
+    /// Default maximum fraction of saturated pixels in a sub-region with valid moments.
     pub fn max_saturated(&self) -> f64 {
         match self.polarity {
-            // White pins are saturated in a picture of two levels. What is white all over is none.
+            // White pins are saturated in a two-level image; only an entirely white region is invalid.
             Polarity::Bright if self.two_level => 0.98,
             Polarity::Bright => DEFAULT_MAX_SATURATED,
-            // Markers may be black. What is black all over is none.
+            // Markers may be black; only an entirely black region is invalid.
             Polarity::Dark => 0.9,
         }
     }
 
-    /// The pixels of each element's sub-region and what they count for.
+    /// Pixels of each element's sub-region with their weights.
     ///
     /// # Errors
-    /// When the dome makes no sense.
+    /// If the dome is invalid.
     pub fn weighted_pixels(&self) -> Result<Vec<Vec<WeightedPixel>>, LayoutError> {
         let discs: Vec<(DVec2, f64)> = self
             .elements
@@ -283,7 +285,7 @@ impl LocatedLayout {
     }
 }
 
-/// To a ten-thousandth of a pixel, which is more than is known.
+/// Rounds to a ten-thousandth of a pixel, which is finer than the accuracy of located centres.
 fn round(value: f64) -> f64 {
     (value * 1e4).round() / 1e4
 }

@@ -1,4 +1,4 @@
-//! What a calibration belongs to, and how that is told from anything else.
+//! Identity of the fingertip or layout for which a calibration was made.
 
 use super::{
     calibration_error::CalibrationError,
@@ -9,43 +9,43 @@ use serde::{Deserialize, Serialize};
 use sha2::{Digest, Sha256};
 use std::fmt::Write;
 
-/// Unit of lengths in the picture's moments.
+/// Unit of lengths in the moments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum LengthUnit {
-    /// Metres in the element's tangent plane: the fingertip's geometry is known.
+    /// Metres in the element's tangent plane, if the fingertip's geometry is known.
     #[serde(rename = "m")]
     Metre,
-    /// Pixels of the picture: it is not.
+    /// Pixels of the image, if it is unknown.
     #[serde(rename = "px")]
     Pixel,
 }
 
-/// The fingertip or layout that a calibration was made for.
+/// The fingertip or layout for which a calibration was made.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MadeFor {
-    /// SHA-256 of its canonical text, in hexadecimal digits.
+    /// SHA-256 of the canonical text, in hexadecimal digits.
     pub sha256: String,
-    /// Number of its elements.
+    /// Number of elements.
     pub elements: usize,
-    /// Unit of centroids; that of integrated gray values is grey levels times its square.
+    /// Unit of centroids. The unit of integrated gray values is grey levels times its square.
     pub length_unit: LengthUnit,
-    /// The fingertip itself, where it is known by its geometry; its canonical text is its TOML.
+    /// The fingertip, if its geometry is known; its canonical text is its TOML.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fingertip: Option<FingertipConfig>,
 }
 
-/// How a sensor is known: two of different kinds have no values to compare.
+/// Kind of sensor, compared first because different kinds have no common values.
 #[derive(PartialEq, Serialize)]
 struct KnownBy {
     known_by: &'static str,
 }
 
 impl MadeFor {
-    /// A fingertip of known geometry.
+    /// Describes a fingertip of known geometry.
     ///
     /// # Errors
-    /// When a value of it has no form in TOML.
+    /// If a value cannot be represented in TOML.
     pub fn fingertip(config: &FingertipConfig) -> Result<Self, CalibrationError> {
         Ok(Self {
             sha256: sha256(&toml::to_string(config)?),
@@ -55,7 +55,8 @@ impl MadeFor {
         })
     }
 
-    /// A layout of `elements` elements known by its canonical text alone, moments in `length_unit`.
+    /// Describes a layout of `elements` elements with moments in `length_unit`, identified by its canonical text
+    /// alone.
     pub fn layout(canonical_text: &str, elements: usize, length_unit: LengthUnit) -> Self {
         Self {
             sha256: sha256(canonical_text),
@@ -65,10 +66,10 @@ impl MadeFor {
         }
     }
 
-    /// Refuses a calibration made for `there` where it is to be used with `self`.
+    /// Checks that a calibration made for `there` can be used with `self`.
     ///
     /// # Errors
-    /// Names the first value that differs, or both hashes where there are no values to compare.
+    /// Returns the first value that differs, or both hashes if there are no values to compare.
     pub fn check_same(&self, there: &Self) -> Result<(), CalibrationError> {
         if self == there {
             return Ok(());
@@ -76,7 +77,11 @@ impl MadeFor {
         if let (Some(here), Some(there)) = (&self.fingertip, &there.fingertip) {
             same("the layout", &here.layout, &there.layout)?;
             same("the camera", &here.camera, &there.camera)?;
-            same("the way of taking moments", &here.moments, &there.moments)?;
+            same(
+                "the configuration of the moments",
+                &here.moments,
+                &there.moments,
+            )?;
         }
         same("the sensor", &self.known_by(), &there.known_by())?;
         same("the sensor", self, there)
@@ -91,7 +96,7 @@ impl MadeFor {
         }
     }
 
-    /// Refuses a fingertip that is not the one whose hash stands beside it.
+    /// Checks that the fingertip matches its hash and number of elements.
     pub(super) fn check(&self) -> Result<(), CalibrationError> {
         let Some(fingertip) = &self.fingertip else {
             return Ok(());
@@ -117,7 +122,6 @@ impl MadeFor {
 }
 
 /// SHA-256 of `text` in hexadecimal digits.
-/// The SHA-256 of `text`, in hexadecimal digits.
 pub fn sha256(text: &str) -> String {
     let mut digits = String::with_capacity(64);
     for byte in Sha256::digest(text.as_bytes()) {
@@ -127,7 +131,7 @@ pub fn sha256(text: &str) -> String {
     digits
 }
 
-/// Refuses a difference between what is configured and what was calibrated.
+/// Checks that the configured and the calibrated value are equal.
 fn same<T: PartialEq + Serialize>(
     part: &'static str,
     expected: &T,

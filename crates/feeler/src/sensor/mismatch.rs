@@ -1,36 +1,36 @@
-//! Whether the first pictures are of the fingertip that a calibration was made with.
+//! Checks that the first images are of the fingertip for which the calibration was made.
 
 use super::calibration::{ElementCalibration, Inputs};
 use super::moments::ElementMoments;
 
-/// Part of the range that the calibration's loads caused by which an unloaded element may be off: what would pass for a
+/// Maximum deviation of an unloaded element, as a fraction of the range of the calibration's loads: equivalent to a
 /// twentieth of full scale.
 const TOLERANCE: f64 = 0.05;
 
-/// The first pictures of a fingertip are not those of the calibration's.
+/// The first images do not match the calibration.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error(
-    "the pictures do not match the calibration: {off} of {lit} elements are not where they are without load. Expected the fingertip that it was made with, untouched at the start; this may be another fingertip, or its camera is swapped with another's"
+    "the images do not match the calibration: {off} of {lit} elements differ from their unloaded state. Expected the calibrated fingertip, untouched at the start; this may be another fingertip, or its camera is swapped with another"
 )]
 pub struct Mismatch {
-    /// Elements that are off.
+    /// Number of elements that differ.
     pub off: usize,
-    /// Elements that are neither dark nor saturated.
+    /// Number of elements that are neither dark nor saturated.
     pub lit: usize,
 }
 
-/// Watches pictures until the first that tells.
+/// Checks images until the first conclusive one.
 ///
-/// No object touches more than half of a dome's elements, so that as many that are off, by place or by brightness, are
-/// another's. Whoever starts while a finger grasps is not held up.
+/// An object touches at most half of a dome's elements. If more differ in position or brightness, the image is of
+/// another fingertip. Starting while a finger grasps an object is therefore possible.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub(super) struct FirstPicture {
     seen: bool,
 }
 
 impl FirstPicture {
-    /// Looks at the `moments` of the elements that are lit well, each with its calibration, out of `elements`. A picture with
-    /// fewer than half of them tells nothing: the next one is looked at.
+    /// Checks the `moments` of the well-exposed elements, each with its calibration, out of `elements` in total. An
+    /// image with fewer than half of them is inconclusive; then the next image is checked.
     pub fn check<'a>(
         &mut self,
         elements: usize,

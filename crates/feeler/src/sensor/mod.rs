@@ -1,10 +1,10 @@
-//! The sensor program: from a picture of the dome's inside to tri-axial forces on its elements.
+//! Tactile sensing: from an image of the dome's inside to tri-axial forces on its elements.
 //!
-//! Picture ([`camera`], [`frame`]) → integrated gray value and centroid per element ([`moments`],
-//! through the dewarp of [`dome`]) → forces ([`calibration`]) → [`reading`]. [`sensing`] is the whole
-//! chain, which also works without a calibration; [`optical`] puts it behind a camera.
+//! The stages are: image ([`camera`], [`frame`]) → integrated gray value and centroid per element ([`moments`], with
+//! the dewarping of [`dome`]) → forces ([`calibration`]) → [`reading`]. [`sensing`] is the complete chain, which also
+//! works without a calibration; [`optical`] connects it to a camera.
 //!
-//! Three-axis arrays of other makers have no pictures: [`taxel`] reads their tables. Tables of all kinds are read by [`table`].
+//! Three-axis taxel arrays have no images: [`taxel`] reads their tables. [`table`] reads tables of all kinds.
 
 pub mod calibration;
 pub mod calibration_error;

@@ -1,20 +1,19 @@
-//! Integrated gray value and centroid of every element's sub-region, straight from the picture.
+//! Integrated gray value and centroid of every element's sub-region, computed directly from the image.
 //!
-//! For each element, over the pixels nearer to it than to any other element and within
-//! `subregion_radius` of its axis (paper, section II):
+//! For each element, over the pixels nearer to it than to any other element and within `subregion_radius` of its axis
+//! (paper, section II):
 //!
 //! ```text
 //! g = max(pixel - dark_level, 0)      G = sum g w      c = sum g w p / G
 //! ```
 //!
-//! and `g = max(level - pixel, 0)` of dark elements on bright ground,
-//! with `p` the pixel in the element's tangent plane and `w` the area it covers there: the dewarp. A
-//! symmetric linear smoothing filter would change neither `G` nor `c`, which is why there is none.
+//! For dark elements on a bright background, `g = max(level - pixel, 0)`. `p` is the position of the pixel in the
+//! element's tangent plane and `w` the area that it covers there (dewarping). A symmetric linear smoothing filter
+//! would change neither `G` nor `c` and is omitted.
 //!
-//! `w` and `w p` are smooth, so no weight is kept for any pixel. A sub-region is cut into tiles
-//! (`tile`), in which integer sums of gray values are taken by whichever instructions the
-//! processor has (`avx512`, `avx2`, `sse2`, `neon`, `portable`), and polynomials fitted once (`fit`)
-//! say what the sums count for (`sum`).
+//! `w` and `w p` are smooth, so no weights are stored per pixel. A sub-region is divided into tiles (`tile`). In each
+//! tile, integer sums of gray values are computed with the best available instructions (`avx512`, `avx2`, `sse2`,
+//! `neon`, `portable`). Polynomials fitted once (`fit`) are the weights of these sums in the moments (`sum`).
 
 #[cfg(target_arch = "x86_64")]
 mod avx2;
@@ -45,39 +44,39 @@ use super::{
 use glam::DVec2;
 use std::ops::Range;
 
-/// What the picture says about one element.
+/// Moments of one element in an image.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ElementMoments {
     /// Integrated gray value G, grey levels times m².
     pub integrated_gray: f64,
-    /// Centroid of the gray values in x, y of the element's frame `E_i`, m; zero in the dark.
+    /// Centroid of the gray values in x, y of the element's frame `E_i`, m; zero if the element is dark.
     pub centroid: DVec2,
 }
 
-/// Everything about taking moments that does not change from frame to frame.
+/// Precomputed data for computing moments.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MomentsKernel {
     width: usize,
     height: usize,
     polarity: Polarity,
-    /// Grey level of the ground of each element.
+    /// Grey level of the background of each element.
     levels: Vec<u8>,
     tiles: Vec<Tile>,
-    /// For each row of each tile, which of its pixels belong to the sub-region.
+    /// Bit mask of the pixels that belong to the sub-region, for each row of each tile.
     masks: Vec<u64>,
-    /// The same, as the grey level that a pixel's is taken off, or of dark elements is taken off: one from where no pixel counts for
-    /// each that does not belong.
+    /// Background level of each pixel of each row. Pixels outside the sub-region have a level at which they
+    /// contribute zero.
     grounds: Vec<Row>,
-    /// The tiles of each element.
+    /// Tiles of each element.
     elements: Vec<Range<usize>>,
     instructions: Instructions,
 }
 
 impl MomentsKernel {
-    /// The kernel of sub-regions given pixel by pixel, as [`Self::from_subregions`], for elements and ground as `config` has them.
+    /// Creates a kernel like [`Self::from_subregions`], with the polarity and background level of `config`.
     ///
     /// # Errors
-    /// When a pixel lies outside of the picture.
+    /// If a pixel lies outside the image.
     pub fn of_regions(
         size: (usize, usize),
         config: &MomentsConfig,
@@ -88,15 +87,14 @@ impl MomentsKernel {
         kernel.with_ground(config.polarity, &levels)
     }
 
-    /// The kernel of sub-regions given pixel by pixel, one list for each element, for pictures of
-    /// `(width, height)` px.
+    /// Creates a kernel of sub-regions, given as one list of pixels per element, for images of `(width, height)` px.
     ///
-    /// Any weights will do; it is fast for those that change little from pixel to pixel. Every area
-    /// is met to 3e-5 of itself, every area times place to 3e-5 of the area times the distance of
-    /// the sub-region's farthest pixel.
+    /// Any weights are allowed; the kernel is fastest if they vary slowly from pixel to pixel. The relative error of
+    /// every pixel's area is at most 3e-5. The error of its area times position is at most 3e-5 of the area times the
+    /// distance of the sub-region's farthest pixel.
     ///
     /// # Errors
-    /// When a pixel lies outside of the picture.
+    /// If a pixel lies outside the image.
     pub fn from_subregions(
         (width, height): (usize, usize),
         dark_level: u8,
@@ -133,11 +131,11 @@ impl MomentsKernel {
         kernel.with_ground(Polarity::Bright, &levels)
     }
 
-    /// The same kernel for elements of this `polarity`, on ground of a grey level for each: up to it (of dark elements: from it on) a
-    /// pixel does not count.
+    /// Returns the kernel with another `polarity` and a background level for each element. Pixels at or below the
+    /// level (for dark elements: at or above) are ignored.
     ///
     /// # Errors
-    /// When there are more or fewer levels than elements.
+    /// If the number of levels differs from the number of elements.
     pub fn with_ground(self, polarity: Polarity, levels: &[u8]) -> Result<Self, MomentsError> {
         let (expected, actual) = (self.element_count(), levels.len());
         if actual != expected {
@@ -167,14 +165,14 @@ impl MomentsKernel {
         })
     }
 
-    /// Whether it takes the moments of bright or of dark elements.
+    /// Polarity of the elements.
     pub fn polarity(&self) -> Polarity {
         self.polarity
     }
 
-    /// The same kernel with other instructions, which give the same moments; for tests and benches.
+    /// Returns the kernel with other instructions, which give bit-identical moments; for tests and benchmarks.
     ///
-    /// Where the processor lacks them, moments are taken in the portable way.
+    /// If the processor lacks them, the portable implementation is used.
     pub fn with_instructions(self, instructions: Instructions) -> Self {
         Self {
             instructions,
@@ -187,7 +185,7 @@ impl MomentsKernel {
         self.elements.len()
     }
 
-    /// Column and row of each pixel that counts for an element, one element after the other.
+    /// Column and row of each pixel in a sub-region, element by element.
     pub fn pixels(&self) -> impl Iterator<Item = (usize, usize)> {
         let width = self.width;
         let rows = self.tiles.iter().flat_map(move |tile| {
@@ -201,10 +199,10 @@ impl MomentsKernel {
         })
     }
 
-    /// Takes the moments of all elements in `picture`. Neither allocates nor panics.
+    /// Computes the moments of all elements in `picture`. Neither allocates nor panics.
     ///
     /// # Errors
-    /// When the picture or `moments` has another size than the kernel.
+    /// If the size of the image or the length of `moments` does not match the kernel.
     pub fn measure<P: AsRef<[u8]>>(
         &self,
         picture: &Picture<P>,
@@ -213,11 +211,11 @@ impl MomentsKernel {
         self.measure_ahead(picture, &[], moments)
     }
 
-    /// As [`Self::measure`], while the pixels of the `next` picture come into the cache: worth it where pictures wait in memory one after
-    /// the other. Which `next` is given changes no result.
+    /// Like [`Self::measure`], but prefetches the pixels of the `next` image into the cache. This is faster if images
+    /// are processed one after the other from memory. `next` does not affect the results.
     ///
     /// # Errors
-    /// As [`Self::measure`].
+    /// Like [`Self::measure`].
     pub fn measure_ahead<P: AsRef<[u8]>>(
         &self,
         picture: &Picture<P>,

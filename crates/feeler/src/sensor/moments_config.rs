@@ -1,20 +1,20 @@
-//! How moments are taken, and why they cannot be.
+//! Configuration of the moments, and errors of computing them.
 
 use super::polarity::Polarity;
 use crate::check::Checker;
 use serde::{Deserialize, Serialize};
 
-/// How the moments of a sub-region are taken.
+/// Configuration of the moments of sub-regions.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct MomentsConfig {
-    /// Grey level up to which a pixel counts as dark; a little above the background, so that its
-    /// noise does not reach the sums (assumed). Of dark elements: the level from which on a pixel is ground.
+    /// Maximum grey level of dark pixels, slightly above the background so that its noise does not affect the sums
+    /// (assumed). For dark elements: minimum grey level of the background.
     pub dark_level: u8,
-    /// Radius of an element's sub-region about the element's axis, m (assumed: half the pitch of
-    /// the outermost ring, so that sub-regions just do not overlap).
+    /// Radius of an element's sub-region about the element's axis, m (assumed: half the pitch of the outermost ring,
+    /// so that sub-regions just do not overlap).
     pub subregion_radius: f64,
-    /// Whether elements are bright on dark ground or dark on bright ground.
+    /// Polarity of the elements: bright on a dark background or dark on a bright one.
     #[serde(skip_serializing_if = "Polarity::is_bright")]
     pub polarity: Polarity,
 }
@@ -30,7 +30,7 @@ impl Default for MomentsConfig {
 }
 
 impl MomentsConfig {
-    /// Requires every value of the table `key` to be in its range, on a dome of `dome_radius`, m.
+    /// Checks that every value of the table `key` is in its range, for a dome of `dome_radius`, m.
     pub fn check(&self, key: &str, dome_radius: f64, checker: &mut Checker) {
         let radius = self.subregion_radius;
         checker.between(
@@ -42,55 +42,55 @@ impl MomentsConfig {
     }
 }
 
-/// Why moments cannot be taken.
+/// Error of computing moments.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum MomentsError {
-    /// The sub-region's radius is useless.
+    /// The radius of the sub-regions is out of range.
     #[error(
         "subregion_radius must lie between 0 and the dome's radius {dome_radius} m, got {radius} m"
     )]
     Radius {
-        /// What it was, m.
+        /// The invalid radius, m.
         radius: f64,
         /// Radius of the dome, m.
         dome_radius: f64,
     },
-    /// An element's sub-region reaches beyond the picture.
+    /// The sub-region of an element extends beyond the image.
     #[error(
-        "the sub-region of element {element} reaches {seen_at}, beyond the {width}x{height} px of the picture"
+        "the sub-region of element {element} reaches {seen_at}, beyond the {width}x{height} px of the image"
     )]
     OutOfPicture {
         /// Index of the element.
         element: usize,
-        /// Column and row, px, or that it is not seen at all.
+        /// Column and row, px, or a note that the element is not visible.
         seen_at: String,
-        /// Columns of the picture, px.
+        /// Columns of the image, px.
         width: usize,
-        /// Rows of the picture, px.
+        /// Rows of the image, px.
         height: usize,
     },
-    /// A picture has another size than the kernel was built for.
+    /// The size of an image does not match the kernel.
     #[error(
-        "moments are taken of {expected_width}x{expected_height} px, the picture has {width}x{height} px in {pixels} values"
+        "expected an image of {expected_width}x{expected_height} px, got {width}x{height} px in {pixels} values"
     )]
     PictureSize {
-        /// Columns that the kernel was built for, px.
+        /// Columns expected by the kernel, px.
         expected_width: usize,
-        /// Rows that the kernel was built for, px.
+        /// Rows expected by the kernel, px.
         expected_height: usize,
-        /// Columns of the picture, px.
+        /// Columns of the image, px.
         width: usize,
-        /// Rows of the picture, px.
+        /// Rows of the image, px.
         height: usize,
-        /// Gray values in the picture.
+        /// Number of gray values in the image.
         pixels: usize,
     },
-    /// The place for the moments, or the ground's levels, are for another number of elements.
-    #[error("the kernel has {expected} elements, what is to go with them is for {actual}")]
+    /// The number of moments to fill, or of background levels, does not match the kernel.
+    #[error("expected moments or background levels for {expected} elements, got {actual}")]
     ElementCount {
         /// Elements of the kernel.
         expected: usize,
-        /// Elements of the moments to fill, or levels.
+        /// Number of moments to fill, or of levels.
         actual: usize,
     },
 }

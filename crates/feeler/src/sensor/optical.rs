@@ -1,4 +1,4 @@
-//! A calibrated camera in a fingertip as a [`TactileSensor`]: [`SensingChain`] behind a [`Camera`].
+//! An optical fingertip as a [`TactileSensor`]: a [`Camera`] with a calibrated [`SensingChain`].
 
 use super::{
     calibration::{Calibration, ForceValidity},
@@ -13,7 +13,7 @@ use super::{
 
 /// An optical three-axis tactile sensor (paper, section II).
 ///
-/// Everything is allocated when it is built; [`read`](TactileSensor::read) allocates nothing.
+/// All memory is allocated on construction; [`read`](TactileSensor::read) does not allocate.
 #[derive(Debug)]
 pub struct OpticalSensor<C> {
     camera: C,
@@ -22,10 +22,10 @@ pub struct OpticalSensor<C> {
 }
 
 impl<C: Camera> OpticalSensor<C> {
-    /// A sensor that looks at `fingertip` through `camera`.
+    /// Creates a sensor of `fingertip` with images from `camera`.
     ///
     /// # Errors
-    /// When the fingertip makes no sense, or `calibration` was made for another one.
+    /// If the fingertip is invalid, or `calibration` was made for another one.
     pub fn new(
         camera: C,
         fingertip: &FingertipConfig,
@@ -41,7 +41,7 @@ impl<C: Camera> OpticalSensor<C> {
         })
     }
 
-    /// The same sensor with drift taken out of its moments.
+    /// Returns the sensor with drift correction of its moments.
     #[must_use]
     pub fn with_drift_correction(self, config: DriftConfig) -> Self {
         Self {
@@ -50,28 +50,27 @@ impl<C: Camera> OpticalSensor<C> {
         }
     }
 
-    /// The camera.
+    /// Camera.
     pub fn camera(&self) -> &C {
         &self.camera
     }
 
-    /// The camera, to be set up or, in a simulation, to be moved on.
+    /// Mutable camera, to configure it or to advance a simulated one.
     pub fn camera_mut(&mut self) -> &mut C {
         &mut self.camera
     }
 
-    /// The frame of the last reading.
+    /// Frame of the last reading.
     pub fn frame(&self) -> &Frame {
         &self.frame
     }
 
-    /// The moments of the last reading, one for each element, without drift where it is corrected.
+    /// Moments of the last reading, one per element, after drift correction if enabled.
     pub fn moments(&self) -> &[ElementMoments] {
         self.sensing.moments()
     }
 
-    /// How far the moments of the last reading are within what the calibration knows, one for each
-    /// element. Does not allocate.
+    /// Validity of the last reading's force at each element. Does not allocate.
     pub fn validity(&self) -> impl Iterator<Item = ForceValidity> {
         self.sensing.validity()
     }

@@ -1,12 +1,12 @@
-//! Whether elements are seen bright on dark or dark on bright.
+//! Polarity of elements: bright on dark or dark on bright.
 
 use serde::{Deserialize, Serialize};
 
-/// Which way the elements differ from the ground that they are on.
+/// Brightness of the elements relative to their background.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum Polarity {
-    /// Bright on dark: white pins, ends of fibres, contacts that light shines out of.
+    /// Bright on dark: white pins, fibre ends, or contacts from which light emerges.
     #[default]
     Bright,
     /// Dark on bright: markers printed on a gel.
@@ -14,15 +14,15 @@ pub enum Polarity {
 }
 
 impl Polarity {
-    /// Whether it is [`Polarity::Bright`].
+    /// Returns `true` if the polarity is [`Polarity::Bright`].
     pub fn is_bright(&self) -> bool {
         *self == Self::Bright
     }
 }
 
-/// Text that names no polarity.
+/// Error of parsing a [`Polarity`].
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-#[error("bright or dark expected, got {0:?}")]
+#[error("expected bright or dark, got {0:?}")]
 pub struct NoPolarity(String);
 
 impl std::str::FromStr for Polarity {

@@ -1,20 +1,19 @@
-//! A lens that bends rays the more, the farther they are off its axis.
+//! Radial lens distortion.
 
-/// Steps after which a slope that is still not found is given up: twice the digits of an `f64` and
-/// as many again for the way from a bracket of 2^64 slopes.
+/// Maximum number of iterations: twice the digits of an `f64`, and as many again for a bracket of 2^64 slopes.
 const MAX_STEPS: usize = 256;
 
-/// `r -> r (1 + k1 r^2 + k2 r^4)`, used as far as it grows.
+/// Distortion `r -> r (1 + k1 r^2 + k2 r^4)`, used where it is increasing.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct RadialDistortion {
     k1: f64,
     k2: f64,
-    /// Slope up to which the distorted radius grows, infinite if it always does.
+    /// Slope up to which the distorted radius increases; infinite if it always does.
     fold: f64,
 }
 
 impl RadialDistortion {
-    /// The lens with these coefficients.
+    /// Creates a distortion with these coefficients.
     pub(super) fn new(k1: f64, k2: f64) -> Self {
         // The smallest positive root s = r^2 of 1 + 3 k1 s + 5 k2 s^2, as 2c / (-b + sqrt(..)).
         let discriminant = 9.0 * k1 * k1 - 20.0 * k2;
@@ -28,15 +27,15 @@ impl RadialDistortion {
         Self { k1, k2, fold }
     }
 
-    /// Distorted over undistorted radius at slope `r`.
+    /// Ratio of distorted to undistorted radius at slope `r`; `None` beyond the increasing part.
     pub(super) fn scale(&self, r: f64) -> Option<f64> {
         let s = r * r;
         (r < self.fold).then_some(1.0 + s * (self.k1 + s * self.k2))
     }
 
-    /// Distorted over undistorted radius where the distorted radius is `distorted`.
+    /// Ratio of distorted to undistorted radius at the distorted radius `distorted`.
     ///
-    /// `None` where no slope is seen there, or none is found.
+    /// `None` if no slope is distorted to that radius, or the iteration does not converge.
     pub(super) fn inverse_scale(&self, distorted: f64) -> Option<f64> {
         if (self.k1 == 0.0 && self.k2 == 0.0) || distorted == 0.0 {
             return Some(1.0);
@@ -44,8 +43,8 @@ impl RadialDistortion {
         let (mut low, mut high) = (0.0, self.bracket(distorted)?);
         let mut r = distorted.min(high);
         let mut last_step = high;
-        // Newton's steps, each less than half of the last; the bracket is halved where they are not,
-        // as they creep along a fifth power far from its root.
+        // Newton steps, each less than half of the last one. Otherwise the bracket is bisected, because Newton steps
+        // are slow along a fifth power far from its root.
         for _ in 0..MAX_STEPS {
             let s = r * r;
             let error = r * (1.0 + s * (self.k1 + s * self.k2)) - distorted;
@@ -70,7 +69,7 @@ impl RadialDistortion {
         None
     }
 
-    /// A slope that is seen no nearer to the centre than `distorted`.
+    /// Slope whose distorted radius is at least `distorted`.
     fn bracket(&self, distorted: f64) -> Option<f64> {
         let radius = |r: f64| r * (1.0 + r * r * (self.k1 + r * r * self.k2));
         if self.fold.is_finite() {
@@ -86,8 +85,7 @@ impl RadialDistortion {
 mod tests {
     use super::*;
 
-    /// There and back over all slopes that a lens can be asked for, up to nearly a right angle, where
-    /// Newton's steps alone would creep.
+    /// Round trip over all valid slopes, up to nearly a right angle, where Newton steps alone would be slow.
     #[test]
     fn scales_are_inverted_however_oblique_the_ray() {
         for (k1, k2) in [
@@ -105,7 +103,7 @@ mod tests {
                     continue;
                 };
                 let inverse = lens.inverse_scale(r * scale);
-                // Next to a fold, where the map is flat, half of the digits are lost.
+                // Near the maximum of the distorted radius, where the function is flat, half of the digits are lost.
                 let error = inverse.map(|inverse| (inverse / scale - 1.0).abs());
                 assert!(
                     error.is_some_and(|error| error < 1e-7),

@@ -1,27 +1,29 @@
-//! Where a camera sees elements, and how their frames lie in its picture.
+//! Positions of elements in a camera's image, and orientation of their frames there.
 
 use super::dome::DomeProjection;
 use super::layout::SensingElement;
 use glam::DVec2;
 
-/// An element as the camera sees it.
+/// An element in the camera's image.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct SeenElement {
-    /// Column and row of its centre, px.
+    /// Column and row of the centre, px.
     pub centre_px: DVec2,
-    /// Direction of x of its frame `E_i` in the picture, rad, from the columns' direction (to the right) towards the rows' (down); 0
-    /// where lengths are px, as the frame is the picture's then. Its y is a right angle further, and its z away from the camera.
+    /// Direction of x of the element's frame `E_i` in the image, rad, from the columns' direction (right) towards the
+    /// rows' direction (down). 0 if lengths are in px, as the frame is then the image's. y is rotated further by a
+    /// right angle, and z points away from the camera.
     pub x_angle: f64,
 }
 
 impl SeenElement {
-    /// An element on a dome; none where the camera does not see its tip.
+    /// Projects an element on a dome; `None` if the camera does not see its tip.
     pub fn on_dome(
         projection: &DomeProjection,
         dome_radius: f64,
         element: &SensingElement,
     ) -> Option<Self> {
-        /// Length along x over the dome's radius: short enough for a tangent, long enough for the numbers.
+        /// Step along x relative to the dome's radius: small enough for a tangent, large enough for numerical
+        /// accuracy.
         const STEP: f64 = 1e-4;
         let tip = dome_radius * element.normal();
         let aside = STEP * dome_radius * element.rotation.x_axis;

@@ -1,5 +1,5 @@
-//! What each picture says about each element: integrated gray value, displacement of the centroid
-//! and, with a calibration, the force; and whether it can be believed.
+//! Sensing of images: integrated gray value, displacement of the centroid and, with a calibration, the force on each
+//! element, with their validity.
 
 use super::{
     calibration::{Calibration, CalibrationError, ElementCalibration, ForceValidity},
@@ -16,57 +16,56 @@ use super::{
 };
 use glam::{DVec2, DVec3};
 
-/// Why pictures cannot be sensed.
+/// Error of sensing.
 #[derive(Debug, thiserror::Error)]
 pub enum SensingError {
-    /// The fingertip makes no sense.
+    /// The fingertip is invalid.
     #[error(transparent)]
     Fingertip(#[from] FingertipError),
-    /// Moments cannot be taken.
+    /// The moments cannot be computed.
     #[error(transparent)]
     Moments(#[from] MomentsError),
-    /// The calibration cannot be used with it.
+    /// The calibration cannot be used with this sensor.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
-    /// Something is for another number of elements.
-    #[error("{what} for {expected} elements expected, got {actual}")]
+    /// A number of elements does not match the sensor.
+    #[error("expected {what} for {expected} elements, got {actual}")]
     ElementCount {
-        /// What was counted.
+        /// Items that were counted.
         what: &'static str,
         /// Elements of the sensor.
         expected: usize,
-        /// How many arrived.
+        /// Number found.
         actual: usize,
     },
 }
 
-/// What one picture says about one element.
+/// Measurement of one element in one image.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct ElementReading {
-    /// Integrated gray value G, grey levels times m² (px² in a layout in the picture's plane).
+    /// Integrated gray value G, grey levels times m² (px² for a layout in the image plane).
     pub integrated_gray: f64,
-    /// Centroid c of the gray values in the element's plane, m (px); none in the dark.
+    /// Centroid c of the gray values in the element's plane, m (px); `None` if the element is dark.
     pub centroid: Option<DVec2>,
-    /// Displacement `u = c - c_0` from the unloaded place, m (px) in x, y of `E_i` (of the picture);
-    /// none in the dark, and without a [`Reference`].
+    /// Displacement `u = c - c_0` of the centroid from its unloaded position, m (px) in x, y of `E_i` (of the image);
+    /// `None` if the element is dark or there is no [`Reference`].
     pub displacement: Option<DVec2>,
-    /// Force in the element's frame `E_i`, N (sign: see
-    /// [`TactileFrame`](super::reading::TactileFrame)); none without a calibration, and where
-    /// [`exposure`](Self::exposure) says that it would be wrong.
+    /// Force in the element's frame `E_i`, N (sign: see [`TactileFrame`](super::reading::TactileFrame)); `None`
+    /// without a calibration, or if the [`exposure`](Self::exposure) makes it invalid.
     pub force: Option<DVec3>,
-    /// How the sub-region is lit.
+    /// Exposure of the sub-region.
     pub exposure: Exposure,
 }
 
-/// Where the centroids are without load: what a displacement counts from.
+/// Unloaded centroids, from which displacements are measured.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Reference {
-    /// c_0 of each element, m (px) in its plane; none for an element that was always dark.
+    /// Unloaded centroid c_0 of each element, m (px) in its plane; `None` for an element that was always dark.
     pub centroids: Vec<Option<DVec2>>,
 }
 
 impl Reference {
-    /// The mean centroids of some readings of an unloaded sensor, each of all elements.
+    /// Averages the centroids in several readings of an unloaded sensor, each with all elements.
     pub fn mean<'a>(readings: impl IntoIterator<Item = &'a [ElementReading]>) -> Self {
         let mut sums: Vec<(DVec2, f64)> = Vec::new();
         for readings in readings {
@@ -84,7 +83,7 @@ impl Reference {
         }
     }
 
-    /// Sets the displacements of `readings` by their centroids.
+    /// Sets the displacements in `readings` from their centroids.
     pub fn apply(&self, readings: &mut [ElementReading]) {
         for (reading, unloaded) in readings.iter_mut().zip(&self.centroids) {
             reading.displacement = match (reading.centroid, unloaded) {
@@ -95,7 +94,7 @@ impl Reference {
     }
 }
 
-/// From pictures to [`ElementReading`]s. Everything is allocated when it is built.
+/// Converts images to [`ElementReading`]s. All memory is allocated on construction.
 #[derive(Debug, Clone)]
 pub struct SensingChain {
     size: (usize, usize),
@@ -109,13 +108,12 @@ pub struct SensingChain {
 }
 
 impl SensingChain {
-    /// Senses with `kernel`, which was made of `regions` for pictures of `size` (columns, rows) px.
+    /// Creates a chain with `kernel`, which was built from `regions` for images of `size` (columns, rows) px.
     ///
-    /// A part `max_saturated` (0 to 1) of a sub-region's pixels may be saturated, see
-    /// [`DEFAULT_MAX_SATURATED`].
+    /// A fraction `max_saturated` (0 to 1) of a sub-region's pixels may be saturated, see [`DEFAULT_MAX_SATURATED`].
     ///
     /// # Errors
-    /// When `regions` are not those of the kernel's elements.
+    /// If the number of `regions` differs from the kernel's number of elements.
     pub fn new(
         size: (usize, usize),
         kernel: MomentsKernel,
@@ -139,18 +137,18 @@ impl SensingChain {
         })
     }
 
-    /// Senses the fingertip that `config` describes; lengths are metres.
+    /// Creates a chain for the fingertip described by `config`; lengths are in metres.
     ///
     /// # Errors
-    /// When the fingertip makes no sense.
+    /// If the fingertip is invalid.
     pub fn of_fingertip(config: &FingertipConfig) -> Result<Self, SensingError> {
         Self::of_fingertip_saturated(config, DEFAULT_MAX_SATURATED)
     }
 
-    /// As [`Self::of_fingertip`], with a part `max_saturated` of saturated pixels allowed.
+    /// Like [`Self::of_fingertip`], but allows a fraction `max_saturated` of saturated pixels.
     ///
     /// # Errors
-    /// When the fingertip makes no sense.
+    /// If the fingertip is invalid.
     pub fn of_fingertip_saturated(
         config: &FingertipConfig,
         max_saturated: f64,
@@ -160,12 +158,11 @@ impl SensingChain {
         Self::new(size, kernel, &regions, max_saturated)
     }
 
-    /// With the forces that `calibration` gives, and displacements from its unloaded centroids. That
-    /// it was made for this sensor is for the caller to check
-    /// ([`Calibration::check_made_for`]).
+    /// Adds forces by `calibration`, and displacements from its unloaded centroids. The caller must check that the
+    /// calibration was made for this sensor ([`Calibration::check_made_for`]).
     ///
     /// # Errors
-    /// When the calibration has another number of elements.
+    /// If the calibration has another number of elements.
     pub fn with_calibration(mut self, calibration: Calibration) -> Result<Self, SensingError> {
         let elements = &calibration.elements;
         check_count("calibrations", self.element_count(), elements.len())?;
@@ -177,8 +174,8 @@ impl SensingChain {
         Ok(self)
     }
 
-    /// With drift taken out of all that is sensed, as far as the calibration knows the sensor without
-    /// it; without a calibration, nothing changes. See [`drift`](super::drift).
+    /// Enables drift correction of all readings, relative to the calibration. Has no effect without a calibration.
+    /// See [`drift`](super::drift).
     #[must_use]
     pub fn with_drift_correction(mut self, config: DriftConfig) -> Self {
         let calibration = self.calibration.as_ref();
@@ -191,25 +188,25 @@ impl SensingChain {
         self.kernel.element_count()
     }
 
-    /// Columns and rows of the pictures, px.
+    /// Columns and rows of the images, px.
     pub fn picture_size(&self) -> (usize, usize) {
         self.size
     }
 
-    /// Whether there are forces.
+    /// Returns whether readings contain forces.
     pub fn is_calibrated(&self) -> bool {
         self.calibration.is_some()
     }
 
-    /// What displacements count from, if that is known.
+    /// Reference of the displacements, if set.
     pub fn reference(&self) -> Option<&Reference> {
         self.reference.as_ref()
     }
 
-    /// Lets displacements count from `reference`; forces count from the calibration's own.
+    /// Sets the reference of displacements. Forces remain relative to the calibration's unloaded centroids.
     ///
     /// # Errors
-    /// When the reference has another number of elements.
+    /// If the reference has another number of elements.
     pub fn set_reference(&mut self, reference: Reference) -> Result<(), SensingError> {
         let actual = reference.centroids.len();
         check_count("reference centroids", self.element_count(), actual)?;
@@ -217,11 +214,10 @@ impl SensingChain {
         Ok(())
     }
 
-    /// Fills `readings` with what `picture` says about each element. Neither allocates nor panics.
+    /// Fills `readings` with the measurements of all elements in `picture`. Neither allocates nor panics.
     ///
     /// # Errors
-    /// When the picture has another size than the sensor's, or `readings` is for another number of
-    /// elements.
+    /// If the size of the image or the length of `readings` does not match the sensor.
     pub fn sense<P: AsRef<[u8]>>(
         &mut self,
         picture: &Picture<P>,
@@ -230,11 +226,11 @@ impl SensingChain {
         self.sense_ahead(picture, &[], readings)
     }
 
-    /// As [`Self::sense`], while the pixels of the `next` picture come into the cache: worth it where pictures wait in memory one after the
-    /// other ([`MomentsKernel::measure_ahead`]).
+    /// Like [`Self::sense`], but prefetches the pixels of the `next` image into the cache. This is faster if images
+    /// are processed one after the other from memory ([`MomentsKernel::measure_ahead`]).
     ///
     /// # Errors
-    /// As [`Self::sense`].
+    /// Like [`Self::sense`].
     pub fn sense_ahead<P: AsRef<[u8]>>(
         &mut self,
         picture: &Picture<P>,
@@ -260,12 +256,11 @@ impl SensingChain {
         Ok(())
     }
 
-    /// Fills `forces` with the force at each element, N in `E_i`: those of [`sense`](Self::sense), and
-    /// [`NO_FORCE`] where it gives none. Neither allocates nor panics.
+    /// Fills `forces` with the force at each element, N in `E_i`: the same as [`sense`](Self::sense), and
+    /// [`NO_FORCE`] if there is no valid force. Neither allocates nor panics.
     ///
     /// # Errors
-    /// When the picture has another size than the sensor's, or `forces` is for another number of
-    /// elements.
+    /// If the size of the image or the length of `forces` does not match the sensor.
     pub fn sense_forces<P: AsRef<[u8]>>(
         &mut self,
         picture: &Picture<P>,
@@ -283,11 +278,11 @@ impl SensingChain {
         Ok(())
     }
 
-    /// Refuses `picture`, the newest that was sensed, if it is the first one that tells and shows another fingertip than the
-    /// calibration's; all pictures pass without a calibration. Neither allocates nor panics.
+    /// Checks that `picture`, the last image sensed, matches the calibrated fingertip, until the first conclusive
+    /// image. All images pass without a calibration. Neither allocates nor panics.
     ///
     /// # Errors
-    /// When more than half of the elements are not where they are without load.
+    /// If more than half of the elements differ from their unloaded state.
     pub fn check_first<P: AsRef<[u8]>>(&mut self, picture: &Picture<P>) -> Result<(), Mismatch> {
         let mut first_picture = self.first_picture;
         let calibration = self.calibration.iter();
@@ -301,13 +296,12 @@ impl SensingChain {
         checked
     }
 
-    /// The moments of the newest picture, one for each element, without drift where it is corrected.
+    /// Moments of the last image, one per element, after drift correction if enabled.
     pub fn moments(&self) -> &[ElementMoments] {
         &self.moments
     }
 
-    /// How far the moments of the newest picture are within what the calibration knows, one for each
-    /// element; none without a calibration. Does not allocate.
+    /// Validity of the force at each element in the last image; empty without a calibration. Does not allocate.
     pub fn validity(&self) -> impl Iterator<Item = ForceValidity> {
         let calibration = self.calibration.iter();
         let elements = calibration.flat_map(|calibration| &calibration.elements);
@@ -343,7 +337,7 @@ impl SensingChain {
         }
     }
 
-    /// The force at `element`, N, if it is valid. This is the only place that decides so.
+    /// Force at `element`, N, if it is valid. Validity is decided only here.
     fn force(&self, element: usize, moments: &ElementMoments, exposure: Exposure) -> Option<DVec3> {
         let calibration = self.calibration_of(element);
         let calibration = calibration.filter(|_| exposure == Exposure::Good);

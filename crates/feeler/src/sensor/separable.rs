@@ -1,7 +1,6 @@
-//! The separable calibration of the paper (section II), for one element: `F_z = g(G)`,
-//! `F_x = f_x(u_x)`, `F_y = f_y(u_y)`.
+//! The paper's separable calibration (section II) of one element: `F_z = g(G)`, `F_x = f_x(u_x)`, `F_y = f_y(u_y)`.
 //!
-//! It knows nothing of how a normal force changes the displacement that a shear force causes.
+//! It does not model the influence of the normal force on the displacement caused by a shear force.
 
 use super::{
     calibration::Inputs,
@@ -11,25 +10,25 @@ use glam::DVec3;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-/// Terms of a [`ForceCurve`].
+/// Number of terms of a [`ForceCurve`].
 pub const CURVE_TERMS: usize = 3;
 
 /// A force as a polynomial of one input, zero at zero.
 ///
-/// Inside the range of inputs it was fitted on, `F(s) = c_1 s + c_2 s^2 + c_3 s^3`. Outside, the
-/// polynomial may do anything, so the curve goes on from the range's end as a straight line with the
-/// mean slope of the whole curve: where the picture keeps growing stronger, so does the force.
+/// Within the range of the fitted inputs, `F(s) = c_1 s + c_2 s^2 + c_3 s^3`. Outside, where the polynomial is
+/// unreliable, the curve is extrapolated linearly with its mean slope over the range, so that the force keeps growing
+/// with the input.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ForceCurve {
-    /// Least and greatest input among the loads, no load included: 0 lies within.
+    /// Minimum and maximum input among the loads, including 0.
     pub range: [f64; 2],
     /// `c_1, c_2, c_3`, N per power of the input.
     pub coefficients: [f64; CURVE_TERMS],
 }
 
 impl ForceCurve {
-    /// Force at `input`, N. Finite for every input that is a number.
+    /// Force at `input`, N. Finite unless `input` is NaN.
     pub fn force(&self, input: f64) -> f64 {
         let [low, high] = self.range;
         let inside = input.max(low).min(high);
@@ -48,17 +47,17 @@ impl ForceCurve {
         (self.polynomial(high) - self.polynomial(low)) / (high - low)
     }
 
-    /// The polynomial without a constant term that is nearest to `forces` at `inputs`.
+    /// Least-squares fit of a polynomial without a constant term to `forces` at `inputs`.
     fn fit(inputs: &[f64], forces: &[f64]) -> Result<Self, String> {
-        // No load is a known load too: the range reaches to 0, where the curve is exactly 0.
+        // The unloaded state is a known load too: the range includes 0, where the curve is exactly 0.
         let low = inputs.iter().copied().fold(0.0, f64::min);
         let high = inputs.iter().copied().fold(0.0, f64::max);
         if high - low < LEAST_SLOPE_RANGE {
             return Err(format!(
-                "loads that change the picture expected, got inputs from {low} to {high}"
+                "expected loads that change the image, got inputs from {low} to {high}"
             ));
         }
-        // Inputs are scaled to at most 1 so that the columns are of one size.
+        // Inputs are scaled to at most 1, so that the columns have similar magnitudes.
         let scale = low.abs().max(high.abs());
         let columns = DMatrix::from_fn(inputs.len(), CURVE_TERMS, |row, term| {
             (inputs[row] / scale).powi(term as i32 + 1)
@@ -70,12 +69,12 @@ impl ForceCurve {
         })
     }
 
-    /// Says what makes a force of the curve unusable.
+    /// Checks that the curve gives finite forces; returns a description of the first invalid value.
     fn check(&self, name: &str) -> Result<(), String> {
         let [low, high] = self.range;
         if !(low.is_finite() && high.is_finite() && low < high && low <= 0.0 && high >= 0.0) {
             return Err(format!(
-                "{name}.range must rise and hold 0, got {low} to {high}"
+                "{name}.range must be increasing and contain 0, got {low} to {high}"
             ));
         }
         if !(self.force(low).is_finite() && self.mean_slope().is_finite()) {
@@ -92,16 +91,16 @@ impl ForceCurve {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SeparableMap {
-    /// Compression `F_z` over the relative growth of the integrated gray value, `G / G_0 - 1`.
+    /// Compression `F_z` as a function of the relative growth of the integrated gray value, `G / G_0 - 1`.
     pub normal: ForceCurve,
-    /// Shear `F_x` over the centroid's displacement along x.
+    /// Shear `F_x` as a function of the centroid's displacement along x.
     pub shear_x: ForceCurve,
-    /// Shear `F_y` over the centroid's displacement along y.
+    /// Shear `F_y` as a function of the centroid's displacement along y.
     pub shear_y: ForceCurve,
 }
 
 impl SeparableMap {
-    /// The force in `E_i`, N.
+    /// Force in `E_i`, N.
     pub fn force(&self, inputs: Inputs) -> DVec3 {
         DVec3::new(
             self.shear_x.force(inputs.displacement.x),
@@ -110,7 +109,7 @@ impl SeparableMap {
         )
     }
 
-    /// Least and greatest growth, x and y among the loads.
+    /// Minimum and maximum growth, x and y among the loads.
     pub fn ranges(&self) -> [[f64; 2]; 3] {
         [self.normal.range, self.shear_x.range, self.shear_y.range]
     }

@@ -1,4 +1,4 @@
-//! Which pixels belong to which element.
+//! Assignment of pixels to elements.
 
 use super::{
     dome::DomeProjection,
@@ -8,24 +8,23 @@ use super::{
 use glam::DVec2;
 use std::{f64::consts::TAU, ops::Range};
 
-/// A pixel of a sub-region and what it counts for.
+/// A pixel of a sub-region with its weights.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WeightedPixel {
-    /// Column in the picture.
+    /// Column in the image.
     pub column: usize,
-    /// Row in the picture.
+    /// Row in the image.
     pub row: usize,
-    /// Area `w` that the pixel covers in the element's tangent plane, m² (or px² in the picture's
-    /// plane).
+    /// Area `w` covered by the pixel in the element's tangent plane, m² (or px² in the image plane).
     pub area: f64,
-    /// Its place in that plane, m (or px).
+    /// Position in that plane, m (or px).
     pub point: DVec2,
 }
 
-/// The [`subregion`] of every element of `layout`.
+/// Computes the [`subregion`] of every element of `layout`.
 ///
 /// # Errors
-/// When a sub-region is not wholly in the picture, or its radius makes no sense.
+/// If a sub-region is not completely within the image, or its radius is out of range.
 pub fn subregions(
     layout: &ElementLayout,
     projection: &DomeProjection,
@@ -43,11 +42,11 @@ pub fn subregions(
         .collect()
 }
 
-/// The pixels within `radius` (m) of the axis of `element` and nearer to it than to any other
-/// element, dewarped, sorted by row and then by column.
+/// Dewarped pixels within `radius` (m) of the axis of `element` and nearer to it than to any other element, sorted by
+/// row and then by column.
 ///
 /// # Errors
-/// When the sub-region is not wholly in the picture.
+/// If the sub-region is not completely within the image.
 pub fn subregion(
     layout: &ElementLayout,
     projection: &DomeProjection,
@@ -91,7 +90,7 @@ fn own_pixel(
     (dewarped.point.length() <= radius).then_some((dewarped.area, dewarped.point))
 }
 
-/// Columns and rows that hold the sub-region of `element`, from where its rim is seen.
+/// Columns and rows that contain the sub-region of `element`, computed from the projection of its rim.
 fn bounding_box(
     layout: &ElementLayout,
     projection: &DomeProjection,
@@ -111,7 +110,7 @@ fn bounding_box(
         let pixel = projection
             .lift(rim, &layout.elements[element])
             .and_then(|point| projection.project(point))
-            .ok_or_else(|| out_of_picture("where the camera sees nothing".into()))?;
+            .ok_or_else(|| out_of_picture("points outside the camera's field of view".into()))?;
         let inside = pixel.x >= 0.0
             && pixel.y >= 0.0
             && pixel.x <= (width - 1) as f64
@@ -123,7 +122,7 @@ fn bounding_box(
         low = low.min(pixel);
         high = high.max(pixel);
     }
-    // One pixel to spare for the arc between two points of the rim.
+    // One pixel of margin for the arc between two points of the rim.
     let range = |low: f64, high: f64, end: usize| {
         (low.floor() as usize).saturating_sub(1)..(high.ceil() as usize + 2).min(end)
     };

@@ -105,11 +105,7 @@ fn the_end_waits_for_a_disk_that_hangs_but_not_for_ever() {
         hand.signal("INT");
         // The system lets go of the program only once its disk answers, but it has said all before.
         hand.wait_for("the recording is partial");
-        assert!(
-            hand.said().contains("left without its end"),
-            "{}",
-            hand.said()
-        );
+        assert!(hand.said().contains("has no end record"), "{}", hand.said());
         assert!(disk.freeze(false));
         let (status, said) = hand.wait();
         assert_eq!(status, Some(1), "{said}");

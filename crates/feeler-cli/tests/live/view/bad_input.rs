@@ -17,7 +17,7 @@ fn a_port_that_is_taken_is_told_before_anything_begins() {
         "--port",
     ];
     let refused = run(&folder, &[&arguments[..], &[&port]].concat());
-    refused.refused(&[&port, "expected a free one"]);
+    refused.refused(&[&port, "use a free port"]);
     assert!(!folder.join("run").exists());
 }
 

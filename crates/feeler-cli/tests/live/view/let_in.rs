@@ -59,7 +59,7 @@ fn a_socket_is_for_the_page_alone() {
         let headers = [&UPGRADE[..], &[&host, foreign]].concat();
         let (status, _, body) = viewed.ask(&socket, &headers);
         assert!(
-            status == 403 && body.contains("comes from"),
+            status == 403 && body.contains("got one from"),
             "{foreign}: {body}"
         );
     }

@@ -31,7 +31,7 @@ fn the_buttons_stop_the_hand_and_let_it_go_on() {
     let resumed = wait_for(&mut socket, |state| state["answer"].is_string());
     assert_eq!(
         (&resumed["stopped"], &resumed["answer"]),
-        (&false.into(), &"Resume: the hand goes on.".into())
+        (&false.into(), &"Resume: the hand continues.".into())
     );
     socket
         .send(Message::text(r#"{"order":"stop"}"#))

@@ -20,7 +20,7 @@ fn a_recording_is_shown_as_its_report() {
     // Nothing is written beside it.
     assert!(!made.join("report.html").exists());
     let refused = run(&folder, &["view", "run", "--seed=1", "--no-open"]);
-    refused.refused(&["--seed is for a rig", "run is a recording"]);
+    refused.refused(&["--seed requires a rig", "got the recording run"]);
 }
 
 #[test]
@@ -70,6 +70,9 @@ fn a_recording_that_is_being_made_is_not_given_away() {
     let viewed = Viewed::run(&folder("view-no-download"), &[SLOWLY]);
     let (host, path) = (format!("Host: {}", viewed.host()), viewed.path());
     let (status, _, body) = viewed.ask(&format!("GET {path}recording.mcap"), &[&host]);
-    assert!(status == 404 && body.contains("being made"), "{body}");
+    assert!(
+        status == 404 && body.contains("still being written"),
+        "{body}"
+    );
     viewed.interrupt();
 }

@@ -37,7 +37,7 @@ fn tables_replace_nothing_unless_told_to() {
     export(&onto_input).refused(&["the file is an input"]);
     export(&["one", "one", "-o", "o"]).refused(&["two runs are called one"]);
     export(&["one", "in.parquet", "-o", "x.parquet"]).refused(&["2 are given", "a folder"]);
-    export(&["nothing", "-o", "x.parquet"]).refused(&["nothing", "there is no recording"]);
+    export(&["nothing", "-o", "x.parquet"]).refused(&["nothing", "found no recording"]);
     assert_eq!(names(&folder), ["in.parquet", "one", "one.parquet"]);
 }
 
@@ -107,7 +107,7 @@ fn a_data_set_that_fails_leaves_none() {
     )
     .done();
     let export = ["export", "lerobot", "one", "two", "-o", "set"];
-    let features = ["two: features", "as in the first run, expected", "found"];
+    let features = ["two: features: expected ", " as in the first run, got "];
     run(&folder, &export).refused(&features);
     assert_eq!(names(&folder), ["one", "two"]);
     fs::create_dir_all(folder.join("set.part/data")).unwrap();

@@ -41,7 +41,7 @@ fn a_damaged_file_is_skipped_and_the_rest_goes_on() {
     run(&folder, &["sense", "pictures/frame4.png"]).refused(&[
         "no frame",
         "1 skipped, the first: pictures/frame4.png: ",
-        "a picture (PNG",
+        "an image (PNG",
     ]);
 }
 
@@ -105,12 +105,14 @@ fn a_picture_that_comes_twice_is_kept_and_said() {
     let files = folder.join("pictures");
     save(&pictures(4), &files);
     let different = run(&folder, &["sense", "pictures"]);
-    assert!(!different.stderr.contains("one before"), "{different:?}");
+    assert!(
+        !different.stderr.contains("previous frame"),
+        "{different:?}"
+    );
     fs::copy(files.join("frame1.png"), files.join("frame2.png")).unwrap();
     let ended = run(&folder, &["sense", "pictures"]);
     assert_eq!(ended.status, Some(0), "{ended:?}");
-    let said =
-        "1 frame whose readings are those of the one before: kept; the first of them frame 2";
+    let said = "1 frame with readings identical to the previous frame (kept), the first is frame 2";
     assert!(ended.stderr.contains(said), "{ended:?}");
     assert_eq!(rows(&ended.stdout, WITHOUT_FORCES).len(), 4 * 41);
 }
@@ -123,11 +125,14 @@ fn sources_that_are_none() {
     fs::write(folder.join("empty/notes.txt"), "text").unwrap();
     fs::write(folder.join("bad.mcap"), "text").unwrap();
     let cases: [(&[&str], &[&str]); 20] = [
-        (&["missing"], &["missing: ", "expected a folder or a file"]),
+        (
+            &["missing"],
+            &["missing: ", "expected an image file or a folder"],
+        ),
         (&["missing.png"], &["missing.png: ", "No such file"]),
         (
             &["empty"],
-            &["empty: there is no picture in it", ".png", ".tiff"],
+            &["empty: the folder contains no image", ".png", ".tiff"],
         ),
         (
             &["notes.txt"],
@@ -140,20 +145,20 @@ fn sources_that_are_none() {
         (&["-", "--raw=0x99999999"], &["1 to 16384"]),
         (
             &["empty", "--raw=640x480"],
-            &["--raw is for raw frames", "empty"],
+            &["--raw requires raw frames", "empty"],
         ),
         (
             &["empty", "--exposure=0.01"],
-            &["--exposure is for a camera"],
+            &["--exposure requires a camera"],
         ),
-        (&["empty", "--gain=6"], &["--gain is for a camera"]),
+        (&["empty", "--gain=6"], &["--gain requires a camera"]),
         (
             &["empty", "--roi-offset=8,16"],
-            &["--roi-offset is for a camera"],
+            &["--roi-offset requires a camera"],
         ),
         (
             &["empty", "--trigger=software"],
-            &["--trigger is for a camera"],
+            &["--trigger requires a camera"],
         ),
         (&["genicam:", "--roi-offset=8"], &["COLUMN,ROW"]),
         (&["genicam:", "--exposure=0"], &["0.000001 to 1000 s"]),
@@ -196,7 +201,7 @@ fn calibrations_that_do_not_fit() {
         ),
         (
             "other.toml",
-            ["--calibration other.toml", "changed after calibrating"],
+            ["--calibration other.toml", "changed after the calibration"],
         ),
     ] {
         run(&folder, &["sense", "pictures", "--calibration", file]).refused(&words);

@@ -223,7 +223,7 @@ fn without_a_calibration_displacements_count_from_the_reference() {
     assert!(sum.abs() < 1e-15, "{sum}");
     let few = run(&folder, &["sense", "pictures", "--unloaded=9"]);
     assert!(
-        few.stderr.contains("4 frames without load, 9 expected"),
+        few.stderr.contains("4 unloaded frames; expected 9"),
         "{few:?}"
     );
     assert_eq!(rows(&few.stdout, WITHOUT_FORCES), mean);
@@ -307,12 +307,12 @@ fn a_recorded_run_gives_its_forces_out() {
     let onto_itself = ["sense", "run", "-o", "run/recording.mcap"];
     run(&folder, &onto_itself).refused(&["the file is an input"]);
     run(&folder, &["sense", "run", "--layout", "none.toml"])
-        .refused(&["--layout is for pictures", "run is something else"]);
+        .refused(&["--layout requires images", "got run"]);
     let bytes = fs::read(folder.join("run/recording.mcap")).unwrap();
     fs::write(folder.join("cut.mcap"), &bytes[..bytes.len() / 2]).unwrap();
     let cut = run(&folder, &["sense", "cut.mcap"]);
     assert!(cut.stdout.lines().count() > 41 * 100);
-    cut.refused(&["incomplete", "forces up to"]);
+    cut.refused(&["incomplete", "forces are available up to"]);
     let to_a_file = run(&folder, &["sense", "cut.mcap", "-o", "cut.csv"]);
     to_a_file.refused(&["incomplete", "cut.csv.part is partial"]);
     assert!(folder.join("cut.csv.part").exists() && !folder.join("cut.csv").exists());
@@ -344,9 +344,9 @@ fn what_cannot_be_felt_is_left_out_and_named() {
     );
     assert_eq!(ended.status, Some(0), "{ended:?}");
     for warning in [
-        "sub-regions saturated, no force there: element 5 (1 frame)\n",
-        "1 frame all black, the first of them frame 2",
-        "1 frame all white, the first of them frame 3",
+        "saturated sub-regions, force omitted: element 5 (1 frame)\n",
+        "1 frame all black, the first is frame 2",
+        "1 frame all white, the first is frame 3",
     ] {
         assert!(ended.stderr.contains(warning), "{ended:?}");
     }

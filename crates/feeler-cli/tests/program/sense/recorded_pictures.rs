@@ -103,7 +103,7 @@ fn recordings_that_hold_no_whole_pictures_are_named() {
     let plain = ["sense", "pictures", "-o", "plain.mcap"];
     assert_eq!(run(&folder, &plain).status, Some(0));
     run(&folder, &["sense", "plain.mcap"])
-        .refused(&["plain.mcap: there are no pictures", "--record-frames"]);
+        .refused(&["plain.mcap: contains no images", "--record-frames"]);
 }
 
 #[test]
@@ -119,7 +119,7 @@ fn pictures_go_into_mcap_alone() {
         (&[], &["--record-frames", "standard output"]),
         (
             &["--taxels=uskin-4x4", "-o", "out.mcap"],
-            &["--record-frames", "taxels have no pictures"],
+            &["--record-frames", "taxels have no images"],
         ),
     ];
     for (arguments, words) in cases {

@@ -313,9 +313,9 @@ fn bad_input_is_refused() {
         )
     };
     table("").refused(&["bad.csv: no header with \"p0_x\" in 0 lines"]);
-    table("p0_x,p0_y,p0_z,p1_x,p1_y,p1_z\n").refused(&["no frame to sense (0 skipped)"]);
-    table("1,2,3\n").refused(&["there is no header", "without_header"]);
-    table("p0_x\n").refused(&["one column \"p0_y\" expected, 0 in the header \"p0_x\""]);
+    table("p0_x,p0_y,p0_z,p1_x,p1_y,p1_z\n").refused(&["no frame was sensed (0 skipped)"]);
+    table("1,2,3\n").refused(&["missing header", "without_header"]);
+    table("p0_x\n").refused(&["expected one column \"p0_y\", got 0 in the header \"p0_x\""]);
     let bytes: Vec<u8> = (0..200_000_u32)
         .map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8)
         .collect();

@@ -120,7 +120,7 @@ fn a_picture_without_markers_is_said_and_the_rest_goes_on() {
     assert!(
         ended
             .stderr
-            .contains("1 frames show no pattern of markers, the first of them frame 1"),
+            .contains("1 frames show no pattern of markers, the first is frame 1"),
         "{ended:?}"
     );
     for (frame, element, _, confidence) in rows(&ended.stdout) {
@@ -153,7 +153,7 @@ fn what_is_no_pattern_of_markers_is_refused() {
     let texture = image::imageops::blur(&noise, 2.0);
     texture.save(folder.join("texture.png")).unwrap();
     run(&folder, &["locate", "texture.png", "-o", "texture.toml"]).refused(&[
-        "no pattern of markers",
+        "not a pattern of markers",
         "spacing differs",
         "--spot-diameter",
     ]);

@@ -1,14 +1,14 @@
-//! A cap that is to be closed. Rewards are in mN·m.
+//! Goal of closing a cap. Rewards are in mN·m.
 //!
-//! The potential is the torque that the cap is tightened to, and 1 mN·m for each radian that it turns, as far as its seat:
-//! before the seat the torque does not rise, and a stroke that brings the cap nearer to it should not count for nothing. Of a cap
-//! that is closed until it is tight, no more torque counts than that, and the episode ends there: tight is what a report calls so, a
-//! share of the torque that friction allows.
+//! The potential is the tightening torque of the cap, plus 1 mN·m per radian that the cap turns before its seat. The
+//! second term rewards progress towards the seat, where the torque does not rise yet. For a cap that is closed until
+//! it is tight, torque above the tight level does not count, and the episode ends there. A cap is tight at the same
+//! fraction of the friction limit as in reports.
 //!
-//! An element that is pressed above its limit costs 10 mN·m for each newton and second: 0.1 N too much for a stroke of a second
-//! costs 1 mN·m, a fortieth of what the reference cap is tightened to. The limit is that of the claim `no-damage`, 1.25 F2, or
-//! the task's `damage_force` where it has one. Work of slip costs 0.05 mN·m for each mJ: the
-//! reference run slips for 58 mJ, so that a tenth of what it gains tells a gentle way from a rough one.
+//! An element that is pressed above its limit costs 10 mN·m per newton and second: 0.1 N too much for one second costs
+//! 1 mN·m, a fortieth of the final torque of the reference cap. The limit is that of the claim `no-damage`, 1.25 F2, or
+//! the task's `damage_force` if present. Slip work costs 0.05 mN·m per mJ: the reference run slips for 58 mJ, so a
+//! tenth of its gain depends on how gentle it is.
 
 use super::{Goal, Seen, Verdict, no_goal};
 use crate::config::Experiment;
@@ -19,21 +19,21 @@ use feeler_report::cap::TIGHT;
 use feeler_report::claims::DAMAGE_FORCE;
 use feeler_sim::object::Motion;
 
-/// Of a radian towards the seat, mN·m.
+/// Reward per radian towards the seat (mN·m).
 const TURN: f64 = 1.0;
-/// Of a newton above the limit for a second, mN·m.
+/// Cost per newton above the limit and second (mN·m).
 const OVERLOAD: f64 = 10.0;
-/// Of a joule that slip takes, mN·m.
+/// Cost per joule of slip work (mN·m).
 const SLIP: f64 = 50.0;
 
-/// The goal, with its memory.
+/// The goal of closing a cap, with its state in the episode.
 #[derive(Debug, Clone, Default)]
 pub(super) struct CapGoal {
-    /// Force F_z above which an element is pressed too hard, N.
+    /// Compression F_z above which an element is overloaded (N).
     limit: f64,
-    /// Torque from which the cap is tight, N·m; none where it is to be as tight as can be.
+    /// Torque from which the cap is tight (N·m). `None` if the number of strokes is fixed.
     tight: Option<f64>,
-    /// Angle at which the cap meets its seat, rad.
+    /// Angle at which the cap meets its seat (rad).
     seat: f64,
     potential: f64,
     torque: f64,
@@ -67,7 +67,7 @@ impl Goal for CapGoal {
         let object = seen.world.model().object(name);
         let object = object.and_then(|index| seen.world.model().objects.get(index));
         self.seat = match object.map(|object| &object.motion) {
-            // The seed varies it.
+            // The angle of the seat varies with the seed.
             Some(Motion::Turns(hinge)) => hinge.thread.seat_angle,
             _ => return Err(no_goal(experiment)),
         };
@@ -87,7 +87,7 @@ impl Goal for CapGoal {
         }
     }
 
-    /// Of strokes that are counted: the cap has met its seat.
+    /// Returns `true` if the cap is tight or, if the number of strokes is fixed, has met its seat.
     fn reached(&self) -> bool {
         match self.tight {
             Some(tight) => self.torque >= tight,

@@ -1,12 +1,13 @@
-//! An object that is to be brought along a path. Rewards are in mm.
+//! Goal of moving an object along a path. Rewards are in mm.
 //!
-//! The potential is how far the object has come along the path: all of it, less what is left, straight from where the object
-//! is to the next waypoint and on from there. A waypoint is reached within 2 mm, and done with once the object has
-//! been held there for as long as the path says; an object that leaves it early begins anew. Whoever drops what was lifted
-//! gives back what that had gained.
+//! The potential is the object's progress along the path: the length of the path minus the remaining length, which is
+//! measured in a straight line to the next waypoint and along the path from there. A waypoint is reached within 2 mm,
+//! and passed once the object has been held there for the waypoint's duration; if the object leaves early, the
+//! duration starts again. Dropping a lifted object loses the reward that lifting it gained.
 //!
-//! A finger that presses the object harder than its `crush_force` costs 10 mm for each newton and second. An object that falls off what
-//! it stood on, or tips over, is lost: that costs 20 mm, about a path's length, and ends the episode, as the end of the path does.
+//! A finger that presses the object harder than `crush_force` costs 10 mm per newton and second. An object that falls
+//! off its support or tips over is lost, which costs 20 mm, about the length of a path, and ends the episode. The end
+//! of the path ends the episode, too.
 
 use super::{Goal, Seen, Verdict, no_goal};
 use crate::config::Experiment;
@@ -18,47 +19,47 @@ use feeler_sim::pose::Pose;
 use feeler_sim::world::World;
 use glam::DVec3;
 
-/// A waypoint is reached within this distance, m.
+/// Maximum distance from a waypoint at which it is reached (m).
 const REACHED: f64 = 0.002;
-/// Of a newton above the crushing force for a second, mm.
+/// Cost per newton above the crushing force and second (mm).
 const CRUSH: f64 = 10.0;
-/// Of an object that is lost, mm.
+/// Cost of losing the object (mm).
 const LOST: f64 = 20.0;
-/// An object this far below where it stood has fallen off, m.
+/// Distance below the lowest waypoint at which the object counts as fallen (m).
 const FALL: f64 = 0.005;
-/// An object has tipped over when its vertical leans by more than the angle of this cosine: 45 degrees.
+/// Cosine of the tilt angle above which the object has tipped over: 45 degrees.
 const TIPPED: f64 = std::f64::consts::FRAC_1_SQRT_2;
 
-/// The goal, with its memory.
+/// The goal of moving an object, with its state in the episode.
 #[derive(Debug, Clone, Default)]
 pub(super) struct CarryGoal {
     waypoints: Vec<Waypoint>,
     /// Direction in which each finger presses, a unit vector in W.
     approaches: Vec<DVec3>,
     crush_force: f64,
-    /// Which object, and where it stood.
+    /// Index of the object, and its initial pose.
     object: usize,
     start: Option<Pose>,
-    /// The waypoint that it is on its way to, and for how long it has been there, s.
+    /// Index of the next waypoint, and the time for which the object has been at it (s).
     next: usize,
     held: f64,
-    /// How far it has moved, m, in W, and how much of the path is left, m.
+    /// Displacement of the object in W (m), and remaining length of the path (m).
     moved: DVec3,
     left: f64,
-    /// The hardest pressing finger's force, N.
+    /// Force of the finger that presses hardest (N).
     pressing: f64,
 }
 
 #[derive(Debug, Clone, Copy)]
 struct Waypoint {
     to: DVec3,
-    /// How long the object is held there, s.
+    /// Duration for which the object must be held there (s).
     hold: f64,
-    /// Length of the path from here on, m.
+    /// Length of the path from this waypoint to its end (m).
     rest: f64,
 }
 
-/// The waypoints of a path, with what is left after each.
+/// Converts a path to waypoints with the remaining length after each one.
 fn path(config: &CarryConfig) -> Vec<Waypoint> {
     let mut path: Vec<Waypoint> = Vec::with_capacity(config.waypoint.len());
     for waypoint in config.waypoint.iter().rev() {
@@ -73,7 +74,7 @@ fn path(config: &CarryConfig) -> Vec<Waypoint> {
 }
 
 impl CarryGoal {
-    /// Looks where the object is, and what is left of its path.
+    /// Updates the object's position, the remaining path and the pressing force.
     fn look(&mut self, world: &World) {
         let (Some(object), Some(start)) = (world.state().objects.get(self.object), self.start)
         else {
@@ -90,7 +91,7 @@ impl CarryGoal {
         self.pressing = pressed.fold(0.0, f64::max);
     }
 
-    /// Goes on to the next waypoint where the object has been held at this one for long enough.
+    /// Advances to the next waypoint if the object has been held at the current one for long enough.
     fn go_on(&mut self, period: f64) {
         let Some(next) = self.waypoints.get(self.next) else {
             return;
@@ -125,7 +126,7 @@ impl CarryGoal {
     }
 }
 
-/// Force of `finger` on `object`, N, in W.
+/// Force of `finger` on `object` in W (N).
 fn pressing(world: &World, finger: usize, object: usize) -> DVec3 {
     let Some(finger) = world.state().fingers.get(finger) else {
         return DVec3::ZERO;

@@ -1,10 +1,10 @@
-//! An outline that is to be felt all the way round. Rewards are in percent of its length.
+//! Goal of tracing the whole outline of an object. Rewards are in percent of its length.
 //!
-//! What counts is outline that the finger has not been at before in this episode, and that it passes while the force on the object is
-//! within half and one and a half times the task's `contact_force`: where it is less, nothing is felt for sure, and where it is
-//! more, the finger does not feel its way but pushes. That is a potential, too: the part of the outline that has been felt. Force
-//! above the band costs 10 % for each newton and second. The episode ends when 99 % are felt: a corner that the dome cannot get into
-//! shall not keep it going.
+//! A part of the outline counts when the finger passes it for the first time in the episode while the force on the
+//! object is between 0.5 and 1.5 times the task's `contact_force`. Below this band contact is not reliable; above it
+//! the finger pushes instead of feeling its way. The potential is the fraction of the outline that has been traced.
+//! Force above the band costs 10 % per newton and second. The episode ends when 99 % are traced, because the dome may
+//! not fit into a corner.
 
 use super::{Goal, Seen, Verdict, no_goal};
 use crate::config::Experiment;
@@ -16,24 +16,24 @@ use feeler_sim::world::World;
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
-/// Lowest and highest force that counts, as a share of the contact force.
+/// Minimum and maximum force that counts, relative to the contact force.
 const BAND: (f64, f64) = (0.5, 1.5);
-/// Of a newton above the band for a second, %.
+/// Cost per newton above the band and second (%).
 const OVERLOAD: f64 = 10.0;
-/// The outline is felt with so much of it.
+/// Fraction of the outline at which the goal is reached.
 const WHOLE: f64 = 0.99;
-/// Between two steps the finger passes no more than this part of the outline; more is a jump, of which nothing was felt.
+/// Maximum fraction of the outline passed in one step. A larger one is a jump and does not count.
 const MOST_AT_ONCE: f64 = 0.05;
 
-/// The goal, with its memory.
+/// The goal of tracing an outline, with its state in the episode.
 #[derive(Debug, Clone, Default)]
 pub(super) struct ContourGoal {
-    /// The object that the outline is of, its place, and the outline's parts by their angle about the object's origin.
+    /// The object and the height of the cached outline.
     of: Option<(ObjectConfig, f64)>,
     centre: DVec2,
     parts: Vec<Part>,
     contact_force: f64,
-    /// The part that the finger was at in the step before, if its force was in the band.
+    /// Part at the finger's position in the previous step, if the force was in the band.
     last: Option<usize>,
     covered: f64,
     force: f64,
@@ -41,13 +41,13 @@ pub(super) struct ContourGoal {
 
 #[derive(Debug, Clone, Copy)]
 struct Part {
-    /// Of the whole outline's length.
+    /// Fraction of the outline's length.
     share: f64,
     felt: bool,
 }
 
 impl ContourGoal {
-    /// Takes the outline of the episode's object, unless it is the one before's: it takes a while to find.
+    /// Computes the outline of the episode's object, which is slow, unless it is cached from the previous episode.
     fn take_outline(
         &mut self,
         experiment: &Experiment,
@@ -81,7 +81,8 @@ impl ContourGoal {
         Ok(())
     }
 
-    /// The part of the outline where the finger touches, and its force on the object, N, horizontally.
+    /// Returns the part of the outline at the contact, and the horizontal force on the object (N). `None` without
+    /// contact.
     fn touched(&self, world: &World) -> Option<(usize, f64)> {
         let finger = world.state().fingers.first()?;
         let (mut force, mut weight, mut middle) = (DVec3::ZERO, 0.0, DVec2::ZERO);
@@ -95,7 +96,7 @@ impl ContourGoal {
         }
         let angle = (middle / weight - self.centre).to_angle();
         let turn = angle.rem_euclid(TAU) / TAU;
-        // Not a number where nothing touches.
+        // Not a number without contact.
         if !turn.is_finite() {
             return None;
         }
@@ -103,7 +104,7 @@ impl ContourGoal {
         Some((part.min(self.parts.len() - 1), force.truncate().length()))
     }
 
-    /// Takes the parts from `from` to `to` as felt, the shorter way round; the share of those that were not before.
+    /// Marks the parts from `from` to `to` as traced, the shorter way round. Returns the fraction that is newly traced.
     fn feel(&mut self, from: usize, to: usize) -> f64 {
         let count = self.parts.len();
         let (ahead, back) = ((to + count - from) % count, (from + count - to) % count);

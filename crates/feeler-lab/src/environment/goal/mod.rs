@@ -1,10 +1,10 @@
-//! What an episode is for, in truth: its rewards, when it is over, and what is told beside.
+//! Goals of episodes, computed from ground truth: rewards, termination and additional info values.
 //!
-//! Rewards count in units that mean something, so that they can be read: mN·m that the cap is tightened by, mm that the object is
-//! brought along its path, percent of an outline. What is gained is the difference of a potential from one step to
-//! the next, wherever there is one: such rewards add up to where the episode ended, whatever way it took, and going back and
-//! forth gains nothing (Ng, Harada and Russell, "Policy invariance under reward transformations", 1999). Costs are of what
-//! the experiments' claims hold against a run: elements or objects pressed too hard, and work that slips take.
+//! Rewards have physical units so that they can be interpreted: mN·m of tightening torque, mm along a path, percent of
+//! an outline. Where possible, the reward is the difference of a potential between two steps. Such rewards sum up to a
+//! value that depends only on the final state, and moving back and forth gains nothing (Ng, Harada and Russell,
+//! "Policy invariance under reward transformations", 1999). Costs correspond to the experiments' claims: overloaded
+//! elements or objects, and slip work.
 
 mod cap;
 mod carry;
@@ -21,47 +21,47 @@ use feeler::control::task::TaskConfig;
 use feeler::control::task::cap_config::Until;
 use feeler_sim::world::World;
 
-/// What one step brought.
+/// Evaluation of one step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Verdict {
-    /// The step's reward.
+    /// Reward of the step.
     pub reward: f64,
-    /// Whether the episode is over: the goal is reached, or out of reach.
+    /// `true` if the episode is over because the goal is reached or out of reach.
     pub over: bool,
 }
 
-/// What a goal sees at the end of a step.
+/// Input of a goal at the end of a step.
 pub(super) struct Seen<'a> {
-    /// The world.
+    /// The simulated world.
     pub world: &'a World,
-    /// What came of the episode so far.
+    /// Ground truth of the episode up to this step.
     pub truth: Truth,
-    /// Time since the step before, s.
+    /// Time since the previous step (s).
     pub period: f64,
 }
 
-/// What an episode is for.
+/// Goal of an episode.
 pub(super) trait Goal: Send {
-    /// What it tells beside the reward, always in the same order, with units.
+    /// Names of the goal's info values with units, always in the same order.
     fn names(&self) -> &'static [&'static str];
 
-    /// An episode of `experiment` begins.
+    /// Prepares for an episode of `experiment`.
     ///
     /// # Errors
-    /// When there is nothing to reach in it.
+    /// If the experiment has no such goal.
     fn begin(&mut self, experiment: &Experiment, seen: &Seen<'_>) -> Result<(), EnvironmentError>;
 
-    /// What a step brought. Does not allocate.
+    /// Evaluates a step. Does not allocate.
     fn judge(&mut self, seen: &Seen<'_>) -> Verdict;
 
-    /// Whether the goal is reached.
+    /// Returns `true` if the goal is reached.
     fn reached(&self) -> bool;
 
-    /// Writes what [`names`](Self::names) says.
+    /// Writes the goal's info values in the order of [`names`](Self::names).
     fn tell(&self, values: &mut [f64]);
 }
 
-/// The goal of `experiment`.
+/// Returns the goal of `experiment`.
 pub(super) fn goal(experiment: &Experiment) -> Result<Box<dyn Goal>, EnvironmentError> {
     let config = &experiment.config;
     match &config.task {
@@ -82,7 +82,7 @@ fn no_goal(experiment: &Experiment) -> EnvironmentError {
 }
 
 impl<'a> Seen<'a> {
-    /// What is seen of `session`'s `world`, a `period` (s) after the last time.
+    /// Creates the input for the `world` of `session`, `period` seconds after the previous one.
     pub fn new(world: &'a World, session: &Session, period: f64) -> Self {
         Self {
             truth: Truth::in_world(world, session.cap()),
@@ -91,12 +91,12 @@ impl<'a> Seen<'a> {
         }
     }
 
-    /// How hard the hardest pressed element of all is pressed: F_z, N; 0 where none touches.
+    /// Maximum compression F_z of all elements (N); 0 if none touches.
     pub fn peak_force(&self) -> f64 {
         self.compressions().fold(0.0, f64::max)
     }
 
-    /// Sum over all elements of what they are pressed above `limit`, N.
+    /// Sum over all elements of the compression above `limit` (N).
     fn excess(&self, limit: f64) -> f64 {
         self.compressions()
             .map(|force| (force - limit).max(0.0))

@@ -1,4 +1,4 @@
-//! What a replay gives, held against what is on record.
+//! Comparison of a replay with its recording.
 
 use super::fields::{Field, of_command, of_findings, of_flags, of_tactile, of_task};
 use feeler_record::{
@@ -8,23 +8,23 @@ use feeler_record::{
 use std::any::Any;
 use std::fmt;
 
-/// What is compared.
+/// Kind of compared data.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// The forces of one finger.
+    /// Forces of one finger.
     Forces,
-    /// The flags, grasp force and shear rates of one finger.
+    /// Flags, grasp force and shear rates of one finger.
     Flags,
     /// Phase and stroke of the task.
     Phases,
-    /// What the task found out.
+    /// Findings of the task.
     Findings,
-    /// The command of one finger.
+    /// Command of one finger.
     Commands,
 }
 
 impl Kind {
-    /// All of them, in the order in which one follows from the other.
+    /// All kinds, in dependency order.
     pub const ALL: [Self; 5] = [
         Self::Forces,
         Self::Flags,
@@ -46,20 +46,20 @@ impl fmt::Display for Kind {
     }
 }
 
-/// A value that is not as on record.
+/// A value that differs from the recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Difference {
-    /// The control step, from 0.
+    /// Index of the control step.
     pub step: usize,
-    /// Its time, s.
+    /// Time of the step (s).
     pub time: f64,
-    /// The finger; none where it is of the whole hand.
+    /// Index of the finger. `None` for a value of the whole hand.
     pub finger: Option<usize>,
-    /// The value's name.
+    /// Name of the value.
     pub name: String,
-    /// What is on record.
+    /// Recorded value.
     pub expected: String,
-    /// What the replay gave.
+    /// Replayed value.
     pub actual: String,
 }
 
@@ -75,49 +75,49 @@ impl fmt::Display for Difference {
             actual,
             ..
         } = self;
-        write!(f, "{name}: {expected} on record, {actual} now")
+        write!(f, "{name}: recorded {expected}, replayed {actual}")
     }
 }
 
-/// How the messages of one kind compare.
+/// Result of the comparison for one kind.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Tally {
-    /// Messages that were compared.
+    /// Number of compared messages.
     pub compared: u64,
-    /// Those in which a value differs by a bit or more.
+    /// Number of messages that are not bit-identical.
     pub differing: u64,
-    /// The first value that does.
+    /// First difference.
     pub first: Option<Difference>,
 }
 
-/// How a replay compares with its recording.
+/// Result of comparing a replay with its recording.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Comparison {
     tallies: [Tally; Kind::ALL.len()],
 }
 
 impl Comparison {
-    /// How the messages of `kind` compare.
+    /// Returns the result for `kind`.
     pub fn of(&self, kind: Kind) -> &Tally {
         &self.tallies[kind as usize]
     }
 
-    /// Whether everything is as on record, bit for bit.
+    /// Returns `true` if all values are bit-identical to the recording.
     pub fn same(&self) -> bool {
         self.tallies.iter().all(|tally| tally.differing == 0)
     }
 }
 
-/// Takes a replay's messages, compares them with those on record and passes them on.
+/// Compares the messages of a replay with the recording and forwards them to a copy.
 pub(super) struct Comparer<'a> {
     recording: &'a Recording,
-    /// Whether forces come from pictures; otherwise they are those on record.
+    /// `true` if to compare forces. `false` if the replay uses the recorded forces.
     forces: bool,
     step: usize,
     time: f64,
-    /// What the task has found out.
+    /// Latest findings of the replay.
     found: Findings,
-    /// How many messages about that are on record until here.
+    /// Number of recorded messages with findings up to the current step.
     found_on_record: usize,
     pub comparison: Comparison,
     pub copy: Option<Recorder>,
@@ -144,7 +144,7 @@ impl<'a> Comparer<'a> {
         expected: Option<&'b M>,
         fields: impl FnOnce(&'b M) -> F,
     ) {
-        // There is no step that is not on record.
+        // The replay has no more steps than the recording.
         let Some(expected) = expected else { return };
         let tally = &mut self.comparison.tallies[kind as usize];
         tally.compared += 1;
@@ -162,7 +162,7 @@ impl<'a> Comparer<'a> {
         });
     }
 
-    /// What a finger has on record of this step in one of its lists.
+    /// Returns the message of this step in one of a finger's recorded lists.
     fn on_record<M>(
         &self,
         finger: usize,
@@ -171,7 +171,7 @@ impl<'a> Comparer<'a> {
         list(self.recording.fingers.get(finger)?).get(self.step)
     }
 
-    /// What the task has found out until this step, where there is anything.
+    /// Compares the findings up to this step, if there are any.
     fn compare_findings(&mut self) {
         let on_record = &self.recording.findings;
         let later = on_record.get(self.found_on_record..).unwrap_or_default();
@@ -214,7 +214,7 @@ impl<'a> Comparer<'a> {
         });
     }
 
-    /// The last message of a step.
+    /// Compares the task message, which is the last message of a step.
     fn compare_task(&mut self, message: &Task) {
         let expected = self.recording.task.get(self.step);
         self.compare(Kind::Phases, None, expected, |expected| {
@@ -249,7 +249,7 @@ impl MessageSink for Comparer<'_> {
         } else if let Some(task) = any.downcast_ref() {
             self.compare_task(task);
         }
-        // What is not compared follows from the record, or is the rig's own.
+        // All other messages are derived from compared ones or belong to the rig.
         match &mut self.copy {
             Some(copy) => copy.write(topic, message),
             None => Ok(()),

@@ -1,42 +1,44 @@
-//! What can go wrong with a replay.
+//! Errors of a replay.
 
 use crate::config::ConfigError;
 use crate::experiment::ExperimentError;
 use feeler::control::control_loop::ControlError;
 use feeler_record::RecordError;
 
-/// Why a recording cannot be replayed.
+/// Error of a recording that cannot be replayed.
 #[derive(Debug, thiserror::Error)]
 pub enum ReplayError {
-    /// The experiment makes no sense.
+    /// The experiment is invalid.
     #[error(transparent)]
     Experiment(#[from] ExperimentError),
-    /// The pictures cannot be read, or the copy not be written.
+    /// The images cannot be read, or the copy cannot be written.
     #[error(transparent)]
     Record(#[from] RecordError),
-    /// There is nothing to replay.
-    #[error("there is no whole control step on record; expected at least 1")]
+    /// The recording contains no complete control step.
+    #[error("the recording contains no complete control step; expected at least 1")]
     NoSteps,
-    /// Forces are to come from pictures that were not recorded.
+    /// A replay from images was requested, but the recording has none.
     #[error(
-        "there are no pictures of finger {finger} on record; expected a run made with --record-frames \
-         (its forces can be replayed: --from forces)"
+        "the recording contains no images of finger {finger}; expected a run recorded with --record-frames \
+         (or replay the forces: --from forces)"
     )]
     NoPictures {
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
     },
-    /// The settings are of another rig than the recording.
-    #[error("{what}: {expected} on record, {actual} in the experiment; a replay cannot change it")]
+    /// The settings describe another rig than the recording.
+    #[error(
+        "{what}: {expected} in the recording, {actual} in the experiment; a replay cannot change this value"
+    )]
     OtherRig {
-        /// What differs.
+        /// Name of the value.
         what: String,
-        /// What is on record.
+        /// Recorded value.
         expected: String,
-        /// What the experiment says.
+        /// Value in the experiment.
         actual: String,
     },
-    /// The loop could not go round.
+    /// A control cycle failed.
     #[error(transparent)]
     Control(#[from] ControlError),
 }

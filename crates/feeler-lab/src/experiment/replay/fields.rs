@@ -1,4 +1,4 @@
-//! Messages as lists of named values, to be compared one by one.
+//! Messages as lists of named values, for comparison one by one.
 
 use feeler::control::phase::Phase;
 use feeler_record::wire::Vector3;
@@ -16,7 +16,7 @@ pub enum Value<'a> {
 }
 
 impl Value<'_> {
-    /// Whether it is the same to the bit.
+    /// Returns `true` if both values are bit-identical.
     fn same(self, other: Self) -> bool {
         match (self, other) {
             (Self::Number(a), Self::Number(b)) => a.to_bits() == b.to_bits(),
@@ -32,9 +32,9 @@ impl Value<'_> {
 impl fmt::Display for Value<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
-            // NaNs look alike and need not be.
+            // Show the bits, since different NaNs have the same text.
             Self::Number(x) if x.is_nan() => write!(f, "NaN ({:#018x})", x.to_bits()),
-            // The shortest text that reads back as the same number.
+            // The shortest text that parses back to the same number.
             Self::Number(x) => write!(f, "{x:?}"),
             Self::Count(count) => count.fmt(f),
             Self::Flag(flag) => flag.fmt(f),
@@ -44,15 +44,15 @@ impl fmt::Display for Value<'_> {
     }
 }
 
-/// The same value of two messages, with its name: `list[index]part`.
+/// A value of two messages with its name `list[index]part`.
 #[derive(Debug, Clone, Copy)]
 pub struct Field<'a> {
     list: &'a str,
     index: Option<usize>,
     part: &'static str,
-    /// As it is on record.
+    /// Recorded value.
     pub expected: Value<'a>,
-    /// As it is now.
+    /// Replayed value.
     pub actual: Value<'a>,
 }
 
@@ -61,7 +61,7 @@ impl Field<'_> {
         !self.expected.same(self.actual)
     }
 
-    /// What it is called.
+    /// Returns the full name of the value.
     pub fn name(&self) -> String {
         let Self { list, part, .. } = self;
         match self.index {
@@ -89,7 +89,7 @@ fn flag(name: &str, expected: bool, actual: bool) -> Field<'_> {
     one(name, Value::Flag(expected), Value::Flag(actual))
 }
 
-/// The lengths of two lists, and the numbers that are in both.
+/// Compares the lengths of two lists, and their elements up to the shorter length.
 fn numbers<'a>(
     list: &'static str,
     length: &'static str,
@@ -126,7 +126,7 @@ fn vector<'a>(
         })
 }
 
-/// Stamp and forces of two tactile frames.
+/// Fields of two tactile frames: stamp and forces.
 pub fn of_tactile<'a>(
     expected: &'a Tactile,
     actual: &'a Tactile,
@@ -142,7 +142,7 @@ pub fn of_tactile<'a>(
     .chain(forces)
 }
 
-/// All that the flag analyzer said.
+/// Fields of two messages of the flag analyzer.
 pub fn of_flags<'a>(expected: &'a Flags, actual: &'a Flags) -> impl Iterator<Item = Field<'a>> {
     let element = |flags: &Flags| Value::Count(flags.largest_element.into());
     let rates = (&expected.shear_rate, &actual.shear_rate);
@@ -162,7 +162,7 @@ pub fn of_flags<'a>(expected: &'a Flags, actual: &'a Flags) -> impl Iterator<Ite
     ))
 }
 
-/// All that a finger's drives were told, and what it was made of.
+/// Fields of two commands of a finger.
 pub fn of_command<'a>(
     expected: &'a Command,
     actual: &'a Command,
@@ -181,7 +181,7 @@ pub fn of_command<'a>(
         ])
 }
 
-/// Where the task stands. Reasons are words, which may become better ones.
+/// Fields of two task messages. Reasons are not compared because their wording may change.
 pub fn of_task<'a>(expected: &'a Task, actual: &'a Task) -> impl Iterator<Item = Field<'a>> {
     let stroke = |task: &Task| Value::Count(task.stroke.into());
     let phase = |task: &Task| Value::Phase(task.phase);
@@ -192,7 +192,7 @@ pub fn of_task<'a>(expected: &'a Task, actual: &'a Task) -> impl Iterator<Item =
     .into_iter()
 }
 
-/// All that the task found out; none where it had found out nothing yet.
+/// Fields of two messages with findings.
 pub fn of_findings<'a>(
     expected: &'a Findings,
     actual: &'a Findings,

@@ -1,4 +1,4 @@
-//! A recording put through the sensor stage, the control stage or both again, and compared bit for bit.
+//! Replays a recording through the sensor stage, the control stage or both, and compares the results bit by bit.
 
 mod compare;
 mod error;
@@ -24,16 +24,16 @@ use std::iter::Peekable;
 use std::path::Path;
 use std::vec::IntoIter;
 
-/// Where a replay's forces come from.
+/// Source of the forces in a replay.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum ReplayFrom<'a> {
-    /// From the pictures in this file, which is the one that the recording was read from.
+    /// Recorded images in this file, which must be the file of the recording.
     Frames(&'a Path),
-    /// From the record.
+    /// Recorded forces.
     Forces,
 }
 
-/// A replay under way.
+/// An active replay.
 pub struct Replay<'a> {
     recording: &'a Recording,
     control_loop: ControlLoop<Sensor, RecordedHand>,
@@ -43,11 +43,11 @@ pub struct Replay<'a> {
     steps: usize,
 }
 
-/// The experiment in `recording`, with its calibrations, its policy and `settings` of the form
-/// `control.slip_threshold=2.5` put in.
+/// Returns the experiment of `recording` with its calibrations and its policy, and with `settings` of the form
+/// `control.slip_threshold=2.5` applied.
 ///
 /// # Errors
-/// When its text makes no sense, or a value is out of its range.
+/// If its text is invalid, or a value is out of range.
 pub fn recorded_experiment(
     recording: &Recording,
     settings: &[String],
@@ -59,10 +59,10 @@ pub fn recorded_experiment(
 }
 
 impl<'a> Replay<'a> {
-    /// Puts `recording` through `experiment`: as recorded, or with other settings.
+    /// Prepares a replay of `recording` with `experiment`, which may have other settings than the recorded one.
     ///
     /// # Errors
-    /// When there is nothing to replay, or the experiment is not of the recording's rig.
+    /// If the recording is empty, or the experiment describes another rig.
     pub fn new(
         recording: &'a Recording,
         from: ReplayFrom<'_>,
@@ -95,10 +95,10 @@ impl<'a> Replay<'a> {
         })
     }
 
-    /// Writes what comes out to `recorder`, too.
+    /// Also writes the results to `recorder`.
     ///
     /// # Errors
-    /// When the constants on record make no sense.
+    /// If the recorded constants are invalid.
     pub fn copy_to(self, recorder: Recorder) -> Result<Self, ReplayError> {
         let mut comparer = self.log.into_recorder();
         comparer.copy = Some(recorder);
@@ -106,10 +106,10 @@ impl<'a> Replay<'a> {
         Ok(Self { log, ..self })
     }
 
-    /// Goes round the control loop once on the next step on record.
+    /// Executes one control step with the next recorded input.
     ///
     /// # Errors
-    /// When the record is at its end, a sensor fails, or the copy cannot be written.
+    /// If the recording is exhausted, a sensor fails, or the copy cannot be written.
     pub fn step(&mut self) -> Result<(), ReplayError> {
         let step = self.step;
         while let Some((_, outside)) = self.outside.next_if(|(at, _)| *at == step) {
@@ -127,38 +127,38 @@ impl<'a> Replay<'a> {
         Ok(())
     }
 
-    /// The controller, as of the newest step.
+    /// Returns the controller after the latest step.
     pub fn controller(&self) -> &Controller {
         self.control_loop.controller()
     }
 
-    /// Whether the record is at its end.
+    /// Returns `true` if all recorded steps were replayed.
     pub fn finished(&self) -> bool {
         self.step >= self.steps
     }
 
-    /// Steps on record.
+    /// Number of recorded steps.
     pub fn steps(&self) -> usize {
         self.steps
     }
 
-    /// How it compares, and the copy.
+    /// Returns the result of the comparison, and the copy.
     pub fn finish(self) -> (Comparison, Option<Recorder>) {
         let comparer = self.log.into_recorder();
         (comparer.comparison, comparer.copy)
     }
 }
 
-/// `experiment`, which is not as recorded: the joints on record follow the commands on record, not those that other
-/// settings give.
+/// Returns `experiment` without the monitor of joint deviations: the recorded joints follow the recorded commands, not
+/// those that result from other settings.
 fn unfollowed(experiment: &Experiment) -> Experiment {
     let mut experiment = experiment.clone();
     experiment.config.control.monitor.joint_deviation = 0.0;
     experiment
 }
 
-/// Control steps that are whole: of a recording that was cut off, the last may not be. What comes after a gap does not
-/// follow from what is on record before it.
+/// Number of complete consecutive control steps. The last step of a truncated recording may be incomplete, and steps
+/// after a gap do not follow from the steps before it.
 fn steps(recording: &Recording) -> usize {
     let fingers = recording.fingers.iter().flat_map(|finger| {
         [
@@ -171,8 +171,7 @@ fn steps(recording: &Recording) -> usize {
     fingers.fold(recording.steps_in_a_row(), usize::min)
 }
 
-/// Refuses what a replay cannot change: how many fingers and elements there are, and how often they are
-/// looked at.
+/// Rejects settings that a replay cannot change: the numbers of fingers and elements, and the control period.
 fn check_rig(recording: &Recording, experiment: &Experiment) -> Result<(), ReplayError> {
     if steps(recording) == 0 {
         return Err(ReplayError::NoSteps);
@@ -202,14 +201,14 @@ fn check_rig(recording: &Recording, experiment: &Experiment) -> Result<(), Repla
     Ok(())
 }
 
-/// One sensor per finger that feels what is on record.
+/// Creates one sensor per finger that returns the recorded forces.
 fn recorded_forces(recording: &Recording, experiment: &Experiment) -> Vec<Sensor> {
     let thresholds = experiment.config.control.thresholds();
     let sensor = |finger| Box::new(RecordedTouch::new(recording, finger, thresholds)) as Sensor;
     (0..recording.fingers.len()).map(sensor).collect()
 }
 
-/// One sensor per finger that looks at the pictures on record in `file`.
+/// Creates one sensor per finger that evaluates the recorded images in `file`.
 fn optical_sensors(
     recording: &Recording,
     experiment: &Experiment,
@@ -227,7 +226,7 @@ fn optical_sensors(
         .collect()
 }
 
-/// The control stage of `experiment` over `sensors` and the hand on record.
+/// Creates the control loop of `experiment` with `sensors` and the recorded hand.
 fn control_loop(
     recording: &Recording,
     experiment: &Experiment,

@@ -1,9 +1,8 @@
-//! Who stopped the hand on record: the control law itself, or somebody outside it.
+//! Reconstruction of external stops and resumes in a recording.
 //!
-//! A recording has the task's phase at every step, not who caused it. The control law as recorded stops again
-//! by itself where it stopped by itself; every other stop, and every end of one, came from outside and is
-//! repeated in a replay. What leaves no trace in the phase, a stop that was over before the next step, is
-//! not known.
+//! A recording contains the task's phase at every step, but not the cause of a stop. A controller with the recorded
+//! settings repeats the stops that it caused itself. All other stops, and every resume, came from outside and are
+//! repeated by the replay. A stop that was resumed before the next step leaves no trace and is not reconstructed.
 
 use super::{ReplayError, control_loop, recorded_forces, steps};
 use crate::config::Experiment;
@@ -14,7 +13,7 @@ use feeler::control::touch::FingerTouch;
 use feeler::hand::{HandCommand, HandState};
 use feeler_record::Recording;
 
-/// What came from outside before a step's decision.
+/// External request before the decision of a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outside {
     Stop,
@@ -30,8 +29,8 @@ impl Outside {
     }
 }
 
-/// What came from outside on record, and before which step, in order: told by the control law of
-/// `experiment`, which is to be as recorded.
+/// Returns all external requests with the index of the step that they precede, in order. `experiment` must be the
+/// recorded experiment; its control law determines which stops were not external.
 pub fn on_record(
     recording: &Recording,
     experiment: &Experiment,
@@ -67,7 +66,7 @@ pub fn on_record(
     Ok(found)
 }
 
-/// Whether `controller` stops by itself on this input.
+/// Returns `true` if `controller` stops by itself on this input.
 fn stops(
     mut controller: Controller,
     touches: &[FingerTouch],

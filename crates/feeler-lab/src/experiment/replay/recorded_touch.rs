@@ -1,24 +1,24 @@
-//! What a finger felt on record, flags raised again where the record has all that they depend on.
+//! Recorded tactile readings, with flags computed from the forces if possible.
 
 use feeler::control::flags::{FingerFlags, FlagAnalyzer, FlagThresholds};
 use feeler::control::touch::{FingerTouch, TouchSource};
 use feeler::sensor::reading::{SensorError, TactileSensor};
 use feeler_record::{FingerRecord, Flags, NO_ELEMENT, RecordedSensor, Recording};
 
-/// A finger on record. A hand whose sensors are other programs sees the flags of all frames but records only
-/// the newest of each step: where frames are missing between two steps, flags are those on record.
+/// Recorded readings of one finger. A hand with sensors in other programs evaluates the flags of all frames but
+/// records only the latest frame of each step. If frames between two steps are missing, the recorded flags are used.
 pub struct RecordedTouch {
     sensor: RecordedSensor,
     analyzer: FlagAnalyzer,
     flags: std::vec::IntoIter<Flags>,
-    /// Number of the frame that the analyzer saw last.
+    /// Sequence number of the latest frame passed to the analyzer.
     newest: Option<u64>,
-    /// Whether the record has the frame before that one, so that its flags are the analyzer's.
+    /// `true` if the recording contains the frame before the latest one, so that the analyzer's flags are valid.
     known: bool,
 }
 
 impl RecordedTouch {
-    /// `finger` of `recording`, flags raised by `thresholds`.
+    /// Creates the source for `finger` of `recording`. Flags are computed with `thresholds`.
     pub fn new(recording: &Recording, finger: usize, thresholds: FlagThresholds) -> Self {
         let sensor = RecordedSensor::new(recording, finger);
         let record = recording.fingers.get(finger);

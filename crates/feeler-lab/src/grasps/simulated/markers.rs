@@ -1,4 +1,4 @@
-//! The markers of a gel, and where a camera behind it sees them.
+//! Markers of a gel, and their positions in the image of a camera behind it.
 
 use super::scenario::Gel;
 use feeler::sensor::layout::{ElementLayout, SensingElement};
@@ -7,27 +7,28 @@ use feeler_sim::random::normal;
 use glam::{DMat3, DVec2, DVec3};
 use rand_pcg::Pcg64;
 
-/// Columns and rows of the picture, px, and what it shows across, m: those of a GelSight Mini's pictures at quarter size.
+/// Width and height of the image (px), and width of the field of view (m): those of GelSight Mini images at a quarter
+/// of the resolution.
 pub const PICTURE: (usize, usize) = (320, 240);
 const FIELD: f64 = 0.0186;
 const PX_PER_M: f64 = PICTURE.0 as f64 / FIELD;
-/// Markers that the border cuts are not located: within so many spacings of it.
+/// Markers that are closer to the border than this number of spacings are cut off and not located.
 const BORDER: f64 = 0.3;
 
 /// The markers of one gel.
 pub struct Markers {
     gel: Gel,
     layer: GelLayer,
-    /// Where each stands on the gel, m from the picture's middle: x along y of the fingertip, y along z.
+    /// Position of each marker on the gel, relative to the image centre (m): x along y of the fingertip, y along z.
     places: Vec<DVec2>,
-    /// How far each is off the regular grid, px.
+    /// Deviation of each marker from the regular grid (px).
     off: Vec<DVec2>,
-    /// What each has crept, m: along x and y, and inward.
+    /// Creep displacement of each marker (m): along x and y, and inward.
     crept: Vec<DVec3>,
 }
 
 impl Markers {
-    /// The markers of `gel`, none of them quite at its place.
+    /// Creates the markers of `gel`, with random deviations from the regular grid.
     pub fn new(gel: Gel, random: &mut Pcg64) -> Self {
         let spacing = gel.spacing / PX_PER_M;
         let count = |side: usize| (side as f64 / gel.spacing) as usize + 1;
@@ -55,7 +56,8 @@ impl Markers {
         }
     }
 
-    /// The same as elements of a fingertip, nearly flat: x of each along y of the fingertip, y along z.
+    /// Returns the markers as elements of a nearly flat fingertip, with x of each along y of the fingertip, and y
+    /// along z.
     pub fn elements(&self) -> ElementLayout {
         let radius = self.gel.radius;
         let element = |place: &DVec2| {
@@ -73,7 +75,7 @@ impl Markers {
         }
     }
 
-    /// Stiffness of the gel under one marker, N/m, against pressing and against shear by a contact of `radius`, m.
+    /// Normal and shear stiffness of the gel under one marker (N/m), for a contact of `radius` (m).
     pub fn stiffness(&self, radius: f64) -> [f64; 2] {
         let area = (self.gel.spacing / PX_PER_M).powi(2);
         self.layer
@@ -81,7 +83,7 @@ impl Markers {
             .map(|per_area| per_area * area)
     }
 
-    /// Where the markers are seen where nothing touches, px.
+    /// Image positions of the markers without contact (px).
     pub fn untouched(&self) -> Vec<DVec2> {
         let places = self.places.iter().zip(&self.off);
         places
@@ -89,8 +91,8 @@ impl Markers {
             .collect()
     }
 
-    /// How far each is seen from its untouched place, px, `interval` (s) after the frame before, under `forces` (N) as a
-    /// [`TactileFrame`](feeler::sensor::reading::TactileFrame) has them.
+    /// Returns the displacement of each marker from its untouched position (px), `interval` (s) after the previous
+    /// frame, under `forces` (N) in the convention of [`TactileFrame`](feeler::sensor::reading::TactileFrame).
     pub fn displaced(&mut self, forces: &[DVec3], interval: f64, random: &mut Pcg64) -> Vec<DVec2> {
         let loads: Vec<_> = (self.places.iter().zip(forces))
             .filter(|(_, force)| **force != DVec3::ZERO)
@@ -126,9 +128,9 @@ fn size() -> DVec2 {
     DVec2::new(PICTURE.0 as f64, PICTURE.1 as f64)
 }
 
-/// Where a point of the gel is seen that is `sunk` in so far, m: px.
+/// Image position (px) of a point of the gel that is displaced inward by `sunk` (m).
 fn seen(gel: &Gel, point: DVec2, sunk: f64) -> DVec2 {
-    // What is pressed in comes nearer to the camera.
+    // An inward displacement moves the point closer to the camera.
     let near = point * gel.camera / (gel.camera - sunk);
     let far = (2.0 / FIELD * near).length_squared();
     size() / 2.0 + PX_PER_M * near * (1.0 + gel.distortion * far)

@@ -1,8 +1,8 @@
-//! Grasps in simulation, held or lost, as a gel with markers feels them, and what is true of them.
+//! Simulated grasps, successful or failed, measured by a gel with markers, with ground truth.
 //!
-//! Two fingers close on a free object, lift it, shake it, are tugged at and open, as it comes. Object, grip and gel are drawn from
-//! ranges that are wider than what any one sensor has (`docs/slip.md` lists them). Whether an object slid is the simulator's
-//! truth: how far it is from where it was between the fingertips.
+//! Two fingers close on a free object, lift it, shake it, are tugged at and open, at random. Object, grip and gel are
+//! drawn from ranges that are wider than those of any particular sensor (listed in `docs/slip.md`). The ground truth
+//! of slip is the displacement of the object relative to its initial position between the fingertips.
 
 mod markers;
 mod motion;
@@ -25,56 +25,56 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::collections::BTreeMap;
 
-/// The experiment whose hand grasps.
+/// Experiment whose hand is used.
 const HAND: &str = "lift";
-/// How long a grasp is looked at, s.
+/// Duration of a grasp (s).
 const DURATION: f64 = 9.0;
-/// Time between two frames, s.
+/// Time between two frames (s).
 pub const INTERVAL: f64 = 0.1;
-/// Radius of the contact for which the gel is as stiff as its layer, m; assumed.
+/// Radius of the contact for which the gel has the stiffness of its layer (m); assumed.
 const CONTACT: f64 = 0.004;
-/// Damping of the gel in parts of its stiffness, s; assumed.
+/// Ratio of damping to stiffness of the gel (s); assumed.
 const DAMPING: f64 = 0.003;
-/// Radius of what touches at each marker, m.
+/// Tip radius at each marker (m).
 const TIP: f64 = 0.0005;
-/// Where the object stands on its pedestal, m in W: far from where the fingers are before they are held anywhere.
+/// Position of the object on its pedestal (m, in W), far from the initial position of the fingers.
 const PLACE: DVec3 = DVec3::new(5.0, 0.0, 0.05);
-/// An object that moves by more along the pads has slipped, m: a soft gel gives way by less.
+/// Displacement of the object along the pads from which it counts as slip (m). A soft gel yields by less.
 pub const SLIDING: f64 = 0.004;
 
-/// What was felt in a frame, and what is true of it.
+/// Measurements and ground truth of one frame.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulatedFrame {
-    /// Its time, s.
+    /// Timestamp (s).
     pub stamp: f64,
-    /// How far each marker is seen from its untouched place, px, with noise.
+    /// Displacement of each marker from its untouched position (px), with noise.
     pub displaced: Vec<DVec2>,
-    /// The true force on the gel at each marker, N: along x and y, and compression.
+    /// True force on the gel at each marker (N): along x and y, and compression.
     pub forces: Vec<DVec3>,
-    /// How far the object has slid along the pads since it was lifted, m.
+    /// Displacement of the object along the pads since it was lifted (m).
     pub slid: f64,
-    /// Whether a finger touches it.
+    /// `true` if a finger touches the object.
     pub touches: bool,
 }
 
-/// A grasp of which everything is known.
+/// A simulated grasp with ground truth.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SimulatedGrasp {
-    /// What was grasped, and how.
+    /// The object and how it is grasped.
     pub scenario: Scenario,
-    /// Where the markers of finger 0 are seen where nothing touches, px.
+    /// Image positions of the markers of finger 0 without contact (px).
     pub untouched: Vec<DVec2>,
     /// The frames.
     pub frames: Vec<SimulatedFrame>,
-    /// From which frame on the object has slipped or is lost, if it does.
+    /// Index of the first frame in which the object has slipped or is lost, if any.
     pub slips_at: Option<usize>,
 }
 
 impl SimulatedGrasp {
-    /// The grasp of `seed`: the same each time.
+    /// Simulates the grasp with this seed, deterministically.
     ///
     /// # Errors
-    /// When the world cannot be made, or a quantity becomes not finite.
+    /// If the world cannot be built, or a quantity becomes non-finite.
     pub fn new(seed: u64) -> Result<Self, ExperimentError> {
         let scenario = Scenario::draw(seed);
         let mut random = Pcg64::seed_from_u64(!seed);
@@ -115,7 +115,7 @@ impl SimulatedGrasp {
     }
 }
 
-/// From which frame on the object has slid or is lost.
+/// Returns the index of the first frame in which the object has slipped or is lost.
 fn slips_at(frames: &[SimulatedFrame]) -> Option<usize> {
     let grasped = frames.iter().position(|frame| frame.touches)?;
     let gone = |frame: &SimulatedFrame| frame.slid > SLIDING || !frame.touches;
@@ -123,7 +123,7 @@ fn slips_at(frames: &[SimulatedFrame]) -> Option<usize> {
     Some(grasped + first)
 }
 
-/// The object on its pedestal, and the hand of two fingers that wear the gel.
+/// Builds the world: the object on its pedestal, and a hand of two fingers with the gel.
 fn world(scenario: &Scenario, markers: &Markers) -> Result<World, ExperimentError> {
     let experiment = Experiment::load(HAND, &[])?;
     let config = &experiment.config;
@@ -151,7 +151,7 @@ fn world(scenario: &Scenario, markers: &Markers) -> Result<World, ExperimentErro
         offset: [0.0; 3],
         friction: None,
     };
-    // Narrower than any grip that presses in as far as it may.
+    // Narrower than the fingers at maximum indentation.
     let size = [0.4 * scenario.half_width, 0.03, PLACE.z];
     let pedestal = fixed(ShapeConfig::Box { size }, PLACE.with_z(PLACE.z / 2.0));
     sim.object = BTreeMap::from([

@@ -1,4 +1,4 @@
-//! What two fingers do with an object: close on it, lift it, shake it, and let it go, some of them.
+//! Motion of two fingers that grasp an object: close, lift, shake and, in some grasps, open.
 
 use super::scenario::Scenario;
 use feeler_sim::pose::Pose;
@@ -6,34 +6,35 @@ use feeler_sim::world::World;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
-/// Distance of each finger from the object at the start, m, and how fast it closes, m/s.
+/// Initial distance of each finger from the object (m), and closing speed (m/s).
 const GAP: f64 = 0.002;
 const CLOSING: f64 = 0.01;
-/// Share of the gel's thickness beyond which a finger does not press in, and what it waits before it lifts, s.
+/// Maximum indentation relative to the gel's thickness, and waiting time before lifting (s).
 const DEEPEST: f64 = 0.7;
 const REST: f64 = 0.3;
-/// How long fingers take to open, and a tug to swell and ebb, s.
+/// Duration of opening the fingers, and of a tug (s).
 const OPENING: f64 = 1.0;
 const TUG: f64 = 1.0;
 
-/// A hand of two fingers that face each other along its x axis.
+/// A hand of two fingers that face each other along the x axis of the hand.
 pub struct Hand<'a> {
     scenario: &'a Scenario,
-    /// Where its middle is at the start, m in W.
+    /// Initial position of the hand's centre (m, in W).
     start: DVec3,
-    /// From a fingertip's origin to what of it touches first, m.
+    /// Distance from the origin of a fingertip to its surface (m).
     reach: f64,
-    /// Half the distance between both pads, m.
+    /// Half the distance between the pads (m).
     half_gap: f64,
-    /// The same when a pad first touched, and when it had pressed in enough.
+    /// The value of `half_gap` at first contact; then the indentation (m) and the time (s) at the full grip.
     touched: Option<f64>,
     gripped: Option<(f64, f64)>,
-    /// The point of the object that was between the fingertips when they began to lift, m in its frame.
+    /// Point of the object between the fingertips when lifting began (m, in the object's frame).
     held: Option<DVec3>,
 }
 
 impl<'a> Hand<'a> {
-    /// A hand about an object whose middle is at `middle`, m in W; of fingertips that `reach` so far, m.
+    /// Creates a hand around an object with its centre at `middle` (m, in W). `reach` is the distance from a
+    /// fingertip's origin to its surface (m).
     pub fn new(scenario: &'a Scenario, middle: DVec3, reach: f64) -> Self {
         let [along, up] = scenario.off_centre;
         Self {
@@ -47,7 +48,7 @@ impl<'a> Hand<'a> {
         }
     }
 
-    /// Moves on by one step of `world`, in which the object has this number.
+    /// Advances by one step of `world`. `object` is the index of the object.
     pub fn advance(&mut self, world: &mut World, object: usize) {
         let time = world.state().time;
         self.close(world, time);
@@ -65,7 +66,7 @@ impl<'a> Hand<'a> {
         }
     }
 
-    /// How far the object has slid along the pads since it was lifted, m.
+    /// Displacement of the object along the pads since it was lifted (m).
     pub fn slid(&self, world: &World, object: usize) -> f64 {
         let frame = self.frame(world.state().time);
         self.held.map_or(0.0, |held| {
@@ -91,13 +92,13 @@ impl<'a> Hand<'a> {
         }
     }
 
-    /// Time since it began to lift, s; negative before.
+    /// Time since lifting began (s); negative before.
     fn lifting(&self, time: f64) -> f64 {
         self.gripped
             .map_or(-1.0, |(_, gripped)| time - gripped - REST)
     }
 
-    /// Where its middle is, and how it is turned.
+    /// Pose of the hand.
     fn frame(&self, time: f64) -> Pose {
         let (way, duration) = self.scenario.lift;
         let mut position = self.start + way * smooth(self.lifting(time) / duration) * DVec3::Z;
@@ -130,7 +131,7 @@ impl<'a> Hand<'a> {
     }
 }
 
-/// From 0 to 1 with neither speed nor acceleration at either end.
+/// Smooth step from 0 to 1 with zero velocity and acceleration at both ends.
 fn smooth(part: f64) -> f64 {
     let part = part.clamp(0.0, 1.0);
     part * part * part * (10.0 + part * (6.0 * part - 15.0))

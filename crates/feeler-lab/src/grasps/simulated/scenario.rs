@@ -1,4 +1,4 @@
-//! What differs from grasp to grasp, drawn at random.
+//! Random parameters of a simulated grasp.
 
 use feeler_sim::columnar_feeler::Friction;
 use feeler_sim::gel::GelLayer;
@@ -9,83 +9,83 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use std::f64::consts::TAU;
 
-/// m/s².
+/// Gravitational acceleration (m/s²).
 const GRAVITY: f64 = 9.81;
 
-/// The gel and the camera behind it.
+/// A gel and the camera behind it.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Gel {
-    /// m.
+    /// Thickness (m).
     pub thickness: f64,
-    /// Pa.
+    /// Shear modulus (Pa).
     pub shear_modulus: f64,
-    /// Radius of its dome, m: it is nearly flat.
+    /// Radius of the nearly flat dome (m).
     pub radius: f64,
-    /// Share by which it goes on giving way under a steady force.
+    /// Additional displacement by creep under a constant force, relative to the elastic one.
     pub creep: f64,
-    /// Time constant of that, s.
+    /// Time constant of the creep (s).
     pub creep_time: f64,
-    /// Distance of markers from each other, px.
+    /// Spacing of the markers (px).
     pub spacing: f64,
-    /// Standard deviation of a marker's place from a regular grid, each way, in spacings: it stays.
+    /// Standard deviation of a marker's fixed offset from a regular grid, per axis, in spacings.
     pub irregularity: f64,
-    /// Standard deviation of a located centre, each way, px: another in each frame.
+    /// Standard deviation of the noise of a located centre, per axis (px).
     pub noise: f64,
-    /// Distance of the camera, m.
+    /// Distance of the camera (m).
     pub camera: f64,
-    /// Radial distortion half a picture's width off its middle, relative.
+    /// Relative radial distortion at half an image width from the centre.
     pub distortion: f64,
 }
 
-/// An object, and how it is grasped.
+/// An object and the way it is grasped.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Scenario {
-    /// The sensor on both fingers.
+    /// Gel on both fingers.
     pub gel: Gel,
-    /// What is grasped.
+    /// Shape of the object.
     pub shape: ShapeConfig,
-    /// What that is called.
+    /// Name of the shape.
     pub shape_name: &'static str,
-    /// Half its width along the grip, m.
+    /// Half the object's width along the grip (m).
     pub half_width: f64,
-    /// Height of its middle over what it stands on, m.
+    /// Height of the object's centre above its support (m).
     pub height: f64,
-    /// Whether it lies on its side, turned about the grip's axis.
+    /// `true` if the object lies on its side, rotated about the grip axis.
     pub lies: bool,
-    /// Its mass, kg.
+    /// Mass of the object (kg).
     pub mass: f64,
-    /// Between it and the gel.
+    /// Friction between object and gel.
     pub friction: Friction,
-    /// Force with which it is grasped, N.
+    /// Grip force (N).
     pub grip_force: f64,
-    /// Where on it, from its middle, along the pads, m.
+    /// Position of the grip relative to the object's centre, along the pads (m).
     pub off_centre: [f64; 2],
-    /// Way up, m, and how long it takes, s.
+    /// Height (m) and duration (s) of the lift.
     pub lift: (f64, f64),
-    /// How the hand shakes, if it does.
+    /// Shake of the hand, if any.
     pub shake: Option<Shake>,
-    /// A force on the object, N in W, if somebody tugs, and when it begins, s.
+    /// Tug: force on the object (N, in W) and its start time (s), if any.
     pub tug: Option<(DVec3, f64)>,
-    /// How far the fingers open, in parts of how far they have pressed in, if they do; and when they begin, s.
+    /// Opening of the fingers, relative to their indentation, and its start time (s), if any.
     pub loosen: Option<(f64, f64)>,
 }
 
-/// A sine of the hand that swells and ebbs.
+/// Sinusoidal motion of the hand with a smooth envelope.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Shake {
-    /// Amplitude along W's axes, m.
+    /// Amplitude along the axes of W (m).
     pub way: DVec3,
-    /// Amplitude about W's z axis, rad.
+    /// Amplitude about the z axis of W (rad).
     pub turn: f64,
-    /// Hz.
+    /// Frequency (Hz).
     pub frequency: f64,
-    /// When it begins, s.
+    /// Start time (s).
     pub from: f64,
-    /// How long it goes on, s.
+    /// Duration (s).
     pub duration: f64,
 }
 
-/// Draws numbers.
+/// Source of random parameters.
 struct Draw(Pcg64);
 
 impl Draw {
@@ -93,7 +93,7 @@ impl Draw {
         low + (high - low) * self.0.random::<f64>()
     }
 
-    /// As often in each octave.
+    /// Draws from a log-uniform distribution.
     fn scale(&mut self, low: f64, high: f64) -> f64 {
         self.between(low.ln(), high.ln()).exp()
     }
@@ -118,7 +118,7 @@ impl Draw {
         }
     }
 
-    /// A shape, its name, half its width along x and half its height.
+    /// Draws a shape. Returns the shape, its name, half its width along x, and half its height.
     fn shape(&mut self) -> (ShapeConfig, &'static str, f64, f64) {
         let radius = self.scale(0.006, 0.04);
         let height = self.between(0.03, 0.12);
@@ -163,7 +163,7 @@ impl Draw {
 }
 
 impl Scenario {
-    /// The grasp of `seed`.
+    /// Draws the grasp with this seed.
     pub fn draw(seed: u64) -> Self {
         let mut draw = Draw(Pcg64::seed_from_u64(seed));
         let gel = draw.gel();
@@ -172,7 +172,7 @@ impl Scenario {
         let static_friction = draw.between(0.2, 1.2);
         let kinetic_friction = static_friction * draw.between(0.6, 0.95);
         let mass = draw.scale(0.02, 0.5);
-        // From half to twelve times what just holds it at rest, as far as grippers of two jaws go.
+        // From 0.5 to 12 times the force that just holds the object at rest, within the range of two-jaw grippers.
         let holds = mass * GRAVITY / (2.0 * kinetic_friction);
         let grip_force = (holds * draw.scale(0.5, 12.0)).clamp(2.0, 40.0);
         let shake = draw.happens(0.7).then(|| draw.shake());
@@ -212,7 +212,7 @@ impl Scenario {
         }
     }
 
-    /// The object, its middle over the point `at` of the ground, m in W.
+    /// Configuration of the object, with its centre above the point `at` (m, in W).
     pub fn object(&self, at: DVec3) -> ObjectConfig {
         ObjectConfig {
             shape: self.shape.clone(),
@@ -223,7 +223,7 @@ impl Scenario {
                 friction: 0.5,
             }),
             position: (at + self.height * DVec3::Z).to_array(),
-            // About x, along which it is grasped.
+            // The rotation is about x, the axis of the grip.
             orientation_deg: [if self.lies { 90.0 } else { 0.0 }, 0.0, 0.0],
             offset: [0.0; 3],
             friction: Some(self.friction),
@@ -232,9 +232,9 @@ impl Scenario {
 }
 
 impl Gel {
-    /// Its response to forces on markers `spacing` (m) apart, as far as `reach`, m.
+    /// Response of the gel to forces on markers at distances of `spacing` (m), up to the distance `reach` (m).
     pub fn layer(&self, spacing: f64, reach: f64) -> GelLayer {
-        // Of this spread, the forces of a grid make an even load.
+        // With this spread, equal forces on a grid add up to a uniform load.
         GelLayer::new(self.thickness, self.shear_modulus, spacing / 2.0, reach)
     }
 }

@@ -140,7 +140,7 @@ fn what_makes_no_sense_is_refused_in_words() {
         let error = environment.step(action).expect_err("no sense").to_string();
         assert!(error.contains(word), "{error}");
     };
-    refused(&mut environment, &[0.0; 6], "no episode under way");
+    refused(&mut environment, &[0.0; 6], "no episode is active");
     environment.reset(Some(0)).expect("an episode");
     refused(&mut environment, &[0.0; 5], "an action of 6 numbers");
     refused(
@@ -148,7 +148,7 @@ fn what_makes_no_sense_is_refused_in_words() {
         &[0.0, 0.0, f64::NAN, 0.0, 0.0, 0.0],
         "action[2]",
     );
-    refused(&mut environment, &[f64::INFINITY; 6], "inf arrived");
+    refused(&mut environment, &[f64::INFINITY; 6], "got inf");
     // Nothing has happened.
     assert!(environment.step(&[0.0; 6]).is_ok());
     assert!(environment.guide(&mut [0.0; 3]).is_err());

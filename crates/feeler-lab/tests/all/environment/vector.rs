@@ -181,20 +181,20 @@ fn what_makes_no_sense_is_refused_in_words_and_names_the_environment() {
     );
     told(
         vector.step(&actions[1..], &mut buffers.batch()),
-        "numbers of all actions: 30 expected, 29",
+        "numbers of all actions: expected 30, got 29",
     );
     told(
         vector.reset(&seeds()[1..], None, &mut buffers.batch()),
-        "seeds: 5 expected, 4",
+        "seeds: expected 5, got 4",
     );
     told(
         vector.reset(&seeds(), Some(&[true]), &mut buffers.batch()),
-        "mask: 5 expected, 1",
+        "mask: expected 5, got 1",
     );
     buffers.rewards.pop();
     told(
         vector.step(&[0.0; 30], &mut buffers.batch()),
-        "rewards: 5 expected, 4",
+        "rewards: expected 5, got 4",
     );
     assert!(vector.look(COUNT, |_| ()).is_err());
     assert!(vector.last(0, &mut [], &mut []).is_err());

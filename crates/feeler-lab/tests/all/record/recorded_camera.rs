@@ -86,14 +86,14 @@ fn a_picture_that_is_missing_is_named() {
     };
     let error = capture(&recording, (4, 3)).unwrap().to_string();
     assert!(
-        error.contains("0.3") && error.contains("there are no more"),
+        error.contains("0.3") && error.contains("found no more images"),
         "{error}"
     );
     let mut other = recording.clone();
     other.fingers[1].tactile.remove(0);
     other.fingers[1].tactile.remove(0);
     let error = capture(&other, (4, 3)).unwrap().to_string();
-    assert!(error.contains("that of 0 ns is next"), "{error}");
+    assert!(error.contains("found the image at 0 ns"), "{error}");
     let error = capture(&recording, (3, 4)).unwrap();
     assert!(matches!(error, CameraError::FrameSize { .. }), "{error}");
 }

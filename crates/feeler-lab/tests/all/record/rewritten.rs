@@ -244,7 +244,7 @@ fn what_is_no_run_or_two_is_refused_by_what_it_is() {
     other(&bag, &[]);
     let error = Recording::read(&bag).unwrap_err().to_string();
     for words in [
-        "a run of feeler expected",
+        "expected a run of feeler",
         "some recorder",
         "/joint_states (sensor_msgs/msg/JointState, 1 messages)",
         "/ft_sensor/wrench",
@@ -257,5 +257,5 @@ fn what_is_no_run_or_two_is_refused_by_what_it_is() {
     });
     other(&bag, &runs);
     let error = Recording::read(&bag).unwrap_err().to_string();
-    assert!(error.contains("one run expected, 2 found"), "{error}");
+    assert!(error.contains("got 2 merged by"), "{error}");
 }

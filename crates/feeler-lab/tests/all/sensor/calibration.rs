@@ -298,10 +298,10 @@ fn files_that_cannot_be_used_are_refused() {
     let message = changed(|c| separable(c, 3).normal.range = [1.0, 2.0]);
     assert_eq!(
         message,
-        "element 3: normal.range must rise and hold 0, got 1 to 2"
+        "element 3: normal.range must be increasing and contain 0, got 1 to 2"
     );
     let message = changed(|c| c.elements.truncate(40));
-    assert_eq!(message, "calibrations for 41 elements expected, got 40");
+    assert_eq!(message, "expected calibrations for 41 elements, got 40");
 }
 
 #[test]
@@ -329,7 +329,7 @@ fn a_calibration_for_another_fingertip_is_refused() {
         "{message}"
     );
     assert!(
-        message.contains("rings[0].elements = 5 here, 1 in the calibration"),
+        message.contains("rings[0].elements = 5 in the configuration, 1 in the calibration"),
         "{message}"
     );
 
@@ -372,16 +372,16 @@ fn records_that_determine_nothing_are_refused() {
         force: DVec3::Z,
         moments,
     };
-    assert!(refused(ElementRecord::default()).contains("at least 1 unloaded picture"));
+    assert!(refused(ElementRecord::default()).contains("at least 1 unloaded image"));
     let record = ElementRecord {
         unloaded: vec![moments],
         fitted: vec![sample; 10],
         held_out: vec![sample],
         ..ElementRecord::default()
     };
-    assert!(refused(record).contains("loads that change"));
+    assert!(refused(record).contains("loads that vary"));
     let message = fit_separable(&config, &[]).unwrap_err().to_string();
-    assert_eq!(message, "records of loads for 1 elements expected, got 0");
+    assert_eq!(message, "expected records of loads for 1 elements, got 0");
 }
 
 /// A coupled calibration of the apex.
@@ -400,7 +400,7 @@ fn the_file_holds_a_coupled_calibration_and_refuses_a_wrong_one() {
     assert_eq!(Calibration::from_toml(&text).unwrap(), *COUPLED);
     let refused = |text: &str| Calibration::from_toml(text).unwrap_err().to_string();
     let old = refused("version = 1\n[fingertip]\n");
-    assert!(old.contains("version 2 expected, got 1"), "{old}");
+    assert!(old.contains("version 2, got 1"), "{old}");
     let edited = refused(&text.replacen("standoff = 0.01", "standoff = 0.011", 1));
     assert!(edited.contains("SHA-256"), "{edited}");
     let (_, after) = text.split_once("normal = [").unwrap();

@@ -1,4 +1,4 @@
-//! An output to a file.
+//! Output to a file.
 
 use super::{FrameReadings, Output, partial};
 use feeler::sensor::frame::Frame;
@@ -6,19 +6,20 @@ use feeler_console::CommandError;
 use feeler_console::PartFile;
 use std::path::PathBuf;
 
-/// An output to a file, which has its name only when it is whole.
+/// An output to a file that gets its final name only when it is complete.
 pub struct Filed {
     name: String,
     output: Box<dyn Output>,
     part: PartFile,
-    /// Whether a line may be torn.
+    /// `true` if the last line may be incomplete.
     is_text: bool,
-    /// Frames that were written.
+    /// Number of frames written.
     frames: u64,
 }
 
 impl Filed {
-    /// What `output` writes into the partial file `part`, which will be called `name`; `is_text` where a line may be torn.
+    /// Creates an output that writes to the partial file `part`, which is renamed to `name`. Set `is_text` if the last
+    /// line may be incomplete.
     pub fn new(name: String, output: Box<dyn Output>, part: PartFile, is_text: bool) -> Self {
         Self {
             name,
@@ -87,7 +88,7 @@ impl Output for Filed {
         }
         let left = part.part().to_path_buf();
         match finished {
-            // Why it is not whole, if it was to be.
+            // Report why the file is incomplete.
             Err(error) if whole => Err(partial(&error, &left)),
             _ => Ok(Some(left)),
         }

@@ -1,4 +1,4 @@
-//! Messages of ROS 2 in an MCAP file.
+//! ROS 2 messages in an MCAP file.
 
 use super::{FrameReadings, OfPictures, Output};
 use feeler::sensor::frame::Frame;
@@ -10,16 +10,16 @@ use feeler_record::{Image, MessageSink, Moments, SensedWriter, Tactile, topics};
 use glam::{DVec2, DVec3};
 use std::path::{Path, PathBuf};
 
-/// The pictures of a sensor on their way into an MCAP file; none where they are not kept.
+/// Writer of a sensor's images to an MCAP file. Does nothing if images are not recorded.
 pub struct Pictures(Option<(usize, Image)>);
 
 impl Pictures {
-    /// Those of `finger`, if one is named.
+    /// Creates a writer for the images of `finger`, if any.
     pub fn of(finger: Option<usize>) -> Self {
         Self(finger.map(|finger| (finger, Image::of_finger(finger))))
     }
 
-    /// Writes the picture of `frame`.
+    /// Writes the image of `frame`.
     pub fn write(&mut self, frame: &Frame, writer: &mut SensedWriter) -> Result<(), CommandError> {
         if let Some((finger, image)) = &mut self.0 {
             image.fill(frame)?;
@@ -29,7 +29,7 @@ impl Pictures {
     }
 }
 
-/// ROS 2 messages in an MCAP file: moments and, calibrated, forces; pictures where they are kept.
+/// ROS 2 messages in an MCAP file: moments, forces if calibrated, and images if recorded.
 pub struct Mcap {
     writer: SensedWriter,
     pictures: Pictures,
@@ -37,7 +37,7 @@ pub struct Mcap {
 }
 
 impl Mcap {
-    /// A file at `path`.
+    /// Creates a file at `path`.
     pub fn create(path: &Path, format: &OfPictures) -> Result<Self, CommandError> {
         Ok(Self {
             writer: SensedWriter::create(path, format.pictures)?,
@@ -47,7 +47,7 @@ impl Mcap {
     }
 }
 
-/// What a frame says before any calibration.
+/// Converts the readings of a frame to a [`Moments`] message.
 pub fn moments(frame: &FrameReadings) -> Moments {
     let &FrameReadings {
         sequence,
@@ -82,7 +82,7 @@ impl Output for Mcap {
             ..
         } = frame;
         if self.forces {
-            // A force that there is not is not a number in each component.
+            // A missing force is NaN in each component.
             let force = |r: &ElementReading| Vector3::from(r.force.unwrap_or(DVec3::NAN));
             self.writer.write(
                 TACTILE,
@@ -100,7 +100,7 @@ impl Output for Mcap {
         self.pictures.write(frame, &mut self.writer)
     }
 
-    /// Not for every frame: each time costs 0.6 KB.
+    /// Does nothing, because each flush adds 0.6 KB to the file.
     fn flush(&mut self) -> Result<(), CommandError> {
         Ok(())
     }

@@ -1,4 +1,4 @@
-//! Rows of a table, or lines of JSON: one for each element and frame.
+//! Rows of a table or of JSON Lines, one per element and frame.
 
 use super::{FrameReadings, Output};
 use crate::sense::row_file::RowFile;
@@ -6,7 +6,7 @@ use feeler::sensor::sensing::ElementReading;
 use feeler_console::CommandError;
 use serde::Serialize;
 
-/// One element in one frame, as it is written; what there is not is left empty.
+/// One element in one frame as written; missing values are empty.
 #[derive(Serialize)]
 struct Row {
     frame: u64,
@@ -17,7 +17,7 @@ struct Row {
     u_y: Option<f64>,
 }
 
-/// The force's part of a row.
+/// Force columns of a row.
 #[derive(Serialize)]
 pub struct ForceRow {
     pub f_x: Option<f64>,
@@ -26,7 +26,7 @@ pub struct ForceRow {
 }
 
 impl ForceRow {
-    /// That of a reading.
+    /// Creates the columns for the force of a reading.
     pub fn of(reading: &ElementReading) -> Self {
         Self {
             f_x: reading.force.map(|f| f.x),
@@ -50,15 +50,15 @@ impl Row {
     }
 }
 
-/// One row for each element and frame.
+/// Writer of one row per element and frame.
 pub struct Rows {
-    /// Where they are written.
+    /// Destination of the rows.
     pub file: RowFile,
-    /// Whether there are forces.
+    /// `true` if forces are written.
     pub forces: bool,
 }
 
-/// The fields of a row, which a table cannot flatten.
+/// A row and its force in one JSON object; the CSV writer cannot flatten structs.
 #[derive(Serialize)]
 struct JsonRow<'a> {
     #[serde(flatten)]

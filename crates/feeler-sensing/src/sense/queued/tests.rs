@@ -1,14 +1,14 @@
-//! Outputs that are slow, full or stuck.
+//! Slow, full and stuck outputs.
 
 use super::*;
 use std::sync::mpsc::Sender;
 use std::sync::{Arc, Mutex};
 
-/// An output that takes a frame for each permit, and all once nobody gives one any more.
+/// An output that accepts one frame per permit, and all frames once the permit sender is dropped.
 struct Gated {
     permits: Receiver<()>,
     taken: Arc<Mutex<Vec<u64>>>,
-    /// Frames after which the disk is full.
+    /// Number of frames after which the disk is full.
     room: usize,
 }
 
@@ -63,7 +63,7 @@ fn write(queued: &mut Queued, sequence: u64) {
 }
 
 #[test]
-fn a_disk_that_hangs_twice_holds_no_sensor_up_and_the_file_is_partial() {
+fn a_disk_that_hangs_twice_blocks_no_sensor_and_leaves_a_partial_file() {
     let (mut queued, permit, taken, said) = queued(usize::MAX);
     let mut sequences = 0..;
     let mut write_while = |queued: &mut Queued, is_dropping| {
@@ -72,7 +72,7 @@ fn a_disk_that_hangs_twice_holds_no_sensor_up_and_the_file_is_partial() {
         }
     };
     write_while(&mut queued, false);
-    assert!(said.lock().unwrap()[0].contains("the disk takes nothing"));
+    assert!(said.lock().unwrap()[0].contains("the disk accepts no data"));
     permit.send(()).unwrap();
     write_while(&mut queued, true);
     write_while(&mut queued, false);
@@ -84,14 +84,14 @@ fn a_disk_that_hangs_twice_holds_no_sensor_up_and_the_file_is_partial() {
     let taken = taken.lock().unwrap();
     assert_eq!(taken.len() as u64 + dropped, sequences.next().unwrap());
     assert!(taken.is_sorted());
-    // Each time, what is missing so far is said.
+    // Each resumption reports the frames missing so far.
     let said = said.lock().unwrap();
-    let last = format!("output: goes on; {dropped} frames are missing so far");
+    let last = format!("output: resumed; {dropped} frames missing so far");
     assert_eq!(said.last(), Some(&last), "{said:?}");
 }
 
 #[test]
-fn a_whole_file_is_closed_as_such() {
+fn a_complete_file_is_closed_as_complete() {
     let (mut queued, permit, taken, said) = queued(usize::MAX);
     drop(permit);
     for sequence in 0..10 {
@@ -114,7 +114,7 @@ fn a_full_disk_ends_the_file_and_not_the_sensor() {
     }
     write(&mut queued, sequence);
     let error = queued.finish(true).unwrap_err().to_string();
-    assert!(error.contains("not written to its end"), "{error}");
+    assert!(error.contains("not written completely"), "{error}");
     assert_eq!(taken.lock().unwrap().len(), 3);
     let said = said.lock().unwrap();
     let last = said.last().unwrap();

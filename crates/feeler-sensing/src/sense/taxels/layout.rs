@@ -1,4 +1,4 @@
-//! Which taxel array is meant.
+//! Selection of the taxel layout.
 
 use super::super::SenseOptions;
 use feeler::sensor::taxel::{BUILT_IN_TAXELS, BuiltInTaxels, TaxelLayout};
@@ -17,7 +17,7 @@ pub struct TaxelOptions {
     pub sequence: Option<String>,
 }
 
-/// The layout called `name` (a file, or a built-in one), with what the options say of it.
+/// Reads the layout `name` (a file or a built-in one) and applies the options in `options`.
 pub fn read(options: &SenseOptions, name: &str) -> Result<TaxelLayout, CommandError> {
     let text = taxel_layout_text(name)?;
     let refused = |e| format!("--taxels {name}: {e}");

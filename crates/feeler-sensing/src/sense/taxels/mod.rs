@@ -1,4 +1,4 @@
-//! `feeler sense TABLE --taxels LAYOUT`: three-axis arrays of other makers.
+//! `feeler sense TABLE --taxels LAYOUT`: three-axis taxel arrays of other manufacturers.
 
 mod layout;
 mod output;
@@ -24,10 +24,10 @@ use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 
-/// How long to wait for a row before looking whether to stop.
+/// Maximum time to wait for a row before the interrupt flag is checked.
 const WAIT: Duration = Duration::from_millis(50);
 
-/// Senses all rows of the table that the options name, or those until `interrupted`.
+/// Senses all rows of the table in `options`, or those until `interrupted`.
 pub fn sense(
     options: &SenseOptions,
     layout: &str,
@@ -35,7 +35,7 @@ pub fn sense(
     interrupted: &AtomicBool,
 ) -> Result<(), CommandError> {
     if options.finger.is_some() && !options.publish {
-        return Err("--finger: changes nothing for taxels without --publish".into());
+        return Err("--finger: has no effect for taxels without --publish".into());
     }
     let layout = layout::read(options, layout)?;
     let table = Table::of(&options.sources)?;
@@ -47,7 +47,7 @@ pub fn sense(
     let output = open_output(options, &layout, tally)?;
     if layout.force_unit() == TaxelUnit::Counts {
         tally.warn(
-            "forces are in counts: the layout says no counts_per_newton; expected thresholds in counts, too",
+            "forces are in counts, because the layout has no counts_per_newton; thresholds must be in counts, too",
         );
     }
     let is_stream = matches!(table, Table::Stream);
@@ -71,7 +71,7 @@ pub fn sense(
     }
 }
 
-/// The output: none where forces are published alone; one that holds nobody up where they are.
+/// Opens the output, or returns `None` if forces are only published. While publishing, writing never blocks.
 fn open_output(
     options: &SenseOptions,
     layout: &TaxelLayout,
@@ -98,7 +98,7 @@ fn sense_all(
     interrupted: &AtomicBool,
 ) -> Result<(), CommandError> {
     while !is_raised(interrupted) {
-        // What is written is handed on as soon as no row waits.
+        // Flush as soon as no row is waiting.
         let mut event = pump.next(Duration::ZERO);
         if event.is_none() {
             stage.settle()?;
@@ -115,7 +115,7 @@ fn sense_all(
             Some(Event::Trouble(_)) => {}
             Some(Event::Ended { troubles, skipped }) => {
                 stage.tally.skip_lines(skipped);
-                // What was there once was said when it came.
+                // On a stream, a single occurrence was reported immediately.
                 let told = |count| stage.is_stream && count == 1;
                 let left = troubles.iter().filter(|&&(count, _)| !told(count));
                 left.for_each(|(_, words)| stage.tally.warn(words));
@@ -129,20 +129,20 @@ fn sense_all(
     Ok(())
 }
 
-/// What rows go through.
+/// Processes rows.
 struct Stage<'a> {
     readings: Vec<ElementReading>,
     output: Option<Box<dyn Output>>,
     publisher: Option<Publisher>,
     tally: &'a mut Tally,
-    /// What the source is called.
+    /// Name of the source.
     name: String,
-    /// Whether somebody looks on as rows come.
+    /// `true` if rows arrive live, so that problems are reported immediately.
     is_stream: bool,
 }
 
 impl Stage<'_> {
-    /// Publishes, writes and counts a frame, whose row came in at `at`.
+    /// Publishes, writes and counts a frame whose row was received at `at`.
     fn take(&mut self, frame: &TactileFrame, at: Instant) -> Result<(), CommandError> {
         if let Some(publisher) = &mut self.publisher {
             publisher.publish(frame, at)?;
@@ -168,7 +168,7 @@ impl Stage<'_> {
             .map_or(Ok(()), |output| output.begin_sequence(name))
     }
 
-    /// Does what there is time for while no row waits.
+    /// Runs periodic work while no row is waiting.
     fn settle(&mut self) -> Result<(), CommandError> {
         if let Some(publisher) = &mut self.publisher {
             publisher.check_peers();
@@ -177,7 +177,7 @@ impl Stage<'_> {
     }
 }
 
-/// Where rows come from.
+/// A source of rows.
 enum Table {
     Stream,
     File(PathBuf),
@@ -189,7 +189,7 @@ impl Table {
             [source] if source == Path::new("-") => Ok(Self::Stream),
             [source] => Ok(Self::File(source.clone())),
             _ => Err(format!(
-                "{} sources; expected one table for --taxels, or - for rows on standard input",
+                "expected one table for --taxels, or - for rows on standard input, got {} sources",
                 sources.len()
             )
             .into()),

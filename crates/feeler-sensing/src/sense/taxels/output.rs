@@ -1,4 +1,4 @@
-//! Where the forces of taxels go: a table, lines of JSON, or MCAP.
+//! Destinations for the forces of taxels: a table, JSON Lines, or MCAP.
 
 use super::super::output::{ForceRow, Format, FrameReadings, Output, RowWriter};
 use super::super::row_file::RowFile;
@@ -9,16 +9,16 @@ use feeler_record::{TaxelFacts, TaxelWriter};
 use serde::Serialize;
 use std::path::{Path, PathBuf};
 
-/// What an array's outputs are made of.
+/// Output formats of a taxel array.
 pub struct Forms {
     facts: TaxelFacts,
     unit: TaxelUnit,
-    /// Whether a column names sequences.
+    /// `true` if a column names sequences.
     sequences: bool,
 }
 
 impl Forms {
-    /// Those of `layout`.
+    /// Creates the formats for `layout`.
     pub fn of(layout: &TaxelLayout) -> Result<Self, CommandError> {
         let unit = layout.force_unit();
         Ok(Self {
@@ -66,7 +66,7 @@ impl Format for Forms {
     }
 }
 
-/// What a row says besides the force.
+/// Columns of a row other than the force.
 #[derive(Serialize)]
 struct Row<'a> {
     #[serde(skip_serializing_if = "Option::is_none")]
@@ -76,11 +76,11 @@ struct Row<'a> {
     element: usize,
 }
 
-/// One row for each taxel and frame.
+/// Writer of one row per taxel and frame.
 struct Rows {
     file: RowFile,
     unit: TaxelUnit,
-    /// The newest, where a column names them.
+    /// Name of the current sequence, if a column names sequences.
     sequence: Option<String>,
 }
 
@@ -164,7 +164,7 @@ impl Output for Mcap {
         Ok(self.writer.write(&self.frame)?)
     }
 
-    /// Not for every frame: each time costs 0.6 KB.
+    /// Does nothing, because each flush adds 0.6 KB to the file.
     fn flush(&mut self) -> Result<(), CommandError> {
         Ok(())
     }

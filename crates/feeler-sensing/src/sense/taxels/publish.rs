@@ -1,4 +1,4 @@
-//! What a taxel array feels, for the hand program.
+//! Publishes the forces of a taxel array for the hand program.
 
 use super::super::SenseOptions;
 use feeler::sensor::layout::{ElementLayout, SensingElement};
@@ -13,15 +13,15 @@ use feeler_link::right::Right;
 use glam::DVec3;
 use std::time::Instant;
 
-/// The sensor program of one finger, whose fingertip is a taxel array.
+/// The sensor program of one finger whose fingertip is a taxel array.
 pub struct Publisher {
     program: SensorProgram,
-    /// Each taxel's frame, and that of the experiment's element of the same number.
+    /// Frame of each taxel, and frame of the experiment's element with the same number.
     frames: Vec<(SensingElement, SensingElement)>,
 }
 
 impl Publisher {
-    /// That of the experiment and finger which the options name.
+    /// Creates the publisher for the experiment and finger in `options`.
     pub fn new(
         options: &SenseOptions,
         layout: &TaxelLayout,
@@ -52,7 +52,7 @@ impl Publisher {
         })
     }
 
-    /// Publishes `frame`, whose row came in at `at`.
+    /// Publishes `frame`, whose row was received at `at`.
     pub fn publish(&mut self, frame: &TactileFrame, at: Instant) -> Result<(), CommandError> {
         let own = self.frames.iter().zip(&frame.forces);
         let forces = own.map(|((taxel, element), &force)| {
@@ -63,32 +63,33 @@ impl Publisher {
         Ok(self.program.publish(taken, forces)?)
     }
 
-    /// Warns of programs that are refused.
+    /// Warns about programs that are rejected.
     pub fn check_peers(&mut self) {
         self.program.check_peers();
     }
 }
 
-/// Refuses what the hand could not use.
+/// Rejects layouts that the hand cannot use.
 fn check(layout: &TaxelLayout, elements: usize) -> Result<(), CommandError> {
     let taxels = layout.taxels.len();
     if taxels != elements {
         return Err(format!(
-            "--publish: {taxels} taxels, but the fingertip of the experiment has {elements} elements; expected as many"
+            "--publish: {taxels} taxels, but the experiment's fingertip has {elements} elements; expected equal numbers"
         )
         .into());
     }
     if layout.force_unit() == TaxelUnit::Counts {
-        let message = "--publish: the hand's thresholds are in newtons; expected counts_per_newton in the layout";
+        let message =
+            "--publish: the hand's thresholds are in newtons; add counts_per_newton to the layout";
         return Err(message.into());
     }
     if layout.columns.sequence.is_some() {
-        return Err("--publish: sequences are for recordings; expected rows of one".into());
+        return Err("--publish: expected a single sequence of rows; remove the sequence column from the layout or the options".into());
     }
     Ok(())
 }
 
-/// The `force` on a taxel, in the frame of an experiment's element: the same vector.
+/// Transforms the `force` on a taxel to the frame of an experiment's element. The vector remains the same.
 fn in_frame_of(element: &SensingElement, taxel: &SensingElement, force: DVec3) -> DVec3 {
     let own = element.rotation.transpose() * taxel.force_on_fingertip(force);
     own.with_z(-own.z)
@@ -98,7 +99,7 @@ fn in_frame_of(element: &SensingElement, taxel: &SensingElement, force: DVec3) -
 mod tests {
     use super::*;
 
-    /// Whatever frames it is told in, it pushes the fingertip alike.
+    /// The force on the fingertip is the same in both frames.
     #[test]
     fn a_force_keeps_its_direction() {
         let taxel = SensingElement::facing(DVec3::X);

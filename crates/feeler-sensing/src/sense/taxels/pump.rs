@@ -1,4 +1,4 @@
-//! Reads rows on a thread of its own, so that who waits for one can give up waiting.
+//! Reads rows on a background thread, so that the caller can time out.
 
 use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 use feeler::sensor::taxel::{Seen, TaxelLayout, TaxelSensor};
@@ -8,18 +8,18 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, s
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Frames that may wait.
+/// Maximum number of queued events.
 const WAITING: usize = 64;
 
-/// What came of reading.
+/// An event from the reading thread.
 pub enum Event {
-    /// A sequence of this name begins, where a column names it.
+    /// A sequence of this name begins; only if a column names sequences.
     Sequence(String),
-    /// A row was sensed, which came in at `at`.
+    /// A row received at `at` was sensed.
     Frame { frame: TactileFrame, at: Instant },
-    /// Something was not as it should be for the first time, in words.
+    /// Description of a problem that occurred for the first time.
     Trouble(String),
-    /// There is no further row: what was not as it should be, how often and in words, and how many lines were skipped.
+    /// The table ended: number and description of each problem, and number of skipped lines.
     Ended {
         troubles: Vec<(u64, String)>,
         skipped: u64,
@@ -28,7 +28,9 @@ pub enum Event {
     Failed(String),
 }
 
-/// A taxel array on a thread of its own, which ends with its table, or at its next row after the pump is dropped.
+/// A taxel array read on a background thread.
+///
+/// The thread ends with its table, or at its next row after the pump is dropped.
 pub struct RowPump {
     events: Receiver<Event>,
     used: Sender<TactileFrame>,
@@ -48,32 +50,32 @@ impl RowPump {
                 Ok(sensor) => read_all(sensor, &sender, &unused),
                 Err(error) => Some(Event::Failed(error.to_string())),
             };
-            // Where nobody listens any more, nobody needs to know.
+            // The pump may have been dropped.
             let _ = ended.map(|event| sender.send(event));
         };
         thread::Builder::new().name("taxels".into()).spawn(run)?;
         Ok(Self { events, used })
     }
 
-    /// What comes next: none if there is nothing within `timeout`.
+    /// Returns the next event, or `None` if none arrives within `timeout`.
     pub fn next(&self, timeout: Duration) -> Option<Event> {
         match self.events.recv_timeout(timeout) {
             Ok(event) => Some(event),
             Err(RecvTimeoutError::Timeout) => None,
             Err(RecvTimeoutError::Disconnected) => {
-                Some(Event::Failed("the thread that reads it has ended".into()))
+                Some(Event::Failed("the reading thread has ended".into()))
             }
         }
     }
 
-    /// Gives a frame back to be filled again.
+    /// Returns a frame for reuse.
     pub fn give_back(&self, frame: TactileFrame) {
-        // Where reading has ended, nobody needs it.
+        // Not needed if reading has ended.
         let _ = self.used.send(frame);
     }
 }
 
-/// Reads until the end, which it returns, or until nobody listens.
+/// Reads until the end and returns the final event, or `None` if the receiver was dropped.
 fn read_all<R: BufRead>(
     mut sensor: TaxelSensor<R>,
     sender: &SyncSender<Event>,

@@ -1,4 +1,4 @@
-//! An open camera: what it can do, and how it is set.
+//! An open camera: its capabilities and settings.
 
 use super::{Aravis, Failure, Functions, Object, text};
 use std::ffi::{CString, c_char, c_int, c_uint, c_void};
@@ -8,7 +8,7 @@ use std::ptr::NonNull;
 const AUTO_OFF: c_int = 0;
 const CONTINUOUS: c_int = 0;
 
-/// A number that a camera can be set to.
+/// A numeric camera setting.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub(in super::super) enum Quantity {
     /// Exposure time, µs.
@@ -19,12 +19,12 @@ pub(in super::super) enum Quantity {
     FrameRate,
 }
 
-/// The functions of a quantity.
+/// The library functions of one quantity.
 struct OfQuantity {
     is_available: unsafe extern "C" fn(Object, Failure) -> c_int,
     bounds: unsafe extern "C" fn(Object, *mut f64, *mut f64, Failure),
     set: unsafe extern "C" fn(Object, f64, Failure),
-    /// Whether the camera can set it by itself, and how to keep it from that.
+    /// Checks whether the camera has an automatic mode for the quantity, and sets that mode. `None` if it never has.
     automatic: Option<(
         unsafe extern "C" fn(Object, Failure) -> c_int,
         unsafe extern "C" fn(Object, c_int, Failure),
@@ -37,12 +37,13 @@ pub(in super::super) struct Device {
     pub(super) camera: NonNull<c_void>,
 }
 
-// SAFETY: Aravis' objects belong to no thread; `&mut` and the absence of `Sync` let one thread at a time call them.
+// SAFETY: Aravis' objects are not bound to a thread. `&mut` and the absence of `Sync` let only one thread at a time
+// call them.
 unsafe impl Send for Device {}
 
 impl Drop for Device {
     fn drop(&mut self) {
-        // SAFETY: the reference that opening gave, given back once.
+        // SAFETY: releases the reference obtained on opening, once.
         unsafe { (self.functions().g_object_unref)(self.camera.as_ptr()) }
     }
 }
@@ -52,7 +53,7 @@ impl Device {
         &self.aravis.functions
     }
 
-    /// What `call` does to the camera.
+    /// Calls a library function on the camera and returns its result or its error.
     pub(super) fn call<T>(
         &self,
         call: impl FnOnce(&Functions, Object, Failure) -> T,
@@ -60,11 +61,13 @@ impl Device {
         (self.aravis).checked(|failure| call(self.functions(), self.camera.as_ptr(), failure))
     }
 
-    /// Whether it does what this program says: a GigE Vision camera obeys the first that has opened it.
+    /// Returns whether this process controls the camera: a GigE Vision camera accepts settings only from the first
+    /// process that opened it.
     pub(in super::super) fn obeys(&self) -> bool {
         let functions = self.functions();
         let camera = self.camera.as_ptr();
-        // SAFETY: the camera is open; its device is its own, and a GigE Vision one where it is asked whom it obeys.
+        // SAFETY: the camera is open and owns its device, which is a GigE Vision device if the second function is
+        // called.
         unsafe {
             (functions.arv_camera_is_gv_device)(camera) == 0
                 || (functions.arv_gv_device_is_controller)((functions.arv_camera_get_device)(
@@ -77,7 +80,7 @@ impl Device {
     pub(in super::super) fn names(&self) -> Result<[String; 3], String> {
         let functions = self.functions();
         let of = |get: unsafe extern "C" fn(Object, Failure) -> *const c_char| {
-            // SAFETY: the camera is open; the text is its own, and copied.
+            // SAFETY: the camera is open; it owns the text, which is copied.
             self.call(|_, camera, failure| unsafe { text(get(camera, failure)) })
         };
         Ok([
@@ -87,12 +90,12 @@ impl Device {
         ])
     }
 
-    /// Columns and rows of its sensor.
+    /// Columns and rows of the sensor, px.
     pub(in super::super) fn sensor_size(&self) -> Result<[i32; 2], String> {
         self.pair(self.functions().arv_camera_get_sensor_size)
     }
 
-    /// Least and largest number of columns, and of rows.
+    /// Minimum and maximum number of columns, and of rows.
     pub(in super::super) fn size_bounds(&self) -> Result<[[i32; 2]; 2], String> {
         Ok([
             self.pair(self.functions().arv_camera_get_width_bounds)?,
@@ -110,7 +113,7 @@ impl Device {
         Ok([a, b])
     }
 
-    /// Column, row, columns and rows of the region that is read from the sensor.
+    /// Column, row, width and height of the region that is read from the sensor, px.
     pub(in super::super) fn region(&self) -> Result<[i32; 4], String> {
         let [mut x, mut y, mut width, mut height] = [0; 4];
         // SAFETY: the camera is open; the numbers outlive the call.
@@ -122,7 +125,7 @@ impl Device {
         Ok([x, y, width, height])
     }
 
-    /// Sets the region; a column or row below zero stays as it is.
+    /// Sets the region. A negative column or row leaves that offset unchanged.
     pub(in super::super) fn set_region(
         &self,
         [x, y, width, height]: [i32; 4],
@@ -133,7 +136,7 @@ impl Device {
         })
     }
 
-    /// Whether the region can be moved.
+    /// Returns whether the region can be moved.
     pub(in super::super) fn has_offset(&self) -> bool {
         // SAFETY: the camera is open.
         let has = self.call(|functions, camera, failure| unsafe {
@@ -142,7 +145,7 @@ impl Device {
         has.is_ok_and(|has| has != 0)
     }
 
-    /// Names of the pixel formats that it has.
+    /// Names of the available pixel formats.
     pub(in super::super) fn pixel_formats(&self) -> Result<Vec<String>, String> {
         self.names_of(
             self.functions()
@@ -150,7 +153,7 @@ impl Device {
         )
     }
 
-    /// Names of what can trigger it.
+    /// Names of the available trigger sources.
     pub(in super::super) fn trigger_sources(&self) -> Result<Vec<String>, String> {
         self.names_of(self.functions().arv_camera_dup_available_trigger_sources)
     }
@@ -166,7 +169,7 @@ impl Device {
         if names.is_null() {
             return Ok(Vec::new());
         }
-        // SAFETY: Aravis gives so many texts of its own, which are copied, in a list that is the caller's to free.
+        // SAFETY: Aravis returns `count` texts that it owns, which are copied, in an array that the caller frees.
         unsafe {
             let all = std::slice::from_raw_parts(names, count as usize);
             let all = all.iter().map(|&name| text(name)).collect();
@@ -175,13 +178,13 @@ impl Device {
         }
     }
 
-    /// Takes the pixel format of this name.
+    /// Sets the pixel format.
     pub(in super::super) fn set_pixel_format(&self, name: &str) -> Result<(), String> {
         let set = self.functions().arv_camera_set_pixel_format_from_string;
         self.set_text(set, name)
     }
 
-    /// Lets it take a picture when this source says so.
+    /// Triggers images by the given source.
     pub(in super::super) fn set_trigger(&self, source: &str) -> Result<(), String> {
         self.set_text(self.functions().arv_camera_set_trigger, source)
     }
@@ -196,17 +199,17 @@ impl Device {
         self.call(|_, camera, failure| unsafe { set(camera, value.as_ptr(), failure) })
     }
 
-    /// Lets it run freely.
+    /// Disables triggers: the camera runs freely.
     pub(in super::super) fn clear_triggers(&self) -> Result<(), String> {
         self.command(self.functions().arv_camera_clear_triggers)
     }
 
-    /// Triggers one picture.
+    /// Triggers one image by command.
     pub(in super::super) fn trigger(&self) -> Result<(), String> {
         self.command(self.functions().arv_camera_software_trigger)
     }
 
-    /// Starts taking pictures without an end.
+    /// Starts continuous acquisition.
     pub(in super::super) fn start(&self) -> Result<(), String> {
         // SAFETY: the camera is open.
         self.call(|functions, camera, failure| unsafe {
@@ -215,7 +218,7 @@ impl Device {
         self.command(self.functions().arv_camera_start_acquisition)
     }
 
-    /// Ends it.
+    /// Stops the acquisition.
     pub(in super::super) fn stop(&self) -> Result<(), String> {
         self.command(self.functions().arv_camera_stop_acquisition)
     }
@@ -225,7 +228,7 @@ impl Device {
         self.call(|_, camera, failure| unsafe { of(camera, failure) })
     }
 
-    /// Asks it for something that every camera has: whether it still answers.
+    /// Reads a feature that every camera has, to check that the camera still responds.
     pub(in super::super) fn answers(&self) -> Result<(), String> {
         // SAFETY: the camera is open; the text ends with a zero.
         let asked = self.call(|functions, camera, failure| unsafe {
@@ -264,7 +267,7 @@ impl Device {
         }
     }
 
-    /// Least and largest value; none where the camera cannot be set so.
+    /// Minimum and maximum value, or `None` if the camera does not have the setting.
     pub(in super::super) fn bounds(&self, quantity: Quantity) -> Result<Option<[f64; 2]>, String> {
         let of = self.of(quantity);
         // SAFETY: the camera is open.
@@ -280,7 +283,7 @@ impl Device {
         Ok(Some([low, high]))
     }
 
-    /// Sets the value, and keeps the camera from changing it by itself.
+    /// Sets the value after disabling the automatic mode, if any.
     pub(in super::super) fn set(&self, quantity: Quantity, value: f64) -> Result<(), String> {
         let of = self.of(quantity);
         if let Some((can, set)) = of.automatic {

@@ -1,4 +1,4 @@
-//! The pictures that a camera sends.
+//! Stream of images from a camera.
 
 use super::{Device, Functions, Object};
 use std::ffi::{c_int, c_void};
@@ -9,13 +9,13 @@ use std::time::Duration;
 const SUCCESS: c_int = 0;
 
 impl Device {
-    /// A stream of its pictures with so many buffers. Must be dropped before the camera.
+    /// Creates a stream with the given number of buffers. The stream must be dropped before the camera.
     pub(in super::super) fn stream(&self, buffers: usize) -> Result<Stream, String> {
         // SAFETY: the camera is open.
         let payload = self.call(|functions, camera, failure| unsafe {
             (functions.arv_camera_get_payload)(camera, failure)
         })?;
-        // SAFETY: the camera is open; there is no callback, and no data for one.
+        // SAFETY: the camera is open; callback and user data are null.
         let stream = self.call(|functions, camera, failure| unsafe {
             (functions.arv_camera_create_stream)(camera, null(), null(), failure)
         })?;
@@ -24,7 +24,7 @@ impl Device {
             stream: NonNull::new(stream).ok_or("no stream")?,
         };
         for _ in 0..buffers {
-            // SAFETY: the stream is open, and takes the new buffer for its own.
+            // SAFETY: the stream is open and takes ownership of the new buffer.
             unsafe {
                 let buffer = (stream.functions.arv_buffer_new_allocate)(payload as usize);
                 (stream.functions.arv_stream_push_buffer)(stream.stream.as_ptr(), buffer);
@@ -34,27 +34,28 @@ impl Device {
     }
 }
 
-/// What a camera sends.
+/// An image stream of a camera.
 pub(in super::super) struct Stream {
     functions: &'static Functions,
     stream: NonNull<c_void>,
 }
 
-// SAFETY: as with `Device`; the stream's own thread meets others in a queue of GLib's.
+// SAFETY: as for `Device`; the stream's internal thread communicates through a GLib queue.
 unsafe impl Send for Stream {}
 
 impl Drop for Stream {
     fn drop(&mut self) {
-        // SAFETY: the reference that the camera gave, given back once. It ends the stream's thread and frees its buffers.
+        // SAFETY: releases the reference obtained from the camera, once. This ends the stream's thread and frees its
+        // buffers.
         unsafe { (self.functions.g_object_unref)(self.stream.as_ptr()) }
     }
 }
 
 impl Stream {
-    /// The next picture in the order in which they came; none if none comes in time.
+    /// Next image in order of arrival, or `None` if none arrives within `timeout`.
     pub(in super::super) fn next(&mut self, timeout: Duration) -> Option<Buffer<'_>> {
         let microseconds = timeout.as_micros() as u64;
-        // SAFETY: the stream is open. A buffer that it gives is the caller's.
+        // SAFETY: the stream is open. The caller owns the returned buffer.
         let buffer = unsafe {
             (self.functions.arv_stream_timeout_pop_buffer)(self.stream.as_ptr(), microseconds)
         };
@@ -66,7 +67,7 @@ impl Stream {
     }
 }
 
-/// A picture; the stream gets its memory back when it is dropped.
+/// An image. Dropping it returns its buffer to the stream.
 pub(in super::super) struct Buffer<'a> {
     stream: &'a Stream,
     buffer: NonNull<c_void>,
@@ -75,7 +76,7 @@ pub(in super::super) struct Buffer<'a> {
 impl Drop for Buffer<'_> {
     fn drop(&mut self) {
         let stream = self.stream;
-        // SAFETY: stream and buffer are there; the buffer is given away once.
+        // SAFETY: stream and buffer are valid; ownership of the buffer is passed once.
         unsafe {
             (stream.functions.arv_stream_push_buffer)(stream.stream.as_ptr(), self.buffer.as_ptr());
         }
@@ -84,40 +85,40 @@ impl Drop for Buffer<'_> {
 
 impl Buffer<'_> {
     fn get<T>(&self, get: unsafe extern "C" fn(Object) -> T) -> T {
-        // SAFETY: the buffer is the caller's.
+        // SAFETY: this object owns the buffer.
         unsafe { get(self.buffer.as_ptr()) }
     }
 
-    /// What is wrong with it, if anything.
+    /// Reason why the image is incomplete, or `None` if it is complete.
     pub(in super::super) fn fault(&self) -> Option<&'static str> {
         match self.get(self.stream.functions.arv_buffer_get_status) {
             SUCCESS => None,
-            2 => Some("not all of it came in time"),
+            2 => Some("it did not arrive completely in time"),
             3 => Some("packets of it are missing"),
             4 => Some("a packet of it has a wrong number"),
-            5 => Some("it has another size than the camera said"),
+            5 => Some("its size differs from the one announced by the camera"),
             8 => Some("it was aborted"),
-            9 => Some("its kind of payload is not known"),
+            9 => Some("its payload type is unknown"),
             _ => Some("it was not filled"),
         }
     }
 
-    /// When the camera took it, ns of the camera's own clock.
+    /// Time of exposure by the camera's clock, ns.
     pub(in super::super) fn timestamp(&self) -> u64 {
         self.get(self.stream.functions.arv_buffer_get_timestamp)
     }
 
-    /// Its number by the camera's counter.
+    /// Frame number by the camera's counter.
     pub(in super::super) fn frame_id(&self) -> u64 {
         self.get(self.stream.functions.arv_buffer_get_frame_id)
     }
 
-    /// Number of its pixel format.
+    /// Pixel format code.
     pub(in super::super) fn pixel_format(&self) -> u32 {
         self.get(self.stream.functions.arv_buffer_get_image_pixel_format)
     }
 
-    /// Its columns and rows.
+    /// Columns and rows, px.
     pub(in super::super) fn size(&self) -> [i32; 2] {
         let functions = self.stream.functions;
         [
@@ -127,10 +128,11 @@ impl Buffer<'_> {
         .map(|of| self.get(of))
     }
 
-    /// Its bytes.
+    /// Image data.
     pub(in super::super) fn bytes(&self) -> &[u8] {
         let mut size = 0;
-        // SAFETY: the buffer is the caller's, so that nobody writes into it; its memory is there for as long as it is.
+        // SAFETY: this object owns the buffer, so nothing else writes into it; its memory stays valid as long as the
+        // buffer.
         unsafe {
             let get = self.stream.functions.arv_buffer_get_data;
             let data = get(self.buffer.as_ptr(), &raw mut size);

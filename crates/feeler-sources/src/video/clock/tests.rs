@@ -12,13 +12,13 @@ fn driver(time: f64, sequence: u32) -> Option<DriverStamp> {
 }
 
 #[test]
-fn without_a_driver_s_stamp_a_late_frame_leaves_a_gap() {
+fn without_driver_stamps_a_late_frame_leaves_a_gap() {
     let mut clock = FrameClock::new(OPENED, 0.01);
     let arrivals = [0.5, 0.51, 0.5198, 0.5502, 0.5502];
     let stamped = arrivals.map(|arrival| clock.stamp(None, arrival));
     assert_eq!(stamped.clone().map(|s| s.sequence), [0, 1, 2, 5, 6]);
     assert_eq!(stamped.clone().map(|s| s.stamp), arrivals);
-    // Once.
+    // Warns only once.
     let warnings = stamped.map(|s| s.warning.is_some());
     assert_eq!(warnings, [true, false, false, false, false]);
     let mut stopped = FrameClock::new(OPENED, 0.0);
@@ -27,9 +27,9 @@ fn without_a_driver_s_stamp_a_late_frame_leaves_a_gap() {
 }
 
 #[test]
-fn stamps_and_gaps_are_the_driver_s_however_late_pictures_come() {
+fn driver_stamps_are_used_however_late_images_arrive() {
     let mut clock = FrameClock::new(OPENED, INTERVAL);
-    // The program was busy for 3 s and then takes what two buffers hold; the driver drops meanwhile.
+    // The program was busy for 3 s and then reads the contents of two buffers; meanwhile the driver dropped frames.
     let frames = [
         (0.10, 0.13, 0, 0),
         (0.14, 0.17, 1, 1),
@@ -57,7 +57,7 @@ fn numbers_wrap_at_the_end_of_32_bits() {
     assert_eq!(numbers, [0, 1, 2, 4]);
 }
 
-/// Stamps a frame after nine good ones, of which the last was frame 8.
+/// Stamps a frame after nine valid ones, the last of them frame 8.
 fn after_good_ones(stamp: Option<DriverStamp>) -> Stamped {
     let mut clock = FrameClock::new(OPENED, INTERVAL);
     for frame in 0..9_u32 {
@@ -69,7 +69,7 @@ fn after_good_ones(stamp: Option<DriverStamp>) -> Stamped {
 }
 
 #[test]
-fn stamps_and_numbers_that_cannot_be_true_give_way_to_the_arrival() {
+fn impossible_stamps_and_numbers_are_replaced_by_arrivals() {
     let arrival = 9.0 * INTERVAL + 0.02;
     let no_time = Some(DriverStamp {
         time: None,
@@ -81,7 +81,7 @@ fn stamps_and_numbers_that_cannot_be_true_give_way_to_the_arrival() {
         (driver(arrival + 0.1, 9), "0.100 s in the future"),
         (driver(f64::MAX, 9), "in the future"),
         (driver(8.0 * INTERVAL, 9), "not later than the last"),
-        (driver(-1.5, 9), "older than the picture can be"),
+        (driver(-1.5, 9), "older than the image can be"),
         (driver(arrival, 8), "counts frame 8 after frame 8"),
         (driver(arrival, 3), "counts frame 3 after frame 8"),
         (driver(arrival, 1 << 20), "counts frame 1048576 after"),
@@ -92,14 +92,14 @@ fn stamps_and_numbers_that_cannot_be_true_give_way_to_the_arrival() {
         assert!(warning.contains(words), "{warning}");
         assert_eq!((stamped.stamp, stamped.sequence), (arrival, 9), "{words}");
     }
-    // A few milliseconds come of converting clocks.
+    // Clock conversion may be off by a few milliseconds.
     let early = after_good_ones(driver(arrival + 0.004, 9));
     assert_eq!((early.stamp, early.warning), (arrival, None));
 }
 
 proptest! {
     #[test]
-    fn whatever_a_driver_says_stamps_go_forward_and_not_beyond_arrivals(
+    fn stamps_never_decrease_or_exceed_arrivals(
         opened in prop_oneof![Just(OPENED), any::<f64>()],
         interval in prop_oneof![Just(INTERVAL), any::<f64>()],
         said in prop::collection::vec(

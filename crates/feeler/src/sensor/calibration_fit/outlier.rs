@@ -1,40 +1,41 @@
-//! Loads that all other loads contradict, as a mistyped one is.
+//! Detects loads that contradict all other loads, such as mistyped ones.
 
 use super::{Calibration, ElementRecord, Orders, Prepared};
 use crate::sensor::calibration::ForceMap;
 use crate::sensor::calibration_quality::root_mean_square;
 use glam::DVec3;
 
-/// Least loads of an element among which one can be told from the others.
+/// Minimum number of loads of an element for detecting outliers.
 const LEAST_LOADS: usize = 20;
-/// An error this many times as large as the others usually are, and as their root mean square, is no error of the fit.
+/// Minimum ratio of a mistyped load's error to the robust standard deviation and to the root mean square of the other
+/// loads' errors.
 pub(in crate::sensor) const MISTYPED: f64 = 15.0;
 const MISTYPED_RMS: f64 = 5.0;
-/// Least error of a mistyped load relative to the largest force of the other loads.
+/// Minimum error of a mistyped load relative to the largest force of the other loads.
 pub(in crate::sensor) const LEAST_SHARE: f64 = 0.1;
 /// Standard deviation of a normal distribution relative to the median of its absolute values.
 const DEVIATION_BY_MEDIAN: f64 = 1.4826;
 
-/// A load that is far from what all other loads of its element predict.
+/// A load that is far from the prediction by all other loads of its element.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Outlier {
     /// Index of the element.
     pub element: usize,
-    /// Index of the load among those that are fitted.
+    /// Index of the load in the element's fitted loads.
     pub load: usize,
     /// Component of the force: 0 is x, 1 y, 2 z.
     pub axis: usize,
-    /// The component as it is given, N.
+    /// Given value of the component, N.
     pub given: f64,
-    /// The component as the other loads predict it, N.
+    /// Value predicted by the other loads, N.
     pub predicted: f64,
     /// Standard deviation of the other loads' errors, N.
     pub usual: f64,
 }
 
 impl Outlier {
-    /// Whether it is twice as large as any other load in `records`. Its picture is like theirs, so that it is no error of the picture; and it
-    /// decides how all others are fitted.
+    /// Returns whether the value is more than twice as large as any other load in `records`. As its image resembles
+    /// those of the other loads, the image is not the cause, and the load would dominate the fit.
     pub fn is_beyond_all(&self, records: &[ElementRecord]) -> bool {
         let elements = records.iter().enumerate();
         let mut others = elements.flat_map(|(element, record)| {
@@ -44,15 +45,15 @@ impl Outlier {
         others.all(|(_, sample)| self.given.abs() > 2.0 * sample.force.length())
     }
 
-    /// How many times as large as usual its error is.
+    /// Ratio of the error to the standard deviation.
     fn ratio(&self) -> f64 {
         (self.given - self.predicted).abs() / self.usual
     }
 }
 
-/// The load that contradicts the other loads of its element most, if any does: one whose error in a fit to the others is
-/// more than 15 standard deviations of theirs, as robustly estimated, 5 times their root mean square and a tenth of their largest force,
-/// though its picture is within the ranges of theirs. `None` too where a fit without it fails.
+/// Finds the load that contradicts the other loads of its element most, if any: its error in a fit to the others
+/// exceeds 15 robust standard deviations of theirs, 5 times their root mean square, and a tenth of their largest
+/// force, although its moments are within the range of theirs. Also `None` if a fit without it fails.
 pub fn outlier(calibration: &Calibration, records: &[ElementRecord]) -> Option<Outlier> {
     let elements = calibration.elements.iter().zip(records).enumerate();
     let outliers = elements.filter_map(|(index, (element, record))| {
@@ -65,7 +66,7 @@ pub fn outlier(calibration: &Calibration, records: &[ElementRecord]) -> Option<O
     outliers.max_by(|a, b| a.ratio().total_cmp(&b.ratio()))
 }
 
-/// The same for one element, whose model has these numbers of terms if it is coupled.
+/// Finds the outlier of one element. `orders` are the numbers of terms of a coupled model.
 fn outlier_of(element: usize, record: &ElementRecord, orders: Option<Orders>) -> Option<Outlier> {
     if record.fitted.len() < LEAST_LOADS {
         return None;
@@ -85,7 +86,7 @@ fn outlier_of(element: usize, record: &ElementRecord, orders: Option<Orders>) ->
         )
         .filter(|(_, ratio)| ratio.is_finite())
         .max_by(|a, b| a.1.total_cmp(&b.1))?;
-    // It has spoilt the fits that predict the others: they are judged without it.
+    // The outlier distorts the fits that predict the others, so their errors are computed without it.
     let mut others = record.clone();
     let suspect = others.fitted.remove(load);
     let prepared = Prepared::new(&others).ok()?;
@@ -99,7 +100,7 @@ fn outlier_of(element: usize, record: &ElementRecord, orders: Option<Orders>) ->
     let largest = prepared.forces.iter().map(|force| force.length());
     let least = LEAST_SHARE * largest.fold(0.0, f64::max);
     let limit = (MISTYPED * usual).max(MISTYPED_RMS * rms)[axis].max(least);
-    // What the picture of no other load shows is predicted of none.
+    // A load outside the range of the others cannot be predicted from them.
     let is_mistyped = error[axis] > limit && map.covers(inputs, 0.0);
     is_mistyped.then_some(Outlier {
         element,
@@ -111,12 +112,12 @@ fn outlier_of(element: usize, record: &ElementRecord, orders: Option<Orders>) ->
     })
 }
 
-/// Standard deviation of each component of `errors`, N, whatever a few of them are; above zero.
+/// Robust standard deviation of each component of `errors`, N; above zero.
 fn deviation(errors: &[DVec3]) -> DVec3 {
     DVec3::from_array([0, 1, 2].map(|axis| robust_deviation(errors.iter().map(|e| e[axis]))))
 }
 
-/// Standard deviation of `errors` about zero, whatever a few of them are; above zero.
+/// Robust standard deviation of `errors` about zero; above zero.
 pub(in crate::sensor) fn robust_deviation(errors: impl Iterator<Item = f64>) -> f64 {
     let mut sizes: Vec<_> = errors.map(f64::abs).collect();
     sizes.sort_by(f64::total_cmp);

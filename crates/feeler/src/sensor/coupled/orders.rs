@@ -1,20 +1,20 @@
-//! How many terms each force of a coupled calibration needs: five-fold cross-validation.
+//! Chooses the number of terms of each force of a coupled calibration by five-fold cross-validation.
 //!
-//! A polynomial that is longer than the loads can tell fits their noise; predicting loads that a fit
-//! has not seen shows it.
+//! A polynomial with more terms than the loads determine fits their noise, which shows in the prediction of loads
+//! excluded from the fit.
 
 use super::{NORMAL_ORDERS, Orders, SHEAR_ORDERS, normal_terms, polynomial, shear_terms, solve};
 use crate::sensor::{calibration::Inputs, folds::Folds, least_squares::LEAST_SLOPE_RANGE};
 use glam::DVec3;
 
-/// A larger model must make the cross-validated error smaller by this part to be chosen.
+/// Minimum relative reduction of the cross-validated error by a larger model.
 const WORTHWHILE: f64 = 0.02;
 
-/// The numbers of terms that predict loads best which the fit has not seen: the least number that is
-/// not beaten by more than [`WORTHWHILE`].
+/// Chooses the numbers of terms with the best prediction of loads excluded from the fit. A larger number must improve
+/// it by more than [`WORTHWHILE`].
 ///
 /// # Errors
-/// When there are too few loads, or too few different ones, for the smallest model.
+/// If there are too few loads, or too few different ones, for the smallest model.
 pub(in crate::sensor) fn choose_orders(
     inputs: &[Inputs],
     forces: &[DVec3],
@@ -81,7 +81,7 @@ fn choose_order<const N: usize>(
         Ok(squares)
     };
     let mut best = (orders[0], squares(orders[0])?);
-    // A model for which the loads do not suffice is none to choose.
+    // Models that the loads do not determine are skipped.
     for (order, squares) in orders[1..]
         .iter()
         .filter_map(|&n| Some((n, squares(n).ok()?)))

@@ -1,18 +1,18 @@
-//! Which axes of a force sensor are those of the fingertip.
+//! Mapping from the axes of a force sensor to those of the fingertip.
 
 use glam::{DMat3, DVec3};
 use std::fmt;
 use std::str::FromStr;
 
-/// From a force sensor's axes to the fingertip's: `z,x,-y` means that x of the fingertip is z of the sensor, its y the sensor's x, and
-/// its z against the sensor's y.
+/// Maps a force sensor's axes to the fingertip's. `z,x,-y` means that x of the fingertip is z of the sensor, y is the
+/// sensor's x, and z is opposite to the sensor's y.
 ///
-/// Of a sensor's frame they are a rotation ([`is_rotation`](Self::is_rotation)). Columns of a table may also be mirrored, as an element's
-/// `F_z` is compression.
+/// For a sensor's frame the mapping must be a rotation ([`is_rotation`](Self::is_rotation)). The columns of a table
+/// may also be mirrored, as an element's `F_z` is compression.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ForceAxes(DMat3);
 
-/// Why a text names no axes.
+/// Error of parsing [`ForceAxes`].
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{text:?} {what}; expected three axes of the force sensor, as in \"x,y,z\" or \"z,x,-y\"")]
 pub struct AxesError {
@@ -27,34 +27,34 @@ impl Default for ForceAxes {
 }
 
 impl ForceAxes {
-    /// A force (N) in the sensor's frame, in the fingertip's.
+    /// Converts a force (N) from the sensor's frame to the fingertip's.
     pub fn to_fingertip(&self, force: DVec3) -> DVec3 {
         self.0 * force
     }
 
-    /// Those whose x, y and z are these unit vectors along axes of the sensor.
+    /// Creates axes from the unit vectors of x, y and z in the sensor's frame.
     pub(crate) fn of_rows([x, y, z]: [DVec3; 3]) -> Self {
         Self(DMat3::from_cols(x, y, z).transpose())
     }
 
-    /// Whether they turn a right-handed frame into one that is right-handed.
+    /// Returns whether the mapping preserves right-handedness.
     pub fn is_rotation(&self) -> bool {
         self.0.determinant() > 0.0
     }
 
-    /// The opposite axes, as of forces on the other of two bodies.
+    /// Opposite axes, such as for forces on the other of two bodies.
     pub fn reversed(self) -> Self {
         Self(-self.0)
     }
 
-    /// These axes of forces that `first` has turned.
+    /// Composition: applies `first`, then `self`.
     pub fn after(self, first: Self) -> Self {
         Self(self.0 * first.0)
     }
 }
 
 impl fmt::Display for ForceAxes {
-    /// As in `z,x,-y`.
+    /// Formats the axes, such as `z,x,-y`.
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let axes = self.0.transpose();
         for (separator, axis) in
@@ -89,19 +89,19 @@ impl FromStr for ForceAxes {
                 "x" => DVec3::X,
                 "y" => DVec3::Y,
                 "z" => DVec3::Z,
-                _ => return Err(wrong("names something else than x, y and z")),
+                _ => return Err(wrong("contains an axis other than x, y and z")),
             };
             let row = rows
                 .get_mut(count)
-                .ok_or_else(|| wrong("names more axes"))?;
+                .ok_or_else(|| wrong("has too many axes"))?;
             *row = sign * axis;
             count += 1;
         }
         let axes = Self::of_rows(rows);
         match (count, axes.0.determinant()) {
             (3, 1.0 | -1.0) => Ok(axes),
-            (3, _) => Err(wrong("names an axis twice")),
-            _ => Err(wrong("names fewer axes")),
+            (3, _) => Err(wrong("contains an axis twice")),
+            _ => Err(wrong("has too few axes")),
         }
     }
 }
@@ -111,7 +111,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn axes_turn_forces_and_others_are_refused() {
+    fn axes_rotate_forces_and_invalid_ones_are_refused() {
         let force = DVec3::new(1.0, 2.0, 3.0);
         for (text, turned) in [
             ("x,y,z", force),
@@ -140,10 +140,10 @@ mod tests {
             ["z,x,y", "-y,-x,-z", "z,y,x"]
         );
         for (text, words) in [
-            ("x,y", "fewer"),
-            ("x,y,z,x", "more"),
-            ("x,y,w", "something else"),
-            ("", "something else"),
+            ("x,y", "too few"),
+            ("x,y,z,x", "too many"),
+            ("x,y,w", "other than"),
+            ("", "other than"),
             ("x,x,z", "twice"),
         ] {
             let error = text.parse::<ForceAxes>().unwrap_err().to_string();

@@ -1,26 +1,27 @@
-//! Which element is touched, by how its moments differ from those without load.
+//! Detects the touched element from the deviation of its moments from the unloaded ones.
 
 use super::super::moments::ElementMoments;
 use glam::DVec2;
 
-/// Changes of an element, in standard deviations without load, below which it is untouched and from which it is touched.
+/// Deviation of an element, in standard deviations of the unloaded moments, below which it is untouched and from
+/// which on it is touched.
 const UNTOUCHED: f64 = 6.0;
 const TOUCHED: f64 = 12.0;
-/// Part of all change (squared) that the one element that is touched must have.
+/// Minimum fraction of the total squared deviation in a single touched element.
 const ALONE: f64 = 0.8;
 
-/// What is touched in a picture.
+/// Contact in an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Contact {
-    /// Nothing.
+    /// No element is touched.
     None,
-    /// This element alone.
+    /// Only this element is touched.
     Element(usize),
-    /// Several elements, or one so lightly that it may be noise.
+    /// Several elements are touched, or one so lightly that it may be noise.
     Unclear,
 }
 
-/// The elements without load.
+/// Statistics of the unloaded elements.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Untouched {
     elements: Vec<Noise>,
@@ -36,10 +37,10 @@ struct Noise {
 }
 
 impl Untouched {
-    /// Of pictures without load; none where there are fewer than two.
+    /// Computes the statistics of unloaded images; `None` for fewer than two.
     ///
-    /// Pictures tell of noise what a second shows of it. An element that happened to be still in them has that of most others, and all
-    /// have a ten-thousandth of their gray value at least.
+    /// A few images underestimate the noise of some elements. The standard deviations are therefore at least the
+    /// median over all elements, and at least a ten-thousandth of the gray value.
     pub fn of(pictures: &[Vec<ElementMoments>]) -> Option<Self> {
         let count = pictures.len() as f64;
         let elements = pictures.first().filter(|_| pictures.len() >= 2)?.len();
@@ -70,7 +71,7 @@ impl Untouched {
         Some(Self { elements })
     }
 
-    /// What is touched, and how much has changed in all, in standard deviations.
+    /// Returns the contact and the total deviation of all elements, in standard deviations.
     pub fn contact(&self, moments: &[ElementMoments]) -> (Contact, f64) {
         let changes = self.elements.iter().zip(moments).map(|(noise, now)| {
             let gray = (now.integrated_gray - noise.gray) / noise.of_gray;
@@ -118,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn one_element_is_told_from_none_and_from_several() {
+    fn one_touched_element_is_distinguished_from_none_and_several() {
         let pictures: Vec<_> = (0..16)
             .map(|k| moments(&[], 0.01 * f64::from(k % 2)))
             .collect();

@@ -1,36 +1,37 @@
-//! What is known of each element, and what is missing.
+//! Samples collected for each element, and samples still missing.
 
 use glam::DVec3;
 use std::fmt;
 
-/// Parts of the compression up to full scale that must be known.
+/// Number of steps of compression up to full scale that must be covered.
 const STEPS: usize = 5;
-/// Samples of each kind that make it known, and that are kept of it at most.
+/// Required number of samples of each kind, and maximum number kept.
 const ENOUGH: u32 = 4;
 const MOST: u32 = 8;
-/// Part of full scale from which a shear force is one along an axis.
+/// Minimum shear force along an axis, as a fraction of full scale.
 const SHEARED: f64 = 0.3;
 /// Directions of shear, in the element's frame.
 const DIRECTIONS: [&str; 4] = ["+x", "-x", "+y", "-y"];
 
-/// Samples of one element, by kind.
+/// Numbers of samples of one element, by kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub struct Coverage {
     compressed: [u32; STEPS],
     sheared: [u32; DIRECTIONS.len()],
 }
 
-/// How far to go: full scale, N.
+/// Full scale of the loads to collect, N.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Goal {
-    /// Largest compression.
+    /// Maximum compression.
     pub normal: f64,
-    /// Largest shear force.
+    /// Maximum shear force.
     pub shear: f64,
 }
 
 impl Coverage {
-    /// Counts a force, N, in the element's frame; false where as many of its kind are there as are kept.
+    /// Counts a force, N, in the element's frame. Returns `false` if enough samples of its kind are already kept, or
+    /// it is out of range.
     pub fn count(&mut self, force: DVec3, goal: &Goal) -> bool {
         let step = (force.z / goal.normal * STEPS as f64).floor();
         if !(0.0..STEPS as f64).contains(&step) {
@@ -51,19 +52,19 @@ impl Coverage {
         wanted
     }
 
-    /// Whether nothing is missing.
+    /// Returns whether no samples are missing.
     pub fn is_complete(&self) -> bool {
         self.part() >= 1.0
     }
 
-    /// How much is there of what must be, 0 to 1.
+    /// Fraction of the required samples that are present, 0 to 1.
     pub fn part(&self) -> f64 {
         let counts = self.compressed.iter().chain(&self.sheared);
         let there: u32 = counts.clone().map(|&count| count.min(ENOUGH)).sum();
         f64::from(there) / f64::from(ENOUGH * counts.count() as u32)
     }
 
-    /// What is missing, in words.
+    /// Describes the missing samples.
     pub fn missing(&self, goal: &Goal) -> Missing {
         Missing {
             coverage: *self,
@@ -72,7 +73,7 @@ impl Coverage {
     }
 }
 
-/// What is missing of an element, in words.
+/// Displays the missing samples of an element.
 #[derive(Debug, Clone, Copy)]
 pub struct Missing {
     coverage: Coverage,
@@ -84,7 +85,7 @@ impl fmt::Display for Missing {
         let Self { coverage, goal } = self;
         let width = goal.normal / STEPS as f64;
         let mut separator = "";
-        // Steps in a row are one range.
+        // Consecutive steps form one range.
         let mut first = 0;
         for range in coverage
             .compressed
@@ -122,7 +123,7 @@ mod tests {
     };
 
     #[test]
-    fn an_element_is_complete_when_it_was_pressed_and_pushed_all_ways() {
+    fn coverage_is_complete_after_all_compressions_and_directions() {
         let mut coverage = Coverage::default();
         assert!(
             !coverage.count(DVec3::new(0.0, 0.0, 1.0), &GOAL),

@@ -1,29 +1,29 @@
-//! How much later than a force the picture of it comes in.
+//! Estimates the latency of images relative to forces.
 
-/// What was measured at one time: s, and how much.
+/// A measurement: time (s) and value.
 pub type Timed = (f64, f64);
 
-/// Delays that are looked for, s.
+/// Range of delays to search, s.
 const RANGE: (f64, f64) = (-0.05, 0.5);
-/// Between delays that are tried, s.
+/// Resolution of the search, s.
 const STEP: f64 = 0.001;
-/// Time that both must be known for, s.
+/// Minimum duration for which both images and forces are required, s.
 const LEAST_TIME: f64 = 2.0;
 
-/// A delay, and how well both go together with it.
+/// A delay and the corresponding correlation.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Delay {
-    /// Time that pictures come in after forces, s.
+    /// Latency of images relative to forces, s.
     pub seconds: f64,
-    /// Correlation of both with this delay, at most 1.
+    /// Correlation at this delay, at most 1.
     pub correlation: f64,
 }
 
-/// The delay with which `pictures` follow `forces`, both in the order of time: where their correlation is largest. None where
-/// they are too short, one of them does not change, or no delay within reach is best.
+/// Finds the delay of `pictures` relative to `forces` (both in order of time) that maximizes their correlation.
+/// `None` if they are too short, one of them is constant, or the maximum is at the end of the search range.
 pub fn delay(pictures: &[Timed], forces: &[Timed]) -> Option<Delay> {
     let (first, last) = (forces.first()?.0, forces.last()?.0);
-    // Those whose force is known with any delay.
+    // Images for which a force is known at any delay.
     let pictures: Vec<Timed> = pictures
         .iter()
         .copied()
@@ -39,7 +39,7 @@ pub fn delay(pictures: &[Timed], forces: &[Timed]) -> Option<Delay> {
         .collect::<Option<_>>()?;
     let (best, &peak) = tried.iter().enumerate().max_by(|a, b| a.1.total_cmp(b.1))?;
     let (&before, &after) = (tried.get(best.checked_sub(1)?)?, tried.get(best + 1)?);
-    // The top of the parabola through the best and its neighbours.
+    // Maximum of the parabola through the best value and its neighbours.
     let bend = before - 2.0 * peak + after;
     let aside = if bend < 0.0 {
         0.5 * (before - after) / bend
@@ -52,7 +52,7 @@ pub fn delay(pictures: &[Timed], forces: &[Timed]) -> Option<Delay> {
     })
 }
 
-/// Correlation of the pictures with the forces that were so much earlier; none where one does not change.
+/// Correlation of the images with the forces `delay` seconds earlier; `None` if one of them is constant.
 fn correlation(pictures: &[Timed], forces: &[Timed], delay: f64) -> Option<f64> {
     let mut next = 0;
     let pairs = pictures.iter().map(|&(time, change)| {
@@ -79,7 +79,7 @@ fn correlation(pictures: &[Timed], forces: &[Timed], delay: f64) -> Option<f64> 
     (xx > 0.0 && yy > 0.0).then(|| xy / (xx * yy).sqrt())
 }
 
-/// What was between two times.
+/// Interpolates linearly between two measurements.
 pub fn between(&(from, start): &Timed, &(to, end): &Timed, time: f64) -> f64 {
     match to > from {
         true => start + (end - start) * ((time - from) / (to - from)).clamp(0.0, 1.0),
@@ -92,7 +92,7 @@ mod tests {
     use super::*;
     use proptest::prelude::*;
 
-    /// Presses of growing length, N.
+    /// Presses that get shorter and shorter, N.
     fn force(time: f64) -> f64 {
         (1.0 - (2.0 * time + 0.3 * time * time).cos()).powi(2)
     }
@@ -103,27 +103,27 @@ mod tests {
     }
 
     proptest! {
-        /// A camera of 30 frames a second follows a sensor of 1000: the delay is found to a third of a thirtieth of its frame's interval,
-        /// as nothing is lost by interpolation here but what the curve does in a millisecond; and whatever the picture's scale is.
+        /// A 30 Hz camera lags behind a 1000 Hz sensor. The delay is found to within a hundredth of the frame
+        /// interval, at any scale of the images' response. The only error is the interpolation within a millisecond.
         #[test]
         fn a_known_delay_is_found(delay in -0.03..0.4_f64, scale in 0.1..100.0_f64) {
             let forces = measured(1000.0, 6.0, force);
             let pictures = measured(30.0, 6.0, |time| 7.0 + scale * force((time - delay).max(0.0)));
             let found = super::delay(&pictures, &forces).expect("a delay");
-            prop_assert!((found.seconds - delay).abs() < 3.4e-4, "{found:?}, {delay} s expected");
+            prop_assert!((found.seconds - delay).abs() < 3.4e-4, "{found:?}, expected {delay} s");
             prop_assert!(found.correlation > 0.999);
         }
     }
 
     #[test]
-    fn nothing_is_found_where_nothing_is() {
+    fn constant_short_or_empty_data_give_no_delay() {
         let forces = measured(1000.0, 6.0, force);
         let still = measured(30.0, 6.0, |_| 1.0);
         assert_eq!(delay(&still, &forces), None);
         assert_eq!(delay(&forces[..1000], &forces), None);
         assert_eq!(delay(&[], &forces), None);
         assert_eq!(delay(&forces, &[]), None);
-        // What only rises is best at the end of what is tried.
+        // For monotonic data the best delay is at the end of the search range.
         let rising = |time: f64| time;
         let (slow, fast) = (
             measured(30.0, 6.0, rising),

@@ -1,4 +1,5 @@
-//! Pictures and loads in step: the tare of the force sensor, the untouched fingertip, and how late pictures are.
+//! Synchronizes images and loads: tare of the force sensor, statistics of the untouched fingertip, and latency of the
+//! images.
 
 use super::contact::{Contact, Untouched};
 use super::delay::{Delay, Timed, between, delay};
@@ -7,55 +8,55 @@ use crate::sensor::moments::ElementMoments;
 use glam::DVec3;
 use std::collections::VecDeque;
 
-/// Pictures without load that the untouched fingertip is known by.
+/// Number of unloaded images for the statistics of the untouched fingertip.
 const UNTOUCHED_PICTURES: usize = 16;
-/// Loads are kept for so long, s.
+/// Duration for which loads are kept, s.
 const KEPT: f64 = 20.0;
-/// Correlation of pictures and forces from which a delay is taken for true.
+/// Minimum correlation of images and forces for a delay to be accepted.
 const CORRELATED: f64 = 0.9;
-/// Presses from which the delay is looked for. Of whole ones: pictures do not grow in proportion to forces, which while only one
-/// side of a press is known looks like a delay.
+/// Minimum number of complete presses for estimating the delay. The response of images is not proportional to the
+/// force, which would look like a delay if only one flank of a press were known.
 const PRESSES: u32 = 3;
-/// Largest change of a sample's force, full scales per second, and the time over which it is taken, s.
+/// Maximum rate of change of a sample's force, full scales per second, and the time over which it is measured, s.
 const FASTEST: f64 = 2.0;
 const CHANGE_TIME: f64 = 0.02;
-/// The tare follows the untouched sensor with this time constant, s.
+/// Time constant with which the tare follows the untouched sensor, s.
 const TARE_TIME: f64 = 2.0;
 
-/// What a picture is of.
+/// Use of an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Of {
-    /// The untouched fingertip, while that is looked at.
+    /// The untouched fingertip, during the first stage.
     Untouched,
-    /// Presses for the delay.
+    /// Presses, while the delay is estimated.
     Presses,
-    /// What is touched, once loads are taken.
+    /// Contact, once loads are collected.
     Loads(Contact),
 }
 
-/// The state that pictures and loads share.
+/// State shared by images and loads.
 #[derive(Debug)]
 pub(super) struct InStep {
-    /// Force that loads go up to, N.
+    /// Maximum force of the loads, N.
     full_scale: f64,
     untouched_pictures: Vec<Vec<ElementMoments>>,
     untouched: Option<Untouched>,
-    /// Time and load on the fingertip, in its frame, with the tare in it.
+    /// Time and load on the fingertip, in its frame, including the tare.
     loads: VecDeque<(f64, Wrench)>,
-    /// Mean of the loads while nothing is touched, and the number of them.
+    /// Mean of the loads while nothing is touched, and their number.
     tare: Wrench,
     tared: u32,
-    /// How much pictures changed, while the delay is looked for.
+    /// Deviation of each image, while the delay is estimated.
     changes: Vec<Timed>,
     delay: Option<Delay>,
-    /// Presses that have ended.
+    /// Number of completed presses.
     presses: u32,
-    /// Whether the newest picture showed nothing touched.
+    /// `true` if nothing was touched in the latest image.
     is_free: bool,
 }
 
 impl InStep {
-    /// Of loads up to `full_scale`, N.
+    /// Creates the state for loads up to `full_scale`, N.
     pub(super) fn new(full_scale: f64) -> Self {
         Self {
             full_scale,
@@ -71,7 +72,7 @@ impl InStep {
         }
     }
 
-    /// How far it is.
+    /// Current stage.
     pub(super) fn stage(&self) -> Stage {
         match (&self.untouched, self.delay) {
             (None, _) => Stage::Untouched {
@@ -85,14 +86,14 @@ impl InStep {
         }
     }
 
-    /// Time that pictures come in after forces, once it is known.
+    /// Latency of images relative to forces, once it is known.
     pub(super) fn delay(&self) -> Option<Delay> {
         self.delay
     }
 
-    /// Takes a load (fingertip's frame) that came in at a time, s.
+    /// Adds a load (fingertip's frame) that was measured at the time `at`, s.
     pub(super) fn load(&mut self, at: f64, load: Wrench) {
-        // Times do not go back, and what is not finite is no load.
+        // Ignores loads that are not finite or out of order.
         let newest = self.loads.back().map(|&(newest, _)| newest);
         if !load.is_finite() || newest.is_some_and(|newest| at < newest) {
             return;
@@ -114,7 +115,7 @@ impl InStep {
         }
     }
 
-    /// Takes the moments of a picture that came in at a time, s: what it is of.
+    /// Adds the moments of an image taken at the time `at` (s) and returns its use.
     pub(super) fn picture(&mut self, at: f64, moments: &[ElementMoments]) -> Of {
         let Some(untouched) = &self.untouched else {
             self.untouched_pictures.push(moments.to_vec());
@@ -136,20 +137,20 @@ impl InStep {
         Of::Presses
     }
 
-    /// Whether loads are known for as long as a picture that came in at a time (s) needs.
+    /// Returns whether the loads needed for an image of the time `at` (s) have arrived.
     pub(super) fn is_ready(&self, at: f64) -> bool {
         let needed = self.time_of_picture(at) + 0.5 * CHANGE_TIME;
         let newest = self.loads.back().map(|&(newest, _)| newest);
         self.stage() != Stage::Loads || newest.is_some_and(|newest| newest >= needed)
     }
 
-    /// When the load was that a picture which came in at a time shows, s.
+    /// Time of the load that is visible in an image of the time `at`, s.
     fn time_of_picture(&self, at: f64) -> f64 {
         at - self.delay.map_or(0.0, |delay| delay.seconds)
     }
 
-    /// The load, without the tare, that a picture which came in at a time (s) shows; none where it is not known, or changes so fast
-    /// that the rest of the delay matters.
+    /// Load without the tare that is visible in an image of the time `at` (s). `None` if it is unknown, or changes so
+    /// fast that the error of the delay matters.
     pub(super) fn load_of_picture(&self, at: f64) -> Option<Wrench> {
         let time = self.time_of_picture(at);
         let half = 0.5 * CHANGE_TIME;
@@ -160,7 +161,7 @@ impl InStep {
         is_slow.then(|| load.without(self.tare))
     }
 
-    /// The load at a time, if one is known on either side of it.
+    /// Load at `time`, if loads before and after it are known.
     fn load_at(&self, time: f64) -> Option<Wrench> {
         let after = self.loads.partition_point(|&(at, _)| at < time);
         let (from, start) = *self.loads.get(after.checked_sub(1)?)?;
@@ -183,7 +184,7 @@ impl InStep {
         self.changes.retain(|&(at, _)| at >= oldest);
         let magnitude = |&(at, load): &(f64, Wrench)| (at, load.without(self.tare).force.length());
         let forces: Vec<Timed> = self.loads.iter().map(magnitude).collect();
-        // Noise alone may correlate by chance: it was pressed as hard as loads are.
+        // Noise alone may correlate by chance, so a minimum force is required.
         let pressed = forces
             .iter()
             .any(|&(_, force)| force > 0.2 * self.full_scale);

@@ -1,14 +1,16 @@
-//! Guides through loading a fingertip that stands on a six-axis force sensor: from pictures and forces as they come in to the samples
-//! that a calibration is fitted to ([`fit`](super::calibration_fit::fit)).
+//! Guides the user through loading a fingertip mounted on a six-axis force sensor, and turns incoming images and
+//! forces into the samples for fitting a calibration ([`fit`](super::calibration_fit::fit)).
 //!
-//! 1. **Untouched**: what forces and pictures are without load.
-//! 2. **Presses**: how much later than the force the picture of it comes in, by the correlation of both.
-//! 3. **Loads**: each picture in which one element alone is touched is a sample of that element, if forces like it are still missing
-//!    and the force does not change so fast that the delay's rest matters.
+//! 1. **Untouched**: measures forces and images without load.
+//! 2. **Presses**: estimates the latency of images relative to forces from their correlation.
+//! 3. **Loads**: collects samples. An image in which only one element is touched becomes a sample of that element, if
+//!   forces of its kind are still missing and the force does not change so fast that the error of the latency
+//!   matters.
 //!
-//! Where no single element can be loaded, [`LiveWrench`] guides through loading the whole fingertip, in rounds.
+//! If elements cannot be loaded individually, [`LiveWrench`] guides through loading the whole fingertip, in rounds.
 //!
-//! Times are of arrival, or of exposure where the camera says it, on one clock. Forces are those on the fingertip by what touches it.
+//! Times are arrival times, or exposure times if the camera reports them, on one clock. Forces are those on the
+//! fingertip by the object.
 
 mod axes;
 mod contact;
@@ -27,54 +29,54 @@ use contact::Contact;
 use glam::{DMat3, DVec3};
 use in_step::{InStep, Of};
 
-/// How far it is.
+/// Stage of a live calibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Stage {
-    /// So many pictures without load are still missing.
+    /// Images without load are collected.
     Untouched {
-        /// Pictures.
+        /// Number of missing images.
         missing: usize,
     },
-    /// Presses, each with a release, show the delay.
+    /// Presses, each followed by a release, to determine the latency.
     Presses {
-        /// So many are still missing, unless pictures and forces do not go together.
+        /// Number of missing presses; 0 if all are done but images and forces do not correlate.
         missing: u32,
-        /// What is found so far, if anything.
+        /// Result so far, if any.
         found: Option<Delay>,
     },
     /// Elements are loaded.
     Loads,
 }
 
-/// What a picture was good for.
+/// Result of processing an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Seen {
-    /// It is one of the untouched fingertip, which all elements are to know.
+    /// An image of the untouched fingertip, used for its statistics.
     Untouched,
-    /// One of the presses, or while nothing is touched.
+    /// An image during the presses, or without contact.
     Nothing,
-    /// Several elements are touched, or the force is gone too fast or not known at its time.
+    /// Several elements are touched, or the force changes too fast or is unknown at the image's time.
     Unclear,
-    /// More than the goal, or as many like it are there as are kept.
+    /// The force exceeds the goal, or enough samples of its kind are kept.
     Enough {
-        /// The element that is touched.
+        /// The touched element.
         element: usize,
         /// Force on it in its frame, N.
         force: DVec3,
     },
-    /// A sample to keep.
+    /// A new sample.
     Sample {
-        /// The element that is touched.
+        /// The touched element.
         element: usize,
         /// Force on it in its frame, N.
         force: DVec3,
     },
 }
 
-/// The state of a live calibration.
+/// State of a live calibration.
 #[derive(Debug)]
 pub struct LiveCalibration {
-    /// Rotation of each element's frame in the fingertip's.
+    /// Rotation of each element's frame relative to the fingertip's.
     frames: Vec<DMat3>,
     goal: Goal,
     coverage: Vec<Coverage>,
@@ -82,7 +84,8 @@ pub struct LiveCalibration {
 }
 
 impl LiveCalibration {
-    /// Of a fingertip whose elements' frames are so in its own frame, with as much known of each as `coverage` says.
+    /// Creates a calibration of a fingertip with elements rotated by `frames` relative to the fingertip's frame. It
+    /// continues from `coverage`, the samples already known of each element.
     pub fn new(frames: Vec<DMat3>, goal: Goal, coverage: Vec<Coverage>) -> Self {
         Self {
             frames,
@@ -92,39 +95,39 @@ impl LiveCalibration {
         }
     }
 
-    /// How far it is.
+    /// Current stage.
     pub fn stage(&self) -> Stage {
         self.in_step.stage()
     }
 
-    /// What is known of each element.
+    /// Samples known of each element.
     pub fn coverage(&self) -> &[Coverage] {
         &self.coverage
     }
 
-    /// The goal.
+    /// Full scale of the loads to collect.
     pub fn goal(&self) -> &Goal {
         &self.goal
     }
 
-    /// Time that pictures come in after forces, once it is known.
+    /// Latency of images relative to forces, once it is known.
     pub fn delay(&self) -> Option<Delay> {
         self.in_step.delay()
     }
 
-    /// Takes a force (N, fingertip's frame) that came in at a time, s.
+    /// Adds a force (N, fingertip's frame) measured at the time `at`, s.
     pub fn force(&mut self, at: f64, force: DVec3) {
         let torque = DVec3::ZERO;
         self.in_step.load(at, Wrench { force, torque });
     }
 
-    /// Whether forces are known for as long as a picture that came in at a time (s) needs: a camera may be as fast as the force
-    /// sensor.
+    /// Returns whether the forces needed for an image of the time `at` (s) have arrived. They may arrive after the
+    /// image if the camera is as fast as the force sensor.
     pub fn is_ready(&self, at: f64) -> bool {
         self.in_step.is_ready(at)
     }
 
-    /// Takes the moments of a picture that came in at a time, s: what it was good for.
+    /// Adds the moments of an image taken at the time `at` (s).
     pub fn picture(&mut self, at: f64, moments: &[ElementMoments]) -> Seen {
         match self.in_step.picture(at, moments) {
             Of::Untouched => Seen::Untouched,

@@ -1,5 +1,5 @@
-//! Guides through loading a fingertip as a whole, where no single element can be loaded: to what
-//! [`wrench::fit`](crate::sensor::wrench::fit) is fitted to.
+//! Guides the user through loading a fingertip as a whole, if elements cannot be loaded individually, to collect
+//! samples for [`wrench::fit`](crate::sensor::wrench::fit).
 
 use super::in_step::{InStep, Of};
 use super::{Contact, Delay, Goal, Stage};
@@ -7,34 +7,35 @@ use crate::sensor::moments::ElementMoments;
 use glam::DVec3;
 use std::fmt;
 
-/// Parts of the compression up to full scale that must be known.
+/// Number of steps of compression up to full scale that must be covered.
 const STEPS: usize = 5;
-/// Directions of shear, in the fingertip's frame, and parts of full scale that must be known along each.
+/// Directions of shear in the fingertip's frame, and the minimum forces of the two levels of shear in each direction,
+/// as fractions of full scale.
 const DIRECTIONS: [&str; 4] = ["+x", "-x", "+y", "-y"];
 const SHEARED: [f64; 2] = [0.3, 0.65];
-/// All of that is gone through so often, and each time so many samples of each kind are kept: the error is found with a fifth of the
-/// time left out, and should find no kind of load there that the rest does not know.
+/// Number of rounds, and number of samples of each kind per round. Cross-validation leaves out a fifth of the time,
+/// and the remaining rounds must cover all kinds of loads.
 const ROUNDS: u32 = 5;
 const PER_ROUND: u32 = 4;
-/// Least time between samples, s: one picture after the other shows the same load.
+/// Minimum time between samples, s; consecutive images show the same load.
 const APART: f64 = 0.1;
 
-/// Force (N) and torque (N m) on the fingertip by what touches it, in its frame.
+/// Force (N) and torque (N m) on the fingertip by the object, in the fingertip's frame.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Wrench {
-    /// The force, N.
+    /// Force, N.
     pub force: DVec3,
-    /// The torque about the force sensor's origin, N m.
+    /// Torque about the force sensor's origin, N m.
     pub torque: DVec3,
 }
 
 impl Wrench {
-    /// Whether all of it is a number.
+    /// Returns whether all components are finite.
     pub(super) fn is_finite(&self) -> bool {
         self.force.is_finite() && self.torque.is_finite()
     }
 
-    /// This, moved by a part of the way towards another.
+    /// Interpolates towards `other` by the fraction `part`.
     pub(super) fn towards(self, other: Self, part: f64) -> Self {
         Self {
             force: self.force + part * (other.force - self.force),
@@ -42,7 +43,7 @@ impl Wrench {
         }
     }
 
-    /// This less another.
+    /// Difference of two wrenches.
     pub(super) fn without(self, other: Self) -> Self {
         Self {
             force: self.force - other.force,
@@ -51,7 +52,7 @@ impl Wrench {
     }
 }
 
-/// Samples of the whole fingertip, by kind.
+/// Numbers of samples of the whole fingertip, by kind.
 #[derive(Debug, Clone, PartialEq, Eq, Default)]
 pub struct WrenchCoverage {
     compressed: [u32; STEPS],
@@ -59,8 +60,8 @@ pub struct WrenchCoverage {
 }
 
 impl WrenchCoverage {
-    /// Counts a force on the fingertip, N, z outward along its axis, so that pressing makes it negative; false where as many of its
-    /// kind are there as this round needs.
+    /// Counts a force on the fingertip, N, with z outward along its axis, so that pressing is negative. Returns
+    /// `false` if this round needs no more samples of its kind, or it is out of range.
     pub fn count(&mut self, force: DVec3, goal: &Goal) -> bool {
         let step = (-force.z / goal.normal * STEPS as f64).floor();
         if !(0.0..STEPS as f64).contains(&step) {
@@ -88,29 +89,29 @@ impl WrenchCoverage {
         self.compressed.iter().chain(sheared).copied()
     }
 
-    /// How often all of it was gone through.
+    /// Number of completed rounds.
     pub fn round(&self) -> u32 {
         self.counts().min().unwrap_or(0) / PER_ROUND
     }
 
-    /// How often all of it is to be gone through.
+    /// Number of required rounds.
     pub const fn rounds() -> u32 {
         ROUNDS
     }
 
-    /// Whether nothing is missing.
+    /// Returns whether no samples are missing.
     pub fn is_complete(&self) -> bool {
         self.round() >= ROUNDS
     }
 
-    /// How much is there of what must be, 0 to 1.
+    /// Fraction of the required samples that are present, 0 to 1.
     pub fn part(&self) -> f64 {
         let most = ROUNDS * PER_ROUND;
         let there: u32 = self.counts().map(|count| count.min(most)).sum();
         f64::from(there) / f64::from(most * self.counts().count() as u32)
     }
 
-    /// What is missing in this round, in words.
+    /// Describes the samples missing in this round.
     pub fn missing(&self, goal: &Goal) -> WrenchMissing {
         WrenchMissing {
             coverage: self.clone(),
@@ -119,7 +120,7 @@ impl WrenchCoverage {
     }
 }
 
-/// What is missing of a fingertip in this round, in words.
+/// Displays the samples of a fingertip missing in this round.
 #[derive(Debug, Clone)]
 pub struct WrenchMissing {
     coverage: WrenchCoverage,
@@ -157,34 +158,34 @@ impl fmt::Display for WrenchMissing {
     }
 }
 
-/// What a picture of the whole fingertip was good for.
+/// Result of processing an image of the whole fingertip.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SeenWrench {
-    /// It is one of the untouched fingertip.
+    /// An image of the untouched fingertip.
     Untouched,
-    /// One of the presses, or while nothing is touched.
+    /// An image during the presses, or without contact.
     Nothing,
-    /// The load is gone too fast or not known at its time.
+    /// The load changes too fast or is unknown at the image's time.
     Unclear,
-    /// More than the goal, pulled, or as many like it are there as are kept in this round.
+    /// The load exceeds the goal, is a pull, or enough samples of its kind are kept in this round.
     Enough(Wrench),
-    /// A sample to keep.
+    /// A new sample.
     Sample(Wrench),
 }
 
-/// The state of a live calibration of the whole fingertip. Stages and times are those of
+/// State of a live calibration of the whole fingertip. Stages and times are the same as for
 /// [`LiveCalibration`](super::LiveCalibration).
 #[derive(Debug)]
 pub struct LiveWrench {
     in_step: InStep,
     goal: Goal,
     coverage: WrenchCoverage,
-    /// When the newest sample was taken, s.
+    /// Time of the latest sample, s.
     sampled: f64,
 }
 
 impl LiveWrench {
-    /// With as much known as `coverage` says.
+    /// Creates a calibration that continues from `coverage`, the samples already known.
     pub fn new(goal: Goal, coverage: WrenchCoverage) -> Self {
         Self {
             in_step: InStep::new(goal.normal),
@@ -194,38 +195,38 @@ impl LiveWrench {
         }
     }
 
-    /// How far it is.
+    /// Current stage.
     pub fn stage(&self) -> Stage {
         self.in_step.stage()
     }
 
-    /// What is known.
+    /// Samples known.
     pub fn coverage(&self) -> &WrenchCoverage {
         &self.coverage
     }
 
-    /// The goal.
+    /// Full scale of the loads to collect.
     pub fn goal(&self) -> &Goal {
         &self.goal
     }
 
-    /// Time that pictures come in after forces, once it is known.
+    /// Latency of images relative to forces, once it is known.
     pub fn delay(&self) -> Option<Delay> {
         self.in_step.delay()
     }
 
-    /// Takes a wrench that came in at a time, s; z of the fingertip's frame is outward along its axis.
+    /// Adds a wrench measured at the time `at`, s; z of the fingertip's frame is outward along its axis.
     pub fn wrench(&mut self, at: f64, wrench: Wrench) {
         self.in_step.load(at, wrench);
     }
 
-    /// Whether forces are known for as long as a picture that came in at a time (s) needs: a camera may be as fast as the force
-    /// sensor.
+    /// Returns whether the forces needed for an image of the time `at` (s) have arrived. They may arrive after the
+    /// image if the camera is as fast as the force sensor.
     pub fn is_ready(&self, at: f64) -> bool {
         self.in_step.is_ready(at)
     }
 
-    /// Takes the moments of a picture that came in at a time, s: what it was good for.
+    /// Adds the moments of an image taken at the time `at` (s).
     pub fn picture(&mut self, at: f64, moments: &[ElementMoments]) -> SeenWrench {
         match self.in_step.picture(at, moments) {
             Of::Untouched => SeenWrench::Untouched,
@@ -255,7 +256,8 @@ mod tests {
         shear: 0.5,
     };
 
-    /// Compressions in all steps, and half-way down shear of both sizes in all directions, four of each: a round.
+    /// One round: four samples each of compression in all steps, and of shear at both levels in all directions at
+    /// half compression.
     fn round() -> Vec<DVec3> {
         let mut forces = Vec::new();
         for _ in 0..PER_ROUND {
@@ -268,14 +270,14 @@ mod tests {
     }
 
     #[test]
-    fn a_fingertip_is_complete_when_it_was_loaded_all_ways_in_each_of_five_rounds() {
+    fn coverage_is_complete_after_five_rounds_of_all_loads() {
         let mut coverage = WrenchCoverage::default();
         assert!(!coverage.count(DVec3::new(0.0, 0.0, 0.1), &GOAL), "pulled");
         assert!(!coverage.count(DVec3::new(0.0, 0.0, -1.0), &GOAL), "beyond");
         for number in 0..ROUNDS {
             assert_eq!(coverage.round(), number);
             assert!((coverage.part() - f64::from(number) / f64::from(ROUNDS)).abs() < 0.1);
-            // One kind alone is not taken over and over.
+            // One kind of load alone is limited per round.
             let press = DVec3::new(0.0, 0.0, -0.9);
             let taken = (0..100).filter(|_| coverage.count(press, &GOAL)).count();
             assert_eq!(taken, PER_ROUND as usize);
@@ -287,7 +289,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_missing_is_said_in_words() {
+    fn missing_samples_are_described() {
         let mut coverage = WrenchCoverage::default();
         let words = coverage.missing(&GOAL).to_string();
         assert!(

@@ -1,4 +1,4 @@
-//! Signs and axes of forces, by growth and displacement.
+//! Checks the signs and axes of forces against growth and displacement.
 
 use super::{COLUMNS, LoadCheckError, TakenPicture, named, unloaded_mean};
 use crate::sensor::{
@@ -8,20 +8,20 @@ use crate::sensor::{
 use glam::{DMat3, DVec3};
 use std::collections::BTreeMap;
 
-/// Loads of an element from which anything is concluded.
+/// Minimum number of loads of an element to draw conclusions from.
 const LEAST_LOADS: usize = 8;
-/// Least determinant of the correlations of `f_x`, `f_y` and `f_z`; below it, they are collinear and effects inseparable.
+/// Minimum determinant of the correlations of `f_x`, `f_y` and `f_z`; below it, their effects cannot be separated.
 const LEAST_DETERMINANT: f64 = 0.05;
-/// Part of an input's variance that the forces must explain.
+/// Minimum fraction of an input's variance that the forces must explain.
 const LEAST_EXPLAINED: f64 = 0.5;
-/// By how much the standardized effects of other axes must exceed those of the given ones.
+/// Minimum amount by which the standardized effects of other axes must exceed those of the given axes.
 const DECISIVE: f64 = 0.5;
 
-/// Column and sign of each of x, y and z, according to the pictures.
+/// Column and sign of each of x, y and z, estimated from the images.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord)]
 struct SeenAxes([(usize, bool); 3]);
 
-/// The orders of three columns.
+/// All permutations of three columns.
 const ORDERS: [[usize; 3]; 6] = [
     [0, 1, 2],
     [1, 0, 2],
@@ -32,7 +32,7 @@ const ORDERS: [[usize; 3]; 6] = [
 ];
 
 impl SeenAxes {
-    /// As the table has it.
+    /// The axes as given in the table.
     const GIVEN: Self = Self([(0, false), (1, false), (2, false)]);
 
     fn is_reordered(self) -> bool {
@@ -42,7 +42,7 @@ impl SeenAxes {
             .any(|(&(column, _), axis)| column != axis)
     }
 
-    /// The axes that turn the forces into what they should be.
+    /// Axes that convert the given forces to the expected ones.
     fn converting(self) -> ForceAxes {
         ForceAxes::of_rows(self.0.map(|(column, is_negative)| {
             let axis = [DVec3::X, DVec3::Y, DVec3::Z][column];
@@ -50,7 +50,7 @@ impl SeenAxes {
         }))
     }
 
-    /// What is wrong with the columns, and the likely cause.
+    /// Describes what is wrong with the columns, and the likely cause.
     fn what(self, f_z_is_negative: bool) -> String {
         if self.is_reordered() {
             let [x, y, z] = self.0.map(|(column, is_negative)| {
@@ -87,12 +87,12 @@ impl SeenAxes {
     }
 }
 
-/// Rejects loads whose signs or axes contradict the pictures, on any element whose pictures determine them.
+/// Rejects loads whose signs or axes contradict the images of any element whose images determine them.
 ///
-/// Growth and displacement are regressed on the three forces; the axes that explain them best must be the given ones.
+/// Growth and displacement are regressed on the three forces. The axes that explain them best must be the given axes.
 ///
 /// # Errors
-/// Names the columns, in how many elements, and the likely cause.
+/// Returns [`LoadCheckError::Axes`] with the columns, the number of elements and the likely cause.
 pub fn check_axes(records: &[ElementRecord]) -> Result<(), LoadCheckError> {
     let seen: Vec<_> = records
         .iter()
@@ -121,18 +121,19 @@ pub fn check_axes(records: &[ElementRecord]) -> Result<(), LoadCheckError> {
             true => axes.what(f_z_is_negative),
             false => {
                 axes.what(f_z_is_negative)
-                    + " Or are these elements numbered otherwise than in the layout, or their forces in other axes (x_angle)?"
+                    + " Or do the numbers of these elements differ from the layout, or are their forces in other axes (x_angle)?"
             }
         },
         axes: (2 * contradicted > judged).then(|| Box::new(axes.converting())),
     })
 }
 
-/// Rejects loads whose signs or axes contradict the pictures as [`check_axes`] does: all together, and those of each recording, distinguished by
-/// the pictures' `names`. Where axes are exchanged in one recording of several, all together determine none.
+/// Like [`check_axes`], but also checks each recording separately; recordings are distinguished by the `names` of the
+/// images. If axes are exchanged in one of several recordings, all loads together may determine no axes.
 ///
 /// # Errors
-/// Names the columns, in how many elements, the likely cause, and the recording if it is one alone.
+/// Returns [`LoadCheckError::Axes`] with the columns, the number of elements, the likely cause and, if only one
+/// recording is affected, its name.
 pub fn check_axes_of_recordings<'a>(
     pictures: &[TakenPicture],
     names: impl Iterator<Item = &'a str>,
@@ -162,7 +163,7 @@ pub fn check_axes_of_recordings<'a>(
     together
 }
 
-/// The axes that an element's pictures show; `None` if they do not determine them.
+/// Axes estimated from an element's images, or `None` if the images do not determine them.
 fn seen_axes(record: &ElementRecord) -> Option<SeenAxes> {
     let unloaded = unloaded_mean(record.unloaded.iter())?;
     let loads: Vec<_> = record
@@ -184,7 +185,7 @@ fn seen_axes(record: &ElementRecord) -> Option<SeenAxes> {
         return None;
     }
     let (effects, explained) = effects(&loads)?;
-    // Of the displacements and the growth (rows), along which column (columns) each grows most.
+    // For each input (displacements, growth), the column that has the largest effect on it.
     let total = |order: [usize; 3]| {
         (0..3)
             .map(|axis| effects.row(axis)[order[axis]].abs())
@@ -204,8 +205,8 @@ fn seen_axes(record: &ElementRecord) -> Option<SeenAxes> {
     }
 }
 
-/// Effects of the forces (columns) on the inputs (rows), in standard deviations of each, by least squares; and the part of each
-/// input's variance that is explained. `None` if the forces do not vary by themselves.
+/// Least-squares effects of the forces (columns) on the inputs (rows), in standard deviations, and the explained
+/// fraction of each input's variance. Returns `None` if the forces do not vary independently.
 fn effects(loads: &[(DVec3, DVec3)]) -> Option<(DMat3, DVec3)> {
     let mean_square = |of: &dyn Fn(&(DVec3, DVec3)) -> DVec3| {
         let sum: DVec3 = loads.iter().map(|load| of(load) * of(load)).sum();
@@ -230,7 +231,7 @@ fn effects(loads: &[(DVec3, DVec3)]) -> Option<(DMat3, DVec3)> {
         return None;
     }
     let effects = of_both * of_forces.inverse();
-    // The inputs' mean squares are 1.
+    // The mean squares of the inputs are 1.
     let explained =
         DVec3::from_array([0, 1, 2].map(|axis| effects.row(axis).dot(of_both.row(axis))));
     Some((effects, explained))

@@ -1,8 +1,8 @@
-//! What the pictures contradict.
+//! Errors of the load checks.
 
 use crate::sensor::live_calibration::ForceAxes;
 
-/// What the pictures contradict.
+/// Contradiction between loads and images.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LoadCheckError {
     /// Forces are too large or too small.
@@ -10,107 +10,107 @@ pub enum LoadCheckError {
         "the largest load on {what} is {largest} N; expected {low} to {high} N, as {reason}: are these {unit}?"
     )]
     Magnitude {
-        /// What they are on.
+        /// Description of the loaded object.
         what: &'static str,
-        /// The largest, N.
+        /// The largest load, N.
         largest: f64,
-        /// Least that is expected, N.
+        /// Minimum expected value, N.
         low: f64,
-        /// Most that is expected, N.
+        /// Maximum expected value, N.
         high: f64,
-        /// Why.
+        /// Reason for the limit.
         reason: &'static str,
-        /// Unit that the numbers may be in.
+        /// Likely unit of the numbers.
         unit: &'static str,
     },
-    /// The loads of an element are those of another.
+    /// The loads of one element match the images of another.
     #[error(
-        "the loads of element {element} are not what the pictures show of it (correlation of f_z and growth {own:.2}), but of element \
-         {shown} ({other:.2}); expected elements numbered as in the layout, where `feeler locate --preview` draws the numbers, or named \
-         by their places (columns column, row)"
+        "the loads of element {element} do not match its growth in the images (correlation with f_z {own:.2}), but that of element \
+         {shown} ({other:.2}); expected elements numbered as in the layout (`feeler locate --preview` draws the numbers), or identified \
+         by position (columns column, row)"
     )]
     Number {
-        /// The element, as numbered by the loads.
+        /// Index of the element in the loads.
         element: usize,
-        /// Correlation with its own growth.
+        /// Correlation with the element's own growth.
         own: f64,
-        /// The element whose growth follows the loads.
+        /// Index of the element whose growth matches the loads.
         shown: usize,
-        /// Correlation with that.
+        /// Correlation with the growth of `shown`.
         other: f64,
     },
-    /// The axes of the forces are not those of the pictures.
+    /// The axes of the forces contradict the images.
     #[error(
-        "{}in {contradicted} of {judged} elements, the first of them {first}, the pictures contradict the loads: {what}",
+        "{}in {contradicted} of {judged} elements, the first of them {first}, the images contradict the loads: {what}",
         recording.as_ref().map_or_else(String::new, |recording| format!("recording {recording:?}: "))
     )]
     Axes {
-        /// The recording of whose loads alone this is so; `None` for all loads together.
+        /// The affected recording, or `None` if all loads together are affected.
         recording: Option<String>,
-        /// Elements that contradict them alike.
+        /// Number of elements that show this contradiction.
         contradicted: usize,
-        /// Elements whose pictures determine the axes.
+        /// Number of elements whose images determine the axes.
         judged: usize,
-        /// The first.
+        /// Index of the first affected element.
         first: usize,
-        /// What is wrong, and the likely cause.
+        /// Description of the contradiction and its likely cause.
         what: String,
-        /// Columns that are x, y and z by the pictures, if that is so of most elements.
+        /// Axes that convert the forces, if most elements show the contradiction.
         axes: Option<Box<ForceAxes>>,
     },
-    /// Pictures without load differ between recordings.
+    /// The unloaded images differ between recordings.
     #[error(
-        "the pictures without load of recordings {one:?} and {other:?} differ by {percent:.0} % of what the loads cause, in most elements; \
-         expected one zero: the camera, the light or the fingertip has changed between them, calibrate each by itself"
+        "the unloaded images of recordings {one:?} and {other:?} differ by {percent:.0} % of the range under load in most elements; \
+         expected the same zero: the camera, the light or the fingertip has changed between them; calibrate each separately"
     )]
     Unloaded {
-        /// A recording.
+        /// Name of the first recording.
         one: String,
-        /// The other.
+        /// Name of the second recording.
         other: String,
-        /// Median difference over the elements that differ, % of the range under load.
+        /// Median difference over the elements, % of the range under load.
         percent: f64,
     },
-    /// Forces differ between recordings by a constant.
+    /// The forces of two recordings differ by a constant.
     #[error(
-        "{column} of recording {one:?} is {offset:+.3} N off that of {other:?} for the same pictures; expected less than {limit:.3} N: \
-         the zero of the force sensor has changed between them, take it anew or calibrate each by itself"
+        "{column} of recording {one:?} is {offset:+.3} N off that of {other:?} for the same images; expected less than {limit:.3} N: \
+         the zero of the force sensor has changed between them; zero it again or calibrate each separately"
     )]
     Offset {
         /// The column.
         column: &'static str,
-        /// A recording.
+        /// Name of the first recording.
         one: String,
-        /// The other.
+        /// Name of the second recording.
         other: String,
-        /// By how much, N.
+        /// Difference, N.
         offset: f64,
-        /// How much it may be, N.
+        /// Maximum allowed difference, N.
         limit: f64,
     },
-    /// A load is far from what all others predict.
+    /// A load differs greatly from the prediction of all others.
     #[error(
-        "picture = {picture:?}: {column} = {given} N on element {element}, {predicted:.3} N expected by its other loads, which are off by \
+        "picture = {picture:?}: {column} = {given} N on element {element}; expected {predicted:.3} N from its other loads, which are off by \
          {usual:.3} N: is it mistyped?"
     )]
     Outlier {
-        /// The picture.
+        /// Name of the image.
         picture: String,
         /// Index of the element.
         element: usize,
         /// The column.
         column: &'static str,
-        /// As in the table, N.
+        /// Load as in the table, N.
         given: f64,
-        /// By the other loads, N.
+        /// Load predicted from the others, N.
         predicted: f64,
-        /// Standard deviation of the other loads' errors, N.
+        /// Standard deviation of the errors of the other loads, N.
         usual: f64,
     },
 }
 
 impl LoadCheckError {
-    /// The same, found in one recording alone: what converts all loads does not convert its own.
+    /// Attributes the error to a single recording. Drops the converting axes, which apply to all loads only.
     pub(super) fn of_recording(mut self, name: String) -> Self {
         if let Self::Axes {
             recording, axes, ..

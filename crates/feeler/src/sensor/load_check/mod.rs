@@ -1,14 +1,14 @@
-//! Whether loads can be what the pictures show.
+//! Plausibility checks of loads against the images.
 //!
-//! A calibration is fitted to whatever a table says. Where the table is wrong in an ordinary way (signs, axes, units, numbers of elements,
-//! zeros), the fit may be as good as ever and the forces wrong in use. Part of that shows in the pictures, as the spot of an element
-//! grows when it is pressed, and its centroid moves the way it is dragged:
+//! A calibration fits any table. If signs, axes, units, element numbers or zeros in the table are wrong, the fit may
+//! still be good, but the forces will be wrong in use. Some of these mistakes show in the images, because an element's
+//! spot grows when it is pressed and its centroid moves in the direction of shear:
 //!
-//! - [`check_magnitude`]: loads that no soft element bears, or that no picture shows;
-//! - [`check_numbers`]: loads of one element that the pictures show on another;
-//! - [`check_axes`], [`check_axes_of_recordings`]: forces whose signs or axes are not those of growth and displacement;
-//! - [`check_unloaded`], [`check_offsets`]: recordings whose zeros differ;
-//! - [`check_outliers`]: a single load that all others contradict.
+//! - [`check_magnitude`]: loads too large for a soft element or too small to show in an image;
+//! - [`check_numbers`]: loads of one element that the images show on another;
+//! - [`check_axes`], [`check_axes_of_recordings`]: forces whose signs or axes contradict growth and displacement;
+//! - [`check_unloaded`], [`check_offsets`]: recordings with different zeros;
+//! - [`check_outliers`]: a single load that contradicts all others.
 
 mod axes;
 mod error;
@@ -28,16 +28,16 @@ use glam::DVec3;
 /// Names of the columns.
 const COLUMNS: [&str; 3] = ["f_x", "f_y", "f_z"];
 
-/// Range, N, of the largest force on a single element. Less is lost in the noise of pictures; under more, the few square millimetres of
-/// silicone of an element are flat, at some 1 N/mm².
+/// Plausible range of the largest force on a single element, N. Smaller forces are lost in image noise; larger ones, at
+/// about 1 N/mm², would flatten the few square millimetres of silicone of an element.
 pub const ELEMENT_RANGE: [f64; 2] = [0.01, 20.0];
-/// Like [`ELEMENT_RANGE`], but of a whole fingertip, whose contact is some square centimetres.
+/// Like [`ELEMENT_RANGE`], but for a whole fingertip, with a contact area of a few square centimetres.
 pub const FINGERTIP_RANGE: [f64; 2] = [0.05, 200.0];
 
-/// Refuses `forces` (N) on `what` whose largest is outside of a `range`, as forces in another unit are.
+/// Rejects `forces` (N) on `what` if the largest is outside `range`, which indicates another unit.
 ///
 /// # Errors
-/// Names the largest, the range and the likely unit.
+/// Returns [`LoadCheckError::Magnitude`] with the largest force, the range and the likely unit.
 pub fn check_magnitude(
     what: &'static str,
     forces: impl Iterator<Item = DVec3>,
@@ -46,10 +46,10 @@ pub fn check_magnitude(
     let largest = forces.map(DVec3::length).fold(0.0, f64::max);
     let [low, high] = range;
     let (unit, reason) = match largest {
-        // Without any load, other checks say more.
+        // Without any load, other checks report more useful errors.
         0.0 => return Ok(()),
         largest if largest > high => ("mN", "soft silicone bears about 1 N/mm²"),
-        largest if largest < low => ("kN", "less is lost in the noise of pictures"),
+        largest if largest < low => ("kN", "smaller loads are lost in image noise"),
         _ => return Ok(()),
     };
     Err(LoadCheckError::Magnitude {
@@ -66,7 +66,7 @@ fn to_three_digits(number: f64) -> f64 {
     format!("{number:.2e}").parse().unwrap_or(number)
 }
 
-/// Mean integrated gray value and centroid of an element without load; `None` if it is dark, or no picture is without load.
+/// Mean moments of an unloaded element, or `None` if it is dark or there is no unloaded image.
 fn unloaded_mean<'a>(unloaded: impl Iterator<Item = &'a ElementMoments>) -> Option<ElementMoments> {
     let mut sum = ElementMoments::default();
     let mut count = 0.0;
@@ -84,7 +84,7 @@ fn unloaded_mean<'a>(unloaded: impl Iterator<Item = &'a ElementMoments>) -> Opti
     is_lit.then_some(mean)
 }
 
-/// A recording's name; of pictures in the table's own folder, whose names are numbers, that folder.
+/// Returns a recording's name, or "." for numbered images in the table's own folder.
 fn named(recording: &str) -> String {
     if recording.is_empty() {
         ".".into()

@@ -1,22 +1,22 @@
-//! Numbers of elements, by whose growth follows whose loads.
+//! Checks the numbers of elements: the growth of an element must follow its own loads.
 
 use super::{LoadCheckError, TakenPicture};
 use glam::DVec3;
 
-/// Loads of an element from which anything is concluded.
+/// Minimum number of loads of an element to draw conclusions from.
 const LEAST_LOADS: usize = 8;
-/// Correlation of loads and growth above which an element is the one that is loaded, and below which it is not.
+/// Correlations of loads and growth above which an element counts as loaded, and below which it counts as not loaded.
 const IS_LOADED: f64 = 0.8;
 const IS_NOT_LOADED: f64 = 0.4;
 
-/// Refuses loads of an element whose growth does not follow them while that of another one does.
+/// Rejects the loads of an element if its growth does not follow them but that of another element does.
 ///
 /// # Errors
-/// Names both.
+/// Returns [`LoadCheckError::Number`] with both elements.
 pub fn check_numbers(pictures: &[TakenPicture]) -> Result<(), LoadCheckError> {
     let elements = pictures.first().map_or(0, |picture| picture.moments.len());
     for element in 0..elements {
-        // Pictures without load have all elements in common.
+        // Images without load belong to all elements.
         let is_loaded = |force: &DVec3| *force != DVec3::ZERO;
         let loads: Vec<_> = pictures
             .iter()
@@ -33,7 +33,7 @@ pub fn check_numbers(pictures: &[TakenPicture]) -> Result<(), LoadCheckError> {
             correlation(&compressions, &grays.collect::<Vec<_>>())
         };
         let own = correlation(element);
-        // Against the growth is a matter of signs, not of numbers.
+        // A negative correlation indicates wrong signs, not wrong numbers.
         if own.abs() > IS_NOT_LOADED {
             continue;
         }
@@ -51,7 +51,7 @@ pub fn check_numbers(pictures: &[TakenPicture]) -> Result<(), LoadCheckError> {
     Ok(())
 }
 
-/// Pearson correlation; 0 if one of the inputs is constant.
+/// Pearson correlation, or 0 if one of the inputs is constant.
 fn correlation(a: &[f64], b: &[f64]) -> f64 {
     let count = a.len() as f64;
     let mean = |values: &[f64]| values.iter().sum::<f64>() / count;

@@ -1,14 +1,16 @@
-//! Single loads.
+//! Checks single loads for outliers.
 
 use super::{COLUMNS, LoadCheckError, TakenPicture};
 use crate::sensor::{calibration::Calibration, calibration_fit::outlier, loads::records};
 use glam::DVec3;
 
-/// Rejects a load that is twice as large as any other, in `pictures` called `names` to which `calibration` was fitted, and that all others of its
-/// element contradict. One that they contradict although it is of their size is returned: it may be mistyped, or its picture be unlike the others.
+/// Checks for a load that contradicts all other loads of its element, given the `calibration` fitted to `pictures`.
+///
+/// Such a load is an error if it is also twice as large as any other. Otherwise it is returned as a warning: it may be
+/// mistyped, or its image may be unusual. `names` are the names of the images.
 ///
 /// # Errors
-/// Names picture, element and column, with the force that the others predict.
+/// Returns [`LoadCheckError::Outlier`] with image, element, column and the force predicted by the other loads.
 pub fn check_outliers<'a>(
     calibration: &Calibration,
     pictures: &[TakenPicture],

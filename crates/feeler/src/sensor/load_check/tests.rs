@@ -12,14 +12,14 @@ const ELEMENTS: usize = 3;
 const PICTURES: usize = 60;
 const HALF: usize = PICTURES / 2;
 
-/// Even numbers from -1 to 1 without any pattern.
+/// Uniform pseudo-random numbers from -1 to 1.
 fn noise(number: usize) -> f64 {
     let mut state = (number as u64 + 1).wrapping_mul(0x9e37_79b9_7f4a_7c15);
     state = (state ^ (state >> 31)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     ((state >> 11) as f64) / ((1_u64 << 52) as f64) - 1.0
 }
 
-/// What bears on an element in a picture, N; nothing in every sixth.
+/// Load on an element in an image, N; zero in every sixth image.
 fn load(picture: usize, element: usize) -> DVec3 {
     let [x, y, z] = [0, 1, 2].map(|axis| noise(97 * (9 * picture + 3 * element + axis)));
     match picture % 6 {
@@ -28,7 +28,7 @@ fn load(picture: usize, element: usize) -> DVec3 {
     }
 }
 
-/// Moments of an element that grows by half and moves by a pixel under a newton, with a little noise.
+/// Moments of an element that grows by half and moves by one pixel per newton, with a little noise.
 fn moments(picture: usize, element: usize) -> ElementMoments {
     let force = load(picture, element);
     let noise = |number: usize| 0.01 * noise(7 * (picture * ELEMENTS + element) + number + 100_000);
@@ -38,7 +38,7 @@ fn moments(picture: usize, element: usize) -> ElementMoments {
     }
 }
 
-/// All pictures, with the forces that `table` makes of a picture, an element and what bears on it.
+/// All images, with forces that `table` computes from the image, the element and its load.
 fn taken(table: impl Fn(usize, usize, DVec3) -> DVec3) -> RecordBuilder {
     let mut builder = RecordBuilder::new(ELEMENTS);
     for picture in 0..PICTURES {
@@ -54,16 +54,16 @@ fn all_checks(taken: &RecordBuilder) -> Result<(), LoadCheckError> {
     check_unloaded(taken.pictures(), names().iter().map(String::as_str))
 }
 
-/// Of two recordings, one after the other.
+/// Image names of two consecutive recordings.
 fn names() -> Vec<String> {
     (0..PICTURES)
         .map(|picture| format!("{}/{picture}.png", ["a", "b"][picture / HALF]))
         .collect()
 }
 
-/// Every exchange and every sign of axes is told, with the axes that convert it.
+/// Detects every permutation and sign of axes, and returns the axes that convert them.
 #[test]
-fn every_exchange_and_sign_of_axes_is_told() {
+fn detects_every_permutation_and_sign_of_axes() {
     let mut count = 0;
     for order in ["x,y,z", "y,x,z", "z,y,x", "x,z,y", "y,z,x", "z,x,y"] {
         for signs in 0..8 {
@@ -103,7 +103,7 @@ fn every_exchange_and_sign_of_axes_is_told() {
 }
 
 #[test]
-fn the_likely_cause_is_named() {
+fn names_the_likely_cause() {
     for (axes, words) in [
         (
             "x,y,-z",
@@ -132,7 +132,7 @@ fn the_likely_cause_is_named() {
             check_axes(&taken(|_, _, force| axes.to_fingertip(force)).records()).unwrap_err();
         assert!(error.to_string().contains(words), "{error}");
     }
-    // A sensor that dims under compression, or negative pictures.
+    // A sensor that dims under compression, or inverted images.
     let mut records = taken(|_, _, force| force).records();
     for sample in records.iter_mut().flat_map(|record| &mut record.fitted) {
         sample.moments.integrated_gray = 2000.0 - sample.moments.integrated_gray;
@@ -142,7 +142,7 @@ fn the_likely_cause_is_named() {
 }
 
 #[test]
-fn a_single_element_in_other_axes_is_told() {
+fn detects_a_single_element_in_other_axes() {
     let turned = |_, element, force: DVec3| {
         if element == 1 {
             DVec3::new(-force.y, force.x, force.z)
@@ -166,9 +166,9 @@ fn a_single_element_in_other_axes_is_told() {
     assert!(error.to_string().contains("x_angle"), "{error}");
 }
 
-/// All loads together determine no axes here.
+/// All loads together determine no axes in this case.
 #[test]
-fn axes_exchanged_in_one_recording_are_told() {
+fn detects_axes_exchanged_in_one_recording() {
     assert_eq!(all_checks(&taken(|_, _, force| force)), Ok(()));
     let exchanged = taken(|picture, _, force| match picture >= HALF {
         true => DVec3::new(force.y, force.x, force.z),
@@ -179,14 +179,14 @@ fn axes_exchanged_in_one_recording_are_told() {
         matches!(&error, LoadCheckError::Axes { recording: Some(name), axes: None, .. } if name == "b"),
         "{error}"
     );
-    let words = "recording \"b\": in 3 of 3 elements, the first of them 0, the pictures contradict the loads: the displacement of the \
+    let words = "recording \"b\": in 3 of 3 elements, the first of them 0, the images contradict the loads: the displacement of the \
                  spots along x and y and their growth follow f_y, f_x and f_z";
     assert!(error.to_string().starts_with(words), "{error}");
 }
 
-/// A decimal mark at the wrong place, or a sign, in one of 150 loads, whichever model is fitted.
+/// A misplaced decimal point or a wrong sign in one of 150 loads, for each model.
 #[test]
-fn a_mistyped_load_is_told() {
+fn detects_a_mistyped_load() {
     let made_for = MadeFor::layout("a few elements", ELEMENTS, LengthUnit::Pixel);
     let checked = |model, table: &dyn Fn(usize, usize, DVec3) -> DVec3| {
         let taken = taken(table);
@@ -219,7 +219,7 @@ fn a_mistyped_load_is_told() {
                 force
             });
             let is_refused = checked.is_err();
-            // Only what exceeds all other loads is refused.
+            // Only a load that exceeds all others is rejected.
             assert_eq!(is_refused, factor >= 10.0);
             let (Err(found) | Ok(Some(found))) = checked else {
                 panic!("{model:?}, axis {axis} times {factor}: {checked:?}");
@@ -246,7 +246,7 @@ fn a_mistyped_load_is_told() {
 }
 
 #[test]
-fn exchanged_elements_are_told() {
+fn detects_exchanged_elements() {
     let taken = taken(|picture, element, _| load(picture, [0, 2, 1][element]));
     let error = check_numbers(taken.pictures()).unwrap_err();
     assert!(
@@ -263,8 +263,8 @@ fn exchanged_elements_are_told() {
 }
 
 #[test]
-fn loads_that_determine_nothing_are_no_contradiction() {
-    // Few loads; loads along one line; loads that no picture shows.
+fn accepts_loads_that_determine_nothing() {
+    // Few loads; collinear loads; loads unrelated to the images.
     let mut few = RecordBuilder::new(ELEMENTS);
     let turned = taken(|_, _, force| -force);
     for picture in &turned.pictures()[..7] {
@@ -303,7 +303,7 @@ fn magnitudes_have_a_range() {
     );
 }
 
-/// Forces in the pictures of recording b are off, or the pictures are.
+/// Either the forces or the images of recording b have an offset.
 #[test]
 fn zeros_of_recordings_are_compared() {
     let made_for = MadeFor::layout("a few elements", ELEMENTS, LengthUnit::Pixel);
@@ -353,7 +353,8 @@ fn zeros_of_recordings_are_compared() {
         }
         check_unloaded(builder.pictures(), names().iter().map(String::as_str))
     };
-    // A shift of 0.3 px in a range of 1 px under load, to which the shift itself adds up to 0.3 px, and noise some hundredths.
+    // A shift of 0.3 px in a range of 1 px under load, which the shift itself widens by up to 0.3 px, with noise of a
+    // few hundredths.
     assert_eq!(shifted(0.05), Ok(()));
     assert!(
         matches!(shifted(0.3), Err(LoadCheckError::Unloaded { percent, .. }) if (22.0..31.0).contains(&percent))
@@ -361,7 +362,7 @@ fn zeros_of_recordings_are_compared() {
 }
 
 proptest! {
-    /// Whatever the numbers are, checks end.
+    /// The checks terminate for arbitrary numbers.
     #[test]
     fn any_numbers_are_checked(numbers in proptest::collection::vec(proptest::array::uniform6(any::<f64>()), 0..40)) {
         let mut builder = RecordBuilder::new(1);

@@ -1,4 +1,4 @@
-//! Zeros of recordings.
+//! Compares the zeros of recordings.
 
 use super::{COLUMNS, LoadCheckError, TakenPicture, named, unloaded_mean};
 use crate::sensor::{
@@ -6,18 +6,18 @@ use crate::sensor::{
 };
 use glam::DVec3;
 
-/// Difference of two pictures without load that is too large, as a share of the range under load.
+/// Maximum difference of unloaded images between two recordings, as a fraction of the range under load.
 const LARGEST_OF_PICTURES: f64 = 0.1;
-/// Difference of two recordings' forces that is too large, as a share of the full scale, and in root mean squares of all errors: where two
-/// zeros make all of the error, their difference is twice that.
+/// Maximum difference of forces between two recordings, as a fraction of the full scale and as a multiple of the RMS
+/// error. If all of the error is due to two different zeros, their difference is twice the RMS error.
 const LARGEST_OF_FORCES: f64 = 0.03;
 const LARGEST_OF_ERRORS: f64 = 1.5;
 
-/// Refuses pictures without load that differ between recordings, distinguished by the pictures' `names`, by more than a tenth of what
-/// the loads cause, in more than half of the elements that are in both.
+/// Rejects recordings whose unloaded images differ by more than a tenth of the range under load, in more than half of
+/// the common elements. Recordings are distinguished by the `names` of the images.
 ///
 /// # Errors
-/// Names two recordings.
+/// Returns [`LoadCheckError::Unloaded`] with two recordings.
 pub fn check_unloaded<'a>(
     pictures: &[TakenPicture],
     names: impl Iterator<Item = &'a str>,
@@ -61,7 +61,7 @@ pub fn check_unloaded<'a>(
     Ok(())
 }
 
-/// Ranges of an element's gray value and centroid over all pictures in which it is loaded; `None` if it is not.
+/// Ranges of an element's gray value and centroid over all images in which it is loaded, or `None` if it never is.
 fn range(pictures: &[TakenPicture], element: usize) -> Option<[f64; 3]> {
     let loaded = pictures
         .iter()
@@ -77,7 +77,7 @@ fn values(moments: &ElementMoments) -> DVec3 {
     moments.centroid.extend(moments.integrated_gray)
 }
 
-/// Largest difference of two zeros as a share of a range; `None` if the range is empty.
+/// Largest difference of two zeros as a fraction of the range, or `None` if the range is empty.
 fn share(one: &ElementMoments, other: &ElementMoments, range: &[f64; 3]) -> Option<f64> {
     let difference = (values(one) - values(other)).abs().to_array();
     let shares = difference
@@ -89,11 +89,11 @@ fn share(one: &ElementMoments, other: &ElementMoments, range: &[f64; 3]) -> Opti
         .reduce(f64::max)
 }
 
-/// Rejects loads whose constant offset from the predictions of `calibration` differs between recordings by more
-/// than 3 % of the full scale, and more than errors alone explain.
+/// Rejects recordings whose mean errors against the predictions of `calibration` differ by more than 3 % of the full
+/// scale, and by more than random errors explain.
 ///
 /// # Errors
-/// Names column, recordings and the difference.
+/// Returns [`LoadCheckError::Offset`] with column, recordings and difference.
 pub fn check_offsets<'a>(
     calibration: &Calibration,
     pictures: &[TakenPicture],
@@ -149,7 +149,7 @@ pub fn check_offsets<'a>(
     Ok(())
 }
 
-/// By how much forces are off, N.
+/// Sums of force errors, N.
 #[derive(Debug, Clone, Copy, Default)]
 struct Errors {
     sum: DVec3,

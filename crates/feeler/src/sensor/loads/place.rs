@@ -1,24 +1,25 @@
-//! Which element of a layout a row means by its place.
+//! Identifies the elements of a layout by position.
 
 use super::LoadsError;
 use crate::sensor::seen::SeenElement;
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 
-/// An element as a row names it.
+/// Position of an element as given in a row of a table.
 pub struct NamedPlace<'a> {
     pub line: u64,
-    /// Empty where it has no name.
+    /// Name of the element; may be empty.
     pub name: &'a str,
     pub place_px: DVec2,
 }
 
-/// The elements of a layout by their places.
+/// Looks up the elements of a layout by position.
 pub struct Places<'a> {
     seen: &'a [SeenElement],
-    /// How far from each a place may be, px: half the distance to its neighbour. What is nearer has no other element as near.
+    /// Maximum distance of a position from each element, px: half the distance to the nearest neighbour, so that
+    /// matches are unique.
     limits: Vec<f64>,
-    /// The element that each name stands for, and the name of each element.
+    /// Element of each name.
     elements: HashMap<String, usize>,
     names: Vec<Option<String>>,
 }
@@ -42,10 +43,10 @@ impl<'a> Places<'a> {
         self.seen.len()
     }
 
-    /// The element at a place.
+    /// Returns the element at a position.
     ///
     /// # Errors
-    /// When there is none, or its name says that it is another one.
+    /// If there is no element at the position, or if its name belongs to another element.
     pub fn find(
         &mut self,
         NamedPlace {
@@ -73,14 +74,15 @@ impl<'a> Places<'a> {
         Ok(nearest)
     }
 
-    /// Refuses a name that is another element's, and an element that has another name.
+    /// Records the name of an element. Rejects a name that belongs to another element, and a second name for an
+    /// element.
     fn note_name(&mut self, line: u64, name: &str, element: usize) -> Result<(), LoadsError> {
         if name.is_empty() {
             return Ok(());
         }
         let before = match (self.elements.get(name), &self.names[element]) {
             (Some(&other), _) if other != element => {
-                format!("but was at that of element {other}")
+                format!("but was at that of element {other} before")
             }
             (_, Some(other)) if other != name => format!("where element {other:?} is"),
             (Some(_), _) => return Ok(()),
@@ -98,7 +100,7 @@ impl<'a> Places<'a> {
         })
     }
 
-    /// A `force` in a frame whose x points along `x_angle` in the picture, in the frame of `element`.
+    /// Rotates a `force` from a frame whose x axis points along `x_angle` in the image to the frame of `element`.
     pub fn turned(&self, element: usize, force: DVec3, x_angle: f64) -> DVec3 {
         let by = x_angle - self.seen[element].x_angle;
         DVec2::from_angle(by)

@@ -1,4 +1,4 @@
-//! What is known of each element from pictures and their moments, for a fit.
+//! Collects the loads and moments of each element for a fit.
 
 use crate::sensor::{
     calibration_fit::{ElementRecord, LoadSample},
@@ -6,18 +6,18 @@ use crate::sensor::{
 };
 use glam::DVec3;
 
-/// A picture's forces and moments.
+/// Forces and moments of one image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TakenPicture {
-    /// Force on each element in its frame `E_i`, N; `None` where it is not known.
+    /// Force on each element in its frame `E_i`, N; `None` if unknown.
     pub forces: Vec<Option<DVec3>>,
     /// Moments of each element.
     pub moments: Vec<ElementMoments>,
 }
 
-/// What is known of each element from pictures and their moments, for a fit.
+/// Collects loads and moments of each element from images, for a fit.
 ///
-/// All loads are both fitted and looked at for repetitions; errors are found by cross-validation.
+/// All loads are used both for fitting and for repeatability; errors are estimated by cross-validation.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordBuilder {
     elements: usize,
@@ -25,7 +25,7 @@ pub struct RecordBuilder {
 }
 
 impl RecordBuilder {
-    /// For `elements` elements.
+    /// Creates a builder for `elements` elements.
     pub fn new(elements: usize) -> Self {
         Self {
             elements,
@@ -33,7 +33,8 @@ impl RecordBuilder {
         }
     }
 
-    /// Adds a picture's forces and the moments of all elements in it, from wherever they come. Elements without either are unknown.
+    /// Adds the forces of one image and the moments of all elements in it. Elements beyond the shorter list count as
+    /// unknown.
     pub fn add(&mut self, forces: &[Option<DVec3>], moments: &[ElementMoments]) {
         let mut picture = TakenPicture {
             forces: forces.to_vec(),
@@ -48,12 +49,12 @@ impl RecordBuilder {
         self.pictures.push(picture);
     }
 
-    /// The pictures, in the order in which they were added.
+    /// The images, in the order in which they were added.
     pub fn pictures(&self) -> &[TakenPicture] {
         &self.pictures
     }
 
-    /// The records, one for each element.
+    /// Returns one record per element.
     pub fn records(&self) -> Vec<ElementRecord> {
         match self.pictures.is_empty() {
             true => vec![ElementRecord::default(); self.elements],
@@ -62,7 +63,7 @@ impl RecordBuilder {
     }
 }
 
-/// Loads and moments of each element in `pictures` of one fingertip.
+/// Returns loads and moments of each element in `pictures` of one fingertip.
 pub fn records<'a>(pictures: impl IntoIterator<Item = &'a TakenPicture>) -> Vec<ElementRecord> {
     let mut records = Vec::new();
     for TakenPicture { forces, moments } in pictures {

@@ -1,7 +1,7 @@
 use super::*;
 use std::f64::consts::FRAC_PI_2;
 
-/// Three elements in a row, 10 px apart, the frame of the last turned by a right angle.
+/// Three elements in a row, 10 px apart, with the frame of the last one rotated by a right angle.
 fn seen() -> [SeenElement; 3] {
     [(10.0, 0.0), (20.0, 0.0), (30.0, FRAC_PI_2)].map(|(column, x_angle)| SeenElement {
         centre_px: DVec2::new(column, 50.0),
@@ -26,7 +26,7 @@ fn pictures_are_gathered_from_rows() {
 }
 
 #[test]
-fn what_is_wrong_is_named() {
+fn errors_name_the_problem() {
     let head = "picture,element,f_x,f_y,f_z\n";
     for (text, words) in [
         ("picture,element,f_x,f_y\n", "no column \"f_z\""),
@@ -46,11 +46,11 @@ fn what_is_wrong_is_named() {
         ),
         (
             "picture;element;f_x;f_y;f_z\na;0;1,234;2;3\n",
-            "line 2: f_x = \"1,234\"; expected a finite number, N; its comma may be a decimal comma or divide thousands",
+            "line 2: f_x = \"1,234\"; expected a finite number, N; its comma may be a decimal comma or a thousands separator",
         ),
         (
             "picture;element;f_x;f_y;f_z\na;0;1,5;2.5;3\n",
-            "f_y = \"2.5\"; expected a finite number, N; it has a decimal point, line 2 has a decimal comma",
+            "f_y = \"2.5\"; expected a finite number, N; it has a decimal point, but line 2 has a decimal comma",
         ),
         (
             "picture;element;f_x;f_y\n",
@@ -89,7 +89,7 @@ fn units_and_names_of_other_programs_are_understood() {
 const PLACED: &str = "picture,f_x,f_y,f_z,column,row,x_angle\n";
 
 #[test]
-fn elements_are_told_by_their_places() {
+fn identifies_elements_by_position() {
     let text = format!("{PLACED}a,,,,,,\nb,1,2,3,21,49,\nb,0.5,0,1,34,48,0\n");
     let pictures = read_loads(text.as_bytes(), &seen(), ForceAxes::default()).unwrap();
     assert_eq!(pictures[0].forces, [Some(DVec3::ZERO); 3]);
@@ -97,14 +97,14 @@ fn elements_are_told_by_their_places() {
         panic!("three elements expected");
     };
     assert_eq!((first, second), (None, Some(DVec3::new(1.0, 2.0, 3.0))));
-    // Along the picture's columns: against y of a frame whose x is along its rows.
+    // A force along the image's columns is opposite to y of a frame whose x is along the rows.
     let expected = DVec3::new(0.0, -0.5, 1.0);
     assert!(third.unwrap().abs_diff_eq(expected, 1e-12), "{third:?}");
-    // Names do not matter, as long as each is one element's.
+    // Names are arbitrary, as long as each belongs to one element.
     let text = "picture,element,f_x,f_y,f_z,column,row\na,7,1,2,3,10,50\nb,7,1,2,3,11,50\nb,0,1,2,3,30,50\n";
     let pictures = read_loads(text.as_bytes(), &seen(), ForceAxes::default()).unwrap();
     assert!(pictures[1].forces[0].is_some() && pictures[1].forces[2].is_some());
-    // One of the two is no place.
+    // A single coordinate is not a position.
     let text = "picture,element,f_x,f_y,f_z,row\na,2,1,2,3,nonsense\n";
     assert!(
         read_loads(text.as_bytes(), &seen(), ForceAxes::default()).unwrap()[0].forces[2].is_some()
@@ -112,14 +112,14 @@ fn elements_are_told_by_their_places() {
 }
 
 #[test]
-fn a_frame_turned_as_the_layouts_leaves_forces_as_they_are() {
+fn keeps_forces_in_a_frame_equal_to_the_layouts() {
     let text = format!("{PLACED}b,0.1,0.7,3,30,50,{FRAC_PI_2}\n");
     let pictures = read_loads(text.as_bytes(), &seen(), ForceAxes::default()).unwrap();
     assert_eq!(pictures[0].forces[2], Some(DVec3::new(0.1, 0.7, 3.0)));
 }
 
 #[test]
-fn places_that_are_none_are_named() {
+fn rejects_invalid_positions() {
     for (rows, words) in [
         (
             "a,1,2,3,15,50,\n",

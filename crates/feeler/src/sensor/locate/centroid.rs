@@ -1,42 +1,42 @@
-//! A spot measured by its own pixels: centroid, size, contrast, and whether the picture's border cuts it.
+//! Measures a spot from its pixels: centroid, size, contrast and whether the image border cuts it.
 
 use super::{quantile, reference::ReferencePicture, spots::Spot};
 use crate::sensor::least_squares::outer;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::PI;
 
-/// Parts of a spot's contrast between which a pixel counts in proportion: below the lower one it is ground, which may slope; above
-/// the upper one it is spot, whatever shines in it.
+/// Pixel weights rise linearly from 0 to 1 between these fractions of a spot's contrast. Below the first, a pixel is
+/// background, which may be sloped; above the second it belongs to the spot fully, despite highlights.
 const COUNTED: (f64, f64) = (0.2, 0.9);
 
-/// Part of a spot's contrast up to which a pixel about it is ground.
+/// Pixels around a spot count as background up to this fraction of its contrast.
 const GROUND: f64 = 0.3;
 
-/// What the pixels about a spot say of it.
+/// Properties of a spot measured from its pixels.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) struct Measured {
-    /// Column and row of its centroid, px.
+    /// Column and row of the centroid, px.
     pub centre: DVec2,
-    /// Diameter of the disc of the same area at half contrast, px.
+    /// Diameter of the disc that has the spot's weighted area, px.
     pub diameter: f64,
-    /// Grey levels that it rises above the ground about it.
+    /// Gray levels above the local background.
     pub contrast: f64,
-    /// Whether it reaches the picture's border.
+    /// `true` if the spot reaches the image border.
     pub cut: bool,
 }
 
-/// Distance from a spot's centre within which other spots matter to [`measure`], px.
+/// Distance from a spot's centre within which other spots affect [`measure`], px.
 pub(super) fn surroundings(spot: &Spot) -> f64 {
     let radius = 0.5 * spot.diameter;
     2.0 * (reach(radius) + radius)
 }
 
-/// Distance from a spot's centre up to which its pixels and the ground about it are measured, px.
+/// Radius of the window in which a spot and its background are measured, px.
 fn reach(radius: f64) -> f64 {
     2.0 * radius + 1.0
 }
 
-/// Measures `spot`, beside which there are `others`, by those pixels about it that are nearer to it than to any of them.
+/// Measures `spot` from the pixels around it that are closer to it than to any of the `others`.
 pub(super) fn measure(picture: &ReferencePicture, spot: &Spot, others: &[DVec2]) -> Measured {
     let radius = 0.5 * spot.diameter;
     let reach = reach(radius);
@@ -51,7 +51,7 @@ pub(super) fn measure(picture: &ReferencePicture, spot: &Spot, others: &[DVec2])
         contrast: spot.response,
         cut: false,
     };
-    // The window follows the centroid.
+    // Recentre the window on the centroid.
     for _ in 0..3 {
         let pixels = Window::new(picture, measured.centre, reach, &others);
         let Some(next) = pixels.measure(radius) else {
@@ -69,11 +69,11 @@ pub(super) fn measure(picture: &ReferencePicture, spot: &Spot, others: &[DVec2])
     measured
 }
 
-/// The pixels about a place.
+/// The pixels around a point.
 struct Window {
     about: DVec2,
     size: DVec2,
-    /// Offset from `about` and grey level.
+    /// Offset from `about` and gray level.
     pixels: Vec<(DVec2, f64)>,
 }
 
@@ -108,7 +108,7 @@ impl Window {
         if outer.len() < 8 {
             outer = self.grays(|_| true);
         }
-        // Reflections in a dark spot are taken for darker than they are by no more than a tenth of its pixels.
+        // The 0.9 quantile ignores highlights, which make up to a tenth of a dark spot's pixels look too strong.
         let (peak, level) = (quantile(&mut inner, 0.9), quantile(&mut outer, 0.5));
         if peak <= level {
             return None;
@@ -137,7 +137,7 @@ impl Window {
         })
     }
 
-    /// The plane through the ground's grey levels by least squares: level under the window's centre, slopes along columns and rows.
+    /// Fits a plane to the background by least squares: level at the window's centre and slopes along columns and rows.
     fn plane(&self, is_ground: impl Fn(f64, f64) -> bool) -> Option<DVec3> {
         let (mut normal, mut right, mut count) = (DMat3::ZERO, DVec3::ZERO, 0);
         for &(offset, gray) in self
@@ -150,7 +150,7 @@ impl Window {
             right += gray * row;
             count += 1;
         }
-        // Fewer pixels, or all on one side, would tilt the plane by chance.
+        // Too few pixels, or pixels on one side only, would give a random tilt.
         (count >= 12 && normal.determinant() > 1e-3 * normal.x_axis.x.powi(3))
             .then(|| normal.inverse() * right)
     }

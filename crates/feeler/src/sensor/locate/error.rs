@@ -1,103 +1,103 @@
-//! Why no elements can be located in a picture.
+//! Errors of locating elements in an image.
 
 use super::{MAX_SPOTS, MIN_SIZE, Polarity, Unlike};
 
-/// Why no elements can be located.
+/// Error returned when no elements can be located.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LocateError {
-    /// There is no picture.
-    #[error("at least one picture of the untouched sensor expected, got none")]
+    /// No image was given.
+    #[error("expected at least one image of the unloaded sensor, got none")]
     NoPicture,
-    /// There are more pictures than can be added up.
-    #[error("at most {most} pictures expected, got more")]
+    /// There are too many images to sum without overflow.
+    #[error("expected at most {most} images, got more")]
     TooMany {
-        /// How many are allowed.
+        /// Maximum number of images.
         most: usize,
     },
-    /// A picture is too small.
-    #[error("a picture of at least {MIN_SIZE}x{MIN_SIZE} px expected, got {width}x{height} px")]
+    /// An image is too small.
+    #[error("expected an image of at least {MIN_SIZE}x{MIN_SIZE} px, got {width}x{height} px")]
     TooSmall {
         /// Columns, px.
         width: usize,
         /// Rows, px.
         height: usize,
     },
-    /// A picture has another size than the first.
+    /// The size of an image differs from that of the first.
     #[error(
-        "a picture of {expected_width}x{expected_height} px expected, as the first one, got {width}x{height} px in {pixels} values"
+        "expected an image of {expected_width}x{expected_height} px like the first one, got {width}x{height} px with {pixels} values"
     )]
     PictureSize {
-        /// Columns of the first picture, px.
+        /// Columns of the first image, px.
         expected_width: usize,
-        /// Rows of the first picture, px.
+        /// Rows of the first image, px.
         expected_height: usize,
-        /// Columns of the picture, px.
+        /// Columns of the image, px.
         width: usize,
-        /// Rows of the picture, px.
+        /// Rows of the image, px.
         height: usize,
-        /// Gray values in the picture.
+        /// Number of gray values in the image.
         pixels: usize,
     },
-    /// The picture is black all over.
+    /// The whole image is black.
     #[error(
-        "the picture is black (brightest pixel {brightest:.0} of 255): is there light in the dome?"
+        "the image is black (brightest pixel {brightest:.0} of 255): check the light in the dome"
     )]
     Black {
-        /// Largest grey value.
+        /// Largest gray value.
         brightest: f32,
     },
-    /// The picture is white all over.
-    #[error("the picture is white (darkest pixel {darkest:.0} of 255): lower exposure or gain")]
+    /// The whole image is white.
+    #[error("the image is white (darkest pixel {darkest:.0} of 255): lower exposure or gain")]
     White {
-        /// Least grey value.
+        /// Smallest gray value.
         darkest: f32,
     },
-    /// There is no spot.
+    /// The image contains no spot.
     #[error(
-        "no element found: no spot rises above the picture's noise (grey levels {darkest:.0} to {brightest:.0}, noise {noise:.1})"
+        "no element found: no spot exceeds the image noise (gray levels {darkest:.0} to {brightest:.0}, noise {noise:.1})"
     )]
     NoElement {
-        /// Least grey value.
+        /// Smallest gray value.
         darkest: f32,
-        /// Largest grey value.
+        /// Largest gray value.
         brightest: f32,
-        /// Standard deviation of the noise, grey levels.
+        /// Standard deviation of the noise, gray levels.
         noise: f64,
     },
-    /// There are spots, but they are no pattern of markers.
+    /// The spots do not form a pattern of markers.
     #[error(
-        "the {spots} {polarity} spots found are no pattern of markers: {}; give their diameter (--spot-diameter) if they are some all the same",
+        "the {spots} {polarity} spots are not a pattern of markers: {}; if they are markers, give their diameter (--spot-diameter)",
         list(unlike)
     )]
     NoPattern {
-        /// Whether they are bright or dark.
+        /// Polarity of the spots.
         polarity: Polarity,
-        /// How many there are.
+        /// Number of spots.
         spots: usize,
-        /// What of a pattern they lack.
+        /// Properties in which the spots differ from markers.
         unlike: Vec<Unlike>,
     },
-    /// There are so many spots that they are no elements.
-    #[error("at most {MAX_SPOTS} spots expected, got {actual}: is this a picture of a sensor?")]
+    /// There are too many spots for a sensor.
+    #[error("expected at most {MAX_SPOTS} spots, got {actual}: does the image show a sensor?")]
     TooManySpots {
-        /// How many there are.
+        /// Number of spots.
         actual: usize,
     },
-    /// What was said about the elements makes no sense.
-    #[error("{name} must lie between {low} and {high}, got {value}")]
+    /// A configured value is out of range.
+    #[error("{name} must be between {low} and {high}, got {value}")]
     OutOfRange {
-        /// The field.
+        /// Name of the field.
         name: &'static str,
-        /// Least value.
+        /// Minimum value.
         low: f64,
-        /// Greatest value.
+        /// Maximum value.
         high: f64,
-        /// What it was.
+        /// The value given.
         value: f64,
     },
 }
 
-/// What spots lack, one after the other.
+/// Joins the messages of `unlike` with semicolons.
 pub(super) fn list(unlike: &[Unlike]) -> String {
     let named: Vec<String> = unlike.iter().map(ToString::to_string).collect();
     named.join("; ")

@@ -1,24 +1,24 @@
-//! The grey level that elements rise from.
+//! Background gray level around each element.
 
 use super::{Polarity, quantile, reference::ReferencePicture};
 
-/// Part of the contrast of a dark marker up to which a pixel is ground: a gel is shaded where it is pressed.
+/// Fraction of a dark marker's contrast up to which a pixel is background: a gel darkens where it is pressed.
 const SHADE: f64 = 0.35;
 
-/// Grey levels by which the ground may differ from element to element and be even.
+/// Spread of background levels over the elements, in gray levels, up to which the light counts as even.
 const EVEN: f64 = 20.0;
 
-/// What the ground about each element is like, in a picture in which elements are bright.
+/// Background around each element, measured in an image oriented such that elements are bright.
 pub(super) struct Ground {
     polarity: Polarity,
     two_level: bool,
-    /// Grey level of the ground about each element.
+    /// Background gray level around each element.
     levels: Vec<f64>,
     noise: f64,
 }
 
 impl Ground {
-    /// Measures it in the elements' sub-regions.
+    /// Measures the background in the elements' sub-regions.
     pub fn new(
         reference: &ReferencePicture,
         polarity: Polarity,
@@ -28,7 +28,8 @@ impl Ground {
         let level = |region: &Vec<(usize, usize)>| {
             let gray =
                 |&(c, r): &(usize, usize)| f64::from(reference.gray[r * reference.width + c]);
-            // Most of a sub-region may be bright; its darkest fifth is not. Some hundred pixels say where that ends.
+            // The darkest fifth of a sub-region is background even if the spot fills most of the rest. About 400 pixels
+            // suffice.
             let some = region.iter().step_by(region.len() / 400 + 1);
             let mut grays: Vec<f64> = some.map(gray).collect();
             quantile(&mut grays, 0.2)
@@ -41,7 +42,8 @@ impl Ground {
         }
     }
 
-    /// The level of each element of these `contrasts`; the same for all bright ones where light is even.
+    /// Background level for each element, given the elements' contrasts. Bright elements under even light share one
+    /// level.
     pub fn of_elements(&self, contrasts: &[f64]) -> Vec<u8> {
         let quantile_of = |q: f64| quantile(&mut self.levels.clone(), q);
         let uneven = quantile_of(0.95) - quantile_of(0.05) > EVEN.max(8.0 * self.noise);
@@ -62,7 +64,8 @@ impl Ground {
         }
     }
 
-    /// One level for all: a little above the ground, so that its noise does not reach the sums.
+    /// A single background level for all elements, slightly above the background so that its noise does not add to the
+    /// sums.
     pub fn of_all(&self, contrasts: &[f64]) -> u8 {
         if self.two_level {
             return 127;
@@ -75,7 +78,7 @@ impl Ground {
         self.gray(level + above.max(4.0 * self.noise))
     }
 
-    /// The grey level in the picture as it was taken.
+    /// Converts a level of the oriented image to a gray value of the original image.
     fn gray(&self, level: f64) -> u8 {
         match self.polarity {
             Polarity::Bright => level.ceil().min(254.0) as u8,

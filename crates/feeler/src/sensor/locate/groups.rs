@@ -1,47 +1,48 @@
-//! Groups of spots that are one element each.
+//! Groups spots into elements.
 
 use super::{median, nearest, spots::Spot, tree::Tree};
 use crate::sensor::cells::Cells;
 use glam::DVec2;
 use std::collections::BTreeMap;
 
-/// Which spots are which element.
+/// Assignment of spots to elements.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Grouped {
-    /// Indices of each element's spots.
+    /// Indices of the spots of each element.
     pub members: Vec<Vec<usize>>,
-    /// Spots of most elements.
+    /// Typical number of spots per element.
     pub per_element: usize,
-    /// Spots that belong to none.
+    /// Indices of spots that belong to no element.
     pub left_out: Vec<usize>,
 }
 
-/// Sizes of groups that are looked for.
+/// Group sizes to search for.
 const SIZES: std::ops::RangeInclusive<usize> = 3..=32;
 
-/// Most spots among which groups are looked for.
+/// Maximum number of spots for which groups are searched.
 const MOST: usize = 2048;
 
-/// Distance from a group's centre to the nearest spot of another over that to its own farthest one.
+/// Minimum clearance of a group: distance from its centre to the nearest foreign spot over that to its own farthest
+/// spot.
 const CLEAR: f64 = 1.25;
 
-/// Part of all spots that must lie in groups of exactly one size.
+/// Fraction of all spots that groups of a single size must cover.
 const COVERED: f64 = 0.7;
 
-/// An element is all of its spots: of the sizes whose groups cover nearly as many spots as those of the best one, that is
-/// this part of them, the largest counts. The halves of groups cover more where a group lacks some of its spots.
+/// Among group sizes that cover at least this fraction of the spots covered by the best size, the largest is chosen.
+/// Half groups can cover more spots than whole groups if some groups are incomplete.
 const NEARLY: f64 = 0.9;
 
-/// Distance to the nearest spot of another group over that to the nearest of the own one, at the
-/// median. Of a lattice, cut into groups in whatever way, it is about one.
+/// Minimum median ratio of the distance to the nearest spot of another group to that of the nearest spot of the same
+/// group. For any partition of a lattice, the ratio is about one.
 const APART: f64 = 1.25;
 
-/// By how much a group may differ in size from those beside it, at the median: the elements of a sensor are alike, scattered spots that
-/// happen to lie together are not.
+/// Maximum median size difference (natural logarithm) between neighbouring groups. Elements of a sensor have similar
+/// sizes; accidental clusters of scattered spots do not.
 const ALIKE: f64 = 0.12;
 
-/// Groups `spots`: into elements of `diameter` px if that is given, else into groups of one size if
-/// they lie in such, else each for itself.
+/// Groups `spots` into elements: by `diameter` (px) if given, else into groups of a single size if there are such
+/// groups, else each spot is one element.
 pub(super) fn group(spots: &[Spot], diameter: Option<f64>) -> Grouped {
     let centres: Vec<DVec2> = spots.iter().map(|s| s.centre).collect();
     if let Some(diameter) = diameter {
@@ -71,15 +72,16 @@ pub(super) fn group(spots: &[Spot], diameter: Option<f64>) -> Grouped {
     }
 }
 
-/// A group that lies clear of all other spots about its centre.
+/// A group with clearance to all other spots.
 #[derive(Debug, Clone)]
 struct ClearGroup {
     members: Vec<usize>,
-    /// Distance from its centre to the nearest other spot over that to its own farthest one.
+    /// Distance from the group's centre to the nearest foreign spot over that to its own farthest spot.
     clearance: f64,
 }
 
-/// Groups about the middles of pairs of near spots: opposite ones have the centre between them.
+/// Finds groups centred on the midpoints of nearby pairs of spots: the midpoint of two opposite spots is the group's
+/// centre.
 fn clear_groups(centres: &[DVec2]) -> Vec<ClearGroup> {
     let cells = Cells::new(centres);
     let mut near = Vec::new();
@@ -87,7 +89,7 @@ fn clear_groups(centres: &[DVec2]) -> Vec<ClearGroup> {
     for (own, other) in near_pairs(centres) {
         let seed = 0.5 * (centres[own] + centres[other]);
         for group in clear_about(seed, &cells, &mut near) {
-            // About its own centre a group is as clear as it can be.
+            // Repeat about the group's own centre, where its clearance is largest.
             let middle = mean(&group.members, centres);
             let again = clear_about(middle, &cells, &mut near);
             for group in again
@@ -102,7 +104,7 @@ fn clear_groups(centres: &[DVec2]) -> Vec<ClearGroup> {
     found.into_iter().map(group).collect()
 }
 
-/// Spots and those near to them, each pair once.
+/// Pairs of nearby spots, each listed once.
 fn near_pairs(centres: &[DVec2]) -> Vec<(usize, usize)> {
     let near = nearest(centres, 12);
     let pairs = near
@@ -113,7 +115,7 @@ fn near_pairs(centres: &[DVec2]) -> Vec<(usize, usize)> {
     pairs.filter(once).collect()
 }
 
-/// The groups of the spots nearest to `seed` that lie clear of the next.
+/// Groups of the spots nearest to `seed` that have enough clearance to the next spot.
 fn clear_about(seed: DVec2, cells: &Cells, near: &mut Vec<(f64, usize)>) -> Vec<ClearGroup> {
     cells.nearest(seed, SIZES.end() + 1, near);
     let clear = |size: usize| {
@@ -132,7 +134,7 @@ fn mean(members: &[usize], centres: &[DVec2]) -> DVec2 {
     members.iter().map(|&l| centres[l]).sum::<DVec2>() / members.len().max(1) as f64
 }
 
-/// Groups of `size` without common spots, the clearest first.
+/// Disjoint groups of `size` spots, chosen in order of decreasing clearance.
 fn disjoint(clear: &[ClearGroup], size: usize, spots: usize) -> Vec<Vec<usize>> {
     let mut of_size: Vec<_> = clear.iter().filter(|g| g.members.len() == size).collect();
     of_size.sort_by(|a, b| b.clearance.total_cmp(&a.clearance));
@@ -155,10 +157,10 @@ fn singles(spots: usize) -> Grouped {
     }
 }
 
-/// The largest groups no farther across than an element.
+/// The largest groups that fit within `diameter`.
 fn within(centres: &[DVec2], diameter: f64) -> Grouped {
     let tree = Tree::new(centres);
-    // Spots' centres lie inside the element's outline; a little is granted to perspective.
+    // The centres of the spots lie inside the element's outline, which leaves some margin for perspective.
     let fits = |leaves: &[usize]| {
         let across = |&a: &usize| {
             let distance = |&b: &usize| centres[a].distance(centres[b]);
@@ -167,7 +169,7 @@ fn within(centres: &[DVec2], diameter: f64) -> Grouped {
         leaves.iter().map(across).fold(0.0, f64::max) <= diameter
     };
     let members = tree.largest(|node| {
-        // A lattice has huge groups that need not be measured spot by spot.
+        // Skip huge groups, such as a whole lattice: their diameter is costly to compute.
         tree.size(node) <= 64 && fits(&tree.leaves(node))
     });
     let mut sizes: Vec<f64> = members.iter().map(|m| m.len() as f64).collect();
@@ -178,7 +180,7 @@ fn within(centres: &[DVec2], diameter: f64) -> Grouped {
     }
 }
 
-/// How far apart `groups` lie, as `APART` measures it.
+/// Separation of `groups`, to compare with [`APART`].
 fn apart(groups: &[Vec<usize>], centres: &[DVec2]) -> f64 {
     let mut group_of = vec![usize::MAX; centres.len()];
     for (index, group) in groups.iter().enumerate() {
@@ -188,7 +190,7 @@ fn apart(groups: &[Vec<usize>], centres: &[DVec2]) -> f64 {
     let mut near = Vec::new();
     let largest = groups.iter().map(Vec::len).max().unwrap_or(0);
     let ratio = |&spot: &usize| {
-        // More than there are in its group.
+        // One more than the group has, to reach a foreign spot.
         cells.nearest(centres[spot], largest + 1, &mut near);
         let same = |&&(_, another): &&(f64, usize)| group_of[another] == group_of[spot];
         let others = near.iter().filter(|n| n.1 != spot);
@@ -201,7 +203,7 @@ fn apart(groups: &[Vec<usize>], centres: &[DVec2]) -> f64 {
     median(&mut ratios)
 }
 
-/// How much the distances of the groups' spots from their centres differ from those of the groups beside them, as `ALIKE` measures it.
+/// Median size difference between neighbouring groups, to compare with [`ALIKE`].
 fn unlike(groups: &[Vec<usize>], centres: &[DVec2]) -> f64 {
     let middles: Vec<DVec2> = groups.iter().map(|group| mean(group, centres)).collect();
     let size = |(group, middle): (&Vec<usize>, &DVec2)| {
@@ -219,8 +221,8 @@ fn unlike(groups: &[Vec<usize>], centres: &[DVec2]) -> f64 {
     median(&mut off)
 }
 
-/// Adds to the groups of `size` what is left and fits into as large a place: groups that miss a
-/// spot, or have run into another.
+/// Adds groups formed from the remaining spots that fit within the same diameter: groups that lack a spot or have
+/// merged with another.
 fn with_incomplete(mut groups: Vec<Vec<usize>>, centres: &[DVec2], size: usize) -> Grouped {
     let mut taken = vec![false; centres.len()];
     groups.iter().flatten().for_each(|&spot| taken[spot] = true);

@@ -1,14 +1,14 @@
-//! Finds the sensing elements in a picture of the untouched sensor.
+//! Locates the sensing elements in an image of the unloaded sensor.
 //!
-//! An element is a spot, bright on dark (the white tip of a pin) or dark on bright (a marker on a gel), or a group of spots (the contacts of the
-//! conical feelers under one columnar feeler). Neither their number nor their size is given:
+//! An element is a single spot, bright on dark (the tip of a pin) or dark on bright (a marker on a gel), or a group
+//! of spots (the contacts of the conical feelers under one columnar feeler). Neither the number nor the size of the
+//! elements must be known:
 //!
-//! 1. Blobs, bright or dark, are the maxima, over place and scale, of the Laplacian of Gaussians (Lindeberg
-//!    1998); the size that most of them share is that of the spots (`spots`).
-//! 2. If the spots come in groups of one size that lie apart from each other, the groups are the
-//!    elements, else the spots are (`groups`).
-//! 3. Spots that are not evenly spaced, of similar size and of similar contrast are no markers (`pattern`).
-//! 4. An element's sub-region is the disc about its centre as far as no other centre is nearer.
+//! 1. Bright or dark blobs are maxima of the Laplacian of Gaussians over position and scale (Lindeberg 1998). The most
+//!    common blob size is the size of the spots (`spots`).
+//! 2. If the spots form separate groups of a single size, each group is an element, otherwise each spot (`groups`).
+//! 3. Spots that differ too much in spacing, size or contrast are rejected: they are not markers (`pattern`).
+//! 4. An element's sub-region is the disc around its centre, without the pixels that are closer to another centre.
 
 mod centroid;
 mod error;
@@ -41,24 +41,24 @@ use super::cells::Cells;
 use glam::DVec2;
 use std::borrow::Cow;
 
-/// Fewest pixels to a side of a picture that elements are looked for in.
+/// Minimum width and height of an image, px.
 pub const MIN_SIZE: usize = 16;
 
-/// Most spots that are taken for spots and not for texture.
+/// Maximum number of spots; an image with more shows texture.
 pub const MAX_SPOTS: usize = 4096;
 
-/// What may be said about the elements beforehand; all is found without.
+/// Optional prior knowledge of the elements; missing values are estimated.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LocateConfig {
-    /// Whether elements are bright or dark; whichever makes the better pattern if absent.
+    /// Polarity of the elements, or `None` to choose the polarity with the better pattern.
     pub polarity: Option<Polarity>,
-    /// Diameter of a spot, px; the size that most blobs share if absent.
+    /// Diameter of a spot, px; if `None`, the most common blob size.
     pub spot_diameter_px: Option<f64>,
-    /// Diameter of an element, px: spots that fit into it together are one element. If absent,
-    /// spots are grouped only where they lie in groups of one size.
+    /// Diameter of an element, px: spots that fit within it form one element. If `None`, spots are grouped only if they
+    /// form groups of a single size.
     pub element_diameter_px: Option<f64>,
-    /// Radius of a sub-region over the distance to the nearest other element; the sub-region of a
-    /// group of spots is large enough for all of them in any case.
+    /// Radius of a sub-region over the distance to the nearest other element. The sub-region of a group of spots is
+    /// enlarged, if necessary, to contain all of them.
     pub region_radius: f64,
 }
 
@@ -68,69 +68,69 @@ impl Default for LocateConfig {
             polarity: None,
             spot_diameter_px: None,
             element_diameter_px: None,
-            // Discs of half the spacing just touch, and a neighbour that moves stays out of them for
-            // as long as can be.
+            // Discs of half the spacing just touch, which leaves neighbours the most room to move without overlap.
             region_radius: 0.5,
         }
     }
 }
 
-/// An element as it is seen.
+/// An element located in an image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct LocatedElement {
-    /// Column and row of its centre, px: the mean of its spots' centres.
+    /// Column and row of the centre, px: the mean of the spots' centres.
     pub centre_px: DVec2,
-    /// Radius of its sub-region, px.
+    /// Radius of the sub-region, px.
     pub radius_px: f64,
-    /// Columns and rows of its spots' centres, px.
+    /// Columns and rows of the spots' centres, px.
     pub spots_px: Vec<DVec2>,
-    /// Grey level of the ground about it: up to it (of dark elements: from it on) a pixel is none of the element.
+    /// Background gray level. Pixels at or below it (dark elements: at or above it) do not belong to the element.
     pub ground_level: u8,
 }
 
-/// What was found in a reference picture.
+/// Elements located in a reference image.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Located {
-    /// Whether the elements are bright or dark.
+    /// Polarity of the elements.
     pub polarity: Polarity,
-    /// Columns and rows of the picture, px.
+    /// Columns and rows of the image, px.
     pub size: (usize, usize),
-    /// The elements, in reading order: row by row, as far as there are rows.
+    /// Elements in reading order, row by row if they lie in rows.
     pub elements: Vec<LocatedElement>,
-    /// Median distance of an element to its nearest neighbour, px; 0 for a single element.
+    /// Median distance between an element and its nearest neighbour, px; 0 for a single element.
     pub spacing_px: f64,
-    /// Median diameter of the disc that is most blob-like where a spot is, px.
+    /// Median diameter of the spots from their blob scale, px.
     pub spot_diameter_px: f64,
-    /// Median diameter of the disc that has a spot's area at its contrast, px.
+    /// Median diameter of the discs that have the spots' areas, px.
     pub spot_area_diameter_px: f64,
-    /// Spots of an element: 1, or the size of the groups.
+    /// Number of spots per element: 1, or the size of the groups.
     pub spots_per_element: usize,
-    /// The same for all elements where light is even: a little above the background about them, up to which a pixel is dark. Of dark
-    /// elements, a little below it, from which on a pixel is bright.
+    /// Background gray level common to all elements, for even light: slightly above the background of bright elements,
+    /// slightly below that of dark ones.
     pub dark_level: u8,
-    /// Whether every pixel is black or white.
+    /// `true` if every pixel is black or white.
     pub two_level: bool,
-    /// What looks wrong.
+    /// Possible problems.
     pub warnings: Vec<LocateWarning>,
 }
 
-/// Diameter that spots of known size keep, at least, in the means of several pixels that are searched for them, px.
+/// Minimum diameter of a spot of known size after binning, px.
 const LEAST_DIAMETER: f64 = 5.0;
 
-/// Finds the elements in `reference`.
+/// Locates the elements in `reference`.
 ///
 /// # Errors
-/// When the picture is black, white or without bright spots, or `config` makes no sense.
+/// If the image is black, white or contains no spots, if the spots are not a pattern of markers, or if a value of
+/// `config` is out of range.
 pub fn locate(reference: &ReferencePicture, config: &LocateConfig) -> Result<Located, LocateError> {
     check(reference, config)?;
     located(reference, config, find(reference, config)?)
 }
 
-/// Finds the elements in another picture of the sensor on which `before` was found. Only spots of that polarity and of about that size are
-/// searched, in less than half of the time.
+/// Locates the elements in another image of the sensor, given an earlier result `before`. Searches only spots of the
+/// same polarity and similar size, which takes less than half the time of [`locate`].
 ///
 /// # Errors
-/// As [`locate`].
+/// See [`locate`].
 pub fn locate_again(
     reference: &ReferencePicture,
     config: &LocateConfig,
@@ -147,14 +147,14 @@ pub fn locate_again(
     located(reference, config, find_binned(reference, &known, factor)?)
 }
 
-/// The elements that the spots found make.
+/// Assembles elements from the spots found.
 fn located(
     reference: &ReferencePicture,
     config: &LocateConfig,
     (polarity, found): (Polarity, FoundSpots),
 ) -> Result<Located, LocateError> {
     let unlike = pattern::unlike_markers(&found.spots, found.noise);
-    // Whoever says how large spots are has seen some.
+    // A given spot diameter means that the user has identified the spots.
     if unlike.len() >= 2 && config.spot_diameter_px.is_none() {
         return Err(LocateError::NoPattern {
             polarity,
@@ -171,10 +171,10 @@ fn located(
     Ok(located)
 }
 
-/// Most pixels that are searched for spots one by one; of a larger picture the means of several are.
+/// Maximum number of pixels searched at full resolution; larger images are binned.
 const MOST_PIXELS: usize = 3_000_000;
 
-/// The spots of the polarity that makes the better pattern, unless one is given.
+/// Finds the spots, with the configured polarity or else the one that makes the better pattern.
 fn find(
     reference: &ReferencePicture,
     config: &LocateConfig,
@@ -182,7 +182,7 @@ fn find(
     let factor = binning(reference);
     let found = find_binned(reference, config, factor);
     match found {
-        // What is found may be grain, which coarser means do not show.
+        // The spots may be grain, which stronger binning removes.
         Err(LocateError::TooManySpots { .. }) if factor > 1 => {
             find_binned(reference, config, 2 * factor)
         }
@@ -190,13 +190,13 @@ fn find(
     }
 }
 
-/// Pixels to a side of the squares whose means are searched for spots: 1 unless the picture has more than [`MOST_PIXELS`].
+/// Binning factor: 1 unless the image has more than [`MOST_PIXELS`].
 fn binning(reference: &ReferencePicture) -> usize {
     let pixels = reference.width * reference.height;
     ((pixels as f64 / MOST_PIXELS as f64).sqrt().ceil() as usize).max(1)
 }
 
-/// Finds the spots in the means of `factor` by `factor` pixels.
+/// Finds the spots in the image binned by `factor`.
 fn find_binned(
     reference: &ReferencePicture,
     config: &LocateConfig,
@@ -211,7 +211,7 @@ fn find_binned(
         .map(|diameter| diameter / factor as f64);
     let coarsest = spots::coarsest((binned.width, binned.height), diameter);
     let mut space = ScaleSpace::new(&binned, coarsest);
-    // Of an inverted picture it is the same.
+    // Inverting the image does not change its noise.
     let noise = [reference.noise(), binned.noise()];
     let mut best: Option<(f64, Polarity, FoundSpots)> = None;
     let mut refused = None;
@@ -271,7 +271,7 @@ fn check(reference: &ReferencePicture, config: &LocateConfig) -> Result<(), Loca
     }
     let brightest = reference.gray.iter().copied().fold(0.0, f32::max);
     let darkest = reference.gray.iter().copied().fold(255.0, f32::min);
-    // A few grey levels are the noise of a picture taken with the cap on, or of one burnt out.
+    // Noise alone reaches a few gray levels in an image taken with a covered lens or in a saturated one.
     if brightest < 5.0 {
         return Err(LocateError::Black { brightest });
     }
@@ -281,12 +281,12 @@ fn check(reference: &ReferencePicture, config: &LocateConfig) -> Result<(), Loca
     Ok(())
 }
 
-/// The median; 0 of nothing. Reorders the values.
+/// Returns the median of `values`, or 0 if empty. Reorders `values`.
 pub(super) fn median(values: &mut [f64]) -> f64 {
     quantile(values, 0.5)
 }
 
-/// The value below which the part `q` of `values` lies; 0 of nothing. Reorders them.
+/// Returns the `q` quantile of `values`, or 0 if empty. Reorders `values`.
 fn quantile(values: &mut [f64], q: f64) -> f64 {
     if values.is_empty() {
         return 0.0;
@@ -295,7 +295,7 @@ fn quantile(values: &mut [f64], q: f64) -> f64 {
     *values.select_nth_unstable_by(index, f64::total_cmp).1
 }
 
-/// For each point, the indices of its `count` nearest others, the nearest first.
+/// For each point, the indices of its `count` nearest neighbours, nearest first.
 pub(super) fn nearest(points: &[DVec2], count: usize) -> Vec<Vec<usize>> {
     let cells = Cells::new(points);
     let mut near = Vec::new();

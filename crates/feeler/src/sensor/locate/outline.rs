@@ -1,19 +1,19 @@
-//! How far the bright pixels about a maximum reach.
+//! Extent of the connected bright pixels around a maximum.
 
 use super::reference::ReferencePicture;
 use std::f64::consts::SQRT_2;
 
-/// Visits connected bright pixels; its memory is used again for the next maximum.
+/// Flood fill over bright pixels. Its buffers are reused for each maximum.
 #[derive(Debug, Default)]
 pub(super) struct Outline {
-    /// Pixels of the square about the maximum that were visited, row by row.
+    /// Visited pixels of the square around the maximum, row by row.
     visited: Vec<bool>,
-    /// Pixels to visit: columns and rows of the picture.
+    /// Column and row of each pixel yet to visit.
     open: Vec<(usize, usize)>,
 }
 
 impl Outline {
-    /// Whether the bright pixels about a maximum reach farther than a spot of its scale does: it is a bump on a rim or a reflection.
+    /// Returns `true` if the bright region around a maximum exceeds a spot of scale `sigma`, as a rim or reflection does.
     pub fn exceeds(&mut self, picture: &ReferencePicture, index: usize, sigma: f64) -> bool {
         let (width, height) = (picture.width, picture.height);
         let (column, row) = (index % width, index / width);
@@ -24,7 +24,7 @@ impl Outline {
             .flat_map(|row| &picture.gray[row * width..][columns.clone()])
             .fold(f32::MAX, |valley, &gray| valley.min(gray));
         let level = valley + 0.7 * (picture.gray[index] - valley);
-        // Three diameters across, or farther than that to one side.
+        // A region is too large if it extends three diameters to any side.
         let reach = (6.0 * SQRT_2 * sigma).ceil() as usize;
         let side = 2 * reach + 1;
         self.visited.clear();

@@ -1,23 +1,24 @@
-//! Whether spots look like the markers of a sensor: evenly spaced, of similar size and contrast.
+//! Tests whether spots look like markers: evenly spaced and similar in size and contrast.
 
 use super::{median, nearest, spots::Spot};
 use glam::DVec2;
 
-/// Fewer spots show no pattern.
+/// Minimum number of spots in a pattern.
 const FEWEST: usize = 6;
 
-/// How unlike their six nearest neighbours spots are, at the median; 0 for a perfect pattern.
+/// Median deviation of spots from their six nearest neighbours, as natural logarithms of ratios; 0 for a perfect
+/// pattern.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Regularity {
-    /// Of the distance to the nearest spot: the natural logarithm's deviation.
+    /// Deviation of the distance to the nearest spot.
     pub spacing: f64,
-    /// Of the diameter.
+    /// Deviation of the diameter.
     pub size: f64,
-    /// Of the contrast.
+    /// Deviation of the contrast.
     pub contrast: f64,
 }
 
-/// The regularity of `spots`; `None` where they are too few to tell.
+/// Returns the regularity of `spots`, or `None` if there are fewer than [`FEWEST`].
 fn regularity(spots: &[Spot]) -> Option<Regularity> {
     if spots.len() < FEWEST {
         return None;
@@ -45,46 +46,46 @@ fn regularity(spots: &[Spot]) -> Option<Regularity> {
     })
 }
 
-/// How much of a pattern `spots` are: their contrast, all together, over how irregularly they are spaced.
+/// Score of `spots` as a pattern: their total contrast over the irregularity of their spacing.
 pub(super) fn score(spots: &[Spot]) -> f64 {
-    /// Where spots are too few to tell, as irregular as scattered ones.
+    /// Spacing irregularity assumed for too few spots: that of scattered points.
     const SCATTERED: f64 = 0.3;
     let spacing = regularity(spots).map_or(SCATTERED, |regularity| regularity.spacing);
     spots.iter().map(|spot| spot.contrast).sum::<f64>() / (0.05 + spacing)
 }
 
-/// What markers are and texture is not, with what was found instead.
+/// A property in which spots differ from markers, with the measured value.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Unlike {
-    /// The distances from spot to spot differ.
-    #[error("the spacing differs by {:.0} % from spot to spot, at most {:.0} % expected", 100.0 * .0, 100.0 * SPACING)]
+    /// The spacing of the spots varies.
+    #[error("spacing differs by {:.0} % from spot to spot, expected at most {:.0} %", 100.0 * .0, 100.0 * SPACING)]
     Spacing(f64),
-    /// Their diameters differ.
-    #[error("the size differs by {:.0} % from spot to spot, at most {:.0} % expected", 100.0 * .0, 100.0 * SIZE)]
+    /// The diameter of the spots varies.
+    #[error("size differs by {:.0} % from spot to spot, expected at most {:.0} %", 100.0 * .0, 100.0 * SIZE)]
     Size(f64),
-    /// Their contrasts differ.
-    #[error("the contrast differs by {:.0} % from spot to spot, at most {:.0} % expected", 100.0 * .0, 100.0 * CONTRAST)]
+    /// The contrast of the spots varies.
+    #[error("contrast differs by {:.0} % from spot to spot, expected at most {:.0} %", 100.0 * .0, 100.0 * CONTRAST)]
     Contrast(f64),
-    /// They hardly differ from the ground.
+    /// The spots hardly differ from the background.
     #[error(
-        "the contrast is {actual:.1} gray levels, at least {expected:.1} expected for the picture's noise"
+        "contrast is {actual:.1} gray levels, expected at least {expected:.1} for this image noise"
     )]
     Faint {
-        /// Median contrast, grey levels.
+        /// Median contrast, gray levels.
         actual: f64,
-        /// Least contrast, grey levels.
+        /// Minimum contrast, gray levels.
         expected: f64,
     },
 }
 
-/// Largest deviations from neighbour to neighbour, at the median. Scattered points are 30 to 40 % off, blobs of texture differ by
-/// 13 % and more in size and by 18 % and more in contrast; pins, fibres and markers of real sensors, in contact or not, by no more than
-/// 5, 7 and 22 %.
+/// Maximum median deviations between neighbours. Scattered points deviate by 30 to 40 % in spacing; blobs of texture by
+/// 13 % and more in size and 18 % and more in contrast. Pins, fibres and markers of real sensors, loaded or not,
+/// deviate by at most 5 % in spacing, 7 % in size and 22 % in contrast.
 const SPACING: f64 = 0.12;
 const SIZE: f64 = 0.1;
 const CONTRAST: f64 = 0.3;
 
-/// What of a pattern of markers `spots` lack, in a picture of which the noise is `noise` grey levels.
+/// Returns the properties in which `spots` differ from markers; `noise` is the image noise in gray levels.
 pub(super) fn unlike_markers(spots: &[Spot], noise: f64) -> Vec<Unlike> {
     let Some(regularity) = regularity(spots) else {
         return Vec::new();

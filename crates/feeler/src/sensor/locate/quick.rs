@@ -1,4 +1,4 @@
-//! Blobs of a known size, in a small part of the time that finding elements of any size takes.
+//! Fast detection of blobs of known size.
 
 use super::{
     Polarity, quantile,
@@ -9,13 +9,14 @@ use crate::sensor::frame::Picture;
 use glam::DVec2;
 use std::f64::consts::SQRT_2;
 
-/// Least diameter of a blob in the pixels that are searched, px: larger ones are searched in means of several pixels.
+/// Minimum diameter of a blob after binning, px. Images with larger blobs are binned.
 const LEAST_DIAMETER: f64 = 4.0;
-/// Least response of a blob, relative to the median of the strongest ones.
+/// Minimum response of a blob, relative to the median response of the strongest blobs.
 const LEAST_RESPONSE: f64 = 0.3;
 
-/// Columns and rows (px) of blobs of about `diameter` px in `picture`, in no order: those whose response is at least 0.3 of the median of the `count`
-/// strongest. They are not checked to be spots, as [`locate`](super::locate) does.
+/// Returns columns and rows (px) of blobs of about `diameter` px in `picture`, in no particular order. A blob is
+/// returned if its response is at least [`LEAST_RESPONSE`] of the median of the `count` strongest. Unlike
+/// [`locate`](super::locate), does not verify that blobs are spots.
 pub(in crate::sensor) fn blobs_of_size<P: AsRef<[u8]>>(
     picture: &Picture<P>,
     polarity: Polarity,
@@ -47,7 +48,7 @@ pub(in crate::sensor) fn blobs_of_size<P: AsRef<[u8]>>(
         .collect()
 }
 
-/// Means of `factor` by `factor` pixels, negated if blobs are dark; as many columns and rows as the last argument says.
+/// Bins `factor` x `factor` pixels into their mean, negated if blobs are dark. The last argument is the binned size.
 fn binned<P: AsRef<[u8]>>(
     picture: &Picture<P>,
     polarity: Polarity,

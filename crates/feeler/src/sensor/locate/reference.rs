@@ -1,29 +1,29 @@
-//! The picture that elements are looked for in: the mean of pictures of the untouched sensor.
+//! Reference image in which elements are located: the mean of images of the unloaded sensor.
 
 use super::{LocateError, Polarity};
 use crate::sensor::frame::Picture;
 use std::borrow::Cow;
 
-/// The mean of several pictures, with what is known of its noise.
+/// The mean of several images, with the information needed to estimate its noise.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReferencePicture {
     /// Columns, px.
     pub width: usize,
     /// Rows, px.
     pub height: usize,
-    /// Mean grey values, row by row from the top left, 0 to 255.
+    /// Mean gray values, row by row from the top left, 0 to 255.
     pub gray: Vec<f32>,
-    /// How many pictures it is the mean of.
+    /// Number of images averaged.
     pub pictures: usize,
-    /// Whether every pixel of every picture was black or white, as after a threshold.
+    /// `true` if every pixel of every image is black or white, as after thresholding.
     pub two_level: bool,
 }
 
 impl ReferencePicture {
-    /// The mean of `pictures`.
+    /// Averages `pictures`.
     ///
     /// # Errors
-    /// When there is none, they differ in size, or one is too small to hold anything.
+    /// If there are no images, if their sizes differ, or if an image is too small.
     pub fn mean<'a>(pictures: impl IntoIterator<Item = &'a Picture>) -> Result<Self, LocateError> {
         let mut sum = MeanPicture::default();
         for picture in pictures {
@@ -32,7 +32,7 @@ impl ReferencePicture {
         sum.finish()
     }
 
-    /// The same picture with bright elements: inverted if they are dark.
+    /// Returns the image such that elements are bright: inverted if they are dark.
     pub(super) fn oriented(&self, polarity: Polarity) -> Cow<'_, Self> {
         match polarity {
             Polarity::Bright => Cow::Borrowed(self),
@@ -43,7 +43,7 @@ impl ReferencePicture {
         }
     }
 
-    /// The picture of the means of `factor` by `factor` pixels; those of the last columns and rows that make no whole one count twice.
+    /// Bins `factor` x `factor` pixels into their mean. The last column and row are repeated to complete a bin.
     pub(super) fn binned(&self, factor: usize) -> Self {
         let size = (self.width.div_ceil(factor), self.height.div_ceil(factor));
         let share = 1.0 / (factor * factor) as f32;
@@ -71,12 +71,12 @@ impl ReferencePicture {
         }
     }
 
-    /// Standard deviation of the noise of one of the pictures, grey levels: from how far pixels
-    /// are off a plane through their neighbours, in the fifth of the picture with the least detail.
-    /// No less than that of rounding to grey levels.
+    /// Standard deviation of the noise of a single image, gray levels. Estimated from the deviation of each pixel from
+    /// a plane through its neighbours, in the fifth of the image with the least detail. At least the rounding noise of
+    /// 0.29.
     pub fn noise(&self) -> f64 {
         let (width, height) = (self.width, self.height);
-        // Every other row and column is plenty, and fewer of a picture of millions of pixels.
+        // Every other row and column suffices; for images of millions of pixels, still fewer.
         let step = 2 * (width * height / 1_000_000).isqrt().max(1);
         let mut off = Vec::with_capacity(width * height / (step * step) + 1);
         for row in (1..height.saturating_sub(1)).step_by(step) {
@@ -89,14 +89,14 @@ impl ReferencePicture {
                 off.push((corners - 2.0 * sides + 4.0 * at(1, 1)).abs());
             }
         }
-        // The mask's weights have the root sum of squares 6; of a normal's magnitudes a fifth lies
-        // below 0.2533 of its deviation.
+        // The mask's weights have a root sum of squares of 6. A fifth of the magnitudes of a normal distribution lies
+        // below 0.2533 standard deviations.
         let of_mean = super::quantile(&mut off, 0.2) / (6.0 * 0.2533);
         (of_mean * (self.pictures as f64).sqrt()).max(0.29)
     }
 }
 
-/// Pictures as they are added up, so that they need not all be held at once.
+/// Accumulates the mean of images without keeping them in memory.
 #[derive(Debug, Clone, Default)]
 pub struct MeanPicture {
     size: (usize, usize),
@@ -105,14 +105,14 @@ pub struct MeanPicture {
     gray_levels: bool,
 }
 
-/// Most pictures in a mean: their sum must fit.
+/// Maximum number of images in a mean: their sum must fit into a `u32`.
 const MAX_PICTURES: usize = (u32::MAX / 255) as usize;
 
 impl MeanPicture {
-    /// Adds one picture.
+    /// Adds one image.
     ///
     /// # Errors
-    /// When it has another size than those before, or is too small to hold anything.
+    /// If the size differs from that of earlier images, or if the image is too small.
     pub fn add<P: AsRef<[u8]>>(&mut self, picture: &Picture<P>) -> Result<(), LocateError> {
         let (width, height) = (picture.width, picture.height);
         let gray = picture.pixels.as_ref();
@@ -144,10 +144,10 @@ impl MeanPicture {
         Ok(())
     }
 
-    /// The mean of what was added.
+    /// Returns the mean of the images added.
     ///
     /// # Errors
-    /// When nothing was.
+    /// If no image was added.
     pub fn finish(self) -> Result<ReferencePicture, LocateError> {
         if self.pictures == 0 {
             return Err(LocateError::NoPicture);

@@ -1,4 +1,4 @@
-//! From spots to elements with sub-regions, and what looks wrong about them.
+//! Assembles elements with sub-regions from grouped spots, and checks them for problems.
 
 use super::{
     LocateConfig, LocateWarning, Located, LocatedElement, Polarity,
@@ -10,9 +10,10 @@ use super::{
 };
 use glam::DVec2;
 
-/// The pixels of each element's sub-region, column and row, sorted by row and then by column: those
-/// within its radius that are nearer to its centre than to any other. Sub-regions do not overlap;
-/// they are cut off at the rim of the picture of `size` px.
+/// Returns the pixels (column, row) of each element's sub-region, sorted by row and then by column.
+///
+/// A sub-region contains the pixels within the radius of its disc that are closest to its centre. Sub-regions do not
+/// overlap and are clipped to the image of `size` px.
 pub fn sub_regions(size: (usize, usize), discs: &[(DVec2, f64)]) -> Vec<Vec<(usize, usize)>> {
     let (width, height) = size;
     let mut owner = vec![(f64::INFINITY, usize::MAX); width * height];
@@ -23,7 +24,8 @@ pub fn sub_regions(size: (usize, usize), discs: &[(DVec2, f64)]) -> Vec<Vec<(usi
                 let pixel = DVec2::new(column as f64, row as f64);
                 let distance = pixel.distance_squared(centre);
                 let owner = &mut owner[row * width + column];
-                // Nearer centres win even beyond their own radius: the border is half way.
+                // Compares distances only, so that the border between two overlapping discs is halfway between their
+                // centres.
                 if distance < owner.0 && distance <= radius * radius {
                     *owner = (distance, element);
                 }
@@ -51,9 +53,9 @@ pub(super) fn bounding_box(
     (range(low.x, high.x, width), range(low.y, high.y, height))
 }
 
-/// Makes elements of grouped spots.
+/// Assembles elements from grouped spots.
 ///
-/// In `reference` they are bright, whatever the `polarity` of the picture that it is of.
+/// Elements are bright in `reference`, which is inverted if `polarity` is dark.
 pub(super) fn assemble(
     reference: &ReferencePicture,
     polarity: Polarity,
@@ -84,7 +86,7 @@ pub(super) fn assemble(
         .zip(&neighbours)
         .map(|(c, near)| near.first().map_or(shorter, |&i| centres[i].distance(*c)))
         .collect();
-    // A group's spots grow and wander; they are given a spot and a half of room.
+    // The spots of a group grow and move; leave a margin of one and a half spot diameters.
     let room = |i: usize| {
         let from_centre = |&s: &usize| spots[s].centre.distance(centres[i]);
         let farthest = members[i].iter().map(from_centre).fold(0.0, f64::max);
@@ -159,19 +161,19 @@ pub(super) fn assemble(
     }
 }
 
-/// The distance to the nearest element, but not so much smaller or larger than for the elements
-/// about that one error made two.
+/// Distance to the nearest element, clamped to 0.75 to 1.5 times the typical distance of the neighbours, to limit the
+/// effect of a wrongly located element.
 fn local_spacing(gaps: &[f64], neighbours: &[usize], own: usize) -> f64 {
     let mut about: Vec<f64> = neighbours.iter().map(|&i| gaps[i]).collect();
     if about.is_empty() {
-        // A single element may fill the picture.
+        // A single element may fill the image.
         return 0.5 * gaps[own];
     }
     let typical = median(&mut about);
     gaps[own].clamp(0.75 * typical, 1.5 * typical)
 }
 
-/// Indices row by row, as far as centres lie in rows: bands of half the spacing, from left to right.
+/// Returns indices in reading order: rows are bands of half the spacing, sorted from left to right.
 fn reading_order(centres: &[DVec2]) -> Vec<usize> {
     let mut gaps: Vec<f64> = nearest(centres, 1)
         .iter()
@@ -197,7 +199,7 @@ fn reading_order(centres: &[DVec2]) -> Vec<usize> {
     rows.concat()
 }
 
-/// Elements that are too large, or have too many or too few spots.
+/// Warns of elements that are too large or that have too many or too few spots.
 fn size_warnings(
     spots: &[Spot],
     members: &[&Vec<usize>],
@@ -205,7 +207,7 @@ fn size_warnings(
     centres: &[DVec2],
     per_element: usize,
 ) -> Vec<LocateWarning> {
-    /// An area over its neighbours' that one element does not have.
+    /// Minimum ratio of an element's area to its neighbours' for a warning.
     const LARGE: f64 = 1.9;
     let area = |i: usize| {
         members[i]
@@ -239,7 +241,7 @@ fn size_warnings(
     (0..members.len()).filter_map(warning).collect()
 }
 
-/// Saturated spots, or a picture in which that cannot be told.
+/// Warns of saturated spots, or of an image with two gray levels, in which saturation cannot be detected.
 fn light_warning(
     reference: &ReferencePicture,
     spots: &[Spot],

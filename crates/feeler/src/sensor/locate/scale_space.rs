@@ -1,35 +1,35 @@
-//! A picture at many scales: what is blob-like, where, and how large.
+//! Scale space of an image, to detect blobs of any size.
 
 use super::reference::ReferencePicture;
 use multiversion::multiversion;
 
 /// Ratio of one scale to the next.
-const STEP: f64 = 1.189_207_115_002_721; // the fourth root of 2
+const STEP: f64 = 1.189_207_115_002_721; // fourth root of 2
 
-/// Finest scale, px: what a spot of two pixels has.
+/// Finest scale, px: the scale of a spot of two pixels.
 const FINEST: f64 = 0.8;
 
-/// Scale over a layer's pixel at which layers go on with every second pixel: what is that smooth needs no more.
+/// Scale in pixels of the current layer at which the resolution is halved; smoother layers need no more pixels.
 const COARSEST_IN_PIXELS: f64 = 3.2;
 
-/// The picture's blob response at one scale.
+/// Blob response of the image at one scale.
 #[derive(Debug, Clone)]
 pub(super) struct Layer {
-    /// Standard deviation of the Gaussian, pixels of the picture.
+    /// Standard deviation of the Gaussian, in pixels of the image.
     pub sigma: f64,
-    /// Pixels of the picture from one value to the next.
+    /// Pixels of the image between adjacent values.
     pub step: usize,
     /// Columns and rows of values.
     pub size: (usize, usize),
-    /// `-sigma² ∇² (G * picture)`, grey levels: positive on bright blobs.
+    /// `-sigma² ∇² (G * picture)`, gray levels: positive on bright blobs.
     pub response: Vec<f32>,
 }
 
 impl Layer {
-    /// Largest of the value at a place, given in pixels of the picture, and its four neighbours.
+    /// Maximum of the value at an image pixel and its four neighbours.
     fn around(&self, column: usize, row: usize) -> f32 {
         let (width, height) = self.size;
-        // Layers end where the picture does, to a value.
+        // The layer ends within one value of the image's end.
         let column = (column / self.step).clamp(1, width - 2);
         let row = (row / self.step).clamp(1, height - 2);
         let index = row * width + column;
@@ -39,14 +39,14 @@ impl Layer {
     }
 }
 
-/// Responses from fine to coarse.
+/// Blob responses from fine to coarse scales.
 #[derive(Debug, Clone)]
 pub(super) struct ScaleSpace {
     pub layers: Vec<Layer>,
 }
 
 impl ScaleSpace {
-    /// All scales of `picture` up to `coarsest`, px.
+    /// Computes all scales of `picture` up to `coarsest`, px.
     pub fn new(picture: &ReferencePicture, coarsest: f64) -> Self {
         let mut size = (picture.width, picture.height);
         let mut blurred = picture.gray.clone();
@@ -56,7 +56,7 @@ impl ScaleSpace {
             let more = (sigma * sigma - have * have).sqrt() / step as f64;
             blurred = blur(&blurred, size.0, size.1, more);
             have = sigma;
-            // Below the least size a layer has no inner values left.
+            // A smaller layer would have no inner values.
             let halved = (size.0.div_ceil(2), size.1.div_ceil(2));
             if sigma >= COARSEST_IN_PIXELS * step as f64 && halved.0.min(halved.1) >= 8 {
                 blurred = every_second(&blurred, size);
@@ -73,7 +73,7 @@ impl ScaleSpace {
         Self { layers }
     }
 
-    /// The responses of the inverted picture.
+    /// Responses of the inverted image.
     pub fn negated(mut self) -> Self {
         for layer in &mut self.layers {
             layer.response.iter_mut().for_each(|value| *value = -*value);
@@ -81,8 +81,8 @@ impl ScaleSpace {
         self
     }
 
-    /// Where `layer` has a value no smaller than its eight neighbours' and larger than those of the
-    /// layers beside it (one of which may be missing): indices of its values, the rim left out.
+    /// Returns indices of values above `floor` that are maxima among their eight neighbours and compared with the
+    /// adjacent layers, if any. Excludes the border.
     pub fn maxima(&self, layer: usize, floor: f32) -> Vec<usize> {
         let own = &self.layers[layer];
         let (width, height) = own.size;
@@ -107,7 +107,7 @@ impl ScaleSpace {
     }
 }
 
-/// The response of a picture of `size` pixels at one scale, px.
+/// Blob response of an image of `size` pixels at scale `sigma`, px.
 pub(super) fn blurred_response(picture: &[f32], size: (usize, usize), sigma: f64) -> Layer {
     let blurred = blur(picture, size.0, size.1, sigma);
     Layer {
@@ -118,14 +118,14 @@ pub(super) fn blurred_response(picture: &[f32], size: (usize, usize), sigma: f64
     }
 }
 
-/// Every second column of every second row.
+/// Keeps every second column of every second row.
 fn every_second(values: &[f32], (width, _): (usize, usize)) -> Vec<f32> {
     let rows = values.chunks_exact(width).step_by(2);
     rows.flat_map(|row| row.iter().step_by(2).copied())
         .collect()
 }
 
-/// Whether no neighbour is larger; of equal ones the first counts.
+/// Returns `true` if a value is the maximum of its 3x3 neighbourhood; of equal values, the first counts.
 fn largest_of_nine(values: &[f32], width: usize, index: usize) -> bool {
     let value = values[index];
     let before = [
@@ -143,7 +143,7 @@ fn largest_of_nine(values: &[f32], width: usize, index: usize) -> bool {
     before.iter().all(|&i| values[i] < value) && after.iter().all(|&i| values[i] <= value)
 }
 
-/// `-sigma² ∇²` of a picture.
+/// Computes `-sigma² ∇²` of a blurred image.
 #[multiversion(targets("x86_64+avx2"))]
 fn response(blurred: &[f32], width: usize, height: usize, sigma: f64) -> Vec<f32> {
     let scale = -(sigma * sigma) as f32;
@@ -165,14 +165,14 @@ fn response(blurred: &[f32], width: usize, height: usize, sigma: f64) -> Vec<f32
     response
 }
 
-/// Blurs by a Gaussian of `sigma`, px; the picture goes on beyond its rim as it ends there.
+/// Blurs by a Gaussian of `sigma`, px. The border pixels are repeated beyond the image.
 pub(super) fn blur(picture: &[f32], width: usize, height: usize, sigma: f64) -> Vec<f32> {
     let kernel = gaussian(sigma);
     let rows = blur_rows(picture, width, &kernel);
     blur_columns(&rows, width, height, &kernel)
 }
 
-/// Half of the kernel, from its middle outward, integrated over pixels.
+/// Half of a normalized Gaussian kernel, from its middle outward.
 fn gaussian(sigma: f64) -> Vec<f32> {
     let reach = (4.0 * sigma).ceil() as usize + 1;
     let weights: Vec<f64> = (0..=reach)
@@ -204,7 +204,7 @@ fn blur_rows(picture: &[f32], width: usize, kernel: &[f32]) -> Vec<f32> {
     blurred
 }
 
-/// Columns whose rows stay in the cache while they are added up.
+/// Number of columns processed at once, so that their rows stay in the cache.
 const BLOCK: usize = 512;
 
 #[multiversion(targets("x86_64+avx2"))]

@@ -1,4 +1,4 @@
-//! Bright spots: blobs of the size that most blobs share.
+//! Detects bright spots: blobs of the most common size.
 
 use super::{
     LocateError, MAX_SPOTS,
@@ -13,8 +13,8 @@ use glam::{DMat2, DVec2};
 use std::f64::consts::SQRT_2;
 use std::ops::Range;
 
-/// Scales that differ from the spots' own by no more than this many layers are spots too: a factor
-/// of two in diameter each way, as perspective and load make of one size.
+/// Blobs whose scale differs from the spots' scale by at most this number of layers are spots too: a factor of two in
+/// diameter, which covers perspective and load.
 const LAYERS_BESIDE: usize = 4;
 
 /// A bright spot.
@@ -22,25 +22,25 @@ const LAYERS_BESIDE: usize = 4;
 pub(super) struct Spot {
     /// Column and row, px.
     pub centre: DVec2,
-    /// Scale at which it is most blob-like, px: its radius over the root of two.
+    /// Scale of the maximum blob response, px: the spot's radius over the square root of two.
     pub sigma: f64,
-    /// How strongly, grey levels.
+    /// Blob response, gray levels.
     pub response: f64,
-    /// Diameter of the disc of its area, px; of the disc that is most blob-like until that is measured.
+    /// Diameter of the disc that has the spot's area, px; the diameter from the blob scale until it is measured.
     pub diameter: f64,
-    /// Grey levels that it rises above the ground about it; how blob-like it is until that is measured.
+    /// Gray levels above the local background; the blob response until it is measured.
     pub contrast: f64,
-    /// Whether the picture's border cuts it.
+    /// `true` if the image border cuts the spot.
     pub cut: bool,
 }
 
 impl Spot {
-    /// Diameter of the disc that is most blob-like at the spot's scale, px.
+    /// Diameter of the disc with the spot's scale, px.
     pub fn scale(&self) -> f64 {
         2.0 * SQRT_2 * self.sigma
     }
 
-    /// The spot in a picture of `factor` as many pixels to a side.
+    /// Converts from an image binned by `factor` to the original image.
     fn enlarged(self, factor: usize) -> Self {
         let factor = factor as f64;
         Self {
@@ -52,35 +52,35 @@ impl Spot {
     }
 }
 
-/// The spots of a picture.
+/// The spots of an image.
 #[derive(Debug, Clone)]
 pub(super) struct FoundSpots {
     pub spots: Vec<Spot>,
-    /// Spots that stand apart from all others.
+    /// Spots that are isolated from all others.
     pub left_out: Vec<DVec2>,
-    /// Spots that the picture's border cuts.
+    /// Spots that the image border cuts.
     pub cut: Vec<DVec2>,
-    /// Noise of one picture, grey levels.
+    /// Noise of a single image, gray levels.
     pub noise: f64,
 }
 
-/// A picture in which spots are bright, and what is looked for in it.
+/// An image in which spots are bright, and the search parameters.
 pub(super) struct Search<'a> {
-    /// The picture as it is.
+    /// The image at full resolution.
     pub picture: &'a ReferencePicture,
-    /// The one that is searched: of fewer pixels, if the picture has very many.
+    /// The image that is searched, binned by `factor`.
     pub binned: &'a ReferencePicture,
-    /// Pixels of the picture to a side of one of its pixels.
+    /// Binning factor.
     pub factor: usize,
-    /// Its responses.
+    /// Scale space of the binned image.
     pub space: &'a ScaleSpace,
-    /// Noise of one of the pictures that the picture, and the one that is searched, is the mean of, grey levels.
+    /// Noise of a single image before averaging, at full resolution and binned, gray levels.
     pub noise: [f64; 2],
-    /// Diameter of spots, if that is known, px of the picture.
+    /// Diameter of spots at full resolution, px, or `None` if unknown.
     pub diameter: Option<f64>,
 }
 
-/// The coarsest scale at which spots of about `diameter` px, if that is known, are looked for in a picture of `size`, px.
+/// Coarsest scale to search in an image of the given size for spots of `diameter`, or of any size if `None`. All in px.
 pub(super) fn coarsest((width, height): (usize, usize), diameter: Option<f64>) -> f64 {
     diameter.map_or(width.min(height) as f64 / 16.0, |diameter| {
         diameter / SQRT_2
@@ -135,9 +135,9 @@ pub(super) fn find(search: &Search) -> Result<FoundSpots, LocateError> {
     }
 }
 
-/// The spots as their own pixels say; those of other `blobs` are not their own.
+/// Measures the spots from their pixels, excluding pixels closer to other `blobs`.
 fn measured(picture: &ReferencePicture, mut spots: Vec<Spot>, blobs: &[Spot]) -> Vec<Spot> {
-    /// What is fainter than this part of a spot takes no pixels from it.
+    /// Blobs with a response below this fraction of the spot's are ignored.
     const FAINT: f64 = 0.25;
     let centres: Vec<DVec2> = blobs.iter().map(|blob| blob.centre).collect();
     let cells = Cells::new(&centres);
@@ -160,7 +160,7 @@ fn range(gray: &[f32]) -> (f32, f32) {
         .fold((f32::MAX, f32::MIN), |(a, b), &g| (a.min(g), b.max(g)))
 }
 
-/// The layers whose blobs are spots where those of the layer `own` are.
+/// Layers in which blobs are spots if the spots' own layer is `own`.
 fn beside(own: usize, space: &ScaleSpace) -> Range<usize> {
     own.saturating_sub(LAYERS_BESIDE)..(own + LAYERS_BESIDE + 1).min(space.layers.len())
 }
@@ -172,7 +172,7 @@ fn layer_of(space: &ScaleSpace, sigma: f64) -> usize {
         .unwrap_or(0)
 }
 
-/// The layer about which blobs are strongest, all taken together.
+/// Layer around which the total blob response is largest.
 fn dominant_layer(layers: &[Vec<Spot>]) -> usize {
     let strength = |layer: usize| -> f64 {
         let window = layer.saturating_sub(2)..(layer + 3).min(layers.len());
@@ -183,10 +183,10 @@ fn dominant_layer(layers: &[Vec<Spot>]) -> usize {
         .unwrap_or(0)
 }
 
-/// The picture with the pixels of each layer of a scale space.
+/// The image at the resolution of each layer of a scale space.
 struct Octaves<'a> {
     whole: &'a ReferencePicture,
-    /// The mean of two by two pixels, of two by two of those, …
+    /// The image binned by 2, 4, 8, …
     halved: Vec<ReferencePicture>,
 }
 
@@ -211,13 +211,13 @@ impl<'a> Octaves<'a> {
     }
 }
 
-/// Blobs of one scale that rise above the noise and are round.
+/// Returns the round blobs of one layer that exceed the noise.
 fn blobs(octaves: &Octaves, space: &ScaleSpace, layer: usize, noise_of_mean: f64) -> Vec<Spot> {
     let mut outline = Outline::default();
     let Layer { sigma, step, .. } = space.layers[layer];
     let picture = octaves.of_step(step);
-    // White noise of deviation n has a response of deviation n / (sqrt(2 pi) sigma); six of them
-    // are not reached by chance in a picture of a million pixels. A grey level is not a spot.
+    // White noise of deviation n has a response of deviation n / (sqrt(2 pi) sigma). Six deviations are not exceeded by
+    // chance in an image of a million pixels. A spot must also rise by more than one gray level.
     let floor = (6.0 * noise_of_mean * 0.4 / sigma).max(1.0);
     space
         .maxima(layer, floor as f32)
@@ -228,10 +228,10 @@ fn blobs(octaves: &Octaves, space: &ScaleSpace, layer: usize, noise_of_mean: f64
         .collect()
 }
 
-/// Vertex and roundness of the paraboloid through a maximum and its eight neighbours.
+/// Fits a paraboloid to a maximum and its eight neighbours. Returns `None` if the maximum is not round enough.
 pub(super) fn refined(space: &ScaleSpace, layer: usize, index: usize) -> Option<Spot> {
-    /// Least curvature over greatest: what is longer than this is a line, not a spot. A marker that a contact squeezes to less than
-    /// half of its width is above it.
+    /// Minimum ratio of the smaller to the larger curvature; a more elongated maximum is a line. A marker that contact
+    /// squeezes to less than half of its width is still above it.
     const ROUND: f64 = 0.08;
     let Layer {
         sigma,
@@ -272,7 +272,7 @@ pub(super) fn refined(space: &ScaleSpace, layer: usize, index: usize) -> Option<
 mod tests {
     use super::*;
 
-    /// A paraboloid of these second derivatives, its vertex at `vertex`, as the response of one layer.
+    /// Response of one layer in the form of a paraboloid with the given second derivatives and `vertex`.
     fn paraboloid(vertex: DVec2, [xx, yy, xy]: [f64; 3]) -> ScaleSpace {
         let value = |index: usize| {
             let pixel = DVec2::new((index % 5) as f64, (index / 5) as f64);
@@ -290,7 +290,7 @@ mod tests {
     }
 
     #[test]
-    fn the_vertex_of_a_paraboloid_is_found_whichever_way_it_lies() {
+    fn finds_the_vertex_of_a_paraboloid_of_any_orientation() {
         for curvature in [
             [-8.0, -8.0, 0.0],
             [-9.0, -5.0, 0.0],
@@ -301,7 +301,7 @@ mod tests {
             for offset in [[0.0, 0.0], [0.3, -0.2], [-0.4, -0.4], [0.1, 0.45]] {
                 let vertex = DVec2::splat(2.0) + DVec2::from(offset);
                 let spot = refined(&paraboloid(vertex, curvature), 0, 12).expect("a spot");
-                // Differences of values near 100 with the 24 bits of single precision, over the least curvature of 2.
+                // Rounding error of values near 100 in single precision (24 bits), divided by the least curvature, 2.
                 let error = spot.centre.distance(vertex);
                 assert!(
                     error < 3e-5,
@@ -312,7 +312,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_much_longer_than_wide_is_no_spot_whichever_way_it_lies() {
+    fn rejects_elongated_maxima_of_any_orientation() {
         let vertex = DVec2::splat(2.0);
         // The ratio of the curvatures along the axes of the ellipse is 0.08 at the limit.
         for (flat, is_spot) in [(-0.7, false), (-0.9, true)] {

@@ -1,10 +1,10 @@
-//! Which blobs are spots of the pattern and which are specks, reflections or strays.
+//! Separates the spots of the pattern from specks, reflections and strays.
 
 use super::{median, nearest, quantile, spots::Spot};
 use crate::sensor::cells::Cells;
 use glam::DVec2;
 
-/// Of spots that lie within each other the strongest.
+/// Keeps the strongest of overlapping spots.
 pub(super) fn without_overlaps(mut spots: Vec<Spot>) -> Vec<Spot> {
     spots.sort_by(|a, b| b.response.total_cmp(&a.response));
     let centres = centres(&spots);
@@ -34,7 +34,7 @@ fn centres(spots: &[Spot]) -> Vec<DVec2> {
     spots.iter().map(|s| s.centre).collect()
 }
 
-/// Leaves out what is faint against the spots about it and against all spots.
+/// Removes spots that are faint compared with their neighbours or with all spots.
 pub(super) fn as_strong_as_their_neighbours(spots: Vec<Spot>) -> Vec<Spot> {
     let mut all: Vec<f64> = spots.iter().map(|s| s.response).collect();
     let floor = 0.03 * quantile(&mut all, 0.9);
@@ -47,7 +47,7 @@ pub(super) fn as_strong_as_their_neighbours(spots: Vec<Spot>) -> Vec<Spot> {
     spots.iter().zip(neighbours).filter_map(strong).collect()
 }
 
-/// Distance of each spot to the nearest other.
+/// Distance from each spot to its nearest neighbour.
 fn gaps(spots: &[Spot], neighbours: &[Vec<usize>]) -> Vec<f64> {
     let gap = |(spot, near): (&Spot, &Vec<usize>)| {
         near.first()
@@ -56,8 +56,8 @@ fn gaps(spots: &[Spot], neighbours: &[Vec<usize>]) -> Vec<f64> {
     spots.iter().zip(neighbours).map(gap).collect()
 }
 
-/// Of two spots that are much nearer to each other than the spots about them are, the stronger: a
-/// speck beside a pin.
+/// Removes the weaker of two spots that are much closer to each other than the spots around them, such as a speck
+/// beside a pin.
 pub(super) fn without_crowding(spots: Vec<Spot>) -> Vec<Spot> {
     let neighbours = nearest(&centres(&spots), 9);
     let gaps = gaps(&spots, &neighbours);
@@ -76,14 +76,14 @@ pub(super) fn without_crowding(spots: Vec<Spot>) -> Vec<Spot> {
     kept.collect()
 }
 
-/// Parts the spots from those that stand apart: much farther from all others than the spots nearest
-/// to them are from theirs, or unlike these and with hardly a neighbour where spots lie closely.
+/// Splits spots into the pattern and the centres of strays. A stray is much farther from its neighbours than they are
+/// from each other, or faint, or unlike its neighbours and with few of them although the pattern is dense.
 pub(super) fn without_strays(spots: Vec<Spot>) -> (Vec<Spot>, Vec<DVec2>) {
-    /// Fewer spots show no pattern that one could stand apart from.
+    /// Minimum number of spots in a pattern; fewer have no strays.
     const PATTERN: usize = 20;
-    /// Contrast over that of the spots about it below which a spot must lie where the pattern has one.
+    /// A spot with less than this fraction of its neighbours' contrast must continue the pattern.
     const FAINT: f64 = 0.5;
-    /// How far a spot may be off the end of a row, over the spacing.
+    /// Maximum distance of a spot from the continuation of a row, over the spacing.
     const STRAIGHT: f64 = 0.3;
     if spots.len() < PATTERN {
         return (spots, Vec::new());
@@ -110,7 +110,7 @@ pub(super) fn without_strays(spots: Vec<Spot>) -> (Vec<Spot>, Vec<DVec2>) {
         let near = &neighbours[own];
         let diameter = spots[own].diameter / about(own, &|i| spots[i].diameter);
         let place = spots[own].centre;
-        // A row ends in it: the spot before it lies half way to the one before that.
+        // The spot continues a row: the spot before it is halfway to the one before that.
         let rows = near.iter().filter(|&&next| {
             let beyond = 2.0 * spots[next].centre - place;
             let far = &neighbours[next];

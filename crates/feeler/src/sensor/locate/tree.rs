@@ -1,8 +1,8 @@
-//! Which spots lie together at which distance, whatever the size of the groups.
+//! Single-linkage clustering of spots.
 
 use glam::DVec2;
 
-/// Spots joined nearest first (single linkage): leaves are the spots, a node joins two below it.
+/// Single-linkage tree (dendrogram). Leaves are points; each inner node joins two nodes, the closest first.
 pub(super) struct Tree {
     leaf_count: usize,
     children: Vec<(usize, usize)>,
@@ -10,7 +10,7 @@ pub(super) struct Tree {
 }
 
 impl Tree {
-    /// Joins `points`.
+    /// Builds the tree of `points`.
     pub(super) fn new(points: &[DVec2]) -> Self {
         let mut edges = shortest_edges(points);
         edges.sort_by(|a, b| a.2.total_cmp(&b.2));
@@ -44,7 +44,7 @@ impl Tree {
             .copied()
     }
 
-    /// The leaves below a node, sorted.
+    /// Leaves below a node, in ascending order.
     pub(super) fn leaves(&self, node: usize) -> Vec<usize> {
         let (mut open, mut leaves) = (vec![node], Vec::new());
         while let Some(node) = open.pop() {
@@ -57,7 +57,7 @@ impl Tree {
         leaves
     }
 
-    /// Leaves of the largest nodes that fulfil `wanted`, from the root down.
+    /// Leaves of the largest nodes that satisfy `wanted`, searched from the root.
     pub(super) fn largest(&self, wanted: impl Fn(usize) -> bool) -> Vec<Vec<usize>> {
         let mut open: Vec<usize> = self.sizes.len().checked_sub(1).into_iter().collect();
         let mut found = Vec::new();
@@ -72,7 +72,7 @@ impl Tree {
     }
 }
 
-/// The topmost node above a node.
+/// Root of the tree that contains `node`.
 fn root(parents: &mut [usize], mut node: usize) -> usize {
     while parents[node] != node {
         parents[node] = parents[parents[node]];
@@ -81,7 +81,7 @@ fn root(parents: &mut [usize], mut node: usize) -> usize {
     node
 }
 
-/// The edges of the tree of least length that joins all points (Prim's algorithm).
+/// Edges of the minimum spanning tree (Prim's algorithm), with squared lengths.
 fn shortest_edges(points: &[DVec2]) -> Vec<(usize, usize, f64)> {
     let mut joined = vec![false; points.len()];
     let mut best = vec![(f64::INFINITY, 0); points.len()];

@@ -1,79 +1,79 @@
-//! What a person should look at in a picture in which elements were located all the same.
+//! Warnings about located elements.
 
 use super::{Unlike, error::list};
 use glam::DVec2;
 
-/// What looks wrong but need not be.
+/// A possible problem with located elements.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum LocateWarning {
-    /// An element is much larger than those about it, or holds more spots.
+    /// An element is much larger than its neighbours or has more spots.
     #[error(
-        "element {element} at column {:.1}, row {:.1} is {times:.1} times as large as its neighbours: two elements merged?",
+        "element {element} at column {:.1}, row {:.1} is {times:.1} times as large as its neighbours: two elements may have merged",
         centre_px.x, centre_px.y
     )]
     Merged {
-        /// Its index.
+        /// Index of the element.
         element: usize,
-        /// Its centre, px.
+        /// Centre of the element, px.
         centre_px: DVec2,
-        /// Its area, or number of spots, over its neighbours'.
+        /// Ratio of its area to its neighbours', or of its number of spots to the typical number.
         times: f64,
     },
     /// An element has fewer spots than the others.
-    #[error("element {element} has {actual} spots, the others have {expected}")]
+    #[error("element {element} has {actual} spots, expected {expected} as for the others")]
     Incomplete {
-        /// Its index.
+        /// Index of the element.
         element: usize,
-        /// Spots of most elements.
+        /// Typical number of spots per element.
         expected: usize,
-        /// Spots that it has.
+        /// Number of spots of this element.
         actual: usize,
     },
-    /// Most of an element's spot is as bright as a pixel can be.
+    /// Most of an element's pixels are saturated.
     #[error(
-        "{} of the elements are saturated (the first is {}): lower exposure or gain, for there a force changes no gray value",
+        "{} of the elements are saturated (the first is {}): lower exposure or gain, since a force cannot change a saturated gray value",
         elements.len(), elements.first().copied().unwrap_or(0)
     )]
     Saturated {
-        /// Their indices.
+        /// Indices of the elements.
         elements: Vec<usize>,
     },
     /// All pixels are black or white.
     #[error(
-        "the pictures have only two gray levels, black and white: an integrated gray value counts pixels, and saturation cannot be told"
+        "the images have only two gray levels, black and white: integrated gray values count pixels, and saturation cannot be detected"
     )]
     TwoLevels,
-    /// Spots that are no elements: they stand apart, or are part of no group.
+    /// Spots that are not elements, because they are isolated or belong to no group.
     #[error(
-        "{} spots are left out, as they stand apart from the elements (the first at column {:.0}, row {:.0})",
+        "{} spots are ignored because they are isolated from the elements (the first at column {:.0}, row {:.0})",
         spots_px.len(), spots_px.first().map_or(0.0, |s| s.x), spots_px.first().map_or(0.0, |s| s.y)
     )]
     LeftOut {
-        /// Where they are, px.
+        /// Positions of the spots, px.
         spots_px: Vec<DVec2>,
     },
-    /// Spots that the picture's border cuts: the centroid of what is seen would be wrong.
+    /// Spots cut by the image border, whose centroids would be wrong.
     #[error(
-        "{} spots are left out, as the picture's border cuts them (the first at column {:.0}, row {:.0})",
+        "{} spots are ignored because the image border cuts them (the first at column {:.0}, row {:.0})",
         spots_px.len(), spots_px.first().map_or(0.0, |s| s.x), spots_px.first().map_or(0.0, |s| s.y)
     )]
     AtBorder {
-        /// Where they are, px.
+        /// Positions of the spots, px.
         spots_px: Vec<DVec2>,
     },
-    /// The spots lack something that a pattern of markers has.
-    #[error("do these spots look like markers? {}", list(unlike))]
+    /// The spots differ from markers in one property.
+    #[error("check that these spots are markers: {}", list(unlike))]
     Unlike {
-        /// What they lack.
+        /// Properties in which the spots differ.
         unlike: Vec<Unlike>,
     },
-    /// Sub-regions are cut off by the picture's rim.
+    /// Sub-regions are clipped at the image border.
     #[error(
-        "{} of the sub-regions reach beyond the picture and are cut off (the first is of element {})",
+        "{} sub-regions extend beyond the image and are clipped (the first belongs to element {})",
         elements.len(), elements.first().copied().unwrap_or(0)
     )]
     CutOff {
-        /// Indices of their elements.
+        /// Indices of the elements.
         elements: Vec<usize>,
     },
 }

@@ -1,14 +1,14 @@
-//! Whether a layout can be used: it may come from a file that anyone wrote.
+//! Validates layouts, which may come from handwritten files.
 
 use super::{DomeGeometry, LayoutError, LocatedLayout, MAX_LOCATED_ELEMENTS};
 use crate::sensor::dome::DomeProjection;
 
-/// Most pixels to a side of a picture, and most in all.
+/// Maximum number of pixels along a side of an image, and in total.
 const MAX_SIDE: usize = 1 << 14;
 const MAX_PIXELS: usize = 1 << 26;
 
 impl LocatedLayout {
-    /// Refuses what no moments can be taken with.
+    /// Rejects a layout that cannot be used to compute moments.
     pub(super) fn check(&self) -> Result<(), LayoutError> {
         let unusable = |name: &str, expected: &str, actual: String| {
             Err(LayoutError::Unusable {
@@ -20,12 +20,12 @@ impl LocatedLayout {
         let (width, height) = (self.width, self.height);
         let sides = 1..=MAX_SIDE;
         if !(sides.contains(&width) && sides.contains(&height) && width * height <= MAX_PIXELS) {
-            let expected = format!("1 to {MAX_SIDE} px to a side and {MAX_PIXELS} px in all");
+            let expected = format!("1 to {MAX_SIDE} px per side and at most {MAX_PIXELS} px");
             return unusable("width, height", &expected, format!("{width}x{height} px"));
         }
         let diameters = 1e-3..=width.max(height) as f64;
         if let Some(diameter) = self.spot_diameter_px.filter(|d| !diameters.contains(d)) {
-            let expected = "a diameter above 0 and within the picture";
+            let expected = "a diameter above 0 and within the image";
             return unusable("spot_diameter_px", expected, diameter.to_string());
         }
         let actual = self.elements.len();
@@ -38,11 +38,11 @@ impl LocatedLayout {
                 (0.0..width as f64).contains(&centre.x) && (0.0..height as f64).contains(&centre.y);
             let name = |field: &str| format!("element {index}: {field}");
             if !inside {
-                let expected = format!("a place in the picture of {width}x{height} px");
+                let expected = format!("a position in the image of {width}x{height} px");
                 return unusable(&name("centre_px"), &expected, centre.to_string());
             }
             if !(radius > 0.0 && radius <= width.max(height) as f64) {
-                let expected = "a radius above 0 and within the picture";
+                let expected = "a radius above 0 and within the image";
                 return unusable(&name("radius_px"), expected, radius.to_string());
             }
             match element.direction {
@@ -50,7 +50,7 @@ impl LocatedLayout {
                     return unusable(&name("direction"), "a unit vector", d.to_string());
                 }
                 None if self.dome.is_some() => {
-                    let expected = "a unit vector, as there is a dome";
+                    let expected = "a unit vector, required with a dome";
                     return unusable(&name("direction"), expected, "none".into());
                 }
                 _ => {}
@@ -62,7 +62,7 @@ impl LocatedLayout {
         })
     }
 
-    /// Refuses a dome whose camera takes pictures of another size.
+    /// Rejects a dome whose camera has another image size than the layout.
     pub(super) fn check_camera(&self, dome: &DomeGeometry) -> Result<(), LayoutError> {
         let camera = &dome.camera;
         if (camera.width, camera.height) == (self.width, self.height) {
@@ -70,7 +70,7 @@ impl LocatedLayout {
         }
         Err(LayoutError::Unusable {
             name: "dome.camera: width, height".into(),
-            expected: format!("{}x{} px, as the picture", self.width, self.height),
+            expected: format!("{}x{} px as in the layout", self.width, self.height),
             actual: format!("{}x{} px", camera.width, camera.height),
         })
     }

@@ -1,55 +1,55 @@
-//! Why a layout cannot be made, read or used.
+//! Errors of layouts.
 
 use super::{LAYOUT_VERSION, MAX_LOCATED_ELEMENTS};
 use crate::sensor::{dome::DomeError, moments_config::MomentsError};
 
-/// Why a layout cannot be made, read or used.
+/// Error of creating, reading or using a layout.
 #[derive(Debug, thiserror::Error)]
 pub enum LayoutError {
-    /// The text is no layout.
+    /// The text is not a layout.
     #[error("not a layout file: {0}")]
     Parse(#[from] toml::de::Error),
-    /// The layout cannot be written as text.
-    #[error("the layout cannot be written: {0}")]
+    /// The layout cannot be written as TOML.
+    #[error("failed to write the layout: {0}")]
     Write(#[from] toml::ser::Error),
-    /// The file is of another version.
-    #[error("layout file version {LAYOUT_VERSION} expected, got {actual}")]
+    /// The file has an unsupported version.
+    #[error("expected layout file version {LAYOUT_VERSION}, got {actual}")]
     Version {
         /// Version of the file.
         actual: u32,
     },
-    /// There are no elements, or too many.
-    #[error("1 to {MAX_LOCATED_ELEMENTS} elements expected, got {actual}")]
+    /// The number of elements is out of range.
+    #[error("expected 1 to {MAX_LOCATED_ELEMENTS} elements, got {actual}")]
     ElementCount {
-        /// How many there are.
+        /// Number of elements.
         actual: usize,
     },
-    /// A value cannot be used.
-    #[error("{name}: {expected} expected, got {actual}")]
+    /// A value is invalid.
+    #[error("{name}: expected {expected}, got {actual}")]
     Unusable {
-        /// The field.
+        /// Name of the field.
         name: String,
-        /// What it must be.
+        /// Description of valid values.
         expected: String,
-        /// What it is.
+        /// Actual value.
         actual: String,
     },
-    /// The dome makes no sense.
+    /// The geometry of the dome is invalid.
     #[error(transparent)]
     Dome(#[from] DomeError),
-    /// An element is seen where the camera sees nothing of the dome.
+    /// An element is outside the visible part of the dome.
     #[error(
-        "element {element} at column {column:.1}, row {row:.1} does not lie on the dome: check its geometry"
+        "element {element} at column {column:.1}, row {row:.1} is not on the dome; check the dome's geometry"
     )]
     OffDome {
-        /// Its index.
+        /// Index of the element.
         element: usize,
         /// Column, px.
         column: f64,
         /// Row, px.
         row: f64,
     },
-    /// No moments can be taken.
+    /// Moments cannot be computed.
     #[error(transparent)]
     Moments(#[from] MomentsError),
 }

@@ -1,12 +1,12 @@
-//! The order of elements that were found on a dome: as in a layout that was made to measure, so that an
-//! element keeps its index from picture to picture.
+//! Sorts elements located on a dome in the order of a designed layout, so that each keeps its index from image to
+//! image.
 
 use super::ElementPlace;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Sorts by ring and azimuth; a ring ends where the next polar angle is farther off than a third
-/// of the typical angle between neighbours.
+/// Sorts by ring and azimuth. A new ring starts where the polar angle increases by more than a third of the typical
+/// angle between neighbours.
 pub(super) fn sort_into_rings(elements: &mut [ElementPlace]) {
     let axis = |e: &ElementPlace| e.direction.unwrap_or(DVec3::X);
     let polar = |e: &ElementPlace| axis(e).x.clamp(-1.0, 1.0).acos();
@@ -33,7 +33,7 @@ pub(super) fn sort_into_rings(elements: &mut [ElementPlace]) {
         last = Some(polar);
         element.ring = Some(ring);
     }
-    // The one at y of `T` comes first, whichever side of it noise puts it on.
+    // Tolerates noise around azimuth 0, so that the element at y of `T` always comes first.
     let azimuth = |e: &ElementPlace| {
         let d = axis(e);
         (d.z.atan2(d.y) + 0.25 * step).rem_euclid(TAU)

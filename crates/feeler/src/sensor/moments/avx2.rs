@@ -1,14 +1,14 @@
-//! The sums of a tile by AVX2 of x86-64, 32 pixels to an instruction.
+//! Sums of a tile with AVX2 of x86-64, 32 pixels per instruction.
 //!
-//! AVX2 multiplies bytes and adds neighbours to 16 bits, once more to 32. Rows are summed in 16 bits before that, where twice as many
-//! numbers fit into an instruction: of each half of a strip, with `p` its outer and `q` its inner
-//! pixel, the sums of
+//! AVX2 multiplies bytes and adds neighbours to 16 bits, and once more to 32 bits. Rows are first summed in 16 bits,
+//! where twice as many numbers fit into a vector. With `p` the outer and `q` the inner pixel of each half of a strip,
+//! the sums are
 //!
 //! ```text
 //! S = p + q        E = 3 p + q
 //! ```
 //!
-//! of which come all four powers across the strip (`tile`), with `'` for its right half:
+//! They give all four powers across the strip (`tile`), with `'` for its right half:
 //!
 //! ```text
 //! k^0: S + S'      k^1: E' - E      k^2: E + E' - 2 (S + S')      k^3: 2 (E' - E) - 5 (S' - S)
@@ -21,13 +21,14 @@ use super::{
 };
 use std::arch::x86_64::*;
 
-/// Strips side by side in a vector: half a tile.
+/// Number of strips in a vector: half a tile.
 const LANES: usize = 8;
 
-/// `E` starts at the least number of 16 bits, so that 64 rows of up to 1020 fit; of both halves that are these too few.
+/// Correction of the sum of both halves' `E`, which start at the minimum of 16 bits so that 64 rows of up to 1020
+/// fit.
 const TOO_FEW: i32 = 1 << 16;
 
-/// Takes the moments of all elements.
+/// Computes the moments of all elements.
 #[target_feature(enable = "avx2")]
 pub(super) fn all_moments(
     kernel: &MomentsKernel,
@@ -50,7 +51,7 @@ pub(super) fn all_moments(
     });
 }
 
-/// The sums of a half's strips, which lie in `N` bands, over the rows from `first` on.
+/// Sums of the strips of one half, stored in `N` bands, over the rows from `first` on.
 #[inline]
 #[target_feature(enable = "avx2")]
 fn half_sums<const N: usize, const WIDE: usize>(
@@ -61,7 +62,7 @@ fn half_sums<const N: usize, const WIDE: usize>(
     let both = _mm256_set1_epi8(1);
     let edge = _mm256_set1_epi32(i32::from_le_bytes([3, 1, 1, 3]));
     let sum = _mm256_set1_epi16(1);
-    // The right half is the upper one.
+    // The right half is in the upper bits.
     let difference = _mm256_set1_epi32((1 << 16) | 0xffff);
     let zero = _mm256_setzero_si256();
     let mut s0 = zero;
@@ -70,7 +71,7 @@ fn half_sums<const N: usize, const WIDE: usize>(
     for (parts, ground) in tile.with_ground::<N, WIDE>(32 * half, first) {
         let ground = &ground.0.as_chunks::<32>().0[half];
         let gray = side_by_side(parts);
-        // SAFETY: `ground` points to 32 bytes that are initialised; any alignment will do.
+        // SAFETY: `ground` points to 32 initialised bytes; no alignment is required.
         let ground = unsafe { _mm256_loadu_si256(ground.as_ptr().cast()) };
         let bright = if tile.dark {
             _mm256_subs_epu8(ground, gray)
@@ -101,13 +102,13 @@ fn half_sums<const N: usize, const WIDE: usize>(
     [a0, a1, a2, a3, b0, b1, b2, c0, c1, d0]
 }
 
-/// The 32 pixels of one or two parts of a row.
+/// Loads the 32 pixels of a row from one or two parts.
 #[inline]
 #[target_feature(enable = "avx2")]
 fn side_by_side<const N: usize, const WIDE: usize>(parts: [&[u8; WIDE]; N]) -> __m256i {
     const { assert!(N * WIDE == 32 && N <= 2) };
     let part = |part: usize| parts[part].as_ptr();
-    // SAFETY: each part points to `WIDE` bytes that are initialised; any alignment will do.
+    // SAFETY: each part points to `WIDE` initialised bytes; no alignment is required.
     unsafe {
         match N {
             1 => _mm256_loadu_si256(part(0).cast()),
@@ -116,22 +117,22 @@ fn side_by_side<const N: usize, const WIDE: usize>(parts: [&[u8; WIDE]; N]) -> _
     }
 }
 
-/// Adds what the sums of a half's strips count for.
+/// Adds the weighted sums of the strips of one half to the totals.
 #[inline]
 #[target_feature(enable = "avx2")]
 fn add_half(sums: [__m256i; SUMS], half: usize, weights: &TileWeights, totals: &mut Totals) {
     let sums = sums.map(|sums| _mm256_cvtepi32_ps(sums));
     for (total, weights) in totals.0.iter_mut().zip(&weights.0) {
         let total = &mut total.as_chunks_mut::<LANES>().0[half];
-        // SAFETY: `total` is 8 `f32`, the 32 bytes that are read; any alignment will do.
+        // SAFETY: `total` is 8 `f32`, the 32 bytes read; no alignment is required.
         let mut strips = unsafe { _mm256_loadu_ps(total.as_ptr()) };
         for (weights, sums) in weights.iter().zip(sums) {
             let weights = &weights.as_chunks::<LANES>().0[half];
-            // SAFETY: `weights` is 8 `f32`, the 32 bytes that are read; any alignment will do.
+            // SAFETY: `weights` is 8 `f32`, the 32 bytes read; no alignment is required.
             let weights = unsafe { _mm256_loadu_ps(weights.as_ptr()) };
             strips = _mm256_add_ps(strips, _mm256_mul_ps(weights, sums));
         }
-        // SAFETY: `total` is 8 `f32`, the 32 bytes that are written; any alignment will do.
+        // SAFETY: `total` is 8 `f32`, the 32 bytes written; no alignment is required.
         unsafe { _mm256_storeu_ps(total.as_mut_ptr(), strips) };
     }
 }

@@ -1,4 +1,4 @@
-//! The sums of a tile by AVX-512 of x86-64, 64 pixels to an instruction.
+//! Sums of a tile with AVX-512 of x86-64, 64 pixels per instruction.
 
 use super::{
     ElementMoments, MomentsKernel,
@@ -7,7 +7,7 @@ use super::{
 };
 use std::arch::x86_64::*;
 
-/// [`ACROSS`], the factors of a strip's pixels in the bytes of one integer.
+/// [`ACROSS`] with the factors of a strip's pixels packed into the bytes of one integer.
 const FACTORS: [i32; 4] = {
     let mut packed = [0; 4];
     let mut power = 0;
@@ -19,7 +19,7 @@ const FACTORS: [i32; 4] = {
     packed
 };
 
-/// Takes the moments of all elements.
+/// Computes the moments of all elements.
 #[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
 pub(super) fn all_moments(
     kernel: &MomentsKernel,
@@ -40,7 +40,7 @@ pub(super) fn all_moments(
     );
 }
 
-/// Adds what a tile of `N` bands counts for.
+/// Adds the weighted sums of a tile of `N` bands to the totals.
 #[inline]
 #[target_feature(enable = "avx512f,avx512bw,avx512vnni")]
 fn add_tile<const N: usize, const WIDE: usize>(
@@ -79,25 +79,25 @@ fn add_tile<const N: usize, const WIDE: usize>(
     }
     let sums = [a0, a1, a2, a3, b0, b1, b2, c0, c1, d0];
     for (total, weights) in totals.0.iter_mut().zip(&weights.0) {
-        // SAFETY: `total` is 16 `f32`, the 64 bytes that are read; any alignment will do.
+        // SAFETY: `total` is 16 `f32`, the 64 bytes read; no alignment is required.
         let mut strips = unsafe { _mm512_loadu_ps(total.as_ptr()) };
         for (weights, sums) in weights.iter().zip(sums) {
-            // SAFETY: `weights` is 16 `f32`, the 64 bytes that are read; any alignment will do.
+            // SAFETY: `weights` is 16 `f32`, the 64 bytes read; no alignment is required.
             let weights = unsafe { _mm512_loadu_ps(weights.as_ptr()) };
             strips = _mm512_add_ps(strips, _mm512_mul_ps(weights, _mm512_cvtepi32_ps(sums)));
         }
-        // SAFETY: `total` is 16 `f32`, the 64 bytes that are written; any alignment will do.
+        // SAFETY: `total` is 16 `f32`, the 64 bytes written; no alignment is required.
         unsafe { _mm512_storeu_ps(total.as_mut_ptr(), strips) };
     }
 }
 
-/// The 64 pixels of a row, in one, two or four parts.
+/// Loads the 64 pixels of a row from one, two or four parts.
 #[inline]
 #[target_feature(enable = "avx512f")]
 fn side_by_side<const N: usize, const WIDE: usize>(parts: [&[u8; WIDE]; N]) -> __m512i {
     const { assert!(N * WIDE == 64 && N <= 4) };
     let part = |part: usize| parts[part].as_ptr();
-    // SAFETY: each part points to `WIDE` bytes that are initialised; any alignment will do.
+    // SAFETY: each part points to `WIDE` initialised bytes; no alignment is required.
     unsafe {
         match N {
             1 => _mm512_loadu_si512(part(0).cast()),

@@ -1,9 +1,8 @@
-//! Cuts a sub-region into tiles and fits their weights, so closely that no picture can tell.
+//! Divides a sub-region into tiles and fits their weights.
 //!
-//! A tile is as tall as it can be with every pixel's weights met to [`TOLERANCE`]; a tile of one row
-//! meets any weights exactly, as four pixels have four sums. With every pixel's area right to the
-//! tolerance so is every `G`, and no centroid is off by more than twice the tolerance times the
-//! sub-region's radius, whatever the picture.
+//! A tile is as tall as possible with every pixel's weights within [`TOLERANCE`]. A tile of one row reproduces any
+//! weights exactly, as four pixels have four sums. If every pixel's area is within the tolerance, so is every `G`,
+//! and the error of a centroid is at most twice the tolerance times the sub-region's radius, for any image.
 
 use super::{
     super::subregion::WeightedPixel,
@@ -14,35 +13,36 @@ use super::{
 };
 use std::ops::Range;
 
-/// Largest error of a pixel's area, of itself, and of its area times place, of its area times the
-/// distance of the farthest pixel.
+/// Maximum error of a pixel's area relative to the area, and of its area times position relative to the area times
+/// the distance of the farthest pixel.
 const TOLERANCE: f64 = 3e-5;
 
-/// Share of the tolerance at which a fit is good enough: more sums would cancel each other.
+/// Fraction of the tolerance at which a fit is good enough; further sums would mostly cancel each other.
 const GOOD_ENOUGH: f64 = 0.125;
 
-/// Rounding of a weight, of its product with a sum and of the total, as `f32`, of each term.
+/// Rounding error per term, relative to it: of the weight, its product with a sum, and the total, as `f32`.
 const ROUNDING: f64 = 4.0 * f32::EPSILON as f64 / 2.0;
 
-/// Folding must save so many rows: more strips' sums are to be weighed for it.
+/// Minimum number of rows that folding must save to outweigh the additional strips.
 const LEAST_SAVED: usize = 8;
 
-/// The sums by the degree of their polynomial, the smoothest first.
+/// Sums in order of the degree of their polynomial, the smoothest first.
 const BY_DEGREE: [usize; SUMS] = [0, 1, 4, 2, 5, 7, 3, 6, 8, 9];
 
-/// A sum that is but this far from a combination of those before it adds nothing but rounding.
+/// Maximum relative remainder of a sum that is considered linearly dependent on the previous ones.
 const INDEPENDENT: f64 = 1e-9;
 
-/// The tiles of some sub-regions, as they are made.
+/// Tiles of sub-regions under construction.
 #[derive(Debug, Default)]
 pub(super) struct Tiling {
-    /// The tiles.
+    /// Tiles.
     pub tiles: Vec<Tile>,
-    /// For each row of each tile, which of its pixels belong to the sub-region, the first lowest.
+    /// Bit mask of the pixels that belong to the sub-region, for each row of each tile; the first pixel is the lowest
+    /// bit.
     pub masks: Vec<u64>,
 }
 
-/// A pixel of a strip: what its gray value adds to the sums, and what it shall count for.
+/// A pixel of a strip: its contribution to the sums per gray level, and its target weights.
 struct Target {
     sums: [f64; SUMS],
     weights: [f64; WEIGHTS],
@@ -50,7 +50,7 @@ struct Target {
 }
 
 impl Tiling {
-    /// Adds the tiles of a sub-region in pictures of `width` columns.
+    /// Adds the tiles of a sub-region in images of `width` columns.
     pub(super) fn add(&mut self, region: &[WeightedPixel], width: usize) {
         let mut pixels = region.to_vec();
         pixels.sort_by_key(|pixel| (pixel.row, pixel.column));
@@ -60,7 +60,7 @@ impl Tiling {
         let (Some(first), Some(last)) = (columns().min(), columns().max()) else {
             return;
         };
-        // In columns that are folded without gaps, and none narrower than a quarter of a tile.
+        // Split into columns that can be folded without gaps, none narrower than a quarter of a tile.
         let mut left = first;
         while left <= last {
             let across = match (last - left) / QUARTER_WIDTH {
@@ -75,7 +75,8 @@ impl Tiling {
         }
     }
 
-    /// Adds the tiles of `pixels`, sorted by row, all in these `columns`, which are as many as a tile has, or a half or a quarter of it.
+    /// Adds the tiles of `pixels`, which are sorted by row and all within `columns`. The number of columns is that of
+    /// a tile, or a half or a quarter of it.
     fn add_column(
         &mut self,
         pixels: &[WeightedPixel],
@@ -132,14 +133,14 @@ impl Tiling {
     }
 }
 
-/// A pixel, and where it lies in its tile.
+/// A pixel with its position in its tile.
 struct InTile {
     row: usize,
     column: usize,
     pixel: WeightedPixel,
 }
 
-/// In how many bands a piece of so many columns and rows is folded.
+/// Number of bands into which a piece with this number of columns and rows is folded.
 fn bands(columns: usize, rows: usize) -> usize {
     let bands = TILE_WIDTH / columns;
     match rows - rows.div_ceil(bands) {
@@ -148,8 +149,8 @@ fn bands(columns: usize, rows: usize) -> usize {
     }
 }
 
-/// The weights of the sums of a tile of so many `rows`, or nothing if they do not meet those of its `pixels` to the tolerance and the
-/// tile has rows to be split.
+/// Fits the weights of a tile's sums, or returns `None` if they do not match the weights of its `pixels` within the
+/// tolerance and the tile has several rows and can be split.
 fn fit(pixels: &[InTile], rows: usize, reach: f64) -> Option<TileWeights> {
     let mut tile = TileWeights([[[0.0; STRIPS]; SUMS]; WEIGHTS]);
     for strip in 0..STRIPS {
@@ -174,7 +175,7 @@ fn fit(pixels: &[InTile], rows: usize, reach: f64) -> Option<TileWeights> {
     Some(tile)
 }
 
-/// Whether a pixel's weights come out of its sums as they shall, whatever the rounding.
+/// Returns whether the weights of a pixel's sums give its target weights within the tolerance, including rounding.
 fn met(target: &Target, weights: &[[f64; SUMS]; WEIGHTS]) -> bool {
     (0..WEIGHTS).all(|index| {
         let terms = weights[index]
@@ -189,15 +190,15 @@ fn met(target: &Target, weights: &[[f64; SUMS]; WEIGHTS]) -> bool {
     })
 }
 
-/// A combination of a strip's sums.
+/// A linear combination of a strip's sums.
 struct Direction {
-    /// Its value for each of the targets; together of length 1, and square to all other directions.
+    /// Value for each target; normalized, and orthogonal to all other directions.
     values: Vec<f64>,
-    /// How much of each sum it holds.
+    /// Coefficient of each sum.
     combination: [f64; SUMS],
 }
 
-/// Weights of the sums that come nearest to those of all targets, with no more sums than it takes.
+/// Weights of the sums that best approximate the weights of all targets, with as few sums as necessary.
 fn least_squares(targets: &[Target]) -> [[f64; SUMS]; WEIGHTS] {
     let directions = directions(targets);
     std::array::from_fn(|index| {
@@ -218,7 +219,7 @@ fn least_squares(targets: &[Target]) -> [[f64; SUMS]; WEIGHTS] {
     })
 }
 
-/// Gram and Schmidt's directions; a sum that depends on those before it has none.
+/// Gram-Schmidt orthogonalization; linearly dependent sums are omitted.
 fn directions(targets: &[Target]) -> Vec<Direction> {
     let mut directions: Vec<Direction> = Vec::with_capacity(SUMS);
     for sum in BY_DEGREE {
@@ -226,7 +227,7 @@ fn directions(targets: &[Target]) -> Vec<Direction> {
         let mut combination = [0.0; SUMS];
         combination[sum] = 1.0;
         let whole = dot(&values, &values).sqrt();
-        // Once more for what rounding has left.
+        // The second pass removes rounding errors.
         for _ in 0..2 {
             for before in &directions {
                 let share = dot(&values, &before.values);

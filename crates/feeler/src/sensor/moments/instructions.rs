@@ -1,4 +1,4 @@
-//! Which instructions moments are taken with.
+//! Instruction sets for computing moments.
 
 #[cfg(all(target_arch = "aarch64", target_endian = "little"))]
 use super::neon;
@@ -6,24 +6,24 @@ use super::{ElementMoments, MomentsKernel, portable};
 #[cfg(target_arch = "x86_64")]
 use super::{avx2, avx512, sse2};
 
-/// A way to take moments that some processors have. All give the same moments bit for bit.
+/// An implementation of the moments for certain processors. All give bit-identical moments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[non_exhaustive]
 pub enum Instructions {
-    /// AVX-512 with byte products (F, BW, VNNI), of x86-64.
+    /// AVX-512 with byte products (F, BW, VNNI), on x86-64.
     Avx512Vnni,
-    /// AVX2, of x86-64.
+    /// AVX2, on x86-64.
     Avx2,
-    /// SSE2, of every x86-64.
+    /// SSE2, on every x86-64.
     Sse2,
-    /// NEON, of 64-bit ARM.
+    /// NEON, on 64-bit ARM.
     Neon,
-    /// Whatever the program was built for.
+    /// Portable code for any target.
     Portable,
 }
 
 impl Instructions {
-    /// All that this processor has, the fastest first.
+    /// All instruction sets that this processor has, the fastest first.
     pub fn available() -> impl Iterator<Item = Self> {
         let all = [
             Self::Avx512Vnni,
@@ -36,12 +36,12 @@ impl Instructions {
             .filter(|instructions| instructions.are_available())
     }
 
-    /// The fastest that this processor has.
+    /// The fastest instruction set that this processor has.
     pub fn fastest() -> Self {
         Self::available().next().unwrap_or(Self::Portable)
     }
 
-    /// Whether this processor has them.
+    /// Returns whether this processor has the instructions.
     pub fn are_available(self) -> bool {
         match self {
             #[cfg(target_arch = "x86_64")]
@@ -61,8 +61,8 @@ impl Instructions {
         }
     }
 
-    /// Takes the moments of all elements in `pixels`, as far as there is place for them, while `next` comes into the cache;
-    /// without the instructions, in the portable way.
+    /// Computes the moments of all elements in `pixels` while prefetching `next`. Surplus elements are ignored. If
+    /// the processor lacks the instructions, the portable implementation is used.
     pub(super) fn measure(
         self,
         kernel: &MomentsKernel,
@@ -72,22 +72,22 @@ impl Instructions {
     ) {
         match self {
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: the guard has found the instructions on this processor.
+            // SAFETY: the guard has checked that the processor has the instructions.
             Self::Avx512Vnni if self.are_available() => unsafe {
                 avx512::all_moments(kernel, pixels, next, moments);
             },
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: the guard has found the instructions on this processor.
+            // SAFETY: the guard has checked that the processor has the instructions.
             Self::Avx2 if self.are_available() => unsafe {
                 avx2::all_moments(kernel, pixels, next, moments);
             },
             #[cfg(target_arch = "x86_64")]
-            // SAFETY: the guard has found the instructions on this processor.
+            // SAFETY: the guard has checked that the processor has the instructions.
             Self::Sse2 if self.are_available() => unsafe {
                 sse2::all_moments(kernel, pixels, next, moments);
             },
             #[cfg(all(target_arch = "aarch64", target_endian = "little"))]
-            // SAFETY: the guard has found the instructions on this processor.
+            // SAFETY: the guard has checked that the processor has the instructions.
             Self::Neon if self.are_available() => unsafe {
                 neon::all_moments(kernel, pixels, next, moments);
             },

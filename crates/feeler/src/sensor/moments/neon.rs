@@ -1,13 +1,13 @@
-//! The sums of a tile by NEON, which every 64-bit ARM processor has, 16 pixels to an instruction.
+//! Sums of a tile with NEON, which every 64-bit ARM processor has, 16 pixels per instruction.
 //!
-//! NEON adds neighbours, or what is shifted to the right, to a sum of twice their bits in one instruction, without a factor. Of each
-//! strip `p q r s` are summed
+//! NEON adds neighbours, or values shifted to the right, to a sum with twice the bits in one instruction, but without
+//! factors. For each strip `p q r s` these values are summed:
 //!
 //! ```text
 //! a = p + q + r + s      t = r + s      h = q + s      s
 //! ```
 //!
-//! of which come all four powers across the strip (`tile`):
+//! They give all four powers across the strip (`tile`):
 //!
 //! ```text
 //! k^0: a      k^1: 4 t - 3 a + 2 h      k^2: a - 2 t - 2 h + 4 s      k^3: 4 h - 2 t - a
@@ -20,10 +20,10 @@ use super::{
 };
 use std::arch::aarch64::*;
 
-/// Strips side by side in a vector: a quarter of a tile.
+/// Number of strips in a vector: a quarter of a tile.
 const LANES: usize = 4;
 
-/// Takes the moments of all elements.
+/// Computes the moments of all elements.
 #[target_feature(enable = "neon")]
 pub(super) fn all_moments(
     kernel: &MomentsKernel,
@@ -41,20 +41,20 @@ pub(super) fn all_moments(
     });
 }
 
-/// The sums of a quarter's strips over the rows from `first` on.
+/// Sums of the strips of one quarter over the rows from `first` on.
 #[inline]
 #[target_feature(enable = "neon")]
 fn quarter_sums(tile: &TileRows, quarter: usize, first: usize) -> [int32x4_t; SUMS] {
-    // Of the left and the right half of each strip, in 16 bits: both pixels, and the right one of them.
+    // For the left and the right half of each strip, in 16 bits: the sum of both pixels, and the right pixel.
     let [mut both, mut right] = [vdupq_n_u16(0); 2];
     let zero = vdupq_n_u32(0);
     let [mut a1, mut a2, mut a3] = [zero; 3];
     let [mut t1, mut t2, mut h1, mut h2, mut s1] = [zero; 5];
     for ([pixels], ground) in tile.with_ground::<1, 16>(16 * quarter, first) {
         let ground = &ground.0.as_chunks::<16>().0[quarter];
-        // SAFETY: `pixels` points to 16 bytes that are initialised; any alignment will do.
+        // SAFETY: `pixels` points to 16 initialised bytes; no alignment is required.
         let gray = unsafe { vld1q_u8(pixels.as_ptr()) };
-        // SAFETY: `ground` points to 16 bytes that are initialised; any alignment will do.
+        // SAFETY: `ground` points to 16 initialised bytes; no alignment is required.
         let ground = unsafe { vld1q_u8(ground.as_ptr()) };
         let bright = if tile.dark {
             vqsubq_u8(ground, gray)
@@ -104,7 +104,7 @@ fn quarter_sums(tile: &TileRows, quarter: usize, first: usize) -> [int32x4_t; SU
     ]
 }
 
-/// Adds what the sums of a quarter's strips count for.
+/// Adds the weighted sums of the strips of one quarter to the totals.
 #[inline]
 #[target_feature(enable = "neon")]
 fn add_quarter(
@@ -116,15 +116,15 @@ fn add_quarter(
     let sums = sums.map(|sums| vcvtq_f32_s32(sums));
     for (total, weights) in totals.0.iter_mut().zip(&weights.0) {
         let total = &mut total.as_chunks_mut::<LANES>().0[quarter];
-        // SAFETY: `total` is 4 `f32`, the 16 bytes that are read; any alignment will do.
+        // SAFETY: `total` is 4 `f32`, the 16 bytes read; no alignment is required.
         let mut strips = unsafe { vld1q_f32(total.as_ptr()) };
         for (weights, sums) in weights.iter().zip(sums) {
             let weights = &weights.as_chunks::<LANES>().0[quarter];
-            // SAFETY: `weights` is 4 `f32`, the 16 bytes that are read; any alignment will do.
+            // SAFETY: `weights` is 4 `f32`, the 16 bytes read; no alignment is required.
             let weights = unsafe { vld1q_f32(weights.as_ptr()) };
             strips = vaddq_f32(strips, vmulq_f32(weights, sums));
         }
-        // SAFETY: `total` is 4 `f32`, the 16 bytes that are written; any alignment will do.
+        // SAFETY: `total` is 4 `f32`, the 16 bytes written; no alignment is required.
         unsafe { vst1q_f32(total.as_mut_ptr(), strips) };
     }
 }

@@ -1,4 +1,4 @@
-//! The sums of a tile in plain loops, which the compiler turns into whichever vector instructions it may use.
+//! Sums of a tile in plain loops, which the compiler can vectorize.
 
 use super::{
     ElementMoments, MomentsKernel,
@@ -6,12 +6,13 @@ use super::{
     tile::{QUARTER_WIDTH, QUARTERS, Row, STRIP, STRIPS, SUMS, TILE_ROWS, TILE_WIDTH, TileWeights},
 };
 
-/// Strips side by side: a quarter of a tile.
+/// Number of strips processed together: a quarter of a tile.
 const LANES: usize = STRIPS / QUARTERS;
 
-/// Takes the moments of all elements.
+/// Computes the moments of all elements.
 ///
-/// The rows of a tile are made bright first and summed then. In one loop, the compiler would take the pixels one by one.
+/// The background is subtracted from all rows of a tile before they are summed. In one loop, the compiler would
+/// process the pixels one by one.
 pub(super) fn all_moments(
     kernel: &MomentsKernel,
     pixels: &[u8],
@@ -31,7 +32,7 @@ pub(super) fn all_moments(
     });
 }
 
-/// How far the pixels of a tile are off the ground, 0 where they do not belong to the sub-region.
+/// Subtracts the background from the pixels of a tile; pixels outside the sub-region give 0.
 #[inline(always)]
 fn brighten(tile: &TileRows, bright: &mut [Row; TILE_ROWS]) {
     for quarter in 0..QUARTERS {
@@ -50,7 +51,7 @@ fn brighten(tile: &TileRows, bright: &mut [Row; TILE_ROWS]) {
     }
 }
 
-/// Adds what the sums of a quarter's strips count for.
+/// Adds the weighted sums of the strips of one quarter to the totals.
 #[inline(always)]
 fn add_quarter(
     sums: [[i32; LANES]; SUMS],
@@ -69,7 +70,7 @@ fn add_quarter(
     }
 }
 
-/// The sums of a quarter's strips.
+/// Sums of the strips of one quarter.
 #[inline(always)]
 fn quarter_sums(rows: &[Row], quarter: usize) -> [[i32; LANES]; SUMS] {
     let zero = [0; LANES];
@@ -81,12 +82,12 @@ fn quarter_sums(rows: &[Row], quarter: usize) -> [[i32; LANES]; SUMS] {
         let strips = row.0.as_chunks::<STRIP>().0;
         let strips = &strips.as_chunks::<LANES>().0[quarter];
         for lane in 0..LANES {
-            // As one integer, so that it stays in its lane.
+            // As one integer, so that the strip stays in its lane.
             let strip = u32::from_le_bytes(strips[lane]);
             let pixel = |place: usize| (strip >> (8 * place) & 0xff) as i32;
             let (outer, inner) = (pixel(0) + pixel(3), pixel(1) + pixel(2));
             let (across, between) = (pixel(3) - pixel(0), pixel(2) - pixel(1));
-            // What the rows of `ACROSS` give, one after the other.
+            // The rows of `ACROSS`, one after the other.
             a0[lane] += outer + inner;
             a1[lane] += a0[lane];
             a2[lane] += a1[lane];
@@ -106,9 +107,9 @@ fn quarter_sums(rows: &[Row], quarter: usize) -> [[i32; LANES]; SUMS] {
 mod tests {
     use super::{super::tile::basis, *};
 
-    /// Whatever the pixels, and at the most that the tallest tile can hold.
+    /// Tests arbitrary pixels, and the maximum values in the tallest tile.
     #[test]
-    fn sums_are_those_of_their_definition() {
+    fn sums_equal_their_definition() {
         let mut word = 1_u32;
         for (rows, any) in [(1, true), (2, true), (17, true), (64, true), (64, false)] {
             let mut pixel = || {

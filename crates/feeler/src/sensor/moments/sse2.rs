@@ -1,7 +1,7 @@
-//! The sums of a tile by SSE2, which every x86-64 processor has, 16 pixels to an instruction.
+//! Sums of a tile with SSE2, which every x86-64 processor has, 16 pixels per instruction.
 //!
-//! As there is no product of bytes, the even and the odd pixels of each strip are summed over the rows in 16 bits each, and multiplied
-//! by their factors across the strip (`tile`) as they are added to 32 bits.
+//! SSE2 has no product of bytes. The even and the odd pixels of each strip are therefore summed over the rows in 16
+//! bits each, and multiplied by their factors across the strip (`tile`) when they are added to 32 bits.
 
 use super::{
     ElementMoments, MomentsKernel,
@@ -10,16 +10,16 @@ use super::{
 };
 use std::arch::x86_64::*;
 
-/// Strips side by side in a vector: a quarter of a tile.
+/// Number of strips in a vector: a quarter of a tile.
 const LANES: usize = 4;
 
-/// Factors of the pixels `first` and `first + 2` of a strip, as two numbers of 16 bits.
+/// Factors of the pixels `first` and `first + 2` of a strip, as two 16-bit numbers.
 const fn factors(power: usize, first: usize) -> i32 {
     let [left, right] = [ACROSS[power][first] as i32, ACROSS[power][first + 2] as i32];
     (right << 16) | (left & 0xffff)
 }
 
-/// Takes the moments of all elements.
+/// Computes the moments of all elements.
 #[target_feature(enable = "sse2")]
 pub(super) fn all_moments(
     kernel: &MomentsKernel,
@@ -37,14 +37,14 @@ pub(super) fn all_moments(
     });
 }
 
-/// The sums of a quarter's strips over the rows from `first` on.
+/// Sums of the strips of one quarter over the rows from `first` on.
 #[inline]
 #[target_feature(enable = "sse2")]
 fn quarter_sums(tile: &TileRows, quarter: usize, first: usize) -> [__m128i; SUMS] {
     let low_byte = _mm_set1_epi16(0xff);
     let [a, b_even, b_odd] =
         [factors(0, 0), factors(1, 0), factors(1, 1)].map(|f| _mm_set1_epi32(f));
-    // The odd pixels have the opposite ones.
+    // The odd pixels have the opposite factors.
     let c = _mm_set1_epi32(factors(2, 0));
     let zero = _mm_setzero_si128();
     let [mut even, mut odd] = [zero; 2];
@@ -58,9 +58,9 @@ fn quarter_sums(tile: &TileRows, quarter: usize, first: usize) -> [__m128i; SUMS
     };
     for ([pixels], ground) in tile.with_ground::<1, 16>(16 * quarter, first) {
         let ground = &ground.0.as_chunks::<16>().0[quarter];
-        // SAFETY: `pixels` points to 16 bytes that are initialised; any alignment will do.
+        // SAFETY: `pixels` points to 16 initialised bytes; no alignment is required.
         let gray = unsafe { _mm_loadu_si128(pixels.as_ptr().cast()) };
-        // SAFETY: `ground` points to 16 bytes that are initialised; any alignment will do.
+        // SAFETY: `ground` points to 16 initialised bytes; no alignment is required.
         let ground = unsafe { _mm_loadu_si128(ground.as_ptr().cast()) };
         let bright = if tile.dark {
             _mm_subs_epu8(ground, gray)
@@ -84,22 +84,22 @@ fn quarter_sums(tile: &TileRows, quarter: usize, first: usize) -> [__m128i; SUMS
     [a0, a1, a2, a3, b0, b1, b2, c0, c1, d0]
 }
 
-/// Adds what the sums of a quarter's strips count for.
+/// Adds the weighted sums of the strips of one quarter to the totals.
 #[inline]
 #[target_feature(enable = "sse2")]
 fn add_quarter(sums: [__m128i; SUMS], quarter: usize, weights: &TileWeights, totals: &mut Totals) {
     let sums = sums.map(|sums| _mm_cvtepi32_ps(sums));
     for (total, weights) in totals.0.iter_mut().zip(&weights.0) {
         let total = &mut total.as_chunks_mut::<LANES>().0[quarter];
-        // SAFETY: `total` is 4 `f32`, the 16 bytes that are read; any alignment will do.
+        // SAFETY: `total` is 4 `f32`, the 16 bytes read; no alignment is required.
         let mut strips = unsafe { _mm_loadu_ps(total.as_ptr()) };
         for (weights, sums) in weights.iter().zip(sums) {
             let weights = &weights.as_chunks::<LANES>().0[quarter];
-            // SAFETY: `weights` is 4 `f32`, the 16 bytes that are read; any alignment will do.
+            // SAFETY: `weights` is 4 `f32`, the 16 bytes read; no alignment is required.
             let weights = unsafe { _mm_loadu_ps(weights.as_ptr()) };
             strips = _mm_add_ps(strips, _mm_mul_ps(weights, sums));
         }
-        // SAFETY: `total` is 4 `f32`, the 16 bytes that are written; any alignment will do.
+        // SAFETY: `total` is 4 `f32`, the 16 bytes written; no alignment is required.
         unsafe { _mm_storeu_ps(total.as_mut_ptr(), strips) };
     }
 }

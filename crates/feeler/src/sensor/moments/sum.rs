@@ -1,8 +1,7 @@
-//! From the sums of tiles to the moments of all elements.
+//! Combines the sums of tiles to the moments of all elements.
 //!
-//! The sums of a tile are integers, the same however they are taken. From there on all paths add the
-//! same products, strip by strip in the same order, and never fuse a product with a sum: every path
-//! gives the same moments bit for bit.
+//! The sums of a tile are integers, equal for all implementations. From there on, all implementations add the same
+//! products strip by strip in the same order, without fused multiply-add, so the moments are bit-identical.
 
 use super::{
     ElementMoments, MomentsKernel, Polarity,
@@ -12,43 +11,44 @@ use super::{
 };
 use glam::DVec2;
 
-/// Where the quarters of a row begin that is in one piece.
+/// Start of each quarter of a contiguous row.
 const SIDE_BY_SIDE: [usize; QUARTERS] = [0, QUARTER_WIDTH, 2 * QUARTER_WIDTH, 3 * QUARTER_WIDTH];
 
-/// The rows of one tile in a picture.
-// Narrow vectors need neither its bands nor its level.
+/// Rows of one tile in an image.
+// Implementations with narrow vectors need neither `bands` nor `level`.
 #[cfg_attr(not(target_arch = "x86_64"), allow(dead_code))]
 #[derive(Debug, Clone, Copy)]
 pub(super) struct TileRows<'a> {
-    /// The pixels from the first row's first one to the last row's last one at least.
+    /// Pixels that include at least those from the first row's first to the last row's last.
     pixels: &'a [u8],
-    /// From where one row begins to where the next one does.
+    /// Distance between the starts of consecutive rows.
     stride: usize,
-    /// Where each quarter of the columns begins.
+    /// Start of each quarter of the columns.
     quarters: [usize; QUARTERS],
-    /// How many bands there are.
+    /// Number of bands.
     pub bands: usize,
-    /// Which pixels of each row count, the first lowest.
+    /// Bit mask of the pixels of each row that count; the first pixel is the lowest bit.
     masks: &'a [u64],
-    /// Ground of each pixel, such that what does not count is on it.
+    /// Background of each pixel, such that pixels that do not count contribute zero.
     grounds: &'a [Row],
-    /// For each quarter of the columns, the first row with pixels that count.
+    /// First row with pixels that count, for each quarter of the columns.
     pub first_rows: [usize; QUARTERS],
-    /// Grey level of the ground of those that do.
+    /// Grey level of the background of the pixels that count.
     pub level: u8,
-    /// Whether what is darker than the ground counts, not what is brighter.
+    /// `true` if pixels darker than the background count, `false` if brighter ones do.
     pub dark: bool,
 }
 
 impl<'a> TileRows<'a> {
-    /// How many there are.
+    /// Number of rows.
     #[inline(always)]
     pub(super) fn count(&self) -> usize {
         self.masks.len()
     }
 
-    /// `N` parts of each row from the `first` on, each `WIDE` pixels of one band, side by side from the `column` on where a quarter begins,
-    /// with what there is `of_rows`.
+    /// Iterates over the rows from `first` on, each as `N` parts of `WIDE` pixels with the row's item of `of_rows`.
+    /// Each part lies within one band; the parts are adjacent, starting at `column`, which must be the start of a
+    /// quarter.
     #[inline(always)]
     fn rows_with<const N: usize, const WIDE: usize, R>(
         &self,
@@ -68,15 +68,15 @@ impl<'a> TileRows<'a> {
             &[]
         };
         let (pixels, stride) = (self.pixels.as_ptr(), self.stride);
-        // One check for all rows: one for each takes a fifth of the time.
+        // One check for all rows: a check per row would take a fifth of the time.
         of_rows.iter().enumerate().map(move |(row, of_row)| {
-            // SAFETY: the last row has `WIDE` pixels from the start of each part, and so have those before.
+            // SAFETY: the last row has `WIDE` pixels from the start of each part, and so have all rows before.
             let part = |part| unsafe { &*pixels.add(part + row * stride).cast() };
             (parts.map(part), of_row)
         })
     }
 
-    /// Parts of each row as of [`Self::rows_with`], with the ground of the row's pixels.
+    /// Iterates like [`Self::rows_with`], with the background of each row.
     #[inline(always)]
     pub(super) fn with_ground<const N: usize, const WIDE: usize>(
         &self,
@@ -86,7 +86,7 @@ impl<'a> TileRows<'a> {
         self.rows_with(column, first, self.grounds)
     }
 
-    /// All parts of each row, with a bit for each of its pixels that counts.
+    /// Iterates over all parts of each row, with the bit mask of the pixels that count.
     #[cfg(target_arch = "x86_64")]
     #[inline(always)]
     pub(super) fn with_masks<const N: usize, const WIDE: usize>(
@@ -96,8 +96,8 @@ impl<'a> TileRows<'a> {
     }
 }
 
-/// The rows of a tile that is not wholly in the picture, or in one that is narrower than a tile, one right after the other, bands side by
-/// side. No more than what the masks leave out is missing.
+/// Copies the rows of a tile that is not completely within the image, or within an image narrower than a tile. The
+/// rows of the copy are contiguous, with bands side by side. Only pixels excluded by the masks are missing.
 #[cold]
 #[inline(never)]
 fn copied<'a>(
@@ -119,13 +119,13 @@ fn copied<'a>(
     copy.as_flattened()
 }
 
-/// Strip by strip, the sums that moments are made of.
+/// Weighted sums of each strip, which add up to the moments.
 #[derive(Debug, Clone, Copy)]
 #[repr(align(64))]
 pub(super) struct Totals(pub [[f32; STRIPS]; WEIGHTS]);
 
-/// Takes the moments of all elements, with `add_tile` to add each tile's share to the totals. Tile by tile, the same pixels of `next`
-/// come into the cache.
+/// Computes the moments of all elements, using `add_tile` to add each tile's contribution to the totals. Prefetches
+/// the same pixels of `next` tile by tile.
 #[inline(always)]
 pub(super) fn all_elements(
     kernel: &MomentsKernel,
@@ -170,19 +170,19 @@ pub(super) fn all_elements(
     }
 }
 
-/// Lets the processor bring a tile's pixels of the `next` picture into its cache, as far as there is one. It does so while it works on
-/// this picture; the rows of a tile are too far apart for it to foresee them. Into the cache of the second level, which takes many more
-/// requests at once than that of the first.
+/// Prefetches a tile's pixels of the `next` image, if any, while the processor works on the current image. The
+/// hardware prefetcher cannot predict the distant rows of a tile. The second-level cache is used because it accepts
+/// many more pending requests than the first-level cache.
 #[inline(always)]
 fn fetch(next: &[u8], tile: &Tile, width: usize) {
-    // A control loop has no next picture, and nothing to lose.
+    // A control loop has no next image and must not be slowed down.
     if next.is_empty() {
         return;
     }
     let across = TILE_WIDTH / tile.bands;
     for row in 0..tile.rows * tile.bands {
         let first = tile.offset + row * width;
-        // A row may lie in two cache lines.
+        // A row may span two cache lines.
         for pixel in [first, first + across - 1] {
             if let Some(pixel) = next.get(pixel) {
                 prefetch(pixel);
@@ -191,11 +191,11 @@ fn fetch(next: &[u8], tile: &Tile, width: usize) {
     }
 }
 
-/// Lets the processor bring the cache line of `byte` into its cache, where there is an instruction for that.
+/// Prefetches the cache line of `byte`, if the processor has an instruction for it.
 #[inline(always)]
 fn prefetch(byte: &u8) {
     #[cfg(target_arch = "x86_64")]
-    // SAFETY: a prefetch reads nothing, and `byte` is a valid address.
+    // SAFETY: a prefetch has no side effects, and `byte` is a valid address.
     unsafe {
         use std::arch::x86_64::{_MM_HINT_T1, _mm_prefetch};
         _mm_prefetch::<_MM_HINT_T1>(std::ptr::from_ref(byte).cast());
@@ -204,7 +204,7 @@ fn prefetch(byte: &u8) {
     let _ = byte;
 }
 
-/// All strips together, half onto half.
+/// Sum of all strips, by pairwise addition of halves.
 #[inline(always)]
 fn total(strips: &[f32; STRIPS]) -> f64 {
     let mut sums = [0.0; STRIPS];

@@ -1,12 +1,12 @@
-//! Cells of a line.
+//! Splits lines into cells.
 
 use super::lines::MAX_LINE;
 use csv_core::ReaderBuilder;
 
-/// Most cells of a line that are kept.
+/// Maximum number of cells of a line; more are dropped.
 const MAX_CELLS: usize = 1 << 14;
 
-/// The cells of a line, in memory that is there already.
+/// Splits a line into cells, in preallocated buffers.
 #[derive(Debug)]
 pub struct Cells {
     reader: csv_core::Reader,
@@ -18,7 +18,8 @@ pub struct Cells {
 }
 
 impl Cells {
-    /// For lines with this `separator` between cells: one of [`SEPARATORS`], or a space, of which several are one.
+    /// Creates a splitter for cells separated by `separator`: one of [`SEPARATORS`], or a space, where consecutive
+    /// ones count as one.
     pub fn new(separator: u8) -> Self {
         Self {
             reader: ReaderBuilder::new().delimiter(separator).build(),
@@ -30,13 +31,13 @@ impl Cells {
         }
     }
 
-    /// Splits a line of 1 to [`MAX_LINE`] bytes, without its end.
+    /// Splits a line of 1 to [`MAX_LINE`] bytes, given without its end.
     pub fn split(&mut self, line: &[u8]) {
         self.reader.reset();
         let (_, _, written, count) = self
             .reader
             .read_record(line, &mut self.text, &mut self.ends);
-        // The end of the line ends the last cell, unless that has a quote that is open.
+        // The end of the line ends the last cell, unless the cell has an open quote.
         let (text, ends) = (&mut self.text[written..], &mut self.ends[count..]);
         let (ended, _, more, last) = self.reader.read_record(b"\n", text, ends);
         self.is_whole = ended == csv_core::ReadRecordResult::Record;
@@ -49,12 +50,12 @@ impl Cells {
         }
     }
 
-    /// Whether every quote was closed, and all cells are there.
+    /// Returns `true` if all quotes were closed and no cells were dropped.
     pub fn is_whole(&self) -> bool {
         self.is_whole
     }
 
-    /// The separator.
+    /// Separator between cells.
     pub fn separator(&self) -> u8 {
         self.separator
     }
@@ -64,7 +65,7 @@ impl Cells {
         self.iter().count()
     }
 
-    /// The cell at `index`, trimmed; empty if there is none. Not for cells between spaces.
+    /// Returns the trimmed cell at `index`, or an empty one if missing. Not supported for cells separated by spaces.
     pub fn get(&self, index: usize) -> &[u8] {
         match index < self.count {
             true => self.cell(index),
@@ -84,10 +85,10 @@ impl Cells {
     }
 }
 
-/// Spaces that are no ASCII: no-break, narrow no-break.
+/// Non-ASCII spaces: no-break and narrow no-break.
 const SPACES: [&[u8]; 2] = ["\u{a0}".as_bytes(), "\u{202f}".as_bytes()];
 
-/// A cell without space around it, and without quotes that stand behind a space.
+/// Removes spaces around a cell, and quotes that follow a space.
 fn trimmed(cell: &[u8]) -> &[u8] {
     let mut cell = cell.trim_ascii();
     while let Some(less) = SPACES
@@ -102,11 +103,11 @@ fn trimmed(cell: &[u8]) -> &[u8] {
         .unwrap_or(cell)
 }
 
-/// What may stand between cells.
+/// Possible separators.
 pub const SEPARATORS: [u8; 3] = [b',', b';', b'\t'];
 
-/// What stands between the cells of a line: a semicolon or a tab if there is one outside of quotes, else a comma. `None` if there are
-/// both.
+/// Detects the separator of a line: a semicolon or a tab if the line contains one outside quotes, else a comma. Returns
+/// `None` if it contains both.
 pub fn separator_of(line: &[u8]) -> Option<u8> {
     let mut is_quoted = false;
     let mut there = [false; 2];
@@ -126,7 +127,7 @@ pub fn separator_of(line: &[u8]) -> Option<u8> {
     }
 }
 
-/// A separator in words.
+/// Name of a separator, for messages.
 pub fn separator_name(separator: u8) -> &'static str {
     match separator {
         b',' => "a comma",
@@ -170,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn the_separator_is_that_outside_of_quotes() {
+    fn detects_the_separator_outside_quotes() {
         assert_eq!(separator_of(b"a,b"), Some(b','));
         assert_eq!(separator_of(b"f_x [N, raw];b"), Some(b';'));
         assert_eq!(separator_of(b"a\tb"), Some(b'\t'));
@@ -179,9 +180,9 @@ mod tests {
     }
 
     proptest! {
-        /// The same cells as those of the crate `csv`, which reads whole files.
+        /// Recovers the cells of independently quoted text.
         #[test]
-        fn cells_are_those_of_an_independent_writer(cells in proptest::collection::vec("[a-z0-9,;\" ]{1,6}", 1..6)) {
+        fn recovers_quoted_cells(cells in proptest::collection::vec("[a-z0-9,;\" ]{1,6}", 1..6)) {
             let quoted: Vec<_> = cells.iter().map(|cell| format!("\"{}\"", cell.replace('"', "\"\""))).collect();
             let trimmed: Vec<_> = cells.iter().map(|cell| {
                 String::from_utf8_lossy(super::trimmed(cell.as_bytes())).into_owned()

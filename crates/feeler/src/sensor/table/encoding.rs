@@ -1,23 +1,24 @@
-//! Text of a stream as UTF-8, whichever Unicode encoding it is in.
+//! Decodes a stream in any Unicode encoding to UTF-8.
 
 use std::io::{self, BufRead};
 
-/// Bytes of UTF-16 that are decoded at once.
+/// Maximum number of bytes of UTF-16 decoded at once.
 const CHUNK: usize = 4096;
 
-/// How a stream encodes its text.
+/// Text encoding of a stream.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 enum Encoding {
-    /// UTF-8, or whatever is like ASCII where it matters.
+    /// UTF-8, or another superset of ASCII.
     Utf8,
-    /// UTF-16, least significant byte first.
+    /// UTF-16, little-endian.
     Utf16Le,
-    /// UTF-16, most significant byte first.
+    /// UTF-16, big-endian.
     Utf16Be,
 }
 
 impl Encoding {
-    /// Encoding by the first bytes of a table: its byte order mark, or, without one, the zero byte beside its first letter.
+    /// Detects the encoding from the first bytes of a table: its byte order mark, or else the position of the zero byte
+    /// in its first character.
     fn of(start: &[u8]) -> Self {
         match *start {
             [0xff] | [0xff, 0xfe, ..] => Self::Utf16Le,
@@ -29,27 +30,27 @@ impl Encoding {
     }
 }
 
-/// A stream whose text is UTF-8. Allocates nothing after the beginning; UTF-8 is passed on as it is.
+/// A stream decoded to UTF-8. Allocates only during construction. UTF-8 is passed through unchanged.
 #[derive(Debug)]
 pub struct Utf8Stream<R> {
     stream: R,
     encoding: Option<Encoding>,
-    /// Decoded text, of which so many bytes are taken.
+    /// Decoded text; the first `taken` bytes have been consumed.
     text: Vec<u8>,
     taken: usize,
-    /// First byte of a unit whose second has not arrived.
+    /// First byte of a UTF-16 unit whose second byte has not arrived.
     half: Option<u8>,
-    /// First unit of a pair of surrogates whose second has not arrived.
+    /// First unit of a surrogate pair whose second unit has not arrived.
     high: Option<u16>,
 }
 
 impl<R: BufRead> Utf8Stream<R> {
-    /// Text of `stream`.
+    /// Decodes `stream`.
     pub fn new(stream: R) -> Self {
         Self {
             stream,
             encoding: None,
-            // A unit takes up to three bytes in UTF-8; beside them, two that were left over.
+            // A unit takes up to three bytes in UTF-8, plus two incomplete characters from earlier chunks.
             text: Vec::with_capacity(3 * CHUNK / 2 + 6),
             taken: 0,
             half: None,
@@ -57,10 +58,10 @@ impl<R: BufRead> Utf8Stream<R> {
         }
     }
 
-    /// The next bytes of text; none at the end.
+    /// Returns the next bytes of text; empty at the end.
     ///
     /// # Errors
-    /// If the stream cannot be read, or was interrupted and is to be read again.
+    /// If reading the stream fails, or is interrupted and should be retried.
     pub fn fill(&mut self) -> io::Result<&[u8]> {
         let encoding = match self.encoding {
             Some(encoding) => encoding,
@@ -94,7 +95,7 @@ impl<R: BufRead> Utf8Stream<R> {
         Ok(&self.text[self.taken..])
     }
 
-    /// Takes the first `count` of the bytes that [`fill`](Self::fill) returned.
+    /// Consumes the first `count` bytes returned by [`fill`](Self::fill).
     pub fn consume(&mut self, count: usize) {
         match self.encoding {
             None | Some(Encoding::Utf8) => self.stream.consume(count),
@@ -102,7 +103,7 @@ impl<R: BufRead> Utf8Stream<R> {
         }
     }
 
-    /// Replaces what is incomplete at the end of the stream.
+    /// Appends a replacement character for an incomplete one at the end of the stream.
     fn finish(&mut self) {
         let is_torn = self.half.take().is_some() | self.high.take().is_some();
         if is_torn {
@@ -111,7 +112,7 @@ impl<R: BufRead> Utf8Stream<R> {
     }
 }
 
-/// Appends what a unit of UTF-16 completes; a surrogate without its other half is replaced.
+/// Appends the characters completed by a UTF-16 unit. An unpaired surrogate is replaced.
 fn take_unit(text: &mut Vec<u8>, high: &mut Option<u16>, unit: u16) {
     let first = high.take();
     if (0xd800..0xdc00).contains(&unit) {
@@ -151,7 +152,7 @@ mod tests {
     }
 
     proptest! {
-        /// The same text in each encoding, however it arrives.
+        /// Decoding gives the same text for each encoding and any chunk size.
         #[test]
         fn text_is_the_same_in_every_encoding(rest in "\\PC{0,40}", at_once in 2usize..9) {
             let text = format!("picture{rest}");

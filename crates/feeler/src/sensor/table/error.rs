@@ -1,90 +1,90 @@
-//! Why a table cannot be read.
+//! Errors of reading tables.
 
 use super::lines::MAX_LINE;
 
-/// Why a table, or a row of it, cannot be read.
+/// Error of reading a table or one of its rows.
 #[derive(Debug, thiserror::Error)]
 pub enum TableError {
-    /// The stream cannot be read.
-    #[error("the table cannot be read: {0}")]
+    /// Reading the stream failed.
+    #[error("failed to read the table: {0}")]
     Read(#[from] std::io::Error),
-    /// There is no line with text.
+    /// The table has no lines with text.
     #[error("the table is empty; expected a header with the names of its columns")]
     Empty,
-    /// It is not text.
-    #[error("it is {what}; expected a table of text: save it as CSV, UTF-8")]
+    /// The file is not text.
+    #[error("the file is {what}; expected a table of text: save it as CSV, UTF-8")]
     NotText {
-        /// What it is.
+        /// Detected kind of file.
         what: &'static str,
     },
-    /// The header has two kinds of separators.
+    /// The header contains different separators.
     #[error(
-        "line {line}: the header has semicolons and tabs; expected a comma, a semicolon or a tab between cells, and the others in quotes"
+        "line {line}: the header has semicolons and tabs; expected one separator (comma, semicolon or tab), and the others only in quotes"
     )]
     Separators {
-        /// The line, from 1.
+        /// Line number, from 1.
         line: u64,
     },
-    /// A column may be one of several.
+    /// Several columns match a name.
     #[error("columns {} may all be {column}; expected one", list(.names))]
     Several {
-        /// The column.
+        /// Name of the column.
         column: String,
-        /// Names of those that there are.
+        /// Names of the matching columns.
         names: Vec<String>,
     },
-    /// A column has a unit of something else.
+    /// The unit of a column does not fit its quantity.
     #[error("column {column:?} is in {unit:?}; expected {expected}")]
     Unit {
-        /// The column, as the table has it.
+        /// Name of the column in the table.
         column: String,
-        /// Its unit.
+        /// Unit in the table.
         unit: String,
-        /// Units that it may have.
+        /// Supported units.
         expected: &'static str,
     },
-    /// The header and the row of units give different units.
+    /// The header and the row of units contradict each other.
     #[error(
-        "column {column:?} is in {unit:?} by line {line}; expected the unit that the header gives"
+        "column {column:?} is in {unit:?} according to line {line}; expected the unit in the header"
     )]
     OtherUnit {
-        /// The column, as the table has it.
+        /// Name of the column in the table.
         column: String,
-        /// Its unit in the row of units.
+        /// Unit in the row of units.
         unit: String,
-        /// Line of the units, from 1.
+        /// Line number of the row of units, from 1.
         line: u64,
     },
-    /// A row has another number of cells than the header.
+    /// The number of cells in a row differs from the header.
     #[error("line {line}: {cells} cells; expected {expected}, as in the header{}", hint(.cells, .expected, .separator))]
     CellCount {
-        /// The line, from 1.
+        /// Line number, from 1.
         line: u64,
-        /// Its cells.
+        /// Number of cells.
         cells: usize,
-        /// Cells of the header.
+        /// Number of cells in the header.
         expected: usize,
-        /// What stands between cells.
+        /// Separator between cells.
         separator: u8,
     },
-    /// A quote is open at the end of a line.
-    #[error("line {line}: a quote is not closed; expected each row in one line")]
+    /// A quote is not closed at the end of a line.
+    #[error("line {line}: a quote is not closed; expected each row on one line")]
     Quote {
-        /// The line, from 1.
+        /// Line number, from 1.
         line: u64,
     },
     /// A line is too long.
     #[error(
-        "line {line} is longer than {MAX_LINE} bytes; expected a table of text, a row in each line"
+        "line {line} is longer than {MAX_LINE} bytes; expected a table of text with one row per line"
     )]
     TooLong {
-        /// The line, from 1.
+        /// Line number, from 1.
         line: u64,
     },
 }
 
 impl TableError {
-    /// Whether only this row is wrong, and the next can be read.
+    /// Returns `true` if only this row is invalid and the following rows can be read.
     pub fn is_of_a_row(&self) -> bool {
         matches!(
             self,
@@ -98,10 +98,10 @@ fn list(names: &[String]) -> String {
     names.join(", ")
 }
 
-/// What to do about too many cells between commas.
+/// Hint for too many comma-separated cells.
 fn hint(cells: &usize, expected: &usize, separator: &u8) -> &'static str {
     match *separator == b',' && cells > expected {
-        true => "; if numbers have decimal commas, expected a semicolon or a tab between cells",
+        true => "; if numbers have decimal commas, use a semicolon or a tab between cells",
         false => "",
     }
 }

@@ -1,24 +1,24 @@
-//! Names of columns.
+//! Column names of a table.
 
 use super::TableError;
 use super::unit::name_and_unit;
 use std::collections::HashMap;
 
-/// Longest header in an error message, characters.
+/// Maximum length of a header in an error message, characters.
 const SHOWN: usize = 200;
 
-/// Names of the columns, and where each is.
+/// Column names, with lookup by name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Header {
     names: Vec<String>,
-    /// Columns by name, as it is written; the first, and how many there are.
+    /// Columns by exact name: index of the first, and their number.
     exact: HashMap<String, (usize, usize)>,
-    /// Columns by name, as [`plain`] has it.
+    /// Columns by name normalized by [`plain`].
     plain: HashMap<String, Vec<usize>>,
 }
 
 impl Header {
-    /// The columns of these names.
+    /// Creates a header from column names.
     pub fn new(names: Vec<String>) -> Self {
         let mut exact = HashMap::new();
         let mut by_plain: HashMap<_, Vec<_>> = HashMap::new();
@@ -33,15 +33,16 @@ impl Header {
         }
     }
 
-    /// Names of the columns, as they are in the table.
+    /// Column names as in the table.
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// The column called `name`: exactly so, or else in a variant such as `Fx [N]` for `f_x`; `None` if missing.
+    /// Returns the index of the column `name`: an exact match, or else a variant such as `Fx [N]` for `f_x`. Returns
+    /// `None` if missing.
     ///
     /// # Errors
-    /// If it may be one of several.
+    /// Returns [`TableError::Several`] if several columns match.
     pub fn find(&self, name: &str) -> Result<Option<usize>, TableError> {
         if let Some(&(index, 1)) = self.exact.get(name) {
             return Ok(Some(index));
@@ -59,18 +60,18 @@ impl Header {
         }
     }
 
-    /// Unit of the column at `index`, as its name has it; `None` without one.
+    /// Unit in the name of the column at `index`, or `None` if it has none.
     pub fn unit(&self, index: usize) -> Option<&str> {
         name_and_unit(self.names.get(index)?).1
     }
 
-    /// The names in one line, shortened if there are many.
+    /// The names on one line for messages, truncated if long.
     pub fn shown(&self) -> String {
         shortened(&self.names.join(","))
     }
 }
 
-/// The first characters of a long text.
+/// Truncates a long text.
 pub fn shortened(text: &str) -> String {
     match text.char_indices().nth(SHOWN) {
         Some((end, _)) => format!("{}…", &text[..end]),
@@ -78,7 +79,8 @@ pub fn shortened(text: &str) -> String {
     }
 }
 
-/// A column's name without unit, case and what joins words; `force` is `f` before an axis, `torque` and `moment` are `m`.
+/// Normalizes a column name: removes unit, case and word separators, and abbreviates `force` before an axis to `f`, and
+/// `torque` and `moment` to `m`.
 fn plain(name: &str) -> String {
     let (name, _) = name_and_unit(name);
     let letters = name.chars().filter(|c| !matches!(c, '_' | '-' | '.' | ' '));
@@ -101,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn columns_are_found_however_they_are_written() {
+    fn finds_columns_in_all_spellings() {
         for written in [
             "f_x", "Fx", "FX", "fx", "F_X", "f_x [N]", "Fx (mN)", "F_x/N", "Force X", "force_x",
             "f.x", "fx_N",
@@ -117,7 +119,7 @@ mod tests {
     }
 
     #[test]
-    fn one_of_several_is_not_guessed() {
+    fn rejects_ambiguous_columns() {
         assert_eq!(find(&["Fx", "f_x"], "f_x"), Ok(Some(1)));
         let several = find(&["Fx", "FX"], "f_x").unwrap_err();
         assert_eq!(

@@ -1,32 +1,32 @@
-//! Lines of a stream, read into a reused buffer.
+//! Reads lines of a stream into a reused buffer.
 
 use super::encoding::Utf8Stream;
 use std::io::{self, BufRead, ErrorKind};
 
-/// Longest line of a table, bytes: 512 taxels take about 30,000.
+/// Maximum length of a line, bytes. 512 taxels need about 30,000.
 pub const MAX_LINE: usize = 1 << 16;
 
-/// What stands in a line.
+/// Kind of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Line {
-    /// What [`Lines::text`] returns.
+    /// A line available from [`Lines::text`].
     Text,
-    /// More than [`MAX_LINE`] bytes; it was passed over.
+    /// A line of more than [`MAX_LINE`] bytes, which was skipped.
     TooLong,
 }
 
-/// Reads line by line. Lines end with CR, LF or both. Nothing is allocated but at the beginning.
+/// Line reader. Lines end with CR, LF or both. Allocates only during construction.
 #[derive(Debug)]
 pub struct Lines<R> {
     stream: Utf8Stream<R>,
     text: Vec<u8>,
     number: u64,
-    /// Whether the newest line ended with CR, to which an LF that follows belongs.
+    /// `true` if the last line ended with CR, so that a following LF belongs to it.
     after_cr: bool,
 }
 
 impl<R: BufRead> Lines<R> {
-    /// The lines of `stream`.
+    /// Reads lines from `stream`.
     pub fn new(stream: R) -> Self {
         Self {
             stream: Utf8Stream::new(stream),
@@ -36,22 +36,22 @@ impl<R: BufRead> Lines<R> {
         }
     }
 
-    /// Number of the newest line, from 1.
+    /// Number of the current line, from 1.
     pub fn number(&self) -> u64 {
         self.number
     }
 
-    /// The newest line without its end, and without a byte order mark.
+    /// The current line without its end and without a byte order mark.
     pub fn text(&self) -> &[u8] {
         let first = self.number == 1;
         let mark = (self.text.strip_prefix(b"\xef\xbb\xbf")).filter(|_| first);
         mark.unwrap_or(&self.text)
     }
 
-    /// Reads the next line; `None` at the end of the stream. What follows the last end of a line is a line, too.
+    /// Reads the next line. Returns `None` at the end of the stream. An unterminated last line counts as a line.
     ///
     /// # Errors
-    /// If the stream cannot be read.
+    /// If reading the stream fails.
     pub fn next(&mut self) -> io::Result<Option<Line>> {
         self.text.clear();
         let mut fits = true;

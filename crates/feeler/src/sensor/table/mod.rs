@@ -1,14 +1,16 @@
-//! Tables of text, as other programs write them.
+//! Reads tables of text as written by other programs.
 //!
-//! Comma, semicolon or tab separates cells, as in the header. Text is UTF-8 or UTF-16, lines end with LF, CR or both,
-//! cells may be quoted. Lines that are blank or begin with `#` are comments, and a line `sep=;` before the header names the separator.
-//! Columns are found by name, in any order, in whatever case: `Fx [N]` is `f_x` ([`Header::find`]). A unit in a column's name or in
-//! the row below the header is obeyed ([`Quantity`]). Numbers have a decimal point or a decimal comma.
+//! Cells are separated by comma, semicolon or tab, detected from the header, and may be quoted. Text is UTF-8 or
+//! UTF-16; lines end with LF, CR or both. Blank lines and lines that begin with `#` are comments. A line such as
+//! `sep=;` before the header sets the separator. Columns are found by name, in any order and case: `Fx [N]` matches
+//! `f_x` ([`Header::find`]). A unit in a column's name or in the row below the header is converted ([`Quantity`]).
+//! Numbers have a decimal point or a decimal comma.
 //!
-//! What may be read in two ways is an error: both decimal marks in one table, a comma that may divide thousands, a column that may be
-//! one of two, and a row with more or fewer cells than the header, as decimal commas make between commas.
+//! Ambiguous input is an error: both decimal marks in one table, a comma that may be a thousands separator, several
+//! columns that match a name, and a row whose number of cells differs from the header, as with decimal commas in
+//! comma-separated cells.
 //!
-//! [`Table`] reads rows; what is sensed row by row without allocation ([`taxel`](super::taxel)) uses its parts.
+//! [`Table`] reads rows. Sensors that read row by row without allocation ([`taxel`](super::taxel)) use its parts.
 
 mod cells;
 mod encoding;

@@ -1,31 +1,31 @@
-//! Numbers in cells, with a decimal point or a decimal comma.
+//! Parses numbers in cells, with a decimal point or a decimal comma.
 
-/// Why a cell has no number.
+/// Error of parsing a number.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum NumberError {
-    /// It is not written as one.
-    #[error("no number")]
+    /// The cell is not a number.
+    #[error("not a number")]
     NotANumber,
-    /// Its decimal mark may divide thousands.
+    /// The decimal mark may be a thousands separator.
     #[error(
-        "its {0} may be a decimal {0} or divide thousands; expected another cell from which it is clear, as {example}", example = .0.example()
+        "its {0} may be a decimal {0} or a thousands separator; expected another cell that shows which, such as {example}", example = .0.example()
     )]
     Thousands(Mark),
     /// Other cells have the other decimal mark.
     #[error(
-        "it has a decimal {own}, line {line} has a decimal {other}; expected one of the two in all lines"
+        "it has a decimal {own}, but line {line} has a decimal {other}; expected the same mark in all lines"
     )]
     Mixed {
-        /// The mark of this cell.
+        /// Mark of this cell.
         own: Mark,
-        /// The mark of the other cells.
+        /// Mark of the other cells.
         other: Mark,
-        /// Line of the first of these, from 1.
+        /// Line number of the first other cell, from 1.
         line: u64,
     },
 }
 
-/// What divides a number's fraction from the rest.
+/// Decimal mark.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Mark {
     /// `.`
@@ -42,7 +42,7 @@ impl Mark {
         }
     }
 
-    /// A number with it that has but one meaning.
+    /// An unambiguous number with this mark.
     fn example(self) -> &'static str {
         match self {
             Self::Point => "0.5",
@@ -60,20 +60,21 @@ impl std::fmt::Display for Mark {
     }
 }
 
-/// Longest number, bytes.
+/// Maximum length of a number, bytes.
 const LONGEST: usize = 64;
 
-/// The decimal mark of a table: that of the first number from which it is clear. Allocates nothing.
+/// Parses numbers with the decimal mark of a table, which is taken from the first unambiguous number. Does not
+/// allocate.
 #[derive(Debug, Clone, Copy)]
 pub struct Decimals {
     mark: Option<(Mark, u64)>,
-    /// Whether a point may divide thousands, too.
+    /// `true` if a point may be a thousands separator.
     points_divide: bool,
 }
 
 impl Decimals {
-    /// Of a table with this `separator` between cells. Between semicolons a point may divide thousands: who writes these
-    /// needs the comma for numbers.
+    /// Creates a parser for a table with this `separator` between cells. If it is a semicolon, a point may be a
+    /// thousands separator, because semicolons are used where commas are decimal marks.
     pub fn new(separator: u8) -> Self {
         Self {
             mark: None,
@@ -81,7 +82,7 @@ impl Decimals {
         }
     }
 
-    /// Looks for the mark in the cells of `line` that may be numbers, unless it is known.
+    /// Detects the decimal mark from the numeric cells of `line`, unless it is already known.
     pub fn look<'a>(&mut self, line: u64, mut cells: impl Iterator<Item = &'a [u8]>) {
         if self.mark.is_none() {
             let mark = cells.find_map(|cell| self.clear_mark(cell));
@@ -89,10 +90,10 @@ impl Decimals {
         }
     }
 
-    /// The number in a cell.
+    /// Parses the number in a cell.
     ///
     /// # Errors
-    /// If there is none, or it may be one of two.
+    /// If the cell is not a number, or is ambiguous.
     pub fn parse(&self, cell: &[u8]) -> Result<f64, NumberError> {
         let (number, own) = number(cell).ok_or(NumberError::NotANumber)?;
         let Some(own) = own else { return Ok(number) };
@@ -103,7 +104,7 @@ impl Decimals {
         }
     }
 
-    /// The mark of the number in a cell, if it is beyond doubt.
+    /// Decimal mark of the number in a cell, or `None` if it has none or is ambiguous.
     fn clear_mark(&self, cell: &[u8]) -> Option<Mark> {
         let (_, mark) = number(cell)?;
         mark.filter(|&mark| !self.is_doubtful(cell, mark))
@@ -114,17 +115,17 @@ impl Decimals {
     }
 }
 
-/// Whether a cell has a number, whatever its decimal mark may mean.
+/// Returns `true` if a cell contains a number with either decimal mark.
 pub fn is_number(cell: &[u8]) -> bool {
     number(cell).is_some()
 }
 
-/// The number in a cell and its decimal mark, if it has one.
+/// Parses the number in a cell and its decimal mark, if any.
 fn number(cell: &[u8]) -> Option<(f64, Option<Mark>)> {
     let mut text = [0; LONGEST];
     let text = text.get_mut(..cell.len())?;
     text.copy_from_slice(cell);
-    // A minus sign as typeset.
+    // A typographic minus sign.
     let text = match text.strip_prefix("\u{2212}".as_bytes()).map(<[u8]>::len) {
         Some(digits) => {
             let start = text.len() - digits - 1;
@@ -135,7 +136,7 @@ fn number(cell: &[u8]) -> Option<(f64, Option<Mark>)> {
     };
     let comma = text.iter().position(|&byte| byte == b',');
     let mark = match comma {
-        // A point beside it, or another comma, is in no number.
+        // A number cannot contain a comma and a point, or two commas.
         Some(_) if text.contains(&b'.') => return None,
         Some(place) => {
             text[place] = b'.';
@@ -146,7 +147,8 @@ fn number(cell: &[u8]) -> Option<(f64, Option<Mark>)> {
     Some((str::from_utf8(text).ok()?.parse().ok()?, mark))
 }
 
-/// Whether a number's mark may divide thousands: one to three digits before it, not beginning with 0, and three behind it.
+/// Returns `true` if a number's mark may be a thousands separator: one to three digits before it, not starting with 0,
+/// and three after it.
 fn may_divide_thousands(cell: &[u8], mark: Mark) -> bool {
     let signs = [b"-", b"+", "\u{2212}".as_bytes()];
     let digits = signs.iter().find_map(|sign| cell.strip_prefix(*sign));
@@ -183,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn either_mark_is_read_and_both_are_refused() {
+    fn accepts_either_mark_but_not_both() {
         assert_eq!(
             read(&["0.5;1e-3;7;-inf"]),
             [Ok(0.5), Ok(1e-3), Ok(7.0), Ok(f64::NEG_INFINITY)]
@@ -213,16 +215,16 @@ mod tests {
     }
 
     #[test]
-    fn a_comma_that_may_divide_thousands_is_not_guessed() {
+    fn rejects_a_comma_that_may_separate_thousands() {
         let doubtful = |mark| [Err(NumberError::Thousands(mark))];
         assert_eq!(read(&["1,234"]), doubtful(Mark::Comma));
         assert_eq!(read(&["-12,345"]), doubtful(Mark::Comma));
         assert_eq!(read(&["\u{2212}12,345"]), doubtful(Mark::Comma));
-        // Clear by another cell, of the same row or before.
+        // Disambiguated by another cell in the same or an earlier row.
         assert_eq!(read(&["1,234;0,5"]), [Ok(1.234), Ok(0.5)]);
         assert_eq!(read(&["1234,567", "1,234"]), [Ok(1234.567), Ok(1.234)]);
         assert_eq!(read(&["0,512"]), [Ok(0.512)]);
-        // A point is in doubt only where a comma may be the decimal mark.
+        // A point is ambiguous only if commas may be decimal marks.
         assert_eq!(read(&["1.234"]), [Ok(1.234)]);
         let between_semicolons = |rows: &[&str]| read_between(b';', rows);
         assert_eq!(between_semicolons(&["1.234"]), doubtful(Mark::Point));
@@ -243,7 +245,7 @@ mod tests {
     }
 
     proptest! {
-        /// A number with a comma is the number with a point, bit for bit.
+        /// A number with a comma equals the number with a point, bit for bit.
         #[test]
         fn a_comma_changes_no_bit(number in -1e9..1e9) {
             let text = f64::to_string(&number).replace('.', ",");

@@ -1,4 +1,4 @@
-//! Rows below a header.
+//! Reads the rows below a header.
 
 use super::cells::{Cells, SEPARATORS, separator_name, separator_of};
 use super::lines::{Line, Lines};
@@ -12,12 +12,12 @@ use std::io::BufRead;
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct NumberColumn(usize);
 
-/// What is known of a column of numbers.
+/// Properties of a column of numbers.
 #[derive(Debug, Clone, Copy)]
 struct Numbers {
     index: usize,
     quantity: Quantity,
-    /// Size of its unit, if the table names it.
+    /// Size of the column's unit, if the table states it.
     scale: Option<f64>,
 }
 
@@ -40,7 +40,7 @@ pub struct Table<R> {
     header: Header,
     numbers: Vec<Numbers>,
     decimals: Decimals,
-    /// Whether a row of units may come.
+    /// `true` while a row of units may follow.
     is_first: bool,
 }
 
@@ -48,7 +48,7 @@ impl<R: BufRead> Table<R> {
     /// Reads the header of `stream`.
     ///
     /// # Errors
-    /// If there is none, or the stream cannot be read.
+    /// If there is no header, or if reading the stream fails.
     pub fn open(stream: R) -> Result<Self, TableError> {
         let mut lines = Lines::new(stream);
         let mut named = None;
@@ -87,23 +87,23 @@ impl<R: BufRead> Table<R> {
         &self.header
     }
 
-    /// What stands between cells, in words.
+    /// Name of the separator between cells, for messages.
     pub fn separator(&self) -> &'static str {
         separator_name(self.cells.separator())
     }
 
-    /// The column called `name`, of text; `None` if there is none.
+    /// Returns the index of the text column `name`, or `None` if missing.
     ///
     /// # Errors
-    /// If it may be one of several.
+    /// Returns [`TableError::Several`] if several columns match.
     pub fn column(&self, name: &str) -> Result<Option<usize>, TableError> {
         self.header.find(name)
     }
 
-    /// The column called `name`, of numbers; `None` if there is none.
+    /// Returns the column of numbers `name`, or `None` if missing.
     ///
     /// # Errors
-    /// If it may be one of several, or is in a unit of something else.
+    /// If several columns match, or if the column's unit does not fit `quantity`.
     pub fn number_column(
         &mut self,
         name: &str,
@@ -132,10 +132,11 @@ impl<R: BufRead> Table<R> {
         })
     }
 
-    /// Goes to the next row that is not blank; `false` at the end. Columns of numbers are looked up before the first.
+    /// Advances to the next row that is not blank. Returns `false` at the end. Call
+    /// [`number_column`](Self::number_column) before the first row.
     ///
     /// # Errors
-    /// If the row, or the stream, cannot be read ([`TableError::is_of_a_row`]).
+    /// If the row is invalid ([`TableError::is_of_a_row`]) or reading the stream fails.
     pub fn advance(&mut self) -> Result<bool, TableError> {
         while next_line(&mut self.lines)?.is_some() {
             let line = self.lines.number();
@@ -160,7 +161,7 @@ impl<R: BufRead> Table<R> {
         Ok(false)
     }
 
-    /// Refuses a row that is longer or shorter than the header. Empty cells at its end do not count.
+    /// Rejects a row that is longer or shorter than the header, not counting empty cells at its end.
     fn check_count(&self, line: u64) -> Result<(), TableError> {
         let (cells, expected) = (self.cells.count(), self.header.names().len());
         let is_empty = |cell: &[u8]| cell.is_empty();
@@ -176,7 +177,7 @@ impl<R: BufRead> Table<R> {
         })
     }
 
-    /// Takes the units if this is a row of units; returns whether it is.
+    /// Stores the units and returns `true` if this is a row of units.
     fn take_units(&mut self, line: u64) -> Result<bool, TableError> {
         let named =
             |numbers: &Numbers| String::from_utf8_lossy(self.cells.get(numbers.index)).into_owned();
@@ -205,34 +206,34 @@ impl<R: BufRead> Table<R> {
         Ok(true)
     }
 
-    /// Line of the newest row, from 1.
+    /// Line number of the current row, from 1.
     pub fn line(&self) -> u64 {
         self.lines.number()
     }
 
-    /// The newest row's cell in a column; empty if there is none.
+    /// Cell of the current row in a column; empty if missing.
     pub fn text(&self, column: usize) -> Cow<'_, str> {
         String::from_utf8_lossy(self.cells.get(column))
     }
 
-    /// The newest row's cell in a column of numbers, as it is written.
+    /// Unparsed cell of the current row in a column of numbers.
     pub fn number_text(&self, column: NumberColumn) -> Cow<'_, str> {
         self.text(self.numbers[column.0].index)
     }
 
-    /// The newest row's number in a column, in the unit of its [`Quantity`].
+    /// Number in a column of the current row, in the unit of its [`Quantity`].
     ///
     /// # Errors
-    /// If the cell has no number, or one that may be read in two ways.
+    /// If the cell is not a number, or is ambiguous.
     pub fn number(&self, column: NumberColumn) -> Result<f64, NumberError> {
         let Numbers { index, scale, .. } = self.numbers[column.0];
         let number = self.decimals.parse(self.cells.get(index))?;
         Ok(scale.map_or(number, |scale| scale * number))
     }
 
-    /// The newest row's whole number in a column, as in `3` or `3.0`; `None` if the cell has none.
+    /// Integer in a column of the current row, written as in `3` or `3.0`, or `None` if the cell is not an integer.
     pub fn whole(&self, column: usize) -> Option<u64> {
-        /// From here on, not every whole number is one of `f64`.
+        /// First integer beyond which `f64` cannot represent every integer.
         const LARGEST: f64 = (1_u64 << f64::MANTISSA_DIGITS) as f64;
         let text = self.text(column);
         let written_as_float = || {
@@ -244,7 +245,7 @@ impl<R: BufRead> Table<R> {
     }
 }
 
-/// Goes to the next line that is no comment; `None` at the end.
+/// Advances to the next line that is not a comment. Returns `None` at the end.
 fn next_line<R: BufRead>(lines: &mut Lines<R>) -> Result<Option<()>, TableError> {
     while let Some(line) = lines.next()? {
         let text = lines.text().trim_ascii_start();
@@ -259,20 +260,20 @@ fn next_line<R: BufRead>(lines: &mut Lines<R>) -> Result<Option<()>, TableError>
     Ok(None)
 }
 
-/// Refuses a first line that is of no text.
+/// Rejects a file whose first line is not text.
 fn check_text(line: &[u8]) -> Result<(), TableError> {
     let what = match line {
-        [b'P', b'K', 3, 4, ..] => "a workbook or another packed file",
-        [0x1f, 0x8b, ..] => "packed by gzip",
+        [b'P', b'K', 3, 4, ..] => "a workbook or another compressed file",
+        [0x1f, 0x8b, ..] => "compressed by gzip",
         line if line.contains(&0) => "binary",
         _ => return Ok(()),
     };
     Err(TableError::NotText { what })
 }
 
-/// The separator of a line `sep=;`, as spreadsheets write it before the header.
+/// Separator set by a line `sep=;`, which spreadsheets write before the header.
 fn named_separator(line: &[u8]) -> Option<u8> {
-    // A tab is a separator, and no space around.
+    // Trim the start only: the separator may be a tab.
     let line = line.trim_ascii_start();
     let line = line.strip_prefix(b"\"").unwrap_or(line);
     let (name, separator) = line.split_at_checked(4)?;

@@ -11,18 +11,18 @@ pub enum Quantity {
     Time,
     /// An angle, rad.
     Angle,
-    /// A place in a picture, px.
+    /// A position in an image, px.
     Pixels,
-    /// Anything, in whatever unit the table has it.
+    /// Any quantity; units are not converted.
     Any,
 }
 
-/// Names of units, what they are of, and their size in the unit that feeler uses.
+/// Names of units with their quantity and their size in feeler's unit of that quantity.
 const UNITS: [(&str, Quantity, f64); 32] = [
     ("N", Quantity::Force, 1.0),
     ("mN", Quantity::Force, 1e-3),
     ("uN", Quantity::Force, 1e-6),
-    // With the micro sign, and with the Greek letter that looks like it.
+    // With the micro sign, and with the Greek letter mu, which looks the same.
     ("µN", Quantity::Force, 1e-6),
     ("\u{3bc}N", Quantity::Force, 1e-6),
     ("kN", Quantity::Force, 1e3),
@@ -54,13 +54,13 @@ const UNITS: [(&str, Quantity, f64); 32] = [
     ("pixels", Quantity::Pixels, 1.0),
 ];
 
-/// Names of units of raw values, as converters count them.
+/// Names of units of raw values, such as ADC counts.
 const COUNTS: [&str; 8] = [
     "counts", "count", "cts", "raw", "lsb", "digits", "adc", "a.u.",
 ];
 
 impl Quantity {
-    /// The unit called `name` in the unit that feeler uses; `None` if it is no unit of this quantity.
+    /// Size of the unit `name` in feeler's unit, or `None` if it is not a unit of this quantity.
     pub fn scale(self, name: &str) -> Option<f64> {
         if self == Self::Any {
             return Some(1.0);
@@ -71,7 +71,7 @@ impl Quantity {
         own.map(|(.., scale)| *scale)
     }
 
-    /// Units in words.
+    /// Supported units, for messages.
     pub fn units(self) -> &'static str {
         match self {
             Self::Force => "N, mN, µN or kN",
@@ -84,7 +84,7 @@ impl Quantity {
     }
 }
 
-/// Whether cells below the header are units: one at least, and dashes or nothing elsewhere.
+/// Returns `true` if the cells below the header are units: at least one unit, and otherwise dashes or empty cells.
 pub fn are_units<'a>(cells: impl Iterator<Item = &'a str>) -> bool {
     let mut is_named = false;
     for cell in cells.map(without_brackets) {
@@ -98,12 +98,12 @@ pub fn are_units<'a>(cells: impl Iterator<Item = &'a str>) -> bool {
     is_named
 }
 
-/// Whether a cell below the header says that its column has no unit, or nothing.
+/// Returns `true` if a cell of the row of units is empty or a dash.
 pub fn is_no_unit(cell: &str) -> bool {
     matches!(cell, "" | "-")
 }
 
-/// A name without the brackets around it.
+/// Removes the brackets around a unit.
 pub fn without_brackets(cell: &str) -> &str {
     let inside = |open, close| cell.strip_prefix(open)?.strip_suffix(close);
     inside('[', ']')
@@ -112,7 +112,8 @@ pub fn without_brackets(cell: &str) -> &str {
         .trim()
 }
 
-/// A column's name and its unit, as in `f_x [N]`, `Fx (N)`, `Fx/N`, `time_ms`; `None` without one.
+/// Splits a column name into name and unit, as in `f_x [N]`, `Fx (N)`, `Fx/N` or `time_ms`; the unit is `None` if
+/// missing.
 pub fn name_and_unit(column: &str) -> (&str, Option<&str>) {
     let bracketed = [('[', ']'), ('(', ')')]
         .into_iter()

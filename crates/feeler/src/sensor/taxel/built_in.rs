@@ -1,17 +1,17 @@
-//! The layouts that come with feeler.
+//! Built-in taxel layouts.
 
 use super::{TaxelError, TaxelLayout};
 
-/// A layout that comes with feeler.
+/// A built-in layout.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct BuiltInTaxels {
-    /// What it is called.
+    /// Name of the layout.
     pub name: &'static str,
-    /// Its file.
+    /// Text of its file.
     pub text: &'static str,
 }
 
-/// The layouts that come with feeler.
+/// All built-in layouts.
 pub const BUILT_IN_TAXELS: [BuiltInTaxels; 4] = [
     BuiltInTaxels {
         name: "uskin-4x4",
@@ -32,15 +32,15 @@ pub const BUILT_IN_TAXELS: [BuiltInTaxels; 4] = [
 ];
 
 impl BuiltInTaxels {
-    /// The one of this name.
+    /// Returns the layout called `name`, or `None` if missing.
     pub fn named(name: &str) -> Option<Self> {
         BUILT_IN_TAXELS.into_iter().find(|b| b.name == name)
     }
 
-    /// Its layout.
+    /// Parses the layout.
     ///
     /// # Errors
-    /// None that a test would not have found.
+    /// Never in practice: tests parse all built-in layouts.
     pub fn layout(&self) -> Result<TaxelLayout, TaxelError> {
         TaxelLayout::from_toml(self.text)
     }

@@ -1,26 +1,26 @@
-//! From the numbers in a row to forces.
+//! Converts the values of a row to forces.
 
 use super::zero::Zeros;
 use super::{Axes, TaxelError, TaxelLayout};
 use crate::sensor::reading::NO_FORCE;
 use glam::{DVec2, DVec3};
 
-/// Makes forces of the numbers in a taxel array's columns. Everything is allocated when it is built.
+/// Converts the values in a taxel array's columns to forces. Allocates only during construction.
 #[derive(Debug, Clone)]
 pub struct TaxelChain {
     axes: Axes,
-    /// Counts per newton in the columns x, y, z of each taxel; 1 where the columns are in newtons, or forces in counts.
+    /// Counts per newton in the columns x, y, z of each taxel; 1 if the columns are in newtons or forces are in counts.
     scales: Vec<DVec3>,
-    /// Cosine and sine of each taxel's turn.
+    /// Cosine and sine of each taxel's rotation.
     turns: Vec<DVec2>,
     zeros: Zeros,
 }
 
 impl TaxelChain {
-    /// For `layout`.
+    /// Creates a chain for `layout`.
     ///
     /// # Errors
-    /// When a value of it is out of range.
+    /// Returns [`TaxelError::Values`] if values of the layout are out of range.
     pub fn new(layout: &TaxelLayout) -> Result<Self, TaxelError> {
         layout.check()?;
         let scales: Vec<_> = (layout.taxels.iter())
@@ -40,15 +40,16 @@ impl TaxelChain {
         self.turns.len()
     }
 
-    /// Begins a sequence: the zeros are taken again.
+    /// Starts a new sequence: the zeros are measured again.
     pub fn restart(&mut self) {
         self.zeros.restart();
     }
 
-    /// Fills `forces` with those at `stamp` (s), when `values` stand in the columns x, y, z of each taxel, not a number
-    /// where a taxel has none. Forces are in each element's frame `E_i`, N, as in a
-    /// [`TactileFrame`](crate::sensor::reading::TactileFrame), or in counts ([`TaxelLayout::force_unit`]);
-    /// [`NO_FORCE`] where there is no value, or nothing to take it from. Neither allocates nor panics.
+    /// Computes the forces at `stamp` (s) from the `values` in the columns x, y, z of each taxel, NaN if missing.
+    ///
+    /// Forces are in each element's frame `E_i`, in N as in a [`TactileFrame`](crate::sensor::reading::TactileFrame),
+    /// or in counts ([`TaxelLayout::force_unit`]). A taxel without a value or without a zero gets [`NO_FORCE`]. Neither
+    /// allocates nor panics.
     pub fn sense(&mut self, stamp: f64, values: &[DVec3], forces: &mut [DVec3]) {
         self.zeros.take(values);
         let mut longest = None;
@@ -65,13 +66,13 @@ impl TaxelChain {
         self.zeros.follow(stamp, values, longest);
     }
 
-    /// The taxels that have no zero, once the rows without load are over.
+    /// Taxels without a zero after the unloaded rows.
     pub(super) fn without_zero(&self) -> impl Iterator<Item = usize> + '_ {
         let all = 0..self.element_count();
         all.filter(|&taxel| self.zeros.of(taxel).is_nan())
     }
 
-    /// Whether the rows without load are over.
+    /// Returns `true` after the unloaded rows.
     pub(super) fn has_zeros(&self) -> bool {
         self.zeros.are_taken()
     }

@@ -1,23 +1,23 @@
-//! Whether a taxel layout can be used: it may come from a file that anyone wrote.
+//! Validates taxel layouts, which may come from handwritten files.
 
 use super::{Taxel, TaxelError, TaxelLayout, TaxelUnit};
 use crate::check::Checker;
 use crate::sensor::layout::MAX_ELEMENTS;
 use std::collections::HashSet;
 
-/// Most columns of a table without a header, and most characters of a name.
+/// Maximum number of columns of a table without a header, and maximum length of a name in characters.
 const MAX_COLUMNS: usize = 8192;
 const MAX_NAME: usize = 100;
-/// Most rows of which a zero is taken.
+/// Maximum number of rows averaged for a zero.
 const MAX_ZERO_ROWS: u32 = 100_000;
-/// Range of counts per newton; a negative one is a sign for `axes`.
+/// Range of counts per newton. Negative signs belong in `axes`.
 const SCALE: (f64, f64) = (1e-6, 1e9);
 
 impl TaxelLayout {
-    /// Requires every value to be in its range; all that are not are named.
+    /// Checks that every value is in its range.
     ///
     /// # Errors
-    /// [`TaxelError::Values`].
+    /// Returns [`TaxelError::Values`] with all values that are out of range.
     pub fn check(&self) -> Result<(), TaxelError> {
         let mut checker = Checker::default();
         self.check_all(&mut checker);
@@ -54,9 +54,9 @@ impl TaxelLayout {
         let good = given == 0 || given == count && rows == 0;
         checker.require(
             "taxel.zero",
-            format!("of {given} of {count} taxels, with zero.rows = {rows}"),
+            format!("set for {given} of {count} taxels, with zero.rows = {rows}"),
             good,
-            "of all taxels without zero.rows, or of none",
+            "set for all taxels and zero.rows = 0, or for none",
         );
     }
 
@@ -133,10 +133,10 @@ impl TaxelLayout {
         let known = self.taxels.iter().filter(|t| self.scale(t).is_some());
         let (known, count) = (known.count(), self.taxels.len());
         let (good, expected) = match self.unit {
-            TaxelUnit::Newton => (known == 0, "none, as the columns are in newtons"),
-            TaxelUnit::Counts => (known == 0 || known == count, "of all taxels, or of none"),
+            TaxelUnit::Newton => (known == 0, "set for none, since columns are in newtons"),
+            TaxelUnit::Counts => (known == 0 || known == count, "set for all taxels or none"),
         };
-        let actual = format!("of {known} of {count} taxels");
+        let actual = format!("set for {known} of {count} taxels");
         checker.require("counts_per_newton", actual, good, expected);
     }
 }

@@ -1,38 +1,38 @@
-//! Which column of a table is what.
+//! Assigns roles to the columns of a table.
 
 use super::{TaxelError, TaxelLayout, TaxelUnit, TimeUnit};
 use crate::sensor::table::{
     Cells, Header, Quantity, TableError, are_units, is_no_unit, without_brackets,
 };
 
-/// What a column is for.
+/// Role of a column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
-    /// Nothing.
+    /// Not used.
     Other,
-    /// The time.
+    /// Time of the row.
     Time,
-    /// The sequence.
+    /// Name of the sequence.
     Sequence,
-    /// An axis of a taxel: 0 is x, 1 y, 2 z.
+    /// Value of a taxel along an axis: 0 is x, 1 is y, 2 is z.
     Value { taxel: usize, axis: usize },
 }
 
 /// The columns of a table.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Columns {
-    /// Their names.
+    /// Column names.
     pub header: Header,
-    /// What each is for.
+    /// Role of each column.
     pub roles: Vec<Role>,
-    /// Unit of the values according to the layout.
+    /// Unit of the values in the layout.
     unit: TaxelUnit,
-    /// Unit of the time, by the layout.
+    /// Unit of the time in the layout.
     time: TimeUnit,
 }
 
 impl TaxelLayout {
-    /// Names of a taxel's columns x, y and z.
+    /// Column names x, y and z of a taxel.
     fn columns_of(&self, taxel: usize) -> [String; 3] {
         let columns = &self.columns;
         let number = (u64::from(columns.first) + taxel as u64).to_string();
@@ -42,13 +42,13 @@ impl TaxelLayout {
         })
     }
 
-    /// The column x of the first taxel.
+    /// Column name x of the first taxel.
     pub(super) fn first_column(&self) -> String {
         let [x, ..] = self.columns_of(0);
         x
     }
 
-    /// Number of columns of a table without a header, if the layout names them.
+    /// Number of columns of a table without a header, or `None` if the layout does not list them.
     pub(super) fn count_without_header(&self) -> Option<usize> {
         let named = self.columns.without_header.as_ref()?;
         let repeats = |pattern: &String| match is_of_taxel(pattern) {
@@ -58,7 +58,7 @@ impl TaxelLayout {
         Some(named.iter().map(repeats).sum())
     }
 
-    /// Names of the columns of a table without a header.
+    /// Column names of a table without a header.
     pub(super) fn names_without_header(&self) -> Vec<String> {
         let named = self.columns.without_header.as_deref().unwrap_or_default();
         let first = u64::from(self.columns.first);
@@ -80,16 +80,16 @@ impl TaxelLayout {
     }
 }
 
-/// Whether there is a column of this name for each taxel.
+/// Returns `true` if the pattern stands for one column per taxel.
 fn is_of_taxel(pattern: &str) -> bool {
     pattern.contains("{n}")
 }
 
 impl Columns {
-    /// Finds the columns of `layout` in a `header`; that of the time, if the table is `timed` by it.
+    /// Finds the columns of `layout` in a `header`. Looks for the time column only if `timed`.
     ///
     /// # Errors
-    /// If a column is missing, there twice, meant for two things, or in another unit.
+    /// If a column is missing, ambiguous, used twice or in a wrong unit.
     pub fn find(layout: &TaxelLayout, header: Header, timed: bool) -> Result<Self, TaxelError> {
         let time = layout.columns.time.as_ref();
         let mut columns = Self {
@@ -117,7 +117,7 @@ impl Columns {
         Ok(columns)
     }
 
-    /// Whether `header` has a column of `layout`, possibly under another prefix.
+    /// Returns `true` if `header` contains a column of `layout`, possibly with another prefix.
     pub fn is_header(layout: &TaxelLayout, header: &Header) -> bool {
         let named = |name: &String| !matches!(header.find(name), Ok(None));
         let mut taxels = 0..layout.taxels.len();
@@ -139,10 +139,10 @@ impl Columns {
         })
     }
 
-    /// Whether cells below the header are the columns' units.
+    /// Returns `true` if the cells below the header are units.
     ///
     /// # Errors
-    /// If one is not that of the layout.
+    /// Returns [`TaxelError::Unit`] if a unit differs from the layout.
     pub fn are_units(&self, cells: &Cells) -> Result<bool, TaxelError> {
         let numbers = || {
             let cells = self.roles.iter().zip(cells.iter()).enumerate();
@@ -163,7 +163,7 @@ impl Columns {
         Ok(true)
     }
 
-    /// Refuses a unit in the table that is not the layout's.
+    /// Rejects a unit that differs from the layout.
     fn check_unit(&self, place: usize, role: Role, unit: &str) -> Result<(), TaxelError> {
         let is_same =
             |quantity: Quantity, size| quantity.scale(unit).is_some_and(|scale| scale == size);
@@ -188,14 +188,14 @@ impl Columns {
         }
     }
 
-    /// Gives the column at `place` the role of the layout's column `name`.
+    /// Assigns a role to the column at `place`, which the layout calls `name`.
     fn give(&mut self, place: usize, role: Role, name: &str) -> Result<(), TaxelError> {
         let column = &self.header.names()[place];
         if self.roles[place] != Role::Other {
             let column = column.clone();
             return Err(TaxelError::TwoMeanings { column });
         }
-        // What looks like a unit in the layout's own name is part of the name.
+        // If the name is exactly the layout's, an apparent unit is part of the name.
         if column != name
             && let Some(unit) = self.header.unit(place)
         {
@@ -206,7 +206,7 @@ impl Columns {
     }
 }
 
-/// Where the first taxel's columns are there with other prefixes: an error that says so.
+/// Returns an error that lists other prefixes, if the first taxel's columns exist with other prefixes.
 fn other_prefix(names: &[String], layout: &TaxelLayout, missing: &str) -> Option<TaxelError> {
     let pattern = &layout.columns.x;
     let named = pattern.replace("{n}", &layout.columns.first.to_string());

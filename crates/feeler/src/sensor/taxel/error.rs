@@ -1,19 +1,19 @@
-//! Why a taxel array cannot be sensed.
+//! Errors of taxel arrays.
 
 use super::{MAX_LINE, TAXEL_LAYOUT_VERSION};
 use crate::check::Problem;
 
-/// Why a taxel array cannot be sensed.
+/// Error of reading a taxel array.
 #[derive(Debug, thiserror::Error)]
 pub enum TaxelError {
-    /// The text is no layout.
+    /// The text is not a taxel layout.
     #[error("not a taxel layout: {0}")]
     Parse(#[from] toml::de::Error),
-    /// The layout cannot be written as text.
-    #[error("the taxel layout cannot be written: {0}")]
+    /// The layout cannot be written as TOML.
+    #[error("failed to write the taxel layout: {0}")]
     Write(#[from] toml::ser::Error),
-    /// The file is of another version.
-    #[error("taxel layout version {TAXEL_LAYOUT_VERSION} expected, got {actual}")]
+    /// The file has an unsupported version.
+    #[error("expected taxel layout version {TAXEL_LAYOUT_VERSION}, got {actual}")]
     Version {
         /// Version of the file.
         actual: u32,
@@ -21,96 +21,94 @@ pub enum TaxelError {
     /// Values are out of range.
     #[error("{}", list(.0))]
     Values(Vec<Problem>),
-    /// A column is not in the header, or there twice.
-    #[error("{expected} column {column:?} expected, {actual} in the header {header:?}")]
+    /// A column is missing from the header or occurs more than once.
+    #[error("expected {expected} column {column:?}, got {actual} in the header {header:?}")]
     Column {
-        /// The column.
+        /// Name of the column.
         column: String,
-        /// How many there must be.
+        /// Expected number of columns, in words.
         expected: &'static str,
-        /// How many there are.
+        /// Number of matching columns.
         actual: usize,
-        /// The header as it is.
+        /// The actual header.
         header: String,
     },
-    /// A column is in another unit than the layout says.
+    /// The unit of a column differs from the layout.
     #[error("column {column:?} is in {unit:?}; expected {expected}, the unit in the layout")]
     Unit {
-        /// The column.
+        /// Name of the column.
         column: String,
-        /// Its unit.
+        /// Unit in the table.
         unit: String,
-        /// The unit that the layout gives.
+        /// Unit in the layout.
         expected: &'static str,
     },
-    /// The columns are there with other prefixes.
+    /// The columns exist with other prefixes only.
     #[error("no column {column:?} in the header; expected another prefix: {}", .prefixes.join(" or "))]
     Prefix {
-        /// The column that is missing.
+        /// Name of the missing column.
         column: String,
-        /// The prefixes with which there are such columns.
+        /// Prefixes of similar columns.
         prefixes: Vec<String>,
     },
-    /// The first row is of numbers.
+    /// The table starts with a row of numbers.
     #[error(
-        "there is no header: line {line} has {cells} numbers; expected a header with {column:?}, or all columns \
-         in columns.without_header of the layout"
+        "missing header: line {line} has {cells} numbers; expected a header with {column:?}, or all columns \
+         listed in columns.without_header of the layout"
     )]
     NoHeader {
-        /// The line.
+        /// Line number.
         line: u64,
-        /// Its cells.
+        /// Number of cells.
         cells: usize,
-        /// A column of the layout.
+        /// First column of the layout.
         column: String,
     },
-    /// The table has another number of columns than the layout says.
+    /// The number of columns of a table without a header differs from the layout.
     #[error(
-        "columns.without_header has {expected} columns; line {line} of the table has {actual} and no header"
+        "expected {expected} columns as in columns.without_header of the layout, got {actual} in line {line} of a table without a header"
     )]
     Unnamed {
-        /// Columns by the layout.
+        /// Number of columns in the layout.
         expected: usize,
-        /// Cells of the first row.
+        /// Number of cells in the first row.
         actual: usize,
-        /// Its line.
+        /// Line number of the first row.
         line: u64,
     },
-    /// No line is a header.
-    #[error("no header with {column:?} in {lines} lines, the first of them {first:?}")]
+    /// No line is a header of the layout.
+    #[error("no header with {column:?} in {lines} lines; the first is {first:?}")]
     HeaderNotFound {
-        /// A column of the layout.
+        /// First column of the layout.
         column: String,
-        /// Lines that were read.
+        /// Number of lines searched.
         lines: u64,
-        /// What stands in the first, up to 80 characters.
+        /// The first line, truncated.
         first: String,
     },
-    /// A line before or in the header is too long.
+    /// A line in or before the header is too long.
     #[error("line {line} is longer than {MAX_LINE} bytes; expected a table of text")]
     TooLong {
-        /// The line.
+        /// Line number.
         line: u64,
     },
-    /// A column is named for two things.
-    #[error("column {column:?} is named for two things in the layout; expected a column for each")]
+    /// The layout uses a column for two purposes.
+    #[error("column {column:?} is used for two purposes in the layout; expected separate columns")]
     TwoMeanings {
-        /// The column.
+        /// Name of the column.
         column: String,
     },
-    /// Nothing tells the time.
-    #[error(
-        "nothing tells the time of a row; expected a rate, or columns.time or rate in the layout"
-    )]
+    /// There is no source of time.
+    #[error("rows have no time; expected a rate, or columns.time or rate in the layout")]
     NoTime,
-    /// The rate makes no sense.
-    #[error("{actual} rows per second; expected 0.001 to 100000 Hz")]
+    /// The rate is out of range.
+    #[error("expected a rate of 0.001 to 100000 Hz, got {actual} Hz")]
     Rate {
-        /// The rate.
+        /// The rate, Hz.
         actual: f64,
     },
-    /// The table cannot be read.
-    #[error("the table cannot be read: {0}")]
+    /// Reading the table failed.
+    #[error("failed to read the table: {0}")]
     Read(#[from] std::io::Error),
 }
 

@@ -1,20 +1,21 @@
-//! Where a table begins.
+//! Finds the header of a table.
 
 use super::columns::Columns;
 use super::{Place, TaxelError, TaxelLayout, Trouble, Troubles};
 use crate::sensor::table::{Cells, Header, Line, Lines, is_number, separator_of, shortened};
 use std::io::BufRead;
 
-/// Lines in which a header is looked for.
+/// Maximum number of lines searched for a header.
 const HEADER_LINES: u64 = 100;
 
-/// Whether a line is empty or a comment.
+/// Returns `true` if a line is empty or a comment.
 pub fn is_comment(text: &[u8]) -> bool {
     let text = text.trim_ascii_start();
     text.is_empty() || text.starts_with(b"#")
 }
 
-/// Finds the columns: in a header, or, where the newest line is a row already, in the layout. The cells are split as in that line.
+/// Finds the columns from the header or, if the first row is already reached, from the layout. Returns the columns, the
+/// cells of the current line, and `true` if that line is a row.
 pub fn find_header<R: BufRead>(
     lines: &mut Lines<R>,
     layout: &TaxelLayout,
@@ -35,7 +36,7 @@ pub fn find_header<R: BufRead>(
         }
         seen += 1;
         first.get_or_insert_with(|| shortened(&String::from_utf8_lossy(text)));
-        // A layout's delimiter is one byte; what has semicolons and tabs is no header.
+        // A layout's delimiter is one byte. A line with both semicolons and tabs is not a header.
         let separator = layout.columns.delimiter.map(|delimiter| delimiter as u8);
         let separator = separator.or_else(|| separator_of(text)).unwrap_or(b',');
         let mut cells = Cells::new(separator);
@@ -64,7 +65,7 @@ pub fn find_header<R: BufRead>(
     })
 }
 
-/// Whether these are the cells of a row of numbers, some of which may be missing.
+/// Returns `true` if all non-empty cells are numbers and at least one is.
 fn is_numbers(cells: &Cells) -> bool {
     let numbers = cells.iter().filter(|cell| is_number(cell)).count();
     numbers > 0 && cells.iter().all(|cell| cell.is_empty() || is_number(cell))

@@ -1,20 +1,21 @@
-//! Three-axis taxel arrays that others make, as tactile sensors: uSkin, AnySkin, ReSkin, eFlesh, PapillArray.
+//! Commercial and open three-axis taxel arrays as tactile sensors: uSkin, AnySkin, ReSkin, eFlesh, PapillArray.
 //!
-//! Their readings come as a table, a row for each sample: a file, or rows on a stream as they are taken. A
-//! [`TaxelLayout`] (TOML) says which columns belong to which taxel, where taxels sit, how their axes stand, and in what
-//! unit they measure. [`TaxelSensor`] reads the rows and is a [`TactileSensor`](super::reading::TactileSensor) like any
-//! other. [`TaxelChain`] is the part behind the table, for drivers that have the numbers already.
+//! Readings come as a table with one row per sample, from a file or a live stream. A [`TaxelLayout`] (TOML) defines the
+//! columns of each taxel, the positions and axes of the taxels, and the unit. [`TaxelSensor`] reads the rows and
+//! implements [`TactileSensor`](super::reading::TactileSensor). [`TaxelChain`] does the conversion only, for drivers
+//! that already have the numbers.
 //!
-//! From a row to forces, for each taxel:
+//! Forces are computed from a row for each taxel in three steps:
 //!
-//! 1. the numbers in its columns x, y, z, less what they are without load ([`ZeroConfig`]: the mean of the first rows, or
-//!    what the layout says), which may slowly be followed while nothing is touched ([`TaxelDrift`]);
-//! 2. divided by its counts per newton, where they are known; else forces are *in counts*, for which [`TaxelUnit`] stands;
-//! 3. turned into the element's frame `E_i`: x and y along the tangent plane, z compression, positive when pressed.
+//! 1. The zero is subtracted from the numbers in its columns x, y, z. The zero is the mean of the first rows or given
+//!    in the layout ([`ZeroConfig`]). It may follow slow drift while nothing is touched ([`TaxelDrift`]).
+//! 2. The result is divided by the taxel's counts per newton, if known; otherwise forces are in counts ([`TaxelUnit`]).
+//! 3. The vector is rotated to the element's frame `E_i`: x and y are tangential, z is compression, positive when
+//!    pressed.
 //!
-//! Real tables are messy. A row is a frame whatever stands in it: a value that is none becomes
-//! [`NO_FORCE`](super::reading::NO_FORCE), in that frame and for that taxel. Only lines without a single number are
-//! passed over. [`Troubles`] counts all of it and keeps where each kind of trouble stood first.
+//! Invalid values do not stop the sensor. Every row is a frame; a taxel with an invalid value has
+//! [`NO_FORCE`](super::reading::NO_FORCE) in that frame. Only lines without any number are skipped. [`Troubles`] counts
+//! all problems and stores the first position of each kind.
 
 mod built_in;
 mod chain;

@@ -1,4 +1,4 @@
-//! From a line to the numbers in it.
+//! Parses the cells of a line.
 
 use super::columns::{Columns, Role};
 use super::{Place, Trouble, Troubles};
@@ -6,28 +6,29 @@ use crate::sensor::table::{Cells, Decimals, NumberError, is_number};
 use glam::DVec3;
 use std::hash::{DefaultHasher, Hash, Hasher};
 
-/// Largest number that any sensor counts.
+/// Maximum magnitude of a valid value.
 const LARGEST: f64 = 1e12;
-/// Largest time, s: three thousand years.
+/// Maximum time, s: about three thousand years.
 const LATEST: f64 = 1e11;
 
-/// What a line says.
+/// Values of a line.
 #[derive(Debug, Clone)]
 pub struct Values {
-    /// The columns x, y, z of each taxel; not a number where one of the three is none.
+    /// Values in the columns x, y, z of each taxel; NaN if one of the three is invalid.
     pub values: Vec<DVec3>,
-    /// The time in its column's unit, where there is one to be read.
+    /// Time in the unit of its column, or `None` if missing or invalid.
     pub time: Option<f64>,
-    /// The sequence, where there is one.
+    /// Name of the sequence; empty if missing.
     pub sequence: Vec<u8>,
-    /// Of all that stands in the taxels' columns, to tell repeated rows; none where the cells are not the columns'.
+    /// Hash of the cells in the taxels' columns, to detect repeated rows; `None` if the cells do not match the columns.
     pub hash: Option<u64>,
     /// Decimal mark of the table.
     decimals: Decimals,
 }
 
 impl Values {
-    /// For `taxels` taxels of a table with this `separator` between cells; names of sequences up to `longest` bytes take no memory.
+    /// Creates values for `taxels` taxels of a table with this `separator` between cells. Names of sequences up to
+    /// `longest` bytes do not allocate.
     pub fn new(taxels: usize, separator: u8, longest: usize) -> Self {
         Self {
             values: vec![DVec3::NAN; taxels],
@@ -38,7 +39,7 @@ impl Values {
         }
     }
 
-    /// Reads the `cells` of a `line` of a table of `columns`. Whether it is a row; what is wrong with it is counted.
+    /// Reads the `cells` of a `line`, and counts problems. Returns `true` if the line is a row.
     pub fn read(
         &mut self,
         columns: &Columns,
@@ -102,7 +103,7 @@ impl Values {
     }
 }
 
-/// Whether a time can be a stamp, s.
+/// Returns `true` if a time is a valid stamp, s.
 pub fn is_time(seconds: f64) -> bool {
     seconds.abs() <= LATEST
 }

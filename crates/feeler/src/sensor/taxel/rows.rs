@@ -1,4 +1,4 @@
-//! The rows of a taxel array's table, one after the other.
+//! Reads the rows of a taxel array's table.
 
 use super::columns::{Columns, Role};
 use super::header::{find_header, is_comment};
@@ -14,16 +14,16 @@ use std::io::{self, BufRead};
 pub struct TaxelRow {
     /// Number of the row, from 0.
     pub number: u64,
-    /// Its time, s: by its column, or by the rate.
+    /// Time of the row, s, from its column or from the rate.
     pub stamp: f64,
-    /// Whether a sequence begins with it, as the first row's does.
+    /// `true` if the row starts a sequence, as the first row does.
     pub starts_sequence: bool,
-    /// What stands in the columns x, y and z of each taxel; not a number where one of the three is none.
+    /// Values in the columns x, y and z of each taxel; NaN if one of the three is invalid.
     pub values: Vec<DVec3>,
 }
 
 impl TaxelRow {
-    /// A row of `taxels` taxels, to be filled.
+    /// Creates a row for `taxels` taxels, without values.
     pub fn new(taxels: usize) -> Self {
         Self {
             number: 0,
@@ -34,30 +34,30 @@ impl TaxelRow {
     }
 }
 
-/// Where the times of rows are from.
+/// Source of the rows' times.
 #[derive(Debug, Clone, Copy)]
 enum Clock {
-    /// A number of rows per second.
+    /// A fixed rate, Hz.
     Rate(f64),
-    /// A column, in units of so many seconds.
+    /// A column, with the size of its unit in seconds.
     Column(f64),
 }
 
-/// Reads the rows of a table. Once it is open, nothing is allocated.
+/// Reads the rows of a table. Allocates only when it is opened.
 #[derive(Debug)]
 pub struct TaxelRows<R> {
     lines: Lines<R>,
     cells: Cells,
     columns: Columns,
     header: Vec<u8>,
-    /// Whether units may follow.
+    /// `true` while a row of units may follow.
     is_below_header: bool,
-    /// Whether the newest line is a row that was found in looking for a header.
+    /// `true` if the current line is a row that was read during the search for a header.
     is_waiting: bool,
     clock: Clock,
     times: Times,
     values: Values,
-    /// The hash of the row before.
+    /// Hash of the previous row.
     before: Option<u64>,
     sequence: Vec<u8>,
     next: u64,
@@ -65,12 +65,13 @@ pub struct TaxelRows<R> {
 }
 
 impl<R: BufRead> TaxelRows<R> {
-    /// Reads the header of `stream`, a table as `layout` has it. A `rate` (Hz) stands before a column of time.
+    /// Reads the header of `stream`, a table with the columns of `layout`. A `rate` (Hz) takes precedence over a time
+    /// column.
     ///
-    /// Empty lines and those that begin with `#` are comments.
+    /// Empty lines and lines that begin with `#` are comments.
     ///
     /// # Errors
-    /// When there is no such header, no way to tell the time, or the stream cannot be read.
+    /// If the header does not match the layout, if there is no source of time, or if reading the stream fails.
     pub fn open(stream: R, layout: &TaxelLayout, rate: Option<f64>) -> Result<Self, TaxelError> {
         let clock = clock(layout, rate)?;
         let timed = matches!(clock, Clock::Column(_));
@@ -99,10 +100,11 @@ impl<R: BufRead> TaxelRows<R> {
         })
     }
 
-    /// Fills `row` with the next; whether there is one.
+    /// Reads the next row into `row`. Returns `false` at the end.
     ///
     /// # Errors
-    /// When the stream cannot be read, or the row below the header has other units than the layout, or decimal commas between commas.
+    /// If reading the stream fails, if the row of units differs from the layout, or if a comma-separated table has
+    /// decimal commas.
     pub fn next(&mut self, row: &mut TaxelRow) -> io::Result<bool> {
         while self.next_line()? {
             let text = self.lines.text();
@@ -132,8 +134,8 @@ impl<R: BufRead> TaxelRows<R> {
         Ok(false)
     }
 
-    /// Refuses a table with commas between cells whose first row has more than 1.5 times as many as the header: its numbers have decimal commas, and
-    /// all other rows are alike.
+    /// Rejects a comma-separated table whose first row has more than 1.5 times as many cells as the header: its numbers
+    /// have decimal commas, and so do all other rows.
     fn refuse_decimal_commas(&self, line: u64) -> Result<(), TableError> {
         let (cells, expected) = (self.cells.count(), self.columns.roles.len());
         let separator = self.cells.separator();
@@ -149,7 +151,7 @@ impl<R: BufRead> TaxelRows<R> {
         }
     }
 
-    /// Goes to the next line that is not too long; whether there is one.
+    /// Advances to the next line that is not too long. Returns `false` at the end.
     fn next_line(&mut self) -> io::Result<bool> {
         if std::mem::take(&mut self.is_waiting) {
             return Ok(true);
@@ -164,7 +166,7 @@ impl<R: BufRead> TaxelRows<R> {
         Ok(false)
     }
 
-    /// Makes `row` of the cells that were read.
+    /// Fills `row` from the values read.
     fn take(&mut self, line: u64, row: &mut TaxelRow) {
         let named = !self.values.sequence.is_empty();
         row.starts_sequence = self.next == 0 || named && self.values.sequence != self.sequence;
@@ -188,11 +190,11 @@ impl<R: BufRead> TaxelRows<R> {
         self.next += 1;
     }
 
-    /// The time of the row in `line`, s.
+    /// Time of the row in `line`, s.
     fn time(&mut self, line: u64, unit: f64) -> f64 {
         let time = self.values.time.map(|time| time * unit);
         let Some(time) = time.filter(|&time| is_time(time)) else {
-            // Counted where the cell was read, but for one that is out of range in its unit.
+            // Other errors were counted when the cell was read.
             if time.is_some() {
                 self.count(Trouble::TimeUnreadable, line);
             }
@@ -208,27 +210,27 @@ impl<R: BufRead> TaxelRows<R> {
         self.troubles.count(trouble, Place { line, column: None });
     }
 
-    /// The newest row's sequence, as it is named in its column; empty without one.
+    /// Name of the current row's sequence; empty without a sequence column.
     pub fn sequence(&self) -> &[u8] {
         &self.sequence
     }
 
-    /// Line of the newest row, from 1.
+    /// Line number of the current row, from 1.
     pub fn line(&self) -> u64 {
         self.lines.number()
     }
 
-    /// Rows so far.
+    /// Number of rows read.
     pub fn count_rows(&self) -> u64 {
         self.next
     }
 
-    /// What was not as it should be.
+    /// Problems found in the table so far.
     pub fn troubles(&self) -> &Troubles {
         &self.troubles
     }
 
-    /// The same, to be added to.
+    /// Mutable access to the problems, to add others.
     pub(super) fn troubles_mut(&mut self) -> &mut Troubles {
         &mut self.troubles
     }
@@ -238,7 +240,7 @@ impl<R: BufRead> TaxelRows<R> {
         self.columns.header.names()
     }
 
-    /// The column x of a taxel, from 0.
+    /// Index of the column x of a taxel.
     pub(super) fn column_of(&self, taxel: usize) -> Option<usize> {
         let is_first = |role: &Role| *role == Role::Value { taxel, axis: 0 };
         self.columns.roles.iter().position(is_first)

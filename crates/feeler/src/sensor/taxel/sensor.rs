@@ -1,4 +1,4 @@
-//! A taxel array behind its table, as a tactile sensor.
+//! Tactile sensor that reads a taxel array's table.
 
 use super::{
     Place, TaxelChain, TaxelError, TaxelLayout, TaxelRow, TaxelRows, TaxelUnit, Trouble, Troubles,
@@ -6,7 +6,7 @@ use super::{
 use crate::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 use std::io::BufRead;
 
-/// Reads a taxel array's table, row by row: each is a tactile frame. See [the module](super).
+/// Reads a taxel array's table; each row is a tactile frame. See [the module](super).
 ///
 /// ```
 /// use feeler::sensor::reading::{TactileFrame, TactileSensor};
@@ -37,16 +37,17 @@ pub struct TaxelSensor<R> {
     row: TaxelRow,
     chain: TaxelChain,
     unit: TaxelUnit,
-    /// Whether it was said which taxels have no zero in this sequence.
+    /// `true` if the taxels without a zero in this sequence have been counted.
     zero_told: bool,
 }
 
 impl<R: BufRead> TaxelSensor<R> {
-    /// Reads the header of `stream`, a table as `layout` has it. A `rate` (Hz) stands before a column of time.
+    /// Reads the header of `stream`, a table with the columns of `layout`. A `rate` (Hz) takes precedence over a time
+    /// column.
     ///
     /// # Errors
-    /// When a value of the layout is out of range, the header is not as it says, nothing tells the time, or the
-    /// stream cannot be read.
+    /// If a value of the layout is out of range, if the header does not match the layout, if there is no source of
+    /// time, or if reading the stream fails.
     pub fn open(stream: R, layout: &TaxelLayout, rate: Option<f64>) -> Result<Self, TaxelError> {
         let chain = TaxelChain::new(layout)?;
         Ok(Self {
@@ -58,28 +59,28 @@ impl<R: BufRead> TaxelSensor<R> {
         })
     }
 
-    /// Unit of the forces. In counts, they are comparable with each other, and with thresholds in counts.
+    /// Unit of the forces. Forces in counts can be compared with each other and with thresholds in counts.
     pub fn unit(&self) -> TaxelUnit {
         self.unit
     }
 
-    /// Whether a sequence begins with the newest frame: what was felt before has nothing to do with it, and shear
-    /// rates do not reach across.
+    /// Returns `true` if the current frame starts a sequence. It is unrelated to earlier frames, so shear rates must
+    /// not be computed across.
     pub fn starts_sequence(&self) -> bool {
         self.row.starts_sequence
     }
 
-    /// The newest frame's sequence, as it is named in its column; empty without one.
+    /// Name of the current frame's sequence; empty without a sequence column.
     pub fn sequence(&self) -> &[u8] {
         self.rows.sequence()
     }
 
-    /// Line of the newest frame's row, from 1.
+    /// Line number of the current frame's row, from 1.
     pub fn line(&self) -> u64 {
         self.rows.line()
     }
 
-    /// What was not as it should be in the table so far.
+    /// Problems found in the table so far.
     pub fn troubles(&self) -> &Troubles {
         self.rows.troubles()
     }
@@ -89,7 +90,7 @@ impl<R: BufRead> TaxelSensor<R> {
         self.rows.columns()
     }
 
-    /// Counts the taxels without a zero, once it is clear that they have none.
+    /// Counts the taxels without a zero, once all unloaded rows are read.
     fn tell_zero(&mut self) {
         if self.zero_told || !self.chain.has_zeros() {
             return;

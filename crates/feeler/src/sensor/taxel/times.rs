@@ -1,12 +1,12 @@
-//! Whether the time goes on as it should.
+//! Checks that the times of rows increase regularly.
 
 use super::Trouble;
 
-/// Intervals that are looked at before any is called a jump.
+/// Minimum number of intervals before jumps are detected.
 const KNOWN: u32 = 5;
-/// How much longer than usual an interval must be to be called a jump.
+/// Factor on the usual interval above which an interval is a jump.
 const JUMP: f64 = 5.0;
-/// Part of the way to the newest interval that the usual one goes.
+/// Weight of a new interval in the usual interval.
 const RATE: f64 = 0.1;
 
 /// The times of rows, s.
@@ -18,17 +18,17 @@ pub struct Times {
 }
 
 impl Times {
-    /// The newest time; 0 before the first.
+    /// Time of the latest row; 0 before the first.
     pub fn newest(&self) -> f64 {
         self.newest.unwrap_or(0.0)
     }
 
-    /// Begins a sequence, whose time may be any.
+    /// Starts a sequence, whose first time is arbitrary.
     pub fn restart(&mut self) {
         self.newest = None;
     }
 
-    /// Takes the time of the next row; what is odd about it.
+    /// Adds the time of the next row. Returns its problem, if any.
     pub fn take(&mut self, time: f64) -> Option<Trouble> {
         let interval = time - self.newest.replace(time)?;
         if interval < 0.0 {
@@ -42,7 +42,7 @@ impl Times {
             self.known += 1;
             return None;
         }
-        // One that is far longer moves it, too: a rate that has changed is soon the usual one.
+        // Jumps count, too, so that a changed rate soon becomes the usual one.
         let longest = JUMP * self.usual;
         self.usual += RATE * (interval.min(longest) - self.usual);
         (interval > longest).then_some(Trouble::TimeJump)

@@ -1,37 +1,37 @@
-//! What was not as it should be in a table: counted, and where it was first.
+//! Counts problems in a table, with the first position of each kind.
 
 use std::fmt;
 
-/// A kind of trouble.
+/// A kind of problem.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Trouble {
-    /// A line without any number is passed over.
+    /// A line without any number; skipped.
     NotARow,
-    /// A line is too long and passed over.
+    /// A line that is too long; skipped.
     TooLong,
-    /// The header stands there again and is passed over.
+    /// A line that repeats the header; skipped.
     HeaderAgain,
-    /// A row has more or fewer cells than the header.
+    /// The number of cells in a row differs from the header.
     CellCount,
     /// A cell is empty.
     Empty,
-    /// A cell is no number.
+    /// A cell is not a number.
     NotANumber,
-    /// A cell has another decimal mark than the cells before, or a comma that may divide thousands.
+    /// A cell has a decimal mark other than earlier cells, or a comma that may be a thousands separator.
     DecimalMark,
-    /// A cell is not finite, or larger than any sensor counts.
+    /// A cell is not finite or implausibly large.
     NotFinite,
-    /// The readings of a row are those of the one before it.
+    /// The readings of a row equal those of the previous row.
     Repeated,
-    /// The time cannot be read.
+    /// The time of a row is invalid.
     TimeUnreadable,
-    /// The time is that of the row before it.
+    /// The time of a row equals that of the previous row.
     TimeRepeated,
-    /// The time is before that of the row before it.
+    /// The time of a row is before that of the previous row.
     TimeBack,
-    /// The time is much later than usual.
+    /// The time of a row is much later than expected.
     TimeJump,
-    /// A taxel has no valid value in the rows without load.
+    /// A taxel has no valid value in the unloaded rows.
     NoZero,
 }
 
@@ -54,12 +54,12 @@ impl Trouble {
         Self::NoZero,
     ];
 
-    /// Whether the line is no frame.
+    /// Returns `true` if the line is skipped.
     pub fn is_skipped(self) -> bool {
         matches!(self, Self::NotARow | Self::TooLong | Self::HeaderAgain)
     }
 
-    /// What one is called, what more are called, and what comes of it.
+    /// Singular, plural and consequence.
     fn words(self) -> [&'static str; 3] {
         let no_force = "no force there";
         match self {
@@ -81,13 +81,13 @@ impl Trouble {
             ],
             Self::Empty => ["empty cell", "empty cells", no_force],
             Self::NotANumber => [
-                "cell that is no number",
-                "cells that are no numbers",
+                "cell that is not a number",
+                "cells that are not numbers",
                 no_force,
             ],
             Self::DecimalMark => [
-                "number whose decimal mark is not clear, or not that of the numbers before",
-                "numbers whose decimal mark is not clear, or not that of the numbers before",
+                "number whose decimal mark is ambiguous or differs from earlier numbers",
+                "numbers whose decimal mark is ambiguous or differs from earlier numbers",
                 no_force,
             ],
             Self::NotFinite => [
@@ -96,23 +96,23 @@ impl Trouble {
                 no_force,
             ],
             Self::Repeated => [
-                "row whose readings are those of the one before it",
-                "rows whose readings are those of the one before",
+                "row with the same readings as the one before",
+                "rows with the same readings as the one before",
                 "kept",
             ],
             Self::TimeUnreadable => [
-                "row whose time cannot be read",
-                "rows whose time cannot be read",
-                "taken at the time of the row before",
+                "row with an invalid time",
+                "rows with an invalid time",
+                "assigned the time of the row before",
             ],
             Self::TimeRepeated => [
-                "row at the time of the one before it",
-                "rows at the time of the one before",
+                "row with the same time as the one before",
+                "rows with the same time as the one before",
                 "kept",
             ],
             Self::TimeBack => [
-                "row whose time goes back",
-                "rows whose time goes back",
+                "row whose time goes backward",
+                "rows whose time goes backward",
                 "kept",
             ],
             Self::TimeJump => [
@@ -121,36 +121,36 @@ impl Trouble {
                 "kept",
             ],
             Self::NoZero => [
-                "taxel without a value in the rows without load",
-                "taxels without a value in the rows without load",
+                "taxel without a value in the unloaded rows",
+                "taxels without a value in the unloaded rows",
                 "no force there until the next sequence",
             ],
         }
     }
 }
 
-/// Where something stands.
+/// A position in a table.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Place {
-    /// The line, from 1.
+    /// Line number, from 1.
     pub line: u64,
-    /// The column, from 0, where it is about one.
+    /// Column index, from 0, or `None` if the problem concerns the whole line.
     pub column: Option<usize>,
 }
 
-/// How often there was trouble of a kind.
+/// Number of problems of one kind.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Seen {
-    /// The kind.
+    /// Kind of problem.
     pub trouble: Trouble,
-    /// How often.
+    /// Number of occurrences.
     pub count: u64,
-    /// Where first.
+    /// Position of the first occurrence.
     pub first: Place,
 }
 
 impl Seen {
-    /// In words; `column` is the name of the column of [`first`](Self::first).
+    /// Formats as text; `column` is the name of the column of [`first`](Self::first).
     pub fn in_words(&self, column: Option<&str>) -> String {
         let column = column.map_or(String::new(), |name| format!(", column {name:?}"));
         format!("{self}{column}")
@@ -169,14 +169,14 @@ impl fmt::Display for Seen {
     }
 }
 
-/// All troubles so far. Counting allocates nothing.
+/// All problems so far. Counting does not allocate.
 #[derive(Debug, Clone, Default)]
 pub struct Troubles {
     seen: [Option<Seen>; Trouble::ALL.len()],
 }
 
 impl Troubles {
-    /// Counts trouble at `first`.
+    /// Counts a problem at the position `first`.
     pub fn count(&mut self, trouble: Trouble, first: Place) {
         let seen = self.seen[trouble as usize].get_or_insert(Seen {
             trouble,
@@ -186,12 +186,12 @@ impl Troubles {
         seen.count += 1;
     }
 
-    /// What there was, kind by kind.
+    /// Problems found, by kind.
     pub fn iter(&self) -> impl Iterator<Item = &Seen> {
         self.seen.iter().flatten()
     }
 
-    /// Lines that were no frames.
+    /// Number of skipped lines.
     pub fn skipped(&self) -> u64 {
         let skipped = self.iter().filter(|seen| seen.trouble.is_skipped());
         skipped.map(|seen| seen.count).sum()

@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 /// Unit of readings.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum TaxelUnit {
-    /// Of unknown size, as the sensor counts.
+    /// Raw counts of unknown size.
     #[serde(rename = "counts")]
     Counts,
     /// Newtons.
@@ -15,7 +15,7 @@ pub enum TaxelUnit {
 }
 
 impl TaxelUnit {
-    /// As it is written: `counts` or `N`.
+    /// Name as in files: `counts` or `N`.
     pub fn name(self) -> &'static str {
         match self {
             Self::Counts => "counts",
@@ -24,7 +24,7 @@ impl TaxelUnit {
     }
 }
 
-/// Unit of a column of time.
+/// Unit of a time column.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum TimeUnit {
@@ -39,7 +39,7 @@ pub enum TimeUnit {
 }
 
 impl TimeUnit {
-    /// As it is written: `s`, `ms`, `us` or `ns`.
+    /// Name as in files: `s`, `ms`, `us` or `ns`.
     pub fn name(self) -> &'static str {
         match self {
             Self::S => "s",
@@ -49,7 +49,7 @@ impl TimeUnit {
         }
     }
 
-    /// Seconds in it.
+    /// Size in seconds.
     pub fn seconds(self) -> f64 {
         match self {
             Self::S => 1.0,
@@ -60,15 +60,15 @@ impl TimeUnit {
     }
 }
 
-/// Which column is which axis of the taxel: x and y in its plane, z compression, positive when pressed.
+/// Assignment of columns to a taxel's axes: x and y tangential, z compression, positive when pressed.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct Axes {
-    /// The column, with its sign, that is the taxel's x.
+    /// Signed column of the taxel's x axis.
     pub x: SignedAxis,
-    /// The one that is its y.
+    /// Signed column of the taxel's y axis.
     pub y: SignedAxis,
-    /// The one that is its z.
+    /// Signed column of the taxel's z axis.
     pub z: SignedAxis,
 }
 
@@ -83,14 +83,14 @@ impl Default for Axes {
 }
 
 impl Axes {
-    /// The vector of the columns x, y, z in the taxel's axes.
+    /// Converts a vector of the columns x, y, z to the taxel's axes.
     pub fn apply(&self, columns: DVec3) -> DVec3 {
         let along = |axis: SignedAxis| axis.sign() * columns[axis.column()];
         DVec3::new(along(self.x), along(self.y), along(self.z))
     }
 }
 
-/// A column and its sign.
+/// A column with a sign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SignedAxis {
     /// Column x.
@@ -114,7 +114,7 @@ pub enum SignedAxis {
 }
 
 impl SignedAxis {
-    /// The column: 0 is x, 1 y, 2 z.
+    /// Index of the column: 0 is x, 1 is y, 2 is z.
     pub fn column(self) -> usize {
         match self {
             Self::X | Self::MinusX => 0,
@@ -123,7 +123,7 @@ impl SignedAxis {
         }
     }
 
-    /// 1 or -1.
+    /// Sign of the column: 1 or -1.
     pub fn sign(self) -> f64 {
         match self {
             Self::X | Self::Y | Self::Z => 1.0,

@@ -1,39 +1,39 @@
-//! What a taxel's columns hold without load.
+//! Zeros of the taxels' columns.
 
 use super::{TaxelDrift, TaxelLayout};
 use glam::DVec3;
 
-/// The zeros of all taxels. Following them allocates nothing.
+/// Zeros of all taxels. Updates do not allocate.
 #[derive(Debug, Clone)]
 pub struct Zeros {
-    /// Rows without load at the beginning of a sequence.
+    /// Number of unloaded rows at the start of a sequence.
     rows: u32,
-    /// Rows of this sequence that were taken for it.
+    /// Number of unloaded rows read in this sequence.
     taken: u32,
     drift: Option<TaxelDrift>,
     zeros: Vec<Zero>,
-    /// Stamp of the newest row, s.
+    /// Stamp of the latest row, s.
     newest: Option<f64>,
-    /// When a taxel was touched last, s.
+    /// Time of the last touch, s.
     touched: Option<f64>,
 }
 
 #[derive(Debug, Clone)]
 struct Zero {
-    /// As the layout says.
+    /// Zero given in the layout.
     given: DVec3,
-    /// Valid rows that were taken.
+    /// Number of valid unloaded rows.
     rows: u32,
-    /// Their mean, or what was given.
+    /// Mean of the valid unloaded rows, or `given`.
     taken: DVec3,
-    /// What drift has added, in the columns.
+    /// Drift correction, in the unit of the columns.
     drift: DVec3,
-    /// Largest drift, in the columns.
+    /// Maximum drift correction, in the unit of the columns.
     most: DVec3,
 }
 
 impl Zeros {
-    /// Those of `layout`, whose columns have `scales` counts per newton.
+    /// Creates the zeros of `layout`, whose columns have `scales` counts per newton.
     pub fn new(layout: &TaxelLayout, scales: &[DVec3]) -> Self {
         let most = layout.drift.map_or(0.0, |drift| drift.most);
         let zeros = layout.taxels.iter().zip(scales).map(|(taxel, &scale)| {
@@ -56,7 +56,7 @@ impl Zeros {
         }
     }
 
-    /// Begins a sequence, without load.
+    /// Starts a sequence without load.
     pub fn restart(&mut self) {
         (self.taken, self.newest, self.touched) = (0, None, None);
         for zero in &mut self.zeros {
@@ -64,7 +64,7 @@ impl Zeros {
         }
     }
 
-    /// Takes a row: one of those without load, at the beginning.
+    /// Adds a row to the mean if it is one of the unloaded rows.
     pub fn take(&mut self, values: &[DVec3]) {
         if self.are_taken() {
             return;
@@ -81,7 +81,7 @@ impl Zeros {
         }
     }
 
-    /// The zero of a taxel; not a number where no row without load had a valid value.
+    /// Zero of a taxel, or NaN if no unloaded row had a valid value.
     pub fn of(&self, taxel: usize) -> DVec3 {
         let zero = &self.zeros[taxel];
         if self.rows > 0 && zero.rows == 0 {
@@ -90,13 +90,13 @@ impl Zeros {
         zero.taken + zero.drift
     }
 
-    /// Whether the rows without load of this sequence are over.
+    /// Returns `true` after the unloaded rows of this sequence.
     pub fn are_taken(&self) -> bool {
         self.taken >= self.rows
     }
 
-    /// Follows drift to the `values` of a row of time `stamp`, s, in which the reading of no taxel was longer than
-    /// `longest`, N (counts); of none that is not a number, where there is any that is.
+    /// Corrects drift with the `values` of a row at `stamp` (s). `longest` is the largest magnitude of the taxels'
+    /// readings, N (or counts), or `None` if no reading is valid.
     pub fn follow(&mut self, stamp: f64, values: &[DVec3], longest: Option<f64>) {
         if !self.are_taken() {
             return;
@@ -108,12 +108,12 @@ impl Zeros {
         if longest > drift.untouched {
             self.touched = Some(stamp);
         }
-        // Also where the time goes back, nothing is touched that was not.
+        // The magnitude also handles times that go backward.
         let settled = (self.touched).is_none_or(|touched| (stamp - touched).abs() > drift.settle);
         let Some(interval) = interval.filter(|&interval| settled && interval > 0.0) else {
             return;
         };
-        // No single row after a gap counts for more than a tenth.
+        // Limits the weight of a single row after a gap to about a tenth.
         let part = 1.0 - (-(interval / drift.time_constant).min(0.1)).exp();
         let valid = self.zeros.iter_mut().zip(values);
         for (zero, value) in valid.filter(|(_, value)| !value.is_nan()) {

@@ -1,29 +1,29 @@
-//! Why markers cannot be tracked.
+//! Errors of marker tracking.
 
 use crate::sensor::locate::LocateError;
 
-/// Why markers cannot be tracked.
+/// Error of tracking markers.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum TrackError {
-    /// There are too few markers for a field.
-    #[error("at least {expected} markers expected, got {actual}")]
+    /// There are too few markers to estimate a field.
+    #[error("expected at least {expected} markers, got {actual}")]
     MarkerCount {
-        /// Least number.
+        /// Minimum number of markers.
         expected: usize,
-        /// How many there are.
+        /// Number of markers.
         actual: usize,
     },
-    /// A picture has another size than the layout's.
-    #[error("a picture of {}x{} px expected, got {}x{} px in {pixels} values", expected.0, expected.1, actual.0, actual.1)]
+    /// The size of an image differs from the layout.
+    #[error("expected an image of {}x{} px, got {}x{} px with {pixels} values", expected.0, expected.1, actual.0, actual.1)]
     PictureSize {
-        /// Columns and rows of the layout's picture, px.
+        /// Columns and rows according to the layout, px.
         expected: (usize, usize),
-        /// Columns and rows of the picture, px.
+        /// Columns and rows of the image, px.
         actual: (usize, usize),
-        /// Gray values in the picture.
+        /// Number of gray values in the image.
         pixels: usize,
     },
-    /// No markers are seen in a picture.
+    /// No markers were found in an image.
     #[error(transparent)]
     Locate(#[from] LocateError),
 }

@@ -1,29 +1,29 @@
-//! The smooth field of displacements: what a marker's neighbours say of its own.
+//! Smooth displacement field, to predict a marker's displacement from its neighbours.
 
 use crate::sensor::least_squares::outer;
 use crate::sensor::locate::nearest;
 use glam::{DMat3, DVec2, DVec3};
 
-/// Fewest markers that make a field.
+/// Minimum number of markers for a field.
 pub(super) const FEWEST: usize = 6;
-/// Neighbours that foretell a marker's displacement.
+/// Number of neighbours used to predict a marker's displacement.
 const NEIGHBOURS: usize = 10;
-/// Neighbours that must be known for that.
+/// Minimum number of known neighbours for a prediction.
 const KNOWN: usize = 3;
 
-/// Which markers lie about which, and how they foretell each other's displacement: by the affine field through them, fitted by least
-/// squares with weights that fall with distance.
+/// Neighbourhoods of markers. Predicts the displacement of a marker with an affine fit through its neighbours, by least
+/// squares with weights that decrease with distance.
 #[derive(Debug, Clone)]
 pub(super) struct Field {
-    /// Indices of each marker's neighbours, the nearest first.
+    /// Indices of each marker's neighbours, nearest first.
     neighbours: Vec<Vec<usize>>,
-    /// Offsets of the neighbours from the marker over the spacing there, with their weights.
+    /// Offsets of the neighbours from the marker, divided by the local spacing, with their weights.
     offsets: Vec<Vec<(DVec2, f64)>>,
-    /// What each neighbour's displacement counts for where all are known.
+    /// Weight of each neighbour's displacement in the prediction if all neighbours are known.
     shares: Vec<Vec<f64>>,
     /// Distance to the nearest neighbour, px.
     spacing: Vec<f64>,
-    /// Indices of the markers whose neighbours lie to one side.
+    /// Indices of markers that have neighbours on one side only.
     edge: Vec<usize>,
 }
 
@@ -79,7 +79,7 @@ impl Field {
         self.spacing[own]
     }
 
-    /// The displacement of a marker as its known neighbours foretell it, px.
+    /// Displacement of a marker predicted from its known neighbours, px, or `None` if too few are known.
     pub fn foretold(&self, own: usize, displacements: &[DVec2], known: &[bool]) -> Option<DVec2> {
         let near = &self.neighbours[own];
         let count = near.iter().filter(|&&i| known[i]).count();
@@ -104,13 +104,14 @@ impl Field {
         foretold.is_finite().then_some(foretold)
     }
 
-    /// How far a marker's displacement is off what its known neighbours foretell, over the spacing; 0 where they are too few.
+    /// Distance of a marker's displacement from its prediction, divided by the spacing; 0 if too few neighbours are
+    /// known.
     pub fn off(&self, own: usize, displacements: &[DVec2], known: &[bool]) -> f64 {
         let foretold = self.foretold(own, displacements, known);
         foretold.map_or(0.0, |u| u.distance(displacements[own]) / self.spacing[own])
     }
 
-    /// Gives the markers that are not `known` the displacement that those about them foretell, from known ones outward.
+    /// Fills in predicted displacements for markers that are not `known`, from known markers outward.
     pub fn fill(&self, displacements: &mut [DVec2], known: &[bool]) {
         let mut known = known.to_vec();
         loop {
@@ -128,7 +129,7 @@ impl Field {
         }
     }
 
-    /// Replaces each value by the mean of its own and its known neighbours', with the help of `work`.
+    /// Replaces each value by the mean over itself and its known neighbours, with `work` as a buffer.
     pub fn smooth(&self, values: &mut [DVec2], work: &mut [DVec2], known: &[bool]) {
         work.copy_from_slice(values);
         for (own, value) in values.iter_mut().enumerate() {
@@ -147,12 +148,12 @@ impl Field {
     }
 }
 
-/// Keeps slopes finite where neighbours lie on a line.
+/// Regularization that keeps slopes finite for collinear neighbours.
 fn ridge() -> DMat3 {
     DMat3::from_diagonal(DVec3::new(0.0, 0.02, 0.02))
 }
 
-/// What each neighbour's value counts for at the marker.
+/// Weight of each neighbour's value in the prediction.
 fn shares(offsets: &[(DVec2, f64)]) -> Vec<f64> {
     let row = |offset: DVec2| DVec3::new(1.0, offset.x, offset.y);
     let normal = offsets.iter().fold(ridge(), |sum, &(offset, weight)| {

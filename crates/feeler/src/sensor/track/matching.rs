@@ -1,36 +1,37 @@
-//! Which spot of a picture is which marker of the reference.
+//! Matches the spots of an image with the markers of the reference.
 
 use super::{field::Field, mending::mend};
 use glam::DVec2;
 
-/// How far a spot may lie from where a marker is foretold, over the spacing.
+/// Maximum distance of a spot from a marker's predicted position, over the spacing.
 const NEAR: f64 = 0.45;
-/// The same for a marker that identities grow from, about where it is supposed to have moved.
+/// Maximum distance of a spot from a seed marker's assumed position, over the spacing.
 const SEED: f64 = 0.35;
-/// How far such a marker's displacement may be off the affine field of its neighbours, or off most of theirs, over the spacing.
+/// Maximum deviation of a seed's displacement from the affine prediction or from most neighbours, over the spacing.
 const ALIKE: f64 = 0.15;
-/// Of six neighbours, those that must move alike.
+/// Minimum number of six neighbours that must move like a seed.
 const AGREE: usize = 4;
-/// How far a displacement may be off the field before it counts against a matching, over the spacing.
+/// Deviation from the field above which a match counts against a matching, over the spacing.
 const SMOOTH: f64 = 0.3;
-/// Part of the markers, or of the spots if these are fewer, from which on a matching is as good as can be.
+/// Fraction of the markers, or of the spots if there are fewer, whose match ends the search.
 const ENOUGH: f64 = 0.985;
-/// Markers that are matched before what is foretold for the others is looked at again.
+/// Number of markers to match before predictions are updated.
 const AT_ONCE: usize = 10;
 
-/// What came of a matching.
+/// Result of matching.
 pub(super) struct Matched {
-    /// For each marker the index of its spot, if it has one.
+    /// Index of each marker's spot, or `None` if it has none.
     pub spots: Vec<Option<usize>>,
-    /// Part of the markers that are matched, less thrice those that are off the field about them.
+    /// Fraction of markers matched, minus three times the fraction that deviate from the field.
     pub quality: f64,
 }
 
 /// Matches the markers of the `reference` with the spots at `places`.
 ///
-/// Identities grow from markers that moved alike, each to its nearest spot, into the others, best supported first. First from those that
-/// hardly moved; if that does not reach nearly all, also from those that moved by up to one and a half spacings in any direction. The matching
-/// that reaches most of the markers by the smoothest field counts.
+/// Matches grow from seeds to neighbouring markers, best supported first. Seeds are groups of markers that moved alike,
+/// each matched with its nearest spot. The first seeds are markers that hardly moved; if their matching does not reach
+/// nearly all markers, seeds that moved by up to one and a half spacings in any direction are tried. Returns the
+/// matching that reaches most markers with the smoothest field.
 pub(super) fn matched(reference: &[DVec2], field: &Field, places: &[DVec2]) -> Matched {
     let mut best = grown_best(reference, field, places);
     mend(&mut best, reference, field, places);
@@ -40,7 +41,7 @@ pub(super) fn matched(reference: &[DVec2], field: &Field, places: &[DVec2]) -> M
     }
 }
 
-/// The matching that reaches most of the markers by the smoothest field.
+/// Returns the matching that reaches most markers with the smoothest field.
 fn grown_best(reference: &[DVec2], field: &Field, places: &[DVec2]) -> Matching {
     let enough = ENOUGH * reference.len().min(places.len()) as f64;
     let mut best = Matching::none(reference.len());
@@ -48,7 +49,7 @@ fn grown_best(reference: &[DVec2], field: &Field, places: &[DVec2]) -> Matching 
     let mut known: Vec<Vec<Option<usize>>> = Vec::new();
     for shift in shifts(typical_spacing(field, reference.len())) {
         for seeds in seeds(reference, field, places, shift).into_iter().take(2) {
-            // What has grown from others already would grow again.
+            // Skip seeds that an earlier matching contains: they would grow into the same matching.
             let same = |spots: &Vec<Option<usize>>| {
                 seeds.iter().all(|&(own, spot)| spots[own] == Some(spot))
             };
@@ -74,7 +75,7 @@ fn typical_spacing(field: &Field, count: usize) -> f64 {
     crate::sensor::locate::median(&mut spacing)
 }
 
-/// Displacements that are supposed, px: none, then a half, one, one and a half spacings in twelve directions.
+/// Assumed displacements, px: zero, then a half, one and one and a half spacings in twelve directions.
 fn shifts(spacing: f64) -> impl Iterator<Item = DVec2> {
     let turned = move |step: f64| {
         (0..12).map(move |twelfth| {
@@ -87,7 +88,7 @@ fn shifts(spacing: f64) -> impl Iterator<Item = DVec2> {
         .chain([0.5, 1.0, 1.5].into_iter().flat_map(turned))
 }
 
-/// Index of and distance to the nearest spot.
+/// Returns the index of the nearest spot and its distance.
 fn nearest_spot(places: &[DVec2], place: DVec2) -> Option<(usize, f64)> {
     let distances = places
         .iter()
@@ -97,7 +98,7 @@ fn nearest_spot(places: &[DVec2], place: DVec2) -> Option<(usize, f64)> {
     nearest.map(|(index, squared)| (index, squared.sqrt()))
 }
 
-/// Connected markers that moved alike, by about `shift`, each with its nearest spot; the largest groups first.
+/// Connected groups of markers that moved alike, by about `shift`, each with its nearest spot; largest groups first.
 fn seeds(
     reference: &[DVec2],
     field: &Field,
@@ -118,7 +119,7 @@ fn seeds(
     let is_seed = |own: usize| {
         let alike =
             |other: &&usize| moved[own].distance(moved[**other]) < ALIKE * field.spacing(own);
-        // Neighbours that turn or spread with it move otherwise than it does, but by an affine field.
+        // In a rotation or expansion, neighbours move differently but by an affine field.
         let affine = field.off(own, &moved, &known) < ALIKE;
         let agree = || field.neighbours(own).iter().take(6).filter(alike).count() >= AGREE;
         near(own) && known[own] && (affine || agree())
@@ -146,7 +147,7 @@ fn seeds(
     groups
 }
 
-/// Which markers have which spots.
+/// A matching of markers with spots.
 #[derive(Debug, Clone)]
 pub(super) struct Matching {
     pub spots: Vec<Option<usize>>,
@@ -169,7 +170,7 @@ impl Matching {
         self.known[own] = true;
     }
 
-    /// Markers that are matched, less those that are off the field, which count thrice.
+    /// Number of markers matched, minus three times the number that deviate from the field.
     fn score(&self, field: &Field) -> f64 {
         let known = (0..self.known.len()).filter(|&own| self.known[own]);
         let worth = known.map(|own| {
@@ -179,7 +180,7 @@ impl Matching {
         worth.sum()
     }
 
-    /// The displacement that is foretold for a marker without a spot, and by how many of its nearest neighbours.
+    /// Number of known nearest neighbours of a marker without a spot, and its predicted displacement.
     fn supported(&self, field: &Field, own: usize) -> Option<(usize, DVec2)> {
         let near = field.neighbours(own).iter().take(8);
         let support = near.filter(|&&other| self.known[other]).count();
@@ -195,7 +196,7 @@ fn grow(
     places: &[DVec2],
     seeds: &[(usize, usize)],
 ) -> Matching {
-    /// Times that what does not fit is given up and looked for again.
+    /// Maximum number of rounds that discard misfits and match again.
     const ROUNDS: usize = 6;
     let mut matching = Matching::none(reference.len());
     let mut taken = vec![false; places.len()];
@@ -225,7 +226,7 @@ fn grow(
     matching
 }
 
-/// Matches the markers that most neighbours foretell; whether there was one.
+/// Matches up to [`AT_ONCE`] markers, those with most known neighbours first. Returns `true` if any was matched.
 fn spread(
     matching: &mut Matching,
     taken: &mut [bool],

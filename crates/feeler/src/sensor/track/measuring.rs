@@ -1,19 +1,19 @@
-//! Measuring markers where they are foretold, and telling them from their neighbours.
+//! Measures markers at their predicted positions, and detects confusion with neighbours.
 
 use super::{MOST_OFF, MarkerTracker, window, window::Look};
 use crate::sensor::locate::median;
 use glam::DVec2;
 
-/// The same for a marker that was lost.
+/// Like [`MOST_OFF`], but for a marker that was lost.
 const MOST_OFF_AGAIN: f64 = 0.3;
-/// Distance between two markers, over their spacing in the reference, below which they are one and the same.
+/// Distance between two markers, over their distance in the reference, below which both measured the same spot.
 const SAME: f64 = 0.4;
-/// Contrast over that of the reference below which a marker is not seen.
+/// Contrast relative to the reference below which a marker counts as not visible.
 const LEAST_CONTRAST: f64 = 0.3;
 
 impl MarkerTracker {
-    /// Measures every marker where `work` foretells it; afterwards `work` has where it was seen, if it was `found`. How many that
-    /// were found before saw another marker at first.
+    /// Measures every marker at the displacement predicted in `work`. Updates `work` and `found`. Returns the number of
+    /// previously found markers that at first measured another marker.
     pub(super) fn measure(&mut self, pixels: &[u8]) -> usize {
         let mut mistaken = 0;
         for own in 0..self.reference.len() {
@@ -32,7 +32,7 @@ impl MarkerTracker {
         };
         let seen = known(self);
         self.one_marker_to_a_spot();
-        // What disagrees with the markers about it may be what made them disagree; the worst goes first.
+        // A marker that disagrees with its neighbours may do so because one of them is wrong; remove the worst first.
         for limit in [2.0 * MOST_OFF, MOST_OFF] {
             for own in 0..self.reference.len() {
                 let off = self.field.off(own, &self.work, &self.found);
@@ -48,7 +48,7 @@ impl MarkerTracker {
         mistaken
     }
 
-    /// Looks for a marker where its neighbours are now.
+    /// Searches for a marker at the position predicted from its neighbours' current positions.
     fn look_again(&mut self, pixels: &[u8], own: usize) {
         let Some(foretold) = self.field.foretold(own, &self.work, &self.found) else {
             self.work[own] = self.markers[own].displacement;
@@ -68,7 +68,7 @@ impl MarkerTracker {
         self.window.look(pixels, self.size, self.polarity, about)
     }
 
-    /// The median contrast of what is seen where markers are foretold, grey levels; 0 where nothing is.
+    /// Median contrast at the predicted positions, gray levels; 0 if nothing is visible.
     fn typical_contrast(&mut self) -> f64 {
         let mut count = 0;
         for look in &self.looks {
@@ -80,7 +80,7 @@ impl MarkerTracker {
         median(&mut self.contrasts_seen[..count])
     }
 
-    /// Whether `contrast` is that of a marker.
+    /// Returns `true` if `contrast` is sufficient for marker `own`.
     fn shows(&self, own: usize, contrast: f64) -> bool {
         let usual = if self.contrasts[own] > 0.0 {
             self.contrasts[own]
@@ -90,7 +90,7 @@ impl MarkerTracker {
         contrast >= (LEAST_CONTRAST * usual).max(window::LEAST_CONTRAST)
     }
 
-    /// Whether marker `own` is what was seen; then `work` has where.
+    /// Stores a measurement in `work` and `seen` and returns `true` if it is marker `own`.
     fn take(&mut self, own: usize, look: Look) -> bool {
         match look {
             Look::Seen(seen) if self.shows(own, seen.contrast) => {
@@ -102,7 +102,8 @@ impl MarkerTracker {
         }
     }
 
-    /// Of two markers that saw the same spot, the one that agrees less with its neighbours did not.
+    /// Resolves pairs of markers that measured the same spot: the one that agrees less with its neighbours is not
+    /// found.
     fn one_marker_to_a_spot(&mut self) {
         for own in 0..self.reference.len() {
             for place in 0..self.field.neighbours(own).len() {
@@ -118,7 +119,7 @@ impl MarkerTracker {
         }
     }
 
-    /// Whether another marker was seen where `own` was.
+    /// Returns `true` if another marker was measured at the position of `own`.
     fn taken(&self, own: usize) -> bool {
         let near = self.field.neighbours(own).iter();
         near.copied()

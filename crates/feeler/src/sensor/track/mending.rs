@@ -1,26 +1,26 @@
-//! Markers at the edge of a matching that have each other's spots.
+//! Corrects swapped matches at the edge of a pattern.
 //!
-//! Where a pattern ends, a marker that moved by half a spacing may be given its neighbour's spot, this one the next one's, and so on; then
-//! a spot is left over that nobody has. Each such chain is followed from its left-over spot, and turned back where that makes the
-//! field smoother.
+//! At the edge, a marker that moved by half a spacing may be matched with its neighbour's spot, that neighbour with the
+//! spot of the next, and so on, which leaves one spot unmatched. Each such chain is followed from its unmatched spot,
+//! and reversed if that makes the field smoother.
 
 use super::{field::Field, matching::Matching};
 use glam::DVec2;
 
-/// How far a left-over spot may lie from where a marker is foretold, over the spacing.
+/// Maximum distance of an unmatched spot from a marker's predicted position, over the spacing.
 const NEAR: f64 = 0.75;
-/// How far a marker's displacement is off the field about it, over the spacing, from which on another spot is looked for.
+/// Deviation of a marker's displacement from the field above which its match is in doubt, over the spacing.
 const DOUBTFUL: f64 = 0.15;
-/// What a marker without a spot counts for, as one that is off by half a spacing.
+/// Squared deviation assigned to a marker without a spot: that of half a spacing.
 const WITHOUT: f64 = 0.25;
-/// Markers whose spots are exchanged at once, at most.
+/// Maximum number of markers in a chain.
 const LONGEST: usize = 6;
-/// Chains that are turned back in a picture, at most.
+/// Maximum number of chains to reverse per image.
 const CHAINS: usize = 12;
-/// Left-over spots from which on the picture shows something else.
+/// Number of unmatched spots above which no chains are followed, because the image shows something else.
 const MOST_LEFT: usize = 12;
 
-/// Gives markers the spots that make the field smoothest, from spots that are left over.
+/// Reassigns spots, starting with unmatched ones, as long as the field becomes smoother.
 pub(super) fn mend(matching: &mut Matching, reference: &[DVec2], field: &Field, places: &[DVec2]) {
     let scene = Scene {
         reference,
@@ -54,7 +54,7 @@ struct Scene<'a> {
 }
 
 impl Scene<'_> {
-    /// The spots that no marker has.
+    /// Spots that are not matched with a marker.
     fn left_over(&self, matching: &Matching) -> Vec<usize> {
         let mut left = vec![true; self.places.len()];
         for &spot in matching.spots.iter().flatten() {
@@ -63,7 +63,7 @@ impl Scene<'_> {
         (0..left.len()).filter(|&spot| left[spot]).collect()
     }
 
-    /// How far all markers are off the field about them: the sum of squares.
+    /// Sum of squared deviations of all markers from the field.
     fn roughness(&self, matching: &Matching) -> f64 {
         let off = |own: usize| match matching.known[own] {
             true => self.off(matching, own).powi(2),
@@ -77,7 +77,8 @@ impl Scene<'_> {
             .off(own, &matching.displacements, &matching.known)
     }
 
-    /// The markers that may belong to `spot`: not `passed`, in doubt or without a spot, and foretold near; the nearest first.
+    /// Markers that may belong to `spot`: not in `passed`, in doubt or without a spot, and predicted nearby; nearest
+    /// first.
     fn suited(&self, matching: &Matching, spot: usize, passed: &[usize]) -> Vec<usize> {
         let far = |own: usize| {
             let foretold = self
@@ -96,8 +97,8 @@ impl Scene<'_> {
         near.into_iter().map(|(own, _)| own).collect()
     }
 
-    /// `matching` with `spot` given to the marker `first`, that one's spot to the best suited marker, and so on, as far as it becomes
-    /// smoothest; and how rough it is then.
+    /// Assigns `spot` to the marker `first`, that marker's old spot to the best candidate, and so on. Returns the
+    /// smoothest of the resulting matchings with its roughness.
     fn turned_back(&self, matching: &Matching, spot: usize, first: usize) -> (f64, Matching) {
         let mut mended = matching.clone();
         let (mut spot, mut own) = (spot, first);

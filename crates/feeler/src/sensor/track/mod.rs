@@ -1,12 +1,13 @@
-//! Follows every marker by identity, however far it moves.
+//! Tracks markers by identity under large displacements.
 //!
-//! A marker is looked for where its own motion and its neighbours' foretell it, and measured by the pixels there (`window`). It has been
-//! found if there is contrast and if its displacement agrees with the smooth field that its neighbours' displacements make (`field`): a
-//! swap of two markers is off by a spacing, and is seen. A marker that is not found keeps the place that the field foretells, and is
-//! looked for there from then on. Where many are lost at once, the pattern may have jumped by a spacing, and all are in doubt.
+//! A marker is searched for at the position predicted from its own motion and its neighbours', and measured from the
+//! pixels there (`window`). It counts as found if there is contrast and if its displacement agrees with the smooth
+//! field of its neighbours' displacements (`field`). A swap of two markers deviates by a spacing and is detected. A
+//! marker that is not found is assigned the position predicted by the field, and searched for there from then on. If
+//! many markers are lost at once, the pattern may have jumped by a spacing, and all markers become doubtful.
 //!
-//! A single picture, of which no picture before is known, is matched against the reference alone: identities grow from where markers
-//! hardly moved into where they moved far (`matching`).
+//! A single image without a predecessor is matched with the reference alone: matches grow from regions that hardly
+//! moved to regions that moved far (`matching`).
 
 mod error;
 mod field;
@@ -30,74 +31,74 @@ use super::{
 };
 use glam::DVec2;
 
-/// Displacement off that of the field about it, over the spacing, from which on a marker is not the one that it is taken for.
+/// Deviation from the field, over the spacing, above which a measurement is not the marker searched for.
 const MOST_OFF: f64 = 0.45;
-/// Part of the markers at the pattern's edge that, lost within one frame, make all others doubtful: the pattern may have jumped by a
-/// spacing, so that one side of its edge shows nothing.
+/// Fraction of the markers at the pattern's edge which, if lost within one frame, makes all others doubtful: the
+/// pattern may have jumped by a spacing, which leaves one side of its edge empty.
 const JUMPED: f64 = 0.2;
-/// Part of all markers that were taken for others at first, which makes all doubtful, too.
+/// Fraction of markers which, if mistaken for others within one frame, makes all others doubtful.
 const MISTAKEN: f64 = 0.02;
-/// What is left of the confidence in a marker that may be another.
+/// Factor on the confidence in a doubtful marker.
 const DOUBT: f64 = 0.3;
-/// Quality of a matching from which on no better spots are looked for.
+/// Minimum quality of a fast matching; below it, the full search is used.
 const QUICKLY_MATCHED: f64 = 0.95;
-/// Quality of a matching below which all markers may be others.
+/// Quality of a matching below which all markers are doubtful.
 const LEAST_MATCHED: f64 = 0.85;
-/// Part of the way that a marker's usual contrast goes with one that has faded, from picture to picture.
+/// Weight of a new, lower contrast in a marker's usual contrast, per image.
 const FADES: f64 = 0.02;
-/// Part of the markers that must be found for a picture to be one of the sensor's.
+/// Minimum fraction of markers found; with fewer, the image may not show the sensor.
 const LEAST_FOUND: f64 = 0.3;
 
-/// What is known of one marker.
+/// State of one tracked marker.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TrackedMarker {
     /// Column and row, px.
     pub place: DVec2,
-    /// From its place in the reference, px.
+    /// Displacement from the reference, px.
     pub displacement: DVec2,
-    /// 0 (lost: the place is foretold) to 1 (as in the reference).
+    /// Confidence from 0 (lost: the position is a prediction) to 1 (as in the reference).
     pub confidence: f64,
-    /// Sum of the contrast of its pixels, grey levels px²; of a lost one the last that was seen.
+    /// Integrated contrast of the marker's pixels, gray levels px²; of a lost marker, the last measured value.
     pub integrated_gray: f64,
 }
 
-/// Follows the markers of a layout.
+/// Tracks the markers of a layout.
 #[derive(Debug, Clone)]
 pub struct MarkerTracker {
     size: (usize, usize),
     polarity: Polarity,
-    /// Diameter of a spot, px, if the layout says it.
+    /// Diameter of a spot, px, if the layout contains it.
     spot_diameter: Option<f64>,
-    /// Places in the reference, px.
+    /// Positions in the reference, px.
     reference: Vec<DVec2>,
     field: Field,
     window: Window,
     markers: Vec<TrackedMarker>,
-    /// Displacement since the frame before, smoothed over neighbours, px.
+    /// Displacement since the previous frame, smoothed over neighbours, px.
     velocities: Vec<DVec2>,
-    /// Displacements that are foretold or were found in the newest picture, px.
+    /// Predicted or measured displacements in the latest image, px.
     work: Vec<DVec2>,
     found: Vec<bool>,
-    /// Which were found in the picture before.
+    /// Markers found in the previous image.
     before: Vec<bool>,
-    /// Whether all may be mistaken for their neighbours since some frame.
+    /// `true` if all markers may have been mistaken for their neighbours in some frame.
     doubtful: bool,
-    /// Contrast that each marker has when it is seen well, grey levels; 0 until it was seen.
+    /// Contrast of each marker when clearly visible, gray levels; 0 until first measured.
     contrasts: Vec<f64>,
-    /// What each marker was seen as in the newest picture, if it was.
+    /// Measurement of each marker in the latest image in which it was found.
     seen: Vec<Seen>,
-    /// What was seen where each marker was foretold.
+    /// Result of the search at each marker's predicted position.
     looks: Vec<Look>,
-    /// Contrasts in the newest picture, in no order, and their median, grey levels.
+    /// Contrasts in the latest image, in no particular order, and their median, gray levels.
     contrasts_seen: Vec<f64>,
     typical: f64,
 }
 
 impl MarkerTracker {
-    /// Tracks the elements of `layout` as markers, which are where it says until a picture shows them elsewhere.
+    /// Tracks the elements of `layout` as markers, starting from their positions in the layout.
     ///
     /// # Errors
-    /// When there are too few markers.
+    /// Returns [`TrackError::MarkerCount`] if there are too few markers.
     pub fn new(layout: &LocatedLayout) -> Result<Self, TrackError> {
         let reference: Vec<DVec2> = layout.elements.iter().map(|e| e.centre_px).collect();
         let count = reference.len();
@@ -109,7 +110,7 @@ impl MarkerTracker {
         }
         let mut radii: Vec<f64> = layout.elements.iter().map(|e| e.radius_px).collect();
         let region = super::locate::median(&mut radii);
-        // Half as far again as a spot reaches, so that the ground about it is seen.
+        // Half as large again as a spot, to include the background around it.
         let spot = layout
             .spot_diameter_px
             .map(|diameter| 0.75 * diameter + 1.5);
@@ -141,26 +142,27 @@ impl MarkerTracker {
         })
     }
 
-    /// The markers as they were in the newest picture.
+    /// Markers in the latest image.
     pub fn markers(&self) -> &[TrackedMarker] {
         &self.markers
     }
 
-    /// How many markers were found in the newest picture.
+    /// Number of markers found in the latest image.
     pub fn found(&self) -> usize {
         self.found.iter().filter(|&&found| found).count()
     }
 
-    /// Whether too few markers were found to go on, or those that were may be mistaken for their neighbours, as many were lost at once.
-    /// [`match_picture`](Self::match_picture) finds them again if the picture shows them; until then, confidence is low.
+    /// Returns `true` if too few markers were found to continue, or if markers may be confused with their neighbours
+    /// because many were lost at once. [`match_picture`](Self::match_picture) can recover them; until then, confidence
+    /// is low.
     pub fn is_lost(&self) -> bool {
         self.doubtful || (self.found() as f64) < LEAST_FOUND * self.markers.len() as f64
     }
 
-    /// Follows the markers into the next picture of a video. Neither allocates nor panics.
+    /// Tracks the markers into the next image of a video. Neither allocates nor panics.
     ///
     /// # Errors
-    /// When the picture has another size than the layout's.
+    /// Returns [`TrackError::PictureSize`] if the image size differs from the layout.
     pub fn track<P: AsRef<[u8]>>(
         &mut self,
         picture: &Picture<P>,
@@ -180,18 +182,19 @@ impl MarkerTracker {
             .iter()
             .filter(|&&own| self.before[own] && !self.found[own])
             .count();
-        // A few are lost by chance in a small pattern.
+        // In a small pattern, a few markers may be lost by chance.
         self.doubtful |= mistaken as f64 > (MISTAKEN * self.markers.len() as f64).max(2.0)
             || lost as f64 > (JUMPED * edge.len() as f64).max(2.0);
         self.settle();
         Ok(&self.markers)
     }
 
-    /// Finds the markers in a picture by the reference alone, whatever was seen before. Takes about a millisecond where nearly all markers are seen as
-    /// spots of the layout's size, else some tens of milliseconds.
+    /// Finds the markers in an image from the reference alone, independently of earlier images. Takes about a
+    /// millisecond if nearly all markers are visible as spots of the layout's size, otherwise some tens of
+    /// milliseconds.
     ///
     /// # Errors
-    /// When the picture has another size than the layout's, or shows no markers.
+    /// If the image size differs from the layout, or if the image shows no markers.
     pub fn match_picture<P: AsRef<[u8]>>(
         &mut self,
         picture: &Picture<P>,
@@ -213,7 +216,7 @@ impl MarkerTracker {
         Ok(&self.markers)
     }
 
-    /// Spots of the layout's size, and which markers they are; `None` unless nearly all markers are among them.
+    /// Matches spots of the layout's size. Returns `None` unless nearly all markers are matched.
     fn matched_quickly<P: AsRef<[u8]>>(
         &self,
         picture: &Picture<P>,
@@ -224,7 +227,7 @@ impl MarkerTracker {
         (matched.quality >= QUICKLY_MATCHED).then_some((places, matched))
     }
 
-    /// Spots of whatever size, and which markers they are.
+    /// Matches spots of any size.
     fn matched_surely<P: AsRef<[u8]>>(
         &self,
         picture: &Picture<P>,
@@ -241,7 +244,7 @@ impl MarkerTracker {
         Ok((places, matched))
     }
 
-    /// Gives all markers up, which stay where they were last: for a picture that shows none.
+    /// Marks all markers as lost at their last positions, for an image that shows none.
     pub fn lose(&mut self) {
         self.found.fill(false);
         self.velocities.fill(DVec2::ZERO);
@@ -265,7 +268,7 @@ impl MarkerTracker {
         })
     }
 
-    /// Takes over what `work` and `found` say.
+    /// Updates the markers from `work` and `found`.
     fn settle(&mut self) {
         let doubt = if self.doubtful { DOUBT } else { 1.0 };
         for own in 0..self.reference.len() {
@@ -278,7 +281,7 @@ impl MarkerTracker {
             if self.found[own] {
                 let Seen { contrast, sum, .. } = self.seen[own];
                 let usual = &mut self.contrasts[own];
-                // Brightens at once, fades slowly: a fading marker stays the same.
+                // Increases at once and decreases slowly, so that a fading marker is kept.
                 *usual = contrast.max(*usual + FADES * (contrast - *usual));
                 let off = self.field.off(own, &self.work, &self.found);
                 let agrees = (1.0 - off / MOST_OFF).clamp(0.0, 1.0);

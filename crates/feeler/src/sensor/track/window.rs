@@ -1,51 +1,51 @@
-//! A marker as the pixels about a place show it.
+//! Measures a marker from the pixels around a position.
 
 use crate::sensor::polarity::Polarity;
 use glam::DVec2;
 use multiversion::multiversion;
 
-/// Contrast below which nothing is seen, grey levels.
+/// Contrast below which nothing is visible, gray levels.
 pub(super) const LEAST_CONTRAST: f64 = 6.0;
-/// Widest window, px.
+/// Maximum width of a window, px.
 const WIDEST: usize = 128;
-/// Times that a window follows the centroid in it.
+/// Maximum number of times a window is recentred on the centroid.
 const STEPS: usize = 5;
-/// Distance of the centroid from the window's centre at which it is the marker's, px.
+/// Maximum distance of the centroid from the window's centre for a valid measurement, px.
 const SETTLED: f64 = 0.8;
 
-/// A disc of pixels.
+/// A disc-shaped window of pixels.
 #[derive(Debug, Clone)]
 pub(super) struct Window {
-    /// Radius, px: its columns and rows are twice as many and one.
+    /// Radius, px. The window has `2 * radius + 1` columns and rows.
     radius: usize,
     /// First column and number of columns of each row.
     rows: Vec<(usize, usize)>,
 }
 
-/// What is seen in a window.
+/// Result of measuring in a window.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Look {
     /// A marker.
     Seen(Seen),
-    /// Something of this contrast, grey levels, which lies elsewhere.
+    /// Something with this contrast (gray levels) whose centroid is too far from the window.
     Elsewhere(f64),
-    /// Nothing: the window is outside the picture, or shows one grey level.
+    /// Nothing: the window is outside the image or uniformly gray.
     Nothing,
 }
 
-/// A marker in a window.
+/// A marker measured in a window.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub(super) struct Seen {
     /// Column and row of the centroid, px.
     pub place: DVec2,
-    /// From ground to marker, grey levels.
+    /// Contrast between background and marker, gray levels.
     pub contrast: f64,
-    /// Sum over the pixels above the level, grey levels px².
+    /// Sum over the pixels above the threshold, gray levels px².
     pub sum: f64,
 }
 
 impl Window {
-    /// One of about `radius` px.
+    /// Creates a window of about `radius` px.
     pub fn new(radius: f64) -> Self {
         let radius = (radius.round() as usize).clamp(2, WIDEST / 2 - 1);
         let row = |row: usize| {
@@ -59,7 +59,7 @@ impl Window {
         }
     }
 
-    /// The marker about the place `about` in a picture of `size` px, if most of the window is inside the picture.
+    /// Measures the marker around `about` in an image of `size` px, if most of the window is inside the image.
     pub fn look(
         &self,
         pixels: &[u8],
@@ -79,7 +79,7 @@ impl Window {
             };
             contrast = sums.contrast;
             let place = centre + sums.centroid - self.radius as f64;
-            // Beyond its own radius it is another's.
+            // A centroid farther away than the window's radius belongs to another marker.
             if place.distance(about) > self.radius as f64 {
                 break;
             }
@@ -93,14 +93,14 @@ impl Window {
             }
             centre = place.round();
         }
-        // The flank of another marker draws the window ever farther.
+        // The window was drawn farther and farther away along the flank of another marker.
         match contrast > 0.0 {
             true => Look::Elsewhere(contrast),
             false => Look::Nothing,
         }
     }
 
-    /// The part of the window that is in the picture, if that is most of it.
+    /// Part of the window inside the image, or `None` if too little of it is.
     fn cut(&self, (width, height): (usize, usize), centre: DVec2) -> Option<Cut> {
         let radius = self.radius as isize;
         let (column, row) = (centre.x as isize - radius, centre.y as isize - radius);
@@ -120,13 +120,13 @@ impl Window {
     }
 }
 
-/// Where a window lies in a picture.
+/// Position of a window in an image.
 struct Cut {
     width: usize,
-    /// Column and row of the window's corner, which may be outside.
+    /// Column and row of the window's corner, which may be outside the image.
     column: isize,
     row: isize,
-    /// Columns and rows of the window that are inside.
+    /// Columns and rows of the window inside the image.
     columns: (usize, usize),
     rows: (usize, usize),
 }
@@ -134,11 +134,11 @@ struct Cut {
 struct Sums {
     contrast: f64,
     total: f64,
-    /// Column and row in the window.
+    /// Column and row in the window, px.
     centroid: DVec2,
 }
 
-/// Weighs pixels that stand out by more than 0.4 of the contrast in the window, with the widest instructions that the processor has.
+/// Computes moments of the pixels that exceed 0.4 of the contrast in the window, with SIMD instructions if available.
 #[multiversion(targets("x86_64+avx2"))]
 fn sums(pixels: &[u8], cut: &Cut, rows: &[(usize, usize)], flip: u8) -> Option<Sums> {
     let span = |row: usize| {

@@ -1,18 +1,18 @@
-//! Blocks of time that are held out, with a guard on either side.
+//! Cross-validation folds of contiguous blocks of time with guard intervals.
 
 use super::fit::WrenchSample;
 
-/// One fold: rows to predict, and rows that the prediction must not have learned from.
+/// A cross-validation fold.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Fold {
     /// Rows to predict.
     pub held: Vec<usize>,
-    /// Those, and their neighbours in time, which would tell.
+    /// Rows excluded from training: `held` and their neighbours in time, which are too similar.
     pub hidden: Vec<usize>,
 }
 
 impl Fold {
-    /// The rows of `rows` to learn from.
+    /// Rows to train on.
     pub fn train(&self, rows: usize) -> Vec<usize> {
         let mut hidden = vec![false; rows];
         for &row in &self.hidden {
@@ -22,8 +22,8 @@ impl Fold {
     }
 }
 
-/// Cuts each recording into `count` blocks, contiguous in time: fold k holds out the k-th block of each. A tenth of a block is
-/// hidden on either side of it. `recording_of` says which recording a row is of; rows are in the order of time.
+/// Cuts each recording into `count` contiguous blocks of time; fold k holds out the k-th block of each. A tenth of a
+/// block is also hidden on each side. `recording_of` contains the recording of each row; rows are in order of time.
 pub(super) fn blocks(recording_of: &[usize], count: usize) -> Vec<Fold> {
     let mut folds = vec![
         Fold {
@@ -49,7 +49,7 @@ pub(super) fn blocks(recording_of: &[usize], count: usize) -> Vec<Fold> {
     folds
 }
 
-/// The rows of each recording, in their order.
+/// Rows of each recording, in order.
 pub(super) fn by_recording(recording_of: &[usize]) -> Vec<Vec<usize>> {
     let count = recording_of.iter().max().map_or(0, |&last| last + 1);
     let mut recordings = vec![Vec::new(); count];
@@ -60,7 +60,8 @@ pub(super) fn by_recording(recording_of: &[usize]) -> Vec<Vec<usize>> {
     recordings
 }
 
-/// Leaves out whole recordings, at most `most` times: where there are more, several at once. None where there is but one.
+/// Folds that hold out whole recordings; at most `most` folds, each with several recordings if necessary. Empty if
+/// there is only one recording.
 pub(super) fn recordings(recording_of: &[usize], most: usize) -> Vec<Fold> {
     let recordings = by_recording(recording_of);
     if recordings.len() < 2 {
@@ -78,7 +79,7 @@ pub(super) fn recordings(recording_of: &[usize], most: usize) -> Vec<Fold> {
     folds.into_iter().map(fold).collect()
 }
 
-/// Which recording each sample is of.
+/// Recording of each sample.
 pub(super) fn recording_of(samples: &[&WrenchSample]) -> Vec<usize> {
     samples.iter().map(|sample| sample.recording).collect()
 }
@@ -89,9 +90,9 @@ mod tests {
     use proptest::prelude::*;
 
     proptest! {
-        /// Every row is held out once, and no neighbour in time of a held-out row is learned from.
+        /// Every row is held out once, and no temporal neighbour of a held-out row is used for training.
         #[test]
-        fn neighbours_do_not_tell(lengths in proptest::collection::vec(1..60_usize, 1..5), count in 2..9_usize) {
+        fn neighbours_are_not_used_for_training(lengths in proptest::collection::vec(1..60_usize, 1..5), count in 2..9_usize) {
             let recording_of: Vec<usize> = lengths.iter().enumerate()
                 .flat_map(|(recording, &length)| vec![recording; length]).collect();
             let mut times = vec![0; recording_of.len()];
@@ -103,7 +104,7 @@ mod tests {
                     let guard = own / count / 10;
                     for near in row.saturating_sub(guard)..=row + guard {
                         let same = recording_of.get(near) == Some(&recording_of[row]);
-                        prop_assert!(!(same && train.contains(&near)), "{near} tells of {row}");
+                        prop_assert!(!(same && train.contains(&near)), "{near} is used to predict {row}");
                     }
                 }
             }

@@ -1,4 +1,4 @@
-//! The wrench calibration of one fingertip, and its file.
+//! Wrench calibration of one fingertip and its file format.
 
 use super::error::WrenchError;
 use super::features::{ElementStandard, PER_ELEMENT, Terms};
@@ -10,47 +10,47 @@ use crate::sensor::made_for::MadeFor;
 use crate::sensor::table::Quantity;
 use serde::{Deserialize, Serialize};
 
-/// Kind of the file, by which it is told from a calibration of elements.
+/// Kind of the file, which distinguishes it from a calibration of elements.
 pub const KIND: &str = "wrench";
-/// Version of the file that this program reads and writes.
+/// Supported version of the file.
 pub const VERSION: u32 = 1;
 
-/// Largest magnitude of a number in the file: far beyond what is measured, and far below where sums overflow.
+/// Maximum magnitude of a number in the file: far above any measurement and far below overflow of sums.
 const LARGEST: f64 = 1e15;
 
-/// The regression of one component.
+/// Regression of one component.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AxisModel {
     /// The component.
     pub axis: WrenchAxis,
-    /// What it is regressed on.
+    /// Terms of the regression.
     pub terms: Terms,
-    /// Penalty on the squares of the weights; features have a variance of 1.
+    /// Penalty on the squared weights; features have a variance of 1.
     pub penalty: f64,
-    /// Value where all terms are 0, N or N m.
+    /// Value if all terms are 0, N or N m.
     pub intercept: f64,
-    /// Weight of each term, N or N m; element by element, its features, then their squares.
+    /// Weight of each term, N or N m: for each element, its features, then their squares.
     pub weights: Vec<f64>,
 }
 
 impl AxisModel {
-    /// The component's value under standardised `features`, N or N m. Neither allocates nor panics.
+    /// Returns the component for standardised `features`, N or N m. Neither allocates nor panics.
     pub fn value(&self, features: &[[f64; PER_ELEMENT]]) -> f64 {
         let terms = self.terms.of(features).zip(&self.weights);
         self.intercept + terms.map(|(term, weight)| term * weight).sum::<f64>()
     }
 }
 
-/// From what a picture says of all elements to a wrench.
+/// Model that predicts a wrench from the moments of all elements.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct WrenchModel {
-    /// The components that are predicted, in the order of [`WrenchAxis::ALL`].
+    /// Predicted components, in the order of [`WrenchAxis::ALL`].
     pub axes: Vec<AxisModel>,
-    /// What pictures like those of the calibration look like.
+    /// Distribution of the calibration images, to detect unusual ones.
     pub novelty: Novelty,
-    /// What is usual of each element.
+    /// Reference and statistics of each element.
     pub elements: Vec<ElementStandard>,
 }
 
@@ -62,18 +62,18 @@ pub struct WrenchCalibration {
     pub kind: String,
     /// [`VERSION`].
     pub version: u32,
-    /// Whether forces outside of the usual range ([`FINGERTIP_RANGE`]) were confirmed when it was made.
+    /// `true` if forces outside the plausible range ([`FINGERTIP_RANGE`]) were confirmed during calibration.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub loads_confirmed: bool,
-    /// What it was made for.
+    /// Sensor for which the calibration was made.
     pub made_for: MadeFor,
-    /// How far each component is off.
+    /// Errors of each component.
     pub quality: Vec<AxisQuality>,
-    /// How a wrench is predicted.
+    /// Prediction model.
     pub model: WrenchModel,
 }
 
-/// What tells the file from others.
+/// Fields that identify the file.
 #[derive(Deserialize)]
 struct Header {
     #[serde(default)]
@@ -83,15 +83,15 @@ struct Header {
 }
 
 impl WrenchCalibration {
-    /// Whether `text` is the file of a wrench calibration, of whatever version.
+    /// Returns `true` if `text` is a wrench calibration file of any version.
     pub fn is_kind(text: &str) -> bool {
         toml::from_str::<Header>(text).is_ok_and(|header| header.kind == KIND)
     }
 
-    /// Reads a calibration from the text of its file.
+    /// Parses a calibration from TOML.
     ///
     /// # Errors
-    /// When the text is not a wrench calibration of this version, or a number in it cannot be used.
+    /// If the text is not a wrench calibration of the supported version, or if a number in it is invalid.
     pub fn from_toml(text: &str) -> Result<Self, WrenchError> {
         let Header { kind, version } = toml::from_str(text)?;
         if kind != KIND || version != VERSION {
@@ -103,28 +103,28 @@ impl WrenchCalibration {
         Ok(calibration)
     }
 
-    /// The text of the calibration's file.
+    /// Formats the calibration as TOML.
     ///
     /// # Errors
-    /// When a value has no form in TOML.
+    /// If a value cannot be represented in TOML.
     pub fn to_toml(&self) -> Result<String, WrenchError> {
         Ok(toml::to_string(self)?)
     }
 
-    /// Refuses a calibration that was made for anything but the sensor `here`.
+    /// Checks that the calibration was made for the sensor `here`.
     ///
     /// # Errors
-    /// Names what differs.
+    /// Returns [`WrenchError::MadeFor`] with the difference.
     pub fn check_made_for(&self, here: &MadeFor) -> Result<(), WrenchError> {
         Ok(here.check_same(&self.made_for)?)
     }
 
-    /// The model of a component, if it is calibrated.
+    /// Returns the model of a component, or `None` if it is not calibrated.
     pub fn axis(&self, axis: WrenchAxis) -> Option<&AxisModel> {
         self.model.axes.iter().find(|model| model.axis == axis)
     }
 
-    /// Refuses forces that no soft fingertip bears, or no picture shows, as forces in another unit are.
+    /// Rejects forces that are too large or too small for a soft fingertip, which indicates another unit.
     fn check_magnitude(&self) -> Result<(), WrenchError> {
         let forces = self
             .quality
@@ -133,14 +133,14 @@ impl WrenchCalibration {
         let ends = forces.flat_map(|quality| quality.range);
         let largest = ends.map(f64::abs).fold(0.0, f64::max);
         let [low, high] = FINGERTIP_RANGE;
-        // Without any force, there are torques alone.
+        // Without forces, there are only torques.
         match self.loads_confirmed || largest == 0.0 || (low..=high).contains(&largest) {
             true => Ok(()),
             false => Err(WrenchError::Magnitude { largest }),
         }
     }
 
-    /// Refuses numbers that cannot be used.
+    /// Rejects invalid numbers.
     pub(super) fn check(&self) -> Result<(), WrenchError> {
         self.made_for.check()?;
         let elements = self.made_for.elements;
@@ -155,7 +155,7 @@ impl WrenchCalibration {
             return Err(WrenchError::Value {
                 field: "model.axes".into(),
                 value: format!("{:?}", names.collect::<Vec<_>>()),
-                expected: "at least one of f_x, f_y, f_z, m_x, m_y, m_z, each once, in this order",
+                expected: "one or more of f_x, f_y, f_z, m_x, m_y, m_z, each once, in this order",
             });
         }
         for model in axes {
@@ -204,7 +204,7 @@ impl WrenchCalibration {
 fn check_element(index: usize, element: &ElementStandard) -> Result<(), WrenchError> {
     let field = |name: &str| format!("model.elements[{index}].{name}");
     if element.used {
-        // A tiny one would make growth infinite.
+        // A tiny value would make growth overflow.
         number(&field("gray"), element.gray, 1e-100..=LARGEST)?;
     }
     for place in element.centroid.to_array() {

@@ -1,4 +1,4 @@
-//! Which terms and which penalty: those that predict blocks of time best that they have not seen.
+//! Chooses terms and penalty by cross-validation over blocks of time.
 
 use super::WrenchAxis;
 use super::blocks::{Fold, blocks};
@@ -6,25 +6,27 @@ use super::features::{Growth, LEAST_FOR_GAIN, PER_ELEMENT, Terms};
 use super::ridge::Spectrum;
 use nalgebra::DMatrix;
 
-/// Numbers of blocks that each recording is cut into: with two ways to cut, less depends on where a cut falls.
+/// Numbers of blocks per recording. Two partitions reduce the influence of where the cuts fall.
 const CUTS: [usize; 2] = [5, 8];
-/// Most rows that the choice is made on, evenly spread: more would decide the same, later. The regression takes all.
+/// Maximum number of rows used for the choice, evenly spread. More rows take longer for the same choice; the regression
+/// uses all rows.
 const MOST_ROWS: usize = 400;
-/// Penalties: 10 to the power of half of these. Features have a variance of 1.
+/// Exponents of candidate penalties `10^(n/2)`. Features have a variance of 1.
 const HALF_DECADES: std::ops::RangeInclusive<i32> = -4..=12;
-/// By how many of its standard errors the mean error must fall for terms to be taken in place of those before them, which are simpler.
-/// Of many candidates, one is better by chance.
+/// Minimum decrease of the mean error, in standard errors, for a more complex set of terms to be preferred. Among many
+/// candidates, one is better by chance.
 const WORTH: f64 = 1.0;
-/// The same for overall brightness, which drifts with the lamp; and the part of the mean square that may be left then.
+/// Like [`WORTH`], but for overall brightness, which drifts with the lamp, and the maximum fraction of the mean square
+/// error that may remain.
 const WORTH_OF_BRIGHTNESS: f64 = 3.0;
 const LEFT_BY_BRIGHTNESS: f64 = 0.5;
 
-/// What a component is regressed on, and how.
+/// Terms and penalty of a component's regression.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Choice {
     pub terms: Terms,
     pub penalty: f64,
-    /// Squares of the errors of each row, left out with its block; the mean over the ways to cut.
+    /// Squared error of each row when its block is held out, averaged over the partitions.
     squares: Vec<f64>,
 }
 
@@ -33,7 +35,8 @@ impl Choice {
         self.squares.iter().sum::<f64>() / self.squares.len() as f64
     }
 
-    /// Whether errors are smaller than those of `other` beyond chance. By their magnitudes, as of squares a single picture decides.
+    /// Returns `true` if the errors are significantly smaller than those of `other`. Compares magnitudes, because a
+    /// single image may dominate squares.
     fn is_worth_more(&self, other: &Self) -> bool {
         let overall = self.terms.growth == Growth::Plain && other.terms.growth != Growth::Plain;
         match overall {
@@ -45,7 +48,7 @@ impl Choice {
         }
     }
 
-    /// Whether the mean magnitude of the errors is smaller than that of `other` by more than `worth` of its standard errors.
+    /// Returns `true` if the mean error magnitude is smaller than that of `other` by more than `worth` standard errors.
     fn is_better(&self, other: &Self, worth: f64) -> bool {
         let pairs = other.squares.iter().zip(&self.squares);
         let falls: Vec<f64> = pairs
@@ -59,7 +62,7 @@ impl Choice {
     }
 }
 
-/// The rows on which a component was measured, and what was measured there.
+/// Rows in which a component was measured, with the measured values.
 pub(super) struct Target {
     pub axis: WrenchAxis,
     pub rows: Vec<usize>,
@@ -69,7 +72,8 @@ pub(super) struct Target {
 /// Standardised features of each row.
 pub(super) type Features = [Vec<[f64; PER_ELEMENT]>];
 
-/// The best choice for each of `targets`; none where no regression has a finite solution. `used` elements are looked at.
+/// Best choice for each of `targets`, or `None` if no regression has a finite solution. `used` is the number of
+/// elements in use.
 pub(super) fn choose(
     features: &Features,
     recording_of: &[usize],
@@ -78,7 +82,7 @@ pub(super) fn choose(
 ) -> Vec<Option<Choice>> {
     let mut chosen: Vec<Option<Choice>> = vec![None; targets.len()];
     for (first, target) in targets.iter().enumerate() {
-        // Components that were measured on the same rows share what takes time.
+        // Components measured on the same rows share the expensive decompositions.
         let is_first = !targets[..first]
             .iter()
             .any(|other| other.rows == target.rows);
@@ -111,14 +115,14 @@ pub(super) fn choose(
     chosen
 }
 
-/// The terms of `rows`, a row each.
+/// Design matrix with one row of terms for each of `rows`.
 pub(super) fn matrix(features: &Features, rows: &[usize], terms: Terms) -> DMatrix<f64> {
     let elements = rows.first().map_or(0, |&row| features[row].len());
     let values = rows.iter().flat_map(|&row| terms.of(&features[row]));
     DMatrix::from_row_iterator(rows.len(), terms.count(elements), values)
 }
 
-/// Terms to try, those first that are to be taken if all predict alike.
+/// Candidate terms in order of preference.
 fn candidates(used: usize) -> impl Iterator<Item = Terms> {
     let terms = |growth, displacement, squares| Terms {
         growth,
@@ -140,9 +144,10 @@ fn candidates(used: usize) -> impl Iterator<Item = Terms> {
     })
 }
 
-/// The penalty halfway, in decades, between the best one and the largest that predicts as well but for chance (the rule of one standard
-/// error; Hastie, Tibshirani and Friedman, The Elements of Statistical Learning, 2009, section 7.10). Weights are smaller then, and so is
-/// what drift between recordings does, of which blocks of one recording tell nothing; the whole way would give away what they do tell.
+/// Returns the penalty halfway, in decades, between the best one and the largest one that is not significantly worse
+/// (one-standard-error rule; Hastie, Tibshirani and Friedman, The Elements of Statistical Learning, 2009, section
+/// 7.10). Smaller weights reduce the effect of drift between recordings, which blocks of a single recording do not
+/// show. The largest penalty would discard too much information.
 fn best_penalty(
     spectrum: &Spectrum,
     measured: &[f64],

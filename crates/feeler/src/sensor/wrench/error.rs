@@ -1,21 +1,21 @@
-//! Why a wrench calibration cannot be made, read or used.
+//! Errors of wrench calibrations.
 
 use super::calibration::{KIND, VERSION};
 use crate::sensor::calibration_error::CalibrationError;
 use crate::sensor::load_check::FINGERTIP_RANGE;
 
-/// Why a wrench calibration cannot be made, read or used.
+/// Error of creating, reading or using a wrench calibration.
 #[derive(Debug, thiserror::Error)]
 pub enum WrenchError {
-    /// The text is no wrench calibration.
+    /// The text is not a wrench calibration.
     #[error("not a wrench calibration: {0}")]
     Parse(#[from] toml::de::Error),
-    /// The calibration cannot be written as text.
-    #[error("the wrench calibration cannot be written: {0}")]
+    /// The calibration cannot be written as TOML.
+    #[error("failed to write the wrench calibration: {0}")]
     Write(#[from] toml::ser::Error),
-    /// It is of another kind or version.
+    /// The file has another kind or version.
     #[error(
-        "kind = \"{KIND}\", version = {VERSION} expected, got kind = {kind:?}, version = {version}; `feeler calibrate --wrench` makes one"
+        "expected kind = \"{KIND}\" and version = {VERSION}, got kind = {kind:?} and version = {version}; create the file with `feeler calibrate --wrench`"
     )]
     Version {
         /// Kind of the file.
@@ -23,74 +23,74 @@ pub enum WrenchError {
         /// Version of the file.
         version: u32,
     },
-    /// It was made for another sensor.
+    /// The calibration was made for another sensor.
     #[error(transparent)]
     MadeFor(#[from] CalibrationError),
-    /// A list is for another number of elements, or of something else.
-    #[error("{what}: {expected} expected, got {actual}")]
+    /// The length of a list is wrong.
+    #[error("{what}: expected {expected}, got {actual}")]
     Count {
-        /// What was counted.
+        /// Name of the list.
         what: String,
-        /// How many there must be.
+        /// Expected length.
         expected: usize,
-        /// How many there are.
+        /// Actual length.
         actual: usize,
     },
-    /// A value in the file cannot be used.
+    /// A value in the file is invalid.
     #[error("{field} = {value}: expected {expected}")]
     Value {
-        /// Where it stands.
+        /// Name of the field.
         field: String,
-        /// What stands there.
+        /// Value found.
         value: String,
-        /// What should.
+        /// Description of valid values.
         expected: &'static str,
     },
-    /// Its forces are too large or too small.
+    /// The forces are too large or too small.
     #[error(
-        "the largest force of the calibration is {largest} N; expected {} to {} N on a fingertip: were its forces in another unit? \
-         `feeler calibrate --wrench --confirm-loads` makes one of forces that are so",
+        "the largest force of the calibration is {largest} N; expected {} to {} N on a fingertip: were the forces in another unit? \
+         if they are correct, calibrate with `feeler calibrate --wrench --confirm-loads`",
         FINGERTIP_RANGE[0], FINGERTIP_RANGE[1]
     )]
     Magnitude {
-        /// The largest force that was measured, N.
+        /// The largest measured force, N.
         largest: f64,
     },
-    /// There are too few pictures to learn from.
+    /// There are too few usable images.
     #[error(
-        "at least {expected} pictures of lit elements with a measured wrench expected, got {actual}{why}"
+        "expected at least {expected} images of lit elements with a measured wrench, got {actual}{why}"
     )]
     TooFew {
-        /// Least number.
+        /// Minimum number of images.
         expected: usize,
-        /// How many there are.
+        /// Number of usable images.
         actual: usize,
-        /// Where the others are, if there are others.
+        /// Reason why other images are unusable; may be empty.
         why: String,
     },
-    /// What was measured does not change.
-    #[error("a force or torque that changes expected; every measured component is constant")]
+    /// All measured components are constant.
+    #[error("expected a force or torque that changes, but every measured component is constant")]
     Constant,
-    /// On data that it has not seen, no component is predicted better than by its mean.
+    /// No component is predicted better than by its mean on held-out data.
     #[error(
-        "the pictures explain nothing of what was measured: held-out R² above 0 expected, got {found}"
+        "the images do not predict the measured wrench: expected a held-out R² above 0, got {found}"
     )]
     ExplainsNothing {
         /// Each component with its R².
         found: String,
     },
-    /// The equations have no solution in finite numbers.
+    /// The regression has no finite solution.
     #[error(
-        "pictures and forces of finite numbers expected; the regression of {axis} has no solution"
+        "the regression of {axis} has no finite solution; check the images and forces for values that are not finite"
     )]
     Unsolvable {
         /// The component.
         axis: &'static str,
     },
-    /// A component is needed that was not calibrated.
-    #[error("f_x, f_y and f_z expected in the wrench calibration, {missing} is not there")]
+    /// A required component is not calibrated.
+    #[error("expected f_x, f_y and f_z in the wrench calibration, but {missing} is missing")]
     Missing {
-        /// The component.
+        /// The missing component.
         missing: &'static str,
     },
 }

@@ -1,4 +1,4 @@
-//! The wrench in each frame, on the control path.
+//! Estimates the wrench in each frame. Suitable for the control loop.
 
 use super::calibration::WrenchCalibration;
 use super::error::WrenchError;
@@ -12,31 +12,31 @@ use glam::DVec3;
 /// The wrench in one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WrenchEstimate {
-    /// Each component in the order of [`WrenchAxis::ALL`], N or N m, in the frame and of the sign of what was measured (see
-    /// [`wrench`](super)). None of a component that is not calibrated, and of all where over a tenth of the elements are dark or
-    /// saturated.
+    /// Components in the order of [`WrenchAxis::ALL`], N or N m, in the frame and with the sign of the measurements
+    /// (see [`wrench`](super)). `None` for components that are not calibrated, and for all if more than a tenth of the
+    /// elements are dark or saturated.
     pub components: [Option<f64>; AXES],
-    /// Whether the picture is like those of the calibration. Where it is not, the components are a guess at a straight line.
+    /// `true` if the image resembles those of the calibration. Otherwise the components are extrapolated.
     pub valid: bool,
-    /// How far the picture is from those of the calibration, as a share of what still counts as valid: up to 1. Infinite where too
-    /// little is lit.
+    /// Distance of the image from those of the calibration, relative to the limit: valid up to 1. Infinite if too few
+    /// elements are lit.
     pub novelty: f64,
 }
 
 impl WrenchEstimate {
-    /// A component, N or N m, if there is one.
+    /// Returns a component, N or N m, or `None` if unknown.
     pub fn component(&self, axis: WrenchAxis) -> Option<f64> {
         self.components[axis.index()]
     }
 
-    /// The force, N, if it is wholly calibrated and there is one.
+    /// Returns the force, N, or `None` if any of its components is unknown.
     pub fn force(&self) -> Option<DVec3> {
         let [x, y, z, ..] = self.components;
         Some(DVec3::new(x?, y?, z?))
     }
 }
 
-/// From what a picture says of all elements to the wrench on the fingertip. Everything is allocated when it is built.
+/// Estimates the wrench on the fingertip from the moments of all elements. Allocates only during construction.
 #[derive(Debug, Clone)]
 pub struct WrenchEstimator {
     calibration: WrenchCalibration,
@@ -44,11 +44,11 @@ pub struct WrenchEstimator {
 }
 
 impl WrenchEstimator {
-    /// Predicts by `calibration`. That it was made for the sensor is for the caller to check
-    /// ([`WrenchCalibration::check_made_for`]).
+    /// Creates an estimator. The caller must check that `calibration` was made for the sensor, with
+    /// [`WrenchCalibration::check_made_for`].
     ///
     /// # Errors
-    /// When a number in the calibration cannot be used.
+    /// If a number in the calibration is invalid.
     pub fn new(calibration: WrenchCalibration) -> Result<Self, WrenchError> {
         calibration.check()?;
         Ok(Self {
@@ -57,7 +57,7 @@ impl WrenchEstimator {
         })
     }
 
-    /// What it predicts by.
+    /// The calibration in use.
     pub fn calibration(&self) -> &WrenchCalibration {
         &self.calibration
     }
@@ -67,7 +67,7 @@ impl WrenchEstimator {
         self.features.len()
     }
 
-    /// Where the centroids are on the mean over the calibration's pictures.
+    /// Reference centroids: their means over the images of the calibration.
     pub fn reference(&self) -> Reference {
         let elements = self.calibration.model.elements.iter();
         Reference {
@@ -75,12 +75,12 @@ impl WrenchEstimator {
         }
     }
 
-    /// The wrench under which the elements read as they do, one reading for each. Neither allocates nor panics.
+    /// Estimates the wrench from one reading per element. Neither allocates nor panics.
     pub fn estimate(&mut self, readings: &[ElementReading]) -> WrenchEstimate {
         self.of_seen(readings.iter().map(usable))
     }
 
-    /// As [`Self::estimate`], of moments; none of an element that is dark or saturated.
+    /// Like [`Self::estimate`], but from moments: `None` for elements that are dark or saturated.
     pub fn of_seen(
         &mut self,
         seen: impl Iterator<Item = Option<ElementMoments>> + Clone,

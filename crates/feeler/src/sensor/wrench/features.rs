@@ -1,7 +1,7 @@
-//! What is regressed on: growth and displacement of every element, standardised.
+//! Regression features: standardised growth and displacement of every element.
 //!
-//! For each element, relative to its mean over the calibration's pictures (so that no unloaded picture is needed; the intercept takes
-//! what that changes):
+//! Features are relative to each element's mean over the images of the calibration, so that no unloaded image is
+//! needed; the intercept absorbs the difference:
 //!
 //! ```text
 //! growth         G/G_0 / m - 1      m = mean of G/G_0 over the elements: the picture's common gain
@@ -9,7 +9,7 @@
 //! displacement   u_x, u_y = c - c_0
 //! ```
 //!
-//! A lamp that dims changes `m` and no growth: a global gain is no force. Only plain growth sees it.
+//! A dimming lamp changes `m` but not the growth, because a global gain is not a force. Only plain growth is affected.
 
 use crate::sensor::exposure::Exposure;
 use crate::sensor::moments::ElementMoments;
@@ -20,48 +20,48 @@ use serde::{Deserialize, Serialize};
 /// Features of one element: growth, plain growth, displacement along x and along y.
 pub const PER_ELEMENT: usize = 4;
 
-/// Least number of elements over which a common gain can be told from what each feels.
+/// Minimum number of elements required to separate a common gain from the loads.
 pub const LEAST_FOR_GAIN: usize = 4;
 
-/// Largest magnitude of a standardised feature: predictions stay finite whatever arrives.
+/// Maximum magnitude of a standardised feature, which keeps predictions finite for any input.
 const FARTHEST: f64 = 1e6;
-/// Magnitude of a standardised feature up to which its square grows. Squares are for bends within what was calibrated; beyond, they
-/// would run away.
+/// Magnitude at which the square of a standardised feature saturates. Squares model curvature within the calibrated
+/// range; beyond it they would diverge.
 const FARTHEST_SQUARED: f64 = 4.0;
 
-/// How growth is counted.
+/// Definition of growth.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Growth {
-    /// It is not looked at.
+    /// Growth is not used.
     Ignored,
-    /// Relative to the picture's common gain: a lamp that dims changes nothing.
+    /// Relative to the common gain of the image: a dimming lamp has no effect.
     GainFree,
-    /// As it is: the overall brightness counts, and a lamp that dims looks like a force.
+    /// Absolute: overall brightness counts, and a dimming lamp looks like a force.
     Plain,
 }
 
-/// Which features a component is regressed on.
+/// Features used for the regression of a component.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Terms {
-    /// Growth of each element.
+    /// Use of each element's growth.
     pub growth: Growth,
-    /// Displacement of each element.
+    /// Use the displacement of each element.
     pub displacement: bool,
-    /// The square of each of these, too.
+    /// Also use the squares of these features.
     pub squares: bool,
 }
 
 impl Terms {
-    /// Number of terms of `elements` elements.
+    /// Number of terms for `elements` elements.
     pub fn count(self, elements: usize) -> usize {
         let kinds = self.kinds().count();
         let orders = if self.squares { 2 } else { 1 };
         orders * kinds * elements
     }
 
-    /// Places of the features among the [`PER_ELEMENT`] of an element.
+    /// Indices of the used features among the [`PER_ELEMENT`] of an element.
     pub fn kinds(self) -> impl Iterator<Item = usize> + Clone {
         let growth = match self.growth {
             Growth::Ignored => None,
@@ -72,8 +72,8 @@ impl Terms {
         growth.into_iter().chain(displacement)
     }
 
-    /// The terms of standardised `features`, in the order of the weights: for each element its features, then their squares. A
-    /// feature that there is not (NaN) has terms of 0, which say nothing. Does not allocate.
+    /// Returns the terms of standardised `features` in the order of the weights: for each element its features, then
+    /// their squares. Missing features (NaN) give terms of 0, which have no effect. Does not allocate.
     pub fn of(self, features: &[[f64; PER_ELEMENT]]) -> impl Iterator<Item = f64> {
         features.iter().flat_map(move |features| {
             let linear = self.kinds().map(move |kind| or_nothing(features[kind]));
@@ -87,7 +87,7 @@ fn or_nothing(feature: f64) -> f64 {
     if feature.is_nan() { 0.0 } else { feature }
 }
 
-/// The square of a standardised feature, centred and scaled as that of a normal deviate.
+/// Square of a standardised feature, centred and scaled as for a normal distribution.
 fn square(feature: f64) -> f64 {
     if feature.is_nan() {
         return 0.0;
@@ -96,7 +96,7 @@ fn square(feature: f64) -> f64 {
     (near * near - 1.0) * std::f64::consts::FRAC_1_SQRT_2
 }
 
-/// The moments of a reading, if they can be used.
+/// Returns the moments of a reading, or `None` if they cannot be used.
 pub fn usable(reading: &ElementReading) -> Option<ElementMoments> {
     let good = reading.exposure == Exposure::Good && reading.integrated_gray.is_finite();
     let centroid = reading
@@ -108,19 +108,19 @@ pub fn usable(reading: &ElementReading) -> Option<ElementMoments> {
     })
 }
 
-/// What is usual of one element over the calibration's pictures.
+/// Reference and statistics of one element over the images of the calibration.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ElementStandard {
-    /// Whether it is looked at: it was lit, and not saturated, in at least half of the pictures.
+    /// `true` if the element is used: it was lit and not saturated in at least half of the images.
     pub used: bool,
-    /// Mean integrated gray value G_0, grey levels times m² (px² in a layout in the picture's plane).
+    /// Mean integrated gray value G_0, gray levels times m² (px² for a planar layout).
     pub gray: f64,
     /// Mean centroid c_0, m (px) in x, y of the element's plane.
     pub centroid: DVec2,
     /// Mean of each feature.
     pub mean: [f64; PER_ELEMENT],
-    /// Standard deviation of each feature; a feature that never changed has 0, and says nothing.
+    /// Standard deviation of each feature; 0 for a constant feature, which is not used.
     pub scale: [f64; PER_ELEMENT],
 }
 
@@ -143,7 +143,7 @@ impl ElementStandard {
         })
     }
 
-    /// Features before they are standardised, for a picture of the common gain `gain`.
+    /// Features before standardisation, for an image with common gain `gain`.
     fn raw(&self, moments: &ElementMoments, gain: f64) -> [f64; PER_ELEMENT] {
         let growth = moments.integrated_gray / self.gray;
         let displacement = moments.centroid - self.centroid;
@@ -156,10 +156,10 @@ impl ElementStandard {
     }
 }
 
-/// Moments of the elements in one picture; none of an element that is dark or saturated.
+/// Moments of the elements in one image; `None` for elements that are dark or saturated.
 pub type Seen = [Option<ElementMoments>];
 
-/// What is usual of `elements` elements over `pictures`.
+/// Reference and statistics of `elements` elements over `pictures`.
 pub(super) fn standards<'a>(
     elements: usize,
     pictures: impl Iterator<Item = &'a Seen> + Clone,
@@ -196,7 +196,7 @@ pub(super) fn standards<'a>(
             let variance = (second / f64::max(count, 1.0) - mean * mean).max(0.0);
             let scale = variance.sqrt();
             standard.mean[kind] = mean;
-            // What is left by rounding is no scale.
+            // Rounding errors are not a scale.
             let least = 1e-9 * (1.0 + mean.abs());
             standard.scale[kind] = if scale > least { scale } else { 0.0 };
         }
@@ -204,7 +204,7 @@ pub(super) fn standards<'a>(
     standards
 }
 
-/// The mean of an element's moments, if at least half of `total` pictures have any.
+/// Mean of an element's moments, if at least half of `total` images contain them.
 fn reference(moments: impl Iterator<Item = ElementMoments>, total: usize) -> ElementStandard {
     let (mut count, mut gray, mut centroid) = (0, 0.0, DVec2::ZERO);
     for moments in moments {
@@ -223,7 +223,7 @@ fn reference(moments: impl Iterator<Item = ElementMoments>, total: usize) -> Ele
     }
 }
 
-/// Mean of G/G_0 over the elements that are used and seen; none where there is no such element.
+/// Mean of G/G_0 over the elements that are used and visible, or `None` if there are no such elements.
 fn common_gain(
     standards: &[ElementStandard],
     seen: impl Iterator<Item = Option<ElementMoments>>,
@@ -239,8 +239,8 @@ fn common_gain(
     (gain.is_finite() && gain > 0.0).then_some(gain)
 }
 
-/// Part of the elements that are used and not seen, after filling `features` with the standardised features of what is seen; those
-/// of an element that is not seen, or not used, are not numbers. 1 where nothing is seen. Neither allocates nor panics.
+/// Fills `features` with standardised features, or NaN for elements that are not used or not visible. Returns the
+/// fraction of used elements that are not visible, or 1 if no element is. Neither allocates nor panics.
 pub fn standardise(
     standards: &[ElementStandard],
     seen: impl Iterator<Item = Option<ElementMoments>> + Clone,

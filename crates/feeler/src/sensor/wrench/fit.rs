@@ -1,4 +1,4 @@
-//! A wrench calibration from pictures and what was measured under them.
+//! Fits a wrench calibration to images and measured wrenches.
 
 use super::blocks::recording_of;
 use super::calibration::{AxisModel, KIND, VERSION, WrenchCalibration, WrenchModel};
@@ -13,41 +13,41 @@ use super::{MeasuredWrench, WrenchAxis};
 use crate::sensor::made_for::MadeFor;
 use crate::sensor::moments::ElementMoments;
 
-/// Least number of pictures to learn a component from.
+/// Minimum number of images to fit a component.
 pub const LEAST_ROWS: usize = 10;
-/// Largest part of the elements that may be dark or saturated in a picture that is learned from, or predicted of.
+/// Maximum fraction of elements that may be dark or saturated in an image used for fitting or prediction.
 pub const MOST_MISSING: f64 = 0.1;
 
-/// One picture and the wrench under which it was taken.
+/// One image and the wrench measured at the same time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WrenchSample {
-    /// Index of the recording that it is part of.
+    /// Index of the recording.
     pub recording: usize,
-    /// Moments of each element; none of one that is dark or saturated.
+    /// Moments of each element; `None` if it is dark or saturated.
     pub seen: Vec<Option<ElementMoments>>,
-    /// What was measured.
+    /// Measured wrench.
     pub wrench: MeasuredWrench,
 }
 
-/// What came of fitting.
+/// Result of fitting.
 #[derive(Debug, Clone, PartialEq)]
 pub struct WrenchFit {
     /// The calibration.
     pub calibration: WrenchCalibration,
-    /// Components that were measured and are not in the calibration, as it explains nothing of them, with their R² on data that was
-    /// not seen (none where too little was measured to tell).
+    /// Measured components that are omitted because the calibration does not predict them, with their held-out R²
+    /// (`None` if there are too few measurements).
     pub left_out: Vec<(WrenchAxis, Option<f64>)>,
-    /// Pictures that were not learned from, as too many of their elements are dark or saturated.
+    /// Number of images that were not used because too many of their elements are dark or saturated.
     pub unusable: usize,
-    /// For each component of the calibration, in its order, what was predicted of each picture in which it was measured.
+    /// Held-out predictions for each component of the calibration, in its order.
     pub held_out: Vec<Vec<HeldOut>>,
 }
 
-/// Fits a calibration of what it is `made_for` to `samples`, which are in the order of time within each of the recordings called
-/// `recordings`. Components of which nothing is explained are left out, unless `keep_all`.
+/// Fits a calibration for `made_for` to `samples`, which must be in order of time within each recording. `recordings`
+/// contains the names of the recordings. Omits components that cannot be predicted, unless `keep_all`.
 ///
 /// # Errors
-/// When there are too few usable samples, nothing changes, or no component is explained.
+/// If there are too few usable samples, if all components are constant, or if no component can be predicted.
 pub fn fit(
     made_for: MadeFor,
     recordings: &[String],
@@ -103,7 +103,7 @@ pub fn fit(
     })
 }
 
-/// Refuses samples of another sensor, or of a recording without a name.
+/// Rejects samples of another sensor or of a recording without a name.
 fn check(
     made_for: &MadeFor,
     recordings: &[String],
@@ -127,7 +127,7 @@ fn check(
     Ok(())
 }
 
-/// The samples of whose elements few are missing.
+/// Samples in which at most [`MOST_MISSING`] of the elements are missing.
 fn lit<'a>(elements: usize, samples: &[&'a WrenchSample]) -> Vec<&'a WrenchSample> {
     let standards = standards(elements, samples.iter().map(|sample| &sample.seen[..]));
     let mut features = vec![[0.0; PER_ELEMENT]; elements];
@@ -138,14 +138,14 @@ fn lit<'a>(elements: usize, samples: &[&'a WrenchSample]) -> Vec<&'a WrenchSampl
     samples.iter().filter(|s| is_lit(s)).copied().collect()
 }
 
-/// The components that were measured at all.
+/// Components that were measured in any sample.
 fn measured(samples: &[&WrenchSample]) -> Vec<WrenchAxis> {
     let all = WrenchAxis::ALL.into_iter();
     let any = |axis: &WrenchAxis| samples.iter().any(|s| s.wrench[axis.index()].is_some());
     all.filter(any).collect()
 }
 
-/// The components that were measured often enough, and change.
+/// Components that were measured often enough and are not constant.
 fn changing(samples: &[&WrenchSample], unusable: usize) -> Result<Vec<WrenchAxis>, WrenchError> {
     let targets = WrenchAxis::ALL.map(|axis| target(samples, axis));
     let most = targets.iter().map(|target| target.rows.len()).max();
@@ -154,7 +154,7 @@ fn changing(samples: &[&WrenchSample], unusable: usize) -> Result<Vec<WrenchAxis
         let why = match unusable {
             0 => String::new(),
             count => {
-                format!("; in {count} more, over a tenth of the elements are dark or saturated")
+                format!("; in {count} others, over a tenth of the elements are dark or saturated")
             }
         };
         return Err(WrenchError::TooFew {
@@ -189,8 +189,9 @@ fn target(samples: &[&WrenchSample], axis: WrenchAxis) -> Target {
     }
 }
 
-/// Learns `axes` from `samples`, terms and penalties included; those that were measured too seldom in them are not in the model.
-/// Novelty is learned of the features `watched`, or else of growth and displacement of all elements; its limit is left open.
+/// Fits the components `axes` to `samples`, including the choice of terms and penalties. Omits components with too few
+/// measurements. The novelty model uses the features `watched`, or by default growth and displacement of all elements;
+/// its limit is not set.
 pub(super) fn learn(
     samples: &[&WrenchSample],
     axes: &[WrenchAxis],
@@ -235,9 +236,9 @@ pub(super) fn learn(
     })
 }
 
-/// What is looked at to tell another kind of load: growth and displacement of each of the `used` elements, whatever the components follow
-/// from. Under a load of another kind, spots may brighten as usual and move as they never did. Overall brightness is looked at where a
-/// component follows from it, or where there are too few elements to tell it from growth.
+/// Features for novelty detection: growth and displacement of each of the `used` elements, independently of the terms
+/// of the components. Under an unusual load, spots may brighten as usual but move differently. Overall brightness is
+/// included if a component depends on it, or if there are too few elements to separate it from growth.
 fn watched_of(models: &[AxisModel], used: usize) -> Terms {
     let plain = models
         .iter()

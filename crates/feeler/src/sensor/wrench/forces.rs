@@ -1,74 +1,75 @@
-//! The file of measured wrenches: which picture was taken under which total force and torque.
+//! Reads tables of measured wrenches: the total force and torque at the time of each image.
 //!
-//! A [`table`](crate::sensor::table) with a column `picture` (a file, relative to the CSV; or `FILE@TIME`, the frame of a recording or a video at a time in s), or
-//! with `recording` (an .mcap file or a video) and `time` (s) instead; and at least one of `f_x, f_y, f_z` (N) and `m_x, m_y, m_z` (N m), in any order,
-//! others ignored. A cell is empty where nothing was measured. A column `recording` beside `picture` says which pictures belong
-//! together; without one, names do ([`recordings`](super::recordings)).
+//! A [`table`](crate::sensor::table) with a column `picture` (a file relative to the CSV, or `FILE@TIME` for the frame
+//! of a recording or video at a time in s), or instead with columns `recording` (an .mcap file or a video) and `time`
+//! (s). It has at least one of `f_x, f_y, f_z` (N) and `m_x, m_y, m_z` (N m), in any order; other columns are ignored.
+//! A cell is empty if nothing was measured. A column `recording` next to `picture` groups the images; without it,
+//! images are grouped by name ([`recordings`](super::recordings)).
 
 use super::recordings::{number_names, recordings};
 use super::{AXES, MeasuredWrench, WrenchAxis};
 use crate::sensor::table::{NumberColumn, NumberError, Quantity, Table, TableError};
 use std::io::{BufRead, BufReader, Read};
 
-/// Why measured wrenches cannot be used.
+/// Error of reading measured wrenches.
 #[derive(Debug, thiserror::Error)]
 pub enum ForcesError {
-    /// The table, or a row of it, cannot be read.
+    /// The table or one of its rows cannot be read.
     #[error(transparent)]
     Table(#[from] TableError),
-    /// A column is not in the header.
+    /// The header lacks a column.
     #[error(
         "no column {column} in the header {header:?}, read with {separator} between cells; expected picture (or recording, time) and \
-         f_x, f_y, f_z, m_x, m_y, m_z or some of them"
+         at least one of f_x, f_y, f_z, m_x, m_y, m_z"
     )]
     Column {
-        /// The column that is missing.
+        /// The missing column.
         column: &'static str,
-        /// The header as it is.
+        /// The actual header.
         header: String,
-        /// What stands between its cells, in words.
+        /// The separator between cells, in words.
         separator: &'static str,
     },
-    /// There are no rows.
-    #[error("no forces: at least one row expected below the header")]
+    /// The table has no rows.
+    #[error("no forces: expected at least one row below the header")]
     Empty,
-    /// A field cannot be used.
+    /// A cell is invalid.
     #[error("line {line}: {field} = {value:?}; expected {expected}")]
     Field {
         /// Line in the file, from 1.
         line: u64,
         /// The column.
         field: &'static str,
-        /// What stands there.
+        /// Value found.
         value: String,
-        /// What should.
+        /// Description of valid values.
         expected: String,
     },
 }
 
-/// One row: a picture and what was measured when it was taken.
+/// One row: an image and the wrench measured when it was taken.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredPicture {
-    /// File of the picture, or `FILE@TIME`, as it stands in the CSV.
+    /// File of the image or `FILE@TIME`, as in the CSV.
     pub picture: String,
-    /// Line of the row.
+    /// Line number of the row.
     pub line: u64,
-    /// Index of the recording that it is part of.
+    /// Index of the recording.
     pub recording: usize,
-    /// What was measured.
+    /// Measured wrench.
     pub wrench: MeasuredWrench,
 }
 
-/// All rows, in the order of time within each recording.
+/// All rows, in order of time within each recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct MeasuredForces {
-    /// Name of each recording.
+    /// Names of the recordings.
     pub recordings: Vec<String>,
-    /// The pictures, recording by recording.
+    /// The images, recording by recording.
     pub pictures: Vec<MeasuredPicture>,
 }
 
-/// Where the columns are.
+/// Indices of the columns.
 struct Columns {
     picture: Option<usize>,
     recording: Option<usize>,
@@ -109,7 +110,7 @@ impl Columns {
         }
     }
 
-    /// Name of the newest row's picture.
+    /// Image name in the current row.
     fn picture<R: BufRead>(
         &self,
         table: &Table<R>,
@@ -132,15 +133,15 @@ impl Columns {
                 "recording"
             },
             value: text(self.picture).into_owned(),
-            expected: "the file of a picture or a recording".into(),
+            expected: "an image file or a recording".into(),
         })
     }
 }
 
-/// Reads measured wrenches.
+/// Reads a table of measured wrenches.
 ///
 /// # Errors
-/// Names line, field, value and what was expected.
+/// Returns [`ForcesError`] with line, field, value and the expected values.
 pub fn read_forces(text: impl Read) -> Result<MeasuredForces, ForcesError> {
     let mut table = Table::open(BufReader::new(text))?;
     let columns = Columns::of(&mut table)?;
@@ -178,7 +179,7 @@ pub fn read_forces(text: impl Read) -> Result<MeasuredForces, ForcesError> {
     Ok(in_order(pictures, by_name, &named, &times))
 }
 
-/// The rows recording by recording, in the order of time.
+/// Sorts the rows by recording and time.
 fn in_order(
     mut pictures: Vec<MeasuredPicture>,
     by_name: bool,
@@ -211,15 +212,15 @@ fn in_order(
     }
 }
 
-/// The number in a column of the newest row.
+/// Returns the number in a column of the current row.
 fn number<R: BufRead>(
     table: &Table<R>,
     field: &'static str,
     column: NumberColumn,
 ) -> Result<f64, ForcesError> {
-    /// Far beyond any force or time, and far below where sums of squares overflow.
+    /// Maximum magnitude: far above any force or time and far below overflow of sums of squares.
     const LARGEST: f64 = 1e12;
-    const EXPECTED: &str = "a finite number, or nothing where it was not measured";
+    const EXPECTED: &str = "a finite number, or an empty cell if not measured";
     let expected = match table.number(column) {
         Ok(number) if number.abs() <= LARGEST => return Ok(number),
         Ok(_) | Err(NumberError::NotANumber) => EXPECTED.into(),
@@ -262,7 +263,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_wrong_is_named() {
+    fn errors_name_the_problem() {
         for (text, words) in [
             ("f_x\n1\n", "no column picture"),
             ("recording,f_x\na,1\n", "no column time"),
@@ -292,7 +293,7 @@ mod tests {
     }
 
     proptest! {
-        /// Whatever arrives is read or refused, and what is read is in order.
+        /// Arbitrary text is either read, in order, or rejected.
         #[test]
         fn hostile_text_is_read_or_refused(text in "(picture|recording|f_x|time|[a-z0-9,\n\"#.@/ -]){0,40}") {
             if let Ok(forces) = read_forces(text.as_bytes()) {

@@ -1,15 +1,16 @@
-//! The wrench on a whole fingertip, from all elements together.
+//! Wrench on a whole fingertip, estimated from all elements together.
 //!
-//! Most laboratories have one force sensor under the whole fingertip and cannot load single elements. A wrench calibration learns from
-//! pictures and what that sensor measured at the same time: ridge regression of each component on all elements' growth and
-//! displacement ([`features`]), with penalty and terms chosen by cross-validation in blocks of time ([`mod@fit`]), judged on data that
-//! no part of it has seen ([`quality`]). [`forces`] reads what was measured, [`calibration`] is the file, [`estimator`] predicts on the
-//! control path, and [`sensor`] puts it behind a camera as a fingertip of one element.
+//! Most laboratories have one force sensor under the whole fingertip and cannot load single elements. A wrench
+//! calibration is fitted to images and simultaneous measurements of that sensor. Each component is a ridge regression
+//! on the growth and displacement of all elements ([`features`]), with terms and penalty chosen by cross-validation
+//! over blocks of time ([`mod@fit`]), and evaluated on held-out data ([`quality`]). [`forces`] reads the measurements,
+//! [`calibration`] defines the file, [`estimator`] estimates wrenches in the control loop, and [`sensor`] combines it
+//! with a camera to a fingertip of one element.
 //!
 //! # Frame and sign
 //!
-//! A wrench is predicted in the frame in which it was measured, and of whatever sign. Where it has to mean something, in [`sensor`],
-//! the force is that on the fingertip by what it touches, in a frame whose z axis points outward along the dome's axis.
+//! A wrench is estimated in the frame and with the sign of the measurements. Only [`sensor`] requires a convention: the
+//! force on the fingertip by the object, in a frame whose z axis points outward along the dome's axis.
 
 mod blocks;
 pub mod calibration;
@@ -63,7 +64,7 @@ pub enum WrenchAxis {
 }
 
 impl WrenchAxis {
-    /// All components, in the order in which they are written.
+    /// All components, in file order.
     pub const ALL: [Self; AXES] = [
         Self::ForceX,
         Self::ForceY,
@@ -73,17 +74,17 @@ impl WrenchAxis {
         Self::TorqueZ,
     ];
 
-    /// Place in [`Self::ALL`].
+    /// Index in [`Self::ALL`].
     pub fn index(self) -> usize {
         self as usize
     }
 
-    /// Name of its column.
+    /// Column name.
     pub fn name(self) -> &'static str {
         ["f_x", "f_y", "f_z", "m_x", "m_y", "m_z"][self as usize]
     }
 
-    /// What it is of.
+    /// Physical quantity.
     pub fn quantity(self) -> Quantity {
         match self {
             Self::ForceX | Self::ForceY | Self::ForceZ => Quantity::Force,
@@ -91,7 +92,7 @@ impl WrenchAxis {
         }
     }
 
-    /// Its unit.
+    /// Unit.
     pub fn unit(self) -> &'static str {
         match self {
             Self::ForceX | Self::ForceY | Self::ForceZ => "N",
@@ -100,5 +101,5 @@ impl WrenchAxis {
     }
 }
 
-/// A measured wrench: forces in N, torques in N m, none where one was not measured.
+/// A measured wrench: forces in N and torques in N m, `None` for components that were not measured.
 pub type MeasuredWrench = [Option<f64>; AXES];

@@ -1,7 +1,8 @@
-//! How far a picture is from those of the calibration.
+//! Distance of an image from those of the calibration.
 //!
-//! Probabilistic principal components (Tipping and Bishop, J. R. Stat. Soc. B 61, 1999): features vary along few directions, each
-//! with its variance, and by one variance in all others. The distance is Mahalanobis', a share of its root mean square:
+//! Probabilistic principal component analysis (Tipping and Bishop, J. R. Stat. Soc. B 61, 1999): features vary along
+//! few principal directions, each with its own variance, and with a common variance in all others. The distance is the
+//! Mahalanobis distance divided by its root mean square:
 //!
 //! ```text
 //! d² = (sum_k t_k² / v_k + (|z|² - sum_k t_k²) / s²) / p
@@ -12,44 +13,45 @@ use super::features::{PER_ELEMENT, Terms};
 use nalgebra::{DMatrix, SymmetricEigen};
 use serde::{Deserialize, Serialize};
 
-/// Part of the variance that the principal directions have together.
+/// Fraction of the variance explained by the principal directions.
 const PART: f64 = 0.95;
-/// Most principal directions.
+/// Maximum number of principal directions.
 pub(super) const MOST_DIRECTIONS: usize = 12;
-/// Part of the calibration's pictures whose distance from those of other blocks of time says what is near: a few are far from all others.
+/// Quantile of the distances between the calibration's images and other blocks of time that counts as near; a few
+/// images are far from all others.
 pub(super) const NEAR: f64 = 0.9;
-/// How many times as far as these still counts as near.
+/// Factor on that distance up to which an image still counts as near.
 pub(super) const MARGIN: f64 = 1.25;
-/// Least variance, as standardised features have 1: what is left by rounding is none.
+/// Minimum variance of a direction, relative to 1 for standardised features; smaller ones are rounding errors.
 const LEAST_VARIANCE: f64 = 1e-6;
 
-/// What pictures like those of the calibration look like.
+/// Distribution of the images of the calibration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Novelty {
-    /// The features that are looked at: growth and displacement of each element, whatever the components follow from.
+    /// Features used: growth and displacement of each element, independently of the terms of the components.
     pub terms: Terms,
-    /// Distance up to which a picture is like those of the calibration: five quarters of that up to which nine tenths of the
-    /// calibration's pictures are from those of other blocks of time.
+    /// Distance up to which an image resembles those of the calibration: 1.25 times the distance within which 90 % of
+    /// the calibration's images are from other blocks of time.
     pub limit: f64,
-    /// Variance in each direction but the principal ones.
+    /// Variance in each direction other than the principal ones.
     pub rest: f64,
     /// The principal directions.
     pub directions: Vec<Direction>,
 }
 
-/// One direction in which features vary.
+/// A principal direction.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Direction {
-    /// Variance along it.
+    /// Variance along the direction.
     pub variance: f64,
-    /// Unit vector: a number for each term.
+    /// Unit vector, with one number per term.
     pub along: Vec<f64>,
 }
 
 impl Novelty {
-    /// Of the features of `rows`, whose mean is 0; the limit is for the caller to find.
+    /// Fits the distribution to the features of `rows`, whose mean is 0. The caller sets the limit.
     pub(super) fn learn(features: &Features, rows: &[usize], terms: Terms) -> Self {
         let terms = Terms {
             squares: false,
@@ -70,7 +72,8 @@ impl Novelty {
         }
     }
 
-    /// Distance of standardised `features` from those of the calibration; some 1 for one of them. Neither allocates nor panics.
+    /// Distance of standardised `features` from those of the calibration; about 1 for its own images. Neither allocates
+    /// nor panics.
     pub fn distance(&self, features: &[[f64; PER_ELEMENT]]) -> f64 {
         let values = self.terms.of(features);
         let (mut total, mut count) = (0.0, 0.0_f64);
@@ -89,7 +92,7 @@ impl Novelty {
     }
 }
 
-/// The directions of most variance of `rows`, a row each, that have the [`PART`] of `total` together.
+/// Directions of largest variance of `rows`, up to a fraction [`PART`] of the `total` variance.
 fn principal(rows: &DMatrix<f64>, total: f64, most: usize) -> Vec<Direction> {
     let dual = rows.nrows() <= rows.ncols();
     let gram = match dual {

@@ -1,28 +1,28 @@
-//! How far a wrench calibration can be trusted: errors on pictures that it has not seen.
+//! Quality of a wrench calibration: errors on held-out images.
 
 use super::WrenchAxis;
 use crate::sensor::calibration_fit::outlier::{LEAST_SHARE, MISTYPED, robust_deviation};
 use serde::{Deserialize, Serialize};
 
-/// Least number of readings while the load grew, and while it fell, that tell hysteresis.
+/// Minimum number of readings with growing and with falling load to estimate hysteresis.
 const LEAST_CYCLED: usize = 3;
 
-/// Errors (predicted less measured) on pictures that the prediction has not seen, N or N m.
+/// Errors (predicted minus measured) on held-out images, N or N m.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Errors {
-    /// Number of pictures.
+    /// Number of images.
     pub rows: usize,
-    /// Root mean square.
+    /// Root mean square error.
     pub rmse: f64,
-    /// Mean magnitude.
+    /// Mean absolute error.
     pub mae: f64,
-    /// Mean: where a whole recording was left out, the drift between recordings.
+    /// Mean error; if a whole recording was held out, the drift between recordings.
     pub bias: f64,
 }
 
 impl Errors {
-    /// Of these errors; none where there are none.
+    /// Summarizes `errors`. Returns `None` if empty.
     pub fn of(errors: impl IntoIterator<Item = f64>) -> Option<Self> {
         let (mut rows, mut squares, mut magnitudes, mut sum) = (0, 0.0, 0.0, 0.0);
         for error in errors {
@@ -47,64 +47,66 @@ impl Errors {
 pub struct RecordingQuality {
     /// Name of the recording.
     pub name: String,
-    /// Blocks of time left out, the rest of the recording known.
+    /// Errors with blocks of time held out and the rest of the recording used for training.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub blocks: Option<Errors>,
-    /// The whole recording left out; none where there is no other to learn from.
+    /// Errors with the whole recording held out, or `None` if there is no other recording.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub left_out: Option<Errors>,
 }
 
-/// How far one component is off.
+/// Errors of one component.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AxisQuality {
     /// The component.
     pub axis: WrenchAxis,
-    /// Least and greatest that was measured, N or N m.
+    /// Minimum and maximum of the measured values, N or N m.
     pub range: [f64; 2],
-    /// Root mean square error of predicting the mean of what was measured, N or N m.
+    /// Root mean square error of predicting the mean of the measured values, N or N m.
     pub mean_rmse: f64,
-    /// Blocks of time left out. Everything is learnt anew without them, the choice of terms and penalty included.
+    /// Errors with blocks of time held out. Everything is refitted without them, including the choice of terms and
+    /// penalty.
     pub blocks: Errors,
-    /// Part of the variance that is explained, blocks left out: 1 is all of it, 0 as much as the mean explains.
+    /// R² with blocks held out: 1 for perfect predictions, 0 for predictions no better than the mean.
     pub r2: f64,
-    /// Mean error while the magnitude grew less that while it fell, blocks left out, N or N m; none where too few pictures tell.
+    /// Mean error under growing load minus that under falling load, blocks held out, N or N m. `None` if there are too
+    /// few images.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hysteresis: Option<f64>,
-    /// By recording.
+    /// Errors by recording.
     pub recordings: Vec<RecordingQuality>,
 }
 
 impl AxisQuality {
-    /// `error` in % of the measured range.
+    /// Returns `error` in % of the measured range.
     pub fn percent(&self, error: f64) -> f64 {
         100.0 * error / (self.range[1] - self.range[0])
     }
 
-    /// Whether predictions are nearer to what was measured than its mean is.
+    /// Returns `true` if predictions are better than the mean of the measured values.
     pub fn explains(&self) -> bool {
         self.r2 > 0.0
     }
 }
 
-/// One component in one picture: what was measured, and what is predicted by what has not seen it, N or N m.
+/// Measured value and held-out predictions of one component in one image, N or N m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldOut {
     /// Index of the recording.
     pub recording: usize,
-    /// What was measured.
+    /// Measured value.
     pub measured: f64,
-    /// Predicted without the picture's block of time.
+    /// Prediction without the image's block of time.
     pub by_blocks: Option<f64>,
-    /// Predicted without the picture's recording.
+    /// Prediction without the image's recording.
     pub by_recording: Option<f64>,
 }
 
-/// The measured value that is farthest from what is predicted of it, if it is out of proportion, as a mistyped one is: by more than
-/// 15 standard deviations of the errors, and a tenth of the range of the other values.
+/// Returns the measured value farthest from its prediction if it is likely mistyped: off by more than 15 standard
+/// deviations of the errors and by more than a tenth of the range of the other values.
 pub fn outlier(held_out: &[HeldOut]) -> Option<HeldOut> {
-    /// Least values among which one can be told from the others.
+    /// Minimum number of values required to detect an outlier.
     const LEAST_ROWS: usize = 30;
     let error = |h: &HeldOut| Some((h.by_blocks? - h.measured).abs());
     let usual = robust_deviation(held_out.iter().filter_map(error));
@@ -126,7 +128,8 @@ pub fn outlier(held_out: &[HeldOut]) -> Option<HeldOut> {
     is_far.then_some(held_out[worst])
 }
 
-/// The quality of `axis` by what was predicted of it, in the order of time; none where nothing was.
+/// Computes the quality of `axis` from held-out predictions in order of time. Returns `None` if there are no
+/// predictions.
 pub(super) fn judge(
     axis: WrenchAxis,
     held_out: &[HeldOut],
@@ -163,7 +166,7 @@ pub(super) fn judge(
     })
 }
 
-/// Mean error while the magnitude grows less that while it falls.
+/// Mean error under growing load minus that under falling load.
 fn hysteresis(held_out: &[HeldOut]) -> Option<f64> {
     let (mut growing, mut falling) = (Vec::new(), Vec::new());
     for pair in held_out.windows(2) {

@@ -1,18 +1,18 @@
-//! Which pictures were taken one after the other: by folder and name, where nothing else says so.
+//! Groups images into recordings by folder and file name.
 
 use std::collections::HashMap;
 
-/// Where a picture stands in time.
+/// Recording and order of an image, derived from its name.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct PlaceInTime {
-    /// The recording that it is part of.
+    /// The recording that contains the image.
     pub recording: String,
-    /// The number at the end of its name, which gives the order in the recording.
+    /// The number at the end of the name, which gives the order in the recording.
     pub number: Option<u64>,
 }
 
-/// The recording and the number in the name of `picture`: `images/press_3_0042.png` is number 42 of `images/press_3`; `0042.png` in a
-/// folder is number 42 of the folder.
+/// Splits the name of an image into recording and number: `images/press_3_0042.png` is number 42 of `images/press_3`,
+/// and `a/0042.png` is number 42 of `a`.
 pub fn place_in_time(picture: &str) -> PlaceInTime {
     let (folder, file) = match picture.rfind(['/', '\\']) {
         Some(end) => (&picture[..end], &picture[end + 1..]),
@@ -33,9 +33,11 @@ pub fn place_in_time(picture: &str) -> PlaceInTime {
     PlaceInTime { recording, number }
 }
 
-/// The recordings of `pictures`: the name of each recording, and of each picture the recording and its place in the order of time.
+/// Groups `pictures` into recordings. Returns the name of each recording, and for each image its recording and its
+/// position in order of time.
 ///
-/// Names that tell no recordings apart (each picture would be one of its own) count as one recording in the order given.
+/// If names do not distinguish recordings (nearly every image would be a recording), all images form one recording in
+/// the given order.
 pub fn recordings<'a>(pictures: impl Iterator<Item = &'a str>) -> (Vec<String>, Vec<(usize, u64)>) {
     let places: Vec<_> = pictures.map(place_in_time).collect();
     let (names, of) = number_names(places.iter().map(|place| place.recording.as_str()));
@@ -43,7 +45,7 @@ pub fn recordings<'a>(pictures: impl Iterator<Item = &'a str>) -> (Vec<String>, 
         let order = (0..places.len()).map(|place| (0, place as u64));
         return (vec!["all".into()], order.collect());
     }
-    // The order given, in a recording whose names lack a number.
+    // In a recording with names without a number, keep the given order.
     let mut numbered = vec![true; names.len()];
     for (place, &recording) in places.iter().zip(&of) {
         numbered[recording] &= place.number.is_some();
@@ -56,7 +58,7 @@ pub fn recordings<'a>(pictures: impl Iterator<Item = &'a str>) -> (Vec<String>, 
     (names, order.collect())
 }
 
-/// The different names in the order of their first mention, and which of them each is.
+/// Returns the distinct names in order of first occurrence, and the index of each name among them.
 pub fn number_names<'a>(names: impl Iterator<Item = &'a str>) -> (Vec<String>, Vec<usize>) {
     let mut numbers: HashMap<&str, usize> = HashMap::new();
     let mut different = Vec::new();
@@ -76,7 +78,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn names_tell_recordings_and_their_order() {
+    fn groups_and_orders_images_by_name() {
         for (picture, recording, number) in [
             ("images/press_3_0042.png", "images/press_3", Some(42)),
             ("a/0042.png", "a", Some(42)),

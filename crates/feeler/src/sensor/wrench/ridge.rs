@@ -1,21 +1,21 @@
-//! Ridge regression: its errors on rows left out, for many penalties at once, and its weights for one.
+//! Ridge regression, with fast cross-validation for many penalties.
 
 use super::blocks::Fold;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-/// Eigenvalues below this part of the largest are rounding.
+/// Eigenvalues below this fraction of the largest are rounding errors.
 const LEAST_EIGENVALUE: f64 = 1e-12;
 
-/// Columns of features, centred, in the directions in which rows differ: `Z Zᵀ = U diag(d) Uᵀ`.
+/// Eigendecomposition of the centred features: `Z Zᵀ = U diag(d) Uᵀ`.
 pub(super) struct Spectrum {
-    /// One row for each row of features, one column for each direction.
+    /// `U`: one row for each row of features, one column for each direction.
     directions: DMatrix<f64>,
     eigenvalues: Vec<f64>,
 }
 
 impl Spectrum {
-    /// Of `features` (rows times terms), which it centres. The smaller of the two Gram matrices is decomposed, so that more terms than
-    /// rows cost no more than rows do.
+    /// Decomposes `features` (rows times terms) after centring. Uses the smaller of the two Gram matrices, so that the
+    /// cost is bounded by the number of rows even for many terms.
     pub fn new(mut features: DMatrix<f64>) -> Self {
         centre(&mut features);
         let (rows, terms) = features.shape();
@@ -46,12 +46,12 @@ impl Spectrum {
         }
     }
 
-    /// The error (predicted less measured) of each row of `measured` that a fold holds out, by a regression of this penalty on the
-    /// rows that the fold does not hide; none where a row is held out by no fold.
+    /// Returns the cross-validation error (predicted minus measured) of each row, or `None` for rows that no fold holds
+    /// out. Each prediction comes from a regression on the rows that the fold does not hide.
     ///
-    /// Exact without another regression: with the hat matrix H of all rows and the residuals r = y - H y, the errors of the hidden
-    /// rows S are `-(I - H_SS)⁻¹ r_S` (Cook and Weisberg, Residuals and Influence in Regression, 1982, section 2.2), for ridge
-    /// regression as well.
+    /// Exact without refitting: with the hat matrix H of all rows and the residuals r = y - H y, the errors of the
+    /// hidden rows S are `-(I - H_SS)⁻¹ r_S` (Cook and Weisberg, Residuals and Influence in Regression, 1982, section
+    /// 2.2), which also holds for ridge regression.
     pub fn errors(
         &self,
         measured: &[f64],
@@ -90,8 +90,8 @@ impl Spectrum {
     }
 }
 
-/// Intercept and weights of the regression of `measured` on `features` (rows times terms) with this penalty on the squares of the
-/// weights; none where the equations have no finite solution.
+/// Ridge regression of `measured` on `features` (rows times terms). Returns intercept and weights, or `None` if there
+/// is no finite solution.
 pub(super) fn regress(
     mut features: DMatrix<f64>,
     measured: &[f64],
@@ -114,7 +114,7 @@ pub(super) fn regress(
     finite.then(|| (intercept, weights.iter().copied().collect()))
 }
 
-/// Takes the mean off each column; the means.
+/// Subtracts the mean from each column. Returns the means.
 fn centre(features: &mut DMatrix<f64>) -> DVector<f64> {
     let rows = features.nrows().max(1) as f64;
     let means: Vec<f64> = features
@@ -144,9 +144,10 @@ mod tests {
         (features, measured)
     }
 
-    /// The closed form equals leaving the rows out and fitting again, with more terms than rows and with fewer, to rounding.
+    /// The closed form equals refitting without the held-out rows, up to rounding, with more and with fewer terms than
+    /// rows.
     #[test]
-    fn errors_are_those_of_fits_that_have_not_seen_the_rows() {
+    fn errors_equal_those_of_refitting_without_the_rows() {
         for (rows, terms) in [(40, 7), (23, 60)] {
             let (features, measured) = drawn(rows, terms, 5);
             let folds = blocks(&vec![0; rows], 4);
@@ -169,10 +170,10 @@ mod tests {
         }
     }
 
-    /// With hardly any penalty and little noise, the law that made the data: noise of 0.1 over 400 rows leaves some 0.006 in a weight
-    /// (0.1 / sqrt(3) over sqrt(400 / 3) is 0.005).
+    /// With little penalty and noise, recovers the weights that generated the data. Noise of 0.1 over 400 rows gives an
+    /// error of about 0.005 in a weight (0.1 / sqrt(3) over sqrt(400 / 3)).
     #[test]
-    fn weights_are_those_of_the_law() {
+    fn recovers_the_weights() {
         let (features, measured) = drawn(400, 3, 7);
         let (intercept, weights) = regress(features, &measured, 1e-9).unwrap();
         for (found, law) in [intercept, weights[0], weights[1], weights[2]]

@@ -1,4 +1,4 @@
-//! A camera and a wrench calibration as a tactile sensor of one element.
+//! Tactile sensor of one element, from a camera and a wrench calibration.
 
 use super::WrenchAxis;
 use super::error::WrenchError;
@@ -9,18 +9,20 @@ use crate::sensor::reading::{NO_FORCE, SensorError, TactileFrame, TactileSensor}
 use crate::sensor::sensing::{ElementReading, SensingChain, SensingError};
 use glam::{DMat3, DVec3};
 
-/// Novelty beyond which there is no force: a hand does not stop for a picture that is a little unusual, but for one of something else.
+/// Novelty above which no force is reported. A slightly unusual image does not stop the hand; an image of something
+/// else does.
 const FARTHEST_NOVELTY: f64 = 2.0;
 
-/// A fingertip that feels one force: that on all of it.
+/// A fingertip that measures only the total force.
 ///
-/// Its one element sits at the apex, its normal along the dome's axis. The calibration's force f is that on the fingertip by what it
-/// touches, in a frame whose z points outward along the dome's axis: what presses pushes inward, so that `f_z` is below zero. An
-/// element's z is compression, positive when pressed; the element's force is therefore `(f_x, f_y, -f_z)`. Where the force was measured
-/// in another frame, or that on the object, [`with_axes`](Self::with_axes) says how it is turned into this one.
+/// Its single element is at the apex, with the normal along the dome's axis. The calibrated force f acts on the
+/// fingertip by the object, in a frame whose z axis points outward along the dome's axis; pressing therefore gives a
+/// negative `f_z`. Since an element's z is compression, positive when pressed, the element's force is `(f_x, f_y,
+/// -f_z)`. If the force was measured in another frame or on the object, use [`with_axes`](Self::with_axes).
 ///
-/// There is no force ([`NO_FORCE`], which stops the hand) where too little is lit, and in a picture that is more than twice as far from
-/// those of the calibration as is valid: a force there would be made up. In between it is extrapolated. Everything is allocated when it is built; [`read`](TactileSensor::read) allocates nothing.
+/// Reports [`NO_FORCE`], which stops the hand, if too few elements are lit or if the image's novelty is above 2, since
+/// a force would be unreliable. For a novelty between 1 and 2, the force is extrapolated. Allocates only during
+/// construction; [`read`](TactileSensor::read) does not allocate.
 #[derive(Debug)]
 pub struct WrenchSensor<C> {
     camera: C,
@@ -33,10 +35,11 @@ pub struct WrenchSensor<C> {
 }
 
 impl<C: Camera> WrenchSensor<C> {
-    /// Senses the pictures of `camera` by `sensing` and turns what it reads into a force by `estimator`.
+    /// Creates a sensor that computes moments of the images of `camera` with `sensing` and estimates the force with
+    /// `estimator`.
     ///
     /// # Errors
-    /// When the two are of different numbers of elements, or `f_x`, `f_y` or `f_z` is not calibrated.
+    /// If `sensing` and `estimator` have different numbers of elements, or if `f_x`, `f_y` or `f_z` is not calibrated.
     pub fn new(
         camera: C,
         sensing: SensingChain,
@@ -72,8 +75,8 @@ impl<C: Camera> WrenchSensor<C> {
         })
     }
 
-    /// With `axes` times a calibrated force being the force on the fingertip in a frame whose z points outward along the dome's axis:
-    /// a rotation, times -1 where the force on the object was measured.
+    /// Sets the matrix that converts a calibrated force to the force on the fingertip, in a frame whose z axis points
+    /// outward along the dome's axis: a rotation, multiplied by -1 if the force on the object was measured.
     #[must_use]
     pub fn with_axes(self, axes: DMat3) -> Self {
         Self { axes, ..self }
@@ -84,31 +87,31 @@ impl<C: Camera> WrenchSensor<C> {
         &self.camera
     }
 
-    /// The camera, to be set up or, in a simulation, to be moved on.
+    /// Mutable access to the camera, to configure it or to advance a simulated one.
     pub fn camera_mut(&mut self) -> &mut C {
         &mut self.camera
     }
 
-    /// The wrench of the last reading, in the frame in which it was calibrated; none before the first.
+    /// The wrench of the last reading in the calibrated frame, or `None` before the first.
     pub fn estimate(&self) -> Option<&WrenchEstimate> {
         self.estimate.as_ref()
     }
 }
 
-/// The force on the fingertip by what it touches, in a frame whose z points outward along the dome's axis, as that at an element there:
-/// z is compression.
+/// Converts the force on the fingertip by the object, in a frame whose z axis points outward along the dome's axis, to
+/// an element's force, whose z is compression.
 pub fn element_force(on_fingertip: DVec3) -> DVec3 {
     DVec3::new(on_fingertip.x, on_fingertip.y, -on_fingertip.z)
 }
 
-/// Why a picture could not be sensed, as a sensor says it.
+/// Converts a sensing error to a sensor error.
 fn not_sensed(error: SensingError) -> SensorError {
     match error {
         SensingError::ElementCount {
             expected, actual, ..
         } => SensorError::ElementCount { expected, actual },
         SensingError::Moments(error) => error.into(),
-        // The rest is found where a chain is built.
+        // The other errors occur only when a chain is built.
         built @ (SensingError::Fingertip(_) | SensingError::Calibration(_)) => {
             CameraError::Failed(built.to_string()).into()
         }

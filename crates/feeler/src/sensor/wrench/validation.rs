@@ -1,4 +1,4 @@
-//! Predictions of what was not seen, by models that are learned anew without it.
+//! Validates a wrench calibration: predictions of held-out samples by refitted models.
 
 use super::WrenchAxis;
 use super::blocks::{Fold, blocks, recording_of, recordings};
@@ -9,27 +9,27 @@ use super::novelty::NEAR;
 use super::quality::{AxisQuality, HeldOut, judge};
 use std::thread;
 
-/// Blocks of time that each recording is cut into.
+/// Number of blocks of time per recording.
 const BLOCKS: usize = 5;
-/// Most times that recordings are left out.
+/// Maximum number of folds of held-out recordings.
 const MOST_RECORDINGS: usize = 10;
 
-/// What is known of a calibration's errors.
+/// Validation results of a calibration.
 pub(super) struct Validated {
     axes: Vec<(AxisQuality, Vec<HeldOut>)>,
-    /// Distance of each sample from those of other blocks.
+    /// Distance of each sample from the samples of other blocks.
     distances: Vec<f64>,
 }
 
 impl Validated {
-    /// The quality of a component, and what was predicted of it, if anything was.
+    /// Returns the quality of a component and its held-out predictions, or `None` if it was not validated.
     pub fn of(&self, axis: WrenchAxis) -> Option<(&AxisQuality, &[HeldOut])> {
         let found = self.axes.iter().find(|(quality, _)| quality.axis == axis);
         found.map(|(quality, held_out)| (quality, &held_out[..]))
     }
 
-    /// Distance up to which a part [`NEAR`] of the samples is from those of other blocks; 1, which is usual by definition, if none
-    /// is known.
+    /// Distance within which a fraction [`NEAR`] of the samples is from those of other blocks; 1, the usual distance by
+    /// definition, if unknown.
     pub fn near(&self) -> f64 {
         let distances = self.distances.iter().copied();
         let mut distances: Vec<f64> = distances.filter(|d| d.is_finite() && *d > 0.0).collect();
@@ -40,7 +40,7 @@ impl Validated {
     }
 }
 
-/// What `model` would have predicted of each sample without its block, and without its recording.
+/// Predicts each sample with models refitted without its block and without its recording.
 pub(super) fn validate(
     samples: &[&WrenchSample],
     model: &WrenchModel,
@@ -70,15 +70,15 @@ pub(super) fn validate(
     }
 }
 
-/// What a model says of a sample that it was not learned from.
+/// Held-out prediction of a sample.
 #[derive(Clone)]
 struct Predicted {
-    /// Each component of the whole model; none where too little is known of it without the fold.
+    /// Each component of the whole model; `None` if there is too little data without the fold.
     values: Vec<Option<f64>>,
     distance: f64,
 }
 
-/// What is predicted of each sample by a model of the same components, learned without the fold that holds it out.
+/// Predicts each sample with a model of the same components, fitted without the fold that holds it out.
 fn held_out(
     samples: &[&WrenchSample],
     whole: &WrenchModel,
@@ -92,7 +92,7 @@ fn held_out(
                 .iter()
                 .map(|fold| scope.spawn(|| predict_fold(samples, whole, fold)));
             let running: Vec<_> = running.collect();
-            // A thread that ended badly has predicted nothing.
+            // A thread that panicked contributes no predictions.
             let ended = running.into_iter().map(|thread| thread.join());
             ended.map(Result::unwrap_or_default).collect::<Vec<_>>()
         });
@@ -111,7 +111,7 @@ fn predict_fold(
     let train = fold.train(samples.len());
     let train: Vec<_> = train.into_iter().map(|row| samples[row]).collect();
     let axes: Vec<_> = whole.axes.iter().map(|model| model.axis).collect();
-    // Nothing is predicted from too little.
+    // Without enough data, nothing is predicted.
     let Ok(model) = learn(&train, &axes, Some(whole.novelty.terms)) else {
         return Vec::new();
     };

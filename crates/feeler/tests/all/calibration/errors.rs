@@ -24,26 +24,26 @@ fn refused(choice: ModelChoice, change: impl Fn(&mut ElementRecord)) -> String {
 fn records_that_determine_nothing_are_refused() {
     type Change = fn(&mut ElementRecord);
     let cases: [(Change, &str); 9] = [
-        (|r| r.unloaded.clear(), "unloaded picture expected"),
+        (|r| r.unloaded.clear(), "expected at least 1 unloaded image"),
         (|r| r.unloaded[0].integrated_gray = 0.0, "lit without load"),
         (
             |r| r.unloaded[0].integrated_gray = f64::INFINITY,
             "lit without load",
         ),
         (|r| r.unloaded[0].centroid.x = f64::NAN, "lit without load"),
-        (|r| r.fitted.clear(), "loads expected, got none"),
+        (|r| r.fitted.clear(), "expected loads, got none"),
         (|r| r.fitted[4].force.y = f64::NAN, "finite forces"),
         (
             |r| r.fitted.iter_mut().for_each(|s| s.force.y = 0.2),
-            "change f_y",
+            "vary f_y",
         ),
         (
             |r| r.fitted[3].moments.centroid.x = f64::NAN,
-            "finite numbers",
+            "finite values",
         ),
         (
             |r| r.fitted = vec![r.fitted[0], r.fitted[3], r.fitted[6]],
-            "loads expected",
+            "expected more than",
         ),
     ];
     for choice in [
@@ -67,7 +67,7 @@ fn loads_that_change_no_picture_are_refused() {
         }
     };
     let message = refused(ModelChoice::Separable, dead);
-    assert!(message.contains("change the picture"), "{message}");
+    assert!(message.contains("change the image"), "{message}");
     assert!(refused(ModelChoice::Coupled, dead).contains("element 1"));
 }
 

@@ -118,33 +118,39 @@ fn coupled_maps_that_cannot_be_used_are_refused() {
     for (message, words) in [
         (
             changed(|m| m.growth_range = [0.1, 1.0]),
-            "growth_range must rise",
+            "growth_range must be increasing",
         ),
-        (changed(|m| m.x_range = [-1.0, -0.1]), "x_range must rise"),
-        (changed(|m| m.y_range = [0.0, 0.0]), "y_range must rise"),
+        (
+            changed(|m| m.x_range = [-1.0, -0.1]),
+            "x_range must be increasing",
+        ),
+        (
+            changed(|m| m.y_range = [0.0, 0.0]),
+            "y_range must be increasing",
+        ),
         (
             changed(|m| m.y_range[0] = f64::NEG_INFINITY),
-            "y_range must rise",
+            "y_range must be increasing",
         ),
         (
             changed(|m| m.y_range[1] = f64::INFINITY),
-            "y_range must rise",
+            "y_range must be increasing",
         ),
         (
             changed(|m| m.normal.truncate(1)),
-            "normal of [2, 7, 12, 20] terms",
+            "normal to have one of [2, 7, 12, 20] terms",
         ),
         (
             changed(|m| m.shear_x.push(0.0)),
-            "shear_x of [2, 5, 10, 17] terms",
+            "shear_x to have one of [2, 5, 10, 17] terms",
         ),
         (
             changed(|m| m.shear_y[1] = f64::NAN),
-            "shear_y of finite coefficients",
+            "shear_y to have finite coefficients",
         ),
         (
             changed(|m| m.shear_y[1] = -1.1e100),
-            "shear_y of finite coefficients",
+            "shear_y to have finite coefficients",
         ),
     ] {
         assert!(message.contains(words), "{words}: {message}");
@@ -173,7 +179,10 @@ fn a_calibration_is_for_one_sensor() {
     let cases: [(Change, &str); 3] = [
         (|c| c.layout.dome_radius = 0.02, "the layout"),
         (|c| c.camera.standoff = 0.001, "the camera"),
-        (|c| c.moments.dark_level = 3, "the way of taking moments"),
+        (
+            |c| c.moments.dark_level = 3,
+            "the configuration of the moments",
+        ),
     ];
     let mut calibration = calibration(ModelChoice::Separable);
     calibration.made_for = here.clone();

@@ -177,7 +177,7 @@ fn a_layout_survives_its_file_and_its_hash_tells_it_from_others() {
 fn values_that_cannot_be_used_are_refused() {
     type Change = fn(&mut LocatedLayout);
     let cases: [(Change, &str); 19] = [
-        (|l| l.version = 2, "version 1 expected, got 2"),
+        (|l| l.version = 2, "version 1, got 2"),
         (|l| l.width = 0, "width, height"),
         (|l| l.height = 0, "width, height"),
         (|l| l.width = (1 << 14) + 1, "width, height"),
@@ -218,7 +218,7 @@ fn values_that_cannot_be_used_are_refused() {
             |l| l.elements[3].direction = Some(DVec3::X * 0.999_998),
             "a unit vector",
         ),
-        (|l| l.elements[3].direction = None, "as there is a dome"),
+        (|l| l.elements[3].direction = None, "required with a dome"),
         (|l| (l.width, l.height) = (641, 480), "dome.camera"),
     ];
     for (change, words) in cases {

@@ -56,13 +56,13 @@ fn refused(text: &str) -> String {
 #[test]
 fn what_is_wrong_is_named() {
     for (from, to, words) in [
-        ("version = 1", "version = 2", "version 1 expected, got 2"),
+        ("version = 1", "version = 2", "version 1, got 2"),
         ("version = 1", "", "missing field `version`"),
         ("unit = \"counts\"", "unit = \"kg\"", "unknown variant"),
         (
             "unit = \"counts\"",
             "unit = \"N\"\ncounts_per_newton = [1, 1, 1]",
-            "none, as the columns are in newtons",
+            "set for none, since columns are in newtons",
         ),
         (
             "rate = 100.0",
@@ -107,12 +107,12 @@ fn what_is_wrong_is_named() {
         (
             "turn_deg = 180",
             "zero = [0, 0, 0]",
-            "of all taxels without zero.rows",
+            "set for all taxels and zero.rows = 0",
         ),
         (
             "turn_deg = 180",
             "counts_per_newton = [1, 1, 1]",
-            "of 1 of 5 taxels: expected of all taxels, or of none",
+            "set for 1 of 5 taxels: expected set for all taxels or none",
         ),
         (
             "place = [0.0, 0.00000, 0.00000]",

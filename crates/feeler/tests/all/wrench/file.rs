@@ -31,7 +31,7 @@ fn what_cannot_be_used_is_named() {
         (
             "elements = 16",
             "elements = 17",
-            "model.elements: 17 expected, got 16",
+            "model.elements: expected 17, got 16",
         ),
         ("intercept = ", "intercept = inf # ", "f_x.weights = inf"),
         ("penalty = ", "penalty = -1.0 # ", "f_x.penalty = -1"),

@@ -2,7 +2,7 @@ use super::super::Mark;
 use super::*;
 use proptest::prelude::*;
 
-/// A picture's name and its force, N, in each row.
+/// Reads image name and force (N) of each row.
 fn read(bytes: &[u8]) -> Result<Vec<(String, f64)>, TableError> {
     let mut table = Table::open(bytes)?;
     let picture = table.column("picture")?.expect("pictures");
@@ -24,7 +24,7 @@ fn refused(text: &str) -> String {
 }
 
 #[test]
-fn the_same_rows_are_read_however_they_are_written() {
+fn reads_the_same_rows_from_all_spellings() {
     let expected = [("a.png".to_owned(), 0.5), ("b.png".to_owned(), -1250.25)];
     for text in [
         "picture,f_z\na.png,0.5\nb.png,-1250.25\n",
@@ -55,12 +55,16 @@ fn the_same_rows_are_read_however_they_are_written() {
 }
 
 #[test]
-fn what_may_be_read_in_two_ways_is_refused() {
+fn rejects_ambiguous_tables() {
     for (text, words) in [
         ("", "the table is empty"),
         ("# nothing\n\n", "the table is empty"),
         ("PK\x03\x04", "a workbook"),
-        ("pic\0ture,f_z\n", "it is binary; expected a table of text"),
+        (
+            "pic\0ture,f_z
+",
+            "the file is binary; expected a table",
+        ),
         (
             "picture;f_z\tx\n",
             "line 1: the header has semicolons and tabs",
@@ -79,11 +83,11 @@ fn what_may_be_read_in_two_ways_is_refused() {
         ),
         (
             "picture,f_z [N]\n,mN\n",
-            "column \"f_z [N]\" is in \"mN\" by line 2",
+            "column \"f_z [N]\" is in \"mN\" according to line 2",
         ),
         (
             "picture,f_z\na.png,0,5\n",
-            "line 2: 3 cells; expected 2, as in the header; if numbers have decimal commas, expected a semicolon or a tab",
+            "line 2: 3 cells; expected 2, as in the header; if numbers have decimal commas, use a semicolon or a tab",
         ),
         (
             "picture;f_z\n\na.png\n",
@@ -101,14 +105,14 @@ fn what_may_be_read_in_two_ways_is_refused() {
 }
 
 #[test]
-fn numbers_that_are_not_clear_are_none() {
+fn rejects_ambiguous_numbers() {
     let mut table = Table::open(&b"f_z;f_x;n\n1,234;2,5;3\n1.5;;4.0\n1,234,567;;-1\n"[..]).unwrap();
     let z = table
         .number_column("f_z", Quantity::Force)
         .unwrap()
         .unwrap();
     let n = table.column("n").unwrap().unwrap();
-    // The other column is not looked at, and tells nothing.
+    // The other column is not a column of numbers, so it does not resolve the ambiguity.
     assert!(table.advance().unwrap());
     assert_eq!(
         (table.number(z), table.whole(n)),
@@ -126,7 +130,7 @@ fn numbers_that_are_not_clear_are_none() {
 }
 
 proptest! {
-    /// Whatever arrives, in whatever encoding, is read or refused.
+    /// Arbitrary bytes in any encoding are read or rejected.
     #[test]
     fn any_bytes_are_read_or_refused(
         bytes in proptest::collection::vec(prop_oneof![Just(b','), Just(b';'), Just(b'\n'), Just(b'"'), Just(b'1'), any::<u8>()], 0..300),
