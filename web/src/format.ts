@@ -1,9 +1,6 @@
-/**
- * Numbers as a reader would write them. One rule, the same as `text.rs` of feeler-report has, so that page and program
- * say the same.
- */
+/** Number formatting. The rules are those of `text.rs` in feeler-report, so that static and interactive parts agree. */
 
-/** Three significant digits (whole numbers to all), with a true minus sign. */
+/** Formats a number with three significant digits (integer parts are never rounded) and a typographic minus sign. */
 export function significant(value: number): string {
   if (value === 0 || !Number.isFinite(value)) return "0";
   const magnitude = Math.abs(value);
@@ -13,18 +10,18 @@ export function significant(value: number): string {
   return value < 0 && text !== "0" ? `\u2212${text}` : text;
 }
 
-/** A value in SI units with its unit, in which it is `scale` times as large; a dash where it is not known. */
+/** Formats a value in SI units, multiplied by `scale`, with `unit`. Returns a dash if the value is unknown. */
 export function quantity(value: number, unit: string, scale = 1): string {
   if (!Number.isFinite(value)) return "–";
   return unit ? `${significant(value * scale)}\u00a0${unit}` : significant(value * scale);
 }
 
-/** A moment of a run. Rows are 10 ms apart, so it has hundredths: three digits would give many rows one name. */
+/** Formats a time in hundredths of a second, because rows are 10 ms apart. */
 export function moment(seconds: number): string {
   return Number.isFinite(seconds) ? `${signed(seconds, 2)}\u00a0s` : "–";
 }
 
-/** A tick's label: as many decimals as its distance from its neighbours, `step`, has. */
+/** Formats a tick label with as many decimals as the tick spacing `step`. */
 export function tick(value: number, step: number): string {
   let decimals = 0;
   const whole = (scaled: number) => Math.abs(scaled - Math.round(scaled)) < 1e-6;

@@ -1,10 +1,10 @@
 import { PageProblem } from "./problem";
 
-/** The bytes that are stored compressed (raw deflate) and in base64. */
+/** Decodes base64 and decompresses raw deflate data. */
 export async function inflate(base64: string): Promise<Uint8Array> {
   if (typeof DecompressionStream === "undefined") {
     throw new PageProblem(
-      "This browser cannot unpack the run's data: it lacks DecompressionStream (2023). The still figures are below.",
+      "This browser cannot decompress the run's data: it lacks DecompressionStream (2023). See the static figures below.",
     );
   }
   try {
@@ -12,6 +12,6 @@ export async function inflate(base64: string): Promise<Uint8Array> {
     const stream = new Blob([packed]).stream().pipeThrough(new DecompressionStream("deflate-raw"));
     return new Uint8Array(await new Response(stream).arrayBuffer());
   } catch {
-    throw new PageProblem("The run's data in this file are damaged and cannot be unpacked.");
+    throw new PageProblem("The run's data in this file are damaged and cannot be decompressed.");
   }
 }

@@ -1,4 +1,4 @@
-/** Enhances the document with what its data allow. Where something is missing, the document stays as it was. */
+/** Entry point: adds the interactive parts to the document. Elements whose data are missing stay unchanged. */
 import uplotStyle from "uplot/dist/uPlot.min.css";
 import { FingertipPanel } from "./fingertip/panel";
 import { figureViews, type Moments } from "./figures/figure";
@@ -18,14 +18,14 @@ import { type Key, playbackKeys, startKeyboard } from "./ui/keyboard";
 import { Player } from "./ui/player";
 import { startTheme, themeButton } from "./ui/theme";
 
-/** A live page's figures take new rows so often, ms. */
+/** Refresh interval of a live page's figures (ms). */
 const REFRESH = 200;
 
 const NOTES = [
-  "Figures: the cursor moves the moment of the whole page. Drag to zoom, double-click to see all again. Touch: one finger moves the cursor, two zoom, two taps see all again.",
-  "Scene: drag to orbit, wheel or two fingers to zoom, right button or two fingers to move. H or ⌂ is the home view.",
-  "While the run plays, moving the mouse over figures does not disturb it; a click goes to that moment.",
-  "▶ beside a claim shows its moment. A click on a point with a command copies the command.",
+  "Figures: moving the cursor sets the time of the whole page. Drag to zoom, double-click to reset. On a touch screen, one finger moves the cursor, two fingers zoom, and a double tap resets.",
+  "Scene: drag to orbit, use the wheel or two fingers to zoom, and the right button or two fingers to pan. H or ⌂ returns to the home view.",
+  "During playback, moving the mouse over figures does not change the time; a click does.",
+  "▶ beside a claim shows its time. A click on a point with a command copies the command.",
 ];
 
 async function start(): Promise<void> {
@@ -35,7 +35,7 @@ async function start(): Promise<void> {
   const keys: Key[] = [];
   try {
     const text = document.getElementById("page-data")?.textContent;
-    if (!text) throw new PageProblem("This page holds no data.");
+    if (!text) throw new PageProblem("This page contains no data.");
     const page = readPage(text);
     if (page.run) await startRun(page, page.run, keys);
     else figureViews(page.figures, undefined);
@@ -65,11 +65,11 @@ async function startRun(page: PageData, description: RunTable, keys: Key[]): Pro
 
 async function recorded(run: RunTable): Promise<Table> {
   const table = readTable(run, await inflate(run.data));
-  if (table.length === 0) throw new PageProblem("Nothing was recorded: the run has no rows.");
+  if (table.length === 0) throw new PageProblem("The run has no rows: nothing was recorded.");
   return table;
 }
 
-/** The scene with the fingertips beside it. */
+/** Shows the scene and, beside it, the fingertips. */
 function startScene({ scene }: PageData, run: Run, playback: Playback, fingers: FingerColumns[]) {
   const place = document.getElementById("scene");
   if (!scene || !place) return { keys: [], forget: () => {} };
@@ -85,7 +85,7 @@ function startScene({ scene }: PageData, run: Run, playback: Playback, fingers: 
   return { keys: view ? [home] : [], forget: () => model?.forgetTrails() };
 }
 
-/** Returns what has the figures take new rows. */
+/** Makes the figures interactive, and returns a function that updates them with new rows. */
 function startFigures(page: PageData, moments: Moments): () => void {
   const figures = figureViews(page.figures, moments);
   moments.playback.onMoment((row) => {

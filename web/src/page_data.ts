@@ -1,54 +1,54 @@
 /**
- * What a page is made of: the contract between `feeler-report`, which writes it into the document, and this program,
- * which draws it. `crates/feeler-report/src/page_data` holds the same structs; `test/examples.ts` is what pages hold, which
- * a test of Rust compares and the compiler checks against these types.
+ * Data of a page: the contract between `feeler-report`, which writes it into the document, and this script, which
+ * displays it. `crates/feeler-report/src/page_data` defines the same structs. `test/examples.ts` contains the data of real
+ * pages: a Rust test keeps it up to date, and the compiler checks it against these types.
  *
- * The document holds one `<script type="application/json" id="page-data">` with a {@link PageData}. Units are SI; a
- * figure says how its values are scaled for the eye.
+ * The document contains one `<script type="application/json" id="page-data">` with a {@link PageData}. All values are in
+ * SI units; the axes of a figure define how they are scaled for display.
  */
 export interface PageData {
-  /** Number of this contract; another one is refused in words. */
+  /** Version of this contract. Other versions are rejected with a message. */
   version: 1;
-  /** What the page is about: "cap-closing, seed 0". */
+  /** Page title, for example "cap-closing, seed 0". */
   title: string;
-  /** What was recorded at every row, if the page is about one run. */
+  /** Recorded values, if the page shows a single run. */
   run?: RunTable;
-  /** The 3-D scene, if the page is about one run. */
+  /** 3-D scene, if the page shows a single run. */
   scene?: Scene;
   figures: Figure[];
-  /** Where the rows come from while the rig works; none in a report. */
+  /** Source of rows while the rig runs; missing in a report. */
   live?: Live;
 }
 
-/** Rows of a run, one per control step or fewer, as columns. */
+/** Rows of a run, stored by column. There is at most one row per control step. */
 export interface RunTable {
   rows: number;
   columns: Column[];
   /**
-   * All columns, one after the other, little endian, compressed by raw deflate, in base64. Empty on a live page.
+   * Concatenated columns (little-endian), compressed with raw deflate and encoded as base64. Empty on a live page.
    */
   data: string;
-  /** Names of phases by number. */
+  /** Phase names, indexed by phase number. */
   phases: string[];
-  /** The strokes, in the order of time. */
+  /** Strokes in chronological order. */
   strokes: Stroke[];
 }
 
 /**
- * A column: `width` numbers a row. Row r's k-th number stands at r * width + k, and is `stored * scale`. The smallest
- * i16 (-32768) and f32's NaN stand for what is not known.
+ * A column with `width` numbers per row. Number k of row r has index `r * width + k`; its value is `stored * scale`.
+ * Unknown values are -32768 in columns of type i16 and NaN in columns of type f32.
  *
- * Names, each of which may be missing:
- * - `time` (f64), s; strictly rising
- * - `phase` (u8), number of a phase
- * - `finger/N/joints`, 3, rad
- * - `finger/N/forces`, 3 for each element: x, y, z in the element's frame, N; on the feeler by the object, but z is
- *   compression, positive when pressed
- * - `finger/N/flags` (u8): bit 0 TOUCH, bit 1 SLIP, bit 2 OVER, bit 3 slips in truth (only a simulator knows)
- * - `finger/N/grasp_force`, N; `finger/N/shear_rate`, N/s
- * - `torque`, N m
- * - `frame/NAME`, 7: position x y z in m and rotation as quaternion x y z w of the frame NAME in its parent
- * - `cap_angle`, rad
+ * Column names (all except `time` are optional):
+ * - `time` (f64): time in s, strictly increasing
+ * - `phase` (u8): phase number
+ * - `finger/N/joints`, width 3: joint angles in rad
+ * - `finger/N/forces`, width 3 per element: x, y, z in the element's frame in N; x and y are the tangential force on
+ *   the feeler by the object, z is compression, positive when pressed
+ * - `finger/N/flags` (u8): bit 0 TOUCH, bit 1 SLIP, bit 2 OVER, bit 3 true slip (simulated runs only)
+ * - `finger/N/grasp_force` in N; `finger/N/shear_rate` in N/s
+ * - `torque` in N m
+ * - `frame/NAME`, width 7: pose of the frame NAME in its parent: position x, y, z in m, quaternion x, y, z, w
+ * - `cap_angle` in rad
  */
 export interface Column {
   name: string;
@@ -57,7 +57,7 @@ export interface Column {
   scale: number;
 }
 
-/** Rows of a stroke: from `start` up to, not including, `end`; `move` is the part of it in which the object is turned. */
+/** Rows of a stroke, from `start` (inclusive) to `end` (exclusive). `move` is the part in which the object is turned. */
 export interface Stroke {
   index: number;
   start: number;
@@ -65,30 +65,30 @@ export interface Stroke {
   move: [number, number];
 }
 
-/** z is up. Frames form a tree whose root is `world`. */
+/** A 3-D scene. The z axis points up. Frames form a tree whose root is `world`. */
 export interface Scene {
   frames: Frame[];
   shapes: Shape[];
   fingers: Finger[];
-  /** What the home view shows: centre and radius, m. */
+  /** Sphere that the home view shows: centre and radius in m. */
   home: { centre: Vector; radius: number };
 }
 
 export type Vector = [number, number, number];
-/** x, y, z, w. */
+/** Quaternion x, y, z, w. */
 export type Quaternion = [number, number, number, number];
 
-/** A frame in its parent: this pose, then, where it has a joint, turned about its z by that joint's angle. */
+/** A frame, relative to its parent: this pose, followed by a rotation about z by the joint angle if there is a joint. */
 export interface Frame {
   name: string;
   parent: string;
   position: Vector;
   rotation: Quaternion;
-  /** Finger and joint (0 to 2) of `finger/N/joints`. Where a column `frame/NAME` is, that is the pose instead. */
+  /** Finger and joint (0 to 2) of `finger/N/joints`. A column `frame/NAME` replaces both pose and joint. */
   joint?: { finger: number; joint: number };
 }
 
-/** A solid in a frame; lengths in m. */
+/** A solid that is fixed in a frame. Lengths are in m. */
 export interface Shape {
   frame: string;
   position: Vector;
@@ -97,35 +97,35 @@ export interface Shape {
   solid:
     | { kind: "sphere"; radius: number }
     | { kind: "box"; size: Vector }
-    /** About z, centred. */
+    /** Centred, with its axis along z. */
     | { kind: "cylinder"; radius: number; length: number }
-    /** A closed outline in x and y, extruded along z, centred. */
+    /** Closed outline in the xy plane, extruded along z and centred in z. */
     | { kind: "prism"; outline: [number, number][]; length: number };
 }
 
 export interface Finger {
   name: string;
-  /** The frame that the elements are in. */
+  /** Frame of the fingertip, in which the elements are given. */
   frame: string;
   elements: Element[];
-  /** F1: an element pressed harder than this touches, N. */
+  /** Threshold F1 (N): an element touches if its compression is above it. */
   touchForce: number;
-  /** F2: an element pressed harder than this must not be pressed further, N. */
+  /** Threshold F2 (N): an element must not be pressed further if its compression is above it. */
   overForce: number;
 }
 
-/** A sensing element: its feeler's undeformed tip in the finger's frame, m, and the element's frame `E` there. */
+/** A sensing element: its feeler's undeformed tip (m) and the rotation of its frame `E`, both in the fingertip's frame. */
 export interface Element {
   tip: Vector;
   rotation: Quaternion;
 }
 
-/** A figure. `#fig-NN` in the document is its `<figure>`, which has the still picture and the caption. */
+/** An interactive figure. The `<figure id="fig-NN">` of the document contains its static image and its caption. */
 export interface Figure {
   number: number;
-  /** How many panels stand side by side, where there is room; one, if not given. */
+  /** Maximum number of panels side by side; 1 by default. */
   columns?: number;
-  /** Row by row; panels of time share their axis. */
+  /** Panels, row by row. Panels over time share their time axis. */
   panels: Panel[];
 }
 
@@ -134,74 +134,75 @@ export interface Panel {
   x: Axis;
   y: Axis;
   series: Series[];
-  /** Horizontal lines, in SI units: thresholds. */
+  /** Thresholds, drawn as horizontal lines; values in SI units. */
   thresholds: { value: number; name: string }[];
-  /** Of "xy": the same scale along x and y. */
+  /** Whether x and y have the same scale ("xy" panels only). */
   equal?: boolean;
-  /** Rows that are shown at first, if not all. */
+  /** Initially visible rows; all rows by default. */
   rows?: [number, number];
 }
 
 export interface Axis {
-  /** What is shown, without its unit: "Grasp force". */
+  /** Quantity without its unit, for example "Grasp force". */
   label: string;
-  /** As it stands behind a value: "mN m". Empty where there is none. */
+  /** Displayed unit, for example "mN m"; empty for dimensionless quantities. */
   unit: string;
-  /** What a value in SI units is multiplied by. */
+  /** Factor from SI units to the displayed unit. */
   scale: number;
-  /** In SI units; what there is to see, if not given. */
+  /** Range in SI units; by default, the range of the data. */
   range?: [number, number];
-  /** Whether equal distances stand for equal ratios. Only along x of "xy"; every value is more than 0. */
+  /** Whether the axis is logarithmic. Only for x of "xy" panels whose x values are all positive. */
   log?: boolean;
 }
 
 export interface Series {
   name: string;
-  /** Colours: finger 0, finger 1 ..., what all share, what is planned or allowed, what is in the background. */
+  /** Colour: of a finger, of data shared by all fingers, of planned or allowed values, or of less important data. */
   colour: `finger-${0 | 1 | 2 | 3 | 4}` | "shared" | "reference" | "background";
-  /** A panel whose series are all "states" has a lane for each, filled while its value is not 0. */
+  /** Line style. If all series of a panel are "states", each has a lane that is filled while its value is nonzero. */
   line: "solid" | "dashed" | "points" | "states";
-  /** Either the k-th number of a column, for each row ... */
+  /** Number `index` of each row of a column, or one bit of it. Each series has either a column or points. */
   column?: { name: string; index: number; bit?: number };
-  /** ... or points of its own. */
+  /** Explicit points. */
   points?: PointList;
 }
 
-/** Points in SI units; where `y` is not known, a line is interrupted. What else there is has an entry for each point. */
+/** Points in SI units. A line has a gap where `y` is null. Each optional list has one entry per point. */
 export interface PointList {
   x: number[];
   y: (number | null)[];
-  /** Ends of the interval that `y` stands in: a band about a line, whiskers at points. */
+  /** Bounds of the interval of `y`, drawn as a band around a line or as whiskers at points. */
   low?: (number | null)[];
   high?: (number | null)[];
-  /** The row of the run that it belongs to. */
+  /** Row of the run to which the point belongs. */
   row?: number[];
-  /** What else is to be said of it. */
+  /** Additional text of the tooltip. */
   label?: string[];
-  /** The command that shows it: `pattern` with the page's folder for `{folder}` and the point's trial for `{trial}`. */
+  /** Command that reproduces the point: `pattern` with `{folder}` replaced by the page's folder and `{trial}` by its trial. */
   command?: { pattern: string; trial: number[] };
 }
 
 /**
- * A live page. Messages of the socket are binary: time (f64), then every number of every other column as f32, in the
- * columns' order, in SI units (a column's type and scale are those of a report); or JSON text: {@link LiveState}. The page sends {@link LiveOrder}.
+ * Connection of a live page. The socket sends each row as a binary message: the time as f64, followed by all numbers of
+ * the other columns as f32, in column order and in SI units. (Types and scales of columns apply only to reports.) It sends
+ * each {@link LiveState} as JSON text. The page sends {@link LiveOrder} as JSON text.
  */
 export interface Live {
-  /** Path of the WebSocket, with its token. */
+  /** Path of the WebSocket, including the access token. */
   socket: string;
-  /** Rows that the page keeps. */
+  /** Minimum number of latest rows that the page keeps. */
   keep: number;
-  /** Whether there is somebody who can be told to stop. */
+  /** Whether the page can stop and resume the hand. */
   orders: boolean;
 }
 
 export interface LiveState {
-  /** What the hand is about, in words. */
+  /** State of the hand as a sentence. */
   state: string;
   stopped: boolean;
-  /** Of the last order: what came of it, in words. */
+  /** Result of the last order as a sentence. */
   answer?: string;
-  /** Whether this is the end. */
+  /** Whether the run has ended. */
   over: boolean;
 }
 

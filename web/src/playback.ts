@@ -1,4 +1,4 @@
-/** The one moment that scene, fingertips and figures show, and how it moves. */
+/** The current row, which scene, fingertips and figures show, and its playback. */
 import type { Table } from "./table";
 
 export const SPEEDS = [0.1, 0.25, 0.5, 1, 2, 4];
@@ -7,9 +7,9 @@ export class Playback {
   row = 0;
   playing = false;
   speed = 1;
-  /** On a live page, playing is to show the newest row. */
+  /** On a live page, `playing` means that the latest row is shown. */
   readonly live: boolean;
-  /** Between rows while playing, s. */
+  /** Playback time (s), which may be between two rows. */
   #time = 0;
   #lastFrame: number | undefined;
   #frame = 0;
@@ -24,12 +24,12 @@ export class Playback {
     this.playing = live;
   }
 
-  /** Calls `listener` with the row whenever it may have changed: at most once a frame. */
+  /** Calls `listener` with the current row after it may have changed, at most once per animation frame. */
   onMoment(listener: (row: number) => void): void {
     this.#momentListeners.push(listener);
   }
 
-  /** Calls `listener` when playing, pausing or the speed changes. */
+  /** Calls `listener` when playback starts or pauses and when the speed changes. */
   onState(listener: () => void): void {
     this.#stateListeners.push(listener);
   }
@@ -44,7 +44,7 @@ export class Playback {
     this.seek(this.table.rowAt(time));
   }
 
-  /** Shows a row and stays there. */
+  /** Pauses at a row. */
   stopAt(row: number): void {
     this.pause();
     this.seek(row);
@@ -74,12 +74,12 @@ export class Playback {
     this.#stateChanged();
   }
 
-  /** The oldest rows are gone: the same moment has another number. */
+  /** Adjusts the row number after the oldest `rows` rows were dropped. */
   shift(rows: number): void {
     this.row = Math.max(0, this.row - rows);
   }
 
-  /** Has everything drawn in the next frame. */
+  /** Notifies the listeners in the next animation frame. */
   request(): void {
     this.#frame ||= requestAnimationFrame(this.#tick);
   }
@@ -97,7 +97,7 @@ export class Playback {
       this.row = Math.max(0, last);
       return;
     }
-    // A page that was hidden goes on where it was.
+    // A page that was hidden resumes at the same time.
     const passed = Math.min(now - (this.#lastFrame ?? now), 250) / 1000;
     this.#lastFrame = now;
     this.#time += passed * this.speed;

@@ -1,7 +1,7 @@
-/** What is wrong with a page's data or the browser, in words for the reader. */
+/** A problem with the page's data or the browser. Its message is shown to the reader. */
 export class PageProblem extends Error {}
 
-/** Says in `place` what is wrong. The rest of the page stays. */
+/** Shows an error message at the start of `place`. */
 export function showProblem(place: Element, what: unknown): void {
   const box = document.createElement("p");
   box.className = "problem";
@@ -10,7 +10,7 @@ export function showProblem(place: Element, what: unknown): void {
   place.prepend(box);
 }
 
-/** Runs `part` of the page; says in `place` what is wrong with it instead of ending the program. */
+/** Runs `part`. If it throws, shows the error message in `place` and returns undefined. */
 export function guarded<T>(place: Element, part: () => T): T | undefined {
   try {
     return part();

@@ -1,8 +1,8 @@
-/** Reads the document's data, and refuses what this program could not draw. */
+/** Parses and validates the page's data. */
 import type { PageData, Scene } from "./page_data";
 import { PageProblem } from "./problem";
 
-/** The contract that this program keeps. */
+/** Supported version of the page data. */
 const VERSION = 1;
 
 export function readPage(text: string): PageData {
@@ -10,12 +10,12 @@ export function readPage(text: string): PageData {
   try {
     page = JSON.parse(text);
   } catch {
-    throw new PageProblem("This page's data are damaged: they are no JSON.");
+    throw new PageProblem("This page's data are damaged: they are not valid JSON.");
   }
-  if (typeof page !== "object" || page === null) throw new PageProblem("This page holds no data.");
+  if (typeof page !== "object" || page === null) throw new PageProblem("This page contains no data.");
   if (page.version !== VERSION) {
     throw new PageProblem(
-      `This page's data have version ${page.version}; its program reads version ${VERSION}. Make the page again.`,
+      `This page's data have version ${page.version}; its script requires version ${VERSION}. Generate the page again.`,
     );
   }
   if (!Array.isArray(page.figures)) throw new PageProblem("This page's data lack “figures”.");
@@ -33,7 +33,7 @@ function checkRun(run: NonNullable<PageData["run"]>): void {
   }
   for (const { name, width, scale } of run.columns) {
     if (!Number.isInteger(width) || width < 1 || !Number.isFinite(scale)) {
-      throw new PageProblem(`Column “${name}” has no width or no scale.`);
+      throw new PageProblem(`Column “${name}” has an invalid width or scale.`);
     }
   }
 }

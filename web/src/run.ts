@@ -1,4 +1,4 @@
-/** A run: its rows, and what the page asks of them. */
+/** A recorded or live run: typed access to its columns, phases and strokes. */
 import type { Finger, RunTable, Stroke } from "./page_data";
 import type { Column, Table } from "./table";
 
@@ -13,7 +13,7 @@ export const FLAG_NAMES: readonly [bit: number, name: string][] = [
   [OVER, "OVER"],
 ];
 
-/** What is on record of a finger. */
+/** Recorded columns of one finger. */
 export class FingerColumns {
   readonly forces: Column | undefined;
   readonly graspForce: Column | undefined;
@@ -35,7 +35,7 @@ export class FingerColumns {
     return this.#flags?.at(row) || 0;
   }
 
-  /** How strongly an element is pressed, N; 0 where it is not known. */
+  /** Compression of an element (N); 0 if it is unknown. */
   compression(row: number, element: number): number {
     return this.forces?.at(row, 3 * element + 2) || 0;
   }
@@ -59,7 +59,7 @@ export class Run {
     return this.#phases[this.phaseNumber(row)] ?? "";
   }
 
-  /** Number of the phase at a row; -1 where it is not known. */
+  /** Phase number at a row; -1 if it is unknown. */
   phaseNumber(row: number): number {
     return this.#phase?.at(row) ?? -1;
   }
@@ -68,7 +68,7 @@ export class Run {
     return this.strokes.find((stroke) => stroke.start <= row && row < stroke.end);
   }
 
-  /** What happens at a row, in words: "MOVE, stroke 2". */
+  /** Phase and stroke at a row, for example "MOVE, stroke 2". */
   describe(row: number): string {
     const stroke = this.stroke(row);
     return [this.phase(row), stroke && `stroke ${stroke.index}`].filter(Boolean).join(", ");

@@ -1,10 +1,10 @@
-/** The rows of a run, as columns. */
+/** Column-oriented table of a run's rows. */
 import type { Column as Description, RunTable } from "./page_data";
 import { PageProblem } from "./problem";
 
 type Stored = Float64Array | Float32Array | Int16Array | Uint8Array;
 
-/** Of these, the smallest stands for what is not known. */
+/** Stored value of an unknown number in columns of type i16. */
 const UNKNOWN_I16 = -32768;
 
 export class Column {
@@ -15,7 +15,7 @@ export class Column {
     private readonly scale: number,
   ) {}
 
-  /** The k-th number of a row in SI units; NaN where it is not known. */
+  /** Number `k` of a row in SI units; NaN if it is unknown. */
   at(row: number, k = 0): number {
     const stored = this.stored[row * this.width + k];
     if (stored === undefined) return NaN;
@@ -30,7 +30,7 @@ export class Table {
 
   constructor(
     columns: Column[],
-    /** Rows that there are; what is stored beyond them is room. */
+    /** Number of valid rows. Columns may have capacity for more. */
     public length: number,
   ) {
     this.#columns = new Map(columns.map((column) => [column.name, column]));
@@ -47,7 +47,7 @@ export class Table {
     return this.#time.at(row);
   }
 
-  /** The row nearest to a time. */
+  /** Row nearest to a time. */
   rowAt(time: number): number {
     let low = 0;
     let high = this.length - 1;
@@ -63,17 +63,17 @@ export class Table {
 
 const ARRAYS = { f64: Float64Array, f32: Float32Array, i16: Int16Array, u8: Uint8Array };
 
-/** The table whose columns stand one after the other in `bytes`. */
+/** Reads a table from its concatenated columns. */
 export function readTable(run: RunTable, bytes: Uint8Array): Table {
   let start = 0;
   const columns = run.columns.map((description) => {
     const end = start + run.rows * description.width * arrayOf(description).BYTES_PER_ELEMENT;
     if (end > bytes.length) {
       throw new PageProblem(
-        `The run's data are cut off: ${bytes.length} bytes, but column “${description.name}” ends at ${end}.`,
+        `The run's data are truncated: column “${description.name}” ends at byte ${end} of ${bytes.length}.`,
       );
     }
-    // A copy, as an f64 must start at a multiple of 8. All browsers run on little-endian machines.
+    // Copies the bytes because an f64 must be aligned to 8 bytes. All browsers run on little-endian machines.
     const stored = new (arrayOf(description))(bytes.slice(start, end).buffer);
     start = end;
     return new Column(description.name, description.width, stored, description.scale);
@@ -83,7 +83,6 @@ export function readTable(run: RunTable, bytes: Uint8Array): Table {
 
 function arrayOf({ name, type }: Description) {
   const array = ARRAYS[type];
-  if (!array)
-    throw new PageProblem(`Column “${name}” is of the type “${type}”, which this page does not know.`);
+  if (!array) throw new PageProblem(`Column “${name}” has the unknown type “${type}”.`);
   return array;
 }

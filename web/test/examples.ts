@@ -1829,7 +1829,7 @@ export const examples: PageData[] = [
               {
                 "colour": "finger-1",
                 "line": "points",
-                "name": "no success",
+                "name": "failure",
                 "points": {
                   "command": {
                     "pattern": "feeler run --trial {folder} {trial}",
@@ -1997,7 +1997,7 @@ export const examples: PageData[] = [
               "unit": "%"
             },
             "y": {
-              "label": "slips noticed",
+              "label": "slips detected",
               "log": false,
               "range": [
                 0.0,

@@ -1,7 +1,6 @@
 //! Measures the delay from the stamp of joint angles to the command on the emulated bus at 4 Mbaud.
 //!
-//! Not a divan benchmark, because the delay includes a second thread. Prints percentiles for two and three fingers at
-//! 100 Hz and 500 Hz.
+//! Not a divan benchmark, because a second thread is involved. Prints percentiles for two and three fingers.
 
 #[cfg(target_os = "linux")]
 #[path = "../tests/support/mod.rs"]

@@ -22,8 +22,7 @@ pub struct SerialPort {
 }
 
 impl SerialPort {
-    /// Opens the port at `path` with `baud_rate`, 8 data bits, no parity, 1 stop bit. Deadlines are in the time of
-    /// `clock`.
+    /// Opens the port at `path` with `baud_rate`, 8 data bits, no parity, 1 stop bit. `clock` is the time of deadlines.
     ///
     /// # Errors
     /// If the port cannot be opened or configured, or if another program uses it.

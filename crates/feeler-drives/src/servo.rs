@@ -76,8 +76,7 @@ impl Servo {
         let counts = match (wraps, self.counts) {
             (None, _) => read,
             (Some(turn), before) => {
-                // Choose the equivalent position nearest to the previous one, or at first nearest to the middle of the
-                // joint's range.
+                // Choose the equivalent position nearest to the previous one, or initially to the middle of the range.
                 let middle = (self.lower + self.upper) / 2.0;
                 let near = before.unwrap_or_else(|| self.drive.counts(middle).round() as i64);
                 near + (read - near + turn / 2).rem_euclid(turn) - turn / 2
@@ -89,8 +88,7 @@ impl Servo {
         self.velocity = self.drive.joint_velocity(units * self.model.velocity_unit);
     }
 
-    /// Checks that the joint is within its limits plus `tolerance` (rad), and not faster than `faster` times its speed
-    /// limit.
+    /// Checks that the joint is within its limits plus `tolerance` (rad) and not faster than `faster` times its limit.
     pub fn check(&self, tolerance: f64, faster: f64) -> Result<(), DriveError> {
         let (lower, upper) = (self.lower - tolerance, self.upper + tolerance);
         if !(lower..=upper).contains(&self.angle) {

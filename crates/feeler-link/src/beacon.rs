@@ -1,4 +1,4 @@
-//! Says ten times a second that a program is there, and how it does.
+//! Periodic heartbeats of a program.
 
 use super::endpoints::LinkError;
 use super::message::{Heartbeat, PROTOCOL};
@@ -9,11 +9,11 @@ use std::sync::Arc;
 use std::thread::{self, JoinHandle};
 use std::time::Duration;
 
-/// Time between two heartbeats.
+/// Interval between heartbeats.
 const INTERVAL: Duration = Duration::from_millis(100);
 
-/// Sends heartbeats from a thread of its own for as long as it lives, so that a program that works hard is
-/// not taken for a silent one.
+/// Sends heartbeats ten times per second from a background thread until dropped, so that a busy program does not
+/// appear dead.
 pub struct Beacon {
     status: Shared<Status>,
     thread: Option<JoinHandle<()>>,
@@ -22,18 +22,18 @@ pub struct Beacon {
 #[derive(Debug, Default)]
 struct Status {
     heartbeat: Heartbeat,
-    /// Whether to send the next one at once.
+    /// Send the next heartbeat at once.
     now: bool,
-    /// Whether to send none.
+    /// Send no heartbeats.
     is_silent: bool,
     stopped: bool,
 }
 
 impl Beacon {
-    /// Starts with a first heartbeat; protocol, version and number are filled in.
+    /// Sends a first heartbeat and starts the thread. Protocol, version and sequence number are filled in.
     ///
     /// # Errors
-    /// When the first cannot be sent, or there is no thread to be had.
+    /// If the first heartbeat cannot be sent, or the thread cannot be started.
     pub fn start(outlet: Arc<dyn Outlet>, mut heartbeat: Heartbeat) -> Result<Self, LinkError> {
         heartbeat.protocol = PROTOCOL;
         heartbeat.version = env!("CARGO_PKG_VERSION").into();
@@ -46,7 +46,7 @@ impl Beacon {
         let work = move || {
             loop {
                 shared.wait_for(INTERVAL, |status| status.now || status.stopped);
-                // A link that is closed ends the program elsewhere, with its reason.
+                // A closed link is reported by the program's main loop.
                 if shared.lock().stopped || beat(&*outlet, &shared).is_err() {
                     return;
                 }
@@ -59,17 +59,17 @@ impl Beacon {
         })
     }
 
-    /// Changes what the next heartbeats say.
+    /// Changes the content of the following heartbeats.
     pub fn update(&self, change: impl FnOnce(&mut Heartbeat)) {
         change(&mut self.status.lock().heartbeat);
     }
 
-    /// Sends no heartbeats while `is_silent`: the program leaves its place to another.
+    /// Suppresses heartbeats while `is_silent`, to leave this program's place to another.
     pub fn set_silent(&self, is_silent: bool) {
         self.status.lock().is_silent = is_silent;
     }
 
-    /// Sends a heartbeat at once: somebody new is there.
+    /// Sends a heartbeat at once, to introduce this program to a new peer.
     pub fn greet(&self) {
         self.status.lock().now = true;
         self.status.changed();
@@ -86,7 +86,7 @@ fn beat(outlet: &dyn Outlet, status: &Shared<Status>) -> Result<(), LinkError> {
         status.heartbeat.sequence += 1;
         status.heartbeat.clone()
     };
-    // Who has no place in a rig is there to give it an order at most.
+    // A program without a place in the rig can at most send an order.
     let place = heartbeat.place().unwrap_or(Place::Order);
     send(outlet, Topic::Heartbeat(place), &heartbeat)
 }
@@ -95,7 +95,7 @@ impl Drop for Beacon {
     fn drop(&mut self) {
         self.status.lock().stopped = true;
         self.status.changed();
-        // A thread that panicked has nothing left to say.
+        // A panic of the thread is ignored.
         let _ = self.thread.take().map(JoinHandle::join);
     }
 }

@@ -1,61 +1,61 @@
-//! Why certificates could not be made or withdrawn.
+//! Errors of issuing and withdrawing certificates.
 
 use super::register::RegisterError;
 use super::withdrawn::WithdrawnError;
 use std::io;
 use std::path::PathBuf;
 
-/// Why certificates could not be made or withdrawn.
+/// Error of issuing or withdrawing certificates.
 #[derive(Debug, thiserror::Error)]
 pub enum CertificateError {
     /// A file cannot be read or written.
-    #[error("{}: {source}; expected a folder that can be written to", path.display())]
+    #[error("{}: {source}; expected a writable folder", path.display())]
     File {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// A computer's name is none.
+    /// Invalid name of a computer.
     #[error(
-        "{computer:?} is no computer's name: expected letters, digits, dots, colons and hyphens"
+        "invalid computer name {computer:?}: expected letters, digits, dots, colons and hyphens"
     )]
     Computer {
-        /// What was given.
+        /// The invalid name.
         computer: String,
     },
-    /// The computer has a certificate of that right.
-    #[error("{} is there already; expected --renew to make it again", path.display())]
+    /// The computer already has a certificate for this right.
+    #[error("{}: certificate already exists; use --renew to replace it", path.display())]
     Exists {
-        /// Its folder.
+        /// Folder of the certificate.
         path: PathBuf,
     },
-    /// There is no authority.
-    #[error("{}: no lab's authority; expected a folder in which feeler certificates has made some", lab.display())]
+    /// The folder contains no certificate authority.
+    #[error("{}: no certificate authority; expected a lab folder created by feeler certificates", lab.display())]
     NoLab {
-        /// The folder.
+        /// The lab's folder.
         lab: PathBuf,
     },
-    /// There is nothing to withdraw or to renew.
-    #[error("{computer} has no certificate of {rights}; expected one of those that --list shows")]
+    /// No certificate to withdraw or renew.
+    #[error("{computer} has no certificate for {rights}; --list shows all certificates")]
     None {
-        /// The computer.
+        /// Name of the computer.
         computer: String,
-        /// The rights that were asked for.
+        /// Requested rights.
         rights: String,
     },
-    /// The authority in the folder is none, or nothing can be signed.
+    /// The authority's files are invalid, or signing failed.
     #[error("{}: {source}", path.display())]
     Signing {
         /// The lab's folder.
         path: PathBuf,
-        /// What the library said.
+        /// Error of the certificate library.
         source: rcgen::Error,
     },
-    /// The list of the lab's certificates cannot be used.
+    /// The list of issued certificates is invalid.
     #[error(transparent)]
     Register(#[from] RegisterError),
-    /// The list of withdrawn certificates cannot be used.
+    /// The list of withdrawn certificates is invalid.
     #[error(transparent)]
     Withdrawn(#[from] WithdrawnError),
 }

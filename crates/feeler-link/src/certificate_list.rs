@@ -1,4 +1,4 @@
-//! Which certificates a lab has made, and which it has withdrawn.
+//! Listing and withdrawing of a lab's certificates.
 
 use super::certificates::{Authority, CertificateError, failed, none};
 use super::register::{self, Entry};
@@ -8,25 +8,25 @@ use super::withdrawn::{self, WITHDRAWN};
 use std::collections::BTreeSet;
 use std::fs;
 
-/// A certificate that the lab has made.
+/// Certificate issued by the lab, with its status.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Listed {
-    /// Name, computer, last day.
+    /// Name, computer and last day of validity.
     pub entry: Entry,
-    /// Whether the lab has withdrawn it.
+    /// `true` if the lab has withdrawn the certificate.
     pub withdrawn: bool,
-    /// Whether its last day is past.
+    /// `true` if the last day of validity is over.
     pub expired: bool,
-    /// Whether the computer has a newer one of the same right.
+    /// `true` if the computer has a newer certificate for the same right.
     pub replaced: bool,
 }
 
 impl Authority {
-    /// Withdraws all certificates of `computer` made so far that give one of `rights`; their names. The list of
-    /// withdrawn certificates is then in the lab's folder and in that of each computer.
+    /// Withdraws all certificates of `computer` that grant one of `rights`, and returns their names. Updates the list
+    /// of withdrawn certificates in the lab's folder and in each computer's folder.
     ///
     /// # Errors
-    /// When it has none, or the list cannot be read or written.
+    /// If the computer has no such certificate, or the list cannot be read or written.
     pub fn withdraw(
         &self,
         computer: &str,
@@ -41,16 +41,16 @@ impl Authority {
         Ok(names)
     }
 
-    /// The names of the certificates of `computer` made so far that give one of `rights`.
+    /// Returns the names of all certificates of `computer` that grant one of `rights`.
     pub fn names(&self, computer: &str, rights: &[Right]) -> Vec<CertificateName> {
         let entries = self.register.of(computer, rights);
         entries.map(|entry| entry.name).collect()
     }
 
-    /// Withdraws the certificates of these names.
+    /// Withdraws the named certificates.
     ///
     /// # Errors
-    /// When the list cannot be read or written.
+    /// If the list cannot be read or written.
     pub fn withdraw_names(&self, names: &[CertificateName]) -> Result<(), CertificateError> {
         let path = self.lab.join(WITHDRAWN);
         let already = withdrawn::read(&path)?;
@@ -63,10 +63,10 @@ impl Authority {
         self.hand_out_withdrawn()
     }
 
-    /// All certificates, in the order of their making.
+    /// Returns all certificates, in the order in which they were issued.
     ///
     /// # Errors
-    /// When the list of the withdrawn ones cannot be read.
+    /// If the list of withdrawn certificates cannot be read.
     pub fn list(&self) -> Result<Vec<Listed>, CertificateError> {
         let withdrawn = withdrawn::read(&self.lab.join(WITHDRAWN))?;
         let today = validity::day(validity::now());

@@ -1,4 +1,4 @@
-//! A lab's own certificate authority: who has a certificate of it takes part, and does what its right permits.
+//! Certificate authority of a lab. Its certificates admit programs to the link and grant their rights.
 
 pub use super::certificate_error::CertificateError;
 pub use super::certificate_list::Listed;
@@ -14,10 +14,10 @@ use std::fs::{self, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// The authority's certificate and its key, in the lab's folder.
+/// Files of the authority's certificate and key in the lab's folder.
 const AUTHORITY: [&str; 2] = ["ca.pem", "ca-key.pem"];
 
-/// A lab's authority.
+/// Certificate authority of a lab.
 pub struct Authority {
     pub(super) lab: PathBuf,
     certificate: String,
@@ -26,10 +26,10 @@ pub struct Authority {
 }
 
 impl Authority {
-    /// The authority of the folder `lab`; it is made when there is none.
+    /// Opens the authority in the folder `lab`, or creates it if it does not exist.
     ///
     /// # Errors
-    /// When the folder cannot be read or written, or holds something else.
+    /// If the folder cannot be read or written, or the authority's files are invalid.
     pub fn open_or_make(lab: &Path) -> Result<Self, CertificateError> {
         let signing = |source| CertificateError::Signing {
             path: lab.to_path_buf(),
@@ -48,10 +48,10 @@ impl Authority {
         Self::open(lab)
     }
 
-    /// The authority of the folder `lab`.
+    /// Opens the authority in the folder `lab`.
     ///
     /// # Errors
-    /// When there is none.
+    /// If the folder contains no valid authority.
     pub fn open(lab: &Path) -> Result<Self, CertificateError> {
         let signing = |source| CertificateError::Signing {
             path: lab.to_path_buf(),
@@ -74,11 +74,11 @@ impl Authority {
         })
     }
 
-    /// Makes certificates of `rights` for `computer` (a name or an address), each in the folder of its right in the
-    /// folder of that name; their names.
+    /// Issues one certificate per right for `computer` (host name or address), and returns their names. They are stored
+    /// in `LAB/COMPUTER/RIGHT`.
     ///
     /// # Errors
-    /// When it has one of them, its name is none, or the folder cannot be written.
+    /// If the computer already has one of them, its name is invalid, or the folder cannot be written.
     pub fn certify(
         &mut self,
         computer: &str,
@@ -96,11 +96,11 @@ impl Authority {
         Ok(names)
     }
 
-    /// Makes the certificates of `computer` again that give one of `rights`, under new names. The old ones stay valid
-    /// until they expire or are withdrawn.
+    /// Issues new certificates, under new names, for those of `computer` that grant one of `rights`. The old ones stay
+    /// valid until they expire or are withdrawn.
     ///
     /// # Errors
-    /// When it has none, or the folder cannot be written.
+    /// If the computer has no such certificate, or the folder cannot be written.
     pub fn renew(
         &mut self,
         computer: &str,
@@ -119,10 +119,10 @@ impl Authority {
         old.into_iter().map(make).collect()
     }
 
-    /// The folder of `computer`.
+    /// Returns the folder of `computer`.
     ///
     /// # Errors
-    /// When its name is none.
+    /// If the name is invalid.
     pub fn folder(&self, computer: &str) -> Result<PathBuf, CertificateError> {
         let sound = |c: char| c.is_ascii_alphanumeric() || ".:-".contains(c);
         if computer.is_empty() || computer.starts_with('.') || !computer.chars().all(sound) {
@@ -132,7 +132,7 @@ impl Authority {
         Ok(self.lab.join(computer))
     }
 
-    /// Makes a certificate, in place of the one of that right if there is one.
+    /// Issues a certificate and replaces any previous one for the same right.
     fn make(
         &mut self,
         computer: &str,
@@ -156,7 +156,7 @@ impl Authority {
         write_new(&new.join("ca.pem"), &self.certificate)?;
         write_new(&new.join("cert.pem"), &certificate.pem())?;
         write_new(&new.join("key.pem"), &key.serialize_pem())?;
-        // Certificate and key belong together, so both are replaced at once.
+        // Certificate and key belong together, so the folder is replaced as a whole.
         remove(&path)?;
         fs::rename(&new, &path).map_err(|e| failed(&path, e))?;
         Ok(name)
@@ -173,7 +173,7 @@ fn authority() -> Result<CertificateParams, rcgen::Error> {
     Ok(authority)
 }
 
-/// A computer is known by its name, and by itself.
+/// Returns the parameters of a certificate, valid for the computer's name and for local connections.
 fn of_computer(
     computer: &str,
     name: CertificateName,
@@ -184,7 +184,7 @@ fn of_computer(
     validity.set(&mut certificate);
     certificate.key_usages = vec![KeyUsagePurpose::DigitalSignature];
     certificate.extended_key_usages = vec![ExtendedKeyUsagePurpose::ClientAuth];
-    // Others connect to the hand alone.
+    // Only the hand accepts connections.
     if name.right == Right::Hand {
         let usages = &mut certificate.extended_key_usages;
         usages.push(ExtendedKeyUsagePurpose::ServerAuth);
@@ -196,7 +196,7 @@ fn of_computer(
     Ok(certificate)
 }
 
-/// Removes a folder, if it is there.
+/// Removes a folder if it exists.
 fn remove(path: &Path) -> Result<(), CertificateError> {
     match fs::remove_dir_all(path) {
         Err(e) if e.kind() != io::ErrorKind::NotFound => Err(failed(path, e)),
@@ -212,7 +212,7 @@ pub(super) fn none(computer: &str, rights: &[Right]) -> CertificateError {
     }
 }
 
-/// Writes a file that is not there yet and that nobody else may read.
+/// Creates a file that only its owner may read. Fails if the file exists.
 fn write_new(path: &Path, text: &str) -> Result<(), CertificateError> {
     let mut options = OpenOptions::new();
     options.write(true).create_new(true);

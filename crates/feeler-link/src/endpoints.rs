@@ -1,81 +1,81 @@
-//! Where a program listens and whom it connects to, and what keeps others out.
+//! Endpoints to listen on and connect to, and their access checks.
 
 use super::withdrawn::WithdrawnError;
 use std::path::PathBuf;
 
-/// Where the hand listens unless told otherwise: nobody on another computer can come in.
+/// Default endpoint of the hand, reachable from this computer only.
 pub const HAND_ENDPOINT: &str = "tcp/127.0.0.1:7447";
 
-/// How a program takes part in the link.
+/// Configuration of a program's connection to the link.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct LinkConfig {
-    /// Name of the rig: programs of another rig are not heard.
+    /// Name of the rig. Messages of other rigs are not received.
     pub rig: String,
-    /// Whether this is the hand, which listens and passes on the messages of all others.
+    /// `true` for the hand, which listens and forwards the messages of all other programs.
     pub is_hand: bool,
-    /// Where the hand listens, as in `tls/0.0.0.0:7447`.
+    /// Endpoints on which the hand listens, e.g. `tls/0.0.0.0:7447`.
     pub listen: Vec<String>,
-    /// Where the hand is, again and again until it is there; of several endpoints, the first that answers.
+    /// Endpoints of the hand. They are tried repeatedly until one of them answers.
     pub connect: Vec<String>,
-    /// Folder of the lab's certificates, for endpoints with TLS: `ca.pem`, `cert.pem`, `key.pem`.
+    /// Folder with `ca.pem`, `cert.pem` and `key.pem`, for TLS endpoints.
     pub certificates: Option<PathBuf>,
-    /// Whether to listen beyond this computer without certificates.
+    /// Allows listening on a network interface without certificates.
     pub insecure: bool,
 }
 
-/// Why a program cannot take part in the link.
+/// Error of opening or using the link.
 #[derive(Debug, thiserror::Error)]
 pub enum LinkError {
-    /// An endpoint that is none.
+    /// Invalid endpoint.
     #[error(
         "endpoint {endpoint:?}: expected PROTOCOL/HOST:PORT with tcp, udp or tls, as in tcp/127.0.0.1:7447"
     )]
     Endpoint {
-        /// What was given.
+        /// The invalid text.
         endpoint: String,
     },
-    /// Whoever can reach this computer could read forces and move the hand.
+    /// A public endpoint without certificates: any computer that can reach it could read forces and move the hand.
     #[error(
-        "--listen {endpoint}: anybody on the network could move the hand; expected a tls/ endpoint with \
+        "--listen {endpoint}: anyone on the network could move the hand; use a tls/ endpoint with \
          --certificates (see feeler certificates), or --insecure"
     )]
     Open {
         /// The endpoint.
         endpoint: String,
     },
-    /// TLS needs certificates.
+    /// TLS endpoint without certificates.
     #[error(
-        "endpoint {endpoint}: expected --certificates DIR beside it (feeler certificates makes them)"
+        "endpoint {endpoint}: TLS requires --certificates DIR (created by feeler certificates)"
     )]
     NoCertificates {
         /// The endpoint.
         endpoint: String,
     },
-    /// A certificate's file is not there.
-    #[error("--certificates: {} is not there; expected a folder that feeler certificates made", path.display())]
+    /// Missing certificate file.
+    #[error("--certificates: {} not found; expected a folder created by feeler certificates", path.display())]
     Certificate {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// The name of a rig that no key can hold.
+    /// Rig name with characters that are not allowed in a key.
     #[error("--rig {rig:?}: expected letters, digits, - and _")]
     Rig {
-        /// What was given.
+        /// The invalid name.
         rig: String,
     },
     /// The list of withdrawn certificates cannot be read.
     #[error(transparent)]
     Withdrawn(#[from] WithdrawnError),
-    /// The transport says no.
-    #[error("the link: {0}")]
+    /// Error of the transport.
+    #[error("link error: {0}")]
     Transport(String),
 }
 
 impl LinkConfig {
-    /// Checks names, endpoints and that nobody uninvited can come in.
+    /// Checks the rig's name, the endpoints, and that public endpoints require certificates.
     ///
     /// # Errors
-    /// The first thing that is wrong.
+    /// Returns the first error found.
     pub fn check(&self) -> Result<(), LinkError> {
         let sound = |c: char| c.is_ascii_alphanumeric() || c == '-' || c == '_';
         if self.rig.is_empty() || !self.rig.chars().all(sound) {
@@ -105,14 +105,14 @@ impl LinkConfig {
         }
     }
 
-    /// The lab's certificate, this program's certificate, and its key.
+    /// Returns the paths of the lab's certificate, this program's certificate and its key.
     pub fn certificate_files(&self) -> Option<[PathBuf; 3]> {
         let folder = self.certificates.as_ref()?;
         Some(["ca.pem", "cert.pem", "key.pem"].map(|name| folder.join(name)))
     }
 }
 
-/// Protocol and host of an endpoint.
+/// Returns protocol and host of an endpoint.
 fn parts(endpoint: &str) -> Result<(&str, &str), LinkError> {
     let wrong = || LinkError::Endpoint {
         endpoint: endpoint.to_string(),
@@ -124,14 +124,14 @@ fn parts(endpoint: &str) -> Result<(&str, &str), LinkError> {
     sound.then_some((protocol, host)).ok_or_else(wrong)
 }
 
-/// Protocol and address (`HOST:PORT`) of an endpoint.
+/// Returns protocol and address (`HOST:PORT`) of an endpoint.
 #[cfg(feature = "zenoh")]
 pub(super) fn address(endpoint: &str) -> Result<(&str, &str), LinkError> {
     let (protocol, _) = parts(endpoint)?;
     Ok((protocol, &endpoint[protocol.len() + 1..]))
 }
 
-/// Whether only this computer reaches `host`. A name other than `localhost` may be anybody's.
+/// Returns `true` if `host` is a loopback address or `localhost`. Other names are not resolved.
 fn is_loopback(host: &str) -> bool {
     let bare = host.trim_start_matches('[').trim_end_matches(']');
     let address = bare.parse::<std::net::IpAddr>();
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn only_this_computer_comes_in_without_certificates() {
+    fn public_endpoints_require_certificates() {
         for endpoint in [
             HAND_ENDPOINT,
             "tcp/127.0.0.1:0",
@@ -177,7 +177,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_endpoint_is_said() {
+    fn invalid_endpoints_are_rejected() {
         for endpoint in [
             "",
             "tcp",

@@ -1,31 +1,29 @@
-//! How old data can be at most, without clocks that agree.
+//! Upper bound of the age of received data, without synchronized clocks.
 //!
-//! The hand numbers its control steps, and whoever sends it data says which step was the newest it had
-//! heard of, and how long before. The data cannot be older than that step plus that wait: an upper
-//! bound of their age on the hand's own clock, whatever the network did on the way, and however the
-//! clocks of the programs differ.
+//! The hand numbers its control steps. Senders of data echo the latest step that they had received and the time since
+//! then. The data was measured no earlier than the hand sent that step, plus that time. This bounds its age on the
+//! hand's clock, regardless of network delays and of differences between the programs' clocks.
 //!
-//! Each step has a token that nobody can guess before the hand has sent it. Who echoes the token has heard of the
-//! step: data that were recorded from another run of a hand, or that claim to come after a step that is yet to come,
-//! prove nothing.
+//! Each step has a token that cannot be guessed before the hand sends it, so an echoed token proves that the sender
+//! received the step. Data recorded from another run, or claiming to follow a future step, proves nothing.
 
 use std::fmt;
 use std::hash::{BuildHasher, RandomState};
 
-/// Steps that are remembered. Older ones prove nothing any more: a second at 1 kHz.
+/// Number of steps kept: one second at 1 kHz. Echoes of older steps prove nothing.
 const REMEMBERED: usize = 1024;
 
-/// When the newest control steps were sent, s on the hand's clock.
+/// Send times of the latest control steps, in seconds on the hand's clock.
 #[derive(Clone)]
 pub struct SentSteps {
-    /// Step and time, by step modulo the length.
+    /// Step and time, indexed by step modulo the length.
     times: Vec<(u64, f64)>,
     newest: u64,
-    /// Tokens are a keyed hash (SipHash) of the step, by a key that the system draws for each run.
+    /// Key of the tokens, which are SipHash values of the step. The system draws a new key for each run.
     key: RandomState,
 }
 
-/// The newest only: tokens stay secret, and nobody reads a thousand times.
+/// Shows only the latest step, without the key, because tokens must stay secret.
 impl fmt::Debug for SentSteps {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let newest = self.times[(self.newest % REMEMBERED as u64) as usize];
@@ -46,25 +44,26 @@ impl Default for SentSteps {
 }
 
 impl SentSteps {
-    /// Remembers that `step` was sent at `now`, s.
+    /// Records that `step` was sent at `now` (s).
     pub fn sent(&mut self, step: u64, now: f64) {
         self.times[(step % REMEMBERED as u64) as usize] = (step, now);
         self.newest = step;
     }
 
-    /// The newest step that was sent; 0 before the first.
+    /// Returns the latest step sent, or 0 before the first.
     pub fn newest(&self) -> u64 {
         self.newest
     }
 
-    /// The token of `step`, which others learn when it is sent.
+    /// Returns the token of `step`, which other programs learn when it is sent.
     pub fn token(&self, step: u64) -> u64 {
         self.key.hash_one(step)
     }
 
-    /// The earliest time, s on the hand's clock, at which data can have been taken that were taken
-    /// `echo_age` (s) after the news of `echo_step` had arrived. Nothing is known of data that echo
-    /// nothing, a step that is no longer remembered or has not been sent, or a token that is not its own.
+    /// Returns the earliest time (s, on the hand's clock) at which data can have been measured that was measured
+    /// `echo_age` (s) after its sender received `echo_step`.
+    ///
+    /// Returns `None` if the data echoes no step, a step that is too old or has not been sent, or a wrong token.
     pub fn earliest(&self, (echo_step, echo_token): (u64, u64), echo_age: f64) -> Option<f64> {
         let (step, sent) = self.times[(echo_step % REMEMBERED as u64) as usize];
         let heard = step == echo_step && echo_step > 0 && self.token(echo_step) == echo_token;
@@ -73,14 +72,14 @@ impl SentSteps {
     }
 }
 
-/// The newest step of the hand that a program has heard of, to be echoed in what it sends.
+/// Latest step of the hand that a program has received, echoed in the messages it sends.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Echo {
-    /// The step; 0 before the first.
+    /// Step number, or 0 before the first.
     pub step: u64,
-    /// The hand's token of that step.
+    /// The hand's token for that step.
     pub token: u64,
-    /// When it arrived, s on the program's own clock.
+    /// Time of arrival on the program's clock (s).
     pub arrived: f64,
 }
 
@@ -89,7 +88,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn data_are_no_older_than_the_step_they_echo() {
+    fn earliest_time_follows_from_the_echoed_step() {
         let mut sent = SentSteps::default();
         let echoed = |sent: &SentSteps, step, age| sent.earliest((step, sent.token(step)), age);
         assert_eq!(echoed(&sent, 0, 0.0), None);
@@ -97,7 +96,7 @@ mod tests {
             sent.sent(step, 0.001 * step as f64);
         }
         assert_eq!(echoed(&sent, 1990, 0.004), Some(1.994));
-        // Not remembered, not sent yet, from before its own cause, no number.
+        // Too old, not sent yet, negative age, not finite.
         assert_eq!(echoed(&sent, 2000 - REMEMBERED as u64, 0.0), None);
         assert_eq!(echoed(&sent, 2001, 0.0), None);
         assert_eq!(echoed(&sent, 1990, -1e-9), None);
@@ -106,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn another_runs_token_proves_nothing() {
+    fn tokens_of_another_run_are_rejected() {
         let (mut this, mut other) = (SentSteps::default(), SentSteps::default());
         for step in 1..=10 {
             this.sent(step, 0.01 * step as f64);

@@ -1,4 +1,4 @@
-//! What the hand program has heard: forces and flags, joint angles, other programs, orders.
+//! Messages received by the hand program: forces and flags, joint states, heartbeats and orders.
 
 use super::freshness::SentSteps;
 use super::holds::Holds;
@@ -16,52 +16,53 @@ use feeler::control::flags::FingerFlags;
 use feeler_record::wire::message;
 use serde::{Deserialize, Serialize};
 
-/// Everything that has arrived for the hand. Bytes and the hand's clock in, decisions out.
+/// Inbox of the hand: validates received messages and keeps the latest data. Does no I/O; times are arguments.
 #[derive(Debug, Clone)]
 pub struct HandInbox {
     fingers: Vec<FingerInbox>,
     state: StateInbox,
     peers: Peers,
-    /// What was not taken.
+    /// Counters of rejected messages.
     pub rejected: Rejections,
-    /// When the control steps were sent.
+    /// Send times of the control steps.
     pub sent: SentSteps,
-    /// The stops in force.
+    /// Active stops.
     pub holds: Holds,
-    /// Number of the state that was answered last, where a hand waits for all of the next: it is not woken for each part.
+    /// In lockstep, the number of the last answered state. The hand is woken only when the next state and the forces of
+    /// all fingers have arrived.
     pub(crate) answered: Option<u64>,
 }
 
-/// What has arrived of one finger.
+/// Data received for one finger.
 #[derive(Debug, Clone, Default)]
 pub struct FingerInbox {
-    /// The newest update; none before the first.
+    /// Latest update, or `None` before the first.
     pub newest: Option<TactileUpdate>,
-    /// Updates that never came, by their numbers.
+    /// Number of lost updates, from gaps in sequence numbers.
     pub lost: u64,
     elements: usize,
     sequence: Sequence,
-    /// The earliest time at which it can have been taken, s on the hand's clock.
+    /// Earliest possible measurement time of the latest update (s, on the hand's clock).
     earliest: f64,
-    /// Its time in the run, s; none where it is stamped by a clock of its own.
+    /// Run time of the latest update (s), or `None` if it is stamped by the sensor's clock.
     time: Option<f64>,
-    /// Flags of all updates since they were last taken.
+    /// Combined flags of all updates since the last [`take_flags`](Self::take_flags).
     flags: Option<FingerFlags>,
 }
 
-/// What has arrived of the joints.
+/// Joint states received from the rig.
 #[derive(Debug, Clone)]
 pub struct StateInbox {
-    /// The newest state; none before the first.
+    /// Latest state, or `None` before the first.
     pub newest: Option<StateMessage>,
-    /// Its time in the run, s.
+    /// Run time of the latest state (s).
     pub time: f64,
-    /// States that never came, by their numbers.
+    /// Number of lost states, from gaps in sequence numbers.
     pub lost: u64,
-    /// Maps the rig's stamps onto the time of the run.
+    /// Converts the rig's stamps to run time.
     pub clock: RunClock,
     sequence: Sequence,
-    /// The earliest time at which it can have been taken, s on the hand's clock.
+    /// Earliest possible measurement time of the latest state (s, on the hand's clock).
     earliest: f64,
 }
 
@@ -105,7 +106,7 @@ impl Inbox for HandInbox {
     }
 }
 
-/// How a stop begins in every version.
+/// Leading fields of a stop order, common to all versions.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 struct EarlierStop {
     protocol: u32,
@@ -120,7 +121,7 @@ message!(
     "string from",
 );
 
-/// Reads a stop of whatever version: that it is to stop is all that counts.
+/// Decodes a stop order of any version, because a stop must always take effect.
 fn read_stop(bytes: &[u8]) -> Result<StopMessage, Rejection> {
     read(bytes).or_else(|_| {
         let EarlierStop { protocol, from } = read(bytes)?;
@@ -130,8 +131,8 @@ fn read_stop(bytes: &[u8]) -> Result<StopMessage, Rejection> {
 }
 
 impl HandInbox {
-    /// Nothing has arrived yet for a hand whose fingers have so many `elements` and whose rig's time goes as `clock`
-    /// says; programs must agree with `expected`.
+    /// Creates an empty inbox. `elements` is the number of elements of each finger, `clock` converts the rig's stamps
+    /// to run time, and other programs must match `expected`.
     pub fn new(elements: &[usize], clock: RunClock, expected: Expected) -> Self {
         let finger = |&elements: &usize| FingerInbox {
             elements,
@@ -170,7 +171,7 @@ impl HandInbox {
         let lost = inbox.sequence.missing(number, now)?;
         let earliest = earliest(&self.sent, header, now)?;
         let time = match header.clock == header.instance {
-            // A camera's own clock says nothing; when it was is known as well as its age is.
+            // The stamp of a sensor's own clock is not comparable; only the bound of the age is known.
             true => None,
             false => {
                 let clock = &self.state.clock;
@@ -205,28 +206,28 @@ impl HandInbox {
         Ok(())
     }
 
-    /// The fingers.
+    /// Returns the data of all fingers.
     pub fn fingers(&self) -> &[FingerInbox] {
         &self.fingers
     }
 
-    /// One finger, to take what it felt.
+    /// Returns the data of one finger, to take its flags.
     pub fn finger_mut(&mut self, finger: usize) -> Option<&mut FingerInbox> {
         self.fingers.get_mut(finger)
     }
 
-    /// The joints.
+    /// Returns the joint states.
     pub fn state(&self) -> &StateInbox {
         &self.state
     }
 
-    /// Number of the newest state; 0 before the first.
+    /// Returns the number of the latest state, or 0 before the first.
     pub fn state_sequence(&self) -> u64 {
         let state = self.state.newest.as_ref();
         state.map_or(0, |state| state.header.sequence)
     }
 
-    /// Whether a state after that of the number `answered` has come, and what all fingers felt then.
+    /// Returns `true` if a state newer than number `answered` and the matching updates of all fingers have arrived.
     pub fn is_whole_after(&self, answered: u64) -> bool {
         let state = self.state_sequence();
         let felt = |finger: &FingerInbox| {
@@ -236,8 +237,8 @@ impl HandInbox {
         state > answered && self.fingers.iter().all(felt)
     }
 
-    /// When the newest update of `finger` was taken, s of the run's time. Of a camera with a clock of its own, that is
-    /// as much later than the newest state as it can have been, by the bounds of both ages.
+    /// Returns the run time of the latest update of `finger` (s). For a sensor with a separate clock, it is estimated
+    /// relative to the latest state from the earliest possible measurement times of both.
     pub fn time_of(&self, finger: usize) -> f64 {
         let state = &self.state;
         let Some(inbox) = self.fingers.get(finger) else {
@@ -249,8 +250,8 @@ impl HandInbox {
         inbox.time.unwrap_or_else(of_own_clock).max(0.0)
     }
 
-    /// Upper bounds of the ages of the joint state and of each finger's forces at `now`, s; infinite where
-    /// nothing is known.
+    /// Returns upper bounds of the ages of the joint state and of each finger's forces at `now` (s). Infinite if no
+    /// data has arrived.
     pub fn ages(&self, now: f64) -> (f64, impl Iterator<Item = f64>) {
         let fingers = self.fingers.iter().map(move |finger| now - finger.earliest);
         (now - self.state.earliest, fingers)
@@ -258,14 +259,15 @@ impl HandInbox {
 }
 
 impl FingerInbox {
-    /// The flags of all updates since they were last taken; where there was none, those of the newest.
+    /// Returns the combined flags of all updates since the last call, or the flags of the latest update if there was no
+    /// new one.
     pub fn take_flags(&mut self) -> FingerFlags {
         let newest = || self.newest.as_ref().map(flags);
         self.flags.take().or_else(newest).unwrap_or_default()
     }
 }
 
-/// The flags of an update.
+/// Returns the flags of an update.
 pub(super) fn flags(update: &TactileUpdate) -> FingerFlags {
     let element = usize::try_from(update.largest_element).ok();
     FingerFlags {
@@ -277,8 +279,8 @@ pub(super) fn flags(update: &TactileUpdate) -> FingerFlags {
     }
 }
 
-/// The earliest time of a program's data: nothing that it tells is older than what it told before; what another
-/// told says nothing of its data.
+/// Returns the earliest measurement time of a message, raised to that of the previous message if both are from the
+/// same program, because a program sends its data in order.
 fn not_before(
     before: &Sequence,
     (instance, _): (u64, u64),
@@ -291,10 +293,10 @@ fn not_before(
     }
 }
 
-/// The earliest time at which what a message of `header` tells can have been.
+/// Returns the earliest possible measurement time of a message.
 ///
 /// # Errors
-/// When it is not known: the message echoes no step of this hand's run that is remembered.
+/// If the message does not echo a recent step of this hand's run.
 fn earliest(sent: &SentSteps, header: MessageHeader, now: f64) -> Result<f64, Rejection> {
     match header.echo_step {
         0 => return Err(Rejection::Unintroduced),
@@ -305,6 +307,6 @@ fn earliest(sent: &SentSteps, header: MessageHeader, now: f64) -> Result<f64, Re
     let earliest = sent
         .earliest(echo, header.echo_age)
         .ok_or(Rejection::Unproven)?;
-    // Clocks that run at slightly different rates may put it after its own arrival.
+    // Clock drift may put the time after the arrival.
     Ok(earliest.min(now))
 }

@@ -1,4 +1,4 @@
-//! What follows for the hand from what has arrived: whether it may begin, and move.
+//! Decides from the received messages whether the hand may start or move.
 
 use super::hand_inbox::HandInbox;
 use super::inbox::Inbox;
@@ -7,17 +7,17 @@ use super::mismatch::Mismatch;
 use super::peers::Peer;
 use feeler::control::stop_reason::StopReason;
 
-/// What a hand may do in a control step.
+/// Permission to move in a control step.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Verdict {
-    /// Move: data are fresh, and no stop is in force.
+    /// Move: all data is fresh, and no stop is active.
     Go,
-    /// Stand still, for this reason if it is a new one; else for those that are in force.
+    /// Hold. `Some` contains a stop order or stale data; `None` means that earlier stops are still active.
     Stand(Option<StopReason>),
 }
 
 impl HandInbox {
-    /// Why the hand must stop at `now` (s): for data older than `limit`, s, or whose age is not known.
+    /// Returns the stop reason if any data at `now` (s) is older than `limit` (s) or of unknown age.
     pub fn stale(&self, now: f64, limit: f64) -> Option<StopReason> {
         let (state, fingers) = self.ages(now);
         let old = |age: f64| !age.is_finite() || age > limit;
@@ -28,7 +28,7 @@ impl HandInbox {
         Some(StopReason::StaleForces { finger, age, limit })
     }
 
-    /// The programs that are not there at `now`, s, by name.
+    /// Returns the names of the programs missing at `now` (s).
     pub fn missing(&self, now: f64) -> Vec<String> {
         let rig = self.peers().taken(ProgramKind::World, now).next();
         let rig = rig.is_none().then(|| ProgramKind::World.to_string());
@@ -41,18 +41,19 @@ impl HandInbox {
         rig.into_iter().chain(fingers).collect()
     }
 
-    /// Whether a hand may begin at `now`, s: all programs are there, and no data are older than `limit`, s.
+    /// Returns `true` if the hand may start at `now` (s): all programs are present, and no data is older than `limit`
+    /// (s).
     pub fn may_begin(&self, now: f64, limit: f64) -> bool {
         self.missing(now).is_empty() && self.stale(now, limit).is_none()
     }
 
-    /// Another hand that is there at `now`, s. A rig has one hand.
+    /// Returns a competing hand program that is present at `now` (s).
     pub fn rival(&self, now: f64) -> Option<&Peer> {
         self.peers().taken(ProgramKind::Hand, now).next()
     }
 
-    /// The hand to which this one, of that `instance`, leaves the rig if it has not begun: one at work, and of two that
-    /// wait, that of the smaller instance.
+    /// Returns a mismatch if this hand, which has not started, must yield to another hand at `now` (s): to one that is
+    /// already running, or to a waiting one with an instance smaller than `instance`.
     pub fn hand_ahead(&self, now: f64, instance: u64) -> Option<Mismatch> {
         let rival = self.rival(now)?;
         let Heartbeat {
@@ -63,8 +64,8 @@ impl HandInbox {
         (rate > 0.0 || other < instance).then(|| rival.taken())
     }
 
-    /// What the hand may do at `now` (s) with data that are stale when older than `limit`, s. What it stopped for by
-    /// want of fresh data is over when they are fresh where it `goes_on_by_itself`.
+    /// Decides whether the hand may move at `now` (s), and records a stop if any data is older than `limit` (s). With
+    /// `goes_on_by_itself`, stops for stale data end once all data is fresh.
     pub fn verdict(&mut self, now: f64, limit: f64, goes_on_by_itself: bool) -> Verdict {
         let stale = self.stale(now, limit);
         match &stale {

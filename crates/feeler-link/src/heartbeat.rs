@@ -1,4 +1,4 @@
-//! Heartbeats as they arrive.
+//! Parsing of received heartbeats.
 
 use super::inbox;
 use super::message::{Heartbeat, NO_FINGER, PROTOCOL};
@@ -6,7 +6,7 @@ use super::printable;
 use super::rejection::Rejection;
 use feeler_record::wire::cdr;
 
-/// Reads a heartbeat; of one of another version, what stands first in all of them.
+/// Decodes and validates a heartbeat. For another protocol version, only the fields common to all versions are read.
 pub(super) fn read_heartbeat(bytes: &[u8]) -> Result<Heartbeat, Rejection> {
     if !bytes.starts_with(&cdr::ENCAPSULATION) {
         return Err(Rejection::Malformed);

@@ -1,55 +1,55 @@
-//! The stops that are in force: the hand stands still until each has been resumed.
+//! Active stops. The hand stands still until each of them has been resumed.
 
 use super::message::{NO_ID, StopInForce};
 use super::printable::printable;
 use feeler::control::stop_reason::StopReason;
 
-/// Stops that are told apart. Of more, the newest stands for all that came after the others.
+/// Maximum number of active stops. When the list is full, a new stop replaces the newest one.
 pub(crate) const MOST: usize = 16;
 
-/// Orders that are remembered after they were resumed: a late copy of one does not stop the hand again.
+/// Number of resumed orders kept, so that a late duplicate does not stop the hand again.
 const REMEMBERED: usize = 64;
 
-/// The stops in force.
+/// List of active stops.
 #[derive(Debug, Clone, Default)]
 pub struct Holds {
     in_force: Vec<Hold>,
-    /// Number of the newest stop.
+    /// Number of the latest stop.
     newest: u64,
-    /// Orders that were resumed, by what their senders drew; the oldest is overwritten.
+    /// Ids of resumed orders, as a ring buffer.
     resumed: Vec<u64>,
     next_resumed: usize,
 }
 
-/// A stop that has not been resumed.
+/// Active stop.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hold {
-    /// Its number.
+    /// Number of the stop.
     pub number: u64,
-    /// Who or what stopped the hand.
+    /// Cause of the stop.
     pub cause: Cause,
-    /// The same in words.
+    /// Sender of the order, or the reason as text.
     pub by: String,
 }
 
-/// Who or what stopped a hand.
+/// Cause of a stop.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Cause {
-    /// Somebody, by an order of this id; 0: none was drawn.
+    /// Order with this id, or 0 if the sender drew none.
     Order(u64),
-    /// The hand itself, for want of fresh data.
+    /// Stopped by the hand itself because of stale data.
     Stale,
-    /// The hand itself, for another reason.
+    /// Stopped by the hand itself for another reason.
     Fault,
 }
 
 impl Hold {
-    /// Whether the hand stopped by itself.
+    /// Returns `true` if the hand stopped itself.
     fn is_own(&self) -> bool {
         !matches!(self.cause, Cause::Order(_))
     }
 
-    /// The same as a message.
+    /// Converts the stop to a message.
     pub fn to_message(&self) -> StopInForce {
         let (number, by) = (self.number, self.by.clone());
         let id = match self.cause {
@@ -62,20 +62,20 @@ impl Hold {
 }
 
 impl Holds {
-    /// The stops in force, the oldest first.
+    /// Returns the active stops, oldest first.
     pub fn in_force(&self) -> &[Hold] {
         &self.in_force
     }
 
-    /// Number of the newest stop, in force or not; 0 before the first.
+    /// Returns the number of the latest stop, active or not, or 0 before the first.
     pub fn newest(&self) -> u64 {
         self.newest
     }
 
-    /// Stops the hand by the order `id` (0: none was drawn) of whoever calls himself `from`; the number of the stop.
-    /// The same order again is the same stop; none where it has been resumed.
+    /// Adds a stop for the order `id` (0 if none was drawn) from the sender `from`, and returns its number. A repeated
+    /// order returns the same number, or `None` if that stop has been resumed.
     pub fn order(&mut self, id: u64, from: &str) -> Option<u64> {
-        let from = if from.is_empty() { "somebody" } else { from };
+        let from = if from.is_empty() { "unknown" } else { from };
         let (cause, by) = (Cause::Order(id), printable(from));
         let same = |hold: &&Hold| hold.cause == cause && (id != 0 || hold.by == by);
         if let Some(hold) = self.in_force.iter().find(same) {
@@ -85,7 +85,7 @@ impl Holds {
         (!was_resumed).then(|| self.add(cause, by))
     }
 
-    /// Says that the hand stopped by itself, and why. It does so once, until that stop has been resumed.
+    /// Adds a stop by the hand itself, unless one is already active.
     pub fn fault(&mut self, why: &StopReason) {
         if self.in_force.iter().any(Hold::is_own) {
             return;
@@ -97,7 +97,7 @@ impl Holds {
         self.add(cause, printable(&why.to_string()));
     }
 
-    /// Resumes the stop of this `number`; whether it was in force.
+    /// Resumes the stop with this number. Returns `false` if it was not active.
     pub fn resume(&mut self, number: u64) -> bool {
         let found = self.in_force.iter().position(|hold| hold.number == number);
         let Some(index) = found else {
@@ -109,12 +109,12 @@ impl Holds {
         true
     }
 
-    /// Resumes what the hand stopped for by itself for want of fresh data.
+    /// Resumes the stop for stale data, if active.
     pub fn resume_stale(&mut self) {
         self.in_force.retain(|hold| hold.cause != Cause::Stale);
     }
 
-    /// Who ordered the oldest stop in force that was ordered.
+    /// Returns the sender of the oldest active order.
     pub fn ordered_by(&self) -> Option<&str> {
         let ordered = |hold: &&Hold| !hold.is_own();
         Some(&self.in_force.iter().find(ordered)?.by)
@@ -144,11 +144,11 @@ mod tests {
     use super::*;
 
     #[test]
-    fn stops_of_two_need_two_resumes() {
+    fn each_stop_needs_its_own_resume() {
         let mut holds = Holds::default();
         assert_eq!(holds.order(7, "a"), Some(1));
         assert_eq!(holds.order(8, "b"), Some(2));
-        assert_eq!(holds.order(7, "a"), Some(1), "said again");
+        assert_eq!(holds.order(7, "a"), Some(1), "repeated");
         assert!(holds.resume(1));
         assert!(!holds.resume(1), "an old number resumes nothing");
         assert_eq!(holds.ordered_by(), Some("b"));
@@ -157,13 +157,13 @@ mod tests {
     }
 
     #[test]
-    fn a_late_copy_of_a_resumed_order_stops_nothing_and_a_new_order_does() {
+    fn a_late_duplicate_of_a_resumed_order_is_ignored() {
         let mut holds = Holds::default();
         holds.order(7, "a");
         holds.resume(1);
         assert_eq!(holds.order(7, "a"), None);
         assert_eq!(holds.order(9, "a"), Some(2));
-        // Who draws no number says the same stop again until it is resumed, and then a new one.
+        // Orders without an id are one stop until it is resumed.
         holds.resume(2);
         assert_eq!(holds.order(0, "door"), Some(3));
         assert_eq!(holds.order(0, "door"), Some(3));
@@ -172,7 +172,7 @@ mod tests {
     }
 
     #[test]
-    fn the_hands_own_stops_are_one_and_apart_from_orders() {
+    fn the_hands_own_stop_is_separate_from_orders() {
         let mut holds = Holds::default();
         let stale = |age| StopReason::StaleState { age, limit: 0.035 };
         holds.fault(&stale(0.04));
@@ -181,7 +181,7 @@ mod tests {
         assert_eq!(holds.in_force().len(), 2);
         holds.resume_stale();
         assert_eq!(holds.ordered_by(), Some("a"));
-        // What does not pass with fresh data waits for somebody.
+        // Other faults do not end with fresh data.
         let (finger, element) = (0, 3);
         holds.fault(&StopReason::NoForce { finger, element });
         holds.resume_stale();
@@ -189,7 +189,7 @@ mod tests {
     }
 
     #[test]
-    fn of_a_flood_the_newest_holds() {
+    fn a_flood_of_stops_is_bounded() {
         let mut holds = Holds::default();
         for id in 1..=100 {
             holds.order(id, "flood");

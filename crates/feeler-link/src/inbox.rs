@@ -1,4 +1,4 @@
-//! What programs have in common that hear messages.
+//! Receiving of messages, common to all programs.
 
 use super::beacon::Beacon;
 use super::endpoints::LinkError;
@@ -11,29 +11,29 @@ use super::topic::Topic;
 use feeler_record::wire::{Message, cdr};
 use std::sync::Arc;
 
-/// Takes in what arrives for a program.
+/// Receiver of a program's messages.
 pub trait Inbox {
-    /// Takes in a message that came at `now`, s on the program's clock; no longer than its topic allows.
+    /// Processes a message received at `now` (s, on the program's clock). Its size is within the topic's limit.
     ///
     /// # Errors
-    /// When it is not taken.
+    /// If the message is rejected.
     fn take_in(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection>;
 
-    /// The other programs.
+    /// Returns the other programs.
     fn peers(&self) -> &Peers;
 
-    /// What was not taken, for [`take`](Self::take) to count.
+    /// Returns the counters of rejected messages, which [`take`](Self::take) updates.
     fn rejected(&mut self) -> &mut Rejections;
 
-    /// Whether what has arrived is worth waking who waits for it.
+    /// Returns `true` if threads waiting for this inbox must be woken for the latest message.
     fn is_worth_waking(&self) -> bool {
         true
     }
 
-    /// Takes in a message that came at `now`, s on the program's clock, or counts it as rejected.
+    /// Processes a message received at `now` (s, on the program's clock), or counts it as rejected.
     ///
     /// # Errors
-    /// When it is not taken.
+    /// If the message is rejected.
     fn take(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
         let taken = if bytes.len() > topic.most_bytes() {
             Err(Rejection::Oversized)
@@ -45,18 +45,18 @@ pub trait Inbox {
     }
 }
 
-/// Reads a message.
+/// Decodes a message.
 ///
 /// # Errors
-/// When the bytes are not those of one.
+/// Returns [`Rejection::Malformed`] if `bytes` is not a valid message of type `M`.
 pub fn read<M: Message>(bytes: &[u8]) -> Result<M, Rejection> {
     cdr::decode(bytes).map_err(|_| Rejection::Malformed)
 }
 
-/// Lets `inbox` take in all messages of `topics`, and `beacon` greet programs that are new.
+/// Passes all messages of `topics` to `inbox`, and sends a heartbeat from `beacon` when a new program appears.
 ///
 /// # Errors
-/// When nothing can be heard.
+/// If a subscription fails.
 pub fn listen<I: Inbox + Send + 'static>(
     network: &dyn Network,
     topics: &[Topic],
@@ -71,7 +71,7 @@ pub fn listen<I: Inbox + Send + 'static>(
                 let mut inbox = inbox.lock();
                 let last = |inbox: &I| Some(inbox.peers().all().last()?.heartbeat.instance);
                 let known = last(&inbox);
-                // What is refused is counted there.
+                // Rejections are counted in there.
                 let _ = inbox.take(topic, bytes, clock());
                 (last(&inbox) != known, inbox.is_worth_waking())
             };

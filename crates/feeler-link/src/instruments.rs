@@ -1,9 +1,9 @@
-//! What a rig's instruments read, from its message to the record.
+//! Conversion of instrument readings from messages to records.
 
 use super::message::InstrumentsMessage;
 use feeler_record::{Cap, InstrumentRecord, ObjectPose, TorqueSensor, TrueSlip};
 
-/// What a rig's instruments read at a control step, as it is recorded.
+/// Instrument readings of a control step in the types of a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordedInstruments {
     torque: TorqueSensor,
@@ -13,7 +13,7 @@ pub struct RecordedInstruments {
 }
 
 impl RecordedInstruments {
-    /// What is handed to the record.
+    /// Returns the readings as a record.
     pub fn record(&self) -> InstrumentRecord<'_> {
         InstrumentRecord {
             torque: Some(&self.torque),
@@ -25,7 +25,8 @@ impl RecordedInstruments {
 }
 
 impl InstrumentsMessage {
-    /// The same as it is recorded, of the control step at `stamp`, s, of a hand with so many `fingers`.
+    /// Converts the readings for a recording. `stamp` is the time of the control step (s), `fingers` the number of
+    /// fingers.
     pub fn recorded(&self, stamp: f64, fingers: usize) -> RecordedInstruments {
         RecordedInstruments {
             torque: TorqueSensor {

@@ -1,20 +1,20 @@
-//! Sockets of the link are closed at once, whatever their peer has not read yet.
+//! Disables the linger of the link's sockets, so that they close at once even if the peer has unread data.
 //!
-//! Zenoh gives each of its TCP sockets a linger of ten seconds, and has no setting for it. To close a socket to a
-//! program that is frozen then waits for so long, on the thread that serves all others.
+//! Zenoh sets a linger of ten seconds on each of its TCP sockets and has no setting for it. Closing a socket to a
+//! frozen program would block for ten seconds, on the thread that serves all other sockets.
 
 use serde::Deserialize;
 use std::io;
 use std::net::SocketAddr;
 
-/// A link of the session, as Zenoh describes it: locators such as `tcp/127.0.0.1:7447`.
+/// Zenoh's description of a link, with locators such as `tcp/127.0.0.1:7447`.
 #[derive(Deserialize)]
 struct LinkDescription {
     src: String,
     dst: String,
 }
 
-/// The addresses of a connection's two ends.
+/// Addresses of both ends of a TCP connection.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Connection {
     local: SocketAddr,
@@ -22,7 +22,7 @@ pub struct Connection {
 }
 
 impl Connection {
-    /// The connection of a link that Zenoh describes in `json`; none where the link is no TCP connection.
+    /// Parses Zenoh's JSON description of a link. Returns `None` if the link does not use TCP.
     pub fn of_link(json: &[u8]) -> Option<Self> {
         let link: LinkDescription = serde_json::from_slice(json).ok()?;
         Some(Self {
@@ -32,7 +32,7 @@ impl Connection {
     }
 }
 
-/// The address of a locator of TCP or TLS.
+/// Returns the address of a TCP or TLS locator.
 fn address(locator: &str) -> Option<SocketAddr> {
     let (protocol, rest) = locator.split_once('/')?;
     let address = rest.split(['?', '#']).next()?;
@@ -40,10 +40,10 @@ fn address(locator: &str) -> Option<SocketAddr> {
     is_tcp.then(|| address.parse().ok())?
 }
 
-/// Clears the linger of this process's socket of `connection`, and of no other.
+/// Clears the linger option of this process's socket for `connection`. Other sockets are unchanged.
 ///
 /// # Errors
-/// When the system does not let a process look at its own descriptors, as some containers do not.
+/// If the system forbids a process to inspect its own descriptors, as in some containers.
 #[cfg(target_os = "linux")]
 pub fn clear(connection: Connection) -> io::Result<()> {
     use rustix::net::sockopt::{set_socket_linger, socket_linger};
@@ -55,7 +55,7 @@ pub fn clear(connection: Connection) -> io::Result<()> {
         let Some(number) = name.to_str().and_then(|name| name.parse().ok()) else {
             continue;
         };
-        // A descriptor of our own for the same socket, which may be closed meanwhile.
+        // Duplicates the descriptor, because the original may be closed meanwhile.
         let Ok(descriptor) = pidfd_getfd(&this, number, PidfdGetfdFlags::empty()) else {
             continue;
         };
@@ -68,7 +68,7 @@ pub fn clear(connection: Connection) -> io::Result<()> {
     Ok(())
 }
 
-/// Whether `descriptor` is a socket with the ends of `connection`.
+/// Returns `true` if `descriptor` is the socket of `connection`.
 #[cfg(target_os = "linux")]
 fn is_of(descriptor: &std::os::fd::OwnedFd, connection: Connection) -> bool {
     use rustix::net::{getpeername, getsockname};
@@ -84,7 +84,7 @@ fn is_of(descriptor: &std::os::fd::OwnedFd, connection: Connection) -> bool {
         && peer.is_some_and(|peer| same(peer, connection.peer))
 }
 
-/// Does nothing: only on Linux can a process find the socket.
+/// Does nothing, because only Linux lets a process find the socket.
 #[cfg(not(target_os = "linux"))]
 pub fn clear(_: Connection) -> io::Result<()> {
     Ok(())
@@ -137,8 +137,8 @@ mod tests {
             peer: to,
         };
         if let Err(error) = clear(connection) {
-            // Not `eprintln!`, which the harness keeps to itself. A right that a container may withhold fails nothing.
-            let skipped = "SKIPPED: this system does not let a process see its descriptors";
+            // The test harness captures `eprintln!`. A missing permission in a container is not a failure.
+            let skipped = "SKIPPED: this system forbids a process to inspect its descriptors";
             let _ = writeln!(std::io::stderr(), "{skipped}: {error}");
             return;
         }

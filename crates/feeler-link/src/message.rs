@@ -1,7 +1,7 @@
-//! What the programs say to each other: one plain struct per message, each with its ROS 2 message text.
+//! Messages between the programs: one plain struct per message, each with its ROS 2 message definition.
 //!
-//! All stamps are seconds on the clock of the program that `MessageHeader::clock` names: in a system with
-//! simulated cameras, that of the world.
+//! Stamps are in seconds on the clock of the program given by `MessageHeader::clock`. With simulated cameras, that is
+//! the world program.
 
 use super::freshness::Echo;
 use super::printable::printable;
@@ -12,41 +12,42 @@ use feeler_record::text_enum;
 use feeler_record::wire::{Quaternion, Vector3, message, quaternion_schema, vector3_schema};
 use serde::{Deserialize, Serialize};
 
-/// Version of these messages. A program takes no other, and says so.
+/// Version of these messages. A program rejects and reports messages of any other version.
 pub const PROTOCOL: u32 = 4;
 
-/// [`TactileUpdate::largest_element`] when no element touches.
+/// Value of [`TactileUpdate::largest_element`] if no element touches.
 pub const NO_ELEMENT: u32 = u32::MAX;
 
-/// [`Heartbeat::finger`] of a program that is not one finger's.
+/// Value of [`Heartbeat::finger`] for a program that does not belong to a single finger.
 pub const NO_FINGER: u32 = u32::MAX;
 
-/// [`StopInForce::id`] of an order whose sender drew none.
+/// Value of [`StopInForce::id`] if the sender drew no number.
 pub const NO_ID: u64 = u64::MAX;
 
-/// Who sends, what came before, and how fresh it is.
+/// Message header: sender, sequence number, stamp, and an echo of the hand's latest step that bounds the data's age.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct MessageHeader {
-    /// Version of the messages: [`PROTOCOL`].
+    /// Protocol version: [`PROTOCOL`].
     pub protocol: u32,
-    /// The sending program, by a number that it drew when it started.
+    /// Random number that the sending program drew at its start.
     pub instance: u64,
-    /// The program whose clock the stamp is of, by its instance.
+    /// Instance of the program whose clock `stamp` refers to.
     pub clock: u64,
-    /// Number of the message among those of its kind.
+    /// Sequence number among messages of the same kind.
     pub sequence: u64,
-    /// Time of what the message tells, s.
+    /// Time at which the content was measured or computed (s).
     pub stamp: f64,
-    /// Control step of the newest message of the hand that had arrived at that time; 0: none had.
+    /// Latest control step of the hand that had arrived by `stamp`, or 0 if none.
     pub echo_step: u64,
-    /// The hand's token of that step ([`HandMode::token`]).
+    /// The hand's token for that step ([`HandMode::token`]).
     pub echo_token: u64,
-    /// How long before that time it had arrived, s.
+    /// Age of that step at the measurement, since its arrival (s).
     pub echo_age: f64,
 }
 
 impl MessageHeader {
-    /// The same of what was taken at `time` (s), when `echo` was the newest of the hand that had arrived.
+    /// Returns this header with the echo fields set for data taken at `time` (s), when `echo` was the latest step
+    /// received from the hand.
     pub fn echoing(self, echo: Echo, time: f64) -> Self {
         Self {
             echo_step: echo.step,
@@ -57,7 +58,7 @@ impl MessageHeader {
     }
 }
 
-/// The text of [`MessageHeader`], to stand after a schema that uses it.
+/// Definition of [`MessageHeader`], appended to each schema that uses it.
 macro_rules! header_schema {
     () => {
         "================================================================================\n\
@@ -73,34 +74,34 @@ macro_rules! header_schema {
     };
 }
 
-/// What one finger feels: one picture through the sensor program.
+/// Tactile frame of one finger with its flags, computed by the sensor program from one image.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct TactileUpdate {
-    /// Who, when, how fresh.
+    /// Sender, stamp and echo.
     pub header: MessageHeader,
-    /// The finger, from 0.
+    /// Finger index, from 0.
     pub finger: u32,
-    /// Number of the picture; the same again where the camera delivered nothing new.
+    /// Frame sequence number; repeated if the camera delivered no new image.
     pub frame: u64,
-    /// TOUCH: an element is pressed harder than F1, or SLIP.
+    /// TOUCH: an element's F_z is above F1, or SLIP.
     pub touch: bool,
-    /// SLIP: an element's shear rate exceeds dr.
+    /// SLIP: an element's shear rate is above dr.
     pub slip: bool,
-    /// OVER: an element is pressed harder than F2.
+    /// OVER: an element's F_z is above F2.
     pub over: bool,
-    /// The touching element of largest F_z, or [`NO_ELEMENT`].
+    /// Touching element with the largest F_z, or [`NO_ELEMENT`].
     pub largest_element: u32,
-    /// Sum of the positive F_z, N.
+    /// Sum of the positive F_z (N).
     pub grasp_force: f64,
-    /// Force at each element in its frame `E_i`, N: x, y tangential on the feeler by the object,
-    /// z compression, positive when pressed.
+    /// Force on each element in its frame `E_i` (N): x and y are the tangential force on the feeler by the object, z is
+    /// compression, positive when pressed.
     pub forces: Vec<Vector3>,
-    /// |d(F_x, F_y)/dt| of each element, N/s.
+    /// Shear rate |d(F_x, F_y)/dt| of each element (N/s).
     pub shear_rate: Vec<f64>,
-    /// Which elements slip: bit `i % 8` of byte `i / 8` is element `i`.
+    /// Mask of slipping elements: bit `i % 8` of byte `i / 8` is element `i`.
     #[serde(with = "serde_bytes")]
     pub slip_mask: Vec<u8>,
-    /// Which elements have no valid force (dark or saturated), in the same way; theirs are 0 N.
+    /// Mask of elements without a valid force (dark or saturated), same layout. Their forces are 0 N.
     #[serde(with = "serde_bytes")]
     pub invalid_mask: Vec<u8>,
 }
@@ -125,20 +126,20 @@ message!(
     vector3_schema!(),
 );
 
-/// What one finger's camera sees; from a rig whose cameras are not on the sensor computer.
+/// Camera image of one finger, from a rig whose cameras are not on the sensor computer.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct PictureMessage {
-    /// Who, when, how fresh.
+    /// Sender, stamp and echo.
     pub header: MessageHeader,
-    /// The finger, from 0.
+    /// Finger index, from 0.
     pub finger: u32,
-    /// Number of the picture; the same again where the camera delivered nothing new.
+    /// Frame sequence number; repeated if the camera delivered no new image.
     pub frame: u64,
-    /// Columns, px.
+    /// Width (px).
     pub width: u32,
-    /// Rows, px.
+    /// Height (px).
     pub height: u32,
-    /// Grey values, row by row from the top left.
+    /// Gray values, row by row from the top left.
     #[serde(with = "serde_bytes")]
     pub pixels: Vec<u8>,
 }
@@ -156,16 +157,16 @@ message!(
     header_schema!(),
 );
 
-/// What one finger's feelers feel, from a simulated rig without pictures.
+/// Forces on one finger's elements, from a simulated rig that renders no images.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct DirectForces {
-    /// Who, when, how fresh.
+    /// Sender, stamp and echo.
     pub header: MessageHeader,
-    /// The finger, from 0.
+    /// Finger index, from 0.
     pub finger: u32,
-    /// Number of the picture; the same again where the camera delivered nothing new.
+    /// Frame sequence number; repeated if the camera delivered no new image.
     pub frame: u64,
-    /// Force at each element as in [`TactileUpdate::forces`], N.
+    /// Force on each element (N), as in [`TactileUpdate::forces`].
     pub forces: Vec<Vector3>,
 }
 
@@ -181,46 +182,46 @@ message!(
     vector3_schema!(),
 );
 
-/// What the hand is about, once each control step. `MessageHeader::sequence` is the step, from 1.
+/// State of the hand, sent once per control step. `MessageHeader::sequence` is the step, from 1.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct HandMode {
-    /// Who and when; it echoes nothing.
+    /// Sender and stamp; the echo is empty.
     pub header: MessageHeader,
-    /// Number that nobody can guess before this step: who echoes it has heard of the step.
+    /// Unpredictable number of this step. A program that echoes it has received the step.
     pub token: u64,
     /// SEARCH: the fingers approach the object.
     pub search: bool,
     /// MOVE: the fingers move the object.
     pub r#move: bool,
-    /// Phase of the task, as [`feeler::control::phase::Phase`] numbers them.
+    /// Phase of the task, numbered as in [`feeler::control::phase::Phase`].
     pub phase: u8,
-    /// Number of the stroke from 1.
+    /// Stroke number, from 1.
     pub stroke: u32,
-    /// Why the hand is stopped; empty when it is not.
+    /// Reason of the stop; empty if the hand is not stopped.
     pub stopped: String,
-    /// The stops that are in force, the oldest first. The hand goes on when each has been resumed.
+    /// Active stops, oldest first. The hand resumes once each of them has been resumed.
     pub stops: Vec<StopInForce>,
 }
 
-/// A stop of the hand that has not been resumed.
+/// Active stop of the hand, not resumed yet.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct StopInForce {
-    /// Its number, by which it is resumed.
+    /// Number that a resume order must contain.
     pub number: u64,
-    /// [`StopMessage::id`] of the order, [`NO_ID`] where its sender drew none; 0 where the hand stopped by itself.
+    /// [`StopMessage::id`] of the order, [`NO_ID`] if its sender drew none, or 0 if the hand stopped itself.
     pub id: u64,
-    /// Who ordered it, or why the hand stopped by itself.
+    /// Sender of the order, or the reason if the hand stopped itself.
     pub by: String,
 }
 
 impl HandMode {
-    /// Whether the hand has not begun: its rig is not whole yet.
+    /// Returns `true` if the hand has not started because its rig is incomplete.
     pub fn is_waiting(&self) -> bool {
-        // A hand at work is in a phase, and says so by flag where that is SEARCH.
+        // Once started, a hand in SEARCH also sets the `search` flag.
         self.phase == u8::from(Phase::Search) && !self.search
     }
 
-    /// Makes its texts fit for a screen.
+    /// Escapes control characters in all texts and limits their length, see [`printable`].
     pub fn make_printable(&mut self) {
         self.stopped = printable(&self.stopped);
         for stop in &mut self.stops {
@@ -240,7 +241,7 @@ message!(
     "uint8 DONE=4",
     "uint8 STOPPED=5",
     "feeler_msgs/Header header",
-    "uint64 token  # nobody can guess it before this step",
+    "uint64 token  # nobody can guess it before this step", // words: allow
     "bool search",
     "bool move",
     "uint8 phase",
@@ -255,17 +256,17 @@ message!(
     "string by  # who ordered it, or why the hand stopped by itself",
 );
 
-/// What the drives are to do until the next one, but no longer than the rig's watchdog allows.
-/// `MessageHeader::sequence` is the control step.
+/// Command to the drives, valid until the next one or until the rig's watchdog expires. `MessageHeader::sequence` is
+/// the control step.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct CommandMessage {
-    /// Who and when; stamp and clock are the rig's, of the oldest data that it was made from.
+    /// Sender and stamp. Stamp and clock are the rig's, of the oldest data that the command is based on.
     pub header: MessageHeader,
-    /// As [`HandMode::token`].
+    /// Token of the step, as in [`HandMode::token`].
     pub token: u64,
-    /// Sequence number of the [`StateMessage`] that it was made from.
+    /// Sequence number of the [`StateMessage`] that the command is based on.
     pub state_sequence: u64,
-    /// Joint velocities theta1..theta3 of each finger, rad/s.
+    /// Velocities of joints theta1..theta3 of each finger (rad/s).
     pub joint_velocity: Vec<Vector3>,
 }
 
@@ -274,23 +275,23 @@ message!(
     "HandCommand",
     "# What the drives are to do; header.sequence is the control step",
     "feeler_msgs/Header header  # stamp and clock: the rig's, of the oldest data that it was made from",
-    "uint64 token  # nobody can guess it before this step",
+    "uint64 token  # nobody can guess it before this step", // words: allow
     "uint64 state_sequence  # of the HandState that it was made from",
     "geometry_msgs/Vector3[] joint_velocity  # rad/s, theta1..theta3 of each finger",
     header_schema!(),
     vector3_schema!(),
 );
 
-/// What the encoders say, and the rig's instruments where it has any.
+/// Encoder readings, and the rig's instruments if it has any.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct StateMessage {
-    /// Who, when, how fresh.
+    /// Sender, stamp and echo.
     pub header: MessageHeader,
-    /// Joint angles theta1..theta3 of each finger, rad.
+    /// Joint angles theta1..theta3 of each finger (rad).
     pub position: Vec<Vector3>,
-    /// Joint velocities of each finger, rad/s.
+    /// Joint velocities of each finger (rad/s).
     pub velocity: Vec<Vector3>,
-    /// The instruments; none or one.
+    /// Instruments: empty or one entry.
     pub instruments: Vec<InstrumentsMessage>,
 }
 
@@ -313,47 +314,47 @@ message!(
     "geometry_msgs/Vector3 cap_centre  # m in the world frame (simulated worlds only)",
     "float64 cap_torque  # N m, true, positive when it resists closing (simulated worlds only)",
     "float64[5] slipped  # m, of each finger: how far a feeler slipped since the state before (simulated worlds only)",
-    "bool has_object  # whether an object is carried of which it is known where it is (simulated worlds only)",
+    "bool has_object  # whether an object is carried of which it is known where it is (simulated worlds only)", // words: allow
     "geometry_msgs/Vector3 object_position  # m, its origin in the world frame",
     "geometry_msgs/Quaternion object_orientation  # of its frame in the world frame",
     quaternion_schema!(),
 );
 
-/// What the rig's own instruments say, and what only a simulated world knows of its cap.
+/// Readings of the rig's instruments, and ground truth of the cap from a simulated world.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct InstrumentsMessage {
-    /// Torque between cap and bottle as measured, N·m, positive when turned in the closing direction.
+    /// Measured torque between cap and bottle (N·m), positive when turned in the closing direction.
     pub torque: f64,
-    /// Voltage of the strain gauges' bridge, V.
+    /// Voltage of the strain-gauge bridge (V).
     pub bridge_voltage: f64,
-    /// Counts of the A/D converter.
+    /// A/D converter counts.
     pub counts: i32,
-    /// Angle the cap has turned since the start, rad, positive = closing.
+    /// Rotation of the cap since the start (rad), positive in the closing direction.
     pub cap_angle: f64,
-    /// The cap's centre, m in `W`.
+    /// Centre of the cap in `W` (m).
     pub cap_centre: Vector3,
-    /// True torque between cap and bottle, N·m, positive when it resists closing.
+    /// True torque between cap and bottle (N·m), positive when it resists closing.
     pub cap_torque: f64,
-    /// Of each finger's feelers, the longest way that an anchor slid since the state before, m.
+    /// Largest distance that a contact anchor of each finger slid since the previous state (m).
     pub slipped: [f64; MAX_FINGERS],
-    /// Whether an object is carried of which it is known where it is.
+    /// `true` if the rig contains a carried object with known pose.
     pub has_object: bool,
-    /// Its origin, m in `W`.
+    /// Origin of the object in `W` (m).
     pub object_position: Vector3,
-    /// Orientation of its frame in `W`.
+    /// Orientation of the object's frame in `W`.
     pub object_orientation: Quaternion,
 }
 
 text_enum! {
-    /// What a program of a rig is.
+    /// Kind of a program in a rig.
     ProgramKind {
-        /// Senses for one finger.
+        /// Sensor program of one finger.
         Sense = "sense",
-        /// Controls the hand.
+        /// Hand program, which controls the fingers.
         Hand = "hand",
-        /// Plays the rig.
+        /// World program, which simulates or serves the rig.
         World = "world",
-        /// Sends one order to the hand, and ends.
+        /// Program that sends one order to the hand and exits.
         Order = "order",
     }
 }
@@ -364,43 +365,43 @@ impl Default for ProgramKind {
     }
 }
 
-/// That a program is there, what it is, and how it does. Sent ten times a second.
+/// Announces a program, its configuration and its health. Sent ten times per second.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Heartbeat {
-    /// Version of the messages. It stands first in every version.
+    /// Protocol version. This is the first field in every version.
     pub protocol: u32,
-    /// The program, by a number that it drew when it started.
+    /// Random number that the program drew at its start.
     pub instance: u64,
-    /// What it is.
+    /// Kind of the program.
     pub program: ProgramKind,
-    /// Version of feeler that it is.
+    /// Version of feeler.
     pub version: String,
-    /// The finger it is of, from 0, or [`NO_FINGER`].
+    /// Finger index from 0, or [`NO_FINGER`].
     pub finger: u32,
-    /// SHA-256 of the experiment that it works by.
+    /// SHA-256 of the program's experiment.
     pub experiment: String,
-    /// SHA-256 of the fingertip that it senses by; empty where it senses nothing.
+    /// SHA-256 of the fingertip that the program senses with; empty if it does not sense.
     pub fingertip: String,
-    /// Number of the heartbeat.
+    /// Sequence number of the heartbeat.
     pub sequence: u64,
-    /// What it does a second: frames, control steps, steps of the world's cameras.
+    /// Rate of frames, control steps or camera steps of the world (1/s).
     pub rate: f64,
-    /// Age of the newest data it has used, s; not a number where it has used none.
+    /// Age of the latest data used (s), or NaN if none was used.
     pub age: f64,
-    /// Messages that it missed, by their numbers.
+    /// Number of lost messages, from gaps in sequence numbers.
     pub lost: u64,
-    /// Messages that it refused.
+    /// Number of rejected messages.
     pub refused: u64,
-    /// Periods that it missed.
+    /// Number of missed periods.
     pub missed: u64,
-    /// Seconds of the experiment in a second; 0 where the programs wait for each other instead.
+    /// Ratio of experiment time to real time, or 0 in lockstep.
     pub speed: f64,
-    /// What last went wrong; empty where nothing did.
+    /// Latest fault; empty if none occurred.
     pub fault: String,
 }
 
 impl Heartbeat {
-    /// The place of the program, if there is one for it.
+    /// Returns the program's place in the rig, or `None` if kind and finger do not match any.
     pub fn place(&self) -> Option<Place> {
         match (&self.program, self.finger) {
             (ProgramKind::Hand, NO_FINGER) => Some(Place::Hand),
@@ -433,43 +434,43 @@ message!(
     "string fault  # what last went wrong; empty for nothing",
 );
 
-/// Stops the hand, whoever sends it.
+/// Order to stop the hand.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct StopMessage {
-    /// Version of the messages.
+    /// Protocol version.
     pub protocol: u32,
-    /// Who says so, for the screen and the record; at most 256 bytes of it are kept.
+    /// Name of the sender for display and recording, truncated to 256 bytes.
     pub from: String,
-    /// Number that the sender draws: messages of the same number are one stop, said again. 0: none is drawn, and
-    /// stops of the same sender are one.
+    /// Random number drawn by the sender. Messages with the same number repeat one stop. 0 if none was drawn; then all
+    /// stops from the same sender count as one.
     pub id: u64,
 }
 
 message!(
     StopMessage,
     "Stop",
-    "# Stops the hand, whoever sends it",
+    "# Stops the hand, whoever sends it", // words: allow
     "uint32 protocol  # version of the messages",
-    "string from  # who says so",
+    "string from  # who says so", // words: allow
     "uint64 id  # that the sender draws: the same again is the same stop; 0 for none",
 );
 
-/// Resumes a stop. The hand goes on when each stop in force has been resumed and its cause is gone.
+/// Order to resume from a stop. The hand moves again once each active stop has been resumed and its cause is gone.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct ResumeMessage {
-    /// Version of the messages.
+    /// Protocol version.
     pub protocol: u32,
-    /// Who says so, for the screen and the record.
+    /// Name of the sender for display and recording.
     pub from: String,
-    /// The stop: [`StopInForce::number`].
+    /// Number of the stop: [`StopInForce::number`].
     pub number: u64,
 }
 
 message!(
     ResumeMessage,
     "Resume",
-    "# Resumes a stop; the hand goes on when each stop in force has been resumed",
+    "# Resumes a stop; the hand goes on when each stop in force has been resumed", // words: allow
     "uint32 protocol  # version of the messages",
-    "string from  # who says so",
+    "string from  # who says so", // words: allow
     "uint64 number  # of the stop, in HandMode.stops",
 );

@@ -1,62 +1,62 @@
-//! In what programs of a rig do not agree.
+//! Mismatches between the programs of a rig.
 
 use super::message::PROTOCOL;
 use super::printable::printable;
 
-/// In what a program does not agree with this one.
+/// Mismatch between another program and this one, for which it is refused.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum Mismatch {
-    /// It speaks another version of the messages.
+    /// Different protocol version.
     #[error(
-        "{program} (feeler {version}) speaks version {theirs} of the messages, this feeler {} version {PROTOCOL}",
+        "{program} (feeler {version}) uses protocol version {theirs}, this program (feeler {}) uses version {PROTOCOL}",
         env!("CARGO_PKG_VERSION")
     )]
     Protocol {
-        /// What the program is.
+        /// The other program.
         program: String,
-        /// Version of feeler that it is.
+        /// Its version of feeler.
         version: String,
-        /// Version of its messages.
+        /// Its protocol version.
         theirs: u32,
     },
-    /// It works by another experiment.
+    /// Different experiment.
     #[error(
-        "{program} works by experiment {theirs}, this by {ours}: start both with the same file and settings"
+        "{program} runs experiment {theirs}, this program {ours}: start both with the same file and settings"
     )]
     Experiment {
-        /// What the program is.
+        /// The other program.
         program: String,
-        /// The beginning of the SHA-256 of its experiment.
+        /// First digits of the SHA-256 of its experiment.
         theirs: String,
-        /// That of this program's.
+        /// First digits of the SHA-256 of this program's experiment.
         ours: String,
     },
-    /// It senses by another fingertip.
+    /// Different fingertip.
     #[error(
-        "{program} senses by fingertip {theirs}, the experiment's is {ours}: its layout is another"
+        "{program} uses fingertip {theirs}, the experiment {ours}: start it with the experiment's layout"
     )]
     Fingertip {
-        /// What the program is.
+        /// The other program.
         program: String,
-        /// The beginning of the SHA-256 of its fingertip.
+        /// First digits of the SHA-256 of its fingertip.
         theirs: String,
-        /// That of the experiment's.
+        /// First digits of the SHA-256 of the experiment's fingertip.
         ours: String,
     },
-    /// Its time goes at another speed.
-    #[error("{program} goes at {}, this hand at {}: start both with the same --speed", speed(*theirs), speed(*ours))]
+    /// Different speed of experiment time.
+    #[error("{program} runs at {}, this hand at {}: start both with the same --speed", speed(*theirs), speed(*ours))]
     Speed {
-        /// What the program is.
+        /// The other program.
         program: String,
-        /// Seconds of the rig in a second; 0 where it waits for the hand.
+        /// Its ratio of experiment time to real time, or 0 in lockstep.
         theirs: f64,
-        /// Those that this program expects.
+        /// Ratio that this program expects.
         ours: f64,
     },
-    /// There is one like it already.
-    #[error("there is {program} already")]
+    /// The place is held by another program.
+    #[error("{program} is already running")]
     Taken {
-        /// What there is.
+        /// The running program.
         program: String,
     },
 }
@@ -68,7 +68,7 @@ fn speed(times: f64) -> String {
     }
 }
 
-/// As much of a hash as a person compares.
+/// Returns the first 12 digits of a hash, for display.
 pub(super) fn short(hash: &str) -> String {
     match hash.get(..12) {
         Some(start) => printable(start),

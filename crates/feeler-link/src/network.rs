@@ -1,4 +1,4 @@
-//! Other programs, as one program sees them; and a bad network to rehearse on.
+//! Network interface of a program, and an impaired network for tests.
 
 use super::endpoints::LinkError;
 use super::outlet::Outlet;
@@ -13,31 +13,30 @@ use std::sync::{Arc, Mutex, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Takes in a message of a topic.
+/// Callback for received messages.
 pub type Heard = Arc<dyn Fn(Topic, &[u8]) + Send + Sync>;
 
-/// Carries messages both ways.
+/// Sends and receives messages.
 pub trait Network: Outlet {
-    /// Calls `heard` with every message of `topic`, on a thread of the network's.
+    /// Subscribes to `topic`. The callback runs on a thread of the network.
     ///
     /// # Errors
-    /// When nothing can be heard.
+    /// If the subscription fails.
     fn listen(&self, topic: Topic, heard: Heard) -> Result<(), LinkError>;
 }
 
-/// How bad the network is: what becomes of each message that arrives. Written as in
-/// `loss=0.2,jitter=0.05`.
+/// Impairment applied to received messages, parsed from text such as `loss=0.2,jitter=0.05`.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Rehearsal {
-    /// Part of the messages that is lost.
+    /// Probability that a message is lost.
     pub loss: f64,
-    /// Part of the messages that arrives twice.
+    /// Probability that a message is duplicated.
     pub duplicate: f64,
-    /// How long every message takes, s.
+    /// Delay of every message (s).
     pub delay: f64,
-    /// How much longer it takes at most, s, so that messages overtake each other.
+    /// Maximum additional random delay (s), which reorders messages.
     pub jitter: f64,
-    /// Which messages it strikes.
+    /// Seed of the random numbers.
     pub seed: u64,
 }
 
@@ -45,7 +44,7 @@ impl FromStr for Rehearsal {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let expected = "expected loss, duplicate (0 to 1), delay, jitter (0 to 10 s) or seed, as in loss=0.2,jitter=0.05";
+        let expected = "expected loss, duplicate (0 to 1), delay, jitter (0 to 10 s) or seed, e.g. loss=0.2,jitter=0.05";
         let mut rehearsal = Self::default();
         for part in text.split(',') {
             let (key, value) = part.split_once('=').ok_or(expected)?;
@@ -66,7 +65,7 @@ impl FromStr for Rehearsal {
     }
 }
 
-/// A network that loses, delays, repeats and reorders what arrives over another.
+/// Wraps a network and injects loss, delay, duplication and reordering of received messages.
 pub struct RehearsedNetwork {
     network: Arc<dyn Network>,
     rehearsal: Rehearsal,
@@ -74,7 +73,7 @@ pub struct RehearsedNetwork {
 }
 
 impl RehearsedNetwork {
-    /// `network`, as bad as `rehearsal` says.
+    /// Creates an impaired view of `network`.
     pub fn new(network: Arc<dyn Network>, rehearsal: Rehearsal) -> Self {
         let random = Pcg64::seed_from_u64(rehearsal.seed);
         Self {
@@ -109,13 +108,13 @@ impl Network for RehearsedNetwork {
 }
 
 impl Rehearsal {
-    /// Sends on what becomes of a message.
+    /// Forwards the surviving copies of a message to `sender`.
     fn strike(&self, random: &mut Pcg64, bytes: &[u8], sender: &Sender<Delayed>) {
         let copies = 1 + usize::from(random.random::<f64>() < self.duplicate);
         for _ in 0..copies {
             let late = self.delay + self.jitter * random.random::<f64>();
             if random.random::<f64>() >= self.loss {
-                // The receiver is gone only when the program is ending.
+                // The receiver is only gone when the program exits.
                 let _ = sender.send(Delayed {
                     due: Instant::now() + Duration::from_secs_f64(late),
                     bytes: bytes.to_vec(),
@@ -125,7 +124,7 @@ impl Rehearsal {
     }
 }
 
-/// A message on its way. The earliest due is the greatest, as the heap wants it.
+/// Message in flight. The earliest due time compares greatest because `BinaryHeap` is a max-heap.
 #[derive(PartialEq, Eq)]
 struct Delayed {
     due: Instant,
@@ -144,7 +143,7 @@ impl PartialOrd for Delayed {
     }
 }
 
-/// Hands on each message when it is due, until no more can come.
+/// Delivers each message when it is due, until the channel is closed.
 fn deliver(receiver: &Receiver<Delayed>, topic: Topic, heard: &Heard) {
     let mut waiting = BinaryHeap::new();
     loop {
@@ -169,7 +168,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_rehearsal_is_read_from_its_words() {
+    fn rehearsal_is_parsed() {
         let read: Rehearsal = "loss=0.2, jitter=0.05,duplicate=0.1,delay=1,seed=7"
             .parse()
             .unwrap();
@@ -195,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn messages_are_lost_repeated_and_reordered_as_often_as_asked() {
+    fn messages_are_lost_repeated_and_reordered_at_the_given_rates() {
         let rehearsal = Rehearsal {
             loss: 0.2,
             duplicate: 0.1,
@@ -209,7 +208,7 @@ mod tests {
         }
         drop(sender);
         let due: Vec<Instant> = receiver.into_iter().map(|delayed| delayed.due).collect();
-        // 10,000 * 1.1 * 0.8, and six standard deviations of some 45.
+        // 10,000 * 1.1 * 0.8, within six standard deviations of about 45.
         assert!(due.len().abs_diff(8800) < 270, "{}", due.len());
         let reordered = due.windows(2).filter(|pair| pair[1] < pair[0]).count();
         assert!(reordered > 3000, "{reordered}");

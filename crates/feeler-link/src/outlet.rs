@@ -1,4 +1,4 @@
-//! The seam between what a program has to say and what carries it.
+//! Sending of messages, independent of the transport.
 
 use super::endpoints::LinkError;
 use super::message::{MessageHeader, PROTOCOL};
@@ -7,49 +7,49 @@ use feeler_record::wire::{Message, cdr};
 use std::hash::{BuildHasher, Hasher, RandomState};
 use std::sync::Arc;
 
-/// Carries messages to other programs.
+/// Sends messages to other programs.
 pub trait Outlet: Send + Sync {
-    /// Sends the bytes of a message. What cannot be sent at once is dropped.
+    /// Sends an encoded message, or drops it if it cannot be sent immediately.
     ///
     /// # Errors
-    /// When nothing can be sent any more.
+    /// If the link has failed.
     fn send(&self, topic: Topic, bytes: Vec<u8>) -> Result<(), LinkError>;
 }
 
-/// A program's clock: seconds since it started.
+/// Clock of a program, in seconds since its start.
 pub type TimeSource = Arc<dyn Fn() -> f64 + Send + Sync>;
 
-/// Seconds since now, by the system's monotonic clock.
+/// Returns a monotonic clock that starts at 0 now.
 pub fn monotonic() -> TimeSource {
     let start = std::time::Instant::now();
     Arc::new(move || start.elapsed().as_secs_f64())
 }
 
-/// Sends `message`.
+/// Encodes and sends `message`.
 ///
 /// # Errors
-/// As [`Outlet::send`].
+/// If encoding fails or the link has failed.
 pub fn send<M: Message>(outlet: &dyn Outlet, topic: Topic, message: &M) -> Result<(), LinkError> {
     outlet.send(topic, encode(message)?)
 }
 
-/// The bytes of `message`.
+/// Encodes `message` as CDR.
 ///
 /// # Errors
-/// When they cannot be made; no message of ours causes that.
+/// If encoding fails, which none of feeler's messages causes.
 pub fn encode<M: Message>(message: &M) -> Result<Vec<u8>, LinkError> {
     let mut bytes = Vec::new();
     cdr::encode(message, &mut bytes).map_err(|e| LinkError::Transport(e.to_string()))?;
     Ok(bytes)
 }
 
-/// A number that no other program has drawn, but for bad luck of one in 2^64.
+/// Draws a random instance number. Two programs draw the same number with a probability of 2^-64.
 pub fn draw_instance() -> u64 {
-    // The standard library keys every such hasher by numbers from the system.
+    // The standard library seeds each such hasher with random numbers from the system.
     RandomState::new().build_hasher().finish()
 }
 
-/// The header of a message by `instance` on its own clock that echoes nothing.
+/// Returns a header without an echo, stamped by the clock of `instance` itself.
 pub fn header(instance: u64, sequence: u64, stamp: f64) -> MessageHeader {
     MessageHeader {
         protocol: PROTOCOL,

@@ -1,5 +1,4 @@
-//! A program's own certificate, looked at before it is used: what is wrong with it is said better here than by a
-//! connection that does not come about.
+//! Checks of a program's own certificate before connecting, for clearer errors than a failed TLS handshake gives.
 
 use super::right::{CertificateName, Right, RightError};
 use super::validity::{day, now};
@@ -10,66 +9,69 @@ use std::path::{Path, PathBuf};
 use x509_parser::certificate::X509Certificate;
 use x509_parser::pem::parse_x509_pem;
 
-/// So long before a certificate expires a program says so, days.
+/// Number of days before expiry from which a program warns.
 pub const WARNING_DAYS: u64 = 30;
 
-/// Why a program cannot use its certificate.
+/// Error of a program's own certificate.
 #[derive(Debug, thiserror::Error)]
 pub enum OwnCertificateError {
     /// The file cannot be read.
-    #[error("--certificates: {}: {source}; expected a folder that feeler certificates made", path.display())]
+    #[error("--certificates: {}: {source}; expected a folder created by feeler certificates", path.display())]
     File {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// The file holds something else.
-    #[error("--certificates: {}: expected a certificate, in PEM", path.display())]
+    /// Not a certificate.
+    #[error("--certificates: {}: expected a PEM certificate", path.display())]
     Malformed {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
-    /// It says nothing of rights.
-    #[error("--certificates: {}: {source}; make a new one with feeler certificates", path.display())]
+    /// The common name contains no right.
+    #[error("--certificates: {}: {source}; issue a new one with feeler certificates", path.display())]
     Name {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What is wrong with its name.
+        /// Error of the common name.
         source: RightError,
     },
-    /// It is for something else.
+    /// The certificate grants another right.
     #[error("--certificates: {} is {name}; expected one of {expected}", path.display())]
     Right {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Its name.
+        /// Name of the certificate.
         name: CertificateName,
-        /// The rights that this program needs one of.
+        /// Rights that the program accepts; one is sufficient.
         expected: String,
     },
-    /// It is not valid any more, or not yet.
+    /// Expired, or not valid yet.
     #[error(
-        "--certificates: {} is valid from {from} to {until}, and today is {today}; make a new one with feeler \
+        "--certificates: {} is valid from {from} to {until}, but today is {today}; issue a new one with feeler \
          certificates --renew, or set the clock",
         path.display()
     )]
     Invalid {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// First day.
+        /// First day of validity.
         from: String,
-        /// Last day.
+        /// Last day of validity.
         until: String,
-        /// This computer's date.
+        /// Today by this computer's clock.
         today: String,
     },
-    /// The lab has withdrawn it.
-    #[error("--certificates: {} is {name}, which the lab has withdrawn; make a new one with feeler certificates --renew", path.display())]
+    /// Withdrawn by the lab.
+    #[error(
+        "--certificates: {} is {name}, which the lab has withdrawn; issue a new one with feeler certificates --renew",
+        path.display()
+    )]
     Withdrawn {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Its name.
+        /// Name of the certificate.
         name: CertificateName,
     },
     /// The list of withdrawn certificates cannot be read.
@@ -77,20 +79,20 @@ pub enum OwnCertificateError {
     List(#[from] WithdrawnError),
 }
 
-/// What a certificate says of itself.
+/// Name and validity of a program's own certificate.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct OwnCertificate {
-    /// Right and number.
+    /// Right and serial number.
     pub name: CertificateName,
     from: u64,
     until: u64,
 }
 
 impl OwnCertificate {
-    /// The certificate in `folder`, if it is valid and gives one of `rights`.
+    /// Reads the certificate in `folder`, and checks that it is valid and grants one of `rights`.
     ///
     /// # Errors
-    /// Why it cannot be used.
+    /// Returns an error if the certificate cannot be used.
     pub fn read(folder: &Path, rights: &[Right]) -> Result<Self, OwnCertificateError> {
         let path = folder.join("cert.pem");
         let own = parse(&path)?;
@@ -118,12 +120,14 @@ impl OwnCertificate {
         Ok(own)
     }
 
-    /// What to say when it expires soon.
+    /// Returns a warning if the certificate expires within [`WARNING_DAYS`].
     pub fn warning(&self) -> Option<String> {
         let days = self.until.saturating_sub(now()) / (24 * 60 * 60);
         let (name, until) = (self.name, day(self.until));
         (days <= WARNING_DAYS).then(|| {
-            format!("the certificate {name} expires on {until}: renew it with feeler certificates --renew")
+            format!(
+                "certificate {name} expires on {until}: renew it with feeler certificates --renew"
+            )
         })
     }
 }
@@ -145,7 +149,7 @@ fn parse(path: &Path) -> Result<OwnCertificate, OwnCertificateError> {
         source,
     })?;
     let validity = certificate.validity();
-    // A time before 1970 is long ago.
+    // Times before 1970 count as 1970.
     let seconds = |time: i64| u64::try_from(time).unwrap_or(0);
     Ok(OwnCertificate {
         name,
@@ -154,7 +158,7 @@ fn parse(path: &Path) -> Result<OwnCertificate, OwnCertificateError> {
     })
 }
 
-/// The first common name, which is also the one that Zenoh looks at.
+/// Returns the first common name, which is the one that Zenoh checks.
 pub(super) fn name<'a>(certificate: &X509Certificate<'a>) -> Option<&'a str> {
     let name = certificate.subject.iter_common_name().next()?;
     name.as_str().ok()

@@ -1,22 +1,22 @@
-//! The stop that a rig orders when its drives fail: who has it in force, and whether somebody has resumed it.
+//! Stop that a rig orders when its drives fail, from the order until it is resumed.
 
 use super::holds::MOST;
 use super::message::{PROTOCOL, StopInForce, StopMessage};
 use super::outlet::draw_instance;
 use super::printable::printable;
 
-/// A rig's own stop, in force from its first word until somebody has resumed it.
+/// Stop ordered by the rig itself.
 #[derive(Debug, Clone, PartialEq)]
 pub struct OwnStop {
     id: u64,
     why: String,
-    /// The hand that said last that the stop is in force.
+    /// Instance of the hand that last reported this stop as active.
     held_by: Option<u64>,
     is_resumed: bool,
 }
 
 impl OwnStop {
-    /// A stop that no hand has heard of.
+    /// Creates a stop that no hand has received yet.
     pub fn new(why: &str) -> Self {
         Self {
             id: draw_instance(),
@@ -26,8 +26,9 @@ impl OwnStop {
         }
     }
 
-    /// Takes in that `hand`, by its instance, says that `stops` are in force. A stop that it had in force and that is gone was
-    /// resumed, unless there are so many that another stands for it. Another hand knows nothing of it yet.
+    /// Processes the active `stops` reported by the instance `hand`. If the same hand reported this stop before and no
+    /// longer does, it was resumed, unless the list is full and may have dropped it. A new hand must receive the order
+    /// again.
     pub fn hear(&mut self, hand: u64, stops: &[StopInForce]) {
         if stops.iter().any(|stop| stop.id == self.id) {
             self.held_by = Some(hand);
@@ -38,14 +39,14 @@ impl OwnStop {
         }
     }
 
-    /// The order, to be said until a hand has it in force; none once it has.
+    /// Returns the order to send, or `None` once a hand has reported the stop as active.
     pub fn order(&self) -> Option<StopMessage> {
         let (protocol, from, id) = (PROTOCOL, self.why.clone(), self.id);
         let unheard = self.held_by.is_none() && !self.is_resumed;
         unheard.then_some(StopMessage { protocol, from, id })
     }
 
-    /// Whether a hand had it in force and somebody resumed it.
+    /// Returns `true` if the stop was active and has been resumed.
     pub fn is_resumed(&self) -> bool {
         self.is_resumed
     }
@@ -64,12 +65,12 @@ mod tests {
     }
 
     #[test]
-    fn it_is_resumed_when_the_hand_that_had_it_has_it_no_more() {
+    fn resumed_when_the_same_hand_no_longer_reports_it() {
         let mut own = OwnStop::new("servo 3 is silent");
         let order = own.order().expect("an order");
         assert_eq!(order.from, "the rig: servo 3 is silent");
         own.hear(7, &in_force([]));
-        assert!(own.order().is_some() && !own.is_resumed(), "not heard yet");
+        assert!(own.order().is_some() && !own.is_resumed(), "not active yet");
         own.hear(7, &in_force([1, own.id]));
         assert!(own.order().is_none() && !own.is_resumed());
         own.hear(7, &in_force([1]));
@@ -77,23 +78,23 @@ mod tests {
     }
 
     #[test]
-    fn another_hand_is_told_and_resumes_nothing_by_knowing_nothing() {
+    fn another_hand_receives_the_order_again() {
         let mut own = OwnStop::new("servo 3 is silent");
         own.hear(7, &in_force([own.id]));
         own.hear(8, &in_force([]));
         assert!(own.order().is_some() && !own.is_resumed());
         own.hear(8, &in_force([own.id]));
         own.hear(7, &in_force([]));
-        assert!(!own.is_resumed(), "hand 7 had been told to, long ago");
+        assert!(!own.is_resumed(), "hand 7 has been replaced");
     }
 
     #[test]
-    fn a_flood_of_stops_that_drives_it_out_does_not_resume_it() {
+    fn dropping_out_of_a_full_list_does_not_resume_it() {
         let mut own = OwnStop::new("servo 3 is silent");
         own.hear(7, &in_force([own.id]));
         own.hear(7, &in_force(1..=MOST as u64));
         assert!(!own.is_resumed());
         own.hear(7, &in_force(1..MOST as u64));
-        assert!(own.is_resumed(), "what stood for it was resumed");
+        assert!(own.is_resumed(), "the list is no longer full");
     }
 }

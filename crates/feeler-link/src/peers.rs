@@ -1,4 +1,4 @@
-//! Which programs there are, and which of them are taken for what.
+//! Known programs, and whether they are accepted.
 
 use super::heartbeat::read_heartbeat;
 use super::message::{Heartbeat, NO_FINGER, PROTOCOL, ProgramKind};
@@ -7,61 +7,61 @@ use super::rejection::Rejection;
 use super::sequence::Sequence;
 use super::topic::Place;
 
-/// A program whose last heartbeat is older than this has gone, s.
+/// Time without a heartbeat (s) after which a program counts as gone.
 pub const SILENT_AFTER: f64 = 1.0;
 
-/// Programs that are remembered at most; a guard against a flood.
+/// Maximum number of known programs, as protection against floods.
 pub const MOST_PEERS: usize = 64;
 
-/// The programs that do something for the rig. Others only look or give orders.
+/// Programs that operate the rig. All others only observe or send orders.
 const WORKING: [ProgramKind; 3] = [ProgramKind::Sense, ProgramKind::Hand, ProgramKind::World];
 
-/// What a program must agree in with this one.
+/// Configuration that other programs must match.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct Expected {
     /// SHA-256 of the experiment.
     pub experiment: String,
     /// SHA-256 of each finger's fingertip.
     pub fingertips: Vec<String>,
-    /// How fast the rig's time goes, as [`Heartbeat::speed`]; none where it does not matter.
+    /// Speed of the rig as in [`Heartbeat::speed`], or `None` to accept any speed.
     pub speed: Option<f64>,
 }
 
-/// Another program.
+/// Another program, known from its heartbeats.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Peer {
-    /// Its newest heartbeat.
+    /// Latest heartbeat.
     pub heartbeat: Heartbeat,
-    /// When that came, s on this program's clock.
+    /// Arrival time of the latest heartbeat on this program's clock (s).
     pub heard: f64,
-    /// Why it is refused, if it is.
+    /// Reason for refusing the program, or `None` if it is accepted.
     pub refused: Option<Mismatch>,
     heartbeats: Sequence,
 }
 
 impl Peer {
-    /// What it is, in words.
+    /// Returns the display name, such as `hand` or `sense of finger 0`.
     pub fn name(&self) -> String {
         name(&self.heartbeat)
     }
 
-    /// That its place is taken by it.
+    /// Returns the mismatch for a program that claims this peer's place.
     pub fn taken(&self) -> Mismatch {
         let program = self.name();
         Mismatch::Taken { program }
     }
 
-    /// Whether it is part of a rig, and not there only to give an order.
+    /// Returns `true` if the program operates the rig, instead of only observing or sending orders.
     pub fn works(&self) -> bool {
         works(&self.heartbeat)
     }
 
-    /// Whether it has gone by `now`, s.
+    /// Returns `true` if no heartbeat has arrived for longer than [`SILENT_AFTER`] at `now` (s).
     pub fn is_silent(&self, now: f64) -> bool {
         now - self.heard > SILENT_AFTER
     }
 
-    /// How much would be lost with it: 0 nothing, as it has gone, to 3.
+    /// Returns the priority for keeping this entry, from 0 (gone) to 3 (accepted and operating the rig).
     fn worth(&self, now: f64) -> u8 {
         match () {
             () if self.is_silent(now) => 0,
@@ -72,7 +72,7 @@ impl Peer {
     }
 }
 
-/// The other programs, as their heartbeats tell.
+/// All other programs known from heartbeats.
 #[derive(Debug, Clone, Default)]
 pub struct Peers {
     expected: Expected,
@@ -80,7 +80,7 @@ pub struct Peers {
 }
 
 impl Peers {
-    /// No programs yet; those to come must agree with `expected`.
+    /// Creates an empty list. Programs are accepted if they match `expected`.
     pub fn new(expected: Expected) -> Self {
         Self {
             expected,
@@ -88,22 +88,22 @@ impl Peers {
         }
     }
 
-    /// All of them, gone or not; that which came last is the last.
+    /// Returns all known programs in order of appearance, including silent ones.
     pub fn all(&self) -> &[Peer] {
         &self.peers
     }
 
-    /// The programs of a kind that are there and taken.
+    /// Returns the accepted programs of a kind that are present at `now` (s).
     pub fn taken(&self, program: ProgramKind, now: f64) -> impl Iterator<Item = &Peer> {
         self.peers.iter().filter(move |peer| {
             peer.refused.is_none() && peer.heartbeat.program == program && !peer.is_silent(now)
         })
     }
 
-    /// Lets pass messages of `instance` that are those of a `program`, of `finger` where it has one.
+    /// Checks that `instance` is an accepted program of kind `program` for `finger` (or `NO_FINGER`).
     ///
     /// # Errors
-    /// When it is not known yet, is another program, or was refused.
+    /// If the program is unknown, of another kind or finger, or refused.
     pub fn check(
         &self,
         instance: u64,
@@ -118,11 +118,10 @@ impl Peers {
         taken.then_some(()).ok_or(Rejection::Stranger)
     }
 
-    /// Takes in a heartbeat that came at `now`, s, from the program that has this `place`; the peer, if it was not
-    /// known before.
+    /// Processes a heartbeat received at `now` (s) on the topic of `place`. Returns the peer if it is new.
     ///
     /// # Errors
-    /// When it is none, is of a program of another place, or there are too many programs.
+    /// If the heartbeat is invalid, belongs to another place, or there are too many programs.
     pub fn heard(
         &mut self,
         place: Place,
@@ -136,11 +135,11 @@ impl Peers {
         let number = (heartbeat.instance, heartbeat.sequence);
         let known = |peer: &Peer| peer.heartbeat.instance == heartbeat.instance;
         if let Some(peer) = self.peers.iter_mut().find(|peer| known(peer)) {
-            // What it is does not change, whatever the bytes say.
+            // The identity of an instance must not change.
             if identity(&heartbeat) != identity(&peer.heartbeat) {
                 return Err(Rejection::Stranger);
             }
-            // Where the number stands in another version is not known.
+            // The position of the sequence number is unknown in other versions.
             if heartbeat.protocol == PROTOCOL {
                 peer.heartbeats.missing(number, now)?;
                 peer.heartbeats.take(number, now);
@@ -165,8 +164,8 @@ impl Peers {
         Ok(self.peers.last())
     }
 
-    /// Forgets programs that have gone and were refused or only gave an order, and, where there are still too many, one more; none that is
-    /// there, is taken and works.
+    /// Removes programs that are gone and were refused or do not operate the rig. If the list is still full, removes
+    /// the entry of lowest priority, but never a present, accepted program that operates the rig.
     fn make_room(&mut self, now: f64) -> Result<(), Rejection> {
         self.peers
             .retain(|peer| !peer.is_silent(now) || (peer.refused.is_none() && peer.works()));
@@ -187,7 +186,7 @@ impl Peers {
         }
     }
 
-    /// A place that was taken may have become free.
+    /// Accepts waiting programs whose place has become free.
     fn judge_again(&mut self, now: f64) {
         let waits = |peer: &Peer| {
             matches!(peer.refused, Some(Mismatch::Taken { .. })) && !peer.is_silent(now)
@@ -205,7 +204,7 @@ impl Peers {
         }
     }
 
-    /// Forgets a silent program whose place another takes. Should it speak again, it is a second one.
+    /// Removes a silent program that is replaced by `successor`. If it returns, it is treated as a second program.
     fn forget_predecessor(&mut self, successor: &Heartbeat) {
         self.peers.retain(|peer| {
             peer.heartbeat.instance == successor.instance
@@ -265,12 +264,12 @@ fn works(heartbeat: &Heartbeat) -> bool {
     WORKING.contains(&heartbeat.program)
 }
 
-/// What only one program can be.
+/// Returns the place that only one program can hold.
 fn place(heartbeat: &Heartbeat) -> (&ProgramKind, u32) {
     (&heartbeat.program, heartbeat.finger)
 }
 
-/// What a program was taken or refused for.
+/// Returns the properties on which acceptance is based.
 fn identity(heartbeat: &Heartbeat) -> impl PartialEq {
     let Heartbeat {
         protocol,

@@ -1,32 +1,33 @@
-//! Whether what a message holds fits the hand and can be true at all.
+//! Size and plausibility checks of message contents.
 //!
-//! The bounds are far beyond what any hand of this size does: they keep out what no law, task or record can work with.
+//! The bounds are far beyond the range of any hand of this size. They reject values that laws, tasks and recordings
+//! cannot handle.
 
 use super::message::{PROTOCOL, StateMessage, TactileUpdate};
 use super::rejection::Rejection;
 use feeler_record::wire::Vector3;
 use glam::{DQuat, DVec3};
 
-/// Greatest angle of a joint, rad.
+/// Maximum joint angle (rad).
 const MOST_ANGLE: f64 = 100.0;
-/// Greatest angular velocity of a joint, rad/s.
+/// Maximum joint velocity (rad/s).
 const MOST_JOINT_VELOCITY: f64 = 1000.0;
-/// Greatest force on an element or a finger, N.
+/// Maximum force on an element or a finger (N).
 const MOST_FORCE: f64 = 1e4;
-/// Greatest shear rate of an element, N/s.
+/// Maximum shear rate of an element (N/s).
 const MOST_SHEAR_RATE: f64 = 1e8;
-/// Greatest reading of an instrument, in its unit.
+/// Maximum instrument reading, in its unit.
 const MOST_READING: f64 = 1e9;
-/// How far the length of a rotation's quaternion may be from 1: rounding is far below.
+/// Tolerance of the norm of a unit quaternion, far above rounding errors.
 const UNIT: f64 = 1e-6;
 
-/// Holds a message to the version of this program's.
+/// Checks the protocol version of a message.
 pub(super) fn check_protocol(protocol: u32) -> Result<(), Rejection> {
     let same = protocol == PROTOCOL;
     same.then_some(()).ok_or(Rejection::Protocol)
 }
 
-/// Holds an update to this version, and to a `finger` of so many `elements`.
+/// Checks version, sizes and values of an update of `finger`, which has the given number of elements.
 pub(super) fn check_update(
     finger: usize,
     elements: usize,
@@ -47,7 +48,7 @@ pub(super) fn check_update(
     check(update.shear_rate.iter().copied(), MOST_SHEAR_RATE)
 }
 
-/// Holds a state to this version, and to a hand of so many `fingers`.
+/// Checks version, sizes and values of a state of a hand with the given number of fingers.
 pub(super) fn check_state(fingers: usize, state: &StateMessage) -> Result<(), Rejection> {
     check_protocol(state.header.protocol)?;
     let joints = [state.position.len(), state.velocity.len()];
@@ -78,7 +79,7 @@ pub(super) fn check_state(fingers: usize, state: &StateMessage) -> Result<(), Re
     Ok(())
 }
 
-/// Holds commanded joint velocities, rad/s, to a hand of so many `fingers`.
+/// Checks number and values of commanded joint velocities (rad/s).
 pub(super) fn check_velocities(fingers: usize, velocities: &[Vector3]) -> Result<(), Rejection> {
     if velocities.len() != fingers {
         return Err(Rejection::Size);
@@ -86,7 +87,7 @@ pub(super) fn check_velocities(fingers: usize, velocities: &[Vector3]) -> Result
     check(velocities.iter().map(greatest), MOST_JOINT_VELOCITY)
 }
 
-/// Holds the forces of so many `elements` to what a feeler bears, N.
+/// Checks number and values of element forces (N).
 pub(super) fn check_forces(elements: usize, forces: &[Vector3]) -> Result<(), Rejection> {
     if forces.len() != elements {
         return Err(Rejection::Size);
@@ -94,7 +95,7 @@ pub(super) fn check_forces(elements: usize, forces: &[Vector3]) -> Result<(), Re
     check(forces.iter().map(greatest), MOST_FORCE)
 }
 
-/// The greatest magnitude of a component; not a number where one is none or infinite.
+/// Returns the largest absolute component, or NaN if a component is not finite.
 fn greatest(&vector: &Vector3) -> f64 {
     let vector = DVec3::from(vector);
     match vector.is_finite() {
@@ -103,7 +104,7 @@ fn greatest(&vector: &Vector3) -> f64 {
     }
 }
 
-/// Holds all `numbers` to a magnitude of at most `most`.
+/// Checks that all `numbers` are finite and of magnitude at most `most`.
 fn check(numbers: impl IntoIterator<Item = f64>, most: f64) -> Result<(), Rejection> {
     for number in numbers {
         if !number.is_finite() {

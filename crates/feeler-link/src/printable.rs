@@ -1,16 +1,16 @@
-//! Words from elsewhere, made fit for a screen and a record.
+//! Sanitizing of texts from other programs for display and recording.
 
-/// Bytes that are kept of a text from another program.
+/// Maximum length of a sanitized text, in bytes.
 pub const MOST_BYTES: usize = 256;
 
-/// `text`, at most [`MOST_BYTES`] of it, on one line: what a terminal would obey (control characters, escape
-/// sequences, changes of the direction of writing) is shown as `\n` or `\u{1b}`.
+/// Returns `text` on one line, truncated to [`MOST_BYTES`]. Control characters, escape sequences and changes of text
+/// direction are escaped, as in `\n` or `\u{1b}`.
 pub fn printable(text: &str) -> String {
     let mut shown = String::with_capacity(text.len().min(MOST_BYTES));
     for character in text.chars() {
         let length = shown.len();
         match character {
-            // Of no harm; and a text that went through here stays the same.
+            // Harmless, and leaving them unescaped makes the function idempotent.
             '"' | '\'' | '\\' => shown.push(character),
             other => shown.extend(other.escape_debug()),
         }
@@ -28,7 +28,7 @@ mod tests {
     use proptest::prelude::*;
 
     #[test]
-    fn what_a_terminal_would_obey_is_shown() {
+    fn control_characters_are_escaped() {
         assert_eq!(printable("the door's \"switch\""), "the door's \"switch\"");
         assert_eq!(printable("a\nb\u{1b}[2J"), "a\\nb\\u{1b}[2J");
         assert_eq!(printable("\u{202e}µm\u{7f}"), "\\u{202e}µm\\u{7f}");

@@ -1,53 +1,53 @@
-//! The certificates that a lab has made: a list in a file of its folder, one a line, in the order of making.
+//! File that lists the certificates issued by a lab: one per line, oldest first.
 
 use super::right::{CertificateName, MOST_SERIAL, Right, RightError};
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
-/// Name of the list.
+/// File name of the list.
 const REGISTER: &str = "register.txt";
 
-/// A certificate that was made.
+/// Issued certificate.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Entry {
-    /// Its name.
+    /// Name of the certificate.
     pub name: CertificateName,
-    /// The computer that it was made for.
+    /// Computer that it was issued for.
     pub computer: String,
-    /// The last day on which it is valid, as in 2027-11-22.
+    /// Last day of validity, e.g. 2027-11-22.
     pub until: String,
 }
 
-/// Why the list cannot be used.
+/// Error of the list of issued certificates.
 #[derive(Debug, thiserror::Error)]
 pub enum RegisterError {
     /// The file cannot be read or written.
     #[error("{}: {source}; expected the list of the lab's certificates", path.display())]
     File {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// A line is none of the list's.
+    /// Invalid line.
     #[error(
-        "{}, line {line}: {given:?}; expected name, computer and last day, as in sense-0.17 10.0.0.6 2027-11-22{}",
+        "{}, line {line}: {given:?}; expected name, computer and last day, e.g. sense-0.17 10.0.0.6 2027-11-22{}",
         path.display(), source.as_ref().map(|e| format!(": {e}")).unwrap_or_default()
     )]
     Line {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Which line, from 1.
+        /// Line number, from 1.
         line: usize,
-        /// What it says.
+        /// Content of the line.
         given: String,
-        /// What is wrong with its name.
+        /// Error of the certificate's name, if the name is invalid.
         source: Option<RightError>,
     },
-    /// All names of a right are given.
+    /// All serial numbers of a right are in use.
     #[error(
-        "{right} has had {MOST_SERIAL} certificates, the most that a lab can make; expected a new lab folder, with new \
+        "{right} already has {MOST_SERIAL} certificates, the maximum of a lab; create a new lab folder with new \
          certificates for all computers"
     )]
     Full {
@@ -56,7 +56,7 @@ pub enum RegisterError {
     },
 }
 
-/// The list of a lab.
+/// List of the certificates issued by a lab.
 #[derive(Debug)]
 pub struct Register {
     path: PathBuf,
@@ -64,10 +64,10 @@ pub struct Register {
 }
 
 impl Register {
-    /// That of the folder `lab`; empty where there is none yet.
+    /// Reads the list in the folder `lab`. It is empty if the file does not exist.
     ///
     /// # Errors
-    /// When there is one and it cannot be read.
+    /// If the file exists but cannot be read or parsed.
     pub fn read(lab: &Path) -> Result<Self, RegisterError> {
         let path = lab.join(REGISTER);
         let text = match fs::read_to_string(&path) {
@@ -89,12 +89,12 @@ impl Register {
         Ok(Self { path, entries })
     }
 
-    /// All certificates, the oldest first.
+    /// Returns all certificates, oldest first.
     pub fn entries(&self) -> &[Entry] {
         &self.entries
     }
 
-    /// Those of `computer` with one of `rights`.
+    /// Returns the certificates of `computer` that grant one of `rights`.
     pub fn of<'a>(
         &'a self,
         computer: &'a str,
@@ -107,11 +107,11 @@ impl Register {
             .filter(of_rights)
     }
 
-    /// Adds a certificate of `right` for `computer`, whose name was never given before. It is on the list before it is
-    /// made: a name may be lost, but is not given twice.
+    /// Adds a certificate for `right` and `computer`, and returns its new name. Call this before issuing the
+    /// certificate: a failure may then waste a name, but no name is used twice.
     ///
     /// # Errors
-    /// When all names are given, or the file cannot be written.
+    /// If all serial numbers are in use, or the file cannot be written.
     pub fn add(
         &mut self,
         right: Right,
@@ -139,14 +139,14 @@ impl Register {
     }
 }
 
-/// Adds to a file, which is made where there is none.
+/// Appends to a file, creating it if it does not exist.
 pub(super) fn append(path: &Path, text: &str) -> io::Result<()> {
     let mut file = OpenOptions::new().append(true).create(true).open(path)?;
     file.write_all(text.as_bytes())?;
     file.sync_all()
 }
 
-/// What a line says; or what is wrong with its name, if that it is.
+/// Parses a line. The error is that of the name, or `None` if the number of words is wrong.
 fn entry(line: &str) -> Result<Entry, Option<RightError>> {
     let words: Vec<&str> = line.split_whitespace().collect();
     let [name, computer, until] = words[..] else {
@@ -164,7 +164,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn names_count_up_for_each_right_and_are_not_given_twice() {
+    fn serials_increase_per_right_and_are_not_reused() {
         let lab = std::env::temp_dir().join(format!("feeler-register-{}", std::process::id()));
         fs::create_dir_all(&lab).unwrap();
         let mut register = Register::read(&lab).unwrap();

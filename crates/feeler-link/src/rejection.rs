@@ -1,51 +1,51 @@
-//! Messages that are not taken, and how many.
+//! Reasons and counters of rejected messages.
 
 use std::fmt;
 
-/// Why a message was not taken.
+/// Reason for rejecting a message.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum Rejection {
-    /// It is longer than any such message.
+    /// Longer than the topic allows.
     #[error("too long")]
     Oversized,
-    /// Its bytes are not those of such a message.
+    /// Not a valid encoding of the message type.
     #[error("malformed")]
     Malformed,
-    /// It is of another version.
+    /// Of another protocol version.
     #[error("of another version")]
     Protocol,
-    /// It is of a program that has not said yet what it is, or that has not heard of the hand yet. That is no fault:
-    /// its next messages do.
+    /// From a program whose heartbeat has not arrived yet, or that has not received the hand's messages yet. This is
+    /// normal at start-up and not counted as a fault.
     #[error("before their heartbeat")]
     Unintroduced,
-    /// It is of a program that was refused, or of none that sends such messages.
-    #[error("from strangers")]
+    /// From a refused program, or one that does not send such messages.
+    #[error("from unknown senders")]
     Stranger,
-    /// It is for another number of fingers, elements or pixels.
+    /// The number of fingers, elements or pixels does not match the experiment.
     #[error("of another size")]
     Size,
-    /// It holds a number that is not finite.
+    /// Contains a number that is not finite.
     #[error("not finite")]
     NotFinite,
-    /// It came before, or after a later one.
-    #[error("late or twice")]
+    /// Duplicate, or received after a newer message.
+    #[error("late or duplicate")]
     Old,
-    /// It tells of what has not happened yet.
-    #[error("from a time to come")]
+    /// Echoes or refers to a step or time in the future.
+    #[error("from the future")]
     Future,
-    /// It does not prove its age: it echoes another run of a hand, or a step too long ago.
-    #[error("without proof of their age")]
+    /// Does not prove its age: echoes another run of the hand, or too old a step.
+    #[error("without proof of age")]
     Unproven,
-    /// It is stamped by a clock that is not the rig's.
+    /// Stamped by a clock other than the rig's.
     #[error("of another clock")]
     Clock,
-    /// A number in it cannot be true: a sequence, a stamp or a measured value that jumps or has no such size.
+    /// Contains a sequence number, stamp or measured value that jumps or is out of range.
     #[error("implausible")]
     Implausible,
 }
 
 impl Rejection {
-    /// All of them, in the order of [`Rejections`].
+    /// All reasons, in the order of the counters in [`Rejections`].
     const ALL: [Self; 12] = [
         Self::Oversized,
         Self::Malformed,
@@ -62,25 +62,25 @@ impl Rejection {
     ];
 }
 
-/// How many messages were not taken, by reason. Shows as in `3 malformed, 1 late or twice`; messages of
-/// programs that had not said yet what they are, or not heard of the hand, do not count.
+/// Number of rejected messages, by reason. Displays as in `3 malformed, 1 late or duplicate`, without
+/// [`Rejection::Unintroduced`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Rejections([u64; Rejection::ALL.len()]);
 
 impl Rejections {
-    /// Counts what was rejected, if `result` is that.
+    /// Counts the rejection if `result` is an error.
     pub fn count<T>(&mut self, result: &Result<T, Rejection>) {
         if let Err(rejection) = result {
             self.0[*rejection as usize] += 1;
         }
     }
 
-    /// How many were rejected for `rejection`.
+    /// Returns the number of messages rejected for this reason.
     pub fn of(&self, rejection: Rejection) -> u64 {
         self.0[rejection as usize]
     }
 
-    /// How many count.
+    /// Returns the number of all rejected messages except [`Rejection::Unintroduced`].
     pub fn total(&self) -> u64 {
         self.0.iter().sum::<u64>() - self.of(Rejection::Unintroduced)
     }

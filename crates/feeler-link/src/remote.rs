@@ -1,4 +1,4 @@
-//! Fingers and a hand in other programs, behind the seams of the control loop.
+//! Fingers and a hand in other programs, as implementations of the control loop's traits.
 
 use super::hand_inbox::HandInbox;
 use super::holds::Hold;
@@ -14,7 +14,7 @@ use feeler::sensor::reading::SensorError;
 use feeler_record::wire::Vector3;
 use std::sync::Arc;
 
-/// A finger that another program senses.
+/// Source of tactile readings for a finger whose sensor runs in another program.
 pub struct RemoteFinger {
     inbox: Shared<HandInbox>,
     finger: usize,
@@ -22,7 +22,7 @@ pub struct RemoteFinger {
 }
 
 impl RemoteFinger {
-    /// The finger, of `elements` elements, whose updates arrive in `inbox`.
+    /// Creates a source for `finger`, which has `elements` elements and whose updates arrive in `inbox`.
     pub fn new(inbox: Shared<HandInbox>, finger: usize, elements: usize) -> Self {
         Self {
             inbox,
@@ -62,7 +62,7 @@ impl TouchSource for RemoteFinger {
     }
 }
 
-/// A hand whose drives and encoders are in another program.
+/// Hand whose drives and encoders are in another program.
 pub struct RemoteHand {
     inbox: Shared<HandInbox>,
     outlet: Arc<dyn Outlet>,
@@ -73,7 +73,8 @@ pub struct RemoteHand {
 }
 
 impl RemoteHand {
-    /// The hand of `fingers` whose states arrive in `inbox`; `instance` commands it through `outlet`.
+    /// Creates a hand with the given number of fingers, whose states arrive in `inbox`. Commands are sent through
+    /// `outlet` in the name of `instance`.
     pub fn new(
         inbox: Shared<HandInbox>,
         outlet: Arc<dyn Outlet>,
@@ -90,7 +91,7 @@ impl RemoteHand {
         }
     }
 
-    /// The command that was sent last: to be said again to a rig that waits for it.
+    /// Returns the last command, which is resent to a waiting rig in lockstep.
     pub(crate) fn newest_command(&self) -> Shared<Option<CommandMessage>> {
         self.newest.clone()
     }
@@ -122,7 +123,7 @@ impl Hand for RemoteHand {
             let mut inbox = self.inbox.lock();
             let (time, clock) = (inbox.state().time, &inbox.state().clock);
             let fingers = (0..self.fingers).map(|finger| inbox.time_of(finger));
-            // The rig judges by its own clock how old the data were.
+            // The rig checks the age of the data on its own clock.
             let (stamp, clock) = (clock.to_rig(fingers.fold(time, f64::min)), clock.clock());
             let sequence = inbox.state_sequence();
             let (step, token) = next_step(&mut inbox, &self.clock);
@@ -142,20 +143,20 @@ impl Hand for RemoteHand {
         };
         let sent = send(&*self.outlet, Topic::Command, &message);
         *self.newest.lock() = Some(message);
-        // Who stops the hand waits for its next step.
+        // Wakes `Stopper::stop`, which waits for the next step.
         self.inbox.changed();
         sent.map_err(|e| HandError::Failed(e.to_string()))
     }
 }
 
-/// The number of the control step that begins now, and its token.
+/// Starts the next control step and returns its number and token.
 fn next_step(inbox: &mut HandInbox, clock: &TimeSource) -> (u64, u64) {
     let step = inbox.sent.newest() + 1;
     inbox.sent.sent(step, clock());
     (step, inbox.sent.token(step))
 }
 
-/// What the hand is about in the control step whose command was sent last.
+/// Returns the mode message for the latest control step.
 pub fn mode_of(inbox: &HandInbox, controller: &Controller, instance: u64, stamp: f64) -> HandMode {
     let (phase, step) = (controller.phase(), inbox.sent.newest());
     HandMode {
@@ -177,7 +178,7 @@ fn stops(inbox: &HandInbox) -> Vec<StopInForce> {
     in_force.map(Hold::to_message).collect()
 }
 
-/// A step in which the hand commands nothing: it waits for the other programs.
+/// Starts a step without a command, while the hand waits for other programs, and returns its mode message.
 pub fn waiting_mode(inbox: &mut HandInbox, clock: &TimeSource, instance: u64) -> HandMode {
     let (step, token) = next_step(inbox, clock);
     HandMode {

@@ -1,4 +1,4 @@
-//! What the rig (the world, or real drives) has heard of the hand, and what it makes its drives do.
+//! Messages received by the rig (simulated or real drives), and the resulting commands to its drives.
 
 use super::freshness::Echo;
 use super::inbox::{Inbox, read};
@@ -11,29 +11,29 @@ use super::sequence::Sequence;
 use super::topic::Topic;
 use glam::DVec3;
 
-/// Everything that has arrived for the rig, and its watchdog.
+/// Inbox of the rig, with its watchdog.
 #[derive(Debug, Clone)]
 pub struct RigInbox {
     fingers: usize,
-    /// The rig's instance: what its clock is called.
+    /// The rig's instance, which identifies its clock.
     clock: u64,
-    /// The rig's own time, s, for its owner to keep.
+    /// Current time of the rig (s), set by the caller.
     pub time: f64,
-    /// Age from which on data are stale, s.
+    /// Maximum age of the data behind a command (s).
     limit: f64,
     command: Option<Command>,
     commands: Sequence,
     steps: Sequence,
-    /// The hand's newest step, to be echoed.
+    /// Latest step of the hand, to be echoed.
     pub echo: Echo,
     peers: Peers,
-    /// The stop that the rig has ordered, where its drives failed.
+    /// Stop ordered by the rig itself because its drives failed.
     pub(crate) own_stop: Option<OwnStop>,
-    /// What was not taken.
+    /// Counters of rejected messages.
     pub rejected: Rejections,
-    /// Commands to move that were made from data older than the limit. They are not obeyed.
+    /// Number of motion commands rejected because they were based on stale data.
     pub stale_commands: u64,
-    /// How often the watchdog stopped drives that moved.
+    /// Number of times that the watchdog stopped moving drives.
     pub watchdog_stops: u64,
 }
 
@@ -41,9 +41,9 @@ pub struct RigInbox {
 struct Command {
     state_sequence: u64,
     joint_velocity: Vec<DVec3>,
-    /// When it came, s on the rig's wall clock.
+    /// Time of arrival on the rig's wall clock (s).
     heard: f64,
-    /// Whether the watchdog has stopped the drives since.
+    /// `true` once the watchdog has stopped the drives.
     expired: bool,
 }
 
@@ -75,8 +75,8 @@ impl Inbox for RigInbox {
 }
 
 impl RigInbox {
-    /// Nothing has arrived yet for a rig of so many `fingers`, whose program is `instance` and which takes no commands
-    /// to move from data older than `limit`, s; programs must agree with `expected`.
+    /// Creates an empty inbox for a rig program `instance` with the given number of fingers. Motion commands based on
+    /// data older than `limit` (s) are rejected, and other programs must match `expected`.
     pub fn new((fingers, instance): (usize, u64), limit: f64, expected: Expected) -> Self {
         Self {
             fingers,
@@ -101,7 +101,7 @@ impl RigInbox {
         self.check_hand(header)?;
         let number = (header.instance, header.sequence);
         self.commands.missing(number, now)?;
-        // A command that is too old, or for the rig's predecessor, says that the hand is there.
+        // Even a command that is too old, or for a previous rig, proves that the hand is present.
         let step = self.take_step(header, command.token, now);
         let joint_velocity = command.joint_velocity.into_iter().map(DVec3::from);
         let joint_velocity: Vec<DVec3> = joint_velocity.collect();
@@ -119,7 +119,7 @@ impl RigInbox {
         Ok(())
     }
 
-    /// Whether a command to move was made from fresh data of this rig.
+    /// Checks that a motion command is based on fresh data of this rig.
     fn check_age(&mut self, header: MessageHeader) -> Result<(), Rejection> {
         if header.clock != self.clock {
             return Err(Rejection::Clock);
@@ -138,7 +138,7 @@ impl RigInbox {
             .check(header.instance, &ProgramKind::Hand, NO_FINGER)
     }
 
-    /// Takes in that the hand is at a step; that of a mode is that of the command before.
+    /// Records the hand's step. A mode message repeats the step of the preceding command.
     fn take_step(&mut self, header: MessageHeader, token: u64, now: f64) -> Result<(), Rejection> {
         let number = (header.instance, header.sequence);
         if self.steps.newest() == Some(number) {
@@ -154,19 +154,19 @@ impl RigInbox {
         Ok(())
     }
 
-    /// Whether a command has ever come.
+    /// Returns `true` if any command has arrived.
     pub fn is_commanded(&self) -> bool {
         self.command.is_some()
     }
 
-    /// Whether a command has come that was made from the hand state of this number.
+    /// Returns `true` if a command based on this or a later hand state has arrived.
     pub fn has_answered(&self, state_sequence: u64) -> bool {
         let command = self.command.as_ref();
         command.is_some_and(|command| command.state_sequence >= state_sequence)
     }
 
-    /// What the drives do at `now` (s): the newest command's joint velocities, rad/s; none, so that all
-    /// stand still, when that came more than `limit` (s) ago. That is the watchdog.
+    /// Returns the joint velocities (rad/s) to apply at `now` (s), or `None` if the drives must stop. The watchdog
+    /// stops them when the latest command arrived more than `limit` (s) ago.
     pub fn drive(&mut self, now: f64, limit: f64) -> Option<&[DVec3]> {
         let command = self.command.as_mut()?;
         if now - command.heard > limit {

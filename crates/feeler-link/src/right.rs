@@ -1,55 +1,55 @@
-//! What the holder of a certificate may do, and the name by which a certificate says so.
+//! Rights of programs, and the certificate names that grant them.
 
 use feeler::hand::MAX_FINGERS;
 use std::fmt;
 use std::path::{Path, PathBuf};
 use std::str::FromStr;
 
-/// Largest serial number of a certificate: a program names all certificates whose messages it takes, by right and
-/// number.
+/// Largest serial number of a certificate. It is bounded because a program's access rules list the names of all
+/// certificates that it accepts.
 pub const MOST_SERIAL: u32 = 999;
 
-/// What a program may do.
+/// Right of a program, granted by its certificate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum Right {
-    /// To be the hand.
+    /// Act as the hand.
     Hand,
-    /// To be the rig: encoders, drives, simulated cameras.
+    /// Act as the rig: encoders, drives and simulated cameras.
     Rig,
-    /// To sense for the finger of this number.
+    /// Act as the sensor of the finger with this index.
     Sense(usize),
-    /// To stop the hand and let it go on, and to watch.
+    /// Stop and resume the hand, and receive all messages.
     Order,
-    /// To stop the hand.
+    /// Stop the hand.
     Stop,
-    /// To watch.
+    /// Receive all messages.
     Watch,
 }
 
-/// Why a word is no right, or a name is no certificate's.
+/// Error of parsing a right or a certificate name.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum RightError {
-    /// No such right.
+    /// Unknown right.
     #[error(
-        "{given:?} is no right: expected hand, rig, sense-0 to sense-{}, order, stop or watch",
+        "unknown right {given:?}: expected hand, rig, sense-0 to sense-{}, order, stop or watch",
         MAX_FINGERS - 1
     )]
     Unknown {
-        /// What was given.
+        /// The unknown text.
         given: String,
     },
-    /// No such name.
+    /// Invalid certificate name.
     #[error(
-        "{given:?} is no certificate's name: expected a right and a number from 1 to {MOST_SERIAL}, as in sense-0.17"
+        "invalid certificate name {given:?}: expected a right and a number from 1 to {MOST_SERIAL}, as in sense-0.17"
     )]
     Name {
-        /// What was given.
+        /// The invalid name.
         given: String,
     },
 }
 
 impl Right {
-    /// All rights.
+    /// Returns all rights.
     pub fn all() -> Vec<Self> {
         let mut rights = vec![Self::Hand, Self::Rig];
         rights.extend((0..MAX_FINGERS).map(Self::Sense));
@@ -57,8 +57,8 @@ impl Right {
         rights
     }
 
-    /// Where the certificate of a program is that may act by any of `rights`, the first one first: in the folder of
-    /// that name in `folder`, or in `folder` itself.
+    /// Returns the certificate folder of a program that needs any of `rights`: the first of `folder/RIGHT` that exists,
+    /// otherwise `folder` itself.
     pub fn folder_in(folder: &Path, rights: &[Self]) -> PathBuf {
         let mut of_rights = rights.iter().map(|right| folder.join(right.to_string()));
         let first = of_rights.find(|path| path.is_dir());
@@ -88,12 +88,12 @@ impl FromStr for Right {
     }
 }
 
-/// The common name of a certificate: its right, and its number among the lab's certificates of that right.
+/// Common name of a certificate: right and serial number, e.g. `sense-0.17`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub struct CertificateName {
-    /// What its holder may do.
+    /// Right of the holder.
     pub right: Right,
-    /// From 1 to [`MOST_SERIAL`]; never given twice.
+    /// Serial number among the lab's certificates for this right, from 1 to [`MOST_SERIAL`]. Never reused.
     pub serial: u32,
 }
 
@@ -111,7 +111,7 @@ impl FromStr for CertificateName {
             let (right, serial) = text.split_once('.')?;
             let (right, serial) = (right.parse().ok()?, serial.parse().ok()?);
             let name = Self { right, serial };
-            // One name for one certificate: sense-0.7 is not sense-0.07.
+            // Only the canonical spelling is accepted: sense-0.07 is not sense-0.7.
             let sound = (1..=MOST_SERIAL).contains(&serial) && name.to_string() == text;
             sound.then_some(name)
         };
@@ -124,7 +124,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_name_is_read_as_it_is_written_and_no_other_is() {
+    fn only_canonical_names_are_parsed() {
         for right in Right::all() {
             assert_eq!(right.to_string().parse(), Ok(right));
             let name = CertificateName { right, serial: 17 };
@@ -151,7 +151,7 @@ mod tests {
     }
 
     #[test]
-    fn a_program_finds_the_folder_of_its_right_or_takes_the_whole() {
+    fn folder_of_a_right_is_preferred() {
         let folder = std::env::temp_dir().join(format!("feeler-right-{}", std::process::id()));
         std::fs::create_dir_all(folder.join("stop")).unwrap();
         let found = Right::folder_in(&folder, &[Right::Order, Right::Stop]);

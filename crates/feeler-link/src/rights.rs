@@ -1,7 +1,6 @@
-//! Which keys the holder of a certificate may write and read, as the access control of Zenoh takes it.
+//! Keys that each right may write and read, as access-control rules for Zenoh.
 //!
-//! All messages pass the hand, so the hand's rules decide. The other programs have a rule of their own: they take
-//! messages from a hand alone.
+//! All messages pass through the hand, whose rules decide. The other programs accept messages from the hand only.
 
 use super::endpoints::LinkConfig;
 use super::right::{CertificateName, MOST_SERIAL, Right};
@@ -9,29 +8,29 @@ use super::withdrawn::{self, WithdrawnError};
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 
-/// A program's place among the others.
+/// Position of a program in the link.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
-    /// The hand, through which all messages pass.
+    /// The hand, which routes all messages.
     Hand,
-    /// One that connects to the hand.
+    /// A program that connects to the hand.
     Member,
 }
 
-/// Keys below the rig's, as Zenoh's key expressions.
+/// Zenoh key expressions, relative to the rig's key.
 #[derive(Debug, Clone, PartialEq, Default)]
 struct Keys {
-    /// That the holder of a right may write.
+    /// Keys that the holder of a right may write.
     writes: Vec<String>,
-    /// That it may read.
+    /// Keys that the holder may read.
     reads: Vec<String>,
 }
 
-/// The access control of a program with this configuration; none where it has no TLS endpoint. Whoever comes by an
-/// endpoint without TLS has all rights: [`LinkConfig::check`] lets none such be open to others by mistake.
+/// Returns Zenoh's access-control settings for `config`, or `None` without certificates or a TLS endpoint. Peers on
+/// endpoints without TLS have all rights; [`LinkConfig::check`] prevents such endpoints from being public by mistake.
 ///
 /// # Errors
-/// When a list of withdrawn certificates is there and cannot be read.
+/// If a list of withdrawn certificates exists but cannot be read.
 pub fn access_control(config: &LinkConfig, role: Role) -> Result<Option<Value>, WithdrawnError> {
     let endpoints = || config.listen.iter().chain(&config.connect);
     let Some(folder) = &config.certificates else {
@@ -45,8 +44,8 @@ pub fn access_control(config: &LinkConfig, role: Role) -> Result<Option<Value>, 
     Ok(Some(rules(&config.rig, role, &withdrawn, is_open)))
 }
 
-/// The rules for the rig of this name: all is denied but what they permit. Certificates of `withdrawn` have no rights;
-/// with `is_open`, who comes without TLS has all of them.
+/// Returns the access-control settings for the rig named `rig`. Everything not permitted is denied. Certificates in
+/// `withdrawn` have no rights. If `is_open`, peers without TLS have all rights.
 pub fn rules(rig: &str, role: Role, withdrawn: &BTreeSet<CertificateName>, is_open: bool) -> Value {
     let rights = match role {
         Role::Hand => Right::all(),
@@ -55,7 +54,7 @@ pub fn rules(rig: &str, role: Role, withdrawn: &BTreeSet<CertificateName>, is_op
     let [mut rules, mut subjects, mut policies] = [const { Vec::new() }; 3];
     for right in rights {
         let names: Vec<String> = names(right, withdrawn).collect();
-        // Zenoh takes no empty list.
+        // Zenoh rejects empty lists.
         if names.is_empty() {
             continue;
         }
@@ -79,7 +78,7 @@ pub fn rules(rig: &str, role: Role, withdrawn: &BTreeSet<CertificateName>, is_op
     })
 }
 
-/// The names of all certificates of a right, those not made yet included, without the withdrawn ones.
+/// Returns all possible certificate names of a right, including those not issued yet, except withdrawn ones.
 fn names(
     right: Right,
     withdrawn: &BTreeSet<CertificateName>,
@@ -89,7 +88,7 @@ fn names(
         .map(|name| name.to_string())
 }
 
-/// What a right permits, apart from what all do.
+/// Returns the keys that a right permits.
 fn keys(right: Right) -> Keys {
     let of = |writes: &[&str], reads: &[&str]| Keys {
         writes: writes.iter().map(ToString::to_string).collect(),
@@ -103,7 +102,7 @@ fn keys(right: Right) -> Keys {
                 "finger/*/picture",
                 "finger/*/forces",
                 "heartbeat/world",
-                // It stops the hand where its drives fail.
+                // The rig stops the hand if its drives fail.
                 "stop",
             ],
             &["hand/command", "hand/mode", "heartbeat/**"],
@@ -136,8 +135,8 @@ fn everything() -> Keys {
     }
 }
 
-/// The rules called after `id` that permit `keys` of a rig. Queries, queryables, deletions and liveliness are permitted
-/// to nobody, as no message needs them.
+/// Returns rules, named after `id`, that permit `keys` of a rig. They never permit queries, queryables, deletions or
+/// liveliness, which the link does not use.
 fn permissions(id: &str, rig: &str, keys: &Keys) -> Vec<Value> {
     let whole = |keys: &[String]| -> Vec<String> {
         keys.iter()
@@ -155,8 +154,8 @@ fn permissions(id: &str, rig: &str, keys: &Keys) -> Vec<Value> {
         rule("writes", "ingress", put, whole(&keys.writes)),
         rule("subscribes", "ingress", subscribe, whole(&keys.reads)),
         rule("reads", "egress", put, whole(&keys.reads)),
-        // A program sends what it has been told that somebody subscribes to. Who does is no secret.
-        rule("hears-of", "egress", subscribe, whole(&["**".into()])),
+        // A program only sends messages with a known subscriber. Subscriptions are not secret.
+        rule("hears-of", "egress", subscribe, whole(&["**".into()])), // words: allow
     ]
 }
 
@@ -179,7 +178,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sensor_writes_of_its_own_finger_alone() {
+    fn a_sensor_writes_only_for_its_finger() {
         let rules = rules("bench", Role::Hand, &BTreeSet::new(), false);
         let writes = permitted(&rules, "sense-1-writes");
         let expected = [
@@ -200,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn who_may_stop_is_who_has_a_right_to() {
+    fn only_permitted_rights_write_orders_and_states() {
         let rules = rules("bench", Role::Hand, &BTreeSet::new(), false);
         let may = |key: &str| -> Vec<String> {
             let of = |right: &Right| permitted(&rules, &format!("{right}-writes")).contains(&key);
@@ -214,7 +213,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_but_messages_and_subscriptions_is_permitted_to_anybody() {
+    fn only_puts_and_subscriptions_are_permitted() {
         for role in [Role::Hand, Role::Member] {
             let rules = rules("bench", role, &BTreeSet::new(), true);
             assert_eq!(rules["default_permission"], "deny");
@@ -232,7 +231,7 @@ mod tests {
     }
 
     #[test]
-    fn a_withdrawn_certificate_is_not_among_the_names() {
+    fn withdrawn_certificates_are_excluded() {
         let withdrawn = BTreeSet::from(["sense-0.17".parse().unwrap()]);
         let hand = rules("bench", Role::Hand, &withdrawn, false);
         let names = names_of(&hand, "sense-0");
@@ -244,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn rules_are_only_for_tls_and_who_comes_without_it_has_all_rights() {
+    fn peers_without_tls_have_all_rights() {
         let mut config = LinkConfig {
             rig: "bench".into(),
             listen: vec!["tcp/127.0.0.1:7447".into()],

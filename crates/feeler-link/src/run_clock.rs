@@ -1,30 +1,30 @@
-//! The time of a hand's run, from the stamps of whatever rig there is.
+//! Time of a hand's run, derived from the rig's stamps.
 //!
-//! A rig stamps its states by its own clock, which begins anew with each of its programs. The time of the run is that
-//! of the first rig. It never goes back: a later rig's clock is put where the run's time has come to meanwhile.
+//! A rig program stamps its states with its own clock, which restarts with the program. Run time follows the clock of
+//! the first rig program and never decreases: the clock of a later one is offset to continue the run time.
 
 use super::message::MessageHeader;
 use super::rejection::Rejection;
 use super::sequence::FORGOTTEN_AFTER;
 use std::str::FromStr;
 
-/// The latest stamp that is taken, s: three hundred years. Later ones leave no room for a difference.
+/// Maximum accepted stamp (s), three hundred years. Larger stamps lose precision in differences.
 const MOST_STAMP: f64 = 1e10;
 
-/// By how much the rig's clock may be faster than the hand's.
+/// Maximum relative drift of the rig's clock over the hand's.
 const MOST_DRIFT: f64 = 0.1;
 
-/// How fast the time of a rig goes. Written as in `1`, `0.25`, or `max`.
+/// Speed of a rig's time relative to real time. Parsed from text such as `1`, `0.25` or `max`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum RigSpeed {
-    /// So many times as fast as real time; 1 for a real rig.
+    /// Ratio of rig time to real time; 1 for a real rig.
     Times(f64),
-    /// As fast as the hand answers: the rig waits for it in every control period.
+    /// The rig waits for the hand's answer in every control period.
     Lockstep,
 }
 
 impl RigSpeed {
-    /// Seconds of the rig in a second; 0 where it waits for the hand, as [`super::message::Heartbeat::speed`].
+    /// Returns the ratio of rig time to real time, or 0 in lockstep, as in [`super::message::Heartbeat::speed`].
     pub fn times(self) -> f64 {
         match self {
             Self::Times(times) => times,
@@ -46,38 +46,38 @@ impl FromStr for RigSpeed {
     }
 }
 
-/// Maps the rig's stamps onto the time of the run.
+/// Converts the rig's stamps to run time.
 #[derive(Debug, Clone)]
 pub struct RunClock {
     speed: RigSpeed,
-    /// The control period, s of the rig's time.
+    /// Control period (s, rig time).
     period: f64,
-    /// How much the rig's time may jump at once, s.
+    /// Maximum jump of the rig's time (s).
     slack: f64,
     rig: Option<RigClock>,
 }
 
-/// The rig's clock as of its newest state.
+/// State of the rig's clock at the latest state message.
 #[derive(Debug, Clone, Copy, PartialEq)]
 struct RigClock {
-    /// The program whose clock it is, by its instance.
+    /// Instance of the program whose clock this is.
     clock: u64,
-    /// The state's stamp, s.
+    /// Stamp of the state message (s).
     stamp: f64,
-    /// Its number.
+    /// Sequence number of the state message.
     sequence: u64,
-    /// What to add for the time of the run, s.
+    /// Offset from rig time to run time (s).
     offset: f64,
-    /// The state's time in the run, s.
+    /// Run time of the state (s).
     time: f64,
-    /// The earliest time at which the state can have been taken, and when it came, s on the hand's clock.
+    /// Earliest possible measurement time and arrival time of the state (s, on the hand's clock).
     earliest: f64,
     arrived: f64,
 }
 
 impl RunClock {
-    /// The clock of a run whose rig has yet to be heard, for a control period of so many seconds of the rig's time, of
-    /// which `stale_periods` may pass without news.
+    /// Creates a clock before the first state of a rig. `period` is the control period (s, rig time), and
+    /// `stale_periods` the number of periods after which data is stale.
     pub fn new(speed: RigSpeed, period: f64, stale_periods: f64) -> Self {
         Self {
             speed,
@@ -87,11 +87,11 @@ impl RunClock {
         }
     }
 
-    /// Takes the state of `header`, which was taken no earlier than `earliest` and came at `now`, s on the hand's
-    /// clock; its time in the run, s.
+    /// Processes the stamp of a state message and returns its run time (s). The state was measured no earlier than
+    /// `earliest` and received at `now` (s, on the hand's clock).
     ///
     /// # Errors
-    /// When its stamp cannot be true: it jumps.
+    /// Returns [`Rejection::Implausible`] if the stamp jumps or is out of range.
     pub fn take(
         &mut self,
         header: MessageHeader,
@@ -113,10 +113,10 @@ impl RunClock {
             Some(rig) if rig.clock == clock && now - rig.arrived <= FORGOTTEN_AFTER => {
                 return Err(Rejection::Implausible);
             }
-            // Another rig, or one that was silent and whose clock was set meanwhile.
+            // Another rig program, or one whose clock was set while it was silent.
             Some(rig) => self.now(&rig, now) - stamp,
         };
-        // A clock that counts from long ago leaves few digits for a difference.
+        // Rounding of large stamps must not make the run time decrease.
         let before = self.rig.map_or(0.0, |rig| rig.time);
         let time = (stamp + offset).max(before);
         self.rig = Some(RigClock {
@@ -131,7 +131,7 @@ impl RunClock {
         Ok(time)
     }
 
-    /// Whether the state of `header` can be one that follows the newest.
+    /// Returns `true` if a state with this header can follow the latest one.
     fn can_follow(&self, rig: &RigClock, header: MessageHeader, now: f64) -> bool {
         let most = match self.speed {
             RigSpeed::Times(speed) => {
@@ -142,7 +142,7 @@ impl RunClock {
         (0.0..=most).contains(&(header.stamp - rig.stamp))
     }
 
-    /// The time of the run at `now`, s on the hand's clock, by how long it is since the newest state.
+    /// Returns the run time at `now` (s, on the hand's clock), extrapolated from the latest state.
     fn now(&self, rig: &RigClock, now: f64) -> f64 {
         let since = match self.speed {
             RigSpeed::Times(speed) => (now - rig.arrived).max(0.0) * speed,
@@ -151,15 +151,15 @@ impl RunClock {
         rig.time + since
     }
 
-    /// The program whose clock the rig's states are stamped by, by its instance; none before the first state.
+    /// Returns the instance of the program whose clock stamps the rig's states, or `None` before the first state.
     pub fn clock(&self) -> Option<u64> {
         self.rig.map(|rig| rig.clock)
     }
 
-    /// The time in the run, s, of what the rig's own clock stamps `stamp`.
+    /// Converts a stamp of the rig's clock, from message number `sequence`, to run time (s).
     ///
     /// # Errors
-    /// When it is of another clock, or further from the newest state than data may be that are of use.
+    /// If the stamp is from another clock, or implausibly far ahead of the latest state.
     pub fn of_rig(&self, clock: u64, stamp: f64, sequence: u64) -> Result<f64, Rejection> {
         let rig = self.rig.ok_or(Rejection::Unintroduced)?;
         if rig.clock != clock {
@@ -170,24 +170,24 @@ impl RunClock {
             RigSpeed::Times(_) => self.slack,
             RigSpeed::Lockstep => self.lockstep_time(sequence, rig.sequence),
         };
-        // What is too old stops the hand; it needs no refusal here.
+        // Old data is not rejected here, because it stops the hand.
         let plausible = ahead <= most && stamp.abs() <= MOST_STAMP;
         plausible
             .then_some(stamp + rig.offset)
             .ok_or(Rejection::Implausible)
     }
 
-    /// What the hand's `time` in the run is on the rig's own clock, s.
+    /// Converts run time to the rig's clock (s).
     pub fn to_rig(&self, time: f64) -> f64 {
         time - self.rig.map_or(0.0, |rig| rig.offset)
     }
 
-    /// How fast the rig's time goes.
+    /// Returns the speed of the rig's time.
     pub fn speed(&self) -> RigSpeed {
         self.speed
     }
 
-    /// How far the rig's time can go at most from the state of the number `before` to that of `sequence`, s.
+    /// Returns the maximum rig time between the states numbered `before` and `sequence` (s).
     fn lockstep_time(&self, sequence: u64, before: u64) -> f64 {
         sequence.saturating_sub(before) as f64 * self.period * (1.0 + MOST_DRIFT)
     }
@@ -197,7 +197,7 @@ impl RunClock {
 mod tests {
     use super::*;
 
-    /// A rig of that speed, whose time may jump by 0.05 s.
+    /// Clock with a period of 0.01 s and a maximum jump of 0.05 s.
     fn run_clock(speed: RigSpeed) -> RunClock {
         RunClock::new(speed, 0.01, 4.0)
     }
@@ -211,7 +211,7 @@ mod tests {
         }
     }
 
-    /// A run at the speed 2 whose rig 7 was at 10 s when the hand's clock was at 1 s.
+    /// Run at speed 2 whose rig 7 was at 10 s when the hand's clock was at 1 s.
     fn at_ten() -> RunClock {
         let mut clock = run_clock(RigSpeed::Times(2.0));
         assert_eq!(clock.take(header(7, 1, 10.0), 1.0, 1.001), Ok(10.0));
@@ -219,7 +219,7 @@ mod tests {
     }
 
     #[test]
-    fn the_first_rigs_time_is_that_of_the_run() {
+    fn run_time_follows_the_first_rig() {
         let mut clock = at_ten();
         assert_eq!(clock.take(header(7, 2, 10.02), 1.01, 1.011), Ok(10.02));
         assert_eq!(clock.of_rig(7, 10.0, 2), Ok(10.0));
@@ -227,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn no_time_of_a_run_is_negative() {
+    fn run_time_is_not_negative() {
         let mut clock = run_clock(RigSpeed::Times(1.0));
         assert_eq!(clock.take(header(7, 1, -3.0), 0.0, 0.0), Ok(0.0));
         assert_eq!(clock.take(header(7, 2, -2.5), 0.5, 0.5), Ok(0.5));
@@ -235,7 +235,7 @@ mod tests {
     }
 
     #[test]
-    fn a_clock_that_jumps_is_refused_and_the_true_one_taken() {
+    fn jumps_are_rejected() {
         let mut clock = at_ten();
         for wrong in [1e300, 1e6, -1e300, f64::NAN, f64::INFINITY, 9.99, 10.11] {
             let taken = clock.take(header(7, 2, wrong), 1.01, 1.011);
@@ -245,7 +245,7 @@ mod tests {
     }
 
     #[test]
-    fn another_rigs_time_goes_on_from_that_of_the_run() {
+    fn run_time_continues_with_another_rig() {
         let mut clock = at_ten();
         // Four seconds later, at twice real time.
         assert_eq!(clock.take(header(8, 1, 0.5), 5.0, 5.001), Ok(18.0));
@@ -255,7 +255,7 @@ mod tests {
     }
 
     #[test]
-    fn a_clock_that_was_set_is_taken_when_it_was_silent() {
+    fn a_clock_set_during_silence_is_accepted() {
         let mut clock = at_ten();
         let taken = clock.take(header(7, 2, 3.0), 1.3, 1.3);
         assert_eq!(taken, Err(Rejection::Implausible));
@@ -264,10 +264,10 @@ mod tests {
     }
 
     #[test]
-    fn in_lockstep_a_state_is_a_period() {
+    fn in_lockstep_each_state_advances_one_period() {
         let mut clock = run_clock(RigSpeed::Lockstep);
         assert_eq!(clock.take(header(7, 1, 0.0), 0.0, 0.0), Ok(0.0));
-        // However long the hand took for its answer.
+        // Regardless of the time until the hand's answer.
         assert_eq!(clock.take(header(7, 2, 0.01), 9.0, 9.0), Ok(0.01));
         let jump = clock.take(header(7, 3, 0.03), 9.1, 9.1);
         assert_eq!(jump, Err(Rejection::Implausible));

@@ -1,4 +1,4 @@
-//! What the sensor program of one finger has heard: the hand's steps, and pictures of a rig elsewhere.
+//! Messages received by the sensor program of one finger: the hand's steps, and images of a remote rig.
 
 use super::freshness::Echo;
 use super::inbox::{Inbox, read};
@@ -12,23 +12,23 @@ use super::sequence::Sequence;
 use super::topic::Topic;
 use std::collections::VecDeque;
 
-/// Pictures that may wait. More are too old to be of use before they are sensed.
+/// Maximum number of queued images. Older ones would be stale before they are processed.
 const MOST_WAITING: usize = 8;
 
-/// Steps of the hand that are remembered, to find that before a picture.
+/// Number of the hand's steps kept, to find the latest one before an image.
 const REMEMBERED: usize = 16;
 
-/// What came of the rig.
+/// Data of one exposure, received from the rig.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Exposed {
-    /// A picture.
+    /// Camera image.
     Picture(PictureMessage),
-    /// Forces without pictures.
+    /// Forces, from a rig that renders no images.
     Forces(DirectForces),
 }
 
 impl Exposed {
-    /// Its header, and the number of its picture.
+    /// Returns the header and the frame sequence number.
     pub fn header(&self) -> (MessageHeader, u64) {
         match self {
             Self::Picture(picture) => (picture.header, picture.frame),
@@ -37,7 +37,7 @@ impl Exposed {
     }
 }
 
-/// Everything that has arrived for one finger's sensor program.
+/// Inbox of one finger's sensor program.
 #[derive(Debug, Clone)]
 pub struct SenseInbox {
     finger: u32,
@@ -47,10 +47,10 @@ pub struct SenseInbox {
     echoes: VecDeque<Echo>,
     exposed: Sequence,
     waiting: VecDeque<Exposed>,
-    /// Pictures that never came or waited too long, by their numbers.
+    /// Number of images lost in transit or dropped from the full queue.
     pub lost: u64,
     peers: Peers,
-    /// What was not taken.
+    /// Counters of rejected messages.
     pub rejected: Rejections,
 }
 
@@ -75,8 +75,8 @@ impl Inbox for SenseInbox {
 }
 
 impl SenseInbox {
-    /// Nothing has arrived yet for `finger`, of so many `elements` and pictures of `size` (columns, rows)
-    /// px; programs must agree with `expected`.
+    /// Creates an empty inbox for `finger` with its number of elements and images of `size` (width, height in px).
+    /// Other programs must match `expected`.
     pub fn new(
         (finger, elements): (usize, usize),
         size: (usize, usize),
@@ -142,7 +142,7 @@ impl SenseInbox {
         Ok(())
     }
 
-    /// Makes room for what comes with `header`.
+    /// Checks a header and makes room in the queue for its message.
     fn queue(&mut self, header: MessageHeader, finger: u32, now: f64) -> Result<(), Rejection> {
         if finger != self.finger {
             return Err(Rejection::Size);
@@ -153,7 +153,7 @@ impl SenseInbox {
         self.peers
             .check(header.instance, &ProgramKind::World, NO_FINGER)?;
         let number = (header.instance, header.sequence);
-        // The same again: the rig waits for an answer that may have been lost.
+        // A repetition is accepted: in lockstep, the rig resends because the answer may have been lost.
         if self.exposed.newest() != Some(number) {
             let lost = self.exposed.missing(number, now)?;
             self.lost = self.lost.saturating_add(lost);
@@ -166,13 +166,13 @@ impl SenseInbox {
         Ok(())
     }
 
-    /// The oldest that waits, to be sensed.
+    /// Removes and returns the oldest queued exposure.
     pub fn take_next(&mut self) -> Option<Exposed> {
         self.waiting.pop_front()
     }
 
-    /// The newest step of the hand that had arrived by `at`, s on the program's clock: what a picture of that
-    /// time echoes.
+    /// Returns the latest step of the hand received by `at` (s, on the program's clock), which an image of that time
+    /// echoes.
     pub fn echo_at(&self, at: f64) -> Echo {
         let before = self.echoes.iter().rev().find(|echo| echo.arrived <= at);
         before.copied().unwrap_or_default()

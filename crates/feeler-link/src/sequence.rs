@@ -1,21 +1,21 @@
-//! Whether a message is the next of its sender's, by the number that it has among them.
+//! Sequence-number checks of received messages.
 //!
-//! A message may not be taken twice, nor after a later one. Nor may its number run away: one message with a number
-//! that its sender will not reach would shut that sender out.
+//! Duplicates and messages older than the latest are rejected. So are numbers that are implausibly far ahead: accepting
+//! one would lock out its sender.
 
 use super::rejection::Rejection;
 
-/// Messages of a kind that a program sends in a second at most.
+/// Maximum rate of a message kind from one program (1/s).
 const MOST_RATE: f64 = 10_000.0;
 
-/// By how much a number may be ahead at once: messages that were lost in a burst.
+/// Maximum gap regardless of time, for messages lost in a burst.
 const MOST_AHEAD: f64 = 1000.0;
 
-/// After so long without a message that was taken, the next is taken whatever its number, s. It is no door to old
-/// data, whose age is proved by other means; it lets a sender back in whose number was overtaken.
+/// Time without an accepted message (s) after which the next one is accepted with any number. This readmits a sender
+/// after a false number. It does not admit old data, because ages are proven separately.
 pub const FORGOTTEN_AFTER: f64 = 0.5;
 
-/// The newest message of a kind.
+/// Latest accepted message of a kind.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
 pub struct Sequence {
     newest: Option<Newest>,
@@ -25,20 +25,20 @@ pub struct Sequence {
 struct Newest {
     instance: u64,
     number: u64,
-    /// When it was taken, s.
+    /// Time of acceptance (s).
     at: f64,
 }
 
 impl Sequence {
-    /// The program that sent the newest message, by its instance, and the number of that.
+    /// Returns the sender's instance and the number of the latest message.
     pub fn newest(&self) -> Option<(u64, u64)> {
         self.newest.map(|newest| (newest.instance, newest.number))
     }
 
-    /// How many messages are missing before that of `number`, which `instance` sent and which came at `now`, s.
+    /// Returns the number of messages missing before message `number` of `instance`, received at `now` (s).
     ///
     /// # Errors
-    /// When it is not newer than the newest, or too far ahead of it.
+    /// If the message is not newer than the latest, or implausibly far ahead.
     pub fn missing(&self, (instance, number): (u64, u64), now: f64) -> Result<u64, Rejection> {
         let same = |newest: &Newest| newest.instance == instance;
         let Some(newest) = self.newest.filter(same) else {
@@ -57,7 +57,7 @@ impl Sequence {
         }
     }
 
-    /// Takes the message of `number`, which `instance` sent and which came at `now`, s.
+    /// Accepts message `number` of `instance`, received at `now` (s).
     pub fn take(&mut self, (instance, number): (u64, u64), now: f64) {
         self.newest = Some(Newest {
             instance,
@@ -67,7 +67,7 @@ impl Sequence {
     }
 }
 
-/// By how much the number can be ahead after `waited`, s.
+/// Returns the maximum gap after `waited` (s).
 fn most_ahead(waited: f64) -> u64 {
     (MOST_AHEAD + MOST_RATE * waited.max(0.0)) as u64
 }
@@ -76,7 +76,7 @@ fn most_ahead(waited: f64) -> u64 {
 mod tests {
     use super::*;
 
-    /// After message 10 of program 1, at 1 s.
+    /// State after message 10 of program 1 at 1 s.
     fn after_ten() -> Sequence {
         let mut sequence = Sequence::default();
         sequence.take((1, 10), 1.0);
@@ -84,7 +84,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_missing_is_counted_and_nothing_is_taken_twice() {
+    fn gaps_are_counted_and_duplicates_rejected() {
         let sequence = after_ten();
         assert_eq!(sequence.missing((1, 11), 1.01), Ok(0));
         assert_eq!(sequence.missing((1, 14), 1.01), Ok(3));
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn a_number_that_runs_away_is_refused_and_the_true_one_taken() {
+    fn implausible_numbers_are_rejected() {
         let sequence = after_ten();
         for number in [u64::MAX, u64::MAX - 1, 10 + 1101] {
             let taken = sequence.missing((1, number), 1.01);
@@ -105,7 +105,7 @@ mod tests {
     }
 
     #[test]
-    fn a_sender_whose_number_was_overtaken_comes_back() {
+    fn a_locked_out_sender_is_readmitted() {
         let sequence = after_ten();
         assert_eq!(sequence.missing((1, 3), 1.5), Err(Rejection::Old));
         assert_eq!(sequence.missing((1, 3), 1.51), Ok(0));

@@ -1,10 +1,10 @@
-//! What a thread of the network's fills and the program's own thread waits for.
+//! Value shared between the network's threads and the program's thread, with change notification.
 
 use std::sync::atomic::{AtomicUsize, Ordering};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Something that several threads share. A panic in one does not lock it for good.
+/// Mutex with change notification, shared by reference counting. Ignores poisoning.
 #[derive(Debug)]
 pub struct Shared<T>(Arc<Inner<T>>);
 
@@ -12,7 +12,8 @@ pub struct Shared<T>(Arc<Inner<T>>);
 struct Inner<T> {
     value: Mutex<T>,
     change: Condvar,
-    /// How many wait for a change. To wake nobody costs a call of the system's, too, and a hand that keeps its own period waits for no message.
+    /// Number of threads waiting for a change. Skips the system call of a notification if it is 0, which is usual for a
+    /// hand with a fixed period.
     waiting: AtomicUsize,
 }
 
@@ -23,7 +24,7 @@ impl<T> Clone for Shared<T> {
 }
 
 impl<T> Shared<T> {
-    /// Shares `value`.
+    /// Creates a shared value.
     pub fn new(value: T) -> Self {
         Self(Arc::new(Inner {
             value: Mutex::new(value),
@@ -32,21 +33,22 @@ impl<T> Shared<T> {
         }))
     }
 
-    /// The value, for as long as the guard lives.
+    /// Locks the value.
     pub fn lock(&self) -> MutexGuard<'_, T> {
         let locked = self.0.value.lock();
         locked.unwrap_or_else(PoisonError::into_inner)
     }
 
-    /// Wakes who waits for a change, which was made under the lock before.
+    /// Wakes all waiting threads. Call this after a change made under the lock.
     pub fn changed(&self) {
-        // Who waits counted himself under the lock before he looked. So he is seen here, or he has seen the change.
+        // A waiting thread counts itself under the lock before it checks the value, so it is either counted here or has
+        // already seen the change.
         if self.0.waiting.load(Ordering::Relaxed) > 0 {
             self.0.change.notify_all();
         }
     }
 
-    /// Waits until `ready` says so after a change, for at most `longest`; whether it did.
+    /// Waits until `ready` returns `true`, checking after each change. Returns `false` after the timeout `longest`.
     pub fn wait_for(&self, longest: Duration, mut ready: impl FnMut(&mut T) -> bool) -> bool {
         let end = Instant::now() + longest;
         let mut value = self.lock();
@@ -73,7 +75,7 @@ mod tests {
     use std::thread;
 
     #[test]
-    fn each_change_reaches_who_waits() {
+    fn each_change_wakes_the_waiting_thread() {
         let (ping, pong) = (Shared::new(0), Shared::new(0));
         let (heard, answer) = (ping.clone(), pong.clone());
         let answers = thread::spawn(move || {
@@ -93,7 +95,7 @@ mod tests {
             assert!(pong.wait_for(Duration::from_secs(20), |at| *at == round));
         }
         assert!(answers.join().unwrap());
-        // A change that nobody was told of would take 20 s.
+        // A missed notification would take 20 s.
         assert!(start.elapsed() < Duration::from_secs(20));
         assert_eq!(ping.0.waiting.load(Ordering::Relaxed), 0);
     }

@@ -1,4 +1,4 @@
-//! Calls at a hand's stop door.
+//! Client of the stop door.
 
 use super::endpoints::{LinkError, address};
 use super::printable::printable;
@@ -12,53 +12,53 @@ use std::path::Path;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// How often a call is repeated, and how long.
+/// Interval and total duration of repeated calls.
 const INTERVAL: Duration = Duration::from_millis(100);
 const LONGEST: Duration = Duration::from_secs(5);
 
-/// Why a hand was not stopped, or is not known to be.
+/// Error of a call: the hand did not stop, or did not confirm it.
 #[derive(Debug, thiserror::Error)]
 pub enum StopCallError {
-    /// An endpoint that is none, or that needs certificates.
+    /// Invalid endpoint, or missing certificates.
     #[error(transparent)]
     Endpoint(#[from] LinkError),
-    /// The certificates are of no use.
-    #[error("the stop door: {0}")]
+    /// Invalid certificates.
+    #[error("stop door: {0}")]
     Credentials(#[from] CredentialsError),
-    /// No call can be sent there.
-    #[error("the stop door at {endpoint}: {source}; expected an address that can be reached")]
+    /// The endpoint cannot be reached.
+    #[error("stop door at {endpoint}: {source}; expected a reachable address")]
     Socket {
-        /// The endpoint.
+        /// The unreachable endpoint.
         endpoint: String,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// The system gives no random numbers.
-    #[error("the stop door: expected random numbers of the system, and got none")]
+    /// The system provides no random numbers.
+    #[error("stop door: the system provides no random numbers")]
     Random,
-    /// The call does not fit.
+    /// The call does not fit into a datagram.
     #[error(
-        "the stop door: a call of {length} bytes, with rig and certificate; expected {MOST_BYTES} at most"
+        "stop door: the call has {length} bytes with rig and certificate; expected at most {MOST_BYTES}"
     )]
     TooLong {
-        /// Its length.
+        /// Size of the call in bytes.
         length: usize,
     },
-    /// The hand says no.
+    /// The hand refused the order.
     #[error("the hand refuses to stop: {0}")]
     Refused(String),
-    /// Nobody says anything that can be believed.
+    /// No trusted answer arrived.
     #[error(
         "no hand answered at its stop door within {LONGEST:?}{}",
-        distrusted.as_ref().map(|d| format!("; somebody did, with {d}")).unwrap_or_default()
+        distrusted.as_ref().map(|d| format!("; untrusted answer: {d}")).unwrap_or_default()
     )]
     Unanswered {
-        /// Why an answer was not believed, if there was one.
+        /// Reason for distrusting the last answer, if any arrived.
         distrusted: Option<Denial>,
     },
 }
 
-/// A call to one endpoint.
+/// Call to one address.
 struct Call {
     socket: UdpSocket,
     credentials: Option<Credentials>,
@@ -67,13 +67,14 @@ struct Call {
     from: String,
 }
 
-/// Tells the hand of `rig` to stop, at the stop doors of the `endpoints` with tcp/ or tls/; what it is about then. Repeats
-/// itself ten times a second until it is answered, for five seconds. `id` is that of the order, as in a
-/// [`StopMessage`](super::message::StopMessage); `from` is who says so: it is cut to 256 bytes.
-/// For endpoints with tls/, `certificates` is the folder of a certificate with the right to stop.
+/// Orders the hand of `rig` to stop, through the stop doors at all `tcp/` and `tls/` endpoints, and returns the hand's
+/// answer. Repeats the call ten times per second for up to five seconds.
+///
+/// `id` identifies the order as in [`StopMessage`](super::message::StopMessage). `from` is the name of the sender,
+/// truncated to 256 bytes. `tls/` endpoints require `certificates`, the folder of a certificate with the right to stop.
 ///
 /// # Errors
-/// When it cannot be said, or nobody who can be believed answers.
+/// If the call cannot be sent, the hand refuses, or no trusted answer arrives.
 pub fn call_stop(
     endpoints: &[String],
     certificates: Option<&Path>,
@@ -89,7 +90,7 @@ pub fn call_stop(
     while start.elapsed() < LONGEST {
         for call in &calls {
             let hello = Datagram::Hello { nonce: call.nonce };
-            // What cannot be sent now can be sent later.
+            // A failed send is retried in the next round.
             let _ = call.socket.send(&hello.bytes());
         }
         let mut waited = Instant::now();
@@ -108,7 +109,7 @@ pub fn call_stop(
 }
 
 impl Call {
-    /// Calls to all addresses of an endpoint; none where it has no stop door.
+    /// Creates a call to each address of an endpoint. Empty for a `udp/` endpoint, which has no stop door.
     fn new(
         endpoint: &str,
         certificates: Option<&Path>,
@@ -148,17 +149,17 @@ impl Call {
         Ok(calls)
     }
 
-    /// Answers challenges until a verdict comes, or why it is not believed, or until the time `until`.
+    /// Answers challenges until a verdict or an untrusted answer arrives, or until the time `until`.
     fn listen(&self, until: Instant) -> Result<Option<Result<Verdict, Denial>>, StopCallError> {
         let mut bytes = [0; MOST_BYTES + 1];
         loop {
             let left = until.saturating_duration_since(Instant::now());
-            // A timeout of nothing would be none.
+            // A zero timeout is an error.
             if left.is_zero() || self.socket.set_read_timeout(Some(left)).is_err() {
                 return Ok(None);
             }
             let Ok(length) = self.socket.recv(&mut bytes) else {
-                // Nothing came in time, or nobody is there yet.
+                // Timeout, or the hand does not listen yet.
                 return Ok(None);
             };
             match parse(&bytes[..length]) {
@@ -194,7 +195,7 @@ impl Call {
         }
     }
 
-    /// What an answer says, if a hand says it.
+    /// Returns the verdict of an answer after checking that it is from a hand.
     fn believe(&self, answer: Datagram) -> Result<Verdict, Denial> {
         if let (Some(credentials), Datagram::Answer { proof, .. }) = (&self.credentials, &answer) {
             credentials.check(&answer, proof.as_ref(), &[Right::Hand])?;
@@ -212,7 +213,7 @@ impl Call {
     }
 }
 
-/// A socket that hears of `address` alone.
+/// Opens a socket that receives from `address` only.
 fn socket(address: SocketAddr) -> io::Result<UdpSocket> {
     let any = match address {
         SocketAddr::V4(_) => "0.0.0.0:0",

@@ -1,9 +1,9 @@
-//! A way to stop the hand that nobody can block by opening connections: datagrams, on the port at which the hand listens.
+//! Stop door: a UDP server for stop orders, on the port on which the hand listens. Unlike the link, it cannot be
+//! blocked by opening many connections.
 //!
-//! A call is two exchanges: hello and challenge, which prove the caller's address, then stop and answer. The door keeps
-//! nothing of whoever has not answered a challenge, answers nothing longer than what it was asked before that, and
-//! checks a bounded number of signatures a second. Who can put more datagrams onto the wire than it carries still
-//! keeps everybody out.
+//! A call has two exchanges: hello and challenge, which verify the caller's address, then stop and answer. Until an
+//! address is verified, the server keeps no state about the caller and never answers with more bytes than it received.
+//! It checks a bounded number of signatures per second. Saturating the network still blocks it.
 
 use super::endpoints::{LinkError, address};
 use super::stop_guard::{Answering, Guard};
@@ -20,32 +20,32 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// How long closing the door may take.
+/// Maximum time to close the server.
 const CLOSING: Duration = Duration::from_millis(200);
 
-/// Why the door does not open.
+/// Error of opening the stop door.
 #[derive(Debug, thiserror::Error)]
 pub enum StopDoorError {
-    /// An endpoint that is none, or that has no certificates.
+    /// Invalid endpoint, or missing certificates.
     #[error(transparent)]
     Endpoint(#[from] LinkError),
-    /// The certificates are of no use.
-    #[error("the stop door: {0}")]
+    /// Invalid certificates.
+    #[error("stop door: {0}")]
     Credentials(#[from] CredentialsError),
-    /// The place is taken, or cannot be had.
-    #[error("the stop door at {endpoint}: {source}; expected a UDP port that nobody has")]
+    /// The port is in use or not available.
+    #[error("stop door at {endpoint}: {source}; expected a free UDP port")]
     Socket {
-        /// The endpoint.
+        /// The unavailable endpoint.
         endpoint: String,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// The system gives no random numbers.
-    #[error("the stop door: expected random numbers of the system, and got none")]
+    /// The system provides no random numbers.
+    #[error("stop door: the system provides no random numbers")]
     Random,
 }
 
-/// The door, open until it is dropped.
+/// Server for stop orders. Closes when dropped.
 pub struct StopDoor {
     addresses: Vec<SocketAddr>,
     closing: Arc<AtomicBool>,
@@ -53,12 +53,14 @@ pub struct StopDoor {
 }
 
 impl StopDoor {
-    /// Opens it at each endpoint of `listen` with tcp/ or tls/, for the hand of `rig`. At those with tls/ a caller shows a
-    /// certificate, by those in the hand's folder `certificates`. `answering` is told the order's id and who says stop, and says what
-    /// the hand is about; it is called by the thread of an endpoint, and not again for the same call.
+    /// Starts a server at each `tcp/` and `tls/` endpoint of `listen`, for the hand of `rig`. Callers at `tls/`
+    /// endpoints must present a certificate, which is checked against the hand's folder `certificates`.
+    ///
+    /// `answering` receives the order's id and the sender's name, stops the hand and returns the answer. It runs on the
+    /// endpoint's thread, once per call.
     ///
     /// # Errors
-    /// When an endpoint or the certificates are of no use, or a UDP port is taken.
+    /// If an endpoint or the certificates are invalid, or a UDP port is in use.
     pub fn open(
         listen: &[String],
         certificates: Option<&Path>,
@@ -73,7 +75,7 @@ impl StopDoor {
         };
         for endpoint in listen {
             let (protocol, address) = address(endpoint)?;
-            // Its UDP port is the link's own.
+            // The link itself uses this UDP port.
             if protocol == "udp" {
                 continue;
             }
@@ -97,7 +99,7 @@ impl StopDoor {
         Ok(door)
     }
 
-    /// Where it is open.
+    /// Returns the addresses of the servers.
     pub fn addresses(&self) -> &[SocketAddr] {
         &self.addresses
     }
@@ -109,15 +111,15 @@ impl StopDoor {
         self.addresses.push(socket.local_addr()?);
         let (closing, start) = (Arc::clone(&self.closing), Instant::now());
         let work = move || {
-            // One byte more than any datagram has: what is longer is not taken for one that is cut off.
+            // One byte more than the maximum, to detect datagrams that are too long.
             let mut bytes = [0; MOST_BYTES + 1];
             while !closing.load(Ordering::Relaxed) {
-                // Errors are those of earlier answers, or that nothing came.
+                // Errors are timeouts, or belong to earlier answers.
                 let Ok((length, caller)) = socket.recv_from(&mut bytes) else {
                     continue;
                 };
                 if let Some(answer) = guard.answer(caller, &bytes[..length], start.elapsed()) {
-                    // A caller that does not hear it asks again.
+                    // A caller that misses the answer repeats its call.
                     let _ = socket.send_to(&answer, caller);
                 }
             }
@@ -134,7 +136,7 @@ impl Drop for StopDoor {
     fn drop(&mut self) {
         self.closing.store(true, Ordering::Relaxed);
         for thread in self.threads.drain(..) {
-            // One that panicked has closed its socket.
+            // A panic has already closed the socket.
             let _ = thread.join();
         }
     }

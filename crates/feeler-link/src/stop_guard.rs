@@ -1,5 +1,5 @@
-//! What the stop door answers to a datagram. It keeps nothing of a caller whose address is not proven, and checks no more
-//! signatures than a core has time for.
+//! Request handler of the stop door. Stateless until the caller's address is verified, with a bounded number of
+//! signature checks per second.
 
 use super::printable::printable;
 use super::right::Right;
@@ -11,24 +11,24 @@ use std::net::{IpAddr, SocketAddr};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Who may stop the hand.
+/// Rights that permit stopping the hand.
 const MAY_STOP: [Right; 3] = [Right::Order, Right::Stop, Right::Hand];
 
-/// A challenge is good for this long, and for as long again.
+/// Length of a time slot. A challenge is valid in its slot and in the next one.
 const CHALLENGE: Duration = Duration::from_secs(10);
 
-/// Calls whose signatures are checked in a second, of all callers and of each address. A check and the signature of its
-/// answer take a fraction of a millisecond.
+/// Maximum number of signature checks per second, in total and per address. A check and the signature of the answer
+/// take a fraction of a millisecond.
 const CHECKS: u32 = 200;
 const CHECKS_OF_ONE: u32 = 20;
 
-/// Answers kept for callers that did not hear them.
+/// Number of answers kept, to resend them to callers that missed them.
 const KEPT: usize = 64;
 
-/// What the hand says to a stop, given the order's id and who says so.
+/// Stops the hand, given the order's id and the sender's name, and returns the answer.
 pub type Answering = Arc<dyn Fn(u64, &str) -> StopAnswer + Send + Sync>;
 
-/// Judges what arrives at one socket.
+/// Request handler of one socket.
 pub struct Guard {
     secret: hmac::Key,
     rig: String,
@@ -38,7 +38,7 @@ pub struct Guard {
     kept: VecDeque<Kept>,
 }
 
-/// An answer that was given.
+/// Answer that was sent.
 struct Kept {
     to: SocketAddr,
     nonce: Nonce,
@@ -47,7 +47,8 @@ struct Kept {
 }
 
 impl Guard {
-    /// The guard of the hand of `rig`, with a secret of its own; without `credentials` anybody may stop the hand.
+    /// Creates the handler for the hand of `rig`, with a separate secret per socket. Without `credentials`, any caller
+    /// may stop the hand.
     pub fn new(
         secret: hmac::Key,
         rig: &str,
@@ -64,7 +65,7 @@ impl Guard {
         }
     }
 
-    /// The answer to what arrived from `caller` at the time `now` since the door was opened; mostly none.
+    /// Returns the answer to a datagram from `caller`, if any. `now` is the time since the server started.
     pub fn answer(&mut self, caller: SocketAddr, bytes: &[u8], now: Duration) -> Option<Vec<u8>> {
         let datagram = parse(bytes)?;
         match &datagram {
@@ -81,7 +82,7 @@ impl Guard {
         }
     }
 
-    /// Whether this is the challenge that the caller was sent, not long ago.
+    /// Returns `true` if `cookie` is from a recent challenge to this caller.
     fn is_ours(&self, caller: SocketAddr, nonce: &Nonce, cookie: &Cookie, now: Duration) -> bool {
         let slots = [Some(slot(now)), slot(now).checked_sub(1)];
         let mut slots = slots.into_iter().flatten();
@@ -98,14 +99,14 @@ impl Guard {
         cookie
     }
 
-    /// The answer that this call has had: it is one order, however often it is said.
+    /// Returns the previous answer to this call, because a repeated call is one order.
     fn given(&mut self, caller: SocketAddr, nonce: &Nonce, now: Duration) -> Option<Vec<u8>> {
         self.kept.retain(|kept| now < kept.at + 2 * CHALLENGE);
         let same = |kept: &&Kept| kept.to == caller && kept.nonce == *nonce;
         Some(self.kept.iter().find(same)?.bytes.clone())
     }
 
-    /// Judges a call from an address that is proven.
+    /// Checks and executes a call from a verified address.
     fn judge(&mut self, caller: SocketAddr, call: &Datagram, now: Duration) -> Option<Vec<u8>> {
         let Datagram::Stop {
             nonce,
@@ -129,7 +130,7 @@ impl Guard {
         let verdict = match may {
             Err(denial) => Verdict::Refused(printable(&denial.to_string())),
             Ok(()) if *rig != self.rig => {
-                let why = format!("this is the hand of rig {:?}, not of {rig:?}", self.rig);
+                let why = format!("expected rig {:?}, got {rig:?}", self.rig);
                 Verdict::Refused(printable(&why))
             }
             Ok(()) => {
@@ -189,7 +190,7 @@ fn cookie_input(caller: SocketAddr, nonce: &Nonce, slot: u64) -> Vec<u8> {
     [&ip.octets()[..], &port, nonce, &slot.to_le_bytes()].concat()
 }
 
-/// How many calls may be judged.
+/// Rate limit of signature checks.
 #[derive(Default)]
 struct Budget {
     second: u64,

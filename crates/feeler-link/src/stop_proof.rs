@@ -1,4 +1,4 @@
-//! Who calls at the stop door, and whose answer it is: certificates of the lab and signatures by their keys.
+//! Authentication of the stop door's datagrams by certificates and signatures.
 
 use super::own_certificate::name;
 use super::right::{CertificateName, Right, RightError};
@@ -15,63 +15,63 @@ use webpki::{EndEntityCert, KeyUsage, anchor_from_trusted_cert};
 use x509_parser::pem::parse_x509_pem;
 use x509_parser::prelude::{FromDer, X509Certificate};
 
-/// Why nothing can be proven with the certificates of a folder.
+/// Error of the certificates in a folder.
 #[derive(Debug, thiserror::Error)]
 pub enum CredentialsError {
     /// A file cannot be read.
-    #[error("{}: {source}; expected a folder that feeler certificates made", path.display())]
+    #[error("{}: {source}; expected a folder created by feeler certificates", path.display())]
     File {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// A file holds something else.
-    #[error("{}: expected a certificate or a key that feeler certificates made", path.display())]
+    /// Not a certificate or key.
+    #[error("{}: expected a certificate or a key created by feeler certificates", path.display())]
     Malformed {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
     },
     /// The list of withdrawn certificates cannot be read.
     #[error(transparent)]
     Withdrawn(#[from] WithdrawnError),
-    /// The key does not sign.
-    #[error("the certificate's key does not sign: {0}")]
+    /// Signing failed.
+    #[error("cannot sign with the certificate's key: {0}")]
     Signing(#[from] rcgen::Error),
 }
 
-/// Why somebody is not believed.
+/// Reason for rejecting a proof.
 #[derive(Debug, PartialEq, thiserror::Error)]
 pub enum Denial {
-    /// Nothing is shown.
-    #[error("no certificate; expected one of this lab")]
+    /// No proof.
+    #[error("no certificate; expected a certificate of this lab")]
     Missing,
-    /// What is shown is no certificate.
-    #[error("no certificate but something else; expected one of this lab")]
+    /// Not a certificate.
+    #[error("invalid certificate; expected a certificate of this lab")]
     Malformed,
-    /// It says nothing of rights.
-    #[error("a certificate without a right: {0}")]
+    /// The common name contains no right.
+    #[error("certificate without a right: {0}")]
     Name(#[from] RightError),
-    /// It gives another right.
-    #[error("the certificate is {0}; expected a right to do this")]
+    /// The certificate does not grant the required right.
+    #[error("certificate {0} does not grant this right")]
     Right(CertificateName),
-    /// The lab has withdrawn it.
-    #[error("the certificate {0} is withdrawn")]
+    /// Withdrawn by the lab.
+    #[error("certificate {0} is withdrawn")]
     Withdrawn(CertificateName),
-    /// It is of another lab, or not valid now.
-    #[error("the certificate {name}: {source}; expected a valid one of this lab")]
+    /// Issued by another lab, or not valid now.
+    #[error("certificate {name}: {source}; expected a valid one of this lab")]
     Chain {
-        /// Its name.
+        /// Name of the certificate.
         name: CertificateName,
-        /// What the library said.
+        /// Error of the certificate library.
         source: webpki::Error,
     },
-    /// Whoever shows it does not have its key.
-    #[error("the signature is not by the key of the certificate {0}")]
+    /// The signature does not match the certificate's key.
+    #[error("the signature is not by the key of certificate {0}")]
     Signature(CertificateName),
 }
 
-/// A certificate with its key, and what is needed to judge those of others.
+/// Certificate and key of a program, with the authority and withdrawn names to check the certificates of others.
 pub struct Credentials {
     authority: CertificateDer<'static>,
     certificate: Vec<u8>,
@@ -80,10 +80,10 @@ pub struct Credentials {
 }
 
 impl Credentials {
-    /// Those of the folder of a program's certificate.
+    /// Reads the credentials in the folder of a program's certificate.
     ///
     /// # Errors
-    /// When a file cannot be read or holds something else.
+    /// If a file cannot be read or is invalid.
     pub fn read(folder: &Path) -> Result<Self, CredentialsError> {
         let path = folder.join("key.pem");
         let key = String::from_utf8(read(&path)?).ok();
@@ -97,10 +97,10 @@ impl Credentials {
         })
     }
 
-    /// The proof of `datagram`.
+    /// Signs `datagram`.
     ///
     /// # Errors
-    /// When the key does not sign.
+    /// If signing fails.
     pub fn prove(&self, datagram: &Datagram) -> Result<Proof, CredentialsError> {
         Ok(Proof {
             certificate: self.certificate.clone(),
@@ -108,10 +108,11 @@ impl Credentials {
         })
     }
 
-    /// Whose `datagram` is, if its `proof` is sound and gives one of `rights`. What costs little is checked first.
+    /// Checks that `proof` is valid for `datagram` and grants one of `rights`, cheap checks first. Returns the name of
+    /// the certificate.
     ///
     /// # Errors
-    /// Why it is not believed.
+    /// Returns the reason if the proof is rejected.
     pub fn check(
         &self,
         datagram: &Datagram,
@@ -150,7 +151,7 @@ fn read(path: &Path) -> Result<Vec<u8>, CredentialsError> {
     })
 }
 
-/// The first certificate of a file, in DER.
+/// Reads the first certificate of a PEM file, as DER.
 fn certificate(path: &Path) -> Result<Vec<u8>, CredentialsError> {
     let text = read(path)?;
     let pem = parse_x509_pem(&text).map_err(|_| CredentialsError::Malformed {

@@ -1,95 +1,95 @@
-//! The datagrams of the stop door, byte by byte.
+//! Wire format of the stop door's datagrams.
 //!
-//! All begin with `feelstop`, the version, the kind (one byte each) and the caller's number (16 bytes). A text or a
-//! block of bytes is its length (2 bytes, little-endian) and its bytes. Nothing may follow.
+//! All datagrams start with `feelstop`, version and kind (one byte each) and the caller's nonce (16 bytes). Texts and
+//! byte blocks are encoded as their length (2 bytes, little-endian) and their bytes. Trailing bytes are an error.
 
-/// How a datagram begins.
+/// First bytes of each datagram.
 const MAGIC: [u8; 8] = *b"feelstop";
 const VERSION: u8 = 1;
 
-/// Most bytes of a datagram: networks carry it in one piece.
+/// Maximum size of a datagram in bytes, small enough to avoid fragmentation.
 pub const MOST_BYTES: usize = 1400;
 
-/// Most bytes of a text.
+/// Maximum length of a text in bytes.
 pub const MOST_TEXT: usize = 256;
 
-/// Bytes of a [`Datagram::Hello`]: more than a challenge has, so that nobody gets more out of the door than he puts in.
+/// Size of a [`Datagram::Hello`] in bytes. Larger than a challenge, to prevent traffic amplification.
 const HELLO_BYTES: usize = 64;
 
-/// A number that a caller draws, which all datagrams of its call have.
+/// Random number drawn by the caller, contained in all datagrams of a call.
 pub type Nonce = [u8; 16];
 
-/// What the door makes of a caller's address and number, and nobody else can.
+/// HMAC of the caller's address and nonce under the stop door's secret.
 pub type Cookie = [u8; 32];
 
-/// A certificate, and a signature by its key.
+/// Certificate, and a signature by its key.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Proof {
-    /// X.509, in DER.
+    /// X.509 certificate in DER.
     pub certificate: Vec<u8>,
-    /// ECDSA on P-256 with SHA-256, in ASN.1.
+    /// ECDSA signature on P-256 with SHA-256, in ASN.1.
     pub signature: Vec<u8>,
 }
 
-/// What the hand is about after a stop.
+/// State of the hand after a stop order.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct StopAnswer {
-    /// Number of the order.
+    /// Number of the stop.
     pub order: u64,
-    /// Why the hand is stopped; empty if it is not yet.
+    /// Reason of the stop; empty if the hand has not stopped yet.
     pub stopped: String,
 }
 
-/// What became of a call.
+/// Result of a call.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Verdict {
-    /// The hand has the order.
+    /// The hand accepted the order.
     Taken(StopAnswer),
-    /// It has not, and why.
+    /// The hand refused the order; contains the reason.
     Refused(String),
 }
 
-/// What door and callers send.
+/// Datagram between a caller and the stop door.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Datagram {
-    /// The caller asks for a challenge.
+    /// Request of the caller for a challenge.
     Hello {
-        /// The call's.
+        /// Nonce of the call.
         nonce: Nonce,
     },
-    /// The door's to the caller: where it arrives, the caller is.
+    /// Challenge to the caller, which proves the caller's address.
     Challenge {
-        /// The call's.
+        /// Nonce of the call.
         nonce: Nonce,
-        /// To be sent back.
+        /// Cookie that the caller must return.
         cookie: Cookie,
     },
-    /// The hand is to stop.
+    /// Order to stop the hand.
     Stop {
-        /// The call's.
+        /// Nonce of the call.
         nonce: Nonce,
-        /// As in the challenge.
+        /// Cookie from the challenge.
         cookie: Cookie,
-        /// The hand of which rig.
+        /// Name of the rig.
         rig: String,
-        /// Who says so.
+        /// Name of the sender.
         from: String,
-        /// That the caller may; over [`Datagram::signed`].
+        /// Proof of the caller's right, over [`Datagram::signed`].
         proof: Option<Proof>,
     },
-    /// The door's answer.
+    /// Answer to the order.
     Answer {
-        /// The call's.
+        /// Nonce of the call.
         nonce: Nonce,
-        /// What became of it.
+        /// Result of the call.
         verdict: Verdict,
-        /// That it is the hand's; over [`Datagram::signed`].
+        /// Proof that the answer is from the hand, over [`Datagram::signed`].
         proof: Option<Proof>,
     },
 }
 
 impl Datagram {
-    /// What it is on the wire.
+    /// Encodes the datagram.
     pub fn bytes(&self) -> Vec<u8> {
         let mut bytes = self.unproven();
         match self {
@@ -106,7 +106,8 @@ impl Datagram {
         bytes
     }
 
-    /// What a proof of it signs: all but the proof. It begins as no message of TLS does, whose keys are the same.
+    /// Returns the bytes that a proof signs: everything but the proof, with a prefix that no TLS message has, because
+    /// TLS uses the same keys.
     pub fn signed(&self) -> Vec<u8> {
         [b"feeler stop door\0", &self.unproven()[..]].concat()
     }
@@ -143,7 +144,7 @@ impl Datagram {
     }
 }
 
-/// The datagram that these bytes are, if they are one.
+/// Parses a datagram. Returns `None` if `bytes` is not a valid one.
 pub fn parse(bytes: &[u8]) -> Option<Datagram> {
     if bytes.len() > MOST_BYTES {
         return None;
@@ -178,14 +179,14 @@ pub fn parse(bytes: &[u8]) -> Option<Datagram> {
     rest.is_empty().then_some(datagram)
 }
 
-/// The order that a call of this number is: [`super::message::StopMessage::id`].
+/// Returns the [`super::message::StopMessage::id`] of the order in a call with this nonce.
 pub fn id_of(nonce: &Nonce) -> u64 {
     let (id, _) = nonce.split_first_chunk().unwrap_or((&[0; 8], &[]));
     u64::from_le_bytes(*id)
 }
 
 fn put(bytes: &mut Vec<u8>, part: &[u8]) {
-    // What is longer than that is longer than a datagram, and is not sent.
+    // A longer part exceeds the size of a datagram and is never sent.
     let length = u16::try_from(part.len()).unwrap_or(u16::MAX);
     bytes.extend(length.to_le_bytes());
     bytes.extend(part);
@@ -220,7 +221,7 @@ fn take_verdict(rest: &mut &[u8]) -> Option<Verdict> {
     }
 }
 
-/// Both parts of a proof, or neither.
+/// Parses a proof. Both parts or neither must be present.
 fn take_proof(rest: &mut &[u8]) -> Option<Option<Proof>> {
     let [certificate, signature] = [take_part(rest)?, take_part(rest)?].map(<[u8]>::to_vec);
     match (certificate.is_empty(), signature.is_empty()) {

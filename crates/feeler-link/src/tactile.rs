@@ -1,4 +1,4 @@
-//! What a finger feels, to its message and back.
+//! Conversion between tactile readings and messages.
 
 use super::message::{MessageHeader, NO_ELEMENT, TactileUpdate};
 use feeler::control::touch::FingerTouch;
@@ -7,9 +7,8 @@ use feeler_record::wire::Vector3;
 use glam::DVec3;
 
 impl TactileUpdate {
-    /// The message of what `finger` feels, of whose elements those slip whose shear rate is above
-    /// `slip_threshold`, N/s. A message holds numbers only: an element without a valid force is marked,
-    /// and its force 0 N.
+    /// Creates the message for the reading `touch` of `finger`. Elements with a shear rate above `slip_threshold` (N/s)
+    /// are marked as slipping. Elements without a valid force are marked as invalid, with a force of 0 N, not NaN.
     pub fn of_touch(
         header: MessageHeader,
         finger: usize,
@@ -38,9 +37,7 @@ impl TactileUpdate {
         }
     }
 
-    /// The force at each element, N, as in a
-    /// [`TactileFrame`](feeler::sensor::reading::TactileFrame): [`NO_FORCE`] where it is marked as
-    /// invalid.
+    /// Returns the force on each element (N), or [`NO_FORCE`] for elements marked as invalid.
     pub fn valid_forces(&self) -> impl Iterator<Item = DVec3> {
         let forces = self.forces.iter().enumerate();
         forces.map(|(element, &force)| {
@@ -53,7 +50,7 @@ impl TactileUpdate {
     }
 }
 
-/// Bit `i % 8` of byte `i / 8` is element `i`.
+/// Packs flags into bytes: bit `i % 8` of byte `i / 8` is element `i`.
 fn mask(elements: impl ExactSizeIterator<Item = bool>) -> Vec<u8> {
     let mut mask = vec![0; elements.len().div_ceil(8)];
     for (element, is_set) in elements.enumerate() {

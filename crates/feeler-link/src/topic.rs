@@ -1,9 +1,9 @@
-//! Under which keys messages go.
+//! Topics and keys of messages.
 
 use feeler::hand::MAX_FINGERS;
 use std::fmt;
 
-/// What a message is about. Its key is `feeler/RIG/` and what it displays as.
+/// Topic of a message. Its key is `feeler/RIG/TOPIC`, where `TOPIC` is its display form.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Topic {
     /// [`super::message::TactileUpdate`] of a finger.
@@ -18,7 +18,7 @@ pub enum Topic {
     Command,
     /// [`super::message::StateMessage`].
     State,
-    /// [`super::message::Heartbeat`] of the program that has this place.
+    /// [`super::message::Heartbeat`] of the program at this place.
     Heartbeat(Place),
     /// [`super::message::StopMessage`].
     Stop,
@@ -26,21 +26,21 @@ pub enum Topic {
     Resume,
 }
 
-/// What a program can be, and only one program at a time.
+/// Role of a program in a rig. Each role is held by one program at a time, except [`Order`](Self::Order).
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash)]
 pub enum Place {
-    /// It controls the hand.
+    /// Controls the hand.
     Hand,
-    /// It plays the rig, or serves a real one.
+    /// Simulates the rig, or serves a real one.
     World,
-    /// It senses for a finger.
+    /// Senses for a finger.
     Sense(usize),
-    /// It gives one order and ends; of these there may be many.
+    /// Sends one order and exits. Several such programs may run at once.
     Order,
 }
 
 impl Place {
-    /// All places.
+    /// Returns all places.
     pub fn all() -> impl Iterator<Item = Self> {
         let others = [Self::Hand, Self::World, Self::Order];
         others.into_iter().chain((0..MAX_FINGERS).map(Self::Sense))
@@ -59,7 +59,7 @@ impl fmt::Display for Place {
 }
 
 impl Topic {
-    /// Every topic of a rig whose only finger is `finger`.
+    /// Returns every topic of a rig whose only finger is `finger`.
     pub fn all(finger: usize) -> [Self; 12] {
         [
             Self::Tactile(finger),
@@ -77,17 +77,17 @@ impl Topic {
         ]
     }
 
-    /// The whole key, for the rig called `rig`.
+    /// Returns the full key for the rig named `rig`.
     pub fn key(self, rig: &str) -> String {
         format!("feeler/{rig}/{self}")
     }
 
-    /// The heartbeats of all programs.
+    /// Returns the heartbeat topics of all places.
     pub fn heartbeats() -> impl Iterator<Item = Self> {
         Place::all().map(Self::Heartbeat)
     }
 
-    /// Most bytes that a message of this topic may have; more is refused unread.
+    /// Returns the maximum message size in bytes. Longer messages are rejected unread.
     pub fn most_bytes(self) -> usize {
         match self {
             Self::Picture(_) => 64 << 20,

@@ -1,4 +1,4 @@
-//! Messages over Zenoh. What they say is none of its business.
+//! Transport of encoded messages over Zenoh.
 
 use super::endpoints::{LinkConfig, LinkError};
 use super::linger::{self, Connection};
@@ -15,7 +15,7 @@ use zenoh::qos::{CongestionControl, Priority};
 use zenoh::sample::Locality;
 use zenoh::{Session, Wait};
 
-/// A program's place in the link. All messages pass the hand, which alone listens.
+/// Connection of a program to the link. All messages pass through the hand, which is the only router.
 #[derive(Clone)]
 pub struct Link {
     rig: Arc<str>,
@@ -23,10 +23,10 @@ pub struct Link {
 }
 
 enum State {
-    /// The hand is not there yet; who wants to hear of what.
+    /// Waiting for the hand, with the subscriptions to make once connected.
     Opening(Vec<(Topic, Heard)>),
     Open(Box<Open>),
-    /// It cannot be opened, and why.
+    /// The link could not be opened; contains the reason.
     Failed(String),
 }
 
@@ -37,11 +37,11 @@ struct Open {
 }
 
 impl Link {
-    /// Takes part in the link as `config` says: listens, or looks for the hand in the background for as long as it
-    /// is not there.
+    /// Joins the link. The hand listens; any other program connects to the hand in the background, retrying until it
+    /// is reachable.
     ///
     /// # Errors
-    /// When the configuration makes no sense, or the place to listen is taken.
+    /// If the configuration is invalid, or the hand cannot listen on its endpoint.
     pub fn open(config: &LinkConfig) -> Result<Self, LinkError> {
         config.check()?;
         let settings = settings(config)?;
@@ -55,7 +55,7 @@ impl Link {
             return Ok(link);
         }
         let opening = link.clone();
-        // Zenoh's client waits in there for the first router.
+        // A Zenoh client blocks here until it finds a router.
         let work = move || {
             let opened = zenoh::open(settings).wait().map_err(transport);
             if let Err(error) = opened.and_then(|session| opening.begin(session)) {
@@ -67,7 +67,7 @@ impl Link {
         Ok(link)
     }
 
-    /// Takes up what was asked for while the link was being opened.
+    /// Makes the subscriptions requested while the link was opening.
     fn begin(&self, session: Session) -> Result<(), LinkError> {
         let mut state = self.lock();
         let mut open = Open {
@@ -85,17 +85,17 @@ impl Link {
         Ok(())
     }
 
-    /// A panic elsewhere does not lock the link for good.
+    /// Locks the state, ignoring poisoning by a panic of another thread.
     fn lock(&self) -> MutexGuard<'_, State> {
         self.state.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
 impl Open {
-    /// Clears the linger of this session's sockets, of those that there are and of each new one.
+    /// Clears the linger option of this session's sockets, existing and new.
     fn keep_linger_off(&mut self) -> Result<(), LinkError> {
         let session = &self.session;
-        // Zenoh tells a session of its own links under this key; no other program hears it.
+        // Zenoh reports a session's links under this key, to that session only.
         let key = format!("@/{}/session/transport/unicast/*/link/*", session.zid());
         let of_new = session
             .declare_subscriber(&key)
@@ -129,7 +129,7 @@ impl Open {
     }
 
     fn publisher(&self, key: String, topic: Topic) -> Result<Publisher<'static>, LinkError> {
-        // Pictures must not stand in the way of what stops the hand.
+        // Images must not delay stop orders.
         let priority = match topic {
             Topic::Stop => Priority::RealTime,
             Topic::Picture(_) => Priority::DataHigh,
@@ -139,7 +139,7 @@ impl Open {
         self.session
             .declare_publisher(key)
             .encoding(Encoding::APPLICATION_CDR)
-            // A program does not hear itself.
+            // A program does not receive its own messages.
             .allowed_destination(Locality::Remote)
             .congestion_control(CongestionControl::Drop)
             .priority(priority)
@@ -150,8 +150,7 @@ impl Open {
 }
 
 impl Outlet for Link {
-    /// Drops what the network cannot take, and never waits for it: older data are worth nothing once there
-    /// are newer ones.
+    /// Never blocks: drops messages that the network cannot take, because newer data replaces them.
     fn send(&self, topic: Topic, bytes: Vec<u8>) -> Result<(), LinkError> {
         let mut state = self.lock();
         let open = match &mut *state {
@@ -183,10 +182,10 @@ impl Network for Link {
     }
 }
 
-/// Clears the linger of the socket of a link that Zenoh describes; nothing if the link is gone.
+/// Clears the linger option of the socket of a link described by Zenoh. Does nothing if the link is gone.
 fn clear_linger(link: &[u8]) {
     if let Some(connection) = Connection::of_link(link) {
-        // Where the system does not allow it, closing a frozen peer takes ten seconds; all else works.
+        // If the system forbids it, closing a frozen peer takes ten seconds; all else works.
         let _ = linger::clear(connection);
     }
 }

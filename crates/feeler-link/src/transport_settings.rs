@@ -1,14 +1,14 @@
-//! How Zenoh is set for the link.
+//! Zenoh configuration for the link.
 
 use super::endpoints::{LinkConfig, LinkError};
 use super::rights::{Role, access_control};
 use super::topic::Topic;
 use zenoh::Config;
 
-/// How long who connects may take to say who he is, ms.
+/// Timeout of handshakes (ms).
 const PATIENCE_MS: u64 = 2000;
 
-/// `endpoint` with that patience for handshakes of TLS.
+/// Returns `endpoint` with the timeout for TLS handshakes appended.
 fn patient(endpoint: &str) -> String {
     match endpoint.starts_with("tls/") {
         true => format!("{endpoint}#tls_handshake_timeout_ms={PATIENCE_MS}"),
@@ -22,18 +22,18 @@ pub(super) fn settings(config: &LinkConfig) -> Result<Config, LinkError> {
         let set = settings.insert_json5(key, &value.to_string());
         set.map_err(|e| LinkError::Transport(format!("{key}: {e}")))
     };
-    // A router passes on what its clients publish. Clients reach it alone, and nobody reaches them.
+    // A router forwards the messages of its clients. Clients connect only to the router and accept no connections.
     set(
         "mode",
         if config.is_hand { "router" } else { "client" }.into(),
     )?;
     let listen = config.listen.iter().map(|endpoint| patient(endpoint));
     set("listen/endpoints", listen.collect::<Vec<_>>().into())?;
-    // Who connects and says nothing soon makes room for others, and there is room for many.
+    // Connections that do not complete their handshake are closed soon, and many may be pending.
     set("transport/unicast/accept_timeout", PATIENCE_MS.into())?;
     set("transport/unicast/accept_pending", 1000.into())?;
     set("connect/endpoints", config.connect.clone().into())?;
-    // Whoever is not there yet is tried for ever, and that holds up nobody.
+    // Retries forever, without blocking other work.
     set("connect/timeout_ms", (-1).into())?;
     set("connect/exit_on_failure", false.into())?;
     set(
@@ -43,25 +43,25 @@ pub(super) fn settings(config: &LinkConfig) -> Result<Config, LinkError> {
         }),
     )?;
     set("listen/exit_on_failure", true.into())?;
-    // Only endpoints that were named are listened to or connected to.
+    // Only configured endpoints are used.
     set("scouting/multicast/enabled", false.into())?;
     set("scouting/gossip/enabled", false.into())?;
-    // With the two places that are the default, half of what comes in a burst would be dropped.
+    // The default queue size of 2 drops half of each burst.
     for priority in ["real_time", "interactive_high", "data_high", "data"] {
         set(
             &format!("transport/link/tx/queue/size/{priority}"),
             16.into(),
         )?;
     }
-    // Nobody waits for a program that is frozen and does not read. A picture larger than the queue needs a moment
-    // until its first pieces have left.
+    // Never wait for a frozen peer that does not read. An image larger than the queue must wait until its first
+    // fragments have been sent.
     let drop = "transport/link/tx/queue/congestion_control/drop";
     set(&format!("{drop}/wait_before_drop"), 0.into())?;
     set(
         &format!("{drop}/max_wait_before_drop_fragments"),
         5000.into(),
     )?;
-    // A cable that is cut longer closes the link, so that no old data come in a burst afterwards.
+    // A longer outage closes the link, so that stale data does not arrive in a burst afterwards.
     set("transport/link/tx/lease", 1000.into())?;
     let most = Topic::Picture(0).most_bytes();
     set("transport/link/rx/max_message_size", most.into())?;

@@ -1,17 +1,17 @@
-//! How long certificates are valid.
+//! Validity periods of certificates.
 
 use rcgen::{CertificateParams, date_time_ymd};
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 const DAY: u64 = 24 * 60 * 60;
 
-/// Days for which a certificate is valid unless said otherwise.
+/// Default validity of a certificate, in days.
 pub const DAYS: u32 = 365;
 
-/// Days for which an authority is valid.
+/// Validity of an authority, in days.
 pub const AUTHORITY_DAYS: u32 = 3653;
 
-/// From when until when a certificate is valid, s since 1970.
+/// Validity period of a certificate, in seconds since 1970.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Validity {
     from: u64,
@@ -19,7 +19,7 @@ pub struct Validity {
 }
 
 impl Validity {
-    /// For `days` from now on. It starts a day before, for computers whose clock is late.
+    /// Creates a period that ends `days` from now. It starts one day ago, for computers whose clocks are slow.
     pub fn days(days: u32) -> Self {
         let now = now();
         Self {
@@ -28,7 +28,7 @@ impl Validity {
         }
     }
 
-    /// For a day that ended `days` before now.
+    /// Creates a one-day period that ended `days` ago.
     pub fn that_ended(days: u32) -> Self {
         let until = now().saturating_sub(u64::from(days) * DAY);
         Self {
@@ -37,7 +37,7 @@ impl Validity {
         }
     }
 
-    /// The day on which it ends, as in 2027-11-22.
+    /// Returns the day on which the period ends, e.g. 2027-11-22.
     pub fn last_day(self) -> String {
         day(self.until)
     }
@@ -49,15 +49,15 @@ impl Validity {
     }
 }
 
-/// The time, s since 1970. A clock that stands before that makes every certificate not valid yet.
+/// Returns the time in seconds since 1970, or 0 if the clock is set before 1970, when no certificate is valid.
 pub(super) fn now() -> u64 {
     let since = SystemTime::now().duration_since(UNIX_EPOCH);
     since.map_or(0, |since| since.as_secs())
 }
 
-/// The day of a time in s since 1970, as in 2027-11-22.
+/// Formats a time in seconds since 1970 as a day, e.g. 2027-11-22.
 pub(super) fn day(seconds: u64) -> String {
-    // The calendar of the library that writes certificates ends with the year 9999.
+    // The calendar of `rcgen` ends with the year 9999.
     let seconds = seconds.min(253_402_300_799);
     let time = date_time_ymd(1970, 1, 1) + Duration::from_secs(seconds);
     format!(
@@ -73,7 +73,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn days_are_those_of_the_calendar() {
+    fn days_follow_the_calendar() {
         assert_eq!(day(0), "1970-01-01");
         // date -u -d @1709164800
         assert_eq!(day(1_709_164_800), "2024-02-29");

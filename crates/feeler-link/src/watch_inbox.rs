@@ -1,6 +1,6 @@
-//! What somebody who only watches a rig has heard: every program, forces, joint angles and the hand's mode.
+//! Messages received by a passive observer of a rig: heartbeats, forces, joint states and the hand's mode.
 //!
-//! Nothing of it is answered, so no program of the rig can tell whether it is watched.
+//! An observer sends nothing, so it does not affect the rig.
 
 use super::hand_inbox::flags;
 use super::inbox::{Inbox, read};
@@ -15,23 +15,24 @@ use super::topic::Topic;
 use feeler::control::flags::FingerFlags;
 use feeler_record::wire::cdr;
 
-/// Everything that has arrived for somebody who watches.
+/// Inbox of a passive observer.
 #[derive(Debug, Clone)]
 pub struct WatchInbox {
     elements: Vec<usize>,
-    /// What the programs must agree in: the experiment of the rig's hand, or of whoever was heard first.
+    /// Configuration that programs must match: the experiment of the hand or, until a hand appears, of the first
+    /// program.
     expected: Expected,
     peers: Peers,
     fingers: Vec<Option<TactileUpdate>>,
     mode: Option<HandMode>,
     state: Option<StateMessage>,
-    /// The newest of each finger's updates, of the states and of the modes.
+    /// Latest sequence numbers of each finger's updates; states and modes follow.
     updates: Vec<Sequence>,
     states: Sequence,
     modes: Sequence,
-    /// Updates of forces and joints that never came here, by their numbers. They may have come to the hand.
+    /// Number of force and joint messages lost by this observer. The hand may have received them.
     pub missed: u64,
-    /// What was not taken.
+    /// Counters of rejected messages.
     pub rejected: Rejections,
 }
 
@@ -61,8 +62,7 @@ impl Inbox for WatchInbox {
 }
 
 impl WatchInbox {
-    /// Nothing has arrived yet of a rig whose fingers have so many `elements` and whose fingertips are
-    /// `fingertips` (SHA-256).
+    /// Creates an empty inbox for a rig with the given number of elements and fingertip hash (SHA-256) of each finger.
     pub fn new(elements: &[usize], fingertips: Vec<String>) -> Self {
         let expected = Expected {
             experiment: String::new(),
@@ -84,36 +84,36 @@ impl WatchInbox {
         }
     }
 
-    /// The topics that are taken in.
+    /// Returns the topics to subscribe to.
     pub fn topics(&self) -> Vec<Topic> {
         let fingers = (0..self.fingers.len()).map(Topic::Tactile);
         let others = [Topic::State, Topic::Mode].into_iter().chain(fingers);
         others.chain(Topic::heartbeats()).collect()
     }
 
-    /// The experiment (SHA-256) that the rig works by; empty before a program of it was heard.
+    /// Returns the SHA-256 of the rig's experiment; empty until a program has been found.
     pub fn experiment(&self) -> &str {
         &self.expected.experiment
     }
 
-    /// What `finger` felt last.
+    /// Returns the latest flags and tactile update of `finger`.
     pub fn finger(&self, finger: usize) -> Option<(FingerFlags, &TactileUpdate)> {
         let update = self.fingers.get(finger)?.as_ref()?;
         Some((flags(update), update))
     }
 
-    /// What the hand was about last.
+    /// Returns the latest mode of the hand.
     pub fn mode(&self) -> Option<&HandMode> {
         self.mode.as_ref()
     }
 
-    /// Where the joints were last.
+    /// Returns the latest joint state.
     pub fn state(&self) -> Option<&StateMessage> {
         self.state.as_ref()
     }
 
-    /// Whoever only watches has no say in what the experiment is. That of the hand counts, and before one
-    /// is there, that of whoever came first; then all are judged anew by their next heartbeats.
+    /// Adopts the experiment of the hand or, until a hand appears, of the first program. After a change, all programs
+    /// are checked again at their next heartbeats.
     fn agree(&mut self, bytes: &[u8], now: f64) {
         let Ok(heartbeat) = cdr::decode::<Heartbeat>(bytes) else {
             return;
@@ -154,7 +154,7 @@ impl WatchInbox {
         Ok(())
     }
 
-    /// The hand tells no more modes than others need, so that numbers that are left out are not missed.
+    /// Gaps in the sequence numbers of modes do not count as losses, because the hand skips unneeded modes.
     fn take_mode(&mut self, mut mode: HandMode, now: f64) -> Result<(), Rejection> {
         check_protocol(mode.header.protocol)?;
         self.peers
@@ -166,7 +166,7 @@ impl WatchInbox {
     }
 }
 
-/// How many messages are missing before that of `header`, which came at `now`, s.
+/// Records the sequence number of a message received at `now` (s). Returns the number of messages missing before it.
 fn follow(sequence: &mut Sequence, header: MessageHeader, now: f64) -> Result<u64, Rejection> {
     let number = (header.instance, header.sequence);
     let missing = sequence.missing(number, now)?;
@@ -214,11 +214,11 @@ mod tests {
     }
 
     #[test]
-    fn the_hand_says_what_the_experiment_is() {
+    fn the_experiment_of_the_hand_is_adopted() {
         let mut inbox = WatchInbox::new(&[], Vec::new());
         let mut hear = |program, instance, experiment, sequence| {
             let (topic, heard) = heartbeat(program, instance, experiment, sequence);
-            inbox.take(topic, &heard, 0.1).expect("heard");
+            inbox.take(topic, &heard, 0.1).expect("accepted");
             let refused = inbox.peers.all().last().map(|peer| peer.refused.is_some());
             (inbox.experiment().to_string(), refused)
         };
@@ -230,10 +230,10 @@ mod tests {
     }
 
     #[test]
-    fn what_is_missing_is_counted_and_nothing_is_taken_of_strangers_or_twice() {
+    fn losses_are_counted_and_unknown_senders_and_duplicates_are_rejected() {
         let mut inbox = WatchInbox::new(&[], Vec::new());
         let (topic, world) = heartbeat("world", 1, "ours", 1);
-        inbox.take(topic, &world, 0.1).expect("heard");
+        inbox.take(topic, &world, 0.1).expect("accepted");
         let mut take = |instance, sequence| {
             let taken = inbox.take(Topic::State, &state(instance, sequence), 0.2);
             (taken, inbox.missed)

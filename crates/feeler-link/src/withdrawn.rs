@@ -1,4 +1,4 @@
-//! The certificates that a lab has withdrawn: a list in a file, one name a line.
+//! File that lists the certificates withdrawn by a lab, one name per line.
 
 use super::right::{CertificateName, RightError};
 use std::collections::BTreeSet;
@@ -6,36 +6,36 @@ use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Name of the list, in a lab's folder and in each folder of certificates.
+/// File name of the list, in the lab's folder and in each certificate folder.
 pub const WITHDRAWN: &str = "withdrawn.txt";
 
-/// Why the list cannot be read.
+/// Error of reading the list.
 #[derive(Debug, thiserror::Error)]
 pub enum WithdrawnError {
     /// The file cannot be read.
-    #[error("{}: {source}; expected the list of withdrawn certificates, or no such file", path.display())]
+    #[error("{}: {source}; expected a readable list of withdrawn certificates, or no file", path.display())]
     File {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// Error of the operating system.
         source: io::Error,
     },
-    /// A line is none of the list's.
+    /// Invalid line.
     #[error("{}, line {line}: {source}", path.display())]
     Line {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// Which line, from 1.
+        /// Line number, from 1.
         line: usize,
-        /// What is wrong with it.
+        /// Error of the certificate name.
         source: RightError,
     },
 }
 
-/// The names that the list of the file `path` withdraws; none where there is no such file.
+/// Reads the list in the file `path`. The result is empty if the file does not exist.
 ///
 /// # Errors
-/// When there is one and it cannot be read: a list that is not understood withdraws nobody.
+/// If the file exists but cannot be read or parsed.
 pub fn read(path: &Path) -> Result<BTreeSet<CertificateName>, WithdrawnError> {
     let path_buf = || path.to_path_buf();
     match fs::read_to_string(path) {
@@ -52,17 +52,18 @@ pub fn read(path: &Path) -> Result<BTreeSet<CertificateName>, WithdrawnError> {
     }
 }
 
-/// What applies to the certificates in `folder`: the list in it, and the one beside it, which those of all rights share.
+/// Reads the lists that apply to the certificates in `folder`: the one in it, and the one in its parent folder, which
+/// the certificates for all rights share.
 ///
 /// # Errors
-/// When a list is there and cannot be read.
+/// If a list exists but cannot be read or parsed.
 pub fn beside(folder: &Path) -> Result<BTreeSet<CertificateName>, WithdrawnError> {
     let mut names = read(&folder.join(WITHDRAWN))?;
     names.extend(read(&folder.join("..").join(WITHDRAWN))?);
     Ok(names)
 }
 
-/// The first word of each line that is neither empty nor a comment; or the line and what is wrong with it.
+/// Parses the first word of each line, skipping empty lines and `#` comments. The error contains the line number.
 fn parse(text: &str) -> Result<BTreeSet<CertificateName>, (usize, RightError)> {
     let mut names = BTreeSet::new();
     for (line, words) in (1..).zip(text.lines()) {
@@ -82,7 +83,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn each_line_withdraws_one_and_a_line_that_does_not_is_said() {
+    fn names_are_parsed_and_errors_contain_the_line() {
         let text = "# of the lab\n\nsense-0.17  10.0.0.6  withdrawn 2026-11-22\n  hand.2\r\n";
         let names = parse(text).unwrap();
         let names: Vec<String> = names.iter().map(ToString::to_string).collect();

@@ -1,4 +1,4 @@
-//! The page of a calibration: how far off it is, with curves and residuals.
+//! Report page of a force calibration, with errors, curves and residuals.
 
 use super::document::{Tile, document, tiles};
 use super::figures::calibration::{errors_figure, loads_figure};
@@ -7,56 +7,56 @@ use super::text::significant;
 use maud::{Markup, html};
 use std::iter;
 
-/// What the page says.
+/// Content of the page.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CalibrationPage {
-    /// Where the loads come from.
+    /// Source of the loads.
     pub source: String,
-    /// Name of the model.
+    /// Model name.
     pub model: String,
-    /// SHA-256 of what it was made for.
+    /// SHA-256 of the calibration target.
     pub sha256: String,
-    /// Full scale in x, y, z of an element's frame, N.
+    /// Full scale along x, y, z of an element's frame (N).
     pub full_scale: [f64; 3],
-    /// All elements, in their order.
+    /// Errors of all elements.
     pub elements: Vec<ElementErrors>,
-    /// The elements of which loads are drawn.
+    /// Elements whose loads are plotted.
     pub drawn: Vec<ElementLoads>,
 }
 
-/// Errors of one element, N, along x, y, z of its frame.
+/// Errors of one element along x, y, z of its frame (N).
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ElementErrors {
-    /// Name of the element.
+    /// Element name.
     pub name: String,
-    /// Root mean square on held-out loads.
+    /// Root mean square error on held-out loads.
     pub rms: [f64; 3],
-    /// Largest on held-out loads.
+    /// Maximum error on held-out loads.
     pub worst: [f64; 3],
-    /// Largest standard deviation under one load, if it is known.
+    /// Maximum standard deviation under a constant load, if known.
     pub repeatability: Option<[f64; 3]>,
-    /// Largest difference between rising and falling loads, if it is known.
+    /// Maximum difference between rising and falling loads, if known.
     pub hysteresis: Option<[f64; 3]>,
-    /// Three standard deviations without load, if they are known.
+    /// Three standard deviations without load, if known.
     pub resolution: Option<[f64; 3]>,
 }
 
-/// Loads of one element.
+/// Loads on one element.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ElementLoads {
-    /// Name of the element.
+    /// Element name.
     pub name: String,
     /// Unit of displacements in the figure.
     pub length_unit: String,
-    /// For x, y, z: the force that was put on, N, over displacement along x, y, or growth.
+    /// For x, y, z: applied force (N) over displacement along x, along y, or growth.
     pub loads: [Vec<(f64, f64)>; 3],
-    /// For x, y, z: the calibration's force, N, over the same input, the other inputs held.
+    /// For x, y, z: calibrated force (N) over the same input, with the other inputs constant.
     pub curves: [Vec<Vec<(f64, f64)>>; 3],
-    /// For x, y, z: reading less load, mN, over the load, N.
+    /// For x, y, z: reading minus load (mN) over load (N).
     pub residuals: [Vec<(f64, f64)>; 3],
 }
 
-/// The page, as HTML text.
+/// Renders the page as HTML.
 pub fn calibration_page(page: &CalibrationPage) -> String {
     let drawn = page.drawn.iter().zip(2..);
     let loads = drawn.map(|(element, number)| loads_figure(element, number));
@@ -68,15 +68,15 @@ pub fn calibration_page(page: &CalibrationPage) -> String {
         h2 { "Figures" }
         div.figures { @for figure in &figures { (figure.markup()) } }
         h2 { "Elements" }
-        p.note { "Along x, y and z of each element's frame; shares are of full scale." }
+        p.note { "Values are along x, y and z of each element's frame; percentages are of full scale." }
         (elements_table(page))
-        p { "Made for the fingertip of SHA-256" br; span.digest { (page.sha256) } }
+        p { "Calibrated for the fingertip with SHA-256" br; span.digest { (page.sha256) } }
     };
     let title = format!("Calibration: {}", page.source);
     document(&title, body, &PageData::of_figures(&title, &figures))
 }
 
-/// Errors of the worst element, and how many there are.
+/// Key figures: errors of the worst element and number of elements.
 fn tiles_of(page: &CalibrationPage) -> [Tile; 3] {
     let off = |axes, label| Tile::new(significant(worst(page, axes)), "% of full scale", label);
     [
@@ -86,7 +86,7 @@ fn tiles_of(page: &CalibrationPage) -> [Tile; 3] {
     ]
 }
 
-/// Largest root mean square error of an element along any of these axes, % of full scale.
+/// Largest root mean square error of an element along the given axes (% of full scale).
 fn worst(page: &CalibrationPage, axes: &[usize]) -> f64 {
     let shares = page.elements.iter().flat_map(|element| {
         let shares = axes
@@ -97,14 +97,14 @@ fn worst(page: &CalibrationPage, axes: &[usize]) -> f64 {
     shares.fold(0.0, f64::max)
 }
 
-/// The calibration in one paragraph.
+/// One-paragraph summary of the calibration.
 fn verdict(page: &CalibrationPage) -> Markup {
     let (shear, normal) = (worst(page, &[0, 1]), worst(page, &[2]));
     let [full_shear, _, full_normal] = page.full_scale;
     html! {
-        "The " (page.model) " model of " (page.elements.len()) " elements is off by up to "
+        "The " (page.model) " model of " (page.elements.len()) " elements has an RMS error of up to "
         (format!("{normal:.2} % of {full_normal} N")) " in compression and "
-        (format!("{shear:.2} % of {full_shear} N")) " in shear (root mean square of the worst element)."
+        (format!("{shear:.2} % of {full_shear} N")) " in shear (worst element)."
     }
 }
 
@@ -153,7 +153,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_page_holds_its_elements_and_is_escaped() {
+    fn page_contains_its_elements_and_is_escaped() {
         let element = ElementErrors {
             name: "element 0".into(),
             rms: [0.01, 0.02, 0.03],

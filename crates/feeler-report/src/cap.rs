@@ -1,4 +1,4 @@
-//! A cap that was screwed until the hand knew what became of it: what the hand felt, held against the rig's instruments.
+//! Measures of a cap that the hand closed or opened by touch: its estimates compared with the rig's instruments.
 
 use super::claims::longest_above;
 use super::run_data::{RunData, Stroke};
@@ -6,30 +6,30 @@ use super::series::{finite, maximum};
 use feeler_record::{FindingName, Findings, Recording, TaskKind, TaskOutcome};
 use serde::Serialize;
 
-/// A closed cap is tight from this share of the torque that friction allows.
+/// Fraction of the torque limit of friction from which a closed cap counts as tight.
 pub const TIGHT: f64 = 0.7;
-/// A cap that was found open has turned by at least this share of what was felt: 5 % is how well turns are felt.
+/// Minimum ratio of the true to the estimated rotation of an opened cap; the estimate is accurate to about 5 %.
 pub const TURNED_AS_FELT: f64 = 0.9;
-/// An element is damaged that stays over its damage limit for longer than this, s.
+/// Time above the damage limit after which an element counts as damaged (s).
 pub const DAMAGE_TIME: f64 = 0.05;
 
-/// One stroke as it was felt, and as it was.
+/// Estimated and true values of one stroke.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct FeltStroke {
     /// Number of the stroke, from 1.
     pub index: u32,
-    /// By how much the cap turned, as felt, rad, positive with the stroke.
+    /// Estimated rotation of the cap (rad), positive with the stroke.
     pub felt_turn: Option<f64>,
-    /// By how much it turned, rad.
+    /// True rotation of the cap (rad), positive with the stroke.
     pub turn: Option<f64>,
-    /// Largest torque as felt, N·m, positive with the stroke.
+    /// Largest estimated torque (N·m), positive with the stroke.
     pub felt_torque: Option<f64>,
-    /// Largest torque as the torque sensor has it, N·m.
+    /// Largest torque measured by the torque sensor (N·m), positive with the stroke.
     pub torque: Option<f64>,
 }
 
 impl FeltStroke {
-    /// Of a `stroke` with a MOVE.
+    /// Values of a `stroke`, which must have a MOVE phase.
     pub(crate) fn new(felt: &Felt<'_>, data: &RunData, stroke: &Stroke) -> Self {
         let sense = data.facts.cap.map(|facts| facts.sense);
         let rows = stroke.moving.clone();
@@ -50,28 +50,28 @@ impl FeltStroke {
     }
 }
 
-/// What the run measures; `None` (JSON null) where the recording does not define it.
+/// Measures of the run; `None` (JSON null) if the recording does not define them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CapMeasures {
-    /// Torque that friction allows: static coefficient times the grip allowed times radius times fingers, N·m; known of
-    /// simulated worlds only.
+    /// Torque limit of friction (N·m): static coefficient times allowed grasp force times radius times number of
+    /// fingers; ground truth, known for simulated runs only.
     pub friction_limit: Option<f64>,
-    /// 1 where the strokes close the cap, -1 where they open it; known as the limit is.
+    /// 1 if the strokes close the cap, -1 if they open it; known for simulated runs only.
     pub sense: Option<f64>,
-    /// Largest torque of all strokes by the torque sensor, N·m, positive with the stroke.
+    /// Largest measured torque over all strokes (N·m), positive with the stroke.
     pub largest_torque: Option<f64>,
-    /// Largest torque of the last stroke by the torque sensor, N·m, positive with the stroke.
+    /// Largest measured torque of the last stroke (N·m), positive with the stroke.
     pub final_torque: Option<f64>,
-    /// The final torque relative to the limit of friction.
+    /// Final torque relative to the torque limit of friction.
     pub torque_ratio: Option<f64>,
-    /// Longest time of an element over its damage limit, s.
+    /// Longest time for which an element exceeds its damage limit (s).
     pub time_over_damage: Option<f64>,
-    /// The strokes.
+    /// Values of each stroke.
     pub strokes: Vec<FeltStroke>,
 }
 
 impl CapMeasures {
-    /// Measures a run; none where the strokes were merely counted.
+    /// Measures a run; `None` if its strokes were only counted.
     pub fn new(recording: &Recording, data: &RunData) -> Option<Self> {
         let facts = data.facts.cap;
         if facts.is_none() && !is_felt(recording) {
@@ -101,14 +101,14 @@ impl CapMeasures {
         })
     }
 
-    /// Whether the cap was found closed, is tight, and no element was harmed.
+    /// `true` if the cap was detected closed, is tight, and no element was damaged.
     pub fn closed_well(&self, outcome: Option<&TaskOutcome>) -> bool {
         outcome == Some(&TaskOutcome::Closed)
             && self.torque_ratio.is_some_and(|ratio| ratio >= TIGHT)
             && self.harmed_nothing()
     }
 
-    /// Whether the cap was found open, has turned as far as was felt, and no element was harmed.
+    /// `true` if the cap was detected open, turned as far as estimated, and no element was damaged.
     pub fn opened_well(&self, outcome: Option<&TaskOutcome>) -> bool {
         let sum = |turn: fn(&FeltStroke) -> Option<f64>| self.strokes.iter().map(turn).sum();
         let (felt, turned): (Option<f64>, Option<f64>) = (sum(|s| s.felt_turn), sum(|s| s.turn));
@@ -123,26 +123,26 @@ impl CapMeasures {
     }
 }
 
-/// Whether a cap was screwed until the hand knew what became of it, as its findings tell. The run's facts say so of
-/// simulated worlds only.
+/// `true` if the hand screwed a cap until it detected the outcome by touch. Uses the recorded findings, because the
+/// run's facts contain this only for simulated runs.
 pub fn is_felt(recording: &Recording) -> bool {
     let mut names = recording.findings.iter().flat_map(|found| &found.names);
     recording.facts.task == TaskKind::Screw && names.any(|name| *name == FindingName::Torque)
 }
 
-/// What the hand felt over time.
+/// Estimates of the hand over time.
 pub struct Felt<'a> {
     findings: &'a [Findings],
 }
 
 impl<'a> Felt<'a> {
-    /// That of `recording`.
+    /// Estimates contained in `recording`.
     pub fn new(recording: &'a Recording) -> Self {
         let findings = &recording.findings;
         Self { findings }
     }
 
-    /// Time (s) and value of a finding, within a span of time (s).
+    /// Times (s) and values of a finding within a time span (s).
     pub fn series(&self, name: &FindingName, (from, to): (f64, f64)) -> Vec<(f64, f64)> {
         let within = self.findings.iter();
         let within = within.filter(|f| f.stamp >= from - 1e-9 && f.stamp <= to + 1e-9);

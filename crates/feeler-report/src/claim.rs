@@ -1,8 +1,8 @@
-//! What a claim is: comparisons of measured values with bounds.
+//! Claims: comparisons of measured values with bounds.
 
 use serde::{Serialize, Serializer};
 
-/// How a value is compared with its bound.
+/// Comparison operator between a value and its bound.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Relation {
     /// value >= bound.
@@ -18,7 +18,7 @@ pub enum Relation {
 }
 
 impl Relation {
-    /// Its sign, to stand between value and bound.
+    /// Symbol of the operator.
     pub fn sign(self) -> &'static str {
         match self {
             Self::AtLeast => ">=",
@@ -46,63 +46,63 @@ impl Serialize for Relation {
     }
 }
 
-/// Whether a claim, or a part of one, holds.
+/// Result of a claim or of one of its parts.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// All of it is measured and holds.
+    /// Everything is measured and within its bounds.
     Holds,
-    /// Something is measured that does not hold.
+    /// A measured value violates its bound.
     Fails,
-    /// What is measured holds, but the recording does not define all of it.
+    /// All measured values are within their bounds, but the recording does not define all values.
     NotMeasured,
 }
 
 /// One comparison of a claim.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ClaimPart {
-    /// What is compared.
+    /// Name of the compared quantity.
     pub name: &'static str,
-    /// Its value, in `unit`; `None` (JSON null) where the recording does not define it.
+    /// Measured value in `unit`; `None` (JSON null) if the recording does not define it.
     pub value: Option<f64>,
-    /// How it is compared.
+    /// Comparison operator.
     pub relation: Relation,
-    /// With what, in `unit`.
+    /// Bound in `unit`.
     pub bound: f64,
     /// Unit of value and bound; empty for ratios and counts.
     pub unit: &'static str,
-    /// Whether it holds.
+    /// `true` if the value is measured and within its bound.
     pub holds: bool,
 }
 
-/// What decides whether a claim about screwing a cap holds.
+/// Part of the apparatus on which a claim about screwing a cap depends.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum DecidedBy {
-    /// The hand: its rubber, law and path, on any cap that turns at first and is closed at last.
+    /// Hand only (rubber, law and path), for any cap that turns at first and is closed at the end.
     Hand,
-    /// Beside the hand the paper's bottle and torque sensor.
+    /// Hand together with the paper's bottle and torque sensor.
     HandAndBottle,
 }
 
-/// One claim.
+/// A claim with its result.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Claim {
-    /// Stable name.
+    /// Stable identifier.
     pub id: &'static str,
-    /// The claim in words, and what was not defined, if anything.
+    /// Statement of the claim, with the undefined quantities, if any.
     pub text: String,
     /// Value of the first part (JSON number or null).
     pub value: Option<f64>,
     /// All bounds, as text.
     pub bound: String,
-    /// Whether all parts hold; what is not measured does not.
+    /// `true` if all parts hold; an unmeasured part does not hold.
     pub holds: bool,
-    /// The same, with what is not measured told apart.
+    /// Like `holds`, but distinguishes unmeasured claims.
     pub verdict: Verdict,
-    /// Every comparison of the claim.
+    /// All comparisons of the claim.
     pub parts: Vec<ClaimPart>,
-    /// What decides it, or `None` (no key in JSON) for claims of tasks other than screwing a cap.
+    /// Part of the apparatus that decides the claim, or `None` (no key in JSON) for tasks other than screwing a cap.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub decided_by: Option<DecidedBy>,
 }
@@ -119,8 +119,8 @@ impl Verdict {
 }
 
 impl Claim {
-    /// How far the claim is from failing, in units of its bounds: the least of its parts. Not
-    /// negative where it holds, not positive where it does not; none where a part is not measured.
+    /// Distance to failure relative to the bounds: the minimum over all parts. Not negative if the claim holds, not
+    /// positive if it does not. `None` if a part is not measured.
     pub fn margin(&self) -> Option<f64> {
         let margins = self.parts.iter().map(ClaimPart::margin);
         margins.reduce(|a, b| Some(a?.min(b?)))?
@@ -178,7 +178,7 @@ impl ClaimPart {
         Self { unit, ..self }
     }
 
-    /// Whether it holds.
+    /// Result of this part.
     pub fn verdict(&self) -> Verdict {
         match (self.value, self.holds) {
             (None, _) => Verdict::NotMeasured,
@@ -187,8 +187,8 @@ impl ClaimPart {
         }
     }
 
-    /// How far the value is on the good side of its bound (negative: on the bad one), relative to the bound's size; in
-    /// `unit` where the bound is 0. What must equal its bound is 0 at best.
+    /// Signed distance from the bound, relative to the bound's magnitude (in `unit` if the bound is 0); negative if
+    /// violated. At most 0 for [`Relation::Equals`].
     fn margin(&self) -> Option<f64> {
         let value = self.value?;
         let above = match self.relation {
@@ -222,7 +222,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_margin_is_the_least_of_the_parts_relative_to_their_bounds() {
+    fn margin_is_the_smallest_relative_distance_to_a_bound() {
         use Relation::{AtLeast, AtMost, Below, Equals, Within};
         let margin = |parts: &[(f64, Relation, f64)]| {
             let part = |&(value, relation, bound)| ClaimPart::new("", Some(value), relation, bound);
@@ -244,7 +244,7 @@ mod tests {
         assert_eq!(margin(&[(5.0, Equals, 4.0)]), -0.25);
         assert_eq!(margin(&[(4.0, Equals, 4.0)]), 0.0);
         assert_eq!(margin(&[(-0.75, Within, 0.5)]), -0.5);
-        // Bounds of 0, and below it.
+        // Zero and negative bounds.
         assert_eq!(margin(&[(0.25, AtMost, 0.0)]), -0.25);
         assert_eq!(margin(&[(-3.0, AtMost, -2.0)]), 0.5);
         assert_eq!(

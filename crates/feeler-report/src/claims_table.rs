@@ -1,11 +1,11 @@
-//! The table of a run's claims on its page.
+//! Claims table of a run report.
 
 use super::claim::{Claim, ClaimPart, DecidedBy, Relation, Verdict};
 use super::run_data::RunData;
 use super::text::{significant, value};
 use maud::{Markup, html};
 
-/// A row for each claim and each of its parts. Claims that need more than the hand are in a group of their own.
+/// Table of claims and their parts. Claims that depend on more than the hand are grouped separately.
 pub(crate) fn claims_table(claims: &[Claim], data: &RunData) -> Markup {
     let needs_bottle = |claim: &&Claim| claim.decided_by == Some(DecidedBy::HandAndBottle);
     let (with_bottle, hand): (Vec<_>, Vec<_>) = claims.iter().partition(needs_bottle);
@@ -13,21 +13,21 @@ pub(crate) fn claims_table(claims: &[Claim], data: &RunData) -> Markup {
     html! {
         div.scroll {
             table {
-                thead { tr { th { "Claim" } th.number { "Value" } th.number { "Bound" } th { "Holds" } } }
-                @if grouped { (group("About the hand", &hand)) }
+                thead { tr { th { "Claim" } th.number { "Value" } th.number { "Bound" } th { "Result" } } }
+                @if grouped { (group("Hand", &hand)) }
                 @for claim in &hand { (claim_rows(claim, data)) }
-                @if grouped { (group("About the hand, the paper's bottle and the torque sensor", &with_bottle)) }
+                @if grouped { (group("Hand, bottle and torque sensor", &with_bottle)) }
                 @for claim in &with_bottle { (claim_rows(claim, data)) }
             }
         }
     }
 }
 
-/// The heading of a group, with how many of its claims hold.
+/// Heading of a group with the number of claims that pass.
 fn group(name: &str, claims: &[&Claim]) -> Markup {
     let held = claims.iter().filter(|claim| claim.holds).count();
     html! {
-        tbody { tr { th colspan="4" scope="rowgroup" { (name) ": " (held) " of " (claims.len()) " hold" } } }
+        tbody { tr { th colspan="4" scope="rowgroup" { (name) ": " (held) " of " (claims.len()) " pass" } } }
     }
 }
 
@@ -43,7 +43,7 @@ fn claim_rows(claim: &Claim, data: &RunData) -> Markup {
     }
 }
 
-/// When a claim's moment is, s: the beginning of MOVE in the stroke that it is about.
+/// Time that a claim's row links to (s): the start of MOVE in the stroke that the claim refers to.
 fn moment(claim: &Claim, data: &RunData) -> Option<f64> {
     let mut moved = data
         .strokes
@@ -70,7 +70,7 @@ fn part_row(part: &ClaimPart) -> Markup {
             td.part { (part.name) }
             td.number { (value(part.value)) " " span.unit { (part.unit) } }
             td.number { (sign) " " (significant(part.bound)) " " span.unit { (part.unit) } }
-            // The claim's own mark covers the parts that hold.
+            // Parts that hold are covered by the claim's result.
             td { @if !part.holds { (holds(part.verdict())) } }
         }
     }
@@ -79,8 +79,8 @@ fn part_row(part: &ClaimPart) -> Markup {
 fn holds(verdict: Verdict) -> Markup {
     html! {
         @match verdict {
-            Verdict::Holds => span.holds { "✓ yes" },
-            Verdict::Fails => span.fails { "✗ no" },
+            Verdict::Holds => span.holds { "✓ pass" },
+            Verdict::Fails => span.fails { "✗ fail" },
             Verdict::NotMeasured => span.unit { "not measured" },
         }
     }

@@ -1,4 +1,4 @@
-//! `compare.html`: control laws on the same trials, on one self-contained page.
+//! `compare.html`: comparison of control laws on the same trials, on a self-contained page.
 
 use super::document::{Tile, document, tiles};
 use super::figures::Figure;
@@ -7,110 +7,110 @@ use super::page_data::PageData;
 use super::text::{name_and_unit, significant};
 use maud::{Markup, html};
 
-/// What the page shows.
+/// Content of the page.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ComparePage {
-    /// The experiment's name.
+    /// Name of the experiment.
     pub name: String,
-    /// Trials that every law finished.
+    /// Number of trials completed by every law.
     pub trials: u64,
-    /// Trials that were asked for.
+    /// Number of planned trials.
     pub planned: u64,
-    /// Torque to reach, mN·m, and force not to exceed, N, for a success.
+    /// Success criterion: minimum torque (mN·m) and maximum element force (N).
     pub goal: (f64, f64),
-    /// The laws; the others are compared with the first.
+    /// Results of the laws; the first is the baseline.
     pub laws: Vec<ComparedLaw>,
-    /// Success and measures against what varies.
+    /// Success and measures as functions of the varied quantities.
     pub curves: Vec<Curves>,
-    /// Every other law beside the first, trial by trial.
+    /// Comparison of each other law with the first, trial by trial.
     pub pairs: Vec<Pairs>,
     /// Seed and expressions, as on the command line.
     pub varied: String,
-    /// The experiment, but for law and what varied.
+    /// The experiment without law and varied values.
     pub experiment: String,
 }
 
-/// One law.
+/// Results of one law.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ComparedLaw {
-    /// Its name.
+    /// Name of the law.
     pub name: String,
-    /// Lines of its code, without blank ones and comments; none of a policy, which is numbers.
+    /// Number of lines of code without blank lines and comments; `None` for a learned policy.
     pub lines: Option<usize>,
-    /// The same for all laws.
+    /// Measures, in the same order for all laws.
     pub rows: Vec<Row>,
 }
 
-/// One measure of a law: its mean, and the mean of its difference from the first law's in the same trial. Each
-/// stands between the ends of its 95 % confidence interval, which are not numbers where one trial has no interval.
+/// A measure of a law: its mean, and the mean difference from the first law in the same trials. Each is `[low, mean,
+/// high]` with the 95 % confidence interval, whose ends are NaN if there is only one trial.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Row {
-    /// What it is, with its unit.
+    /// Name and unit of the measure.
     pub name: &'static str,
-    /// The mean.
+    /// Mean.
     pub value: Option<[f64; 3]>,
-    /// The difference.
+    /// Mean difference.
     pub difference: Option<[f64; 3]>,
 }
 
-/// A measure of all laws against what varies.
+/// A measure of all laws as a function of a varied quantity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curves {
-    /// The measure, with its unit.
+    /// Name and unit of the measure.
     pub title: String,
-    /// What varies.
+    /// Varied quantity.
     pub against: String,
-    /// A curve for each law.
+    /// One curve per law.
     pub curves: Vec<Curve>,
 }
 
-/// Two laws on the same trials.
+/// Paired comparison of two laws on the same trials.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Pairs {
-    /// The first law.
+    /// Name of the first law.
     pub first: String,
-    /// The other one.
+    /// Name of the other law.
     pub other: String,
-    /// What is measured.
+    /// Compared measures.
     pub measures: Vec<PairedMeasure>,
 }
 
 /// A measure of two laws.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PairedMeasure {
-    /// What it is, with its unit.
+    /// Name and unit of the measure.
     pub name: &'static str,
-    /// Of each trial that has it under both laws: its number, the first law's value, the other's.
+    /// For each trial with this measure under both laws: trial number, value of the first law, value of the other law.
     pub trials: Vec<(u64, f64, f64)>,
 }
 
-/// A measure of one law against what varies.
+/// A measure of one law as a function of a varied quantity.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Curve {
-    /// The law.
+    /// Name of the law.
     pub law: String,
-    /// What varies, and the mean between the ends of its 95 % confidence interval.
+    /// Value of the varied quantity, and mean with its 95 % confidence interval (`[low, mean, high]`).
     pub points: Vec<(f64, [f64; 3])>,
 }
 
 impl ComparePage {
-    /// How a law compares with the first in torque and peak force, in a sentence; none for the first.
+    /// Compares torque and peak force of a law with the first law, in one sentence; `None` for the first law.
     pub fn verdict(&self, law: usize) -> Option<String> {
         let law = self.laws.get(law).filter(|_| law > 0)?;
         let [torque, force] = [law.rows.get(1)?, law.rows.get(2)?].map(|row| row.difference);
         let (torque, force) = (torque?, force?);
         let judged = match (torque[0] > 0.0, force[2] < 0.0) {
             (true, true) => "more torque at less force",
-            (true, false) if force[0] > 0.0 => "more torque, at more force",
+            (true, false) if force[0] > 0.0 => "more torque at more force",
             (true, false) => "more torque at about the same force",
-            (false, true) if torque[2] < 0.0 => "less force, at less torque",
+            (false, true) if torque[2] < 0.0 => "less force at less torque",
             (false, true) => "less force at about the same torque",
-            (false, false) if torque[0].is_nan() => "not to be judged by one trial",
-            (false, false) => "better in neither",
+            (false, false) if torque[0].is_nan() => "not comparable on a single trial",
+            (false, false) => "no clear improvement in either",
         };
         let first = self.laws.first().map_or("", |first| &first.name);
         Some(format!(
-            "{} against {first}: {judged} ({} mN·m, {} N)",
+            "{} compared with {first}: {judged} ({} mN·m, {} N)",
             law.name,
             signed(torque),
             signed(force)
@@ -118,26 +118,26 @@ impl ComparePage {
     }
 }
 
-/// The page, as HTML text.
+/// Renders the page as HTML.
 pub fn compare_page(page: &ComparePage) -> String {
     let (torque, force) = page.goal;
     let figures = figures_of(page);
     let body = html! {
         @if page.trials < page.planned {
             div.incomplete role="alert" {
-                "INCOMPLETE: " (page.trials) " of " (page.planned) " trials are finished under every law."
+                "INCOMPLETE: " (page.trials) " of " (page.planned) " trials are completed under every law."
             }
         }
-        h1 { "Control laws compared: " (page.name) }
+        h1 { "Comparison of control laws: " (page.name) }
         @for law in 1..page.laws.len() {
             @if let Some(verdict) = page.verdict(law) { p.verdict { (verdict) "." } }
         }
         (tiles(&page.laws.iter().filter_map(tile_of).collect::<Vec<_>>()))
         p {
-            (page.trials) " trials under each law, with the same draws. A success is a cap that was tightened to "
-            (torque) " mN·m or more with no element above " (force) " N. In brackets 95 % confidence: "
-            "Wilson's interval for success, the percentile bootstrap for all else; differences are taken trial by trial."
-            @if page.trials == 1 { " One trial has no interval but that of success." }
+            (page.trials) " trials under each law, with the same random draws. A trial is a success if the cap is tightened to at least "
+            (torque) " mN·m and no element force exceeds " (force) " N. Brackets show 95 % confidence intervals: "
+            "Wilson intervals for success, percentile bootstrap for all other measures. Differences are paired by trial."
+            @if page.trials == 1 { " For a single trial, only success has an interval." }
         }
         p { code { (page.varied) } }
         @if !figures.is_empty() {
@@ -149,17 +149,17 @@ pub fn compare_page(page: &ComparePage) -> String {
         h2 { "Differences from " (page.laws.first().map_or("", |law| &law.name)) }
         (table(page, false, |row| row.difference, signed))
         p.note {
-            "Bands are 95 % confidence. Final torque, friction and work lost in slip are the simulator's truth, which no law sees; "
-            "element forces are as felt. The path of the fingertip's centre in MOVE, as in a run's report, in strokes 3 and 4: how far its distance "
-            "to the cap's axis varies, and how much it bends relative to the arc about that axis (1 = follows it). "
-            "Grip variation is the standard deviation of the grasp force over its mean, in the same strokes."
+            "Bands show 95 % confidence intervals. Final torque, friction and work lost in slip are ground truth of the simulator, which no law uses; "
+            "element forces are measured. Path of the fingertip's center during MOVE in strokes 3 and 4, as in a run's report: variation of its distance "
+            "from the cap's axis, and curvature relative to the arc about that axis (1 = follows the arc). "
+            "Grip variation is the standard deviation of the grasp force divided by its mean, in the same strokes."
         }
         details {
-            summary { "The experiment, but for law and what varied" }
+            summary { "Experiment, without law and varied values" }
             pre { (page.experiment) }
         }
     };
-    let title = format!("Control laws compared: {}", page.name);
+    let title = format!("Comparison of control laws: {}", page.name);
     document(&title, body, &PageData::of_figures(&title, &figures))
 }
 
@@ -171,7 +171,7 @@ fn figures_of(page: &ComparePage) -> Vec<Figure> {
     figures
 }
 
-/// The first row of a law: its success.
+/// Key figure of a law: its success rate (first row).
 fn tile_of(law: &ComparedLaw) -> Option<Tile> {
     let row = law.rows.first()?;
     let (name, unit) = name_and_unit(row.name);
@@ -179,7 +179,7 @@ fn tile_of(law: &ComparedLaw) -> Option<Tile> {
     Some(Tile::new(significant(row.value?[1]), unit, label))
 }
 
-/// A row for each measure, and for the lines of code where wanted; a column for each law.
+/// Table with a row per measure, optionally the lines of code, and a column per law.
 fn table(
     page: &ComparePage,
     lines: bool,
@@ -212,10 +212,10 @@ fn table(
     }
 }
 
-/// What stands for the interval of a single trial.
+/// Shown instead of the interval if there is only one trial.
 const NO_INTERVAL: &str = "(no interval)";
 
-/// A mean and its interval.
+/// Formats a mean with its interval.
 pub fn number([low, mean, high]: [f64; 3]) -> String {
     let digits = digits(mean);
     if low.is_nan() || high.is_nan() {
@@ -224,7 +224,7 @@ pub fn number([low, mean, high]: [f64; 3]) -> String {
     format!("{mean:.digits$} [{low:.digits$}, {high:.digits$}]")
 }
 
-/// A difference and its interval.
+/// Formats a signed difference with its interval.
 pub fn signed([low, mean, high]: [f64; 3]) -> String {
     let digits = digits(mean);
     if low.is_nan() || high.is_nan() {

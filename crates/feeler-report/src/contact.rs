@@ -1,22 +1,22 @@
-//! How long a finger that follows an outline felt nothing.
+//! Longest loss of contact while a finger follows an outline.
 
 use super::series::Stretch;
 use feeler_record::{Phase, Recording, SAME_TIME, Tactile};
 use glam::DVec3;
 
-/// Goes through the tactile frames of the first finger, part by part.
+/// Accumulates the tactile frames of the first finger, part by part.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub(crate) struct Contact {
-    /// Up to which time frames were taken, s.
+    /// Time up to which frames have been processed (s).
     until: Option<f64>,
-    /// Frames within MOVE.
+    /// Number of frames within MOVE.
     frames: usize,
-    /// Of frames without touch.
+    /// Stretches of frames without touch.
     lost: Stretch,
 }
 
 impl Contact {
-    /// Takes the frames up to `until`, s, that were not taken before.
+    /// Processes the frames up to `until` (s) that have not been processed yet.
     pub fn take(&mut self, recording: &Recording, until: f64) {
         let Some(finger) = recording.fingers.first() else {
             return;
@@ -45,7 +45,7 @@ impl Contact {
         self.until = Some(until);
     }
 
-    /// The longest stretch without touch, in frames; none without frames within MOVE.
+    /// Longest stretch without touch, in frames; `None` if there are no frames within MOVE.
     pub fn longest_loss(&self) -> Option<usize> {
         (self.frames > 0).then_some(self.lost.longest())
     }

@@ -1,10 +1,10 @@
-//! The outline that a contour task drew, and the true one.
+//! The outline drawn by a contour task, and the true outline.
 
 use super::series::finite;
 use feeler_record::{FindingName, Recording};
 use glam::DVec2;
 
-/// The points that were drawn, with their times, s; m, in W.
+/// Drawn points in W (m), with their times (s).
 pub fn drawn(recording: &Recording) -> Vec<(f64, DVec2)> {
     let points = recording.findings.iter().filter_map(|found| {
         let value = |name: FindingName| finite(found.value(&name)?);
@@ -14,7 +14,7 @@ pub fn drawn(recording: &Recording) -> Vec<(f64, DVec2)> {
     points.collect()
 }
 
-/// The true section as a closed path, m, in W.
+/// True section as a closed path in W (m).
 pub fn section(recording: &Recording) -> Vec<DVec2> {
     let points = recording.facts.section.iter();
     let mut path: Vec<_> = points.map(|&point| DVec2::from_array(point)).collect();

@@ -1,4 +1,4 @@
-//! Success criteria of runs, by their experiments' goals.
+//! Success criteria of runs, depending on task, hand and law.
 
 use super::claim::Claim;
 use super::claims::{CLOSES_CAP, NO_DAMAGE, OVERLOADS_NOTHING};
@@ -8,27 +8,27 @@ use super::tasks::{self, PAPERS_STROKES};
 use feeler_record::{RunFacts, RunState, TaskKind};
 use serde::{Serialize, Serializer};
 
-/// What has to hold of a run whose task was done.
+/// Criterion that a completed run must meet to be a success.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Criterion {
-    /// All claims of the task; those of the paper if a cap is screwed by its hand under its law.
+    /// All claims of the task; the paper's claims if its hand screws a cap under its law.
     Claims,
-    /// All claims of any hand: a cap is screwed under other laws.
+    /// All claims of any hand: a cap is screwed under another law.
     AnyHand,
-    /// The cap is closed and no element was overloaded: another hand than the paper's under its law.
+    /// The cap is closed and no element was overloaded: another hand under the paper's law.
     Closed,
-    /// The cap was turned and no element was harmed: fewer strokes than any claim about a closed cap needs.
+    /// The cap was turned and no element was damaged: too few strokes for the claims about a closed cap.
     Turned,
-    /// The cap was found closed by touch, is tight, and no element was harmed.
+    /// The cap was detected closed by touch, is tight, and no element was damaged.
     ClosedWell,
-    /// The cap was found open by touch, has turned as far as was felt, and no element was harmed.
+    /// The cap was detected open by touch, turned as far as measured by touch, and no element was damaged.
     OpenedWell,
-    /// Nothing else.
+    /// Completing the task suffices.
     Done,
 }
 
 impl Criterion {
-    /// The criterion of runs with these facts. `laws_differ` if the runs to be judged alike have different control laws.
+    /// Criterion for runs with these facts. Set `laws_differ` if runs under different control laws are judged alike.
     pub fn of(facts: &RunFacts, laws_differ: bool) -> Self {
         match (&facts.task, facts.cap) {
             (TaskKind::Contour | TaskKind::Carry | TaskKind::FrictionScan, _) => Self::Claims,
@@ -42,26 +42,27 @@ impl Criterion {
         }
     }
 
-    /// The criterion in words.
+    /// Criterion in words.
     pub fn words(self) -> &'static str {
         match self {
-            Self::Claims => "the task was done and all its claims hold",
-            Self::AnyHand => "the task was done and all five claims of any hand hold",
+            Self::Claims => "the task was completed and all its claims pass",
+            Self::AnyHand => "the task was completed and all five claims of any hand pass",
             Self::Closed => {
-                "the task was done, the last stroke found the cap closed, and no element was overloaded"
+                "the task was completed, the cap was closed at the last stroke, and no element was overloaded"
             }
             Self::Turned => {
-                "the task was done, every stroke turned the cap or the cap is closed, and no element was harmed"
+                "the task was completed, every stroke turned the cap or the cap is closed, and no element was damaged"
             }
-            Self::ClosedWell => "the cap was found closed, is tight, and no element was harmed",
+            Self::ClosedWell => "the cap was detected closed, is tight, and no element was damaged",
             Self::OpenedWell => {
-                "the cap was found open, has turned as far as was felt, and no element was harmed"
+                "the cap was detected open, turned as far as measured by touch, and no element was damaged"
             }
-            Self::Done => "the task was done",
+            Self::Done => "the task was completed",
         }
     }
 
-    /// Whether it requires the claim with this id, which is one of any hand or of the task's own.
+    /// `true` if the criterion includes the claim with this id. `of_any_hand` selects claims of any hand instead of the
+    /// task's claims.
     pub fn requires(self, id: &str, of_any_hand: bool) -> bool {
         match self {
             Self::Claims => !of_any_hand,
@@ -72,7 +73,7 @@ impl Criterion {
         }
     }
 
-    /// The claims that it requires; empty if it requires none.
+    /// Claims that the criterion includes; may be empty.
     pub fn claims(self, summary: &Summary) -> Vec<&Claim> {
         let required = |of_any_hand| move |claim: &&Claim| self.requires(claim.id, of_any_hand);
         let own = summary.claims.iter().filter(required(false));
@@ -80,7 +81,7 @@ impl Criterion {
             .collect()
     }
 
-    /// Whether it holds of a run whose task was done.
+    /// `true` if a completed run meets the criterion.
     pub fn holds(self, summary: &Summary) -> bool {
         let outcome = summary.outcome.as_ref();
         let cap = summary.cap.as_ref();
@@ -105,12 +106,12 @@ fn turns_or_closes(strokes: &[StrokeMeasures]) -> bool {
     turned(&turns) || found_closed(&turns)
 }
 
-/// Whether a run was a success.
+/// Judgement of a run by its criterion.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Success {
-    /// Whether its task was done and the criterion holds.
+    /// `true` if the task was completed and the criterion holds.
     pub met: bool,
-    /// What was to hold.
+    /// Applied criterion.
     pub criterion: Criterion,
 }
 
@@ -125,7 +126,7 @@ impl Success {
         Some(Self { met, criterion })
     }
 
-    /// What it says beyond the claims that a report shows.
+    /// Sentence about the criterion; `None` if the report's claims already cover it.
     pub fn beyond_claims(self) -> Option<String> {
         let words = self.criterion.words();
         match (self.criterion, self.met) {

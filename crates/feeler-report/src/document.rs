@@ -1,16 +1,16 @@
-//! What every page of a report is: one self-contained document for phone, desk and print.
+//! Common HTML document of all report pages: self-contained, for phone, desktop and print.
 
 use super::page_data::PageData;
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 const STYLE: &str = include_str!("page.css");
 
-/// The page's program, made of `web/`.
+/// The page's script, built from `web/`.
 const PROGRAM: &str = include_str!("page.js");
 
-/// The document called `title` with what its program draws, as HTML text.
+/// Complete HTML document with title, body and the data of its script.
 pub fn document(title: &str, body: Markup, page: &PageData) -> String {
-    // Without its data, the program says so on the page.
+    // Without data, the script shows an error on the page.
     let data = page.to_json().unwrap_or_default();
     html! {
         (DOCTYPE)
@@ -31,7 +31,7 @@ pub fn document(title: &str, body: Markup, page: &PageData) -> String {
     .into_string()
 }
 
-/// A number that a page begins with.
+/// A key figure at the top of a page.
 pub struct Tile {
     value: String,
     unit: String,
@@ -39,14 +39,14 @@ pub struct Tile {
 }
 
 impl Tile {
-    /// A value in its unit, and what it is.
+    /// A value, its unit and its label.
     pub fn new(value: String, unit: impl Into<String>, label: impl Into<String>) -> Self {
         let (unit, label) = (unit.into(), label.into());
         Self { value, unit, label }
     }
 }
 
-/// The numbers that a page begins with.
+/// The row of key figures at the top of a page.
 pub fn tiles(tiles: &[Tile]) -> Markup {
     html! {
         div.tiles {

@@ -1,4 +1,4 @@
-//! `slip.html` of recordings: slip detectors against the labels of grasps, on one self-contained page.
+//! `slip.html` of recordings: slip detectors evaluated on labeled grasps, on a self-contained page.
 
 use super::compare_page::number;
 use super::document::{Tile, document, tiles};
@@ -9,78 +9,78 @@ use super::text::significant;
 use maud::html;
 use serde::Serialize;
 
-/// What the page shows.
+/// Content of the page.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GraspSlipPage {
-    /// Name of the recordings.
+    /// Name of the set of recordings.
     pub name: String,
-    /// What is labelled: `recordings` or `frames`.
+    /// Labeled units: `recordings` or `frames`.
     pub of: &'static str,
-    /// What is left out together: a column of the labels, or `recording`.
+    /// Grouping for cross-validation: a column of the labels, or `recording`.
     pub grouped_by: String,
-    /// How many are labelled, how many of them are slips, and in how many groups.
+    /// Number of labeled units, of slips among them, and of groups.
     pub counts: (usize, usize, usize),
-    /// How each detector did.
+    /// Results of the detectors.
     pub detectors: Vec<GraspDetector>,
-    /// Other recordings from which thresholds were taken, if they were: their name, how many, and how many of them are slips.
+    /// Other recordings used to choose thresholds, if any: name, number of units, number of slips.
     pub others: Option<(String, usize, usize)>,
-    /// What was odd, and what nothing is said of.
+    /// Notes on unusual or unlabeled data.
     pub notes: Vec<String>,
 }
 
-/// How a detector did. Estimates stand between the ends of their 95 % confidence intervals, which are not numbers where one
-/// group has no interval.
+/// Result of a detector. Estimates are `[low, estimate, high]` with the 95 % confidence interval, whose ends are NaN if
+/// there is only one group.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct GraspDetector {
-    /// The detector.
+    /// Name of the detector.
     pub name: &'static str,
-    /// What its score is, with its unit.
+    /// Meaning and unit of its score.
     pub meaning: String,
-    /// Area under its curve; none where all are slips, or none is, or it says nothing.
+    /// Area under the ROC curve; `None` if all or no units are slips, or if the detector has no scores.
     pub auc: Option<[f64; 3]>,
-    /// Share that it calls rightly, with thresholds of all other groups.
+    /// Fraction classified correctly with thresholds chosen on all other groups.
     pub accuracy: Option<[f64; 3]>,
-    /// The threshold of all together; none where it says nothing.
+    /// Threshold chosen on all groups; `None` if the detector has no scores.
     pub threshold: Option<f64>,
-    /// Slips noticed, slips missed, false alarms, and rightly quiet.
+    /// Detected slips, missed slips, false alarms and correct rejections.
     pub confusion: [usize; 4],
-    /// How many it says nothing of.
+    /// Number of units without a score.
     pub unknown: usize,
-    /// It over all thresholds.
+    /// ROC curve.
     #[serde(skip)]
     pub curve: Roc,
-    /// Which recordings it called wrongly, with how many of their frames where frames are labelled.
+    /// Misclassified recordings, with their number of misclassified frames if frames are labeled.
     pub wrong: Vec<String>,
-    /// How it does with what other recordings taught it, where its numbers mean the same there.
+    /// Result with thresholds from other recordings, if scores are comparable between the sets.
     pub transfer: Option<GraspTransfer>,
 }
 
-/// How a detector does with thresholds of other recordings.
+/// Result of a detector with thresholds from other recordings.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct GraspTransfer {
-    /// The threshold that they alone choose.
+    /// Threshold chosen on the other recordings only.
     pub threshold: f64,
-    /// Share that is called rightly with it.
+    /// Fraction classified correctly with this threshold.
     pub alone: Option<[f64; 3]>,
-    /// With it: slips noticed, slips missed, false alarms, and rightly quiet.
+    /// Detected slips, missed slips, false alarms and correct rejections with this threshold.
     pub confusion: [usize; 4],
-    /// Share that is called rightly with thresholds of the other recordings and of all other groups together.
+    /// Fraction classified correctly with thresholds chosen on the other recordings and all other groups together.
     pub added: Option<[f64; 3]>,
 }
 
-/// What is said of a transfer.
+/// Column headings of a transfer result.
 pub const TRANSFER_COLUMNS: [&str; 7] = [
-    "threshold of others",
-    "right with it (%)",
-    "noticed with it",
-    "missed with it",
-    "alarms with it",
-    "quiet with it",
-    "right with both (%)",
+    "transfer threshold",
+    "transfer accuracy (%)",
+    "transfer detected",
+    "transfer missed",
+    "transfer false alarms",
+    "transfer rejections",
+    "combined accuracy (%)",
 ];
 
 impl GraspTransfer {
-    /// Its figures in words, in the order of [`TRANSFER_COLUMNS`].
+    /// Formatted values in the order of [`TRANSFER_COLUMNS`].
     pub fn fields(&self) -> [String; 7] {
         let [noticed, missed, alarms, quiet] = self.confusion.map(|count| count.to_string());
         let (alone, added) = (percent(self.alone), percent(self.added));
@@ -89,21 +89,21 @@ impl GraspTransfer {
     }
 }
 
-/// What is said of a detector.
+/// Column headings of a detector's result.
 pub const GRASP_COLUMNS: [&str; 9] = [
     "AUC",
-    "right (%)",
+    "accuracy (%)",
     "threshold",
-    "slips noticed",
+    "slips detected",
     "slips missed",
     "false alarms",
-    "rightly quiet",
+    "correct rejections",
     "unknown",
     "score",
 ];
 
 impl GraspDetector {
-    /// Its figures in words, in the order of [`GRASP_COLUMNS`].
+    /// Formatted values in the order of [`GRASP_COLUMNS`].
     pub fn fields(&self) -> [String; 9] {
         let dash = || "-".to_string();
         let [noticed, missed, alarms, quiet] = self.confusion.map(|count| count.to_string());
@@ -121,7 +121,7 @@ impl GraspDetector {
     }
 }
 
-/// A threshold, or what it says if it is infinite.
+/// Formats a threshold; infinite thresholds mean that the detector always or never fires.
 fn in_words(threshold: f64) -> String {
     match threshold.is_finite() {
         true => significant(threshold),
@@ -130,13 +130,13 @@ fn in_words(threshold: f64) -> String {
     }
 }
 
-/// A share with its interval, in percent.
+/// Formats a fraction with its interval, in percent.
 fn percent(share: Option<[f64; 3]>) -> String {
     let percent = |share: [f64; 3]| number(share.map(|part| 100.0 * part));
     share.map_or_else(|| "-".into(), percent)
 }
 
-/// An area with its interval, to three decimals.
+/// Formats an area with its interval, to three decimals.
 fn area([low, mean, high]: [f64; 3]) -> String {
     match low.is_nan() || high.is_nan() {
         true => format!("{mean:.3} (no interval)"),
@@ -144,12 +144,12 @@ fn area([low, mean, high]: [f64; 3]) -> String {
     }
 }
 
-/// Share of the more frequent answer among `all`, of which so many are slips: what one is right in who says always the same.
+/// Accuracy of the constant answer: the fraction of the more frequent class, given the number of units and of slips.
 pub fn base_rate(all: usize, slips: usize) -> f64 {
     slips.max(all - slips) as f64 / all.max(1) as f64
 }
 
-/// The page, as HTML text.
+/// Renders the page as HTML.
 pub fn grasp_slip_page(page: &GraspSlipPage) -> String {
     let (all, slips, groups) = page.counts;
     let roc = grasp_roc_figure(page, 1);
@@ -158,8 +158,8 @@ pub fn grasp_slip_page(page: &GraspSlipPage) -> String {
         h1 { "Slip detectors: " (page.name) }
         (tiles(&tiles_of(page)))
         p {
-            (all) " labelled " (page.of) " in " (groups) " groups (" (page.grouped_by) "), " (slips) " of them slips. Who always says "
-            "the same is right in " (base) " %. Every threshold was chosen on all groups but the one that is judged with it."
+            (all) " labeled " (page.of) " in " (groups) " groups (" (page.grouped_by) "), " (slips) " of them slips. A constant answer has an "
+            "accuracy of " (base) " %. Each threshold was chosen on all groups except the one it is tested on."
         }
         div.figures { (roc.markup()) }
         div.scroll {
@@ -176,18 +176,18 @@ pub fn grasp_slip_page(page: &GraspSlipPage) -> String {
             }
         }
         p.note {
-            "In brackets 95 % confidence, by drawing whole groups again (bootstrap)."
-            @if groups == 1 { " One group has no interval." }
-            @else if groups < 10 { " Of " (groups) " groups, intervals say little." }
-            " AUC: the area under the curve, the chance that a slip has a higher score than what is none. The threshold is that of all "
-            "together, for use on others. Missing shear needs the fingertip's pose, which recordings do not have. "
-            "Contact loss says that the object is gone, drag that it moves in the grip: labels may mean either. No detector foretells."
+            "Brackets show 95 % confidence intervals (bootstrap over groups)."
+            @if groups == 1 { " A single group has no interval." }
+            @else if groups < 10 { " With only " (groups) " groups, the intervals are unreliable." }
+            " AUC is the area under the curve: the probability that a slip has a higher score than a non-slip. The threshold is chosen on all "
+            "groups, for use on other recordings. Missing shear requires the fingertip's pose, which recordings do not contain. "
+            "Contact loss indicates that the object is gone, drag that it moves in the grip; labels may mean either. No detector predicts slip."
         }
         @if let Some((name, all, slips)) = &page.others {
             h2 { "With thresholds of other recordings" }
             p {
-                (name) ": " (all) " labelled " (page.of) ", " (slips) " of them slips. First with the threshold that these alone "
-                "choose, then with thresholds that they and all other groups choose, where both sides count as much."
+                (name) ": " (all) " labeled " (page.of) ", " (slips) " of them slips. Results with the threshold chosen on these alone, "
+                "and with thresholds chosen on these and all other groups, both sets weighted equally."
             }
             div.scroll {
                 table {
@@ -202,16 +202,16 @@ pub fn grasp_slip_page(page: &GraspSlipPage) -> String {
                     }
                 }
             }
-            p.note { "Only detectors whose numbers mean the same on both sides." }
+            p.note { "Only detectors whose scores are comparable between both sets." }
         }
         @for detector in page.detectors.iter().filter(|detector| !detector.wrong.is_empty()) {
             details {
-                summary { (detector.wrong.len()) " wrong by " (detector.name) }
+                summary { (detector.wrong.len()) " misclassified by " (detector.name) }
                 ul { @for wrong in &detector.wrong { li { (wrong) } } }
             }
         }
         @if !page.notes.is_empty() {
-            h2 { "What was odd" }
+            h2 { "Notes" }
             ul { @for note in &page.notes { li { (note) } } }
         }
     };
@@ -219,18 +219,18 @@ pub fn grasp_slip_page(page: &GraspSlipPage) -> String {
     document(&title, body, &PageData::of_figures(&title, &[roc]))
 }
 
-/// Detectors that other recordings taught a threshold.
+/// Detectors with thresholds from other recordings.
 fn transferred(page: &GraspSlipPage) -> impl Iterator<Item = (&GraspDetector, &GraspTransfer)> {
     let detectors = page.detectors.iter();
     detectors.filter_map(|detector| Some((detector, detector.transfer.as_ref()?)))
 }
 
-/// What each detector is right in.
+/// Key figures: accuracy of each detector.
 fn tiles_of(page: &GraspSlipPage) -> Vec<Tile> {
     let known = page.detectors.iter().filter_map(|detector| {
         let [_, right, _] = detector.accuracy?;
         let auc = detector.auc.map(|[_, auc, _]| format!(", AUC {auc:.3}"));
-        let label = format!("right by {}{}", detector.name, auc.unwrap_or_default());
+        let label = format!("accuracy of {}{}", detector.name, auc.unwrap_or_default());
         Some(Tile::new(significant(100.0 * right), "%", label))
     });
     known.collect()

@@ -1,4 +1,4 @@
-//! `identify.html`: what a probing run says about a hand and its object.
+//! `identify.html`: results of a probing run for a hand and its object.
 
 use super::document::document;
 use super::figures::identify::{circle_figure, depth_figure, shear_figure, slide_figure};
@@ -6,7 +6,7 @@ use super::page_data::PageData;
 use super::text::significant;
 use maud::{Markup, html};
 
-/// What the page shows.
+/// Content of the page.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct IdentifyPage {
     /// Name of the experiment.
@@ -15,47 +15,47 @@ pub struct IdentifyPage {
     pub seed: u64,
     /// Findings that need attention, one sentence each.
     pub warnings: Vec<String>,
-    /// Every estimate.
+    /// All estimates.
     pub rows: Vec<EstimateRow>,
-    /// Raw probes of each finger, with what was fitted to them.
+    /// Raw probes of each finger, with the fits.
     pub fingers: Vec<FingerProbes>,
-    /// Centre and radius of the circle through the tips, m, x and y in W.
+    /// Circle through the tips: center x, y in W and radius (m).
     pub circle: [f64; 3],
 }
 
-/// An estimate as the page shows it.
+/// A row of the table of estimates.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct EstimateRow {
     /// Name of the quantity.
     pub quantity: &'static str,
-    /// "object", or the finger.
+    /// "object" or the finger's name.
     pub of: String,
-    /// Its unit.
+    /// Unit of the value.
     pub unit: &'static str,
-    /// Best estimate and the ends of its 95 % interval, in that unit.
+    /// Estimate and ends of its 95 % interval, in that unit.
     pub value: [f64; 3],
-    /// How it was estimated.
+    /// Estimation method.
     pub method: String,
 }
 
 /// Raw probes of one finger.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct FingerProbes {
-    /// Depth (m) and `F_z` (N) of its most loaded contact.
+    /// Depth (m) and `F_z` (N) of the most loaded contact.
     pub depth: Vec<(f64, f64)>,
     /// Shear displacement (m) and shear force (N) of the same contact.
     pub shear: Vec<(f64, f64)>,
-    /// Stiffness along and across, N/m.
+    /// Normal and tangential stiffness (N/m).
     pub stiffness: [f64; 2],
-    /// Time (s) and ratio of shear to normal force in each slide.
+    /// For each slide: time (s) and ratio of shear to normal force.
     pub slides: Vec<Vec<(f64, f64)>>,
     /// Coefficients of static and kinetic friction.
     pub friction: [f64; 2],
-    /// Tips of its touching elements, m, x and y in W.
+    /// Tips of the touching elements: x, y in W (m).
     pub tips: Vec<(f64, f64)>,
 }
 
-/// The page, as HTML text.
+/// Renders the page as HTML.
 pub fn identify_page(page: &IdentifyPage) -> String {
     let figures = vec![
         depth_figure(page, 1),
@@ -63,7 +63,7 @@ pub fn identify_page(page: &IdentifyPage) -> String {
         slide_figure(page, 3),
         circle_figure(page, 4),
     ];
-    let title = format!("Identified: {}, seed {}", page.experiment, page.seed);
+    let title = format!("Identification: {}, seed {}", page.experiment, page.seed);
     let body = html! {
         h1 { (title) }
         @if page.warnings.is_empty() {

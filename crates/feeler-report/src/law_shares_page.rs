@@ -1,4 +1,4 @@
-//! `laws.html`: share of the same hands on which each control law meets the claims of any hand.
+//! `laws.html`: fraction of the same hands on which each control law meets the claims of any hand.
 
 use super::document::{Tile, document, tiles};
 use super::figures::law_shares::law_shares_figure;
@@ -9,77 +9,77 @@ use super::text::significant;
 use maud::{Markup, html};
 use serde::Serialize;
 
-/// What the page shows; as JSON, `laws.json`.
+/// Content of the page, serialized as `laws.json`.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct LawSharesPage {
     /// Name of the experiment.
     pub name: String,
-    /// Seed of all that is drawn.
+    /// Seed of all random draws.
     pub seed: u64,
-    /// Number of trials of each law.
+    /// Number of trials per law.
     pub planned: u64,
-    /// Number of trials that all laws have finished.
+    /// Number of trials completed under all laws.
     pub finished: u64,
-    /// Number of hands among them: points whose experiment is valid under any of the laws.
+    /// Number of hands among them: points at which the experiment is valid under at least one law.
     pub hands: u64,
-    /// The laws, in the order of the command line.
+    /// Results of the laws, in the order of the command line.
     pub laws: Vec<LawShares>,
-    /// What varied.
+    /// Varied parameters.
     pub ranges: Vec<RangeRow>,
-    /// The experiment, but for law and what varied (TOML).
+    /// The experiment without law and varied values (TOML).
     #[serde(skip)]
     pub experiment: String,
 }
 
-/// The shares of one law.
+/// Results of one law.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct LawShares {
     /// Name of the law.
     pub law: String,
-    /// Number of hands that are invalid under this law alone. They count as hands on which nothing holds.
+    /// Number of hands that are invalid under this law only. They count as hands on which no claim passes.
     pub refused: u64,
-    /// Share of hands for each claim of any hand, and for all of them with the task done.
+    /// Fraction of hands for each claim of any hand, and for all claims with the task completed.
     pub shares: Vec<Share>,
 }
 
-/// The page, as HTML text.
+/// Renders the page as HTML.
 pub fn law_shares_page(page: &LawSharesPage) -> String {
     let figure = law_shares_figure(page, 1);
-    let title = format!("Laws on the same hands: {}", page.name);
+    let title = format!("Control laws on the same hands: {}", page.name);
     let body = html! {
         @if page.finished < page.planned {
             div.incomplete role="alert" {
-                "INCOMPLETE: " (page.finished) " of " (page.planned) " trials are finished under every law."
+                "INCOMPLETE: " (page.finished) " of " (page.planned) " trials are completed under every law."
             }
         }
         h1 { (title) }
         (tiles(&tiles_of(page)))
         p {
-            (page.ranges.len()) " values that nobody knows were varied over plausible ranges, at " (page.finished)
+            (page.ranges.len()) " unknown values were varied over plausible ranges, at " (page.finished)
             " points of a scrambled Sobol' sequence (seed " (page.seed) "). " (page.hands)
-            " of them are hands; each ran under every law, with the same seed."
+            " of them are valid hands; each ran under every law, with the same seed."
         }
-        h2 { "Share of hands" }
+        h2 { "Fraction of hands" }
         div.figures { (figure.markup()) }
         (shares_table(page))
         p.note {
-            "In brackets Wilson's 95 % interval. The claims are those of any hand; all five count only where the task was done."
+            "Brackets show Wilson's 95 % interval. The claims are those of any hand; all five count only if the task was completed."
         }
         (refusals(page))
-        h2 { "What was varied, and why so far" }
+        h2 { "Varied parameters and their ranges" }
         (ranges_table(&page.ranges))
-        h2 { "One of the hands again" }
-        p { "With its recording and report: " code { "feeler run --trial FOLDER/LAW TRIAL" }
-            "; the trials are in " code { "trials.csv" } " of each law's folder, the figures of this page in " code { "laws.json" } "." }
+        h2 { "Repeating a trial" }
+        p { "To repeat a trial with its recording and report: " code { "feeler run --trial FOLDER/LAW TRIAL" }
+            ". The trials are listed in " code { "trials.csv" } " of each law's folder, the values of this page in " code { "laws.json" } "." }
         details {
-            summary { "The experiment, but for law and what varied" }
+            summary { "Experiment, without law and varied values" }
             pre { (page.experiment) }
         }
     };
     document(&title, body, &PageData::of_figures(&title, &[figure]))
 }
 
-/// The share of hands on which all claims hold, of each law.
+/// Key figures: fraction of hands on which all claims pass, for each law.
 fn tiles_of(page: &LawSharesPage) -> Vec<Tile> {
     let all = page
         .laws
@@ -111,13 +111,13 @@ fn shares_table(page: &LawSharesPage) -> Markup {
     }
 }
 
-/// The laws that refuse hands which are valid under others.
+/// Notes on laws that reject hands which are valid under others.
 fn refusals(page: &LawSharesPage) -> Markup {
     html! {
         @for law in page.laws.iter().filter(|law| law.refused > 0) {
             p.note {
-                (law.law) " refuses " (law.refused) " of the hands. They count as hands on which nothing holds; "
-                code { "trials.csv" } " has the reasons."
+                (law.law) " rejects " (law.refused) " of the hands. They count as hands on which no claim passes; "
+                code { "trials.csv" } " lists the reasons."
             }
         }
     }

@@ -1,11 +1,11 @@
-//! The page of a rig that works while it is looked at.
+//! Live page of a running rig.
 
 use super::document::document;
 use super::page_data::PageData;
 pub use super::page_data::{Live, LiveRig};
 use maud::html;
 
-/// The page of `rig`, as HTML text.
+/// Renders the live page of `rig` as HTML.
 pub fn live_page(title: &str, rig: &LiveRig<'_>, live: Live) -> String {
     let figures = || rig.figures().into_iter().zip(1..);
     let body = html! {
@@ -16,7 +16,7 @@ pub fn live_page(title: &str, rig: &LiveRig<'_>, live: Live) -> String {
         div.figures {
             @for ((title, _), number) in figures() {
                 figure id=(format!("fig-{number:02}")) {
-                    figcaption { b { "Fig. " (number) ". " (title) ". " } "Of the newest rows, as they come." }
+                    figcaption { b { "Fig. " (number) ". " (title) ". " } "Latest data." }
                 }
             }
         }

@@ -1,10 +1,10 @@
-//! A recording of any length as columns, in memory that has a bound: read from its file, or made while it is recorded.
+//! Converts recordings of any length to columns in bounded memory, from a file or while recording.
 //!
-//! It is taken part by part, and what is aligned is let go of. A run of ordinary length has all its rows in the
-//! end, as [`RunData::new`] would give them. Of a longer one, every stroke is measured from all of its rows when it is
-//! over; claims about the whole run are measured row by row as they come. Then rows are let go of: all are kept of the strokes that
-//! the paper's claims are about; of the rest, cells of time keep their first and last row and those where
-//! forces, rates and torque are least and greatest (`rows_that_stay`).
+//! The recording is processed in parts; aligned messages are released. A run of ordinary length keeps all of its rows,
+//! exactly as [`RunData::new`] returns them. In a longer run, each stroke is measured from all of its rows when it
+//! ends, and quantities of the whole run that claims need are accumulated row by row. Then rows are decimated: all rows
+//! of the strokes that the paper's claims refer to are kept. Of the rest, each time cell keeps its first and last row
+//! and the rows with extreme force, rate and torque (`rows_that_stay`).
 
 mod letting_go;
 mod over_all;
@@ -25,20 +25,20 @@ use over_all::OverAll;
 use std::ops::Range;
 use std::path::Path;
 
-/// Memory that rows may take, bytes: about three and a half minutes of two fingers of 41 elements at 100 Hz.
+/// Memory limit of the rows (bytes): about three and a half minutes of two fingers with 41 elements each at 100 Hz.
 const MEMORY: usize = 48 << 20;
-/// Fewest and most rows that are kept before some are let go of.
+/// Minimum and maximum number of rows kept before decimation.
 const ROWS: (usize, usize) = (1_000, 30_000);
-/// A message may stand so much later in the file than those of its time, s.
+/// Maximum delay of a message in the file relative to other messages of the same time (s).
 const LATE: f64 = 5.0;
-/// Strokes that the paper's claims and figures are about.
+/// Number of strokes that the paper's claims and figures refer to.
 const CLAIMED: u32 = 4;
 
-/// Reads the recording at `path` and its columns. `progress` is told the share of the file that was read, 0 to 1. What
-/// the recording returned still holds is its facts, its end, its newest messages, and what was found out.
+/// Reads the recording at `path` and converts it to columns. `progress` receives the fraction of the file that has been
+/// read (0 to 1). The returned recording contains only its facts, its end, its latest messages and its findings.
 ///
 /// # Errors
-/// As of [`Recording::read`].
+/// Same as [`Recording::read`].
 pub fn read(
     path: impl AsRef<Path>,
     progress: &mut dyn FnMut(f64),
@@ -46,10 +46,10 @@ pub fn read(
     read_within(path, MEMORY, progress)
 }
 
-/// The same with rows that may take so much memory, bytes, as far as there may be so few.
+/// Like [`read`], but with a memory limit for the rows (bytes). At least 1,000 rows are kept.
 ///
 /// # Errors
-/// As of [`read`].
+/// Same as [`read`].
 pub fn read_within(
     path: impl AsRef<Path>,
     memory: usize,
@@ -66,33 +66,33 @@ pub fn read_within(
     Ok((recording, data))
 }
 
-/// A run on its way.
+/// Converter of a run that is being read or recorded.
 struct LongRun {
-    /// The rows that are kept.
+    /// Retained rows.
     data: RunData,
-    /// Which of all rows each is, and the number of its stroke.
+    /// For each retained row: its index among all rows, and the number of its stroke.
     places: Vec<usize>,
     numbers: Vec<u32>,
-    /// Rows so far.
+    /// Number of rows so far.
     count: usize,
-    /// Memory that rows may take, bytes, and how many that are of those that come now.
+    /// Memory limit of the rows (bytes), and the number of rows it allows at the current row size.
     memory: usize,
     most: usize,
-    /// Length of a cell, s; none while all rows are kept.
+    /// Length of a time cell (s); `None` while all rows are kept.
     cell: Option<f64>,
-    /// Control steps at the recording's beginning that are rows already.
+    /// Number of control steps at the start of the recording that have been converted to rows.
     aligned: usize,
-    /// The strokes that are over, in rows of all.
+    /// Completed strokes, as ranges of all rows.
     strokes: Vec<Stroke>,
-    /// The first row that is kept and of no stroke that is over.
+    /// First retained row after the completed strokes.
     open: usize,
-    /// Whether rows from there on were let go of.
+    /// `true` if rows from `open` on have been removed.
     open_is_thinned: bool,
     measures: Vec<StrokeMeasures>,
     felt: Vec<FeltStroke>,
     too_long: Vec<u32>,
     over_all: OverAll,
-    /// Rows that `over_all` has of those that are kept: all that are older than the newest that were let go of.
+    /// Number of retained rows already included in `over_all`: those before the latest removal.
     measured: usize,
     contact: Contact,
 }
@@ -121,7 +121,7 @@ impl LongRun {
         }
     }
 
-    /// Takes what is there of the time up to `until`, s, of which no more comes, and lets go of it.
+    /// Converts all messages up to `until` (s), which must be complete, and releases them.
     fn take(&mut self, recording: &mut Recording, until: f64) {
         let tasks = recording.task.iter();
         let known = tasks
@@ -132,7 +132,7 @@ impl LongRun {
         }
         self.contact.take(recording, until);
         recording.forget_until(until);
-        // The newest of those that are rows stays.
+        // The last converted step is still in the recording.
         self.aligned = known.min(1);
         if has_many_messages(recording) {
             self.close_strokes(recording);
@@ -141,7 +141,7 @@ impl LongRun {
         }
     }
 
-    /// Makes rows of the control steps before `end` that are none yet.
+    /// Converts control steps before `end` that are not rows yet.
     fn align(&mut self, recording: &Recording, end: usize) {
         let before = self.data.time.len();
         let steps = self.aligned..end;
@@ -156,14 +156,14 @@ impl LongRun {
         }
     }
 
-    /// Measures the strokes that are over: after whose last row others have come.
+    /// Measures the completed strokes: those followed by further rows.
     fn close_strokes(&mut self, recording: &Recording) {
         let open = self.open;
         let count = self.numbers.len();
         for stroke in split_strokes(&self.numbers[open..], &self.data.phase[open..]) {
             let stroke = moved(&stroke, |rows| shifted(rows, open));
             if stroke.rows.end == count {
-                // It may go on.
+                // The last stroke may continue.
                 self.open_is_thinned &= self.open == stroke.rows.start;
                 self.open = stroke.rows.start;
                 return;
@@ -197,8 +197,8 @@ impl LongRun {
         });
     }
 
-    /// Lets go of rows: of those that claims are about a quarter of what there is room for may stay, of the stroke that
-    /// is not measured yet an eighth, of the rest a half.
+    /// Removes rows. Strokes that claims refer to may keep a quarter of the limit, the open stroke an eighth, all other
+    /// rows half.
     fn thin(&mut self) {
         self.take_over_all();
         let pinned = self.pinned();
@@ -212,15 +212,15 @@ impl LongRun {
         self.measured = self.numbers.len();
     }
 
-    /// Measures what is measured of all rows of those that were not yet.
+    /// Accumulates the quantities of the whole run over rows that are not included yet.
     fn take_over_all(&mut self) {
         let rows = self.measured..self.data.time.len();
         let place = self.count - rows.len();
         self.over_all.take(&self.data, rows, place);
     }
 
-    /// Rows that stay: those of the strokes that claims are about, with the row before each, and of the stroke that is
-    /// not measured yet.
+    /// Rows that must be kept: those of the strokes that claims refer to, with the row before each, and those of the
+    /// open stroke.
     fn pinned(&mut self) -> Vec<Range<usize>> {
         let mut pinned = Vec::new();
         let mut room = self.most / 4;
@@ -249,7 +249,7 @@ impl LongRun {
             self.data.strokes = split_strokes(&self.numbers, &self.data.phase);
             return self.data;
         }
-        // The last stroke is over, whatever would have come.
+        // At the end of the run, the last stroke counts as completed.
         let open = self.open;
         for stroke in split_strokes(&self.numbers[open..], &self.data.phase[open..]) {
             self.close(recording, &moved(&stroke, |rows| shifted(rows, open)));
@@ -260,13 +260,13 @@ impl LongRun {
         self.thinned()
     }
 
-    /// The rows that are kept, with what was measured of all.
+    /// Retained rows, with the measures of all rows.
     fn thinned(mut self) -> RunData {
         let places = &self.places;
         let strokes = self.strokes.iter();
         let strokes = strokes.map(|stroke| {
             let kept = moved(stroke, |rows| kept_rows(places, rows));
-            // Whoever asks for a whole stroke goes through all of its rows.
+            // A stroke is whole only if all of its rows are retained.
             let whole = stroke.whole && kept.rows.len() == stroke.rows.len();
             Stroke { whole, ..kept }
         });

@@ -1,4 +1,4 @@
-//! Makes a run's report from its recording.
+//! Creates the report of a run from its recording.
 
 use super::claim::Claim;
 use super::criterion::Success;
@@ -16,85 +16,84 @@ use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::thread;
 
-/// Name of the recording in a run's directory.
+/// File name of the recording in a run's folder.
 pub const RECORDING: &str = "recording.mcap";
-/// Name of the page in a run's directory.
+/// File name of the report page in a run's folder.
 pub const REPORT: &str = "report.html";
-/// Name of the directory of single figures in a run's directory.
+/// Folder name of the individual figures in a run's folder.
 pub const FIGURES: &str = "figures";
-/// Name of the summary in a run's directory.
+/// File name of the summary in a run's folder.
 pub const SUMMARY: &str = "summary.json";
-/// What is added to the names of an earlier report's files when their recording is of no use.
+/// Suffix for files of an earlier report whose recording has become unreadable.
 const STALE: &str = ".stale";
 
-/// Why a report could not be made.
+/// Error of report creation.
 #[derive(Debug, thiserror::Error)]
 pub enum ReportError {
-    /// There is no recording of which anything is readable.
+    /// The recording is missing or unreadable.
     #[error(transparent)]
     Recording(#[from] RecordError),
-    /// Nothing of the recording is readable, and there was an earlier report.
+    /// The recording is unreadable, and an earlier report was renamed.
     #[error(
-        "{error}; the earlier report cannot be held against it any more and is now called {files}"
+        "{error}; the earlier report cannot be verified any more and was renamed to {files}"
     )]
     SetAside {
-        /// What is wrong with the recording.
+        /// Error of the recording.
         error: RecordError,
-        /// What the earlier report's files are called now.
+        /// New names of the earlier report's files.
         files: String,
     },
     /// A file of the report could not be written.
     #[error("report {path}: {source}")]
     Write {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
-        /// What the system said.
+        /// Underlying I/O error.
         source: std::io::Error,
     },
 }
 
-/// What [`make`] made.
+/// Result of [`make`].
 #[derive(Debug, Clone, PartialEq)]
 pub struct ReportOutcome {
-    /// `report.html`.
+    /// Path of `report.html`.
     pub report_path: PathBuf,
-    /// `summary.json`.
+    /// Path of `summary.json`.
     pub summary_path: PathBuf,
-    /// Whether the recording is whole.
+    /// `true` if the recording is complete.
     pub complete: bool,
-    /// What is wrong with the recording, if it is not whole.
+    /// Defect of the recording, if it is incomplete.
     pub problem: Option<String>,
-    /// Time up to which the recording is readable, s.
+    /// Time up to which the recording is readable (s).
     pub readable_until: f64,
-    /// What stands in `summary.json`.
+    /// Content of `summary.json`.
     pub summary: Summary,
-    /// Whose the claims are, after the word "claims".
+    /// Origin of the claims, as it follows the word "claims".
     pub whose: &'static str,
 }
 
 impl ReportOutcome {
-    /// The claims that the report shows: those of the task, or those of any hand under a law other than the paper's.
+    /// Claims shown in the report: those of the task, or those of any hand if the law is not the paper's.
     pub fn claims(&self) -> &[Claim] {
         self.summary.shown_claims()
     }
 }
 
-/// Reads `recording.mcap` in `run_dir` and writes `report.html`, `summary.json` and the figures,
-/// one file each, beside it. A damaged recording
-/// gives a report of what is readable, marked as incomplete. Of one of which nothing is readable, an
-/// earlier report is set aside, so that it does not look as if it were the recording's.
+/// Reads `recording.mcap` in `run_dir` and writes `report.html`, `summary.json` and the figures next to it. A damaged
+/// recording yields a report of its readable part, marked as incomplete. If nothing is readable, files of an earlier
+/// report are renamed so that they are not mistaken for a report of this recording.
 ///
 /// # Errors
-/// When nothing of the recording is readable or a file cannot be written.
+/// If the recording is unreadable or a file cannot be written.
 pub fn make(run_dir: impl AsRef<Path>) -> Result<ReportOutcome, ReportError> {
     make_with(run_dir, &mut |_| {})
 }
 
-/// The same; `progress` is told the share of the recording that was read, 0 to 1. Needs little memory, however long the
-/// recording is ([`long_run`]).
+/// Like [`make`], but calls `progress` with the fraction of the recording that has been read (0 to 1). Memory use is
+/// bounded, independent of the recording's length ([`long_run`]).
 ///
 /// # Errors
-/// As of [`make`].
+/// Same as [`make`].
 pub fn make_with(
     run_dir: impl AsRef<Path>,
     progress: &mut dyn FnMut(f64),
@@ -103,11 +102,11 @@ pub fn make_with(
     make_into(&run_dir.join(RECORDING), run_dir, progress)
 }
 
-/// Like [`make_with`], but of the recording at `path`, into `folder`, which is made if it is missing. It may be that of the recording or
-/// one beside it.
+/// Like [`make_with`], but for the recording at `path` and the output folder `folder`, which is created if missing.
+/// `folder` must be the recording's folder or a subfolder of it.
 ///
 /// # Errors
-/// As of [`make`].
+/// Same as [`make`].
 pub fn make_into(
     path: &Path,
     folder: &Path,
@@ -126,10 +125,10 @@ pub fn make_into(
     write_report(folder, &link, &recording, &data)
 }
 
-/// The same of a `recording` whose rows are `data`, and which need not be read again.
+/// Like [`make`], but for a `recording` in memory with rows `data`.
 ///
 /// # Errors
-/// When a file cannot be written.
+/// If a file cannot be written.
 pub fn make_of(
     run_dir: &Path,
     recording: &Recording,
@@ -138,14 +137,14 @@ pub fn make_of(
     write_report(run_dir, RECORDING, recording, data)
 }
 
-/// Writes the report of a recording into `run_dir`, from which `link` leads to it.
+/// Writes the report of a recording into `run_dir`. `link` is the relative path from there to the recording.
 fn write_report(
     run_dir: &Path,
     link: &str,
     recording: &Recording,
     data: &RunData,
 ) -> Result<ReportOutcome, ReportError> {
-    // Should anything go wrong from here on, no earlier report is left beside half of a new one.
+    // Remove the earlier report first, so that an error cannot leave a mix of old and new files.
     let [report_path, summary_path] = [REPORT, SUMMARY].map(|name| run_dir.join(name));
     remove(&report_path)?;
     remove(&summary_path)?;
@@ -176,20 +175,20 @@ fn write_report(
     })
 }
 
-/// The page of a recording in memory: what [`make`] writes as `report.html`. Writes nothing.
+/// Report page of a recording in memory, equal to the `report.html` written by [`make`]. Writes no files.
 pub fn page_of(recording: &Recording) -> String {
     page_of_rows(recording, &RunData::new(recording))
 }
 
-/// The same of a recording whose rows are `data`.
+/// Like [`page_of`], but with existing rows.
 pub fn page_of_rows(recording: &Recording, data: &RunData) -> String {
     draw(recording, data, RECORDING, |_, _| ()).html
 }
 
-/// The page of the recording at `path`. Writes nothing.
+/// Report page of the recording at `path`. Writes no files.
 ///
 /// # Errors
-/// When nothing of the recording is readable.
+/// If the recording is unreadable.
 pub fn page_of_file(
     path: impl AsRef<Path>,
     progress: &mut dyn FnMut(f64),
@@ -198,7 +197,7 @@ pub fn page_of_file(
     Ok(page_of_rows(&recording, &data))
 }
 
-/// All that a report is made of, and what became of the parts that are drawn first.
+/// A drawn report, and the result of the callback of [`draw`].
 struct Drawn<T> {
     html: String,
     summary: Summary,
@@ -206,7 +205,8 @@ struct Drawn<T> {
     given: T,
 }
 
-/// Draws the page of `recording`; `give` has figures and summary while the page's numbers are still compressed, which takes longest.
+/// Draws the page of `recording`. Calls `give` with figures and summary while the page data are still being compressed,
+/// which takes longest.
 fn draw<T>(
     recording: &Recording,
     data: &RunData,
@@ -217,7 +217,7 @@ fn draw<T>(
         let table = scope.spawn(|| RunTable::new(data));
         let mut summary = Summary::new(recording, data);
         summary.success = Success::of(&recording.facts, &summary);
-        // A table of trials has the same columns for every law; a report holds to the paper only what is like it.
+        // Trial tables have the same columns for every law; a report shows the paper's claims only if they apply.
         if !tasks::claims_are_shown(&recording.facts) {
             summary.claims.clear();
         }
@@ -236,10 +236,10 @@ fn draw<T>(
     })
 }
 
-/// Makes a folder and those that it is in, unless it is there.
+/// Creates a folder and its parents if they are missing.
 ///
 /// # Errors
-/// If it cannot be made; names the file that is in its place, or in that of a folder above it.
+/// If the folder cannot be created. Names the file that occupies the path or one of its parents.
 pub fn create_folder(path: &Path) -> io::Result<()> {
     fs::create_dir_all(path).map_err(|error| match error.kind() {
         ErrorKind::AlreadyExists | ErrorKind::NotADirectory => {
@@ -251,7 +251,7 @@ pub fn create_folder(path: &Path) -> io::Result<()> {
     })
 }
 
-/// Writes each figure that was drawn to a file of its own in `directory`; others are not left there from before.
+/// Writes each figure to a separate file in `directory` and removes outdated files of figures that were not drawn.
 fn write_figures(directory: &Path, figures: &[Figure]) -> Result<(), ReportError> {
     create_folder(directory).map_err(|source| ReportError::Write {
         path: directory.to_path_buf(),
@@ -266,7 +266,7 @@ fn write_figures(directory: &Path, figures: &[Figure]) -> Result<(), ReportError
     })
 }
 
-/// Reads the recording at `path`, or sets aside the report in `run_dir` that it cannot back any more.
+/// Reads the recording at `path`. If it is unreadable, renames the earlier report in `run_dir`.
 fn read(
     path: &Path,
     run_dir: &Path,
@@ -276,7 +276,7 @@ fn read(
         Ok(read) => return Ok(read),
         Err(error) => error,
     };
-    // Without a recording this may be no run's folder at all, and its files are not ours.
+    // If the recording is missing, this may not be a run's folder; leave its files alone.
     if !matches!(error, RecordError::NothingReadable { .. }) {
         return Err(error.into());
     }
@@ -296,7 +296,7 @@ fn read(
     Err(ReportError::SetAside { error, files })
 }
 
-/// Removes a file of an earlier report, if there is one.
+/// Removes a file of an earlier report, if present.
 fn remove(path: &Path) -> Result<(), ReportError> {
     match fs::remove_file(path) {
         Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(ReportError::Write {
@@ -307,7 +307,7 @@ fn remove(path: &Path) -> Result<(), ReportError> {
     }
 }
 
-/// Writes a file so that it is there whole or not at all.
+/// Writes a file atomically.
 fn write_whole(path: &Path, content: &[u8]) -> Result<(), ReportError> {
     let mut name = path.file_name().unwrap_or_default().to_os_string();
     name.push(".part");
@@ -319,7 +319,7 @@ fn write_whole(path: &Path, content: &[u8]) -> Result<(), ReportError> {
         })
         .and_then(|()| fs::rename(&part, path));
     written.map_err(|source| {
-        // The part is of no use to anyone; that it may not exist does not matter.
+        // Best effort: the partial file may not exist.
         let _ = fs::remove_file(&part);
         ReportError::Write {
             path: path.to_path_buf(),

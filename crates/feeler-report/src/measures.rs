@@ -1,13 +1,13 @@
-//! Measures of paths and series that the claims are about; each a pure function.
+//! Pure functions that measure paths and series for the claims.
 
 use super::series::{correlation, finite, maximum, rms};
 use glam::{DVec2, DVec3};
 
-/// Largest inward deviation of a path from a straight line, m: the largest component along
-/// `approach` of the path's offset from the line through its first point along `direction`.
+/// Largest inward deviation of a path from a straight line (m): the maximum component along `approach` of the path's
+/// offset from the line through its first point along `direction`.
 ///
-/// At least 0, since the first point lies on the line. `approach` and `direction` are unit
-/// vectors in the frame of the path.
+/// At least 0, because the first point lies on the line. `approach` and `direction` are unit vectors in the frame of
+/// the path. `None` for an empty path.
 pub fn inward_bend(path: &[DVec3], direction: DVec3, approach: DVec3) -> Option<f64> {
     let start = *path.first()?;
     maximum(path.iter().map(|point| {
@@ -17,8 +17,8 @@ pub fn inward_bend(path: &[DVec3], direction: DVec3, approach: DVec3) -> Option<
     }))
 }
 
-/// RMS distance between two paths as curves in the horizontal plane, m: of every point of each
-/// from the nearest point of the other, whatever the time it was there.
+/// RMS distance between two paths as curves in the horizontal plane (m): from every point of each path to the nearest
+/// point of the other, regardless of time. `None` if a path is empty.
 pub fn distance_between_paths(a: &[DVec3], b: &[DVec3]) -> Option<f64> {
     if a.is_empty() || b.is_empty() {
         return None;
@@ -30,7 +30,7 @@ pub fn distance_between_paths(a: &[DVec3], b: &[DVec3]) -> Option<f64> {
     rms(there.chain(back))
 }
 
-/// A path of straight pieces, m.
+/// A polyline (m).
 pub struct Polyline {
     first: Option<DVec2>,
     pieces: Vec<Piece>,
@@ -39,12 +39,13 @@ pub struct Polyline {
 struct Piece {
     start: DVec2,
     along: DVec2,
-    /// What makes a point's share of the piece of its way from the start; zero where the piece has no length.
+    /// Dot product with this vector gives the fraction of the piece at which a point projects; zero if the piece has no
+    /// length.
     to_share: DVec2,
 }
 
 impl Polyline {
-    /// Through these points, m.
+    /// Polyline through these points (m).
     pub fn new(path: &[DVec2]) -> Self {
         let piece = |ends: &[DVec2]| {
             let (start, along) = (ends[0], ends[1] - ends[0]);
@@ -65,7 +66,7 @@ impl Polyline {
         }
     }
 
-    /// Distance of a point (m) from it, m; not a number where it goes through no point.
+    /// Distance of a point (m) from the polyline (m); NaN if the polyline is empty.
     pub fn distance(&self, point: DVec2) -> f64 {
         let to_piece = |piece: &Piece| {
             let from_start = point - piece.start;
@@ -80,17 +81,17 @@ impl Polyline {
     }
 }
 
-/// The best correlation of two series within a lag, and that lag.
+/// Maximum correlation of two series over a range of lags.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct LaggedCorrelation {
-    /// Pearson's correlation.
+    /// Pearson correlation coefficient.
     pub correlation: f64,
-    /// Samples by which the second series is later than the first.
+    /// Lag of the second series (samples).
     pub lag: i32,
 }
 
-/// The best correlation of `x` with `y` over stretches of samples (no pair spans two stretches),
-/// with `y` later than `x` by any lag within `-max_lag..=max_lag` samples.
+/// Maximum correlation of `x` and `y` over pairs of stretches (no sample pair spans two stretches), with `y` delayed by
+/// `-max_lag..=max_lag` samples.
 pub fn lagged_correlation(
     stretches: &[(Vec<f64>, Vec<f64>)],
     max_lag: usize,
@@ -125,7 +126,7 @@ mod tests {
     }
 
     #[test]
-    fn the_bend_is_the_largest_inward_offset_from_the_line() {
+    fn bend_is_the_largest_inward_offset_from_the_line() {
         let path = [
             DVec3::new(0.020, 0.0, 0.0),
             DVec3::new(0.019, 0.004, 0.0),
@@ -137,14 +138,14 @@ mod tests {
     }
 
     #[test]
-    fn motion_along_a_slanted_stroke_is_no_bend() {
+    fn motion_along_a_slanted_stroke_has_no_bend() {
         let direction = DVec3::new(0.6, 0.8, 0.0);
         let path: Vec<_> = (0..5).map(|i| 0.001 * f64::from(i) * direction).collect();
         close(inward_bend(&path, direction, DVec3::NEG_X), 0.0);
     }
 
     #[test]
-    fn parallel_paths_are_their_distance_apart_at_any_pace() {
+    fn distance_of_parallel_paths_is_independent_of_speed() {
         let a: Vec<_> = (0..11)
             .map(|i| DVec3::new(0.0, f64::from(i), 0.0))
             .collect();

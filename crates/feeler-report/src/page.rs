@@ -1,4 +1,4 @@
-//! `report.html`: one self-contained page for phone, desk and print.
+//! `report.html`: a self-contained page for phone, desktop and print.
 
 use super::claim::{Claim, Verdict};
 use super::claims_table::claims_table;
@@ -15,7 +15,7 @@ use super::thinned::Thinned;
 use feeler_record::{Phase, Recording, RunFacts, RunState, TaskKind};
 use maud::{Markup, html};
 
-/// The page, as HTML text, from which `link` leads to the recording; the rows of `data` are in `table`.
+/// Report page as HTML. `link` is the relative path to the recording; `table` contains the rows of `data`.
 pub(crate) fn page(
     (recording, link): (&Recording, &str),
     data: &RunData,
@@ -37,8 +37,8 @@ pub(crate) fn page(
         h1 { "Run report: " (name) }
         @if let Some(original) = &facts.replay_of {
             p.note {
-                "A replay. Joint angles, torque and cap are those on record and did not follow from the "
-                "commands here. Replayed was the recording with digest " span.digest { (original) } "."
+                "This run is a replay. Joint angles, torque and cap are copied from the original recording and do not respond "
+                "to the commands shown here. Digest of the original recording: " span.digest { (original) } "."
             }
         }
         p.verdict { (verdict(recording, summary, task, (claims, whose))) }
@@ -54,37 +54,37 @@ pub(crate) fn page(
         (task.measured(recording, summary))
         h2 { "The run" }
         p {
-            "Everything on record: " a href=(link) { (link) } " (Rerun, Foxglove, RViz and Python read it). "
-            "The same run again: " code { (again(facts)) } "."
+            "Recording: " a href=(link) { (link) } " (opens in Rerun, Foxglove, RViz and Python). "
+            "To repeat this run: " code { (again(facts)) } "."
         }
         (facts_table(facts, summary))
         details {
-            summary { "The experiment as run (" code { "experiment.toml" } ")" }
+            summary { "Experiment as run (" code { "experiment.toml" } ")" }
             pre { (recording.experiment) }
         }
-        p { "Digest of the recording's content (SHA-256):" br; span.digest { (summary.digest) } }
+        p { "Digest of the recording (SHA-256):" br; span.digest { (summary.digest) } }
         p.note {
-            "The paper is M. Ohka, N. Morisawa and H. B. Yussof, “Trajectory Generation of Robotic "
-            "Fingers Based on Tri-axial Tactile Data for Cap Screwing Task”, 2009. Everything on this "
-            "page is computed from the recording."
+            "Paper: M. Ohka, N. Morisawa and H. B. Yussof, “Trajectory Generation of Robotic "
+            "Fingers Based on Tri-axial Tactile Data for Cap Screwing Task”, 2009. All values on this "
+            "page are computed from the recording."
         }
     };
     let page = PageData::of_run(&name, recording, data, table, figures);
     document(&format!("{mark}{name}"), body, &page)
 }
 
-/// What a page of a long run does not show.
+/// Note about the data that the page of a long run omits.
 fn left_out(thinned: &Thinned, data: &RunData) -> Markup {
     let (all, kept) = (thinned.rows, data.time.len());
     let numbers = thinned.too_long.iter().take(10).map(u32::to_string);
     let too_long = numbers.collect::<Vec<_>>().join(", ");
     html! {
         p.note {
-            "This run is long. Of its " (all) " control steps the figures and the scene show " (kept) ": all of the "
-            "first four strokes, as far as there is room, and elsewhere those where forces, shear rates and torque are largest. Claims and "
-            "the measures of strokes are of all."
+            "This is a long run: figures and scene show " (kept) " of its " (all) " control steps. These are all steps of the "
+            "first four strokes, as far as they fit, and elsewhere the extremes of force, shear rate and torque. Claims and "
+            "stroke measures use all steps."
             @if !too_long.is_empty() {
-                " Of strokes that last longer than there is room for only the largest values are known (" (too_long)
+                " Only maxima are known for strokes that are too long (" (too_long)
                 @if thinned.too_long.len() > 10 { ", …" }
                 ")."
             }
@@ -92,17 +92,17 @@ fn left_out(thinned: &Thinned, data: &RunData) -> Markup {
     }
 }
 
-/// The command that makes the same run again.
+/// Command that repeats the run.
 fn again(facts: &RunFacts) -> String {
     let (experiment, seed, sensing) = (&facts.experiment, facts.seed, &facts.sensing);
     format!("feeler run {experiment} --seed {seed} --sensing {sensing}")
 }
 
-/// What was achieved, as far as it was measured.
+/// Key figures, as far as they were measured.
 fn tiles_of(summary: &Summary, claims: &[Claim]) -> Vec<Tile> {
     let held = claims.iter().filter(|claim| claim.holds).count();
     let claims = (!claims.is_empty())
-        .then(|| Tile::new(format!("{held} of {}", claims.len()), "", "claims hold"));
+        .then(|| Tile::new(format!("{held} of {}", claims.len()), "", "claims pass"));
     let outcome = summary
         .outcome
         .as_ref()
@@ -117,46 +117,46 @@ fn tiles_of(summary: &Summary, claims: &[Claim]) -> Vec<Tile> {
     let torque = summary.final_torque.filter(|_| screws);
     let turn = summary.cap_angle.filter(|_| screws);
     let measured = [
-        measure(torque, 1e3, "mN·m", "torque of the last stroke"),
-        measure(turn, 1f64.to_degrees(), "°", "turn of the cap"),
+        measure(torque, 1e3, "mN·m", "peak torque, last stroke"),
+        measure(turn, 1f64.to_degrees(), "°", "cap rotation"),
         measure(
             summary.peak_element_force,
             1.0,
             "N",
             "peak force on an element",
         ),
-        measure(slip, 1e2, "%", "slip, of the last MOVE"),
-        measure(Some(summary.sim_time), 1.0, "s", "on record"),
+        measure(slip, 1e2, "%", "slip in the last MOVE"),
+        measure(Some(summary.sim_time), 1.0, "s", "recorded time"),
     ];
     let first = [Some(Tile::new(outcome, "", "outcome")), claims];
     first.into_iter().chain(measured).flatten().collect()
 }
 
-/// The unmistakable sign over a report of a damaged recording or an interrupted run.
+/// Banner above the report of a damaged recording or an interrupted run.
 fn banner(recording: &Recording, summary: &Summary) -> Markup {
     html! {
         @if let (Some(missing), true) = (recording.missing(), recording.problem == recording.missing()) {
             div.incomplete role="alert" {
-                "GAP: " (missing) ". Numbers and figures below are of what is on record only; lines are drawn across "
-                "what is missing."
+                "GAP: " (missing) ". Numbers and figures below cover the recorded data only; lines are drawn across "
+                "the gap."
             }
         } @else if let Some(problem) = &recording.problem {
             div.incomplete role="alert" {
                 "INCOMPLETE: readable up to t = " (format!("{:.2}", recording.readable_until)) " s. "
                 "The recording is damaged or the run was interrupted (" (problem) "). "
-                "Numbers and figures below are of what is readable only."
+                "Numbers and figures below cover the readable part only."
             }
         } @else if summary.state == RunState::Interrupted {
             div.incomplete role="alert" {
-                "INTERRUPTED at t = " (format!("{:.2}", recording.readable_until)) " s, before the task was over"
+                "INTERRUPTED at t = " (format!("{:.2}", recording.readable_until)) " s, before the task was completed"
                 @if let Some(reason) = &summary.reason { " (" (reason) ")" }
-                ". Numbers and figures below are of the run until then."
+                ". Numbers and figures below cover the run up to that time."
             }
         }
     }
 }
 
-/// The run in one paragraph.
+/// One-paragraph summary of the run.
 fn verdict(
     recording: &Recording,
     summary: &Summary,
@@ -174,15 +174,15 @@ fn verdict(
     html! {
         @match summary.state {
             RunState::Done => { span.holds { "Done." } }
-            state => { span.fails { (capitalised(state)) } ": " (summary.reason.as_deref().unwrap_or("no reason on record")) "." }
+            state => { span.fails { (capitalised(state)) } ": " (summary.reason.as_deref().unwrap_or("no reason recorded")) "." }
         }
         " " (task.verdict(recording, summary)) " "
         @if total == 0 {
         } @else if held == total {
-            span.holds { "All " (total) " claims " (whose) " hold." }
+            span.holds { "All " (total) " claims " (whose) " pass." }
         } @else {
-            (held) " of the " (total) " claims " (whose) " hold"
-            @if !failed.is_empty() { "; " span.fails { "not: " (failed) } }
+            (held) " of the " (total) " claims " (whose) " pass"
+            @if !failed.is_empty() { "; " span.fails { "failed: " (failed) } }
             @if !unmeasured.is_empty() { "; not measured: " (unmeasured) }
             "."
         }
@@ -195,7 +195,7 @@ fn verdict(
     }
 }
 
-/// With a capital at the beginning, as a sentence has it.
+/// Text with its first letter capitalized.
 fn capitalised(text: impl ToString) -> String {
     let text = text.to_string();
     let mut letters = text.chars();
@@ -209,7 +209,7 @@ fn facts_table(facts: &RunFacts, summary: &Summary) -> Markup {
         ("Experiment", facts.experiment.clone()),
         ("Task", facts.task.to_string()),
         ("Seed", facts.seed.to_string()),
-        ("Version of feeler", facts.version.clone()),
+        ("feeler version", facts.version.clone()),
         ("Sensing", facts.sensing.to_string()),
         ("Fingers", facts.fingers.to_string()),
         (
@@ -218,7 +218,7 @@ fn facts_table(facts: &RunFacts, summary: &Summary) -> Markup {
         ),
         (
             "Feeler tip radius",
-            // Without a simulated world nobody told of it.
+            // Recorded only by the simulator.
             match facts.feeler_tip_radius > 0.0 {
                 true => format!("{} mm", significant(1e3 * facts.feeler_tip_radius)),
                 false => unknown(),
@@ -237,11 +237,11 @@ fn facts_table(facts: &RunFacts, summary: &Summary) -> Markup {
             format!("{} N/s", significant(facts.slip_threshold)),
         ),
         (
-            "Grasp threshold or load",
+            "Grasp force threshold or load",
             format!("{} N", significant(facts.grasp_force_threshold)),
         ),
         (
-            "Time on record",
+            "Recorded time",
             format!("{} s", significant(summary.sim_time)),
         ),
         (

@@ -1,28 +1,29 @@
-//! How well the path of a fingertip over a stroke fits the arc about the cap's axis.
+//! Fit of a fingertip's path over a stroke to the arc about the cap's axis.
 
 use super::run_data::{RunData, Stroke};
 use super::series::{finite, mean, standard_deviation};
 use glam::DVec3;
 
-/// Shares of a stroke's travel between which the grip has built up and the finger is not yet braked.
+/// Range of a stroke's travel (as fractions) in which the grip has built up and the finger does not brake yet.
 pub const WINDOW: (f64, f64) = (0.25, 0.98);
 
-/// How well one finger's path over MOVE fits the arc about the cap's axis. Paths are those of the dome's centre, by
-/// encoders and kinematics; R is its horizontal distance from the cap's axis.
+/// Fit of one finger's path over MOVE to the arc about the cap's axis. The path is that of the dome's center, from
+/// encoders and kinematics. R is its horizontal distance from the cap's axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PathFit {
-    /// Standard deviation of R within the [`WINDOW`], m: 0 on an arc about the axis.
+    /// Standard deviation of R within the [`WINDOW`] (m); 0 on an arc about the axis.
     pub radius_std: f64,
-    /// The same of the straight line that was planned, from where the finger is when the window begins, m.
+    /// Standard deviation of R on the planned straight line, starting at the finger's position at the start of the
+    /// window (m).
     pub line_radius_std: f64,
-    /// Curvature of the path relative to that of the arc, 1/R: twice the quadratic coefficient of a least-squares parabola
-    /// of the offset towards the cap over the travel, up to the window's end, times the mean R. 1 on the arc, 0 on any
-    /// straight line, however tilted.
+    /// Curvature of the path relative to the curvature 1/R of the arc: mean R times twice the quadratic coefficient of
+    /// a least-squares parabola of the inward offset over the travel, up to the end of the window. 1 on the arc, 0 on
+    /// any straight line, however tilted.
     pub curvature: f64,
 }
 
 impl PathFit {
-    /// Of the `finger` over the MOVE of `stroke`; none if it does not travel, or nothing tells where the cap is.
+    /// Fit of `finger` over the MOVE of `stroke`; `None` if the finger does not move or the cap's position is unknown.
     pub fn new(data: &RunData, stroke: &Stroke, finger: usize) -> Option<Self> {
         let facts = &data.facts;
         let direction = DVec3::from(*facts.stroke_direction.get(finger)?);
@@ -36,8 +37,8 @@ impl PathFit {
         Self::of(path, axis, direction, approach)
     }
 
-    /// Of a `path` (m) in the frame of the cap's `axis` (m, a point on it for each of the path's) that was planned along
-    /// `direction`, with the cap on the side of `approach`; both are unit vectors.
+    /// Fit of a `path` (m). `axis` contains a point of the cap's axis (m) for each point of the path. The path was
+    /// planned along `direction`; the cap is on the side of `approach`. Both are unit vectors.
     pub fn of(path: &[DVec3], axis: &[DVec3], direction: DVec3, approach: DVec3) -> Option<Self> {
         if axis.len() != path.len() {
             return None;
@@ -63,7 +64,7 @@ impl PathFit {
     }
 }
 
-/// The rows of a finger's MOVE that are within the [`WINDOW`].
+/// Rows of a finger's MOVE within the [`WINDOW`].
 pub fn window_rows(data: &RunData, stroke: &Stroke, finger: usize) -> Option<Vec<usize>> {
     let direction = DVec3::from(*data.facts.stroke_direction.get(finger)?);
     let path = data
@@ -75,7 +76,7 @@ pub fn window_rows(data: &RunData, stroke: &Stroke, finger: usize) -> Option<Vec
     Some(rows.map(|row| stroke.moving.start + row).collect())
 }
 
-/// How far along `direction` each point of a path is from its first, m.
+/// Travel of each point of a path along `direction`, relative to the first point (m).
 pub fn travel(path: &[DVec3], direction: DVec3) -> Option<Vec<f64>> {
     let start = *path.first()?;
     Some(
@@ -85,7 +86,7 @@ pub fn travel(path: &[DVec3], direction: DVec3) -> Option<Vec<f64>> {
     )
 }
 
-/// The rows of a path whose travel is within the [`WINDOW`]; none if it goes nowhere.
+/// Rows of a path whose travel is within the [`WINDOW`]; `None` if the path has no length.
 fn window(travel: &[f64]) -> Option<Vec<usize>> {
     let length = travel.iter().copied().fold(0.0, f64::max);
     let span = WINDOW.0 * length..=WINDOW.1 * length;
@@ -93,9 +94,9 @@ fn window(travel: &[f64]) -> Option<Vec<usize>> {
     (length > 0.0).then(|| (0..travel.len()).filter(inside).collect())
 }
 
-/// The coefficient of x² in the parabola that fits (x, y) best; none where they do not define one.
+/// Coefficient of x² of the parabola that fits (x, y) best; `None` if the points do not define it.
 ///
-/// By polynomials that are orthogonal on the points, so that no system of equations is to be solved.
+/// Uses polynomials that are orthogonal on the points, so that no system of equations has to be solved.
 fn quadratic_coefficient(points: &[(f64, f64)]) -> Option<f64> {
     let middle = mean(points.iter().map(|p| p.0))?;
     let centred = || points.iter().map(|p| p.0 - middle);
@@ -113,8 +114,8 @@ mod tests {
 
     const RADIUS: f64 = 0.032;
 
-    /// A path about the origin that starts `before` (m) the tangent point and travels 10 mm along y; `sagitta` is the
-    /// share of the arc's curvature that it has, `tilt` its slope towards the axis.
+    /// Fit of a path about the origin that starts `before` (m) the tangent point and travels 10 mm along y. `sagitta`
+    /// is its curvature relative to the arc, `tilt` its slope towards the axis.
     fn fit(before: f64, sagitta: f64, tilt: f64) -> PathFit {
         let points = (0..=200).map(|i| {
             let y = -before + 5e-5 * f64::from(i);
@@ -130,18 +131,18 @@ mod tests {
     }
 
     #[test]
-    fn an_arc_about_the_axis_keeps_its_radius_and_has_its_curvature() {
+    fn arc_about_the_axis_has_constant_radius_and_curvature_1() {
         for before in [0.0, 0.003, 0.005] {
             let arc = fit(before, 1.0, 0.0);
             assert!(arc.radius_std < 1e-12, "{arc:?}");
-            // A parabola follows a circle of 32 mm over 10 mm to the fourth power of 10/32: a few per cent.
+            // Over 10 mm, a parabola deviates from a circle of 32 mm by the fourth power of 10/32: a few percent.
             assert!((arc.curvature - 1.0).abs() < 0.06, "{arc:?}");
         }
     }
 
-    /// What once counted as a curve: a straight line that is tilted towards the cap.
+    /// Regression: a straight line tilted towards the cap was measured as curved.
     #[test]
-    fn a_tilted_straight_line_has_no_curvature() {
+    fn tilted_straight_line_has_no_curvature() {
         for tilt in [0.0, 0.1, 0.31] {
             let line = fit(0.0, 0.0, tilt);
             assert!(line.curvature.abs() < 1e-9, "{line:?}");
@@ -151,7 +152,7 @@ mod tests {
     }
 
     #[test]
-    fn half_a_bend_is_half_the_curvature_and_half_the_deviation() {
+    fn half_the_sagitta_is_half_the_curvature_and_deviation() {
         let half = fit(0.0, 0.5, 0.0);
         assert!((half.curvature - 0.5).abs() < 0.03, "{half:?}");
         let share = half.radius_std / half.line_radius_std;
@@ -159,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn a_finger_that_goes_nowhere_has_no_fit() {
+    fn stationary_finger_has_no_fit() {
         let still = [DVec3::X; 9];
         assert_eq!(
             PathFit::of(&still, &[DVec3::ZERO; 9], DVec3::Y, DVec3::NEG_X),
@@ -169,7 +170,7 @@ mod tests {
     }
 
     #[test]
-    fn a_parabola_gives_its_own_coefficient() {
+    fn quadratic_coefficient_of_a_parabola_is_exact() {
         let points: Vec<_> = [0.0, 0.1, 0.5, 0.6, 2.0]
             .map(|x| (x, 3.0 - x + 7.0 * x * x))
             .into();

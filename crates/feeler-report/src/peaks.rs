@@ -1,32 +1,32 @@
-//! Counts the peaks of a series of any length as it comes.
+//! Streaming peak counter for series of any length.
 
 use super::series::count_peaks;
 use std::collections::VecDeque;
 
-/// Counts what [`count_peaks`] would count in the [`moving_mean`](super::series::moving_mean) of the series. It remembers
-/// only those turns of the mean that can matter, which are about two for each peak.
+/// Counts the peaks that [`count_peaks`] finds in the [`moving_mean`](super::series::moving_mean) of a series. Stores
+/// only the turning points that can affect the count, about two per peak.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct PeakCounter {
-    /// Samples on each side of the middle of the mean's window.
+    /// Half width of the moving mean's window (samples).
     half: usize,
-    /// The newest samples, up to a whole window of them.
+    /// Latest samples, at most one window.
     newest: VecDeque<f64>,
-    /// Samples so far.
+    /// Number of samples so far.
     taken: usize,
-    /// Of [`count_peaks`].
+    /// Thresholds of [`count_peaks`].
     upper: f64,
     lower: f64,
     /// Largest mean so far.
     largest: f64,
-    /// Turns of the mean that can matter, high and low by turns, and its last value.
+    /// Turning points that can affect the count, alternating between high and low, and the last mean.
     turns: Vec<f64>,
-    /// Whether something was no number.
+    /// `true` if a mean was not finite.
     spoilt: bool,
 }
 
 impl PeakCounter {
-    /// Of a mean over `window` samples, with the shares of the largest value above which a peak begins and below which
-    /// it ends.
+    /// Counter for a mean over `window` samples. A peak starts above `upper` times the largest mean and ends below
+    /// `lower` times it.
     pub fn new(window: usize, upper: f64, lower: f64) -> Self {
         Self {
             half: window / 2,
@@ -40,7 +40,7 @@ impl PeakCounter {
         }
     }
 
-    /// Takes the next sample.
+    /// Adds the next sample.
     pub fn take(&mut self, sample: f64) {
         if self.newest.len() > 2 * self.half {
             self.newest.pop_front();
@@ -48,12 +48,12 @@ impl PeakCounter {
         self.newest.push_back(sample);
         self.taken += 1;
         if self.taken > self.half {
-            // The window about the sample `half` before this one is complete.
+            // The window around the sample `half` samples ago is complete.
             self.take_mean(0);
         }
     }
 
-    /// The count; none if nothing is above 0, or something is no number.
+    /// Number of peaks; `None` if no mean is positive or a value is not finite.
     pub fn count(mut self) -> Option<usize> {
         let first = self.taken - self.newest.len();
         for middle in self.taken.saturating_sub(self.half)..self.taken {
@@ -66,7 +66,7 @@ impl PeakCounter {
         }
     }
 
-    /// Takes the mean of the newest samples without the first `skipped`, summed in the order of `moving_mean`.
+    /// Adds the mean of the latest samples without the first `skipped`, summed in the order of `moving_mean`.
     fn take_mean(&mut self, skipped: usize) {
         let near = self.newest.iter().skip(skipped);
         let mean = near.sum::<f64>() / (self.newest.len() - skipped) as f64;
@@ -78,10 +78,12 @@ impl PeakCounter {
         }
     }
 
-    /// Forgets turns that make no difference to the count, whatever comes after `next`; whether there were any.
+    /// Removes turning points that cannot affect the count, regardless of the values after `next`. Returns `true` if
+    /// any were removed.
     ///
-    /// The largest value of all, M, will be no less than now. A high turn counts only above `upper` M, a low one only
-    /// below `lower` M. A low turn `b` and a higher one `z` after it that are [close](Self::are_close) cannot both count.
+    /// The final maximum M is at least the current one. A high turning point counts only above `upper` M, a low one
+    /// only below `lower` M. A low turning point `b` and a later higher one `z` that are [close](Self::are_close)
+    /// cannot both count.
     fn forget_a_turn(&mut self, next: f64) -> bool {
         let count = self.turns.len();
         let [.., before, last] = self.turns[..] else {
@@ -89,15 +91,15 @@ impl PeakCounter {
         };
         let falls = next < last;
         let goes_on = (before <= last && !falls) || (before >= last && next <= last);
-        // A high turn that is too low for any M.
+        // This high turning point is too low for any M.
         let too_low = falls && before < last && last <= self.upper * self.largest;
         if goes_on || too_low {
             self.turns.pop();
             return true;
         }
         if falls && next <= before && self.are_close(before, last) {
-            // Where `before` ends a peak, so does what is lower and follows; where `last` begins one, it does so with
-            // what stood before `before`, or alone.
+            // If `before` ends a peak, a later lower value ends it as well. If `last` starts a peak, either the turning
+            // point before `before` starts it too, or `last` alone does.
             self.turns.remove(count - 2);
             if let [.., high, last] = self.turns[..] {
                 self.turns.truncate(self.turns.len() - 2);
@@ -106,7 +108,7 @@ impl PeakCounter {
             return true;
         }
         if let ([.., low, high, last], false) = (&self.turns[..], falls) {
-            // Where `high` begins a peak, `last` is too high to end it; elsewhere `low` has ended it.
+            // If `high` starts a peak, `last` is too high to end it; otherwise `low` has already ended it.
             if low < last && last < high && self.are_close(*low, *high) {
                 self.turns.pop();
                 return true;
@@ -115,7 +117,8 @@ impl PeakCounter {
         false
     }
 
-    /// Whether no M is so that a low turn ends a peak and the high one after it begins another, with room for rounding.
+    /// `true` if there is no M for which the low turning point ends a peak and the later high one starts another, with
+    /// a margin for rounding.
     fn are_close(&self, low: f64, high: f64) -> bool {
         1.001 * self.lower * high <= self.upper * low
     }
@@ -136,9 +139,9 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(2000))]
 
-        /// Levels over four powers of ten, held and noisy, so that what was a peak drowns in later ones.
+        /// Noisy levels over four powers of ten, so that earlier peaks vanish relative to later ones.
         #[test]
-        fn it_counts_what_the_whole_series_has(
+        fn count_equals_that_of_the_whole_series(
             levels in prop::collection::vec((-3.5..0.5f64, 1..6usize, 0.0..0.6f64), 0..60),
             sign in prop::bool::weighted(0.9),
             window in prop::sample::select(vec![1, 3, 5, 51]),
@@ -157,7 +160,7 @@ mod tests {
     }
 
     #[test]
-    fn it_remembers_peaks_and_not_samples() {
+    fn memory_grows_with_peaks_not_samples() {
         let stroke = |i: i32| (f64::from(i) * 0.01).sin().max(0.0);
         let noisy = |i: i32| stroke(i) + 0.03 * f64::from(i * 7919 % 13 - 6) / 6.0;
         let series: Vec<_> = (0..200_000).map(noisy).collect();
@@ -168,7 +171,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_number_spoils_the_count() {
+    fn non_finite_values_invalidate_the_count() {
         assert_eq!(counter(&[1.0, f64::NAN, 1.0], 3).count(), None);
         assert_eq!(counter(&[], 3).count(), None);
     }

@@ -1,40 +1,40 @@
-//! What varied over plausible ranges, as a table of a page.
+//! Table of parameters that vary over plausible ranges.
 
 use maud::{Markup, html};
 use serde::Serialize;
 
-/// What one parameter was drawn from.
+/// Range of one varied parameter.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct RangeRow {
-    /// Its name.
+    /// Parameter name.
     pub name: String,
-    /// Its group.
+    /// Parameter group.
     pub group: String,
-    /// Its unit.
+    /// Unit.
     pub unit: String,
-    /// The keys that it sets.
+    /// Keys that the parameter sets.
     pub keys: Vec<String>,
-    /// The key that it is a multiple of.
+    /// Key whose value is multiplied by the drawn value, if any.
     pub of: Option<String>,
-    /// The power to which that key's value is raised, 1 if `None`.
+    /// Exponent of that key's value; 1 if `None`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub power: Option<f64>,
-    /// Its range, as written.
+    /// Range as written in the experiment file.
     pub range: String,
-    /// The ends of its range, or its choices.
+    /// Ends of the range, or the choices.
     pub ends: Vec<String>,
-    /// What the experiment has.
+    /// Nominal value in the experiment.
     pub nominal: String,
-    /// Why the range is plausible.
+    /// Reason why the range is plausible.
     pub why: String,
 }
 
-/// A row for each parameter.
+/// Table with one row per parameter.
 pub(crate) fn ranges_table(ranges: &[RangeRow]) -> Markup {
     html! {
         div.scroll {
             table {
-                thead { tr { th { "Parameter" } th { "Group" } th { "Range" } th.number { "Experiment" } th { "Why" } } }
+                thead { tr { th { "Parameter" } th { "Group" } th { "Range" } th.number { "Experiment" } th { "Reason" } } }
                 tbody {
                     @for row in ranges {
                         tr {
@@ -51,14 +51,14 @@ pub(crate) fn ranges_table(ranges: &[RangeRow]) -> Markup {
     }
 }
 
-/// What a range is multiplied with.
+/// Factor by which the range is multiplied, if any.
 fn multiplier(row: &RangeRow) -> Markup {
     html! {
         @if let Some(of) = &row.of { " × " code { (of) } @if let Some(power) = row.power { sup { (power) } } }
     }
 }
 
-/// A number with four digits that count; other text as it is.
+/// Rounds a number to four significant digits; returns other text unchanged.
 fn short(text: &str) -> String {
     let number: Option<f64> = text.parse().ok();
     number.map_or_else(

@@ -1,4 +1,4 @@
-//! `robustness.html`: in what share of plausible hands each claim holds, and which parameters decide it.
+//! `robustness.html`: fraction of plausible hands on which each claim passes, and the parameters that decide it.
 
 use super::claim::DecidedBy;
 use super::document::{Tile, document, tiles};
@@ -11,78 +11,80 @@ use super::text::significant;
 use maud::{Markup, html};
 use serde::Serialize;
 
-/// What a share is of in which nothing varies but the run's seed.
+/// Name of the share in which only the run's seed varies.
 pub const NOTHING: &str = "nothing varied";
-/// Name of the measure of all claims that the hand decides.
+/// Name of the measure that combines all claims decided by the hand.
 pub const ALL_OF_HAND: &str = "all about the hand";
 
-/// What the page shows; as JSON, `robustness.json`.
+/// Content of the page, serialized as `robustness.json`.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct RobustnessPage {
-    /// The experiment's name.
+    /// Name of the experiment.
     pub name: String,
-    /// Seed of all that is drawn.
+    /// Seed of all random draws.
     pub seed: u64,
-    /// Trials that are finished, of all kinds.
+    /// Number of completed trials of all kinds.
     pub finished: u64,
-    /// Trials that were asked for, of all kinds.
+    /// Number of planned trials of all kinds.
     pub planned: u64,
-    /// Points of the design at which everything varies.
+    /// Number of design points at which everything varies.
     pub rows: u64,
-    /// Hands among them: points whose experiment can be run.
+    /// Number of hands among them: points with a valid experiment.
     pub hands: u64,
-    /// Pairs of points that the indices are of.
+    /// Number of point pairs from which the indices are estimated.
     pub pairs: u64,
-    /// What indices are of: each parameter, the run's own seed, each group.
+    /// Factors of the indices: each parameter, the run's seed, each group.
     pub factors: Vec<String>,
-    /// How many of the factors are parameters; they come first.
+    /// Number of factors that are parameters; these come first.
     pub parameters: usize,
-    /// Each claim, and all together.
+    /// Each claim, and all claims together.
     pub measures: Vec<Measure>,
-    /// How the trials in which everything varies ended.
+    /// Outcomes of the trials in which everything varies.
     pub endings: Vec<Ending>,
-    /// What varied, and why so far.
+    /// Varied parameters.
     pub ranges: Vec<RangeRow>,
-    /// The experiment, but for what varied (TOML).
+    /// The experiment without varied values (TOML).
     #[serde(skip)]
     pub experiment: String,
 }
 
-/// A claim, or all together.
+/// A claim, or all claims together.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Measure {
-    /// What it is called.
+    /// Name of the claim or combination.
     pub name: String,
-    /// What decides it, or `None` (JSON null) for all together and for claims of other tasks.
+    /// Part of the apparatus that decides the claim; `None` (JSON null) for combinations and for claims of other tasks.
     pub decided_by: Option<DecidedBy>,
-    /// In what share it holds: with everything varied, each group alone, nothing but the seed.
+    /// Fraction of hands that pass: with everything varied, with each group varied alone, and with only the seed
+    /// varied.
     pub shares: Vec<Share>,
-    /// What decides whether it holds, by factor.
+    /// Sensitivity of the result (pass or fail) to each factor.
     pub holds: Vec<Index>,
-    /// What decides its margin, from -1 to 1, by factor; empty where it has none.
+    /// Sensitivity of the margin (-1 to 1) to each factor; empty if the measure has no margin.
     pub margin: Vec<Index>,
-    /// The parameters of greatest total effect.
+    /// Parameters with the largest total effect.
     #[serde(skip)]
     pub traces: Vec<Trace>,
 }
 
-/// A share of hands.
+/// A fraction of hands.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Share {
-    /// Of what hands.
+    /// Set of hands.
     pub of: String,
-    /// How many there are.
+    /// Number of hands in the set.
     pub hands: u64,
-    /// In how many it holds.
+    /// Number of hands that pass.
     pub holding: u64,
-    /// The share between the ends of Wilson's 95 % interval, 0 to 1.
+    /// Fraction (0 to 1) with Wilson's 95 % interval: `[low, fraction, high]`.
     pub share: [f64; 3],
 }
 
-/// Indices of one factor, each between the ends of its 95 % interval; none where nothing varies.
+/// Sensitivity indices of one factor with their 95 % intervals (`[low, index, high]`); `None` if the measure does not
+/// vary.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Index {
-    /// The factor.
+    /// Name of the factor.
     pub factor: String,
     /// First-order index.
     pub first: Option<[f64; 3]>,
@@ -90,30 +92,30 @@ pub struct Index {
     pub total: Option<[f64; 3]>,
 }
 
-/// A parameter's values in all hands, and whether the claim holds there.
+/// Values of a parameter in all hands, with the claim's result.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Trace {
     /// Values and results.
     pub varied: Varied,
-    /// Its total-effect index.
+    /// Total-effect index of the parameter.
     pub total: f64,
-    /// What the experiment has.
+    /// Nominal value in the experiment.
     pub nominal: Option<f64>,
 }
 
-/// Trials that ended alike.
+/// Trials with the same outcome.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Ending {
-    /// The outcome.
+    /// Outcome.
     pub outcome: String,
-    /// How many.
+    /// Number of trials.
     pub trials: u64,
-    /// The reason of one of them.
+    /// Reason given by one of the trials.
     pub reason: String,
 }
 
 impl Measure {
-    /// The factors of greatest total effect on whether it holds, largest first, those whose interval reaches 0 left out.
+    /// Parameters that influence the result, by decreasing total effect. Excludes those whose interval includes 0.
     pub fn deciding(&self, parameters: usize) -> Vec<(&str, f64)> {
         let alone = self.holds.iter().take(parameters);
         let known = alone.filter_map(|index| Some((index.factor.as_str(), index.total?)));
@@ -125,27 +127,27 @@ impl Measure {
 }
 
 impl RobustnessPage {
-    /// The measure of this name.
+    /// Measure with this name.
     fn measure(&self, name: &str) -> Option<&Measure> {
         self.measures.iter().find(|measure| measure.name == name)
     }
 
-    /// The share of all together, as a sentence goes.
+    /// Fraction of hands that pass all claims, as a sentence.
     pub fn verdict(&self) -> Option<String> {
         let all = self.measures.last()?;
         let share = all.shares.first()?;
         let mut text = format!(
-            "{}: in {} of plausible hands",
+            "{}: {} of plausible hands pass",
             all.name,
             percent(share.share)
         );
         if let Some(share) = self.measure(ALL_OF_HAND).and_then(|m| m.shares.first()) {
-            text += &format!(", {ALL_OF_HAND} in {}", percent(share.share));
+            text += &format!("; {ALL_OF_HAND}: {}", percent(share.share));
         }
         let nothing = all.shares.last().filter(|share| share.of == NOTHING);
         if let Some(nominal) = nothing {
             text += &format!(
-                "; with nothing varied but the seed, {}",
+                "; with only the seed varied: {}",
                 percent(nominal.share)
             );
         }
@@ -153,7 +155,7 @@ impl RobustnessPage {
     }
 }
 
-/// The page, as HTML text.
+/// Renders the page as HTML.
 pub fn robustness_page(page: &RobustnessPage) -> String {
     let shares = shares_figure(page, 1);
     let indices = match page.pairs > 0 {
@@ -168,32 +170,32 @@ pub fn robustness_page(page: &RobustnessPage) -> String {
     let body = html! {
         @if page.finished < page.planned {
             div.incomplete role="alert" {
-                "INCOMPLETE: " (page.finished) " of " (page.planned) " trials are finished."
+                "INCOMPLETE: " (page.finished) " of " (page.planned) " trials are completed."
             }
         }
-        h1 { "How much is luck of parameters? " (page.name) }
+        h1 { "Robustness to unknown parameters: " (page.name) }
         @if let Some(verdict) = page.verdict() { p.verdict { (verdict) "." } }
         (tiles(&tiles_of(page)))
         p {
-            (page.ranges.len()) " values that nobody knows were varied over plausible ranges, at " (page.rows)
-            " points of a scrambled Sobol' sequence (seed " (page.seed) "), each with a seed of its own for what differs from run to run. "
-            (page.hands) " of them are hands; " (page.rows - page.hands)
-            " are not, as the experiment is refused there, and stand in no share. A hand that stops or fails stands in every share."
+            (page.ranges.len()) " unknown values were varied over plausible ranges, at " (page.rows)
+            " points of a scrambled Sobol' sequence (seed " (page.seed) "), each with a separate seed for quantities that differ between runs. "
+            (page.hands) " points are valid hands; at " (page.rows - page.hands)
+            " the experiment is invalid, and they are excluded from all fractions. Hands that stop or fail are included in all fractions."
         }
-        h2 { "In what share of plausible hands each claim holds" }
+        h2 { "Fraction of plausible hands that pass each claim" }
         div.figures { (shares.markup()) }
         (shares_table(page))
-        p.note { "In brackets Wilson's 95 % interval. Where a group is varied alone, all else is as the experiment has it." }
+        p.note { "Brackets show Wilson's 95 % interval. If a group is varied alone, all other values are nominal." }
         @if page.pairs > 0 { (decided(page, &indices, &traces)) }
-        h2 { "How the hands ended" }
+        h2 { "Outcomes" }
         (endings_table(page))
-        h2 { "What was varied, and why so far" }
+        h2 { "Varied parameters and their ranges" }
         (ranges_table(&page.ranges))
-        h2 { "One of the hands again" }
-        p { "With its recording and report: " code { "feeler run --trial FOLDER TRIAL" }
-            "; the trials stand in " code { "trials.csv" } ", all figures of this page in " code { "robustness.json" } "." }
+        h2 { "Repeating a trial" }
+        p { "To repeat a trial with its recording and report: " code { "feeler run --trial FOLDER TRIAL" }
+            ". The trials are listed in " code { "trials.csv" } ", all values of this page in " code { "robustness.json" } "." }
         details {
-            summary { "The experiment, but for what varied" }
+            summary { "Experiment, without varied values" }
             pre { (page.experiment) }
         }
     };
@@ -202,17 +204,17 @@ pub fn robustness_page(page: &RobustnessPage) -> String {
     document(&title, body, &PageData::of_figures(&title, &figures))
 }
 
-/// What came of it.
+/// Key figures of the study.
 fn tiles_of(page: &RobustnessPage) -> Vec<Tile> {
     let share = |share: &Share| significant(100.0 * share.share[1]);
     let all = page.measures.last().map_or(&[][..], |all| &all.shares);
     let plausible = all
         .first()
-        .map(|s| (share(s), "of plausible hands hold all claims"));
+        .map(|s| (share(s), "of plausible hands pass all claims"));
     let hand = page.measure(ALL_OF_HAND).and_then(|m| m.shares.first());
-    let hand = hand.map(|s| (share(s), "hold all claims about the hand"));
+    let hand = hand.map(|s| (share(s), "pass all claims about the hand"));
     let nothing = all.iter().rfind(|share| share.of == NOTHING);
-    let nominal = nothing.map(|s| (share(s), "with nothing varied but the seed"));
+    let nominal = nothing.map(|s| (share(s), "with only the seed varied"));
     let shares = plausible.into_iter().chain(hand).chain(nominal);
     let mut tiles: Vec<_> = shares
         .map(|(value, label)| Tile::new(value, "%", label))
@@ -226,16 +228,16 @@ fn tiles_of(page: &RobustnessPage) -> Vec<Tile> {
     tiles
 }
 
-/// The heat maps: what decides whether claims hold, and by what margin.
+/// Heat maps of the sensitivity of results and margins.
 fn indices_of(page: &RobustnessPage) -> Vec<Figure> {
     const HOLDS: (&str, &str) = (
-        "whether it holds",
-        "Total-effect index (%): how often another value of this parameter alone changes whether the claim holds, \
-        relative to how often another hand does.",
+        "result",
+        "Total-effect index (%): how often changing this parameter alone changes the result of the claim, \
+        relative to how often changing the whole hand does.",
     );
     const MARGIN: (&str, &str) = (
-        "its margin",
-        "The same of the distance from the bound, relative to the bound and cut off at -1 and 1; what was not measured is -1.",
+        "margin",
+        "Total-effect index (%) of the distance from the bound, relative to the bound and clipped to -1 to 1; unmeasured claims count as -1.",
     );
     vec![
         indices_figure(page, HOLDS, |m| &m.holds, 2),
@@ -243,16 +245,16 @@ fn indices_of(page: &RobustnessPage) -> Vec<Figure> {
     ]
 }
 
-/// What decides whether claims hold: heat maps, and the claims against the parameters that matter most.
+/// Section on sensitivity: heat maps, and claims against the most influential parameters.
 fn decided(page: &RobustnessPage, indices: &[Figure], traces: &[Figure]) -> Markup {
     html! {
-        h2 { "Which parameters decide it" }
+        h2 { "Influence of parameters" }
         div.figures { @for figure in indices { (figure.markup()) } }
         p.note {
-            "Jansen's estimator over " (page.pairs) " pairs of points; first-order indices (Saltelli 2010) and the 95 % intervals of all (bootstrap over pairs) are in "
-            code { "robustness.json" } ". Pale figures cannot be told from 0. Total effects count interactions for each parameter that takes part, so that their sum may exceed 100 %."
+            "Jansen's estimator over " (page.pairs) " pairs of points. First-order indices (Saltelli 2010) and the 95 % intervals of all indices (bootstrap over pairs) are in "
+            code { "robustness.json" } ". Pale values are not significantly different from 0. Total effects count interactions once for each parameter involved, so their sum may exceed 100 %."
         }
-        h2 { "Claims against the parameters that decide most" }
+        h2 { "Claims against the most influential parameters" }
         div.figures { @for figure in traces { (figure.markup()) } }
     }
 }
@@ -262,7 +264,7 @@ fn shares_table(page: &RobustnessPage) -> Markup {
     html! {
         div.scroll {
             table {
-                thead { tr { th { "holds in (%)" } th { "decided by" } @for share in of { th.number { (share.of) " (" (share.hands) ")" } } } }
+                thead { tr { th { "passes in (%)" } th { "decided by" } @for share in of { th.number { (share.of) " (" (share.hands) ")" } } } }
                 tbody {
                     @for measure in &page.measures {
                         tr {
@@ -277,7 +279,7 @@ fn shares_table(page: &RobustnessPage) -> Markup {
     }
 }
 
-/// What decides a claim, as a table has it.
+/// Table text for the part of the apparatus that decides a claim.
 pub fn decided_by(decided_by: DecidedBy) -> &'static str {
     match decided_by {
         DecidedBy::Hand => "hand",
@@ -289,11 +291,11 @@ fn endings_table(page: &RobustnessPage) -> Markup {
     html! {
         div.scroll {
             table {
-                thead { tr { th { "Outcome" } th.number { "Points" } th { "Reason, of one of them" } } }
+                thead { tr { th { "Outcome" } th.number { "Points" } th { "Example reason" } } }
                 tbody {
                     @for ending in &page.endings {
                         tr {
-                            td { (ending.outcome) @if ending.outcome == "invalid" { " (no hand)" } }
+                            td { (ending.outcome) @if ending.outcome == "invalid" { " (not a valid hand)" } }
                             td.number { (ending.trials) }
                             td { (ending.reason) }
                         }
@@ -304,7 +306,7 @@ fn endings_table(page: &RobustnessPage) -> Markup {
     }
 }
 
-/// A share in percent with its interval.
+/// Formats a fraction with its interval, in percent.
 pub fn percent(share: [f64; 3]) -> String {
     let [low, share, high] = share.map(|part| 100.0 * part);
     format!("{share:.1} [{low:.1}, {high:.1}] %")

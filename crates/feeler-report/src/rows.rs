@@ -1,12 +1,12 @@
-//! Rows of several values each, in one piece of memory.
+//! Rows of varying length in contiguous memory.
 
 use std::ops::Index;
 
-/// Rows of values, one after the other; they need not be equally long.
+/// Rows of varying length, stored contiguously.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Rows<T> {
     values: Vec<T>,
-    /// Where each row ends among the values.
+    /// End index of each row in `values`.
     ends: Vec<usize>,
 }
 
@@ -24,34 +24,34 @@ impl<T: Copy> Rows<T> {
         self.ends.push(self.values.len());
     }
 
-    /// Makes room for more values.
+    /// Reserves capacity for additional rows and values.
     pub fn reserve(&mut self, rows: usize, values: usize) {
         self.values.reserve(values);
         self.ends.reserve(rows);
     }
 
-    /// How many rows there are.
+    /// Number of rows.
     pub fn len(&self) -> usize {
         self.ends.len()
     }
 
-    /// Whether there is none.
+    /// `true` if there are no rows.
     pub fn is_empty(&self) -> bool {
         self.ends.is_empty()
     }
 
-    /// A row, if there is one of this number.
+    /// Row with this index, or `None` if out of range.
     pub fn get(&self, row: usize) -> Option<&[T]> {
         let end = *self.ends.get(row)?;
         self.values.get(self.start(row)..end)
     }
 
-    /// The newest row.
+    /// Last row.
     pub fn last(&self) -> Option<&[T]> {
         self.get(self.len().checked_sub(1)?)
     }
 
-    /// Keeps these rows only, which are in their order.
+    /// Retains only the rows with these ascending indices.
     pub fn keep(&mut self, rows: &[usize]) {
         let mut length = 0;
         for (place, &row) in rows.iter().enumerate() {
@@ -94,7 +94,7 @@ mod tests {
     }
 
     #[test]
-    fn rows_are_what_was_pushed() {
+    fn rows_equal_the_pushed_values() {
         let rows = rows(&[&[1, 2], &[], &[3]]);
         assert_eq!((rows.len(), rows.is_empty()), (3, false));
         assert_eq!(
@@ -106,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_kept_is_as_it_was() {
+    fn kept_rows_are_unchanged() {
         let of: [&[u8]; 5] = [&[1, 2], &[3], &[], &[4, 5, 6], &[7]];
         for kept in [&[][..], &[0, 1, 2, 3, 4], &[0, 3], &[2, 3, 4], &[1, 4]] {
             let mut all = rows(&of);

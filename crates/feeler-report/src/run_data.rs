@@ -1,4 +1,4 @@
-//! A recording as time-aligned columns: one row per control step, split into strokes.
+//! A recording as time-aligned columns with one row per control step, split into strokes.
 
 mod finger_columns;
 mod stroke;
@@ -19,50 +19,47 @@ use glam::{DQuat, DVec3};
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-/// What is known of the cap; both have as many rows as [`RunData::time`], and are not numbers before the cap was first
-/// seen.
+/// Motion of the cap. Each column has as many rows as [`RunData::time`]; rows before the first measurement are NaN.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct CapColumns {
-    /// Angle the cap has turned since the run's start, rad, positive = closing.
+    /// Rotation of the cap since the start of the run (rad), positive = closing.
     pub angle: Vec<f64>,
-    /// The cap's centre, m in `W`.
+    /// Center of the cap in `W` (m).
     pub centre: Vec<DVec3>,
 }
 
-/// A run as columns, one row per control step at which every finger had been felt. A rig need not have instruments: what
-/// it has none for is none.
+/// A run as columns, with one row per control step at which all fingers have readings. Columns of missing instruments
+/// are `None`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RunData {
-    /// The run's constants.
+    /// Constants of the run.
     pub facts: RunFacts,
-    /// Time of each row, s.
+    /// Time of each row (s).
     pub time: Vec<f64>,
-    /// Phase of the task.
+    /// Phase of the task at each row.
     pub phase: Vec<Phase>,
-    /// Measured torque, N·m, positive when the cap is turned in the closing direction; not a number before the torque
-    /// sensor's first sample.
+    /// Measured torque (N·m), positive when the cap is turned in the closing direction; NaN before the first sample.
     pub torque: Option<Vec<f64>>,
-    /// How the cap stands.
+    /// Motion of the cap.
     pub cap: Option<CapColumns>,
-    /// One entry per finger.
+    /// Columns of each finger.
     pub fingers: Vec<FingerColumns>,
-    /// The strokes, in the order of time.
+    /// Strokes in chronological order.
     pub strokes: Vec<Stroke>,
-    /// What the task found out in the end, by name.
+    /// Final findings of the task, by name.
     pub findings: BTreeMap<FindingName, f64>,
-    /// Where the carried object is: x, y and z, m in `W`, and its rotation as a quaternion x, y, z, w; not numbers before
-    /// that was known. None where no object is free.
+    /// Pose of the carried object in `W`: x, y, z (m) and quaternion x, y, z, w; NaN before the first measurement.
+    /// `None` if there is no free object.
     pub object: Option<Vec<[f64; 7]>>,
-    /// Longest stretch of tactile frames of the first finger without touch within MOVE, in frames; none if there are no
-    /// such frames.
+    /// Longest stretch without touch in the tactile frames of the first finger within MOVE, in frames; `None` if there
+    /// are no such frames.
     pub longest_loss: Option<usize>,
-    /// What was measured of all rows, where those here are only some of them ([`super::long_run`]).
+    /// Measures of all rows, if only some rows were kept ([`super::long_run`]).
     pub thinned: Option<Box<Thinned>>,
 }
 
 impl RunData {
-    /// Aligns a recording: each control step takes the newest message of every channel that is
-    /// not younger than the step.
+    /// Aligns a recording: each control step gets the latest message of every channel up to its time.
     pub fn new(recording: &Recording) -> Self {
         let mut data = Self::empty(recording);
         let mut numbers = Vec::new();
@@ -75,7 +72,7 @@ impl RunData {
         data
     }
 
-    /// The columns of a recording, still without rows.
+    /// Columns of a recording, without rows.
     pub(crate) fn empty(recording: &Recording) -> Self {
         Self {
             facts: recording.facts.clone(),
@@ -92,7 +89,8 @@ impl RunData {
         }
     }
 
-    /// Appends a row for each of these control steps, and the number of its stroke to `numbers`.
+    /// Appends a row for each of these control steps and the number of its stroke to `numbers`. Steps without readings
+    /// of all fingers are skipped.
     pub(crate) fn append(
         &mut self,
         recording: &Recording,
@@ -127,7 +125,7 @@ impl RunData {
         }
     }
 
-    /// Makes the columns of what `recording` turns out to know; not numbers in the rows before.
+    /// Creates columns for data that has first appeared in `recording`, with NaN in earlier rows.
     fn begin_columns(&mut self, recording: &Recording) {
         let rows = self.time.len();
         if !recording.torque_sensor.is_empty() {
@@ -144,7 +142,7 @@ impl RunData {
         }
     }
 
-    /// Keeps these rows only, which are in their order. The strokes' rows are not mended.
+    /// Retains only the rows with these ascending indices. Does not update the strokes.
     pub(crate) fn keep(&mut self, rows: &[usize]) {
         keep(&mut self.time, rows);
         keep(&mut self.phase, rows);
@@ -163,7 +161,7 @@ impl RunData {
         }
     }
 
-    /// What each of the strokes measures.
+    /// Measures of each stroke.
     pub fn stroke_measures(&self) -> Vec<StrokeMeasures> {
         match &self.thinned {
             Some(thinned) => thinned.strokes.clone(),
@@ -174,18 +172,18 @@ impl RunData {
         }
     }
 
-    /// The stroke of this number, if it was made and its MOVE is over.
+    /// Stroke with this number, if it was made and its MOVE is complete.
     pub fn whole_stroke(&self, index: u32) -> Option<&Stroke> {
         let mut strokes = self.strokes.iter();
         strokes.find(|s| s.index == index && s.whole && !s.moving.is_empty())
     }
 
-    /// Grasp force at a row, mean over fingers, N.
+    /// Grasp force at a row, averaged over fingers (N).
     pub fn grasp_force(&self, row: usize) -> f64 {
         self.mean_over_fingers(|finger| finger.grasp_force[row])
     }
 
-    /// Shear rate of the element of largest F_z at a row, mean over fingers, N/s.
+    /// Shear rate of the element with the largest F_z at a row, averaged over fingers (N/s).
     pub fn shear_rate(&self, row: usize) -> f64 {
         self.mean_over_fingers(|finger| finger.shear_rate[row])
     }
@@ -195,14 +193,14 @@ impl RunData {
         self.fingers.iter().map(quantity).sum::<f64>() / self.fingers.len().max(1) as f64
     }
 
-    /// Torque over these rows, N·m, as far as it is known.
+    /// Known torque values over these rows (N·m).
     pub fn known_torque(&self, rows: Range<usize>) -> impl Iterator<Item = f64> + '_ {
         let torque = self.torque.as_ref().and_then(|torque| torque.get(rows));
         let torque = torque.into_iter().flatten().copied();
         torque.filter(|torque| torque.is_finite())
     }
 
-    /// Whether torque is known at every one of these rows.
+    /// `true` if torque is known at each of these rows.
     pub fn has_torque(&self, rows: Range<usize>) -> bool {
         self.torque.is_some() && self.known_torque(rows.clone()).count() == rows.len()
     }
@@ -237,7 +235,7 @@ impl RunData {
     }
 }
 
-/// What the task found out in the end, as far as it is known.
+/// Final findings of the task with known values.
 pub(crate) fn findings(recording: &Recording) -> BTreeMap<FindingName, f64> {
     let last = recording.findings.last().into_iter();
     last.flat_map(|found| {

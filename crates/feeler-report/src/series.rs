@@ -1,7 +1,7 @@
-//! Small functions on series of equally spaced samples. None of them panics; what is undefined
-//! (too few samples, no variation, a value that is no number) is `None`.
+//! Functions on series of equally spaced samples. They never panic; undefined results (too few samples, no variation, a
+//! non-finite value) are `None`.
 
-/// Keeps a value only if it is a finite number.
+/// The value, or `None` if it is not finite.
 pub fn finite(value: f64) -> Option<f64> {
     value.is_finite().then_some(value)
 }
@@ -15,21 +15,20 @@ pub fn mean(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     finite(sum / count as f64)
 }
 
-/// Root of the mean square.
+/// Root mean square.
 pub fn rms(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     mean(values.into_iter().map(|v| v * v)).map(f64::sqrt)
 }
 
-/// Standard deviation, of the values as they are (not of what they are a sample of).
+/// Population standard deviation.
 pub fn standard_deviation(values: impl Iterator<Item = f64> + Clone) -> Option<f64> {
     let middle = mean(values.clone())?;
     rms(values.map(|value| value - middle))
 }
 
-/// Largest value.
+/// Largest value; `None` if the series is empty or a value is not finite.
 pub fn maximum(values: impl IntoIterator<Item = f64>) -> Option<f64> {
-    // A fold that goes through all of them is faster over nested series than one that may end early. What is not finite times zero
-    // is no number.
+    // A full fold is faster on nested series than an early exit. A non-finite value times zero is NaN.
     let start = (f64::NEG_INFINITY, 0.0);
     let (largest, zero) = values.into_iter().fold(start, |(largest, zero), value| {
         let largest = if value > largest { value } else { largest };
@@ -38,7 +37,7 @@ pub fn maximum(values: impl IntoIterator<Item = f64>) -> Option<f64> {
     finite(largest).filter(|_| zero == 0.0)
 }
 
-/// Percentile `p` (0 to 100), linear between samples.
+/// Percentile `p` (0 to 100), linearly interpolated between samples.
 pub fn percentile(values: impl IntoIterator<Item = f64>, p: f64) -> Option<f64> {
     let mut sorted: Vec<f64> = values.into_iter().map(finite).collect::<Option<_>>()?;
     sorted.sort_by(f64::total_cmp);
@@ -50,8 +49,8 @@ pub fn percentile(values: impl IntoIterator<Item = f64>, p: f64) -> Option<f64> 
     Some(sorted[below] * (1.0 - share) + sorted[above] * share)
 }
 
-/// Centred moving mean over `window` samples (an odd number; an even one counts one more), over
-/// fewer at the ends.
+/// Centered moving mean over `window` samples (even numbers are rounded up to odd); the window is truncated at the
+/// ends.
 pub fn moving_mean(values: &[f64], window: usize) -> Vec<f64> {
     let half = window / 2;
     (0..values.len())
@@ -62,9 +61,8 @@ pub fn moving_mean(values: &[f64], window: usize) -> Vec<f64> {
         .collect()
 }
 
-/// Absolute rate of change from each sample to the next, placed at the later one, so that the
-/// first sample has none: one value fewer than `values`. The flag analyzer takes the shear rate
-/// in the same way.
+/// Absolute rate of change between consecutive samples, assigned to the later one: one value fewer than `values`. The
+/// flag analyzer computes the shear rate in the same way.
 pub fn absolute_rate(values: &[f64], period: f64) -> Vec<f64> {
     let pairs = values.windows(2);
     pairs
@@ -72,7 +70,7 @@ pub fn absolute_rate(values: &[f64], period: f64) -> Vec<f64> {
         .collect()
 }
 
-/// Pearson's correlation of pairs; none if there are fewer than three or one side is constant.
+/// Pearson correlation coefficient; `None` for fewer than three pairs or if one variable is constant.
 pub fn correlation(pairs: &[(f64, f64)]) -> Option<f64> {
     if pairs.len() < 3 {
         return None;
@@ -92,8 +90,8 @@ pub fn correlation(pairs: &[(f64, f64)]) -> Option<f64> {
     finite(xy / (xx.sqrt() * yy.sqrt()))
 }
 
-/// Counts peaks: stretches that rise above `upper` times the largest value, each ended only by a
-/// fall below `lower` times it. None if nothing is above 0.
+/// Number of peaks. A peak starts above `upper` times the largest value and ends below `lower` times the largest value.
+/// `None` if no value is positive.
 pub fn count_peaks(values: &[f64], upper: f64, lower: f64) -> Option<usize> {
     let peak = maximum(values.iter().copied()).filter(|peak| *peak > 0.0)?;
     let (mut inside, mut count) = (false, 0);
@@ -108,7 +106,7 @@ pub fn count_peaks(values: &[f64], upper: f64, lower: f64) -> Option<usize> {
     Some(count)
 }
 
-/// Samples in a row that meet a condition, counted as they come.
+/// Streaming counter of consecutive samples that meet a condition.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Stretch {
     current: usize,
@@ -116,13 +114,13 @@ pub struct Stretch {
 }
 
 impl Stretch {
-    /// Takes the next sample: whether it meets the condition.
+    /// Adds the next sample; `met` is `true` if it meets the condition.
     pub fn take(&mut self, met: bool) {
         self.current = if met { self.current + 1 } else { 0 };
         self.longest = self.longest.max(self.current);
     }
 
-    /// Samples in the longest stretch so far.
+    /// Length of the longest stretch so far (samples).
     pub fn longest(&self) -> usize {
         self.longest
     }
@@ -142,7 +140,7 @@ mod tests {
     }
 
     #[test]
-    fn the_undefined_is_none_and_never_not_a_number() {
+    fn undefined_results_are_none() {
         assert_eq!(mean([]), None);
         assert_eq!(mean([1.0, f64::NAN]), None);
         assert_eq!(maximum([1.0, f64::INFINITY]), None);
@@ -165,7 +163,7 @@ mod tests {
     }
 
     #[test]
-    fn a_dent_in_a_peak_does_not_make_two() {
+    fn dent_does_not_split_a_peak() {
         let peaks = [0.0, 1.0, 0.5, 1.0, 0.0, 0.9, 0.05, 0.2, 0.0];
         assert_eq!(count_peaks(&peaks, 0.3, 0.15), Some(2));
     }

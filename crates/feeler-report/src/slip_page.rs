@@ -1,4 +1,4 @@
-//! `slip.html`: slip detectors against the truth, on one self-contained page.
+//! `slip.html`: slip detectors compared with ground truth, on a self-contained page.
 
 use super::compare_page::number;
 use super::document::{Tile, document, tiles};
@@ -8,56 +8,56 @@ use super::text::significant;
 use maud::html;
 use serde::Serialize;
 
-/// What the page shows.
+/// Content of the page.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SlipPage {
-    /// The experiment's name.
+    /// Name of the experiment.
     pub name: String,
-    /// Seed of all that is drawn.
+    /// Seed of all random draws.
     pub seed: u64,
-    /// Trials that thresholds were chosen on, and as many others that were scored.
+    /// Number of trials used to choose thresholds; equal to the number of trials used for scoring.
     pub trials: u64,
-    /// F1 of the experiment, N: elements pressed harder count.
+    /// Touch threshold F1 of the experiment (N); only elements with a larger force are scored.
     pub touch_force: f64,
-    /// Element-frames that were scored, and slips among them.
+    /// Number of scored element-frames, and number of slips among them.
     pub counts: (usize, usize),
-    /// How each detector did.
+    /// Results of the detectors.
     pub points: Vec<OperatingPoint>,
-    /// The detectors over all thresholds.
+    /// ROC curves of the detectors.
     pub curves: Vec<Roc>,
 }
 
-/// How a detector did with one threshold. Estimates stand between the ends of their 95 % confidence intervals, which are
-/// not numbers where one trial has no interval.
+/// Result of a detector at one threshold. Estimates are `[low, estimate, high]` with the 95 % confidence interval,
+/// whose ends are NaN if there is only one trial.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct OperatingPoint {
-    /// The detector.
+    /// Name of the detector.
     pub name: &'static str,
-    /// Its threshold, in the unit of its score.
+    /// Threshold, in the unit of the score.
     pub threshold: f64,
-    /// Share of true slips in what it called one.
+    /// Fraction of detections that are true slips.
     pub precision: Option<[f64; 3]>,
-    /// Share of true slips that it noticed in their very frame.
+    /// Fraction of true slips that are detected in the same frame.
     pub recall: Option<[f64; 3]>,
-    /// Share of what did not slip that it called a slip.
+    /// Fraction of non-slips that are detected as slips.
     pub false_alarms: Option<[f64; 3]>,
-    /// Frames from the beginning of a slip to its being noticed; none if most never were.
+    /// Median delay from the start of a slip to its detection (frames); `None` if most slips are never detected.
     pub median_delay: Option<u32>,
-    /// Slips that were never noticed, of so many.
+    /// Number of slips that are never detected, and total number of slips.
     pub never_noticed: (usize, usize),
 }
 
-/// A detector over all thresholds.
+/// Receiver operating characteristic of a detector.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Roc {
-    /// The detector.
+    /// Name of the detector.
     pub name: &'static str,
-    /// Share of false alarms, and of slips noticed.
+    /// False alarm rate and detection rate at each threshold.
     pub points: Vec<(f64, f64)>,
 }
 
 impl SlipPage {
-    /// Which curve an operating point is on.
+    /// Index of the curve of an operating point.
     pub fn curve_of(&self, point: &OperatingPoint) -> Option<usize> {
         self.curves
             .iter()
@@ -66,7 +66,7 @@ impl SlipPage {
 }
 
 impl OperatingPoint {
-    /// Its figures in words, in the order of [`COLUMNS`].
+    /// Formatted values in the order of [`COLUMNS`].
     pub fn fields(&self) -> [String; 6] {
         let percent = |share: Option<[f64; 3]>| {
             share.map_or_else(|| "-".to_string(), |s| number(s.map(|part| 100.0 * part)))
@@ -84,17 +84,17 @@ impl OperatingPoint {
     }
 }
 
-/// What an operating point says.
+/// Column headings of an operating point.
 pub const COLUMNS: [&str; 6] = [
     "threshold",
     "precision (%)",
     "recall (%)",
     "false alarms (%)",
     "median delay (frames)",
-    "never noticed",
+    "never detected",
 ];
 
-/// The page, as HTML text.
+/// Renders the page as HTML.
 pub fn slip_page(page: &SlipPage) -> String {
     let (samples, slips) = page.counts;
     let roc = roc_figure(page, 1);
@@ -102,10 +102,10 @@ pub fn slip_page(page: &SlipPage) -> String {
         h1 { "Slip detectors: " (page.name) }
         (tiles(&tiles_of(page)))
         p {
-            (page.trials) " trials of seed " (page.seed) ": random presses, drags, twists and holds on flat, round and cylindrical "
-            "specimens that stand still, of friction 0.3 to 1.2, with rubber up to 10 % off its nominal stiffness. Every element counts in every "
-            "frame at whose beginning it was pressed harder than " (page.touch_force) " N: " (samples) " times, " (slips)
-            " of them slips, by the simulator's truth. Thresholds were chosen on as many other trials."
+            (page.trials) " trials with seed " (page.seed) ": random presses, drags, twists and holds on stationary flat, round and cylindrical "
+            "specimens with friction 0.3 to 1.2 and rubber within 10 % of its nominal stiffness. An element is scored in every "
+            "frame at whose start its force exceeds " (page.touch_force) " N: " (samples) " element-frames, " (slips)
+            " of them slips according to ground truth. Thresholds were chosen on an equal number of other trials."
         }
         div.figures { (roc.markup()) }
         div.scroll {
@@ -119,25 +119,25 @@ pub fn slip_page(page: &SlipPage) -> String {
             }
         }
         p.note {
-            "In brackets 95 % confidence, by drawing whole trials again (bootstrap)."
-            @if page.trials == 1 { " One trial has no interval." }
-            " The shear rate's threshold is in N/s, that of missing shear in N. "
-            "On what may move, shear that all touching elements miss alike counts as motion of what they touch. "
-            "A slip begins after five frames without, and counts as never noticed after ten."
+            "Brackets show 95 % confidence intervals (bootstrap over trials)."
+            @if page.trials == 1 { " A single trial has no interval." }
+            " Thresholds are in N/s for the shear rate and in N for missing shear. "
+            "If the object may move, shear that is missing on all touching elements alike counts as motion of the object. "
+            "A slip begins after five frames without slip and counts as never detected after ten frames."
         }
     };
     let title = format!("Slip detectors: {}", page.name);
     document(&title, body, &PageData::of_figures(&title, &[roc]))
 }
 
-/// What each detector notices with the threshold that was chosen for it.
+/// Key figures: slips detected at each detector's chosen threshold.
 fn tiles_of(page: &SlipPage) -> Vec<Tile> {
     let chosen = page.curves.iter().filter_map(|curve| {
         let point = page.points.iter().rfind(|point| point.name == curve.name)?;
         let percent = |share: [f64; 3]| significant(100.0 * share[1]);
         let right = percent(point.precision?);
         let label = format!(
-            "of slips noticed by {}, {right} % of alarms right",
+            "of slips detected by {}, precision {right} %",
             curve.name
         );
         Some(Tile::new(percent(point.recall?), "%", label))

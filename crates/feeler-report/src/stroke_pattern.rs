@@ -1,29 +1,30 @@
-//! The pattern of the strokes in the paper's Fig. 8, as far as its text tells it.
+//! Comparison of the strokes with the paper's Fig. 8, as described in its text.
 //!
-//! "Compared to the 1st screwing motion, both grasping force and torque decrease considerably in the 2nd screwing, and in
-//! the 3rd and 4th screwings they increase compared to the former two screwings. […] the 3rd and 4th screwings show
-//! almost the same variations in grasping force and torque" (section VI.A). Nothing claims that a run shows it: it is told,
-//! so that it can be counted.
+//! "Compared to the 1st screwing motion, both grasping force and torque decrease considerably in the 2nd screwing, and
+//! in the 3rd and 4th screwings they increase compared to the former two screwings. […] the 3rd and 4th screwings show
+//! almost the same variations in grasping force and torque" (section VI.A). No claim depends on this pattern; it is
+//! reported for statistics.
 //!
-//! What is compared is what a reader of the figure compares, its peaks ("four heaps are found in Fig. 8"): of torque the
-//! *peak* of each stroke, which rises within the first one; of grasp force the
-//! *mean over MOVE*, as the same text calls it constant in the first stroke while torque rises, and as its peak there would
-//! be the 1 N at which every stroke begins to move. *Decrease* and *increase* are taken at their weakest: any amount.
+//! The comparison uses what a reader sees in the figure ("four heaps are found in Fig. 8"). For torque this is the
+//! *peak* of each stroke, because torque rises within the first stroke. For grasp force it is the *mean over MOVE*,
+//! because the text calls grasp force constant in the first stroke while torque rises, and its peak would be the 1 N at
+//! which every stroke starts to move. *Decrease* and *increase* mean any amount.
 
 use super::strokes::StrokeMeasures;
 use serde::Serialize;
 
-/// Largest relative change from stroke 3 to stroke 4 at which both are alike, as the claim `closed-after-third` has it.
+/// Maximum relative change from stroke 3 to stroke 4 for which both count as alike; also used by the claim
+/// `closed-after-third`.
 pub const ALIKE: f64 = 0.15;
 
-/// How four peaks stand to each other.
+/// Comparison of the heights of four peaks.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Peaks {
-    /// The second is below the first.
+    /// `true` if the second is below the first.
     pub second_below_first: bool,
-    /// The third and the fourth are above the first and the second.
+    /// `true` if the third and the fourth are above the first and the second.
     pub last_above_first: bool,
-    /// The third and the fourth are [`ALIKE`].
+    /// `true` if the third and the fourth are [`ALIKE`].
     pub last_alike: bool,
 }
 
@@ -37,23 +38,23 @@ impl Peaks {
         }
     }
 
-    /// Whether all is as the text says.
+    /// `true` if all comparisons match the text.
     pub fn whole(&self) -> bool {
         self.second_below_first && self.last_above_first && self.last_alike
     }
 }
 
-/// The pattern of a run's strokes.
+/// Comparison of a run's strokes with the paper's Fig. 8.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct StrokePattern {
-    /// Of grasp force, mean over MOVE.
+    /// Comparison of the mean grasp force over MOVE.
     pub grasp_force: Peaks,
-    /// Of torque, peak of the stroke.
+    /// Comparison of the peak torque.
     pub torque: Peaks,
 }
 
 impl StrokePattern {
-    /// The pattern of strokes 1 to 4; none unless all are measured.
+    /// Compares strokes 1 to 4; `None` unless all are measured.
     pub fn new(strokes: &[StrokeMeasures]) -> Option<Self> {
         let heights = |measure: fn(&StrokeMeasures) -> Option<f64>| {
             let height = |index| measure(strokes.iter().find(|s| s.index == index)?);
@@ -65,12 +66,12 @@ impl StrokePattern {
         })
     }
 
-    /// Whether stroke 2 is below stroke 1 in both.
+    /// `true` if stroke 2 is below stroke 1 in both quantities.
     pub fn second_below_first(&self) -> bool {
         self.grasp_force.second_below_first && self.torque.second_below_first
     }
 
-    /// Whether all is as the text says, of both.
+    /// `true` if all comparisons match the text for both quantities.
     pub fn whole(&self) -> bool {
         self.grasp_force.whole() && self.torque.whole()
     }
@@ -95,18 +96,18 @@ mod tests {
         for (heights, expected) in [
             // As in the paper's text.
             ([1.0, 0.6, 1.4, 1.5], [true, true, true, true]),
-            // The cap tightens from stroke to stroke.
+            // The cap tightens in each stroke.
             ([1.0, 1.2, 1.4, 1.5], [false, true, true, false]),
-            // Below the first, but so is the third.
+            // The second is below the first, but so is the third.
             ([1.0, 0.6, 0.9, 1.0], [true, false, true, false]),
-            // The fourth is what is not above the first.
+            // The fourth is not above the first.
             ([1.0, 0.6, 1.1, 1.0], [true, false, true, false]),
-            // The fourth goes on rising, or falls.
+            // The fourth continues to rise, or falls.
             ([1.0, 0.6, 1.4, 1.7], [true, true, false, false]),
             ([1.0, 0.6, 1.7, 1.4], [true, true, false, false]),
-            // As high is not above, and not below.
+            // Equal heights are neither above nor below.
             ([1.0, 1.0, 1.0, 1.0], [false, false, true, false]),
-            // A torque that is none.
+            // No positive torque.
             ([0.0, -1.0, 0.0, 0.0], [true, false, false, false]),
         ] {
             assert_eq!(parts(heights), expected, "{heights:?}");

@@ -1,4 +1,4 @@
-//! What each stroke measures. Every field's definition stands with it; none is ever NaN.
+//! Measures of each stroke. Values are never NaN.
 
 use super::measures::inward_bend;
 use super::path_fit::{PathFit, window_rows};
@@ -7,14 +7,14 @@ use super::series::{finite, maximum, mean, percentile, standard_deviation};
 use glam::DVec3;
 use serde::Serialize;
 
-/// A feeler whose anchor slid farther than this from one control step to the next has slipped, m.
+/// Anchor displacement per control step above which a feeler counts as slipping (m).
 pub const TRUE_SLIP: f64 = 20e-6;
 
-/// A stroke that turns the cap by no more than this share of the first stroke's finds it closed.
+/// Cap rotation relative to the first stroke up to which the cap counts as closed.
 pub const CLOSED_TURN: f64 = 0.05;
 
-/// Whether the last of all strokes of a run, which turned the cap by `turns` (rad, as far as known), found it closed
-/// ([`CLOSED_TURN`]); not where it never turned.
+/// `true` if the last stroke found the cap closed ([`CLOSED_TURN`]). `turns` are the cap rotations of all strokes
+/// (rad); `false` if the cap never turned.
 pub fn found_closed(turns: &[Option<f64>]) -> bool {
     let [first, .., last] = turns else {
         return false;
@@ -24,8 +24,8 @@ pub fn found_closed(turns: &[Option<f64>]) -> bool {
         .is_some_and(|(first, last)| first > 0.0 && last <= CLOSED_TURN * first)
 }
 
-/// Whether every stroke of a run, which turned the cap by `turns` (rad, as far as known), turned it: by more than a stroke that
-/// finds it closed ([`CLOSED_TURN`]).
+/// `true` if every stroke turned the cap by more than [`CLOSED_TURN`]. `turns` are the cap rotations of all strokes
+/// (rad).
 pub fn turned(turns: &[Option<f64>]) -> bool {
     let Some(&Some(first)) = turns.first() else {
         return false;
@@ -37,44 +37,44 @@ pub fn turned(turns: &[Option<f64>]) -> bool {
             .all(|turn| turn.is_some_and(|turn| turn > least))
 }
 
-/// The measures of one stroke; `None` (JSON null) where the recording does not define them.
+/// Measures of one stroke; `None` (JSON null) if the recording does not define them.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct StrokeMeasures {
     /// Number of the stroke, from 1.
     pub index: u32,
-    /// Largest measured torque during the stroke, N·m; none unless it was measured throughout MOVE.
+    /// Largest measured torque during the stroke (N·m); `None` unless torque is known throughout MOVE.
     pub peak_torque: Option<f64>,
-    /// Grasp force, mean over MOVE and over fingers, N.
+    /// Grasp force averaged over MOVE and over fingers (N).
     pub mean_grasp_force: Option<f64>,
-    /// Largest grasp force during the stroke, of the mean over fingers, N.
+    /// Maximum over the stroke of the grasp force averaged over fingers (N).
     pub peak_grasp_force: Option<f64>,
-    /// Angle the cap turned during the stroke, rad, positive = closing.
+    /// Rotation of the cap during the stroke (rad), positive = closing.
     pub cap_turn: Option<f64>,
-    /// 99th percentile over MOVE of the shear rate of the element of largest F_z, mean over
-    /// fingers, N/s.
+    /// 99th percentile over MOVE of the shear rate of the element with the largest F_z, averaged over fingers (N/s).
     pub peak_shear_rate: Option<f64>,
-    /// Share of MOVE with SLIP up, mean over fingers, 0 to 1.
+    /// Fraction of MOVE with SLIP, averaged over fingers (0 to 1).
     pub slip_fraction: Option<f64>,
-    /// Share of those control steps of MOVE with SLIP in which one of the finger's feelers has slipped in truth
-    /// ([`TRUE_SLIP`]), mean over fingers, 0 to 1; known of simulated worlds only.
+    /// Fraction of the control steps of MOVE with SLIP in which a feeler of the finger truly slipped ([`TRUE_SLIP`]),
+    /// averaged over fingers (0 to 1); known for simulated runs only.
     pub slip_precision: Option<f64>,
-    /// Share of MOVE in which one of the finger's feelers has slipped in truth, mean over fingers, 0 to 1: the precision
-    /// that a flag would have which is raised at random.
+    /// Fraction of MOVE in which a feeler of the finger truly slipped, averaged over fingers (0 to 1). Equals the
+    /// precision of a random flag.
     pub true_slip_fraction: Option<f64>,
-    /// Standard deviation of the grasp force relative to its mean within the window of [`window_rows`], mean over fingers.
+    /// Standard deviation of the grasp force relative to its mean, within the window of [`window_rows`], averaged over
+    /// fingers.
     pub grasp_force_variation: Option<f64>,
-    /// Share of the same window with OVER up, mean over fingers, 0 to 1.
+    /// Fraction of the same window with OVER, averaged over fingers (0 to 1).
     pub over_fraction: Option<f64>,
-    /// Largest inward deviation of the fingertip's path over MOVE from the planned straight
-    /// line, mean over fingers, m. See [`inward_bend`].
+    /// Largest inward deviation of the fingertip's path over MOVE from the planned straight line, averaged over fingers
+    /// (m). See [`inward_bend`].
     pub path_inward_bend: Option<f64>,
-    /// [`PathFit::radius_std`], mean over fingers, m.
+    /// [`PathFit::radius_std`], averaged over fingers (m).
     pub path_radius_std: Option<f64>,
-    /// [`PathFit::line_radius_std`], mean over fingers, m.
+    /// [`PathFit::line_radius_std`], averaged over fingers (m).
     pub line_radius_std: Option<f64>,
-    /// [`PathFit::curvature`], mean over fingers.
+    /// [`PathFit::curvature`], averaged over fingers.
     pub path_curvature: Option<f64>,
-    /// Largest F_z of any element during the stroke, N.
+    /// Largest F_z of any element during the stroke (N).
     pub peak_element_force: Option<f64>,
 }
 
@@ -114,8 +114,7 @@ impl StrokeMeasures {
 }
 
 impl StrokeMeasures {
-    /// Of a stroke of which only some rows are known, those where quantities are largest among them: what else is
-    /// measured is left out.
+    /// Removes all measures except the maxima, for strokes with only extreme rows left.
     pub(crate) fn of_extremes(self) -> Self {
         Self {
             mean_grasp_force: None,
@@ -134,18 +133,18 @@ impl StrokeMeasures {
     }
 }
 
-/// Mean over fingers of a measure that every finger must define.
+/// Mean of a measure over fingers; `None` unless every finger defines it.
 fn over_fingers(data: &RunData, measure: impl Fn(&FingerColumns) -> Option<f64>) -> Option<f64> {
     every_finger(data, |finger| measure(&data.fingers[finger]))
 }
 
-/// The same of a measure that needs the finger's number.
+/// Like [`over_fingers`], for a measure that needs the finger's index.
 fn every_finger(data: &RunData, measure: impl Fn(usize) -> Option<f64>) -> Option<f64> {
     let values: Option<Vec<f64>> = (0..data.fingers.len()).map(measure).collect();
     mean(values?)
 }
 
-/// The share that is true, 0 to 1.
+/// Fraction of values that are `true` (0 to 1).
 pub fn share(values: impl IntoIterator<Item = bool>) -> Option<f64> {
     mean(values.into_iter().map(|value| f64::from(u8::from(value))))
 }
@@ -166,8 +165,8 @@ fn true_slip_fraction(finger: &FingerColumns, stroke: &Stroke) -> Option<f64> {
     share(slipped.collect::<Option<Vec<_>>>()?)
 }
 
-/// How much SLIP says about true slip: what its precision gains over a flag that is raised at random, relative to what
-/// there is to gain. 1: SLIP is never wrong; 0: it says nothing.
+/// Skill of SLIP in detecting true slip: gain in precision over a random flag, relative to the possible gain. 1 if SLIP
+/// is never wrong, 0 if it carries no information.
 pub fn slip_skill(finger: &FingerColumns, stroke: &Stroke) -> Option<f64> {
     let (precision, at_random) = (
         slip_precision(finger, stroke)?,

@@ -1,4 +1,4 @@
-//! `summary.json`: a run in numbers, with stable keys.
+//! `summary.json`: the measures of a run, with stable keys.
 
 use super::cap::CapMeasures;
 use super::claim::Claim;
@@ -13,60 +13,61 @@ use feeler_record::{FindingName, Recording, RunState, SensingKind, TaskKind, Tas
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// A run in numbers. The field names are the keys of `summary.json`; what is not known is null.
+/// Measures of a run. The field names are the keys of `summary.json`; unknown values are null.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Summary {
     /// Name of the experiment.
     pub experiment: String,
-    /// Which task it was.
+    /// Task of the run.
     pub task: TaskKind,
-    /// Seed of every random quantity.
+    /// Seed of all random quantities.
     pub seed: u64,
-    /// Version of the program that ran it.
+    /// Version of feeler that made the run.
     pub version: String,
-    /// How forces were obtained: `image` or `direct`.
+    /// Source of forces: `image` or `direct`.
     pub sensing: SensingKind,
-    /// How the run ended: `done`, `given_up` or `interrupted`.
+    /// Final state: `done`, `given_up` or `interrupted`.
     pub state: RunState,
-    /// Why it is not done, if it is not.
+    /// Reason if the run is not done.
     pub reason: Option<String>,
-    /// Time of the run that is on record, s.
+    /// Recorded time of the run (s).
     pub sim_time: f64,
-    /// Wall time that the run took, s.
+    /// Wall-clock duration of the run (s).
     pub wall_time: Option<f64>,
     /// `sim_time / wall_time`.
     pub real_time_factor: Option<f64>,
-    /// The strokes, in the order of time.
+    /// Strokes in chronological order.
     pub strokes: Vec<StrokeMeasures>,
-    /// Whether the strokes go up and down as in the paper's Fig. 8, if there are four.
+    /// Comparison of the strokes with the paper's Fig. 8; `None` unless there are four.
     pub stroke_pattern: Option<StrokePattern>,
-    /// What came of the task, if it could tell.
+    /// Outcome of the task, if the task determined one.
     pub outcome: Option<TaskOutcome>,
-    /// What the task found out, by name, in SI units.
+    /// Findings of the task by name, in SI units.
     pub findings: BTreeMap<FindingName, Option<f64>>,
-    /// The claims of the task; empty if they are those of the paper, and its law or its strokes did not run.
+    /// Claims of the task. The paper's claims are omitted if its law or its strokes did not run.
     pub claims: Vec<Claim>,
-    /// The claims of any hand that screws a cap in at least four strokes, under whatever law.
+    /// Claims of any hand that screws a cap in at least four strokes, under any law.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub hand_claims: Vec<Claim>,
-    /// How the cap was closed or opened, where that was not merely a count of strokes.
+    /// Measures of closing or opening a cap by touch; `None` if the strokes were only counted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cap: Option<CapMeasures>,
-    /// Whether the run was a success, as a report judges it; `None` (no key in JSON) before that, and where nobody knows.
+    /// Judgement of the run, set when a report is drawn; `None` (no key in JSON) before that, or if the cap's motion is
+    /// unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub success: Option<Success>,
-    /// Angle the cap has turned at the end, rad, positive = closing.
+    /// Final rotation of the cap (rad), positive = closing.
     pub cap_angle: Option<f64>,
-    /// Largest torque of the last stroke, N·m, where an object is screwed.
+    /// Peak torque of the last stroke (N·m), for screwing tasks.
     pub final_torque: Option<f64>,
-    /// Largest force on an element in its frame's z, of all strokes, N.
+    /// Largest normal force on an element over all strokes (N).
     pub peak_element_force: Option<f64>,
-    /// Digest of the recording's content.
+    /// Digest of the recording.
     pub digest: String,
 }
 
 impl Summary {
-    /// Summarises a recording.
+    /// Summarizes a recording with rows `data`.
     pub fn new(recording: &Recording, data: &RunData) -> Self {
         let facts = &recording.facts;
         let found = recording.findings.last();
@@ -106,7 +107,7 @@ impl Summary {
         }
     }
 
-    /// The claims that a report shows: those of the task or, if there are none, those of any hand.
+    /// Claims shown in a report: those of the task or, if it has no claims, those of any hand.
     pub fn shown_claims(&self) -> &[Claim] {
         match self.claims.is_empty() {
             true => &self.hand_claims,
@@ -114,10 +115,10 @@ impl Summary {
         }
     }
 
-    /// The text of `summary.json`.
+    /// Text of `summary.json`.
     ///
     /// # Errors
-    /// None that a summary can cause; serde's signature has one.
+    /// Never for a valid summary; required by serde's signature.
     pub fn to_json(&self) -> Result<String, serde_json::Error> {
         serde_json::to_string_pretty(self).map(|json| json + "\n")
     }

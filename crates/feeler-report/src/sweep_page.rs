@@ -1,4 +1,4 @@
-//! `summary.html`: what came of a sweep, on one self-contained page.
+//! `summary.html`: results of a sweep, on a self-contained page.
 
 use super::document::{Tile, document, tiles};
 use super::figures::Figure;
@@ -8,77 +8,77 @@ use super::series::percentile;
 use super::text::{name_and_unit, significant};
 use maud::html;
 
-/// A varied number, trial by trial.
+/// A varied number with its value in each trial.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Varied {
-    /// What it is called.
+    /// Name of the number.
     pub name: String,
-    /// Whether its logarithm was drawn.
+    /// `true` if it was drawn on a logarithmic scale.
     pub logarithmic: bool,
-    /// Its value in each trial, and whether that was a success.
+    /// Value in each trial, and whether the trial was a success.
     pub trials: Vec<(f64, bool)>,
 }
 
-/// Trials of one value of something that is no number: value, trials, successes.
+/// A category with its number of trials and number of successes.
 pub type Counted = (String, u64, u64);
 
-/// A measure, trial by trial.
+/// A measure with its values over all trials.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Measured {
-    /// What it is called, with its unit.
+    /// Name and unit.
     pub name: String,
-    /// Its values, where it is defined.
+    /// Values of the trials that define it.
     pub values: Vec<f64>,
 }
 
-/// What a trial is drawn by, besides what varied.
+/// The measure plotted per trial against the varied numbers.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrialMeasure {
-    /// What it is called, with its unit.
+    /// Name and unit.
     pub name: String,
-    /// Its value in each trial, by the trial's number, in the order of [`Varied::trials`].
+    /// Trial number and value of each trial, in the order of [`Varied::trials`].
     pub trials: Vec<(u64, Option<f64>)>,
 }
 
-/// What the page shows.
+/// Content of the page.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepPage {
-    /// The experiment's name.
+    /// Name of the experiment.
     pub name: String,
-    /// What a success is, as a sentence goes on.
+    /// Success criterion, as the end of a sentence.
     pub success: &'static str,
-    /// Trials, and successes among them.
+    /// Number of trials, and number of successes.
     pub counts: (u64, u64),
-    /// How many trials ended how.
+    /// Outcomes with their number of trials.
     pub outcomes: Vec<(String, u64)>,
-    /// How many trials each claim held in.
+    /// Claims with the number of trials in which they pass.
     pub claims: Vec<Counted>,
     /// Varied numbers.
     pub numbers: Vec<Varied>,
-    /// Varied words: name, and each value's trials.
+    /// Varied texts: name, and trials per value.
     pub words: Vec<(String, Vec<Counted>)>,
-    /// What tells most of a single trial, if anything is measured.
+    /// Measure that characterizes a single trial best, if any is measured.
     pub measured: Option<TrialMeasure>,
     /// Main measures.
     pub measures: Vec<Measured>,
-    /// The worst trials, under these names.
+    /// Header of the table of the worst trials.
     pub worst_header: Vec<String>,
-    /// A row each.
+    /// Rows of the table of the worst trials.
     pub worst: Vec<Vec<String>>,
     /// Seed and expressions, as on the command line.
     pub varied: String,
-    /// The experiment, but for what varied.
+    /// The experiment without varied values.
     pub experiment: String,
 }
 
-/// The page, as HTML text.
+/// Renders the page as HTML.
 pub fn sweep_page(page: &SweepPage) -> String {
     let (trials, successes) = page.counts;
     let figures = figures_of(page);
     let body = html! {
         h1 { "Sweep: " (page.name) }
         p.verdict {
-            (trials) " trials, of which " (rate(successes, trials)) " were a success: "
+            (trials) " trials; " (rate(successes, trials)) " were a success: "
             (page.success) "."
         }
         (tiles(&tiles_of(page)))
@@ -87,19 +87,19 @@ pub fn sweep_page(page: &SweepPage) -> String {
             h2 { "Figures" }
             div.figures { @for figure in &figures { (figure.markup()) } }
         }
-        h2 { "How trials ended" }
+        h2 { "Outcomes" }
         (counts_table("Outcome", &page.outcomes.iter().map(|(name, n)| (name.clone(), trials, *n)).collect::<Vec<_>>()))
         @if !page.claims.is_empty() {
             h2 { "Claims" }
-            (counts_table("Claim holds", &page.claims))
+            (counts_table("Claim passes", &page.claims))
         }
-        @if !page.words.is_empty() { h2 { "Success against words that varied" } }
+        @if !page.words.is_empty() { h2 { "Success by varied category" } }
         @for (name, values) in &page.words { (counts_table(name, values)) }
-        h2 { "The worst trials" }
-        p { "One alone, with its recording and report: " code { "feeler run --trial SWEEP_FOLDER TRIAL" } "." }
+        h2 { "Worst trials" }
+        p { "To repeat a trial with its recording and report: " code { "feeler run --trial SWEEP_FOLDER TRIAL" } "." }
         (worst_table(page))
         details {
-            summary { "The experiment, but for what varied" }
+            summary { "Experiment, without varied values" }
             pre { (page.experiment) }
         }
     };
@@ -120,7 +120,7 @@ fn figures_of(page: &SweepPage) -> Vec<Figure> {
     figures
 }
 
-/// What came of it, as far as it was measured.
+/// Key figures, as far as they were measured.
 fn tiles_of(page: &SweepPage) -> Vec<Tile> {
     let (trials, successes) = page.counts;
     let share = 100.0 * successes as f64 / trials.max(1) as f64;
@@ -142,7 +142,7 @@ fn tiles_of(page: &SweepPage) -> Vec<Tile> {
     tiles
 }
 
-/// A share with its 95 % confidence interval.
+/// Formats a count of successes with its 95 % confidence interval.
 fn rate(successes: u64, trials: u64) -> String {
     let (low, high) = wilson(successes, trials);
     let share = 100.0 * successes as f64 / trials.max(1) as f64;

@@ -1,11 +1,11 @@
-//! Numbers as a reader would write them.
+//! Number formatting for pages.
 
-/// A value, or a dash where there is none.
+/// Formatted value, or a dash for `None`.
 pub fn value(value: Option<f64>) -> String {
     value.map_or_else(|| "–".into(), significant)
 }
 
-/// A number to three significant digits (whole numbers to all), with a true minus sign.
+/// Formats a number with three significant digits (integers with all digits) and a proper minus sign.
 pub fn significant(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return "0".into();
@@ -25,7 +25,7 @@ pub fn significant(value: f64) -> String {
     }
 }
 
-/// A quantity's name and its unit, as in `Torque (mN·m)`; without one, the unit is empty.
+/// Splits a label such as `Torque (mN·m)` into name and unit; the unit may be empty.
 pub fn name_and_unit(label: &str) -> (&str, &str) {
     let parts = label.strip_suffix(')').and_then(|l| l.rsplit_once(" ("));
     parts.unwrap_or((label, ""))
@@ -48,7 +48,7 @@ mod tests {
     }
 
     #[test]
-    fn a_label_is_a_name_and_a_unit() {
+    fn labels_are_split_into_name_and_unit() {
         assert_eq!(name_and_unit("Torque (mN·m)"), ("Torque", "mN·m"));
         assert_eq!(name_and_unit("F (x) (N)"), ("F (x)", "N"));
         assert_eq!(name_and_unit("friction"), ("friction", ""));

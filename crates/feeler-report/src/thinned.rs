@@ -1,4 +1,4 @@
-//! What a run that is too long to keep all of its rows measures of all of them, and which rows it keeps.
+//! Measures of all rows of a long run, and selection of the rows to keep.
 
 use super::cap::FeltStroke;
 use super::run_data::RunData;
@@ -6,48 +6,48 @@ use super::series::Stretch;
 use super::strokes::StrokeMeasures;
 use std::ops::Range;
 
-/// What was measured of every row of a run, most of which were let go of.
+/// Measures of all rows of a run whose rows were only partly kept.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Thinned {
-    /// Rows of the whole run.
+    /// Number of rows of the whole run.
     pub rows: usize,
-    /// The measures of every stroke, each from all of its rows; of a stroke that was too long to keep them, only what is
-    /// largest in it (`StrokeMeasures::of_extremes`).
+    /// Measures of every stroke, from all of its rows; only the maxima for strokes that were too long
+    /// (`StrokeMeasures::of_extremes`).
     pub strokes: Vec<StrokeMeasures>,
-    /// The strokes as they were felt.
+    /// Estimated and true values of every stroke.
     pub felt: Vec<FeltStroke>,
-    /// Numbers of the strokes that were too long to keep all of their rows until they were measured.
+    /// Numbers of the strokes that were too long to keep all rows until they were measured.
     pub too_long: Vec<u32>,
-    /// Peaks of grasp force, as the claim `four-peaks` counts them.
+    /// Number of peaks of grasp force, as counted by the claim `four-peaks`.
     pub grasp_force_peaks: Option<usize>,
-    /// Peaks of torque, as the same claim counts them.
+    /// Number of peaks of torque, as counted by the same claim.
     pub torque_peaks: Option<usize>,
-    /// Forces (N), and for how many rows in a row an element was pressed harder than each.
+    /// Force limits with the longest stretches above each of them.
     pub(crate) pressed: Vec<Pressed>,
 }
 
 impl Thinned {
-    /// Rows in the longest stretch of an element pressed harder than `limit`, N; none where no forces are known, or
-    /// nobody asked for this limit while the rows were there.
+    /// Longest stretch of rows in which an element exceeds `limit` (N). `None` if no forces are known or this limit was
+    /// not accumulated.
     pub fn longest_above(&self, limit: f64) -> Option<usize> {
         let mut pressed = self.pressed.iter();
         pressed.find(|p| p.limit == limit)?.longest()
     }
 }
 
-/// For how long elements are pressed harder than a limit.
+/// Stretches in which elements exceed a force limit.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Pressed {
-    /// N.
+    /// Force limit (N).
     limit: f64,
-    /// Of each element of each finger.
+    /// Stretches of each element of each finger.
     elements: Vec<Vec<Stretch>>,
-    /// Whether any element of each finger was pressed harder in the last row.
+    /// For each finger: `true` if any element exceeded the limit in the last row.
     is_pressed: Vec<bool>,
 }
 
 impl Pressed {
-    /// Harder than `limit`, N, of this many fingers.
+    /// Accumulator for the force `limit` (N) and this number of fingers.
     pub fn new(limit: f64, fingers: usize) -> Self {
         Self {
             limit,
@@ -56,12 +56,12 @@ impl Pressed {
         }
     }
 
-    /// Takes the next row.
+    /// Adds the next row.
     pub fn take_row(&mut self, data: &RunData, row: usize) {
         for (finger, columns) in data.fingers.iter().enumerate() {
             let forces = columns.forces[row].iter();
             let is_known = self.elements[finger].len() >= forces.len();
-            // Mostly none is pressed, nor was: no stretch begins, goes on or ends.
+            // Fast path: no stretch starts, continues or ends.
             if is_known && !self.is_pressed[finger] && columns.largest_force[row] <= self.limit {
                 continue;
             }
@@ -69,7 +69,7 @@ impl Pressed {
         }
     }
 
-    /// Takes the forces (N) on the elements of `finger` at the next row.
+    /// Adds the forces on the elements of `finger` at the next row (N).
     fn take(&mut self, finger: usize, forces: impl ExactSizeIterator<Item = f64> + Clone) {
         let elements = &mut self.elements[finger];
         if elements.len() < forces.len() {
@@ -83,18 +83,18 @@ impl Pressed {
         rest.for_each(|element| element.take(false));
     }
 
-    /// Rows in the longest stretch of one element; none where no forces are known.
+    /// Longest stretch of a single element (rows); `None` if no forces are known.
     pub fn longest(&self) -> Option<usize> {
         let elements = self.elements.iter().flatten();
         elements.map(Stretch::longest).max()
     }
 }
 
-/// A quantity by row.
+/// A quantity as a function of the row.
 pub(crate) type Quantity<'a> = dyn Fn(usize) -> f64 + 'a;
 
-/// Which of so many rows stay: those that are in no `cell`; and of each run of rows in the same one the first, the last
-/// and, of each of `quantities`, where it is greatest, so that no peak is lost. What is no number is the greatest.
+/// Indices of the rows to keep: rows without a `cell`, and for each run of rows in the same cell the first row, the
+/// last row and the row with the maximum of each quantity, so that no peak is lost. NaN counts as maximum.
 pub(crate) fn rows_that_stay<C: PartialEq>(
     count: usize,
     cell: impl Fn(usize) -> Option<C>,
@@ -118,7 +118,7 @@ pub(crate) fn rows_that_stay<C: PartialEq>(
     stay
 }
 
-/// Where a quantity is greatest, first.
+/// First row with the maximum of a quantity.
 fn greatest(rows: Range<usize>, quantity: &Quantity<'_>) -> usize {
     let value = |row: usize| match quantity(row) {
         value if value.is_nan() => f64::INFINITY,
@@ -141,7 +141,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn of_each_cell_the_ends_and_the_peaks_stay() {
+    fn ends_and_peaks_of_each_cell_are_kept() {
         let mut values = [0.0; 40];
         values[13] = 5.0;
         values[33] = f64::NAN;
@@ -153,13 +153,13 @@ mod tests {
     }
 
     #[test]
-    fn the_longest_press_is_that_of_one_element() {
+    fn longest_stretch_is_of_a_single_element() {
         let mut pressed = Pressed::new(1.0, 2);
         assert_eq!(pressed.longest(), None);
         for forces in [[2.0, 0.0], [2.0, 2.0], [0.5, 2.0], [2.0, 2.0]] {
             pressed.take(0, forces.into_iter());
         }
-        // An element of which nothing is heard is not pressed.
+        // An element without data counts as not pressed.
         pressed.take(0, [2.0].into_iter());
         pressed.take(0, [0.0, 2.0].into_iter());
         assert_eq!(pressed.longest(), Some(3));

@@ -1,4 +1,4 @@
-//! `NAME.html` of `feeler tune`: tuned settings, predicted success, and what costs most of it.
+//! `NAME.html` of `feeler tune`: tuned settings, predicted success rate, and the most costly uncertainties.
 
 use super::document::{Tile, document, tiles};
 use super::figures::sweep::wilson;
@@ -10,23 +10,23 @@ use maud::{Markup, html};
 /// Content of the page.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TunePage {
-    /// The experiment's name.
+    /// Name of the experiment.
     pub name: String,
-    /// Seed of all that was drawn.
+    /// Seed of all random draws.
     pub seed: u64,
-    /// Simulated runs of the search; 0 without one.
+    /// Number of simulated runs of the search; 0 without a search.
     pub runs: u64,
-    /// Whether the search's settings were taken, and not those of the rules.
+    /// `true` if the settings of the search were adopted instead of those of the rules.
     pub by_search: bool,
-    /// Number of draws of the predictions; 0 without any.
+    /// Number of draws for the predictions; 0 without predictions.
     pub draws: u64,
-    /// Draws in which all claims hold: with the experiment's own settings, by the rules, as tuned.
+    /// Number of draws in which all claims pass: with the original settings, with those of the rules, and as tuned.
     pub successes: [u64; 3],
-    /// The tuned settings.
+    /// Tuned settings.
     pub settings: Vec<SettingRow>,
-    /// The claims.
+    /// Claims before and after tuning.
     pub claims: Vec<ClaimRow>,
-    /// The uncertain values, the most costly first.
+    /// Uncertain values, most costly first.
     pub costs: Vec<CostRow>,
 }
 
@@ -41,34 +41,34 @@ pub struct SettingRow {
     pub before: f64,
     /// Tuned value.
     pub after: f64,
-    /// The rule.
+    /// Rule that determines the value.
     pub reason: String,
 }
 
 /// A claim before and after tuning.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ClaimRow {
-    /// Its name.
+    /// Name of the claim.
     pub name: String,
-    /// Number of draws in which it holds.
+    /// Number of draws in which the claim passes, before and after tuning.
     pub held: [u64; 2],
-    /// Median of its margin.
+    /// Median margin, before and after tuning.
     pub median: [Option<f64>; 2],
-    /// The margin that 5 % of the draws are below.
+    /// 5th percentile of the margin, before and after tuning.
     pub low: [Option<f64>; 2],
 }
 
 /// An uncertain value.
 #[derive(Debug, Clone, PartialEq)]
 pub struct CostRow {
-    /// Its name.
+    /// Name of the value.
     pub name: String,
-    /// Share of success, 0 to 1, in the lowest, middle and highest third of its values.
+    /// Success rate (0 to 1) in the lowest, middle and highest third of its values.
     pub thirds: [f64; 3],
 }
 
 impl CostRow {
-    /// Largest difference of success between two thirds.
+    /// Largest difference in success rate between two thirds.
     pub fn spread(&self) -> f64 {
         let most = self.thirds.iter().copied().fold(0.0, f64::max);
         most - self.thirds.iter().copied().fold(1.0, f64::min)
@@ -76,7 +76,7 @@ impl CostRow {
 }
 
 impl TunePage {
-    /// The predicted share of success as tuned, between the ends of Wilson's 95 % interval; `None` without predictions.
+    /// Predicted success rate as tuned, with Wilson's 95 % interval (`[low, rate, high]`); `None` without predictions.
     pub fn predicted(&self) -> Option<[f64; 3]> {
         (self.draws > 0).then(|| share(self.successes[2], self.draws))
     }
@@ -87,39 +87,39 @@ fn share(successes: u64, draws: u64) -> [f64; 3] {
     [low, successes as f64 / draws.max(1) as f64, high]
 }
 
-/// The page, as HTML text.
+/// Renders the page as HTML.
 pub fn tune_page(page: &TunePage) -> String {
-    let title = format!("Tuned: {}", page.name);
+    let title = format!("Tuning: {}", page.name);
     let body = html! {
         h1 { (title) }
         @if let Some(predicted) = page.predicted() {
-            p.verdict { "All claims about the hand are predicted to hold in " (percent(predicted)) " of runs." }
+            p.verdict { "All claims about the hand are predicted to pass in " (percent(predicted)) " of runs." }
             (tiles(&tiles_of(page)))
             p {
-                (page.draws) " simulated hands (seed " (page.seed) "): identified values uniform within their 95 % intervals, all other \
-                values of the apparatus within plausible ranges. No search has used these draws."
+                (page.draws) " simulated hands (seed " (page.seed) "): identified values are uniform within their 95 % intervals, all other \
+                values of the apparatus are within plausible ranges. The search did not use these draws."
             }
         } @else {
-            p.verdict { "Tuned by rules; without " code { "[sim]" } " or after Ctrl-C nothing is predicted." }
+            p.verdict { "Tuned by rules; without " code { "[sim]" } " or after Ctrl-C, success is not predicted." }
         }
         h2 { "Settings" }
         (settings_table(page))
         @if page.draws > 0 {
             h2 { "Claims before and after" }
             (claims_table(page))
-            p.note { "A margin is the distance from the bound relative to the bound; a claim holds where it is not negative." }
-            h2 { "Which uncertainty costs most" }
+            p.note { "The margin is the distance from the bound relative to the bound; a claim passes if its margin is not negative." }
+            h2 { "Most costly uncertainties" }
             (costs_table(page))
             p.note {
-                "Share of success in the lowest, middle and highest third of each uncertain value, largest difference first. Differences below "
-                (significant(100.0 * chance(page.draws))) " % are chance."
+                "Success rate in the lowest, middle and highest third of each uncertain value, largest difference first. Differences below "
+                (significant(100.0 * chance(page.draws))) " % are not significant."
             }
         }
     };
     document(&title, body, &PageData::of_figures(&title, &[]))
 }
 
-/// Difference of the shares of two thirds of `draws` that chance alone exceeds in 5 % of cases at most.
+/// Difference between the success rates of two thirds of `draws` that chance exceeds in at most 5 % of cases.
 fn chance(draws: u64) -> f64 {
     let third = (draws as f64 / 3.0).max(1.0);
     1.96 * (0.5 / third).sqrt()
@@ -173,9 +173,9 @@ fn claims_table(page: &TunePage) -> Markup {
             table {
                 thead {
                     tr {
-                        th { "Claim" } th.number { "Holds before" } th.number { "as tuned" }
+                        th { "Claim" } th.number { "Passes before" } th.number { "as tuned" }
                         th.number { "Median margin before" } th.number { "as tuned" }
-                        th.number { "5 % are below, before" } th.number { "as tuned" }
+                        th.number { "5th percentile before" } th.number { "as tuned" }
                     }
                 }
                 tbody {
@@ -213,7 +213,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_page_shows_shares_settings_and_costs() {
+    fn page_shows_rates_settings_and_costs() {
         let page = TunePage {
             name: "mine".to_string(),
             draws: 100,
@@ -236,6 +236,6 @@ mod tests {
             assert!(text.contains(word), "{word}");
         }
         let none = TunePage::default();
-        assert!(none.predicted().is_none() && tune_page(&none).contains("nothing is predicted"));
+        assert!(none.predicted().is_none() && tune_page(&none).contains("success is not predicted"));
     }
 }

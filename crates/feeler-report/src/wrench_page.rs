@@ -1,4 +1,4 @@
-//! The page of a wrench calibration: how far off it is on pictures that it has not seen.
+//! Report page of a wrench calibration: errors on held-out images.
 
 use super::document::{Tile, document, tiles};
 use super::figures::wrench::{predicted_figure, residuals_figure};
@@ -6,65 +6,66 @@ use super::page_data::PageData;
 use super::text::significant;
 use maud::{Markup, html};
 
-/// What the page says.
+/// Content of the page.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct WrenchPage {
-    /// Where the forces come from.
+    /// Source of the forces.
     pub source: String,
-    /// SHA-256 of what it was made for.
+    /// SHA-256 of the calibration target.
     pub sha256: String,
     /// Names of the recordings.
     pub recordings: Vec<String>,
-    /// The components that are calibrated.
+    /// Calibrated components.
     pub axes: Vec<AxisPoints>,
-    /// Names of the components that were measured and are not.
+    /// Components that were measured but could not be calibrated.
     pub left_out: Vec<&'static str>,
 }
 
-/// Errors of one recording: RMSE, MAE and mean, in the component's unit.
+/// RMSE, MAE and mean error of one recording, in the component's unit.
 pub type RecordingErrors = Option<[f64; 3]>;
 
-/// One component. Errors are those on pictures that were not seen, blocks of time left out, in its unit.
+/// Results for one component. Errors are in its unit, on images held out in blocks of time.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AxisPoints {
-    /// Its name.
+    /// Component name.
     pub name: &'static str,
-    /// Its unit.
+    /// Unit.
     pub unit: &'static str,
-    /// What it is regressed on, in words.
+    /// Regression terms.
     pub terms: String,
-    /// Least and greatest that was measured.
+    /// Measured range.
     pub range: [f64; 2],
     /// Root mean square error.
     pub rmse: f64,
-    /// Mean magnitude of the error.
+    /// Mean absolute error.
     pub mae: f64,
     /// Root mean square error of predicting the mean.
     pub mean_rmse: f64,
-    /// Part of the variance that is explained.
+    /// Coefficient of determination.
     pub r2: f64,
-    /// Mean error while the magnitude grew less that while it fell, if it is known.
+    /// Mean error while the magnitude rises minus mean error while it falls, if known.
     pub hysteresis: Option<f64>,
-    /// Name of each recording in which it was measured, and errors with its blocks left out and with all of it left out.
+    /// For each recording with this component: name, errors with its blocks held out, and errors with the whole
+    /// recording held out.
     pub recordings: Vec<(String, RecordingErrors, RecordingErrors)>,
-    /// Each picture in which it was measured, in the order of time.
+    /// Measured images in chronological order.
     pub points: Vec<PredictedPoint>,
 }
 
-/// One component in one picture, in its unit.
+/// One component in one image, in its unit.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PredictedPoint {
     /// Index of the recording.
     pub recording: usize,
-    /// What was measured.
+    /// Measured value.
     pub measured: f64,
-    /// Predicted without the picture's block of time; not a number where nothing is.
+    /// Prediction with the image's block of time held out; NaN if there is no prediction.
     pub by_blocks: f64,
-    /// Predicted without the picture's recording; not a number where nothing is.
+    /// Prediction with the image's recording held out; NaN if there is no prediction.
     pub by_recording: f64,
 }
 
-/// The page, as HTML text.
+/// Renders the page as HTML.
 pub fn wrench_page(page: &WrenchPage) -> String {
     let figures = page.axes.iter().enumerate().flat_map(|(index, axis)| {
         let number = 2 * index as u32 + 1;
@@ -80,15 +81,15 @@ pub fn wrench_page(page: &WrenchPage) -> String {
         (tiles(&page.axes.iter().map(tile).collect::<Vec<_>>()))
         h2 { "Components" }
         p.note {
-            "On pictures that were not seen: each recording is cut into blocks of time, and everything is learned anew without one."
+            "Errors on held-out images: each recording is divided into blocks of time, and the model is fitted without the block under test."
         }
         (axes_table(page))
         h2 { "Recordings" }
-        p.note { "Left out block by block, and as a whole. The mean error of a recording left out is the drift between recordings." }
+        p.note { "Held out block by block, and as a whole. The mean error of a held-out recording is the drift between recordings." }
         (recordings_table(page))
         h2 { "Figures" }
         div.figures { @for figure in &figures { (figure.markup()) } }
-        p { "Made for the fingertip of SHA-256" br; span.digest { (page.sha256) } }
+        p { "Calibrated for the fingertip with SHA-256" br; span.digest { (page.sha256) } }
     };
     let title = format!("Wrench calibration: {}", page.source);
     document(&title, body, &PageData::of_figures(&title, &figures))
@@ -107,13 +108,13 @@ fn verdict(page: &WrenchPage) -> Markup {
     let errors = page.axes.iter().map(|axis| {
         let (name, unit) = (axis.name, axis.unit);
         let (error, percent) = (significant(axis.rmse), percent(axis));
-        format!("{name} by {error} {unit} ({percent:.1} % of what was measured)")
+        format!("{name} {error} {unit} ({percent:.1} % of the measured range)")
     });
     let errors: Vec<_> = errors.collect();
     html! {
-        "On pictures that it has not seen, it is off in " (errors.join(", ")) ", root mean square."
+        "RMS error on held-out images: " (errors.join(", ")) "."
         @if !page.left_out.is_empty() {
-            " Left out, as the pictures explain nothing of them: " (page.left_out.join(", ")) "."
+            " Not calibrated, because the images do not predict them: " (page.left_out.join(", ")) "."
         }
     }
 }
@@ -158,7 +159,7 @@ fn recordings_table(page: &WrenchPage) -> Markup {
             table {
                 thead { tr {
                     th { "Component" } th { "Recording" }
-                    @for name in ["RMSE", "MAE", "RMSE, left out", "MAE, left out", "Drift, left out"] {
+                    @for name in ["RMSE", "MAE", "RMSE, held out", "MAE, held out", "Drift, held out"] {
                         th.number { (name) }
                     }
                 } }
@@ -187,7 +188,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_page_holds_its_components_and_is_escaped() {
+    fn page_contains_its_components_and_is_escaped() {
         let point = |measured: f64| PredictedPoint {
             measured,
             by_blocks: measured + 0.1,

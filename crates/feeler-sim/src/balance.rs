@@ -1,4 +1,4 @@
-//! What turns gives way: an object on a thread or hinge, and the bottle under it in its holder.
+//! Quasi-static balance of an object on a thread or hinge, and of the bottle under it in its holder.
 
 use super::columnar_feeler::Overload;
 use super::grip::{Freedom, grip};
@@ -10,20 +10,20 @@ use super::thread::{FingerLoad, Hinge};
 use multiversion::multiversion;
 use std::f64::consts::TAU;
 
-/// A slip lowers the torque on what turns, so the first or second round finds nothing more to do;
-/// the bound keeps a step's time finite.
+/// Maximum number of rounds of turning and slipping. A slip reduces the torque on the object, so usually the first or
+/// second round is the last; the bound limits the duration of a step.
 const MAX_BALANCE_ROUNDS: usize = 8;
 
-/// Turning and shifting by turns; each changes little of what the other has balanced.
+/// Maximum number of rounds of shifting and turning; each changes the balance of the other only slightly.
 const MAX_GIVING_ROUNDS: usize = 8;
 
-/// Newton steps of a shift along both axes.
+/// Maximum number of Newton steps of a shift along both axes.
 const MAX_SHIFT_ITERATIONS: usize = 16;
 
-/// A bottle stands still when it shifts by less, m: on the feelers of a fingertip, 0.1 uN.
+/// Shift below which a bottle is in balance (m): a force of 0.1 uN on the feelers of a fingertip.
 const SHIFT_TOLERANCE: f64 = 1e-11;
 
-/// Turns an object and lets feelers slip until the torques on it balance and nothing slips.
+/// Turns an object, alternating with slips of feelers, until torques balance and nothing slips.
 pub(super) fn balance(model: &WorldModel, state: &mut State, object: usize, hinge: &Hinge) {
     let before = state.objects[object].turn;
     let mut fingers = state.fingers.iter();
@@ -31,7 +31,7 @@ pub(super) fn balance(model: &WorldModel, state: &mut State, object: usize, hing
         state.objects[object].last_turn = (0.0, 0.0);
         return;
     }
-    // Once: what slips turn it by besides, nobody knows beforehand.
+    // Initial guess for the first round only: further turning, due to slips, cannot be predicted.
     let mut ahead = state.objects[object].last_turn;
     for round in 0..MAX_BALANCE_ROUNDS {
         match &model.sides {
@@ -40,8 +40,8 @@ pub(super) fn balance(model: &WorldModel, state: &mut State, object: usize, hing
             }
             _ => turn(model, state, object, hinge, std::mem::take(&mut ahead)),
         }
-        // The motion of this step overloads feelers steadily, and first; then one feeler's slip
-        // overloads another at a stroke.
+        // In the first round the step's motion overloads feelers steadily; in later ones, slips of other feelers do so
+        // instantaneously.
         let overload = if round == 0 {
             Overload::Steady
         } else {
@@ -55,10 +55,10 @@ pub(super) fn balance(model: &WorldModel, state: &mut State, object: usize, hing
     own.last_turn = (own.turn.angle - before.angle, own.turn.twist - before.twist);
 }
 
-/// Shifts and turns an object until both forces and torques on it balance.
+/// Shifts and turns an object until both the forces and the torque on it balance.
 ///
-/// The shift is balanced whenever the object turns. Then it never turns too far, as it would where a shift
-/// takes torque off it: the thread would hold it there.
+/// Forces are balanced before each turn, so the object never turns too far. Otherwise a later shift could reduce the
+/// torque, and the thread would hold the object at the larger angle.
 fn shift_and_turn(
     model: &WorldModel,
     state: &mut State,
@@ -78,7 +78,7 @@ fn shift_and_turn(
     state.objects[object].turn.turning = turned;
 }
 
-/// Shifts what an object stands on until the forces along W's x and y balance; whether it had to.
+/// Shifts the support of an object until the forces along W's x and y balance. Returns `true` if it moved.
 #[multiversion(targets("x86_64+avx2"))]
 fn shift(
     model: &WorldModel,
@@ -116,7 +116,7 @@ fn shift(
     way > SHIFT_TOLERANCE
 }
 
-/// Turns an object until the torques on it balance, feelers holding on as firmly as they can.
+/// Turns an object until the torques on it balance; feelers stick up to their static limit.
 #[multiversion(targets("x86_64+avx2"))]
 fn turn(model: &WorldModel, state: &mut State, index: usize, hinge: &Hinge, ahead: (f64, f64)) {
     let State {
@@ -131,7 +131,7 @@ fn turn(model: &WorldModel, state: &mut State, index: usize, hinge: &Hinge, ahea
         }
         let screw = hinge.screw(&own.turn, turn);
         let seen = |finger: &FingerState| screw.seen_after(&finger.seen[index]);
-        // The bottle twists without sinking.
+        // The support twists without descending.
         let sinking = if turn.turning {
             hinge.thread.lead / TAU
         } else {

@@ -1,5 +1,5 @@
-//! Contact of one feeler: an anisotropic spring between its undeformed tip and an anchor on the
-//! object's surface, held there by friction (design, section 8).
+//! Contact of one feeler: an anisotropic spring between its undeformed tip and an anchor on the object's surface,
+//! where Coulomb friction holds it.
 
 pub use super::feeler_config::{FeelerConfig, Friction};
 
@@ -9,39 +9,39 @@ use super::shape::SurfacePoint;
 use super::slip::{MAX_SLIP_ITERATIONS, Slip, sticks};
 use glam::DVec3;
 
-/// A feeler that is compressed beyond its length limit is stiffer by this factor.
+/// Factor on the normal stiffness of a feeler that is compressed beyond its length limit.
 const BOTTOMED_FACTOR: f64 = 10.0;
 
-/// Where a feeler holds on to the object.
+/// Point where a feeler sticks to an object.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Anchor {
-    /// Centre of the deformed tip's sphere, m, in the object's frame.
+    /// Centre of the deformed tip's sphere in the object's frame (m).
     pub position: DVec3,
-    /// Outward normal of the object's surface under it, in the object's frame.
+    /// Outward surface normal at the contact, in the object's frame.
     pub normal: DVec3,
 }
 
-/// The undeformed feeler relative to the object.
+/// The undeformed tip of a feeler relative to an object.
 #[derive(Debug, Clone, Copy)]
 pub struct Tip {
-    /// Centre of the undeformed tip's sphere, m, in the object's frame.
+    /// Centre of the undeformed tip's sphere in the object's frame (m).
     pub position: DVec3,
-    /// The feeler's axis, outward from the dome, a unit vector in the object's frame.
+    /// Axis of the feeler, outward from the dome; a unit vector in the object's frame.
     pub axis: DVec3,
-    /// The feeler's set: by how much its tip stays behind without any force, m, in the object's
-    /// frame. Zero where the feeler does not relax.
+    /// Creep displacement (*set*): offset by which the unloaded tip lags the undeformed one, in the object's frame (m).
+    /// Zero for feelers that do not relax.
     pub set: DVec3,
 }
 
 impl Tip {
-    /// Centre of the tip's sphere while nothing touches it, m, in the object's frame.
+    /// Centre of the unloaded tip's sphere in the object's frame (m).
     pub fn at_rest(&self) -> DVec3 {
         self.position - self.set
     }
 }
 
-/// The undeformed feeler along `axis` in the fingertip frame `T`, with its `set` (m) in the object's, on a dome of `dome_radius` (m)
-/// that is at `seen` as seen from the object.
+/// The tip of a feeler whose axis in the fingertip frame `T` is `axis` and whose creep displacement in the object's
+/// frame is `set` (m). `seen` is the pose, in the object's frame, of the dome of `dome_radius` (m).
 #[inline(always)]
 pub(super) fn tip_of(dome_radius: f64, seen: &Pose, axis: DVec3, set: DVec3) -> Tip {
     let axis = seen.rotation * axis;
@@ -52,18 +52,17 @@ pub(super) fn tip_of(dome_radius: f64, seen: &Pose, axis: DVec3, set: DVec3) -> 
     }
 }
 
-/// How an overload of a feeler came about.
+/// Origin of a shear force above the static friction limit.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Overload {
-    /// It grew steadily over the step: the slip snapped when the static limit was reached, and what
-    /// the shear force exceeds that by has built up since.
+    /// Steady motion over the step. The slip occurred when the limit was reached; the excess has built up again since.
     Steady,
-    /// At a stroke, by another feeler's slip: the shear force falls to the kinetic limit.
+    /// Another feeler's slip, instantaneously. The shear force falls to the kinetic limit.
     Sudden,
 }
 
 impl FeelerConfig {
-    /// Friction of this feeler on an object that brings none of its own.
+    /// Friction of this feeler on an object that does not define its friction.
     #[inline(always)]
     pub fn friction(&self) -> Friction {
         Friction {
@@ -73,18 +72,17 @@ impl FeelerConfig {
         }
     }
 
-    /// Whether the feeler is damped at all.
+    /// Returns `true` if the feeler has any damping.
     #[inline(always)]
     pub fn is_damped(&self) -> bool {
         self.normal_damping > 0.0 || self.shear_damping > 0.0
     }
 
-    /// Force on the object by a feeler whose tip is held at `anchor`, N, in the object's frame.
+    /// Force on the object by a feeler whose tip is at `anchor`, in the object's frame (N).
     ///
-    /// With displacement `d` of the undeformed tip from the anchor, `d_n` along the axis and `d_t`
-    /// across it, it is the gradient of `k_n d_n² / 2 + k_t (1 + c d_n) d_t² / 2`, and beyond the
-    /// length limit L of `(10 - 1) k_n (d_n - L)² / 2` more. A set is taken off the displacement for
-    /// the linear part of the force, `K d`, and for no other.
+    /// With displacement `d` of the undeformed tip from the anchor, `d_n` along the axis and `d_t` across it, the force
+    /// is the gradient of `k_n d_n² / 2 + k_t (1 + c d_n) d_t² / 2`, plus `(10 - 1) k_n (d_n - L)² / 2` beyond the
+    /// length limit L. The creep displacement is subtracted only in the linear part `K d`.
     #[inline(always)]
     pub fn elastic_force(&self, tip: &Tip, anchor: DVec3) -> DVec3 {
         let displacement = tip.position - anchor;
@@ -105,22 +103,22 @@ impl FeelerConfig {
         force + coupled * along * across + (pressed + bottomed) * tip.axis
     }
 
-    /// The stiffness matrix `K = k_t I + (k_n - k_t) n n^T` of a feeler along `axis`, times
-    /// `displacement` (m); N.
+    /// Product of the stiffness matrix `K = k_t I + (k_n - k_t) n n^T` of a feeler along `axis`, and `displacement`
+    /// (m); in N.
     #[inline(always)]
     pub fn stiffness_times(&self, axis: DVec3, displacement: DVec3) -> DVec3 {
         self.shear_stiffness * displacement
             + (self.normal_stiffness - self.shear_stiffness) * axis.dot(displacement) * axis
     }
 
-    /// The damping matrix, made like the stiffness matrix, times `velocity` (m/s); N.
+    /// Product of the damping matrix, of the same form as the stiffness matrix, and `velocity` (m/s); in N.
     #[inline(always)]
     pub fn damping_times(&self, axis: DVec3, velocity: DVec3) -> DVec3 {
         self.shear_damping * velocity
             + (self.normal_damping - self.shear_damping) * axis.dot(velocity) * axis
     }
 
-    /// The anchor of a tip that touches `surface`.
+    /// Anchor of a tip that touches `surface`.
     #[inline(always)]
     pub fn anchor(&self, surface: &SurfacePoint) -> Anchor {
         Anchor {
@@ -129,11 +127,10 @@ impl FeelerConfig {
         }
     }
 
-    /// `anchor` after the tip has rolled by `turn` (rad, of the fingertip against the object, in the
-    /// object's frame) without slipping, as if the surface were flat.
+    /// `anchor` after the tip has rolled by `turn` (rotation of the fingertip relative to the object, in the object's
+    /// frame, rad) without slipping, on a locally flat surface.
     ///
-    /// The tip's sphere turns with the fingertip and not with the object: what turns under it makes
-    /// it roll, and the contact point stays on the same spot of neither.
+    /// The tip's sphere turns with the fingertip. So the contact point moves on the surface and on the tip.
     #[inline(always)]
     pub fn rolled(&self, anchor: &Anchor, turn: DVec3) -> Anchor {
         Anchor {
@@ -142,19 +139,18 @@ impl FeelerConfig {
         }
     }
 
-    /// Where a tip held at `anchor` touches the surface, m, in the object's frame.
+    /// Contact point on the surface of a tip at `anchor`, in the object's frame (m).
     #[inline(always)]
     pub fn contact_point(&self, anchor: &Anchor) -> DVec3 {
         anchor.position - self.tip_radius * anchor.normal
     }
 
-    /// Lets an anchor slip if its shear force exceeds the static friction limit, and gives it up if
-    /// it would pull: the anchor that remains and the force on the object by the feeler, N, in the
-    /// object's frame.
+    /// Stick-slip return mapping: returns the anchor and the force on the object (N), in the object's frame, after
+    /// slipping if the shear force exceeds the static friction limit. `None` if the contact would pull, and separates.
     ///
-    /// The feeler has no mass: a slip snaps within the step, the shear force falling to the kinetic
-    /// limit, and there the tip sticks again. (The drive is slow against the snap, so the tip is
-    /// at rest whenever it is not snapping; the shear force makes a sawtooth between both limits.)
+    /// The feeler has no mass, so a slip completes within the step: the shear force falls to the kinetic limit, and the
+    /// tip sticks again. Drives are slow compared with slips, so under steady motion the shear force is a sawtooth
+    /// between both limits.
     pub fn settle(
         &self,
         object: &Object,
@@ -189,7 +185,7 @@ impl FeelerConfig {
     }
 }
 
-/// `force` (N, on the object), its shear cut at the static friction limit; zero where it pulls.
+/// Limits the shear of `force` (on the object, N) to the static friction cone; zero if the force pulls.
 #[inline(always)]
 pub fn within_cone(force: DVec3, normal: DVec3, friction: Friction) -> DVec3 {
     let (normal_force, shear) = split(force, normal);
@@ -199,7 +195,7 @@ pub fn within_cone(force: DVec3, normal: DVec3, friction: Friction) -> DVec3 {
     shear.clamp_length_max(friction.static_friction * normal_force) - normal_force * normal
 }
 
-/// Splits a force on the object into its normal force (positive when it presses) and its shear.
+/// Splits a force on the object into the normal force (positive in compression) and the shear force.
 #[inline(always)]
 pub(super) fn split(force: DVec3, normal: DVec3) -> (f64, DVec3) {
     let normal_force = -force.dot(normal);

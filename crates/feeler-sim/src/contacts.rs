@@ -1,23 +1,23 @@
-//! The contacts of one finger, as columns of numbers: what happens to many contacts alike is computed side by side.
+//! The contacts of one finger in structure-of-arrays form, for vectorized computation.
 //!
-//! A loop over the numbers of a block has no branches where all feelers are alike and are nothing but springs, so that the
-//! compiler makes instructions of it that work on four contacts at once (AVX2). It calls the very functions that work on a
-//! single contact, and adds up in the same order: results do not depend on the processor, to the bit.
+//! If all feelers are identical pure springs, loops over a block have no branches and compile to SIMD instructions for
+//! four contacts (AVX2). They call the same functions as the computation of a single contact and sum in the same
+//! order, so results are bit-identical on all processors.
 
 use super::columnar_feeler::Anchor;
 use super::state::Contact;
 use glam::DVec3;
 
-/// Contacts of a block: a cache line of each number.
+/// Number of contacts in a block: one cache line of `f64`.
 pub(super) const BLOCK: usize = 8;
 
-/// Contacts that are worked on at once; a block's last ones are filled up to as many.
+/// Number of SIMD lanes; the used part of a block is padded to a multiple of it.
 const LANES: usize = 4;
 
-/// A number of each contact of a block.
+/// A number per contact of a block.
 pub(super) type Column = [f64; BLOCK];
 
-/// A vector of each contact of a block.
+/// A vector per contact of a block.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct Vectors {
     x: Column,
@@ -42,7 +42,7 @@ impl Vectors {
 #[repr(align(64))]
 pub(super) struct Block {
     element: [usize; BLOCK],
-    /// The feelers' axes in the fingertip frame `T`.
+    /// Axes of the feelers in the fingertip frame `T`.
     axis: Vectors,
     anchor: Vectors,
     normal: Vectors,
@@ -75,13 +75,13 @@ impl Block {
         self.normal.set(lane, anchor.normal);
     }
 
-    /// Moves an anchor whose normal stays.
+    /// Sets an anchor's position and keeps its normal.
     #[inline(always)]
     pub fn move_anchor(&mut self, lane: usize, position: DVec3) {
         self.anchor.set(lane, position);
     }
 
-    /// Moves all anchors, whose normals stay, as tips have rolled by `distance`, m.
+    /// Sets the positions of all anchors, whose tips have rolled by another `distance` (m), and keeps their normals.
     #[inline(always)]
     pub fn roll_to(&mut self, anchors: &Vectors, distance: f64) {
         self.anchor = *anchors;
@@ -119,17 +119,17 @@ impl Block {
     }
 }
 
-/// A block's share of the contacts on an object.
+/// Used part of a block.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Share {
-    /// Its contacts.
+    /// Number of contacts.
     pub count: usize,
-    /// The same, filled up to whole groups of lanes. What stands in the others means nothing.
+    /// Number of contacts, padded to a multiple of the SIMD lanes. Values of the padding are meaningless.
     pub lanes: usize,
 }
 
 impl Share {
-    /// What block number `block` has of `count` contacts.
+    /// Used part of block number `block` if there are `count` contacts in total.
     fn of(count: usize, block: usize) -> Self {
         let count = (count - BLOCK * block).min(BLOCK);
         Self {
@@ -139,7 +139,7 @@ impl Share {
     }
 }
 
-/// The contacts on one object, in the order in which they began.
+/// Contacts with one object, in the order in which they began.
 #[derive(Debug, Clone)]
 pub(super) struct OnObject {
     count: usize,
@@ -151,14 +151,14 @@ impl OnObject {
         self.count == 0
     }
 
-    /// The blocks that have contacts.
+    /// Blocks that contain contacts.
     pub fn blocks(&self) -> impl Iterator<Item = (Share, &Block)> {
         let used = self.count.div_ceil(BLOCK);
         let blocks = self.blocks[..used].iter().enumerate();
         blocks.map(|(index, block)| (Share::of(self.count, index), block))
     }
 
-    /// The same, to change them.
+    /// Blocks that contain contacts, mutable.
     pub fn blocks_mut(&mut self) -> impl Iterator<Item = (Share, &mut Block)> {
         let count = self.count;
         let used = count.div_ceil(BLOCK);
@@ -166,7 +166,7 @@ impl OnObject {
         blocks.map(move |(index, block)| (Share::of(count, index), block))
     }
 
-    /// Takes away the contacts of elements of which `keeps` says no; the others stay in order.
+    /// Keeps only contacts whose element satisfies `keeps`, in order.
     pub fn retain(&mut self, keeps: impl Fn(usize) -> bool) {
         let mut kept = 0;
         for index in 0..self.count {
@@ -183,14 +183,14 @@ impl OnObject {
     }
 }
 
-/// The feelers of a finger that touch.
+/// Contacts of the feelers of one finger.
 #[derive(Debug, Clone)]
 pub struct Contacts {
     objects: Vec<OnObject>,
 }
 
 impl Contacts {
-    /// None yet, of a finger with so many `elements`, in a world of so many `objects`.
+    /// Creates an empty collection for a finger with `elements` and a world with `objects`.
     pub(super) fn none(objects: usize, elements: usize) -> Self {
         let nothing = OnObject {
             count: 0,
@@ -201,17 +201,17 @@ impl Contacts {
         }
     }
 
-    /// Whether none touches.
+    /// Returns `true` if no feeler touches.
     pub fn is_empty(&self) -> bool {
         self.objects.iter().all(OnObject::is_empty)
     }
 
-    /// How many touch.
+    /// Number of feelers in contact.
     pub fn len(&self) -> usize {
         self.objects.iter().map(|object| object.count).sum()
     }
 
-    /// The contacts: object after object, on each in the order in which they began.
+    /// Iterates over the contacts by object, for each object in the order in which they began.
     pub fn iter(&self) -> impl Iterator<Item = Contact> {
         let objects = self.objects.iter().enumerate();
         objects.flat_map(|(object, on)| {
@@ -227,23 +227,23 @@ impl Contacts {
         })
     }
 
-    /// The elements that touch, in the same order.
+    /// Elements in contact, in the order of [`iter`](Self::iter).
     pub(super) fn elements(&self) -> impl Iterator<Item = usize> + '_ {
         let blocks = self.objects.iter().flat_map(OnObject::blocks);
         blocks.flat_map(|(share, block)| (0..share.count).map(|lane| block.element(lane)))
     }
 
-    /// Those on one object.
+    /// Contacts with one object.
     pub(super) fn on(&self, object: usize) -> &OnObject {
         &self.objects[object]
     }
 
-    /// The same, to change them.
+    /// Contacts with one object, mutable.
     pub(super) fn on_mut(&mut self, object: usize) -> &mut OnObject {
         &mut self.objects[object]
     }
 
-    /// Adds the contact of a feeler whose axis in `T` is `axis`. There is room for one of each element.
+    /// Adds the contact of a feeler whose axis in `T` is `axis`. The capacity is one contact per element.
     pub(super) fn push(&mut self, contact: &Contact, axis: DVec3) {
         let on = &mut self.objects[contact.object];
         let (block, lane) = (on.count / BLOCK, on.count % BLOCK);

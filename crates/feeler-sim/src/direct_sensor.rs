@@ -1,4 +1,4 @@
-//! Fingertips whose forces are sensed directly.
+//! Direct sensing: true forces plus noise, without images.
 
 use super::config::DirectSensingConfig;
 use super::gaussian_noise::{GAUSSIAN_BLOCK, GaussianNoise};
@@ -8,22 +8,22 @@ use super::sensor_faults::SensorFaults;
 use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
 use glam::DVec3;
 
-/// Forces whose noise is drawn together: whole blocks of the generator.
+/// Number of forces whose noise is drawn at once: whole blocks of the generator.
 const DRAWN: usize = 2 * GAUSSIAN_BLOCK;
 
-/// A fingertip whose true forces are read, with noise, and no picture is made: for speed.
+/// A fingertip that returns true forces with noise, without rendering images. Faster than `SimCamera`.
 pub struct DirectSensor {
     rig: SimRig,
     finger: usize,
     config: DirectSensingConfig,
     noise: GaussianNoise,
     faults: SensorFaults,
-    /// The newest reading; its forces only where a fault may want them again.
+    /// Latest reading. Its forces are stored only if there are faults, which may repeat them.
     newest: TactileFrame,
 }
 
 impl DirectSensor {
-    /// The fingertip of `finger` with its `faults`, its noise drawn from `seed`.
+    /// Creates the sensor of `finger` with its `faults`; `seed` determines the noise.
     pub fn new(
         rig: SimRig,
         finger: usize,

@@ -1,4 +1,4 @@
-//! Feelers that differ from the others on their fingertip.
+//! Overrides of feeler parameters for single elements.
 
 use super::columnar_feeler::FeelerConfig;
 use super::error::SimError;
@@ -6,38 +6,38 @@ use super::model::Finger;
 use super::relaxation::RelaxationConfig;
 use serde::{Deserialize, Serialize};
 
-/// An exception to `sim.feeler` for some elements of one finger; what it does not give stays.
+/// Overrides of `sim.feeler` for some elements of one finger. Missing values are not overridden.
 #[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ElementConfig {
-    /// The finger, from 0.
+    /// Index of the finger, from 0.
     pub finger: usize,
-    /// The elements, from 0.
+    /// Indices of the elements, from 0.
     pub elements: Vec<usize>,
-    /// In place of [`FeelerConfig::normal_stiffness`], N/m.
+    /// Overrides [`FeelerConfig::normal_stiffness`] (N/m).
     pub normal_stiffness: Option<f64>,
-    /// In place of [`FeelerConfig::shear_stiffness`], N/m.
+    /// Overrides [`FeelerConfig::shear_stiffness`] (N/m).
     pub shear_stiffness: Option<f64>,
-    /// In place of [`FeelerConfig::normal_damping`], N·s/m.
+    /// Overrides [`FeelerConfig::normal_damping`] (N·s/m).
     pub normal_damping: Option<f64>,
-    /// In place of [`FeelerConfig::shear_damping`], N·s/m.
+    /// Overrides [`FeelerConfig::shear_damping`] (N·s/m).
     pub shear_damping: Option<f64>,
-    /// In place of [`FeelerConfig::static_friction`].
+    /// Overrides [`FeelerConfig::static_friction`].
     pub static_friction: Option<f64>,
-    /// In place of [`FeelerConfig::kinetic_friction`].
+    /// Overrides [`FeelerConfig::kinetic_friction`].
     pub kinetic_friction: Option<f64>,
-    /// In place of [`FeelerConfig::stribeck_speed`], m/s.
+    /// Overrides [`FeelerConfig::stribeck_speed`] (m/s).
     pub stribeck_speed: Option<f64>,
-    /// In place of [`FeelerConfig::normal_shear_coupling`], 1/m.
+    /// Overrides [`FeelerConfig::normal_shear_coupling`] (1/m).
     pub normal_shear_coupling: Option<f64>,
-    /// In place of [`FeelerConfig::length_limit`], m.
+    /// Overrides [`FeelerConfig::length_limit`] (m).
     pub length_limit: Option<f64>,
-    /// In place of [`FeelerConfig::relaxation`].
+    /// Overrides [`FeelerConfig::relaxation`].
     pub relaxation: Option<RelaxationConfig>,
 }
 
 impl ElementConfig {
-    /// The feeler that this exception makes of `usual`.
+    /// `usual` with these overrides.
     pub fn feeler(&self, usual: &FeelerConfig) -> FeelerConfig {
         FeelerConfig {
             normal_stiffness: self.normal_stiffness.unwrap_or(usual.normal_stiffness),
@@ -56,10 +56,10 @@ impl ElementConfig {
         }
     }
 
-    /// Makes the exception.
+    /// Applies the overrides.
     ///
     /// # Errors
-    /// When there is no such finger or element.
+    /// If the finger or an element does not exist.
     pub(super) fn apply(&self, fingers: &mut [Finger]) -> Result<(), SimError> {
         let count = fingers.len();
         let mut finger = fingers.get_mut(self.finger);

@@ -1,65 +1,65 @@
-//! Why a simulated world cannot be built or go on.
+//! Errors of a simulated world.
 
 use super::shape::ShapeError;
 
-/// Why a simulated world cannot be built or go on.
+/// Error that prevents the creation of a simulated world, or ends its simulation.
 #[derive(Debug, thiserror::Error)]
 pub enum SimError {
-    /// An object's shape cannot be made.
+    /// The shape of an object is invalid.
     #[error("sim.object.{object}.shape: {source}")]
     Shape {
-        /// The object.
+        /// Name of the object.
         object: String,
-        /// What is wrong with its shape.
+        /// Cause.
         source: ShapeError,
     },
-    /// An exception is made for a feeler that does not exist.
-    #[error("sim.element: there is no element {element} on finger {finger}: expected {expected}")]
+    /// An override is for a feeler that does not exist.
+    #[error("sim.element: finger {finger}, element {element}: expected {expected}")]
     NoSuchElement {
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
-        /// The element.
+        /// Index of the element.
         element: usize,
-        /// What there is.
+        /// Valid indices.
         expected: String,
     },
-    /// A feeler is inside an object before anything has moved.
+    /// A feeler is inside an object at the start.
     #[error(
         "sim.object.{object}: element {element} of finger {finger} starts {:.3} mm deep in it; \
          expected a start without contact",
         1e3 * depth
     )]
     StartsInside {
-        /// The object.
+        /// Name of the object.
         object: String,
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
-        /// The element.
+        /// Index of the element.
         element: usize,
-        /// How deep its tip is, m.
+        /// Penetration depth of its tip (m).
         depth: f64,
     },
-    /// Two objects are inside each other before anything has moved.
+    /// Two objects overlap at the start.
     #[error(
         "sim.object.{object}: starts {:.3} mm deep in sim.object.{other}; expected objects apart",
         1e3 * depth
     )]
     Overlap {
-        /// The object.
+        /// Name of the object.
         object: String,
-        /// The other one.
+        /// Name of the other object.
         other: String,
-        /// How deep, m.
+        /// Penetration depth (m).
         depth: f64,
     },
     /// A quantity is no longer a finite number.
-    #[error("step {step} of the simulated world made {quantity} not finite: {value}")]
+    #[error("simulation diverged in step {step}: {quantity} is {value}")]
     NotFinite {
-        /// The step, from 1.
+        /// Number of the step, from 1.
         step: u64,
-        /// The quantity.
+        /// Name of the quantity.
         quantity: String,
-        /// What it became.
+        /// Its value.
         value: String,
     },
 }

@@ -1,8 +1,8 @@
-//! Free bodies: rigid-body motion and the contacts between bodies, by `rapier3d`.
+//! Free bodies: rigid-body dynamics and contacts between bodies, by `rapier3d`.
 //!
-//! The feelers' forces are put on the bodies explicitly, from the pose at which they were found. That
-//! is stable while a step is short against the period of the lightest body on the feelers' springs, so
-//! a step is taken in as many parts as that asks for.
+//! The feelers' forces are applied explicitly, at the pose for which they were computed. This is stable if a step is
+//! short compared with the oscillation period of the lightest body on the feelers' springs, so a step is divided into
+//! as many substeps as necessary.
 
 use super::model::WorldModel;
 use super::object::{FreeConfig, Motion, Object};
@@ -14,43 +14,43 @@ use rapier3d_f64::prelude::{
     RigidBodyBuilder, RigidBodyHandle, SharedShape, SpringCoefficients,
 };
 
-/// Largest product of the feelers' frequency (rad/s) on a body and a part of a step. The integration
-/// is stable below 2. The frequency is bounded from above by a sum; what it really is, is mostly half of that.
+/// Maximum product of a substep and the angular frequency of a body on the feelers (rad/s). The integration is stable
+/// below 2. The frequency is an upper bound, typically twice the actual one.
 const MAX_PHASE: f64 = 1.5;
-/// Most parts of a step: a body light enough to need more is refused.
+/// Maximum number of substeps.
 const MAX_PARTS: usize = 64;
-/// Lengths that the library tells apart are given as parts of this, m: it is made for bodies of a
-/// metre, and ours are of some centimetres.
+/// Length unit of rapier's tolerances (m). They are made for bodies of a metre; those here have a few centimetres.
 const LENGTH_UNIT: f64 = 0.01;
 
-/// How a body's contact with what is fixed gives way.
+/// Softness of contacts with fixed bodies.
 const CONTACT: SpringCoefficients<f64> = SpringCoefficients {
     natural_frequency: 1000.0,
     damping_ratio: 5.0,
 };
 
-/// The free bodies of a world, and what is fixed under them.
+/// The free bodies of a world, and the fixed ones under them.
 pub struct FreeBodies {
     world: PhysicsWorld,
-    /// Bodies by object; what is not free does not have one to be moved.
+    /// Bodies by object; `None` for objects that are not free.
     free: Vec<Option<FreeBody>>,
-    /// Objects that turn, which free bodies bump into.
+    /// Objects that turn, with which free bodies collide.
     turning: Vec<(usize, RigidBodyHandle)>,
 }
 
 struct FreeBody {
     handle: RigidBodyHandle,
-    /// As it was at the start.
+    /// Mass properties at the start.
     properties: MassProperties,
-    /// Now, kg.
+    /// Current mass (kg).
     mass: f64,
     inverse_mass: f64,
-    /// Largest of the inverse moments of inertia, 1/(kg m²).
+    /// Maximum of the inverse principal moments of inertia (1/(kg m²)).
     inverse_inertia: f64,
 }
 
 impl FreeBodies {
-    /// The free bodies of `model`, at rest where they start; none where there are none, as what the library keeps of a world takes 40 kB.
+    /// Creates the free bodies of `model`, at rest at their start poses. `None` if there are no free objects, as an
+    /// empty rapier world takes 40 kB.
     pub fn new(model: &WorldModel) -> Option<Box<Self>> {
         let is_free = |object: &Object| matches!(object.motion, Motion::Free(_));
         if !model.objects.iter().any(is_free) {
@@ -60,13 +60,13 @@ impl FreeBodies {
         world.gravity = model.gravity;
         let parameters = &mut world.integration_parameters;
         parameters.length_unit = LENGTH_UNIT;
-        // Contact points as they are, not as they were half a millimetre ago.
+        // Recomputes contact points in each step; recycled ones may be off by half a millimetre.
         parameters.contact_recycling = false;
-        // Stiff: a body must not sink by a tenth of a millimetre into its table, nor creep down it.
+        // Stiff contacts: a body must neither sink by a tenth of a millimetre into its table nor creep along it.
         parameters.static_contact_softness = CONTACT;
         parameters.friction_in_bias_pass = true;
-        // One part of a step at a time: within a part the library would take the feelers' forces as
-        // constant, and that makes energy. (Velocity first, then position, makes none.)
+        // One solver iteration per substep: with more, rapier would assume constant feeler forces within a substep,
+        // which adds energy. (Symplectic Euler integration does not.)
         parameters.num_solver_iterations = 1;
         parameters.num_internal_stabilization_iterations = 2;
         parameters.normalized_max_linear_velocity = f64::MAX;
@@ -92,7 +92,7 @@ impl FreeBodies {
                 Motion::Turns(_) => (RigidBodyBuilder::kinematic_position_based(), true),
                 _ => (RigidBodyBuilder::fixed(), false),
             };
-            // So that the free body's own coefficient is that of the pair.
+            // The pair's coefficient is that of the free body.
             let collider = collider
                 .friction(1.0)
                 .friction_combine_rule(CoefficientCombineRule::Multiply);
@@ -118,10 +118,10 @@ impl FreeBodies {
         })
     }
 
-    /// In how many parts a step of `model` must be taken from `state`.
+    /// Number of substeps for a step of `model` from `state`.
     ///
-    /// The square of the highest frequency of a body on springs is at most the sum, over the springs,
-    /// of stiffness over the mass that each sees.
+    /// The squared highest frequency of a body on springs is at most the sum, over the springs, of the stiffness
+    /// divided by the effective mass at the spring.
     pub fn parts(&self, model: &WorldModel, state: &State) -> usize {
         let mut most = 0.0_f64;
         for (index, body) in self.free.iter().enumerate() {
@@ -136,7 +136,7 @@ impl FreeBodies {
                     let lever = contact.anchor.position - centre;
                     let inverse_mass =
                         body.inverse_mass + body.inverse_inertia * lever.length_squared();
-                    // A damper acts on a part of a step like a spring.
+                    // In one substep a damper acts like a spring.
                     let stiffness = feeler.normal_stiffness.max(feeler.shear_stiffness)
                         + 2.0 * feeler.normal_damping.max(feeler.shear_damping) / model.step;
                     sum += inverse_mass * stiffness;
@@ -148,7 +148,7 @@ impl FreeBodies {
         (parts as usize).clamp(1, MAX_PARTS)
     }
 
-    /// Gives the bodies the masses that `objects` have now.
+    /// Updates the bodies' masses to those of `objects`.
     pub fn weigh(&mut self, objects: &[ObjectState]) {
         for (body, object) in self.free.iter_mut().zip(objects) {
             let Some(body) = body else { continue };
@@ -170,8 +170,7 @@ impl FreeBodies {
         }
     }
 
-    /// Puts a force (N) and a torque about the object's origin (N·m), both in W, on a free body, in
-    /// place of those before.
+    /// Sets the force (N) on a free body and the torque about the object's origin (N·m), both in W.
     pub fn push(&mut self, object: usize, force: DVec3, torque: DVec3) {
         let Some(Some(body)) = self.free.get(object) else {
             return;
@@ -184,13 +183,13 @@ impl FreeBodies {
         body.add_torque(torque + lever.cross(force), true);
     }
 
-    /// Moves the bodies over `duration`, s.
+    /// Integrates the bodies over `duration` (s).
     pub fn advance(&mut self, duration: f64) {
         self.world.integration_parameters.dt = duration;
         self.world.step();
     }
 
-    /// Tells the free bodies where what turns is now, and `objects` where the free bodies are.
+    /// Copies poses of turning objects into rapier, and poses and velocities of free bodies into `objects`.
     pub fn read(&mut self, objects: &mut [ObjectState]) {
         for &(index, handle) in &self.turning {
             let pose = to_library(&objects[index].pose);
@@ -209,10 +208,10 @@ impl FreeBodies {
     }
 }
 
-/// What the library collides of an object, and its pose in the shape's frame.
+/// Collision shape of an object, and its pose in the shape's frame.
 ///
-/// A free mesh collides as its hull: the library's meshes are surfaces, through which bodies fall into
-/// each other. Feelers feel the mesh itself.
+/// A free mesh collides as its convex hull, as rapier's meshes are surfaces without an inside, which bodies can
+/// penetrate. Contacts with feelers use the mesh itself.
 pub(super) fn collider(object: &Object) -> (SharedShape, LibraryPose) {
     let (shape, within) = object.shape.collider();
     let free = matches!(object.motion, Motion::Free(_));

@@ -1,4 +1,4 @@
-//! What the feelers on an object do to it, and how that changes as it gives way.
+//! Load of the feelers on an object along a degree of freedom, and its derivative with respect to the object's motion.
 
 use super::columnar_feeler::{Anchor, FeelerConfig, Friction, Tip, split, tip_of, within_cone};
 use super::contacts::{BLOCK, Block, Column, Share};
@@ -11,17 +11,17 @@ use super::step::undeformed;
 use super::thread::FingerLoad;
 use glam::DVec3;
 
-/// How an object may give way, in its own frame.
+/// Degree of freedom of an object, in its own frame.
 #[derive(Clone, Copy)]
 pub(super) enum Freedom {
-    /// Along a direction.
+    /// Translation along a direction.
     Along(DVec3),
-    /// Around its z axis, sinking by so much, m/rad.
+    /// Rotation about its z axis, descending by this distance per angle (m/rad).
     Around(f64),
 }
 
-/// What the feelers on an object would do along one of its freedoms, where it is so that it has each fingertip where `seen` says: those that can,
-/// holding on.
+/// Load of the feelers on an object along a degree of freedom, for the pose `seen` of each fingertip in the object's
+/// frame. Feelers stick up to their static friction limit.
 #[inline(always)]
 pub(super) fn grip(
     model: &WorldModel,
@@ -64,18 +64,18 @@ pub(super) fn grip(
     sum
 }
 
-/// A fingertip at an object.
+/// A fingertip in contact with an object.
 struct Fingertip<'a> {
     finger: &'a Finger,
     object: &'a Object,
     own: &'a ObjectState,
-    /// Where it is as the object sees it.
+    /// Pose of the fingertip in the object's frame.
     seen: Pose,
-    /// By how much it has turned since tips last rolled, rad, in the object's frame.
+    /// Rotation of the fingertip since tips last rolled, in the object's frame (rad).
     turned: DVec3,
 }
 
-/// What each feeler of a block does.
+/// Loads of a block's feelers, one per lane.
 #[derive(Clone, Copy, Default)]
 struct Grips {
     load: Column,
@@ -95,7 +95,7 @@ impl Grips {
 }
 
 impl Fingertip<'_> {
-    /// Of feelers that are alike and springs, side by side.
+    /// Loads of identical pure springs, vectorized.
     #[inline(always)]
     #[expect(
         clippy::needless_range_loop,
@@ -133,7 +133,7 @@ impl Fingertip<'_> {
         limited
     }
 
-    /// Of any, one by one; their tips were remembered `duration` ago, s.
+    /// Loads of arbitrary feelers, one at a time. `duration` is the time since their tips were stored (s).
     fn feelers(
         &self,
         sets: &[DVec3],
@@ -152,7 +152,7 @@ impl Fingertip<'_> {
             let friction = friction(feeler, self.object, self.own);
             let (mut grip, _) =
                 contact_grip::<true>(feeler, friction, &tip, &anchor, moved, freedom);
-            // What is more than a spring may grow stiffer on the way.
+            // A nonlinear feeler may become stiffer as it moves.
             if !feeler.is_spring() {
                 grip.room = 0.0;
             }
@@ -162,11 +162,12 @@ impl Fingertip<'_> {
     }
 }
 
-/// Of a tip that has not moved, m, in a while, s.
+/// Displacement (m) and duration (s) of a tip at rest.
 const STILL: (DVec3, f64) = (DVec3::ZERO, 1.0);
 
-/// What one feeler does to an object along one of its freedoms, and whether it holds on. Where not, and it `SLIPS`, it does as much as it can; else as if
-/// it held on. `moved` is by how much its tip has moved, m, and in which time, s.
+/// Load of one feeler along a degree of freedom, and `true` if it sticks. If it does not, the load is that of the
+/// limited force with `SLIPS`, else that of the force while sticking. `moved` is the tip's displacement (m) and its
+/// duration (s).
 #[inline(always)]
 fn contact_grip<const SLIPS: bool>(
     feeler: &FeelerConfig,
@@ -179,12 +180,12 @@ fn contact_grip<const SLIPS: bool>(
     let mut force = feeler.elastic_force(tip, anchor.position);
     let point = feeler.contact_point(anchor);
     let stretch = tip.position - anchor.position - tip.set;
-    // Velocity of the contact point, by how much it falls as that turns, and by how much the force falls; all per rate of the freedom. The finger
-    // stands still.
+    // Per rate of the degree of freedom, with the finger at rest: velocity of the contact point, decrease of that
+    // velocity as the object moves, and decrease of the force.
     let (way, way_turns, mut force_falls) = match freedom {
         Freedom::Along(way) => (way, DVec3::ZERO, feeler.stiffness_times(tip.axis, way)),
         Freedom::Around(sinking) => {
-            // As the object sees it, tip and axis turn, and the tip rolls; so the arm of the force changes, too.
+            // In the object's frame the tip and its axis turn and the tip rolls, so the force's lever arm changes, too.
             let tip_moves = z_cross(point + stretch) - sinking * DVec3::Z;
             let axis_turns = z_cross(tip.axis);
             let turns = axis_turns.dot(stretch) * tip.axis + tip.axis.dot(stretch) * axis_turns;
@@ -210,7 +211,7 @@ fn contact_grip<const SLIPS: bool>(
         force = select(holds, force, slipping);
         force_falls = select(holds, force_falls, slipping_falls);
     }
-    // No vector is longer than the sum of its components.
+    // The 1-norm is an upper bound of the length, and vectorizes.
     let fastest = held_falls.abs().element_sum();
     let spare_falls = 2.0 * (shear.abs().element_sum() + friction.static_friction * most.abs());
     let grip = FingerLoad {
@@ -222,12 +223,13 @@ fn contact_grip<const SLIPS: bool>(
     (grip, holds)
 }
 
-/// Force on the object of a feeler that slips or pulls, N, and by how much that falls, where holding on would take a `force` that falls by `force_falls`.
+/// Limited force on the object of a feeler that slips or pulls (N), and its decrease, for the sticking `force` and its
+/// decrease `force_falls`.
 #[inline(always)]
 fn at_limit(force: DVec3, force_falls: DVec3, normal: DVec3, friction: Friction) -> (DVec3, DVec3) {
     let (normal_force, shear) = split(force, normal);
     let (normal_falls, shear_falls) = split(force_falls, normal);
-    // The shear is as much as friction bears, and turns with what it would be.
+    // The shear force stays at the limit and turns with the direction of the sticking shear force.
     let per_length = shear.length().recip();
     let direction = per_length * shear;
     let turns = shear_falls - direction.dot(shear_falls) * direction;
@@ -243,7 +245,7 @@ fn at_limit(force: DVec3, force_falls: DVec3, normal: DVec3, friction: Friction)
     )
 }
 
-/// One vector or another, by components: a branch would keep contacts from being worked on side by side.
+/// Selects a vector by components: a branch would prevent vectorization.
 #[inline(always)]
 fn select(first: bool, one: DVec3, other: DVec3) -> DVec3 {
     let pick = |one, other| if first { one } else { other };
@@ -254,7 +256,7 @@ fn select(first: bool, one: DVec3, other: DVec3) -> DVec3 {
     )
 }
 
-/// The unit vector along z times `vector`.
+/// Cross product of the unit vector along z and `vector`.
 #[inline(always)]
 fn z_cross(vector: DVec3) -> DVec3 {
     DVec3::new(-vector.y, vector.x, 0.0)
@@ -266,7 +268,7 @@ mod tests {
     use crate::pose::Screw;
     use glam::DMat3;
 
-    /// What a feeler that leans on the side of what turns does to it, after that has turned by `angle`, rad, sinking by 0.5 mm/rad.
+    /// Load of an inclined feeler on the side of an object that has turned by `angle` (rad), descending by 0.5 mm/rad.
     fn after(angle: f64, static_friction: f64) -> FingerLoad {
         let feeler = FeelerConfig::default();
         let sinking = 0.5e-3;
@@ -283,7 +285,7 @@ mod tests {
         let seen = screw.seen_after(&fingertip);
         let axis = DVec3::new(0.98, 0.1, -0.17).normalize();
         let tip = |seen| tip_of(0.019, seen, axis, DVec3::ZERO);
-        // Pressed in by 0.8 mm, and pushed aside by 0.5.
+        // Compressed by 0.8 mm and sheared by 0.5 mm.
         let normal = DVec3::new(0.96, 0.28, 0.0);
         let aside = DVec3::new(-0.07, 0.24, 0.43);
         let anchor = Anchor {
@@ -300,12 +302,12 @@ mod tests {
     }
 
     #[test]
-    fn the_stiffness_about_the_axis_is_how_the_load_falls_whether_it_holds_on_or_slips() {
-        // Held by much friction, and at the limit of little.
+    fn stiffness_is_the_derivative_of_the_load_in_stick_and_slip() {
+        // High friction, where the feeler sticks, and low friction, where it slips.
         for static_friction in [5.0, 0.2] {
             let grip = after(0.0, static_friction);
             assert!(grip.load.abs() > 1e-4, "{grip:?}");
-            // Of central differences the error is some h^2, and rounding 1e-16 / h of the load.
+            // The truncation error of central differences is of order h^2, the rounding error 1e-16 / h of the load.
             let h = 1e-5;
             let load = |angle| after(angle, static_friction).load;
             let falls = (load(-h) - load(h)) / (2.0 * h);
@@ -324,12 +326,13 @@ mod tests {
 
     #[test]
     fn a_feeler_neither_slips_nor_sticks_within_its_room() {
-        // From little friction to much: pairs of neighbours of which one slips and the other does not are near the limit.
+        // Over the range of friction coefficients the contact changes from slip to stick; neighbours of the change are
+        // near the limit.
         for step in 1..200 {
             let static_friction = 0.01 * f64::from(step);
             let slips = |grip: &FingerLoad| (grip.stiffness - grip.firm).abs() > 1e-12;
             let grip = after(0.0, static_friction);
-            // The room is to first order: what bends on the way is a thousandth of it, at this size.
+            // `room` is a first-order estimate, with a relative error of about 0.1 % at this size.
             let way = 0.9 * grip.room.min(1e-3);
             for angle in [-way, way] {
                 assert_eq!(

@@ -1,38 +1,37 @@
-//! How a bottle is held on the torque sensor: with some play, and a spring beyond it.
+//! The clamp of a bottle on the torque sensor: play, and a spring beyond it.
 
 use feeler::check::Checker;
 use serde::{Deserialize, Serialize};
 
-/// How what stands on a thread is held on the torque sensor.
+/// Clamp that holds objects on a thread to the torque sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HolderConfig {
-    /// How it shifts; by default it does not.
+    /// Compliance of the clamp in x and y. Rigid by default.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub lateral: Option<LateralConfig>,
-    /// Play in turn: how far it turns to either side of where it starts before the torque sensor's
-    /// shaft holds it, rad. Until then it bears no torque, and the sensor shows none.
+    /// Rotational play: angle to either side of the start within which the torque sensor's shaft does not hold the
+    /// bottle (rad). Within the play the sensor measures no torque.
     #[serde(default)]
     pub turn_play: f64,
 }
 
-/// How a bottle shifts in its clamp, along W's x and along its y, each by itself.
+/// Lateral compliance of a bottle's clamp, independent along W's x and y.
 ///
-/// Within the play nothing holds it, neither spring nor friction: it goes where the fingers push it and stays
-/// where they leave it. Beyond, the clamp pushes it back to the end of the play.
+/// Within the play neither a spring nor friction acts on the bottle: it moves as the fingers push it, and stays there.
+/// Beyond, the clamp pushes it back to the end of the play.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct LateralConfig {
-    /// Stiffness of the clamp along x and along y, N/m.
+    /// Stiffness of the clamp along x and y (N/m).
     pub stiffness: [f64; 2],
-    /// How far the bottle shifts to either side of where it starts before the clamp holds it, along x and
-    /// along y, m.
+    /// Play along x and y: distance to either side of the start within which the clamp does not hold the bottle (m).
     #[serde(default)]
     pub play: [f64; 2],
 }
 
 impl HolderConfig {
-    /// Requires every value of the table `key` to be in its range.
+    /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         checker.between(&format!("{key}.turn_play"), self.turn_play, 0.0, 1.0);
         let Some(LateralConfig { stiffness, play }) = self.lateral else {
@@ -45,25 +44,25 @@ impl HolderConfig {
         }
     }
 
-    /// What holds the bottle along W's x and y, if it can shift.
+    /// Springs that hold the bottle along W's x and y, or `None` if it cannot shift.
     pub fn sides(&self) -> Option<[PlaySpring; 2]> {
         let LateralConfig { stiffness, play } = self.lateral?;
         Some([0, 1].map(|axis| PlaySpring::new(stiffness[axis], play[axis])))
     }
 }
 
-/// A spring that holds nothing within a play, along a line (m, N) or about an axis (rad, N·m).
+/// A spring with play, linear (m, N) or torsional (rad, N·m).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PlaySpring {
-    /// Load per way beyond the play, and its reciprocal.
+    /// Stiffness beyond the play, and its reciprocal.
     stiffness: f64,
     compliance: f64,
-    /// Way to either side before it holds anything.
+    /// Deflection to either side without load.
     play: f64,
 }
 
 impl PlaySpring {
-    /// A spring of `stiffness` beyond `play` to either side.
+    /// Creates a spring of `stiffness` beyond `play` to either side.
     pub fn new(stiffness: f64, play: f64) -> Self {
         Self {
             stiffness,
@@ -72,33 +71,33 @@ impl PlaySpring {
         }
     }
 
-    /// Whether it holds nothing anywhere.
+    /// Returns `true` if the play is not zero.
     pub fn has_play(&self) -> bool {
         self.play > 0.0
     }
 
-    /// How far it has given way when it bears `load`, on the side to which that pushes.
+    /// Deflection under `load`, in the direction of the load, including the play.
     pub fn way(&self, load: f64) -> f64 {
         load * self.compliance + self.play.copysign(load)
     }
 
-    /// How much farther it gives way for so much more `load`.
+    /// Additional deflection due to an additional `load`.
     pub fn way_over(&self, load: f64) -> f64 {
         load * self.compliance
     }
 
-    /// By how much its load changes over `way` beyond the play, without sign.
+    /// Absolute change of the load over a deflection of `way` beyond the play.
     pub fn load_over(&self, way: f64) -> f64 {
         self.stiffness * way.abs()
     }
 
-    /// Whether it can bear a load that pushes as `load` does, its play used up at `at`.
+    /// Returns `true` if the spring, deflected to `at`, resists a load with the sign of `load`: the play is used up.
     pub fn holds(&self, at: f64, load: f64) -> bool {
         self.play == 0.0 || at * load.signum() >= self.play
     }
 
-    /// A Newton step from `at` to where it bears the `load` that pushes there, which falls by `stiffness` as it gives way; but over
-    /// no end of the play: there its own stiffness changes.
+    /// Newton step from the deflection `at` towards balance with an external `load`, which decreases by `stiffness` per
+    /// deflection. Stops at the ends of the play, where the spring's stiffness changes.
     pub fn give(&self, at: f64, load: f64, stiffness: f64) -> f64 {
         let bent_from = |end: f64| {
             let way = load * self.compliance + end;
@@ -111,7 +110,7 @@ impl PlaySpring {
             let to = at + load / stiffness.max(f64::MIN_POSITIVE);
             return to.max(-self.play).min(self.play);
         }
-        // Back from beyond the other end.
+        // Returns from beyond the other end of the play.
         if at > 0.0 {
             bent_from(self.play).max(self.play)
         } else {
@@ -124,7 +123,7 @@ impl PlaySpring {
 mod tests {
     use super::*;
 
-    /// Where a spring beyond a play settles that a softer spring pulls at, whose far end is at `drive`.
+    /// Final deflection of a spring with play that is pulled by a softer spring, whose far end is at `drive`.
     fn settled(spring: &PlaySpring, from: f64, stiffness: f64, drive: f64) -> f64 {
         (0..4).fold(from, |at, _| {
             spring.give(at, stiffness * (drive - at), stiffness)
@@ -144,7 +143,7 @@ mod tests {
                     false => beyond.copysign(drive),
                 };
                 let at = settled(&spring, from, pull, drive);
-                // Rounding: Newton's steps are exact on a piecewise straight line.
+                // Only rounding errors: Newton's method is exact for piecewise linear functions.
                 assert!((at - expected).abs() < 1e-15, "{at} from {from} to {drive}");
             }
         }

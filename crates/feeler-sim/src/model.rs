@@ -1,4 +1,4 @@
-//! What never changes in a run: the rig's geometry and material, as this run's seed made them.
+//! The part of the world that is constant in a run: geometry and materials of the rig, varied by the run's seed.
 
 use super::columnar_feeler::FeelerConfig;
 use super::config::SimConfig;
@@ -14,60 +14,60 @@ use glam::{DMat3, DVec3};
 use std::f64::consts::TAU;
 use std::path::Path;
 
-/// The rig of one run.
+/// Constant parameters of the rig in one run.
 pub struct WorldModel {
-    /// Time step, s.
+    /// Time step (s).
     pub step: f64,
-    /// Acceleration of free bodies, m/s², in W.
+    /// Gravitational acceleration of free bodies in W (m/s²).
     pub gravity: DVec3,
-    /// What there is to touch.
+    /// The objects.
     pub objects: Vec<Object>,
     /// The torque sensor.
     pub torque_sensor: TorqueSensorConfig,
-    /// What stands on a thread turns on the torque sensor's shaft, after its play.
+    /// Torsion spring with play that holds objects on a thread: the bottle's play and the torque sensor's shaft.
     pub shaft: PlaySpring,
-    /// What holds it along W's x and y, if it can shift at all.
+    /// Springs with play that hold them along W's x and y, or `None` if they cannot shift.
     pub sides: Option<[PlaySpring; 2]>,
     /// The drives.
     pub servo: ServoConfig,
     /// The fingers.
     pub fingers: Vec<Finger>,
-    /// Whether any force depends on speed: by damping, or friction.
+    /// `true` if any contact force depends on speed, by damping or Stribeck friction.
     pub depends_on_speed: bool,
-    /// Whether any feeler relaxes.
+    /// `true` if any feeler relaxes.
     pub relaxes: bool,
-    /// Part of a joint's velocity error left after one step.
+    /// Fraction of a joint's velocity error that remains after one step.
     pub servo_remaining_error: f64,
-    /// Part of the way to a new torque that the sensor's low-pass goes in one step.
+    /// Gain of the torque sensor's low-pass filter for one step: fraction of the difference to the input.
     pub torque_low_pass_gain: f64,
 }
 
-/// A finger and the fingertip that it carries.
+/// A finger and its fingertip.
 pub struct Finger {
     /// Its links and joints.
     pub geometry: FingerGeometry,
-    /// Radius of its dome at the undeformed tips' centres, m.
+    /// Radius of the dome at the centres of the undeformed tips (m).
     pub dome_radius: f64,
-    /// Outward normals of its elements in the fingertip frame `T`.
+    /// Outward normals of the elements in the fingertip frame `T`.
     pub normals: Vec<DVec3>,
-    /// From each element's frame `E_i` to the fingertip frame.
+    /// Rotations from each element's frame `E_i` to the fingertip frame.
     pub element_rotations: Vec<DMat3>,
     /// The feelers, one per element.
     pub feelers: Vec<FeelerConfig>,
-    /// What its encoders show above its joint angles, rad.
+    /// Encoder readings minus joint angles (rad).
     pub encoder_offset: DVec3,
-    /// One for all feelers, where they are alike and springs without anything else.
+    /// The feeler that represents all, if they are identical and pure springs.
     pub(super) springs: Option<FeelerConfig>,
-    /// How far any point of its dome can be from the axis of each joint, m.
+    /// Maximum distance of any point of the dome from the axis of each joint (m).
     pub(super) reach: DVec3,
 }
 
 impl WorldModel {
-    /// The rig of `config`, varied as `seed` says: `fingers` with fingertips of `layouts`, one each.
-    /// Files that `config` names are relative to `folder`.
+    /// Creates the rig of `config` with one finger per entry of `fingers`, varied by `seed`. Paths in `config` are
+    /// relative to `folder`.
     ///
     /// # Errors
-    /// When a shape cannot be made, or an element is named that does not exist.
+    /// If a shape cannot be created, or an override names an element that does not exist.
     pub fn new(
         config: &SimConfig,
         fingers: &[(FingerGeometry, ElementLayout)],
@@ -120,14 +120,14 @@ impl WorldModel {
         })
     }
 
-    /// The object called `name` in the experiment file, as an index into what is listed per object.
+    /// Index of the object called `name` in the experiment file; valid for all lists with one entry per object.
     pub fn object(&self, name: &str) -> Option<usize> {
         self.objects.iter().position(|object| object.name == name)
     }
 }
 
 impl Finger {
-    /// The feeler of `element`. Where all are alike, it is the same one in memory.
+    /// The feeler of `element`; if all are identical, always the same reference.
     #[inline(always)]
     pub(super) fn feeler(&self, element: usize) -> &FeelerConfig {
         self.springs.as_ref().unwrap_or(&self.feelers[element])
@@ -150,7 +150,7 @@ impl Finger {
     }
 }
 
-/// Draws what every encoder shows at the joint's zero, rad, up to `most` of either sign.
+/// Draws the zero offset of every encoder (rad), uniform within ±`most`.
 fn offset_encoders(fingers: &mut [Finger], most: f64, seed: u64) {
     let mut random = generator(seed, Purpose::EncoderOffset);
     for finger in fingers {
@@ -158,7 +158,7 @@ fn offset_encoders(fingers: &mut [Finger], most: f64, seed: u64) {
     }
 }
 
-/// Draws what differs from seed to seed; the angle by which caps are turned at the start, rad.
+/// Draws the quantities that vary with the seed. Returns the caps' initial angle (rad).
 fn vary(config: &mut SimConfig, seed: u64) -> f64 {
     let mut random = generator(seed, Purpose::Variation);
     let variation = &config.variation;

@@ -1,29 +1,29 @@
-//! Where a rigid thing is.
+//! Poses of rigid bodies, and their relative motion.
 
 use glam::{DMat3, DVec3};
 
-/// Position and rotation of a rigid thing in W.
+/// Position and rotation of a frame in W, or in another frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pose {
-    /// Its origin, m.
+    /// Position of the origin (m).
     pub position: DVec3,
-    /// From its frame to W.
+    /// Rotation from this frame to W.
     pub rotation: DMat3,
 }
 
-/// A motion of a frame about its own z axis and along it.
+/// Screw motion of a frame about and along its z axis.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Screw {
-    /// Of the angle by which it turns.
+    /// Sine of the rotation angle.
     pub sine: f64,
-    /// Of the same.
+    /// Cosine of the rotation angle.
     pub cosine: f64,
-    /// How far it moves along z, m.
+    /// Translation along z (m).
     pub advance: f64,
 }
 
 impl Screw {
-    /// The pose, as seen from the frame after it has moved, of what was at `seen` before.
+    /// Pose relative to the moved frame, for the pose `seen` relative to the frame before.
     #[inline(always)]
     pub fn seen_after(&self, seen: &Pose) -> Pose {
         let back = |v: DVec3| {
@@ -45,13 +45,13 @@ impl Screw {
 }
 
 impl Pose {
-    /// The pose of something that stands at W's origin.
+    /// Pose of the world frame.
     pub const IDENTITY: Self = Self {
         position: DVec3::ZERO,
         rotation: DMat3::IDENTITY,
     };
 
-    /// This pose as seen from `frame`, both given in W.
+    /// This pose relative to `frame`; both given in W.
     pub fn seen_from(&self, frame: &Self) -> Self {
         let to_frame = frame.rotation.transpose();
         Self {
@@ -60,12 +60,12 @@ impl Pose {
         }
     }
 
-    /// The point in W of `point` in this frame, m.
+    /// Transforms `point` from this frame to W (m).
     pub fn to_world(&self, point: DVec3) -> DVec3 {
         self.position + self.rotation * point
     }
 
-    /// Rotation vector from the rotation `before` to this one, rad; for small turns.
+    /// Rotation vector from `before` to the current rotation (rad); for small angles.
     pub fn turn_since(&self, before: &DMat3) -> DVec3 {
         let now = &self.rotation;
         let twice = before.x_axis.cross(now.x_axis)
@@ -74,11 +74,11 @@ impl Pose {
         0.5 * twice
     }
 
-    /// By how much any point within `reach` (m) of the origin has moved at most since `before`, m.
+    /// Upper bound of the displacement since `before` of any point within `reach` (m) of the origin (m).
     pub fn motion_since(&self, before: &Self, reach: f64) -> f64 {
         let turn = self.rotation - before.rotation;
         let columns = [turn.x_axis, turn.y_axis, turn.z_axis];
-        // No vector is stretched by more than the Frobenius norm.
+        // The Frobenius norm is an upper bound of the spectral norm.
         let frobenius = columns
             .map(DVec3::length_squared)
             .iter()

@@ -1,20 +1,20 @@
-//! Upright prisms: a convex section, drawn out along z.
+//! Upright prisms: convex sections extruded along z.
 
 use glam::{DVec2, DVec3};
 use parry3d_f64::shape::SharedShape;
 use std::f64::consts::TAU;
 
-/// Corners that stand for a whole turn of a curve: at a radius of 15 mm the polygon is 0.6 µm inside of it.
+/// Number of corners that approximate a full turn: at a radius of 15 mm the polygon deviates by 0.6 µm.
 const CORNERS_PER_TURN: u32 = 360;
 
-/// The corners that stand for an ellipse with semi-axes along x and y, m.
+/// Corners of a polygon that approximates an ellipse with semi-axes along x and y (m).
 pub fn ellipse([x, y]: [f64; 2]) -> Vec<DVec2> {
     let angles = (0..CORNERS_PER_TURN).map(|i| TAU * f64::from(i) / f64::from(CORNERS_PER_TURN));
     let corners = angles.map(|angle| DVec2::from_angle(angle) * DVec2::new(x, y));
     corners.collect()
 }
 
-/// The corners that stand for the outline of all that is within `rounding` (m) of `corners`' hull.
+/// Corners of a polygon that approximates the hull of `corners`, grown by `rounding` (m).
 pub fn rounded(corners: &[[f64; 2]], rounding: f64) -> Vec<DVec2> {
     let circle = ellipse([rounding; 2]);
     let corners = corners.iter().map(|&corner| DVec2::from_array(corner));
@@ -22,7 +22,7 @@ pub fn rounded(corners: &[[f64; 2]], rounding: f64) -> Vec<DVec2> {
     corners.flat_map(around).collect()
 }
 
-/// The hull of `section`, drawn out to `height` (m) about z = 0; `None` where it has no area.
+/// Extrudes the convex hull of `section` to `height` (m) about z = 0. `None` if its area is zero.
 pub fn prism(section: &[DVec2], height: f64) -> Option<SharedShape> {
     let ends = [-0.5 * height, 0.5 * height];
     let corners: Vec<DVec3> = ends

@@ -1,19 +1,20 @@
-//! Rubber that relaxes: each feeler as a standard linear solid (Zener's model).
+//! Viscoelastic relaxation of the feelers' rubber: a standard linear solid (Zener model) per feeler.
 //!
-//! Beside a spring lies another one in series with a dashpot. Right after a quick deformation both bear, and the
-//! stiffness `K` is what [`FeelerConfig`] says; in the end only the first one does, with `(1 - share) K`. So the
-//! force is that of one spring of stiffness `K` whose rest moves: `F = K (d - p)` at the displacement `d` of the
-//! undeformed tip from the anchor, and the *set* `p` follows it, `dp/dt = (share d - p) / time`.
+//! A spring acts in parallel with a Maxwell element, a spring in series with a dashpot. Right after a fast deformation
+//! both bear load, with the stiffness `K` of [`FeelerConfig`]; finally only the spring does, with `(1 - share) K`.
+//! The equivalent form is one spring of stiffness `K` with a moving rest position: `F = K (d - p)`, where `d` is the
+//! displacement of the undeformed tip from the anchor. The creep displacement `p`, the *set*, follows it with
+//! `dp/dt = (share d - p) / time`.
 //!
 //! - At constant deformation the force falls as `K d (1 - share (1 - exp(-t / time)))`.
-//! - At constant force the feeler creeps with the time `time / (1 - share)`, by `share / (1 - share)` of what it
-//!   yielded at once.
-//! - A feeler that lets go bears no force, which is a constant one: it recovers with the creep time, and one that
-//!   touches again before finds itself set, shorter and bent.
+//! - At constant force the feeler creeps with time constant `time / (1 - share)`, by `share / (1 - share)` of its
+//!   initial deformation.
+//! - A feeler without contact has zero force, so it recovers with the time constant of creep. If it touches before it
+//!   has recovered, it is still shortened and bent.
 //!
-//! The set belongs to the rubber, so it is kept in the fingertip's frame. A slip moves the anchor under it and
-//! meets the whole stiffness, and so does what turns within a step. What `normal_shear_coupling` and
-//! `length_limit` add to the force does not relax: both follow from the feeler's shape, that is from `d`.
+//! The set belongs to the rubber and is stored in the fingertip's frame. Slips, and turning within a step, act against
+//! the full stiffness. The forces due to `normal_shear_coupling` and `length_limit` do not relax: they depend on the
+//! feeler's shape, that is on `d`.
 //!
 //! [`FeelerConfig`]: super::columnar_feeler::FeelerConfig
 
@@ -23,40 +24,39 @@ use feeler::check::Checker;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// A set below this is none, m: far below what a picture shows, far above where arithmetic becomes slow.
+/// Sets below this are zeroed (m): far below the resolution of an image, far above slow subnormal numbers.
 const FORGOTTEN: f64 = 1e-15;
 
-/// How a feeler relaxes.
+/// Parameters of the relaxation of a feeler.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RelaxationConfig {
-    /// Share of the stiffness right after a quick deformation (`normal_stiffness`, `shear_stiffness`) that
-    /// relaxes away.
+    /// Fraction of the instantaneous stiffness (`normal_stiffness`, `shear_stiffness`) that relaxes.
     pub share: f64,
-    /// Relaxation time: time constant with which the force falls at constant deformation, s.
+    /// Relaxation time: time constant of the force at constant deformation (s).
     pub time: f64,
 }
 
 impl RelaxationConfig {
-    /// Requires every value of the table `key` to be in its range.
+    /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
-        // Rubber that keeps nothing would flow, and take for ever to recover.
+        // With a share of 1 the rubber would flow and never recover.
         checker.between(&format!("{key}.share"), self.share, 0.0, 0.99);
         checker.positive(&format!("{key}.time"), self.time);
     }
 
-    /// Time constant with which the feeler creeps under constant force, and recovers when free, s.
+    /// Time constant of creep at constant force, and of recovery without contact (s).
     pub fn creep_time(&self) -> f64 {
         self.time / (1.0 - self.share)
     }
 
-    /// The set `duration` (s) later at constant `displacement`; both m, in one frame.
+    /// The set after `duration` (s) at constant `displacement`; both in one frame (m).
     pub fn held(&self, set: DVec3, displacement: DVec3, duration: f64) -> DVec3 {
         let end = self.share * displacement;
         end + (-duration / self.time).exp() * (set - end)
     }
 
-    /// The set (m) of a feeler that has been free for `duration`, s.
+    /// The set of a feeler (m) after `duration` (s) without contact.
     pub fn recovered(&self, set: DVec3, duration: f64) -> DVec3 {
         let left = set * (-duration / self.creep_time()).exp();
         if left.length_squared() < FORGOTTEN * FORGOTTEN {
@@ -66,10 +66,10 @@ impl RelaxationConfig {
     }
 }
 
-/// Lets all feelers relax over one step, at the deformation that the step has left them with.
+/// Relaxes all feelers over one step, at the deformation at its end.
 ///
-/// So a set is half a step late on a deformation that changes, by `step / (2 time)` of the energy that a cycle
-/// of load takes; within a step no stiffness depends on its length.
+/// The set therefore lags a changing deformation by half a step, an error of `step / (2 time)` of the energy
+/// dissipated per load cycle. In exchange, the stiffness within a step does not depend on the step's length.
 pub(super) fn relax(model: &WorldModel, state: &mut State) {
     if !model.relaxes {
         return;

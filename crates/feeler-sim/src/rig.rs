@@ -1,42 +1,42 @@
-//! The simulated rig behind the seams, and its hand.
+//! The simulated rig and its hand, behind the traits of real hardware.
 
 use super::world::World;
 use feeler::hand::{Hand, HandCommand, HandError, HandState, check_finger_count};
 use glam::DVec3;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
-/// A handle to a world that the simulated hand and sensors share.
+/// Shared handle to a world, for the simulated hand and sensors.
 #[derive(Clone)]
 pub struct SimRig {
     world: Arc<Mutex<World>>,
 }
 
 impl SimRig {
-    /// Shares `world`.
+    /// Wraps `world`.
     pub fn new(world: World) -> Self {
         Self {
             world: Arc::new(Mutex::new(world)),
         }
     }
 
-    /// The world, for as long as the guard lives. A panic elsewhere does not lock it for good.
+    /// Locks the world. Ignores poisoning by a panic in another thread.
     pub fn world(&self) -> MutexGuard<'_, World> {
         self.world.lock().unwrap_or_else(PoisonError::into_inner)
     }
 }
 
-/// The drives and encoders of the simulated hand. Commanding it advances the world.
+/// Drives and encoders of the simulated hand. Each command advances the world.
 pub struct SimHand {
     rig: SimRig,
     fingers: usize,
     steps_per_command: usize,
     period: f64,
-    /// Encoder readings at the last command, rad.
+    /// Encoder readings at the last command (rad).
     encoded_before: Vec<DVec3>,
 }
 
 impl SimHand {
-    /// The hand of `rig`; every command advances the world by `steps_per_command` steps.
+    /// Creates the hand of `rig`; every command advances the world by `steps_per_command` steps.
     pub fn new(rig: SimRig, steps_per_command: usize) -> Self {
         let world = rig.world();
         let fingers = world.state().fingers.len();
@@ -54,7 +54,7 @@ impl SimHand {
 }
 
 impl SimHand {
-    /// Begins a control period: joint velocities are those since the last time.
+    /// Begins a control period; joint velocities are averages since this call.
     pub fn begin_period(&mut self) {
         let world = self.rig.world();
         for (finger, before) in self.encoded_before.iter_mut().enumerate() {
@@ -62,10 +62,10 @@ impl SimHand {
         }
     }
 
-    /// Advances the world by one step, in which the drives do what `command` says.
+    /// Applies `command` to the drives and advances the world by one step.
     ///
     /// # Errors
-    /// When the command is for another number of fingers, or the world cannot go on.
+    /// If `command` is for another number of fingers, or a quantity of the world is no longer finite.
     pub fn advance(&mut self, command: &HandCommand) -> Result<(), HandError> {
         self.advance_by(1, command)
     }

@@ -1,19 +1,19 @@
-//! The true section of an object, for what is measured against it.
+//! Ground truth of an object's cross-section, for comparison with measurements.
 
 use super::object::Object;
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
-/// Points of a section: at 20 mm from the middle they are 0.09 mm apart.
+/// Number of points of a section: 0.09 mm apart at 20 mm from the centre.
 const POINTS: u32 = 1440;
-/// A point is on the surface within this distance, m.
+/// Tolerance of a point's distance from the surface (m).
 const TOLERANCE: f64 = 1e-9;
-/// Steps towards the surface: each goes as far as nothing can be in the way.
+/// Maximum number of steps of sphere tracing.
 const MAX_STEPS: usize = 2000;
 
-/// The horizontal section of `object` where it stands at the start, at `height` (m, in W): points in W,
-/// counterclockwise, of what can be seen from the object's origin. Empty where the section has no end, or does not
-/// go round the origin.
+/// Horizontal section of `object` in its start pose, at `height` in W (m): points in W, counterclockwise, that are
+/// visible from the outside in the direction of the object's origin. Empty if the object is unbounded, or if the
+/// section does not surround the origin.
 pub fn section(object: &Object, height: f64) -> Vec<[f64; 2]> {
     let Some((half, middle)) = object.shape.bounds() else {
         return Vec::new();
@@ -25,7 +25,7 @@ pub fn section(object: &Object, height: f64) -> Vec<[f64; 2]> {
     points.unwrap_or_default()
 }
 
-/// Where a point that comes in along `-direction` from `reach` off the origin meets the surface.
+/// Intersection with the surface of a ray along `-direction` that starts at a distance of `reach` from the origin.
 fn meet(object: &Object, height: f64, direction: DVec2, reach: f64) -> Option<[f64; 2]> {
     let origin = object.start.position.with_z(height);
     let mut distance = reach;

@@ -1,26 +1,26 @@
-//! The joints' drives: velocity controlled, with a first-order lag and an incremental encoder.
+//! Drives of the joints: velocity control with a first-order lag, and incremental encoders.
 
 use feeler::check::Checker;
 use glam::{BVec3, DVec3};
 use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
 
-/// The drives of a finger's three joints; all alike.
+/// Drives of a finger's three joints, which are identical.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ServoConfig {
-    /// Time constant with which a joint's velocity follows its command, s.
+    /// Time constant of the velocity's response to a command (s).
     pub lag: f64,
-    /// Angle of one encoder count, rad.
+    /// Angle of one encoder count (rad).
     pub encoder_resolution: f64,
-    /// Width of the dead band between a joint's motor, which the encoder reads, and its link, rad: how far
-    /// the motor turns back before the link follows. Forces do not move the link within the band, and it
-    /// begins in the middle.
+    /// Width of the dead band between a joint's motor, which the encoder measures, and its link (rad): on reversal, the
+    /// motor turns by this angle before the link follows. Forces do not move the link within the band. The joint starts
+    /// in the middle of the band.
     pub backlash: f64,
 }
 
 impl Default for ServoConfig {
-    /// The reference experiment's drives, without play.
+    /// Drives of the reference experiment, without backlash.
     fn default() -> Self {
         Self {
             lag: 0.0125,
@@ -31,7 +31,7 @@ impl Default for ServoConfig {
 }
 
 impl ServoConfig {
-    /// Requires every value of the table `key` to be in its range.
+    /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         checker.not_negative(&format!("{key}.lag"), self.lag);
         let resolution = self.encoder_resolution;
@@ -40,27 +40,27 @@ impl ServoConfig {
     }
 }
 
-/// The true motion of a finger's three joints.
+/// Ground truth of the motion of a finger's three joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joints {
-    /// Joint angles as the motors have them and the encoders read them, rad.
+    /// Motor angles, which the encoders measure (rad).
     pub position: DVec3,
-    /// Joint velocities, rad/s.
+    /// Joint velocities (rad/s).
     pub velocity: DVec3,
-    /// Commanded joint velocities, rad/s.
+    /// Commanded joint velocities (rad/s).
     pub command: DVec3,
-    /// Joint angles as the links have them, rad: those of the motors but for backlash.
+    /// Link angles (rad); they differ from the motor angles by backlash.
     pub link: DVec3,
-    /// Width of the dead band between motor and link, rad.
+    /// Width of the dead band between motor and link (rad).
     pub backlash: DVec3,
-    /// Joints that ignore their commands and stand still.
+    /// Stalled joints, which ignore their commands.
     pub stalled: BVec3,
-    /// What the encoders make of the joint angles.
+    /// Gain and offset of the encoders.
     pub encoders: Encoders,
 }
 
 impl Joints {
-    /// Joints at rest at `position`, rad.
+    /// Joints at rest at `position` (rad).
     pub fn at_rest(position: DVec3) -> Self {
         Self {
             position,
@@ -74,17 +74,17 @@ impl Joints {
     }
 }
 
-/// How a finger's encoders show its joint angles: `gain * angle + offset`.
+/// Errors of a finger's encoders: they show `gain * angle + offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Encoders {
-    /// What they show of a turn.
+    /// Ratio of the shown to the actual rotation.
     pub gain: DVec3,
-    /// What they show too much, rad.
+    /// Offset of the shown angle (rad).
     pub offset: DVec3,
 }
 
 impl Default for Encoders {
-    /// They show what is.
+    /// Encoders without errors.
     fn default() -> Self {
         Self {
             gain: DVec3::ONE,
@@ -94,14 +94,14 @@ impl Default for Encoders {
 }
 
 impl Encoders {
-    /// What they show where the joints are at `position`, rad.
+    /// Shown angles for the joint angles `position` (rad).
     pub fn show(&self, position: DVec3) -> DVec3 {
         self.gain * position + self.offset
     }
 }
 
 impl ServoConfig {
-    /// Joints with these drives, at rest at `position`, rad, in the middle of their backlash.
+    /// Joints of these drives at rest at `position` (rad), in the middle of their backlash.
     pub fn joints(&self, position: DVec3) -> Joints {
         Joints {
             backlash: DVec3::splat(self.backlash),
@@ -109,7 +109,7 @@ impl ServoConfig {
         }
     }
 
-    /// The part of a velocity error that is left after `step` seconds.
+    /// Fraction of a velocity error that remains after `step` seconds.
     pub fn remaining_error(&self, step: f64) -> f64 {
         if self.lag > 0.0 {
             (-step / self.lag).exp()
@@ -118,8 +118,8 @@ impl ServoConfig {
         }
     }
 
-    /// Moves `joints` over `step` seconds, exactly for a constant command; `remaining` is
-    /// [`Self::remaining_error`] of that step. The joints stop dead at `lower` and `upper`, rad.
+    /// Moves `joints` over `step` seconds; exact for a constant command. `remaining` is [`Self::remaining_error`] of
+    /// that step. Joints stop instantly at the limits `lower` and `upper` (rad).
     pub fn advance(
         &self,
         joints: &mut Joints,
@@ -141,13 +141,13 @@ impl ServoConfig {
             .clamp(joints.position - play, joints.position + play);
     }
 
-    /// What the encoders count at the joint angles `position`, as an angle, rad.
+    /// Quantizes the joint angles `position` to encoder counts (rad).
     pub fn encode(&self, position: DVec3) -> DVec3 {
         to_multiples(position, self.encoder_resolution)
     }
 }
 
-/// The multiples of `unit` that are nearest to `values`. (Without AVX, rounding is a call of the system's library.)
+/// Rounds `values` to multiples of `unit`. (Without AVX, rounding calls the C library.)
 #[multiversion(targets("x86_64+avx2"))]
 fn to_multiples(values: DVec3, unit: f64) -> DVec3 {
     (values / unit).round() * unit

@@ -1,4 +1,4 @@
-//! Feelers on an object slip or let go, and their forces are known.
+//! Resolves stick, slip and separation of all contacts with one object, and their forces.
 
 use super::columnar_feeler::{FeelerConfig, Friction, Overload, split, tip_of, within_cone};
 use super::contacts::{BLOCK, Block, Column, Share, Vectors};
@@ -12,42 +12,42 @@ use super::step::undeformed;
 use glam::DVec3;
 use multiversion::multiversion;
 
-/// Friction of a feeler on an object as it is now.
+/// Current friction of a feeler on an object.
 #[inline(always)]
 pub(super) fn friction(feeler: &FeelerConfig, object: &Object, state: &ObjectState) -> Friction {
     let friction = object.friction.unwrap_or_else(|| feeler.friction());
     friction.scaled(state.friction_factor)
 }
 
-/// How the feelers of one finger meet an object.
+/// Contacts of one finger with an object.
 struct Meeting<'a> {
     finger: &'a Finger,
     object: &'a Object,
     state: &'a ObjectState,
-    /// The fingertip as seen from the object.
+    /// Pose of the fingertip in the object's frame.
     seen: Pose,
-    /// By how much it has turned since tips last rolled, rad, in the object's frame.
+    /// Rotation of the fingertip since tips last rolled, in the object's frame (rad).
     turned: DVec3,
     overload: Overload,
-    /// Time since tips were remembered, s.
+    /// Time since [`remember_tips`] (s).
     duration: f64,
 }
 
-/// Forces of a block's contacts that hold on.
+/// Trial forces of a block's contacts, before slipping.
 struct Held {
-    /// On the object, N, in W.
+    /// Forces on the object in W (N).
     force: Vectors,
-    /// What is pressed and does not slip is held.
+    /// Contacts that press and stick.
     is_held: Mask,
-    /// What is pressed and slips.
+    /// Contacts that press and slip.
     slips: Mask,
 }
 
-/// The force of a contact on the object, N, in W, and how it slipped, if it did.
+/// Force of a contact on the object in W (N), and its slip, if any.
 type Settled = (DVec3, Option<Slipped>);
 
-/// Feelers on the object slip or let go, and their forces are known; how many slipped. `duration`
-/// (s) is the time since their tips were remembered.
+/// Resolves the contacts with an object, updates their forces and returns the number of slips and separations.
+/// `duration` is the time since [`remember_tips`] (s).
 #[multiversion(targets("x86_64+avx2"))]
 pub(super) fn settle(
     model: &WorldModel,
@@ -107,7 +107,7 @@ pub(super) fn settle(
             }
         }
         if gone {
-            // A contact's feeler is looked at again once it has let go, and not before.
+            // A feeler in contact has no distance to be checked at; a separated one has.
             let due = &state.watch.due;
             contacts.retain(|element| due[element] == f64::INFINITY);
         }
@@ -116,7 +116,7 @@ pub(super) fn settle(
 }
 
 impl Meeting<'_> {
-    /// Rolls a block's tips, and finds the forces of those that hold on.
+    /// Rolls a block's tips and computes the trial forces of contacts that stick.
     #[inline(always)]
     fn hold(&self, share: Share, block: &mut Block) -> Held {
         let mut held = Held {
@@ -134,7 +134,7 @@ impl Meeting<'_> {
         let friction = friction(&spring, self.object, self.state);
         let (mut pressed, mut shear): (Column, Column) = ([0.0; BLOCK], [0.0; BLOCK]);
         let mut anchors = Vectors::default();
-        // Copies: the compiler works on several lanes at once only where it knows that what is written is none of what is read.
+        // Local copies: the compiler vectorizes only if inputs and outputs cannot alias.
         let (seen, turned, dome_radius) = (self.seen, self.turned, self.finger.dome_radius);
         let to_world = self.state.pose.rotation;
         for lane in 0..share.lanes.min(BLOCK) {
@@ -155,8 +155,8 @@ impl Meeting<'_> {
         held
     }
 
-    /// Lets those of a block's contacts that slip do so together, where there are several and what they slip over is a cylinder;
-    /// of which that is known.
+    /// Return mapping of a block's slipping contacts together, with a mask of the contacts that it resolved. `None`
+    /// unless several slip, on a cylinder.
     #[inline(always)]
     fn slip_together(&self, share: Share, block: &Block, held: &Held) -> Option<(Slips, Mask)> {
         if held.slips.iter().filter(|slips| **slips).count() < 2 {
@@ -182,7 +182,7 @@ impl Meeting<'_> {
         Some(slip_together(alike, share.lanes, &held.slips, start))
     }
 
-    /// What becomes of a contact whose slip is known, as [`Self::settle`] tells it.
+    /// Applies the slip of a contact that [`slip_together`] has resolved; returns the same as [`Self::settle`].
     fn slipped(&self, block: &mut Block, lane: usize, slips: &Slips) -> Option<Settled> {
         let slip = slips.get(lane);
         if slip.normal_force <= 0.0 {
@@ -201,7 +201,7 @@ impl Meeting<'_> {
         block.set_rolled(lane, rolled);
     }
 
-    /// What becomes of one contact, whose tip has rolled. `None` where it lets go.
+    /// Resolves one contact, whose tip has rolled. `None` if it separates.
     fn settle(&self, block: &mut Block, lane: usize, sets: &[DVec3]) -> Option<Settled> {
         let element = block.element(lane);
         let feeler = self.finger.feeler(element);
@@ -224,7 +224,7 @@ impl Meeting<'_> {
     }
 }
 
-/// Notes where the tips on an object are, for what depends on speed.
+/// Stores the positions of the tips on an object, for speed-dependent forces.
 pub(super) fn remember_tips(model: &WorldModel, state: &mut State, index: usize) {
     if !model.depends_on_speed {
         return;

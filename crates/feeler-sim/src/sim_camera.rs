@@ -11,7 +11,7 @@ use feeler::sensor::fingertip::Fingertip;
 use feeler::sensor::frame::Frame;
 use glam::DVec3;
 
-/// Takes pictures of one finger's dome. The picture is all that it tells of the forces.
+/// Renders images of one finger's dome. Forces reach the sensor only through these images.
 pub struct SimCamera {
     rig: SimRig,
     finger: usize,
@@ -20,15 +20,15 @@ pub struct SimCamera {
     forces: Vec<DVec3>,
     random: Generator,
     faults: SensorFaults,
-    /// The newest frame, where a fault may ask for it again.
+    /// Latest frame, stored only if there are faults, which may repeat it.
     newest: Option<Frame>,
 }
 
 impl SimCamera {
-    /// The camera in the fingertip of `finger` with its `faults`, its noise drawn from `seed`.
+    /// Creates the camera in the fingertip of `finger` with its `faults`; `seed` determines the noise.
     ///
     /// # Errors
-    /// When the optics make no sense.
+    /// If the optics are invalid.
     pub fn new(
         rig: SimRig,
         finger: usize,
@@ -53,7 +53,7 @@ impl SimCamera {
         })
     }
 
-    /// The same camera, of whose pictures no more needs drawing than `pixels` (column, row).
+    /// Restricts rendering to the region that contains `pixels` (column, row).
     #[must_use]
     pub fn drawing_only(self, pixels: impl Iterator<Item = (usize, usize)>) -> Self {
         Self {
@@ -62,7 +62,7 @@ impl SimCamera {
         }
     }
 
-    /// Draws the picture of what was exposed at `stamp`.
+    /// Renders the image that was exposed at `stamp`.
     fn draw(&mut self, stamp: f64, frame: &mut Frame) -> Result<(), CameraError> {
         render(
             &self.optics,

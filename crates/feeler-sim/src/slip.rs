@@ -1,44 +1,44 @@
-//! How an overloaded feeler slips (design, section 8).
+//! Stick-slip return mapping of one contact: slides the anchor until the shear force is back within its limit.
 
 use super::columnar_feeler::{Anchor, FeelerConfig, Friction, Overload, Tip, split};
 use glam::DVec3;
 
-/// A slipping anchor is followed along the surface in steps; on a cylinder two or three suffice.
+/// Maximum number of Newton steps along the surface; on a cylinder two or three suffice.
 pub(super) const MAX_SLIP_ITERATIONS: usize = 16;
-/// A slip ends when the shear force exceeds the kinetic limit by less than this fraction of the normal force; and on a cylinder, when it
-/// falls short of it by less.
+/// Tolerance of the final shear force, as a fraction of the normal force: above the limit, and on a cylinder also
+/// below it.
 const SLIP_TOLERANCE: f64 = 1e-9;
 
-/// Whether a tip that presses with `normal_force` sticks under a `shear` force, both N.
+/// Returns `true` if a tip with `normal_force` sticks under a `shear` force (both in N).
 #[inline(always)]
 pub(super) fn sticks(normal_force: f64, shear: f64, friction: Friction) -> bool {
     let excess = shear - friction.static_friction * normal_force;
     excess <= SLIP_TOLERANCE * normal_force
 }
 
-/// A slip on its way. All vectors are in the object's frame.
+/// State of a slip. All vectors are in the object's frame.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Slip {
-    /// Where the tip is by now.
+    /// Current anchor of the tip.
     pub anchor: Anchor,
-    /// Force on the object there, N.
+    /// Force on the object (N).
     pub force: DVec3,
-    /// What of it presses, N.
+    /// Normal component of the force (N).
     pub normal_force: f64,
-    /// What of it is shear, N.
+    /// Magnitude of the shear component (N).
     pub shear: f64,
-    /// The direction of that, along which the tip slips on.
+    /// Direction of the shear force, and of the slip.
     pub direction: DVec3,
-    /// By how much the surface's normal turns on the way, along it, 1/m, where that is known: beside a cylinder. Else 0: as on a flat
-    /// surface, a step on a convex one never goes too far, and so not over a corner, either.
+    /// Curvature of the surface along the slip (1/m) on the side of a cylinder; 0 elsewhere. A step that assumes a flat
+    /// surface does not overshoot on a convex one, and so does not cross an edge.
     pub bend: f64,
-    /// How much shear above the kinetic limit is left in the end, N, if the static limit allows that.
+    /// Residual shear force above the kinetic limit at the end of the slip (N), as far as the static limit permits.
     pub rebuilt: f64,
 }
 
 impl Slip {
-    /// That of a feeler whose shear at `anchor` is above the static limit. Its first step is that of a flat surface, which stops short: it goes on
-    /// along the shear that it finds there.
+    /// Starts the slip of a feeler whose shear force at `anchor` exceeds the static limit. The first step assumes a
+    /// flat surface and stops short; the next ones follow the local shear direction.
     #[inline(always)]
     pub fn begin(
         feeler: &FeelerConfig,
@@ -55,7 +55,7 @@ impl Slip {
         Self { rebuilt, ..slip }
     }
 
-    /// By how much the shear exceeds what the slip ends at, N.
+    /// Shear force above the final value of the slip (N).
     #[inline(always)]
     fn excess(&self, friction: Friction) -> f64 {
         let most = friction.static_friction - friction.kinetic_friction;
@@ -69,12 +69,12 @@ impl Slip {
         excess <= tolerance && (self.bend == 0.0 || excess >= -tolerance)
     }
 
-    /// A Newton step to where nothing is left of the excess: where the tip is then if the surface is flat, m.
+    /// Newton step to zero excess: position of the tip (m) if the surface were flat.
     #[inline(always)]
     pub fn ahead(&self, feeler: &FeelerConfig, friction: Friction, tip: &Tip) -> DVec3 {
         let relief = feeler.stiffness_times(tip.axis, self.direction);
         let stiffness = self.direction.dot(relief);
-        // Slipping also changes the normal force, where the feeler leans and the surface bends.
+        // Slipping also changes the normal force if the feeler is inclined or the surface is curved.
         let shear_falls = stiffness - self.bend * self.normal_force;
         let normal_falls = -self.anchor.normal.dot(relief) + self.bend * self.shear;
         let most = friction.static_friction - friction.kinetic_friction;
@@ -85,12 +85,13 @@ impl Slip {
             friction.kinetic_friction
         };
         let slope = shear_falls - coefficient * normal_falls;
-        // The linear model's sign must never turn.
+        // Keeps the slope of the linear model positive.
         let way = self.excess(friction) / slope.max(0.1 * stiffness);
         self.anchor.position + way * self.direction
     }
 
-    /// The slip after it has gone on to `anchor`. `curvature` (1/m) is that of the way of tips around a cylinder, 0 on what is none.
+    /// The slip after it has moved to `anchor`. `curvature` (1/m) is that of the tips' path around a cylinder, 0 on
+    /// other shapes.
     #[inline(always)]
     pub fn go_on(&self, feeler: &FeelerConfig, tip: &Tip, anchor: Anchor, curvature: f64) -> Self {
         Self {
@@ -119,17 +120,17 @@ impl Slip {
     }
 }
 
-/// What a slip took.
+/// Distance and dissipation of a slip.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Slipped {
-    /// Way of the tip, m, without what it rolled.
+    /// Distance that the tip has slid, without rolling (m).
     pub way: f64,
-    /// Work that friction took, J.
+    /// Energy dissipated by friction (J).
     pub work: f64,
 }
 
-/// What a slip from one anchor to another took. The feeler has no mass and its force falls in proportion,
-/// so that friction takes the mean of both forces times the way: all that the spring loses.
+/// Distance and dissipation of a slip from one anchor to another. The feeler has no mass and its force falls linearly,
+/// so friction dissipates the mean force times the distance: the spring's loss of energy.
 #[inline(always)]
 pub(super) fn lost(feeler: &FeelerConfig, tip: &Tip, from: &Anchor, to: &Anchor) -> Slipped {
     let way = to.position - from.position;

@@ -1,4 +1,4 @@
-//! The slips of a block's contacts, side by side: [`Slip`] in columns.
+//! Slips of a block's contacts in structure-of-arrays form, for vectorized return mapping of [`Slip`]s.
 
 use super::columnar_feeler::{Anchor, FeelerConfig, Friction, Overload, Tip};
 use super::contacts::{BLOCK, Column, Vectors};
@@ -6,22 +6,22 @@ use super::shape::{Side, SurfacePoint};
 use super::slip::{MAX_SLIP_ITERATIONS, Slip, Slipped, lost};
 use glam::DVec3;
 
-/// Some contacts of a block.
+/// Selection of contacts of a block.
 pub(super) type Mask = [bool; BLOCK];
 
-/// What is the same for all of them.
+/// Parameters common to all slips of a block.
 #[derive(Clone, Copy)]
 pub(super) struct Alike<'a> {
     pub feeler: &'a FeelerConfig,
     pub friction: Friction,
     pub overload: Overload,
-    /// What they slip over...
+    /// Side surface of the cylinder.
     pub side: Side,
-    /// ... and where its centre is in the object's frame, m.
+    /// Centre of the cylinder in the object's frame (m).
     pub centre: DVec3,
 }
 
-/// A number or vector of each slip.
+/// The slips of a block, one per lane.
 #[derive(Clone, Copy, Default)]
 pub(super) struct Slips {
     position: Vectors,
@@ -32,7 +32,7 @@ pub(super) struct Slips {
     shear: Column,
     bend: Column,
     rebuilt: Column,
-    /// What it took.
+    /// Distance (m) and dissipation (J).
     way: Column,
     work: Column,
 }
@@ -54,7 +54,7 @@ impl Slips {
         }
     }
 
-    /// What a slip took.
+    /// Distance and dissipation of a slip.
     #[inline(always)]
     pub fn slipped(&self, lane: usize) -> Slipped {
         Slipped {
@@ -76,8 +76,9 @@ impl Slips {
     }
 }
 
-/// Lets those of a block's `lanes` that `slips` names slip from where they `start`, each as by itself. What it returns is known of those
-/// that it names: the others are not overloaded, or left the side.
+/// Return mapping of the contacts in `lanes` that `slips` selects, from the tips and anchors of `start`; each as in
+/// [`FeelerConfig::settle`]. The returned mask selects contacts that were resolved; of the selected ones, those that
+/// left the cylinder's side are missing.
 #[inline(always)]
 #[expect(
     clippy::needless_range_loop,

@@ -1,4 +1,4 @@
-//! Whether a world can start: nothing inside anything else.
+//! Checks of a world: no overlaps at the start, and finite values in each step.
 
 use super::error::SimError;
 use super::free_bodies::collider;
@@ -10,13 +10,13 @@ use glam::{DQuat, DVec3};
 use parry3d_f64::math::Pose as LibraryPose;
 use parry3d_f64::query::contact;
 
-/// What rests on or just touches something may be this deep in it, m.
+/// Tolerated penetration of bodies that rest on or just touch each other (m).
 const TOLERANCE: f64 = 1e-5;
 
-/// Refuses a start in which a feeler is inside an object, or a free body inside another object.
+/// Checks that at the start no feeler is inside an object, and no free body inside another object.
 ///
 /// # Errors
-/// Naming the first such pair.
+/// [`SimError::StartsInside`] or [`SimError::Overlap`] for the first such pair.
 pub fn check(model: &WorldModel, state: &State) -> Result<(), SimError> {
     check_feelers(model, state)?;
     for (index, object) in model.objects.iter().enumerate() {
@@ -25,7 +25,7 @@ pub fn check(model: &WorldModel, state: &State) -> Result<(), SimError> {
             if free == [false, false] {
                 continue;
             }
-            // The library is right about a half-space only when that comes first.
+            // parry's query is correct for a half-space only if it is the first shape.
             let depth = if is_half_space(other) {
                 overlap(other, object)
             } else {
@@ -47,7 +47,7 @@ fn is_half_space(object: &Object) -> bool {
     object.shape.collider().0.as_halfspace().is_some()
 }
 
-/// How deep two objects are in each other at the start, m; 0 where they are apart.
+/// Penetration depth of two objects at the start (m); 0 if they are apart.
 fn overlap(object: &Object, other: &Object) -> f64 {
     let place = |object: &Object| {
         let rotation = DQuat::from_mat3(&object.start.rotation);
@@ -84,10 +84,10 @@ fn check_feelers(model: &WorldModel, state: &State) -> Result<(), SimError> {
 }
 
 impl State {
-    /// Refuses a state with a quantity that is not finite.
+    /// Checks that all quantities are finite.
     ///
     /// # Errors
-    /// Naming the first such quantity.
+    /// [`SimError::NotFinite`] for the first quantity that is not.
     pub fn check_finite(&self, model: &WorldModel) -> Result<(), SimError> {
         let fingers = self.fingers.iter().map(|finger| {
             let contacts = finger.contacts.iter();
@@ -103,7 +103,7 @@ impl State {
         Err(self.not_finite(model))
     }
 
-    /// The quantity that is not finite.
+    /// Error for the first quantity that is not finite.
     #[cold]
     fn not_finite(&self, model: &WorldModel) -> SimError {
         let mut quantities: Vec<(String, DVec3)> = Vec::new();

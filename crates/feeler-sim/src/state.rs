@@ -1,4 +1,4 @@
-//! What changes in a run.
+//! The part of the world that changes in a run.
 
 use super::columnar_feeler::Anchor;
 pub use super::contacts::Contacts;
@@ -10,113 +10,115 @@ use super::thread::Turn;
 use feeler::hand::kinematics::fingertip_pose;
 use glam::{DMat3, DVec3};
 
-/// Feelers of which is seen together whether one must be looked at.
+/// Number of feelers in a group; groups without a feeler that is due are skipped.
 pub(super) const GROUP: usize = 8;
 
-/// The true state of the simulated world.
+/// Ground truth of the simulated world.
 #[derive(Debug, Clone, PartialEq)]
 pub struct State {
-    /// Simulated time, s.
+    /// Simulated time (s).
     pub time: f64,
-    /// Steps taken; time is `steps * step`, so that it does not drift.
+    /// Number of steps taken; the time is `steps * step`, so it does not accumulate rounding errors.
     pub steps: u64,
     /// The fingers.
     pub fingers: Vec<FingerState>,
     /// The objects, in the model's order.
     pub objects: Vec<ObjectState>,
-    /// Torque behind the sensor's low-pass, N·m.
+    /// Output of the torque sensor's low-pass filter (N·m).
     pub filtered_torque: f64,
 }
 
-/// The true state of one object.
+/// Ground truth of one object.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ObjectState {
-    /// Where it is.
+    /// Pose in W.
     pub pose: Pose,
-    /// How it stands on its hinge or thread, if it has one.
+    /// State of its hinge or thread; default for other objects.
     pub turn: Turn,
-    /// Velocity of a free body's centre of mass, m/s, in W.
+    /// Velocity of a free body's centre of mass in W (m/s).
     pub velocity: DVec3,
-    /// Angular velocity of a free body, rad/s, in W.
+    /// Angular velocity of a free body in W (rad/s).
     pub angular_velocity: DVec3,
-    /// Force on a free body from outside, N, in W, and its torque about the object's origin, N·m.
+    /// External force on a free body (N) and its torque about the object's origin (N·m), both in W.
     pub outside: (DVec3, DVec3),
-    /// Mass of a free body, kg; 0 of what is not free.
+    /// Mass of a free body (kg); 0 for other objects.
     pub mass: f64,
-    /// Factor on the friction of feelers on it.
+    /// Factor on the friction coefficients of contacts with the object.
     pub friction_factor: f64,
-    /// How often it has moved by its hinge or thread, or with what it stands on.
+    /// Number of times that its hinge, thread or support has moved it.
     pub(super) moves: u64,
-    /// By how much it and what it stands on turned in the last step, rad: by about as much again in the next.
+    /// Changes of angle and twist in the last step (rad); initial guess for the next step.
     pub(super) last_turn: (f64, f64),
 }
 
-/// The true state of one finger.
+/// Ground truth of one finger.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FingerState {
     /// Its joints.
     pub joints: Joints,
-    /// Where its fingertip is: the dome's centre, and the fingertip frame `T`.
+    /// Pose of the fingertip in W: the dome's centre and the fingertip frame `T`.
     pub tip: Pose,
-    /// Where the fingertip is held from outside, if it does not follow its joints.
+    /// Prescribed pose of the fingertip, or `None` if it follows the joints.
     pub held_at: Option<Pose>,
-    /// Whether its fingertip was left where it was in the last step, as it cannot touch anything.
+    /// `true` if the last step did not update the fingertip's pose, as it cannot touch anything.
     pub(super) is_left: bool,
-    /// The feelers that touch.
+    /// Feelers in contact.
     pub contacts: Contacts,
-    /// The fingertip as seen from each object, which has not moved since.
+    /// Pose of the fingertip in each object's frame, for the object's current pose.
     pub(super) seen: Vec<Pose>,
-    /// Rotation of the fingertip as seen from each object up to which its tips have rolled on it.
+    /// Rotation of the fingertip in each object's frame for which the anchors have already been rolled.
     pub(super) rolled: Vec<DMat3>,
-    /// Set of each feeler that relaxes, m, in the fingertip frame `T`.
+    /// Creep displacement (*set*) of each feeler that relaxes, in the fingertip frame `T` (m).
     pub sets: Vec<DVec3>,
-    /// Force on what it touches by each feeler, N, in W.
+    /// Force of each feeler on the object that it touches, in W (N).
     pub forces: Vec<DVec3>,
-    /// How far each feeler's tip has slipped over what it touches since the beginning, m, without what it rolled.
+    /// Distance that each feeler's tip has slipped since the start, without rolling (m).
     pub slipped: Vec<f64>,
-    /// Work that friction took from feelers that slipped, J.
+    /// Energy dissipated by friction in slips (J).
     pub slip_work: f64,
-    /// What spares free feelers the search for a surface.
+    /// Bounds that avoid most distance queries of free feelers.
     pub(super) watch: Watch,
 }
 
-/// A feeler that touches.
+/// A feeler in contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
-    /// The feeler.
+    /// Index of its element.
     pub element: usize,
-    /// The object that it holds on to.
+    /// Index of the object.
     pub object: usize,
-    /// Where.
+    /// Where the feeler sticks to the object.
     pub anchor: Anchor,
-    /// How far it has rolled since its anchor was last put on the surface, m.
+    /// Rolling distance since the anchor was last projected onto the surface (m).
     pub rolled: f64,
-    /// Centre of its undeformed tip in the object's frame one step ago, m.
+    /// Centre of the undeformed tip in the object's frame, one step ago (m).
     pub tip_before: DVec3,
 }
 
-/// How far a fingertip has come, and how far each free feeler may go before it can touch anything.
+/// Conservative advancement of a fingertip: distance travelled, and distance at which each free feeler can touch
+/// something at the earliest.
 ///
-/// Distances from a surface change no faster than the tip moves relative to it, so that a feeler
-/// that was 5 mm away need not be looked at before the fingertip has moved by 5 mm.
+/// Distances from a surface change no faster than the tip moves relative to it. A feeler that was 5 mm
+/// away needs no query before the fingertip has moved by 5 mm.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Watch {
-    /// The fingertip as seen from each object, when it was last looked at.
+    /// Pose of the fingertip in each object's frame at the last update.
     pub seen: Vec<Pose>,
-    /// Upper bound of the way that any tip has gone relative to any object, m.
+    /// Upper bound of the distance that any tip has travelled relative to any object (m).
     pub travelled: f64,
-    /// Way at which each feeler must be looked at again, m; infinite while it touches, and of those that fill up the last group.
+    /// Travelled distance at which each feeler is checked again (m). Infinite while it touches, and for the padding of
+    /// the last group.
     pub due: Vec<f64>,
-    /// Nothing is due before this, m.
+    /// Minimum of `due` (m).
     pub soonest: f64,
-    /// Upper bound of the way that any tip has gone since the fingertip was last looked at, m.
+    /// Upper bound of the distance that any tip has travelled since the last update (m).
     pub unseen: f64,
-    /// How often objects had moved by then.
+    /// Number of moves of all objects at the last update.
     pub moves: u64,
 }
 
 impl FingerState {
-    /// Whether any of its feelers holds on to `object`.
+    /// Returns `true` if any of its feelers touches `object`.
     #[inline(always)]
     pub(super) fn touches(&self, object: usize) -> bool {
         !self.contacts.on(object).is_empty()
@@ -124,8 +126,7 @@ impl FingerState {
 }
 
 impl State {
-    /// The world at time 0: fingers at rest at `joints` (rad, one triple per finger), objects where
-    /// they start.
+    /// The world at time 0: fingers at rest at `joints` (rad, one triple per finger), objects at their start poses.
     pub fn new(model: &WorldModel, joints: &[DVec3]) -> Self {
         let objects: Vec<_> = model.objects.iter().map(ObjectState::new).collect();
         let fingers = model.fingers.iter().zip(joints).map(|(finger, &theta)| {
@@ -166,12 +167,12 @@ impl State {
         }
     }
 
-    /// Work that friction took from all feelers that slipped, J.
+    /// Energy dissipated by friction in the slips of all feelers (J).
     pub fn slip_work(&self) -> f64 {
         self.fingers.iter().map(|finger| finger.slip_work).sum()
     }
 
-    /// Torque on what stands on the torque sensor, N·m.
+    /// Total torque of the objects on the torque sensor (N·m).
     pub fn torque_on_sensor(&self, model: &WorldModel) -> f64 {
         let objects = self.objects.iter().zip(&model.objects);
         objects
@@ -196,7 +197,7 @@ impl ObjectState {
         }
     }
 
-    /// Moves it to `pose`, by its hinge or thread, or with what it stands on.
+    /// Moves the object to `pose`, as its hinge, thread or support does.
     pub(super) fn move_to(&mut self, pose: Pose) {
         self.moves += u64::from(pose != self.pose);
         self.pose = pose;

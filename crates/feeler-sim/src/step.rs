@@ -1,4 +1,4 @@
-//! One step of the physics: joints move, feelers touch, objects give way, feelers slip and relax.
+//! One physics step: joints move, feelers make contact, objects yield, feelers slip and relax.
 
 use super::balance::balance;
 use super::columnar_feeler::{Overload, Tip, tip_of};
@@ -14,11 +14,10 @@ use feeler::hand::kinematics::fingertip_pose;
 use glam::DVec3;
 use multiversion::multiversion;
 
-/// Advances `state` by one time step of `model`; `bodies` are its free bodies. Allocates nothing
-/// but what the library of the free bodies does.
+/// Advances `state` by one time step of `model`; `bodies` are its free bodies. Allocates only within `rapier3d`.
 ///
-/// Unless the state `is_seen` after this step, fingertips that cannot touch anything are left where they were: what
-/// a later step makes of the state is the same.
+/// If `is_seen` is `false`, poses of fingertips that cannot touch anything are not updated. Later steps give the same
+/// result in either case.
 pub(super) fn step(
     model: &WorldModel,
     state: &mut State,
@@ -29,7 +28,7 @@ pub(super) fn step(
         fingers, objects, ..
     } = state;
     let moves = moves(objects);
-    // One stage after another, as what the fingers do in a stage does not wait for each other.
+    // One loop per stage: within a stage, the fingers are independent of each other.
     for (finger, own) in model.fingers.iter().zip(&mut *fingers) {
         let before = own.joints.link;
         move_joints(model, finger, own);
@@ -87,8 +86,8 @@ fn place_fingertips(model: &WorldModel, fingers: &mut [FingerState]) {
     }
 }
 
-/// The undeformed feeler `element` of a `finger` whose fingertip is at `seen` in some frame, and whose
-/// feelers have `sets`.
+/// The undeformed tip of `element`, for the pose `seen` of the fingertip in some frame and the creep displacements
+/// `sets` of the feelers.
 pub(super) fn undeformed(finger: &Finger, sets: &[DVec3], seen: &Pose, element: usize) -> Tip {
     let relaxes = finger.feeler(element).relaxation.is_some();
     let set = if relaxes {
@@ -99,13 +98,13 @@ pub(super) fn undeformed(finger: &Finger, sets: &[DVec3], seen: &Pose, element: 
     tip_of(finger.dome_radius, seen, finger.normals[element], set)
 }
 
-/// Moves the free bodies over one step, in as many parts as their contacts' stiffness asks for.
+/// Moves the free bodies over one step, in substeps that the stiffness of their contacts requires.
 fn move_bodies(model: &WorldModel, state: &mut State, bodies: &mut FreeBodies) {
     bodies.weigh(&state.objects);
     let parts = bodies.parts(model, state);
     let duration = model.step / parts as f64;
     for part in 0..parts {
-        // The fingers move in the first part.
+        // The fingers move in the first substep.
         let since = if part == 0 { model.step } else { duration };
         for (index, object) in model.objects.iter().enumerate() {
             if matches!(object.motion, Motion::Free(_)) {
@@ -121,7 +120,7 @@ fn move_bodies(model: &WorldModel, state: &mut State, bodies: &mut FreeBodies) {
     }
 }
 
-/// Force, N, and torque about its origin, N·m, on an object by the feelers, in W.
+/// Force (N) of the feelers on an object, and torque (N·m) about its origin, in W.
 pub fn wrench(model: &WorldModel, state: &State, index: usize) -> (DVec3, DVec3) {
     let pose = &state.objects[index].pose;
     let (mut force, mut torque) = (DVec3::ZERO, DVec3::ZERO);

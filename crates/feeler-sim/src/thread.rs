@@ -1,5 +1,4 @@
-//! What turns about an axis: a cap on its thread, which has a seat that stops it (design, section 8),
-//! or a hinge.
+//! Objects that turn about an axis: a cap on its thread with a seat, or a hinge.
 
 pub use super::thread_config::{HingeConfig, ThreadConfig, ThreadFault};
 
@@ -9,60 +8,59 @@ use feeler::hand::sin_cos::sin_cos_of;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::TAU;
 
-/// Newton steps per time step; three suffice unless every feeler is at its friction limit.
+/// Maximum number of Newton steps per time step; three suffice unless every feeler is at its friction limit.
 const MAX_ITERATIONS: usize = 32;
-/// By what share a grip's stiffness may be wrong: on the reference run it is by 4e-5 at most, but in one step of a hundred.
+/// Assumed relative error of a grip's stiffness. In the reference run it exceeds 4e-5 in one of a hundred steps.
 const STIFFNESS_ERROR: f64 = 1e-4;
-/// Torques are balanced to this, N·m: far below what the torque sensor resolves (0.1 mN·m).
+/// Tolerance of the torque balance (N·m), far below the resolution of the torque sensor (0.1 mN·m).
 const TORQUE_TOLERANCE: f64 = 1e-9;
 
-/// What an object turns on about its z axis: a thread, or a hinge, which has neither seat nor lead.
+/// Rotational joint of an object about its z axis: a thread, or a hinge without seat and lead.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Hinge {
-    /// The thread.
+    /// Parameters of the thread.
     pub thread: ThreadConfig,
-    /// Whether what it stands on gives way to the torque: the shaft of the torque sensor does.
+    /// `true` if the support yields to the torque, as the shaft of the torque sensor does.
     pub on_torque_sensor: bool,
 }
 
-/// How an object stands on its hinge or thread.
+/// State of an object on a hinge or thread.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct Turn {
-    /// Angle by which it has been turned, rad, positive when closing (counter-clockwise about its
-    /// z, as seen from above).
+    /// Angle of the object (rad), positive in the closing direction: counter-clockwise about its z, seen from above.
     pub angle: f64,
-    /// Angle by which what it stands on has turned in its play and with the torque sensor's shaft, rad.
+    /// Angle by which the support has turned, within its play and with the torque sensor's shaft (rad).
     pub twist: f64,
-    /// How far what it stands on has shifted along W's x and y, m.
+    /// Displacement of the support along W's x and y (m).
     pub shift: DVec2,
-    /// Whether it turned in the last step.
+    /// `true` if the object turned in the last step.
     pub turning: bool,
-    /// Torque about its z on what it stands on, N·m.
+    /// Torque on the support about the object's z (N·m).
     pub torque: f64,
 }
 
 impl Turn {
-    /// Whether nothing loads it, nor holds it from where it began.
+    /// Returns `true` if the object has no load and its support is not deflected.
     pub(super) fn is_unloaded(&self) -> bool {
         self.torque == 0.0 && self.twist == 0.0 && self.shift == DVec2::ZERO && !self.turning
     }
 }
 
-/// What the fingers do to the object along one of its freedoms: about its z, or along a direction.
+/// Load of the fingers on the object along a degree of freedom: rotation about its z, or translation.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct FingerLoad {
-    /// Torque, N·m, or force, N, on the object by the fingers.
+    /// Torque (N·m) or force (N) on the object.
     pub load: f64,
-    /// By how much that falls as the object gives way, N·m/rad or N/m, as long as it gives way by no more than `room`.
+    /// Decrease of the load per motion of the object (N·m/rad or N/m), valid for motions up to `room`.
     pub stiffness: f64,
-    /// The same if all feelers held on, at least 0.
+    /// Stiffness if all feelers stuck, at least 0.
     pub firm: f64,
-    /// How far the object may give way, rad or m, before a feeler slips or sticks, at least; 0 where that is not known.
+    /// Lower bound of the motion (rad or m) before a feeler changes between stick and slip; 0 if unknown.
     pub room: f64,
 }
 
 impl Hinge {
-    /// A hinge by itself.
+    /// Creates a hinge that is not on the torque sensor.
     pub fn plain(hinge: &HingeConfig) -> Self {
         Self {
             thread: ThreadConfig {
@@ -77,7 +75,7 @@ impl Hinge {
         }
     }
 
-    /// A cap's thread, on a bottle that stands on the torque sensor.
+    /// Creates a cap's thread on a bottle on the torque sensor.
     pub fn on_thread(thread: &ThreadConfig) -> Self {
         Self {
             thread: thread.clone(),
@@ -85,7 +83,7 @@ impl Hinge {
         }
     }
 
-    /// Pose of the object in `turn`, which was at `start` at angle 0.
+    /// Pose of the object in the state `turn`, for its pose `start` at angle 0.
     pub fn pose(&self, turn: &Turn, start: &Pose) -> Pose {
         let descent = self.thread.lead * turn.angle / TAU;
         let (sine, cosine) = sin_cos_of(turn.angle + turn.twist);
@@ -100,7 +98,7 @@ impl Hinge {
         }
     }
 
-    /// How the object moves from one turn to another, in which it is shifted alike.
+    /// Motion of the object between two states with the same shift.
     #[inline(always)]
     pub(super) fn screw(&self, from: &Turn, to: &Turn) -> Screw {
         let turned = to.angle - from.angle;
@@ -112,14 +110,12 @@ impl Hinge {
         }
     }
 
-    /// Turns the object, and the sensor's shaft under it, until their torques balance the fingers'
-    /// `grip`.
+    /// Turns the object and the torque sensor's shaft until they balance the fingers' `grip`.
     ///
-    /// The object sticks while the grip's torque is below the resisting torque (`static_factor` times
-    /// that, unless it was turning already), and otherwise turns until both are equal. What it stands on
-    /// turns against `shaft` (rad, N·m).
+    /// The object sticks while the grip's torque is below the resisting torque, times `static_factor` unless the object
+    /// was already turning. Otherwise it turns until both are equal. The support turns against `shaft` (rad, N·m).
     ///
-    /// The balance is looked for from `ahead` of the state on (angle and twist, rad): the nearer, the sooner it is found.
+    /// The search starts at the state plus `ahead` (angle and twist, rad), a prediction that reduces iterations.
     pub fn turn(
         &self,
         state: &mut Turn,
@@ -134,19 +130,19 @@ impl Hinge {
             thread.static_factor
         };
         let (start, breakaway) = (state.angle, factor * thread.resisting_torque(state.angle));
-        // Within a play the twist is where the fingers left it.
+        // Within the play the twist stays where the fingers left it.
         if !shaft.has_play() {
             state.twist += ahead.1;
         }
         state.angle += ahead.0;
-        // Which way the object turns, once it does.
+        // Direction of the turn, once the object breaks away.
         let mut direction = None;
         for _ in 0..MAX_ITERATIONS {
             let grip = grip(state);
             let torque = grip.load;
             let held = !self.on_torque_sensor || shaft.holds(state.twist, torque);
             if direction.is_none() {
-                // Of what pulls where the object was: from too far ahead, that is not known.
+                // Breakaway depends on the torque at the start angle, which can be extrapolated only within `room`.
                 let ahead = state.angle - start;
                 let pulled = torque + grip.stiffness * ahead;
                 let is_known = ahead.abs() < grip.room || ahead == 0.0;
@@ -161,14 +157,14 @@ impl Hinge {
             state.turning = direction.is_some();
             let onward = direction.map(|direction| (start, direction));
             let mut step = self.newton(state, onward, shaft, torque, grip.stiffness);
-            // As feelers that slip would stick, farther on; as if they held on, it never goes too far.
+            // Beyond `room`, slipping feelers may stick. The stiffness of sticking feelers prevents overshoot.
             let is_exact = step.way(state).abs() < grip.room;
             if !is_exact {
                 step = self.newton(state, onward, shaft, torque, grip.firm);
             }
             let way = step.way(state).abs();
             (state.angle, state.twist, state.torque) = (step.angle, step.twist, step.torque);
-            // What this step left undone: to first order nothing, where it met no stop and went the way it was to go.
+            // Bound of the remaining unbalance: second order in the step, unless the thread's resistance has a kink.
             let left = grip.firm * way * (STIFFNESS_ERROR + way) + step.bend;
             let is_known = is_exact && was_turning == state.turning && !shaft.has_play();
             if step.unbalance <= TORQUE_TOLERANCE || is_known && left <= TORQUE_TOLERANCE {
@@ -177,8 +173,8 @@ impl Hinge {
         }
     }
 
-    /// A Newton step of an object in `state`, where the fingers' `torque` falls by `stiffness`, N·m/rad, as it gives way. It turns `onward`, from a
-    /// start in a direction, or sticks.
+    /// Newton step of an object in `state`, for the fingers' `torque` and its `stiffness` (N·m/rad). The object turns
+    /// `onward`, given by start angle and direction, or sticks if it is `None`.
     fn newton(
         &self,
         state: &Turn,
@@ -199,7 +195,7 @@ impl Hinge {
                 self.turn_further(&mut step, onward, shaft, stiffness);
                 shaft.way(onward.1 * self.thread.resisting_torque(step.angle))
             }
-            // The grip gives way as the shaft does.
+            // Without turning, the grip moves only with the shaft.
             None => shaft.give(state.twist, torque, stiffness),
         };
         if self.on_torque_sensor {
@@ -210,7 +206,7 @@ impl Hinge {
         step
     }
 
-    /// A Newton step of the angle of what turns in a direction from a start on.
+    /// Newton step of the angle of an object that turns from `start` in `direction`.
     fn turn_further(
         &self,
         step: &mut Step,
@@ -221,7 +217,7 @@ impl Hinge {
         let (thread, torque, before) = (&self.thread, step.torque, step.angle);
         let resisting = thread.resisting_torque(before);
         let rise = thread.resistance_slope(before, torque);
-        // What it stands on twists as the thread resists, which takes torque off the grip.
+        // The support twists as the thread resists, which reduces the grip's torque.
         let (lag, follows) = match self.on_torque_sensor {
             true => {
                 let lag = shaft.way(direction * resisting) - step.twist;
@@ -232,7 +228,7 @@ impl Hinge {
         let slope = stiffness * follows + rise;
         let excess = direction * (torque - stiffness * lag) - resisting;
         let turned = direction * (before - start) + excess / slope.max(f64::MIN_POSITIVE);
-        // The thread holds; it never turns the object back.
+        // Friction holds the object: it never turns back.
         step.angle = start + direction * turned.max(0.0);
         let resists = thread.resisting_torque(step.angle);
         let straight = rise * direction * (step.angle - before);
@@ -241,22 +237,22 @@ impl Hinge {
     }
 }
 
-/// Where a Newton step leads.
+/// Result of a Newton step.
 struct Step {
-    /// rad.
+    /// New angle (rad).
     angle: f64,
-    /// rad.
+    /// New twist (rad).
     twist: f64,
-    /// Of the fingers there, N·m.
+    /// Torque of the fingers at the new angle (N·m).
     torque: f64,
-    /// How far torques were off balance before, N·m.
+    /// Unbalance of the torques before the step (N·m).
     unbalance: f64,
-    /// What is left of that where the thread's resistance bends, N·m.
+    /// Deviation of the thread's resistance from its linearization over the step (N·m).
     bend: f64,
 }
 
 impl Step {
-    /// By how much the object turns in it, rad.
+    /// Rotation of the object in this step (rad).
     fn way(&self, from: &Turn) -> f64 {
         self.angle - from.angle + self.twist - from.twist
     }
@@ -277,7 +273,7 @@ mod tests {
         })
     }
 
-    /// A grip like a torsion spring of `stiffness` whose far end was turned to `drive`.
+    /// Load of a torsion spring of `stiffness` whose far end is at `drive`.
     fn spring(stiffness: f64, drive: f64) -> impl Fn(&Turn) -> FingerLoad {
         move |state| FingerLoad {
             load: stiffness * (drive - state.angle - state.twist),
@@ -340,8 +336,8 @@ mod tests {
     }
 
     #[test]
-    fn where_the_balance_is_looked_for_from_does_not_matter() {
-        // It sticks, turns, and is on its seat.
+    fn balance_is_independent_of_the_initial_guess() {
+        // The cap sticks, turns, and is on its seat.
         for drive in [0.002, 0.2, 0.6] {
             let turned = |ahead| {
                 let mut state = Turn::default();
@@ -353,7 +349,7 @@ mod tests {
             for ahead in [(0.1, 0.0), (0.0, -1e-3), (0.5, 1e-3), (-0.3, 2e-4)] {
                 let found = turned(ahead);
                 let off = (found.torque - expected.torque).abs();
-                // Each is balanced to 1e-9 N m.
+                // Each is balanced to 1e-9 N·m.
                 assert!(off < 2e-9, "{found:?} from {ahead:?}, not {expected:?}");
                 assert!((found.angle - expected.angle).abs() < 1e-8, "{found:?}");
                 assert_eq!(found.turning, expected.turning);

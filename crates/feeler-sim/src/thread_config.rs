@@ -1,38 +1,38 @@
-//! Threads and hinges, as an experiment file describes them, and how a thread resists.
+//! Parameters of threads and hinges in an experiment file, and the resistance of a thread.
 
 use feeler::check::{Checker, MAX};
 use serde::{Deserialize, Serialize};
 
-/// The thread and the seat under a cap.
+/// The thread of a cap, and its seat.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ThreadConfig {
-    /// Torque that turns the cap before it is seated, N·m.
+    /// Torque that keeps the cap turning before it is seated (N·m).
     pub running_torque: f64,
-    /// Angle by which the cap turns before it meets its seat, rad; negative where it starts on its seat, tightened by so much.
+    /// Angle by which the cap turns before it reaches its seat (rad). Negative if it starts tightened onto its seat.
     pub seat_angle: f64,
-    /// Rise of the resisting torque once the cap is on its seat, N·m/rad.
+    /// Increase of the resisting torque per angle on the seat (N·m/rad).
     pub seat_stiffness: f64,
-    /// Torque that sets the cap going, relative to the torque that keeps it going, at least 1.
+    /// Ratio of the breakaway torque to the torque that keeps the cap turning, at least 1.
     pub static_factor: f64,
-    /// Descent per turn, m.
+    /// Descent per turn (m).
     pub lead: f64,
-    /// What is wrong with it.
+    /// Defect of the thread, if any.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub fault: Option<ThreadFault>,
 }
 
-/// What may be wrong with a thread.
+/// Defect of a thread.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ThreadFault {
-    /// Nothing seats the cap: it turns for ever.
+    /// The cap never seats and can be turned without end.
     Stripped,
-    /// The cap sits askew: its thread rides up on the bottle's, and the resisting torque rises before the seat.
+    /// The cap is askew and jams on the bottle's thread: the resisting torque rises before the seat.
     CrossThreaded {
-        /// Angle at which it begins to jam, rad.
+        /// Angle at which the cap starts to jam (rad).
         angle: f64,
-        /// Rise of the resisting torque from there, N·m/rad. Crossed threads give way where a seat does not.
+        /// Increase of the resisting torque per angle from there (N·m/rad); lower than that of a seat.
         stiffness: f64,
     },
 }
@@ -41,10 +41,10 @@ pub enum ThreadFault {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct HingeConfig {
-    /// Torque that keeps it turning, N·m.
+    /// Torque that keeps the hinge turning (N·m).
     #[serde(default)]
     pub running_torque: f64,
-    /// Torque that sets it going, relative to the torque that keeps it going, at least 1.
+    /// Ratio of the breakaway torque to the torque that keeps the hinge turning, at least 1.
     #[serde(default = "one")]
     pub static_factor: f64,
 }
@@ -54,7 +54,7 @@ fn one() -> f64 {
 }
 
 impl ThreadConfig {
-    /// Requires every value of the table `key` to be in its range.
+    /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         checker.between(&format!("{key}.seat_angle"), self.seat_angle, -10.0, MAX);
         if let Some(ThreadFault::CrossThreaded { angle, stiffness }) = &self.fault {
@@ -76,7 +76,7 @@ impl ThreadConfig {
 }
 
 impl HingeConfig {
-    /// Requires every value of the table `key` to be in its range.
+    /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         checker.not_negative(&format!("{key}.running_torque"), self.running_torque);
         let factor = self.static_factor;
@@ -85,15 +85,15 @@ impl HingeConfig {
 }
 
 impl ThreadConfig {
-    /// Torque that resists turning at `angle` (rad) while the cap turns, N·m.
+    /// Torque that resists turning at `angle` (rad) while the cap turns (N·m).
     pub fn resisting_torque(&self, angle: f64) -> f64 {
         let stops = self.stops().into_iter();
         let rise = stops.map(|(met, stiffness)| stiffness * (angle - met).max(0.0));
         self.running_torque + rise.sum::<f64>()
     }
 
-    /// Rise of the resisting torque per angle in the direction of `torque`. A seated cap that comes
-    /// loose meets less and less resistance; counting that as 0 keeps the steps stable.
+    /// Slope of the resisting torque in the direction of `torque` (N·m/rad). When a seated cap is opened the resistance
+    /// falls; a slope of 0 then keeps the Newton steps stable.
     pub(super) fn resistance_slope(&self, angle: f64, torque: f64) -> f64 {
         let met = |(at, stiffness)| if angle >= at { stiffness } else { 0.0 };
         match torque > 0.0 {
@@ -102,7 +102,7 @@ impl ThreadConfig {
         }
     }
 
-    /// What stops the cap: the angle (rad) at which it meets each, and the rise of the torque from there, N·m/rad.
+    /// Angles (rad) at which the seat and a jam begin, and the increase of the torque from there (N·m/rad).
     fn stops(&self) -> [(f64, f64); 2] {
         let seat = (self.seat_angle, self.seat_stiffness);
         match self.fault {

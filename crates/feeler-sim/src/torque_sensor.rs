@@ -1,38 +1,38 @@
-//! The torque sensor under the bottle: four strain gauges in a bridge, an amplifier, an A/D
-//! converter (paper, section V.A).
+//! The torque sensor under the bottle: a bridge of four strain gauges, an amplifier and an A/D converter (paper,
+//! section V.A).
 
 use super::random::{Generator, normal};
 use feeler::check::Checker;
 use serde::{Deserialize, Serialize};
 
-/// The sensor and its electronics.
+/// Parameters of the sensor and its electronics.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct TorqueSensorConfig {
-    /// Torsional stiffness, N·m/rad: the bottle turns by torque / stiffness.
+    /// Torsional stiffness of the shaft (N·m/rad).
     pub stiffness: f64,
-    /// Torque at which the gauges show `rated_strain`, N·m.
+    /// Torque at which the gauges' strain is `rated_strain` (N·m).
     pub rated_torque: f64,
     /// Strain of each gauge at the rated torque.
     pub rated_strain: f64,
     /// Relative change of a gauge's resistance per strain.
     pub gauge_factor: f64,
-    /// Voltage over the bridge, V.
+    /// Supply voltage of the bridge (V).
     pub bridge_voltage: f64,
-    /// Gain of the amplifier behind the bridge.
+    /// Gain of the amplifier.
     pub amplifier_gain: f64,
-    /// Frequency at which the amplifier's low-pass has fallen by 3 dB, Hz.
+    /// Cutoff frequency (-3 dB) of the amplifier's low-pass filter (Hz).
     pub cutoff_frequency: f64,
-    /// Standard deviation of the noise at the converter's input, V.
+    /// Standard deviation of the noise at the converter's input (V).
     pub noise: f64,
-    /// Largest voltage that the converter takes, of either sign, V.
+    /// Maximum absolute input voltage of the converter (V).
     pub converter_range: f64,
-    /// Bits of the converter.
+    /// Resolution of the converter (bits).
     pub converter_bits: u32,
 }
 
 impl Default for TorqueSensorConfig {
-    /// The paper's TCF-0.2N (section V.A); what it does not give is assumed.
+    /// The paper's TCF-0.2N (section V.A); unpublished values are assumed.
     fn default() -> Self {
         Self {
             stiffness: 50.0,
@@ -50,7 +50,7 @@ impl Default for TorqueSensorConfig {
 }
 
 impl TorqueSensorConfig {
-    /// Requires every value of the table `key` to be in its range.
+    /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         let positive = [
             ("stiffness", self.stiffness),
@@ -73,32 +73,31 @@ impl TorqueSensorConfig {
     }
 }
 
-/// One reading of the sensor.
+/// A reading of the torque sensor.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct TorqueReading {
-    /// Torque about W's z on the bottle by the cap, N·m, as the electronics tell it.
+    /// Measured torque about W's z on the bottle by the cap (N·m).
     pub torque: f64,
-    /// Voltage at the converter's input, V.
+    /// Voltage at the converter's input (V).
     pub voltage: f64,
-    /// What the converter counts.
+    /// Output of the converter (counts).
     pub counts: i32,
 }
 
 impl TorqueSensorConfig {
-    /// The part of the distance to a new value that the low-pass goes in `step` seconds.
+    /// Gain of the low-pass filter for a step of `step` seconds: fraction of the difference to the input.
     pub fn low_pass_gain(&self, step: f64) -> f64 {
         1.0 - (-std::f64::consts::TAU * self.cutoff_frequency * step).exp()
     }
 
-    /// Voltage of the unbalanced bridge at `torque` (N·m): gauges 1 and 3 are stretched, 2 and 4
-    /// pressed together.
+    /// Output voltage of the bridge at `torque` (N·m): gauges 1 and 3 are stretched, 2 and 4 compressed.
     fn bridge_output(&self, torque: f64) -> f64 {
         let change = self.gauge_factor * self.rated_strain * torque / self.rated_torque;
         let (stretched, pressed) = (1.0 + change, 1.0 - change);
         self.bridge_voltage * (stretched / (stretched + pressed) - pressed / (pressed + stretched))
     }
 
-    /// Reads the sensor: `filtered_torque` (N·m) is the torque behind the low-pass.
+    /// Reads the sensor; `filtered_torque` is the output of the low-pass filter (N·m).
     pub fn read(&self, filtered_torque: f64, random: &mut Generator) -> TorqueReading {
         let voltage =
             self.amplifier_gain * self.bridge_output(filtered_torque) + normal(random, self.noise);

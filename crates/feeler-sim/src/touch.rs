@@ -1,4 +1,4 @@
-//! Free feelers on the way to a surface, and those that take hold of it.
+//! Contact detection for free feelers, by conservative advancement, and projection of rolled tips onto their surface.
 
 use super::model::{Finger, WorldModel};
 use super::object::Object;
@@ -7,12 +7,12 @@ use super::state::{Contact, FingerState, GROUP, ObjectState};
 use super::step::undeformed;
 use glam::DVec3;
 
-/// A tip that rolls may leave its surface along the tangent for this long, m: on a radius of 10 mm it
-/// is then 0.2 nm off, and its normal 0.2 mrad.
+/// Maximum rolling distance along the tangent before a tip is projected onto the surface (m): on a radius of 10 mm
+/// it is then off by 0.2 nm, and its normal by 0.2 mrad.
 const FLAT: f64 = 2e-6;
 
-/// Free feelers of a finger whose tips have come to a surface take hold of it; tips that have rolled are put back
-/// on theirs.
+/// Updates the contacts of a finger: projects rolled tips onto their surface, then adds contacts of feelers whose
+/// tips have reached a surface.
 pub(super) fn touch(
     model: &WorldModel,
     finger: &Finger,
@@ -45,12 +45,12 @@ pub(super) fn touch(
     let mut soonest = [f64::INFINITY; GROUP];
     let (groups, _) = watch.due.as_chunks_mut::<GROUP>();
     for (number, group) in groups.iter_mut().enumerate() {
-        // Mostly none of them is.
+        // Usually none is due.
         if group
             .iter()
             .fold(false, |any, &due| any | (due <= travelled))
         {
-            // The last group's unused places have no element; they are never due, unless the travel diverges to infinity.
+            // The last group's padding has no elements; it is never due, unless the travelled distance is infinite.
             let elements = GROUP * number..finger.normals.len();
             for (element, due) in elements.zip(&mut *group) {
                 if *due > travelled {
@@ -71,18 +71,18 @@ pub(super) fn touch(
     watch.soonest = soonest.into_iter().fold(f64::INFINITY, f64::min);
 }
 
-/// How often objects have moved by now, all together.
+/// Total number of moves of all objects.
 pub(super) fn moves(objects: &[ObjectState]) -> u64 {
     objects.iter().map(|object| object.moves).sum()
 }
 
 impl FingerState {
-    /// Whether no feeler touches or can touch anything after the joints have turned by `turn` (rad) once more, objects having moved
-    /// `moves` times by now. Then it does not matter where exactly the fingertip is.
+    /// Returns `true` if no feeler can touch anything after the joints have turned by another `turn` (rad) and objects
+    /// have moved `moves` times in total. The exact pose of the fingertip is irrelevant then.
     pub(super) fn stays_free(&mut self, finger: &Finger, turn: DVec3, moves: u64) -> bool {
         let watch = &mut self.watch;
         watch.unseen += finger.reach.dot(turn.abs());
-        // Not where the way is not a number.
+        // `false` if the distance is NaN.
         watch.travelled + watch.unseen < watch.soonest
             && watch.moves == moves
             && self.held_at.is_none()
@@ -90,7 +90,7 @@ impl FingerState {
     }
 }
 
-/// How far a free feeler may come before it can touch anything, m, and the hold that it takes if it does.
+/// Clearance of a free feeler (m): distance that it may travel without contact. Also its contact, if it touches.
 fn look(
     finger: &Finger,
     sets: &[DVec3],
@@ -102,8 +102,7 @@ fn look(
     let (mut clearance, mut contact) = (f64::INFINITY, None);
     for (index, (object, seen)) in objects.iter().zip(seen).enumerate() {
         let tip = undeformed(finger, sets, seen, element);
-        // On the surface to within rounding, so that the direction to it tells nothing: the next
-        // step will see.
+        // At distance 0, up to rounding, the normal is undefined. The next step tries again.
         let Some(surface) = object.nearest(tip.at_rest()) else {
             return (0.0, None);
         };
@@ -122,11 +121,11 @@ fn look(
     if contact.is_some() {
         return (f64::INFINITY, contact);
     }
-    // A feeler that recovers from its set moves by itself, by all of it at most.
+    // A feeler that recovers from creep moves by itself, at most by its whole set.
     (clearance - sets[element].length(), None)
 }
 
-/// Puts tips that have rolled along the tangent back on the surface.
+/// Projects tips that have rolled along the tangent onto their surface.
 fn put_back(model: &WorldModel, finger: &Finger, own: &mut FingerState) {
     for (index, object) in model.objects.iter().enumerate() {
         for (share, block) in own.contacts.on_mut(index).blocks_mut() {

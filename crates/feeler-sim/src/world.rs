@@ -15,7 +15,7 @@ use feeler::sensor::layout::ElementLayout;
 use glam::DVec3;
 use std::path::Path;
 
-/// A rig that is being simulated.
+/// A simulated rig.
 pub struct World {
     model: WorldModel,
     state: State,
@@ -25,11 +25,11 @@ pub struct World {
 }
 
 impl World {
-    /// The world of `config` at time 0: `fingers` with the fingertips that they carry, at rest at
-    /// `joints` (rad, one triple per finger). Files that `config` names are relative to `folder`.
+    /// Creates the world of `config` at time 0, with `fingers` and their fingertips at rest at `joints` (rad, one
+    /// triple per finger). Paths in `config` are relative to `folder`.
     ///
     /// # Errors
-    /// When a part of it cannot be made, or parts of it are inside each other.
+    /// If an object or an override is invalid, or if bodies overlap.
     pub fn new(
         config: &SimConfig,
         fingers: &[(FingerGeometry, ElementLayout)],
@@ -52,13 +52,14 @@ impl World {
     /// Advances by one time step.
     ///
     /// # Errors
-    /// When a quantity is not finite any more. The world is of no use from there on.
+    /// If a quantity is no longer finite. The world is unusable afterwards.
     pub fn step(&mut self) -> Result<(), SimError> {
         self.advance(1)
     }
 
-    /// Advances by so many time `steps` as that many times [`step`](Self::step) does, to the bit, but spares itself what only who looks
-    /// in between would see. Whether all is finite is looked at after the last one.
+    /// Advances by `steps` time steps. The result is bit-identical to that many calls of [`step`](Self::step), but
+    /// intermediate states are computed only as far as later ones need them. The check for finite values follows the
+    /// last step.
     ///
     /// # Errors
     /// As [`step`](Self::step).
@@ -68,35 +69,35 @@ impl World {
             let bodies = self.bodies.as_deref_mut();
             step(&self.model, &mut self.state, bodies, left == 0);
         }
-        // What is not finite stays so.
+        // Non-finite values persist.
         self.state.check_finite(&self.model)
     }
 
-    /// What never changes.
+    /// The constant part of the world.
     pub fn model(&self) -> &WorldModel {
         &self.model
     }
 
-    /// What does.
+    /// The current state.
     pub fn state(&self) -> &State {
         &self.state
     }
 
-    /// The object whose surface is nearest to `point` (m, in W), and its distance, m; negative inside it. None where
-    /// there is no object.
+    /// The object whose surface is nearest to `point` (in W, m), and its distance (m), negative inside the object.
+    /// `None` if the world has no objects.
     pub fn nearest_object(&self, point: DVec3) -> Option<(&str, f64)> {
         let objects = self.model.objects.iter().zip(&self.state.objects);
         let distances = objects.map(|(object, now)| {
             let to_object = now.pose.rotation.transpose();
             let seen = to_object * (point - now.pose.position);
-            // On the surface to within rounding there is no nearest point.
+            // At distance 0, up to rounding, the nearest point is undefined.
             let distance = object.nearest(seen).map_or(0.0, |surface| surface.distance);
             (object.name.as_str(), distance)
         });
         distances.min_by(|a, b| a.1.total_cmp(&b.1))
     }
 
-    /// What the encoders of `finger` read, rad.
+    /// Encoder readings of `finger` (rad).
     pub fn encoded(&self, finger: usize) -> DVec3 {
         let (own, state) = (&self.model.fingers[finger], &self.state.fingers[finger]);
         let joints = &state.joints;
@@ -104,15 +105,15 @@ impl World {
         self.model.servo.encode(shown)
     }
 
-    /// Sets the velocities that the drives of `finger` are to follow, rad/s.
+    /// Sets the target joint velocities of the drives of `finger` (rad/s).
     pub fn command(&mut self, finger: usize, joint_velocity: DVec3) {
         if let Some(finger) = self.state.fingers.get_mut(finger) {
             finger.joints.command = joint_velocity;
         }
     }
 
-    /// Holds the fingertip of `finger` at `pose` (centre of the dome and fingertip frame, in W) from
-    /// the next step on, whatever its joints do; with `None` it follows them again.
+    /// Holds the fingertip of `finger` at `pose` (dome's centre and fingertip frame, in W) from the next step on,
+    /// independent of its joints. With `None` it follows the joints again.
     pub fn hold_fingertip(&mut self, finger: usize, pose: Option<Pose>) {
         if let Some(finger) = self.state.fingers.get_mut(finger) {
             finger.held_at = pose;
@@ -120,27 +121,26 @@ impl World {
         }
     }
 
-    /// Puts a force (N) that acts at `point` (m), both in W, on a free object, in place of the one
-    /// before; it keeps acting.
+    /// Applies a constant force (N) to a free object at `point` (m), both in W. Replaces the previous force.
     pub fn push(&mut self, object: usize, force: DVec3, point: DVec3) {
         if let Some(object) = self.state.objects.get_mut(object) {
             object.outside = (force, (point - object.pose.position).cross(force));
         }
     }
 
-    /// Reads the torque sensor, with its noise.
+    /// Reads the torque sensor, including noise.
     pub fn read_torque(&mut self) -> TorqueReading {
         self.model
             .torque_sensor
             .read(self.state.filtered_torque, &mut self.torque_noise)
     }
 
-    /// Force, N, and torque about its origin, N·m, on an object by the feelers, in W.
+    /// Force (N) of the feelers on an object, and torque (N·m) about its origin, in W.
     pub fn wrench(&self, object: usize) -> (DVec3, DVec3) {
         wrench(&self.model, &self.state, object)
     }
 
-    /// How hard each feeler of `finger` that touches is pressed, in truth: F_z, N, in no particular order.
+    /// True compressions `F_z` of the feelers of `finger` that are in contact (N), in no particular order.
     pub fn compressions(&self, finger: usize) -> impl Iterator<Item = f64> + use<'_> {
         let fingers = self.model.fingers.iter().zip(&self.state.fingers);
         fingers.skip(finger).take(1).flat_map(|(finger, state)| {
@@ -151,8 +151,8 @@ impl World {
         })
     }
 
-    /// The true tri-axial forces on the elements of `finger`, N, each in its own frame `E_i` with
-    /// the sign of a [`TactileFrame`](feeler::sensor::reading::TactileFrame).
+    /// Writes the true tri-axial forces on the elements of `finger` (N), each in its frame `E_i`, with the signs of a
+    /// [`TactileFrame`](feeler::sensor::reading::TactileFrame).
     pub fn element_forces(&self, finger: usize, forces: &mut [DVec3]) {
         let (Some(state), Some(finger)) = (
             self.state.fingers.get(finger),
@@ -166,7 +166,7 @@ impl World {
             let Some(force) = forces.get_mut(element) else {
                 return;
             };
-            // On the feeler by the object: the reverse. Compression is that force along -z.
+            // `state.forces` act on the object; the force on the feeler is opposite. F_z is compression, along -z.
             let rotation = &finger.element_rotations[element];
             let on_feeler = -(rotation.transpose() * (to_fingertip * state.forces[element]));
             *force = on_feeler.with_z(-on_feeler.z);

@@ -238,7 +238,7 @@ fn a_located_layout_is_calibrated_as_well_as_the_experiments_own() {
         "-o",
         "n.toml",
     ];
-    run(&folder, &calibrate).refused(&["not what the pictures show", "column, row"]);
+    run(&folder, &calibrate).refused(&["do not match its growth", "column, row"]);
     // A layout that lacks an element does not take its loads for another's.
     let layout = fs::read_to_string(folder.join("flat.toml")).unwrap();
     let last = layout.rfind("[[element]]").unwrap();

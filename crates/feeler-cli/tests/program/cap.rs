@@ -46,10 +46,10 @@ fn a_good_cap_is_closed_tightly_and_what_was_felt_is_what_happened() {
     }
     let page = document(&folder.join("run/report.html"));
     for word in [
-        "What became of the cap",
+        "Outcome reported by the hand",
         "closed",
-        "Turn felt",
-        "Torque and turn",
+        "Estimated rotation (°)",
+        "Torque and rotation",
     ] {
         assert!(page.contains(word), "no {word:?}");
     }

@@ -23,11 +23,11 @@ fn carry(folder: &Path, name: &str, experiment: &str, settings: &[String]) -> Va
 /// Within 2 mm and 3 degrees of the path's end, by the simulator's own poses, and never tipped.
 fn assert_carried(summary: &Value, what: &str) {
     assert_eq!(summary["outcome"], "carried", "{what}");
-    let distance = part(summary, "distance from the path's end");
+    let distance = part(summary, "distance from the end of the path");
     assert!(distance <= 2.0, "{what}: {distance} mm");
-    let turned = part(summary, "turned about the upright");
+    let turned = part(summary, "rotation about the vertical");
     assert!(turned.abs() <= 3.0, "{what}: {turned} degrees");
-    let tipped = part(summary, "tipped");
+    let tipped = part(summary, "tilt");
     assert!(tipped <= 3.0, "{what}: {tipped} degrees");
 }
 
@@ -69,7 +69,7 @@ fn what_grows_heavier_and_slippery_is_neither_dropped_nor_crushed() {
         let summary = carry(&folder, &format!("lift-{index}"), "lift", &settings);
         assert_carried(&summary, shape);
         // It was lifted by 20 mm, and stood on the table again in the end.
-        let below = part(&summary, "highest place below the path's");
+        let below = part(&summary, "highest position below the path's");
         assert!(below <= 5.0, "{shape}: {below} mm");
         let force = part(&summary, "largest grasp force of a finger");
         assert!(force <= 5.0, "{shape}: {force} N");

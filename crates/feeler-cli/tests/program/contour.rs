@@ -31,7 +31,7 @@ fn assert_drawn(summary: &Value, corners: f64, what: &str) {
     let lost = part(summary, "longest time without touch");
     assert!(lost <= 0.1, "{what}: {lost} s");
     // A short stretch would have no error either.
-    let gap = part(summary, "largest distance of the section from the outline");
+    let gap = part(summary, "maximum distance of the section from the outline");
     assert!(gap <= 1.5, "{what}: {gap} mm");
 }
 

@@ -112,7 +112,7 @@ fn the_report_shows_what_was_found_and_what_is_true() {
     let (ended, _) = scan(&folder, &[&["sensing=\"direct\""][..], &FRICTION].concat());
     assert!(ended.done().contains("3 of 3 claims of this task pass"));
     let page = document(&folder.join("scan/report.html"));
-    assert!(page.contains("All 3 claims of this task hold."));
+    assert!(page.contains("All 3 claims of this task pass."));
     for words in [
         "Static coefficient</td><td class=\"number\">0.4",
         ">0.45<",

@@ -225,7 +225,7 @@ fn another_control_law_is_tried_on_the_same_touch() {
     assert_eq!(for_viewers("new"), for_viewers("run"));
     assert!(for_viewers("new").iter().all(|&count| count > 0));
     let page = fs::read_to_string(folder.join("new/report.html")).unwrap();
-    assert!(page.contains("A replay.") && page.contains(old.digest.as_str()));
+    assert!(page.contains("This run is a replay.") && page.contains(old.digest.as_str()));
     // It replays as any other.
     replay(&folder, "new", &["--from=forces"]).done();
     // Nothing is overwritten.

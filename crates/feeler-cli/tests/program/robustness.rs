@@ -158,7 +158,7 @@ fn counted(folder: &std::path::Path, table: &[HashMap<String, String>]) {
     for word in [
         "Sobol",
         "Total-effect",
-        "no hand",
+        "not a valid hand",
         "farther out",
         "shifted(-0.001, 0.16)",
     ] {

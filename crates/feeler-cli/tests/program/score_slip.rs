@@ -43,7 +43,7 @@ fn missing_shear_tells_slips_that_the_rate_of_shear_does_not() {
     );
     let page = document(&folder.join("s/slip.html"));
     for word in [
-        "Slips noticed against false alarms",
+        "Slips detected against false alarms",
         "bootstrap",
         "missing shear",
     ] {
@@ -87,7 +87,7 @@ fn one_trial_has_no_interval() {
         "{said}"
     );
     let page = document(&folder.join("s/slip.html"));
-    assert!(page.contains("One trial has no interval") && !page.contains("NaN"));
+    assert!(page.contains("A single trial has no interval") && !page.contains("NaN"));
 }
 
 #[test]

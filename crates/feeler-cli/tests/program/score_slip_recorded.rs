@@ -123,7 +123,7 @@ fn a_loss_is_told_from_shaking_and_the_largest_speed_tells_nothing() {
         "{text}"
     );
     assert_eq!(number(&text, "contact loss", "AUC"), 1.0, "{text}");
-    assert_eq!(number(&text, "contact loss", "right (%)"), 100.0, "{text}");
+    assert_eq!(number(&text, "contact loss", "accuracy (%)"), 100.0, "{text}");
     // The bump's load is 0.05 spacings (its root mean square over all markers, less what a lens explains), noise of 0.1 px
     // 0.002: the threshold stands between their logarithms.
     let threshold = number(&text, "contact loss", "threshold");
@@ -146,7 +146,7 @@ fn a_loss_is_told_from_shaking_and_the_largest_speed_tells_nothing() {
     );
     let page = document(&folder.join("slip/slip.html"));
     for word in [
-        "Slips noticed against false alarms",
+        "Slips detected against false alarms",
         "12 labelled recordings",
         "contact loss",
         "bootstrap",
@@ -268,12 +268,12 @@ fn damaged_recordings_and_labels_get_a_word_and_the_rest_counts() {
         "{ended:?}"
     );
     assert_eq!(
-        number(&ended.stdout, "contact loss", "right (%)"),
+        number(&ended.stdout, "contact loss", "accuracy (%)"),
         100.0,
         "{ended:?}"
     );
     let page = document(&folder.join("slip/slip.html"));
-    assert!(page.contains("What was odd") && page.contains("extra has no label"));
+    assert!(page.contains("<h2>Notes</h2>") && page.contains("extra has no label"));
 }
 
 /// Two arrays of two taxels that feel one grasp, in a folder of its own; dragged where the label says so.
@@ -366,7 +366,7 @@ fn frames_of_several_arrays_are_scored_by_their_own_labels() {
 }
 
 /// The line of a detector that is judged with a threshold of others.
-const TRANSFERRED: &str = "threshold of others";
+const TRANSFERRED: &str = "transfer threshold";
 
 /// Thresholds of one set of taxel tables, in folders with labels of frames, judge another; tracks may choose them, too.
 #[test]
@@ -402,7 +402,7 @@ fn thresholds_are_taken_from_tables_of_taxels() {
     // The thresholds of the same recordings: right in all that they were chosen for.
     for detector in ["drag", "shear rate (the paper's rule)"] {
         assert_eq!(
-            number(&text, detector, "right with it (%)"),
+            number(&text, detector, "transfer accuracy (%)"),
             100.0,
             "{text}"
         );
@@ -500,13 +500,13 @@ fn displaced_grasps_are_told_from_held_ones_on_real_magnetometers() {
     assert_eq!(ended.status, Some(0), "{ended:?}");
     let text = ended.stdout;
     assert!(number(&text, "drag", "AUC") >= 0.97, "{text}");
-    assert!(number(&text, "drag", "right (%)") >= 98.0, "{text}");
+    assert!(number(&text, "drag", "accuracy (%)") >= 98.0, "{text}");
     // The paper's rule is far behind, and of contact nothing is known, as the grip is closed at the first sample.
     assert!(
         number(&text, "shear rate (the paper's rule)", "AUC") < 0.8,
         "{text}"
     );
-    assert_eq!(number(&text, "contact loss", "slips noticed"), 0.0);
+    assert_eq!(number(&text, "contact loss", "slips detected"), 0.0);
 }
 
 /// Too few grasps for a claim: that frames are read and scored. The bound is the lower end of the interval over blocks of 30
@@ -622,7 +622,7 @@ fn markers_in_videos_are_located_and_a_loss_is_told() {
         "{ended:?}"
     );
     assert_eq!(
-        number(&ended.stdout, "contact loss", "right (%)"),
+        number(&ended.stdout, "contact loss", "accuracy (%)"),
         100.0,
         "{ended:?}"
     );

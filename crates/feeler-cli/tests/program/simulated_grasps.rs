@@ -106,7 +106,7 @@ fn thresholds_of_simulated_grasps_are_held_against_recordings() {
         "{text}"
     );
     // The threshold is that which the simulated grasps choose where nothing else is known.
-    let threshold = said(&text, "contact loss", "threshold of others");
+    let threshold = said(&text, "contact loss", "transfer threshold");
     assert_eq!(threshold, said(&alone.stdout, "contact loss", "threshold"));
     let scores = rows(&folder.join("slip/scores.csv"));
     let own: Vec<_> = scores
@@ -124,7 +124,7 @@ fn thresholds_of_simulated_grasps_are_held_against_recordings() {
         right += usize::from(row["says_slip_by_other"] == row["slip"]);
     }
     let percent = 100.0 * right as f64 / own.len() as f64;
-    assert!((number(&text, "contact loss", "right with it (%)") - percent).abs() < 0.06);
+    assert!((number(&text, "contact loss", "transfer accuracy (%)") - percent).abs() < 0.06);
     // A sensor's own unit means nothing on another.
     let rate = scores
         .iter()

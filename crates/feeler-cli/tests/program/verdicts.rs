@@ -2,19 +2,19 @@
 
 use crate::program::{folder, run, summary};
 
-const PAPERS: &str = "the task was done and all its claims hold";
+const PAPERS: &str = "the task was completed and all its claims pass";
 const CLOSED: &str =
-    "the task was done, the last stroke found the cap closed, and no element was overloaded";
+    "the task was completed, the cap was closed at the last stroke, and no element was overloaded";
 
 /// Each built-in experiment and what its description promises.
 const EXPERIMENTS: [(&str, &str); 14] = [
     ("cap-closing", PAPERS),
-    ("any-hand", "all five claims of any hand hold"),
+    ("any-hand", "all five claims of any hand pass"),
     (
         "cap-opening",
-        "the cap was found open, has turned as far as was felt",
+        "the cap was detected open, turned as far as measured by touch",
     ),
-    ("cap-until-closed", "the cap was found closed, is tight"),
+    ("cap-until-closed", "the cap was detected closed, is tight"),
     ("cap-closing-pins", CLOSED),
     ("cap-closing-fibres", CLOSED),
     ("cap-closing-gel", CLOSED),
@@ -58,12 +58,12 @@ fn a_report_judges_as_a_sweep_does() {
     let far = format!("--set={thread}.seat_angle=9.0");
     let nothing = "--set=seed=3";
     let cases: [(&str, &str, &str, bool); 6] = [
-        ("cap-opening", nothing, "found open", true),
-        ("cap-opening", &tight, "found open", false),
+        ("cap-opening", nothing, "detected open", true),
+        ("cap-opening", &tight, "detected open", false),
         ("bench-rig", nothing, "every stroke turned the cap", true),
-        ("three-fingers", nothing, "found the cap closed", true),
-        ("cap-closing", nothing, "all its claims hold", true),
-        ("cap-closing", &far, "all its claims hold", false),
+        ("three-fingers", nothing, "the cap was closed at the last stroke", true),
+        ("cap-closing", nothing, "all its claims pass", true),
+        ("cap-closing", &far, "all its claims pass", false),
     ];
     for (number, (experiment, setting, words, met)) in cases.into_iter().enumerate() {
         let out = format!("{number}");

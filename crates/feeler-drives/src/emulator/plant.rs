@@ -27,8 +27,7 @@ pub struct LagPlant {
 }
 
 impl LagPlant {
-    /// Creates servos at rest at `angles`, rad, whose velocity follows its goal with the time constant `lag`, s, above
-    /// 0.
+    /// Creates servos at rest at `angles` (rad), whose velocity follows its goal with the time constant `lag` > 0 (s).
     pub fn new(lag: f64, angles: &[f64]) -> Self {
         let at_rest = |&angle: &f64| Motion {
             angle,

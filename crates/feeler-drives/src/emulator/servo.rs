@@ -126,8 +126,7 @@ impl EmulatedServo {
         self.get(self.registers().return_delay) as f64 * 2e-6
     }
 
-    /// Error byte of a response. A Dynamixel sets the most significant bit on a hardware fault; a Feetech servo returns
-    /// its fault bits.
+    /// Error byte of a response. Dynamixel: the top bit is set on a hardware fault. Feetech: the fault bits.
     pub(super) fn status(&self, error: u8) -> u8 {
         let fault = self.get(self.registers().fault) as u8;
         match self.model.protocol {

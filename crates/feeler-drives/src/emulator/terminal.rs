@@ -140,8 +140,7 @@ struct Server {
 
 impl Server {
     fn serve(mut self, ended: &AtomicBool) {
-        // Real servos do not wait for a busy computer, so raise the priority if permitted; otherwise responses may be
-        // late.
+        // Real servos do not wait for a busy computer. Without this priority, responses may be late.
         let _ = raise_priority(MODERATE);
         let _ = fine_timer();
         while !ended.load(Ordering::Relaxed) {

@@ -58,8 +58,7 @@ impl DriveHand {
         Self::on(bus, config, fingers, most_age)
     }
 
-    /// Like [`open`](Self::open), but on an existing `bus`, regardless of the port in `config`. States are stamped by
-    /// the clock of the bus.
+    /// Like [`open`](Self::open), but on an existing `bus`, whose clock stamps the states. Ignores `config.port`.
     ///
     /// # Errors
     /// See [`open`](Self::open).

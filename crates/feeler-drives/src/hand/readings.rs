@@ -8,8 +8,7 @@ use crate::packet::Protocol;
 use crate::registers::{COUNTS_PER_TURN, Register, Registers};
 use crate::setup::blame;
 
-/// Factor on a joint's speed limit above which a measured velocity is implausible. Allows for overshoot and the
-/// resolution of velocity.
+/// Factor on a joint's speed limit above which a measured velocity is implausible; allows for overshoot.
 const SPEED_TOLERANCE: f64 = 2.0;
 /// Parts (address, length) of a Dynamixel's control table from torque to bus watchdog and from voltage to temperature.
 const TORQUE_TO_WATCHDOG: (u16, usize) = (64, 35);

@@ -1,7 +1,6 @@
 //! Checksums of packets.
 
-/// CRC-16/BUYPASS (polynomial 0x8005, not reflected, initial value 0) of `bytes`. Dynamixel protocol 2.0 sends it low
-/// byte first.
+/// CRC-16/BUYPASS of `bytes` (polynomial 0x8005, not reflected, initial value 0), sent low byte first by Dynamixel 2.0.
 pub fn crc(bytes: &[u8]) -> u16 {
     bytes.iter().fold(0, |crc: u16, &byte| {
         let index = (crc >> 8) as u8 ^ byte;

@@ -210,8 +210,7 @@ impl Decoder {
         first.unwrap_or(pending.len())
     }
 
-    /// Returns `true` if the packet has byte stuffing. Servos do not stuff a joint response, since each knows only its
-    /// own part.
+    /// Returns `true` if the packet has byte stuffing. A joint response has none: each servo knows only its own part.
     fn is_stuffed(&self, id: u8, code: u8) -> bool {
         let together = self.sender == Sender::Servo && id == BROADCAST && code == STATUS;
         self.protocol == Protocol::Dynamixel && !together

@@ -2,8 +2,7 @@
 
 use super::{Protocol, check};
 
-/// Maximum length of a Dynamixel packet after its length field, to limit buffers. No servo of a hand sends longer
-/// packets.
+/// Maximum length of a Dynamixel packet after its length field; more than any servo of a hand sends.
 pub const LONGEST: usize = 1024;
 
 /// Error of a packet that is longer than its protocol or a servo's buffer allows.

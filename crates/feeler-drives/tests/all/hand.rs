@@ -328,8 +328,7 @@ fn the_watchdogs_stop_motors_of_a_dead_computer() {
     assert_eq!(rig.goals(), [0.0; 6]);
 }
 
-/// If the computer was blocked for so long, even before the last command of a jog, the error states why the joint did
-/// not arrive.
+/// If the computer was blocked for so long, even before the last command, the error names the watchdog as the cause.
 #[test]
 fn a_late_jog_reports_that_the_watchdog_stopped_it() {
     for last in [0.1, 0.0] {

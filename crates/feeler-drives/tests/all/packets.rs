@@ -338,8 +338,7 @@ proptest! {
     }
 }
 
-/// Feeds hostile bytes to each decoder, partly corrupted packets. The environment variable `FEELER_FUZZ_BUS` sets their
-/// number.
+/// Feeds hostile bytes, partly corrupted packets, to each decoder; `FEELER_FUZZ_BUS` sets their number.
 #[test]
 fn hostile_bytes_do_not_stop_the_decoder() {
     let count = how_many("FEELER_FUZZ_BUS", 200_000);

@@ -1,4 +1,4 @@
-//! Why a program of a rig ends, and what it warns of.
+//! Errors and warnings of a rig's programs.
 
 use crate::endpoints::LinkError;
 use crate::mismatch::Mismatch;
@@ -7,33 +7,33 @@ use feeler::hand::HandError;
 use feeler::pace::PaceError;
 use feeler::sensor::reading::SensorError;
 
-/// Takes a warning for whoever runs the program, in one line.
+/// Callback for one-line warnings to the operator.
 pub type Warn = Box<dyn FnMut(&str) + Send>;
 
-/// Why a program of a rig cannot start or go on.
+/// Error that ends a program of a rig.
 #[derive(Debug, thiserror::Error)]
 pub enum ProgramError {
-    /// The network does not carry messages any more.
+    /// The link failed.
     #[error(transparent)]
     Link(#[from] LinkError),
-    /// Another program does not agree with this one.
+    /// Another program does not match this one.
     #[error(transparent)]
     Mismatch(#[from] Mismatch),
-    /// The control loop cannot go on.
+    /// The control loop failed.
     #[error(transparent)]
     Control(#[from] ControlError),
-    /// There is no such period.
+    /// Invalid control period.
     #[error(transparent)]
     Pace(#[from] PaceError),
-    /// The rig's drives or encoders fail.
+    /// The rig's drives or encoders failed.
     #[error(transparent)]
     Hand(#[from] HandError),
-    /// The sensor of a finger delivers nothing.
+    /// The sensor of a finger failed.
     #[error("finger {finger}: {source}")]
     Sensor {
-        /// The finger.
+        /// Finger index.
         finger: usize,
-        /// What the sensor said.
+        /// Error of the sensor.
         source: SensorError,
     },
 }

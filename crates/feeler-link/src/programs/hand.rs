@@ -1,4 +1,4 @@
-//! The hand program: waits for the others, then runs the control loop on what they publish.
+//! Hand program: waits for the other programs, then runs the control loop on their data.
 
 use super::error::{ProgramError, Warn};
 use super::hand_config::{HandConfig, HandReport, RemoteLoop};
@@ -23,25 +23,25 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// Time between two looks at whether the other programs are there, s.
+/// Maximum interval for checking whether the other programs are present (s).
 const WAITING_PERIOD: f64 = 0.01;
 
-/// Controls a hand whose fingers and drives are in other programs.
+/// Program that controls a hand whose fingers and drives are in other programs.
 ///
-/// Data older than the stale limit stop the hand, however they were delayed; so does an order on
-/// [`Topic::Stop`]. The hand goes on when it is told to, or by itself where the configuration says so.
+/// Stale data and orders on [`Topic::Stop`] stop the hand. It resumes by an order or, if configured, automatically
+/// once the data is fresh again.
 pub struct HandProgram {
     control_loop: RemoteLoop,
     status: HandStatus,
-    /// The command that was sent last.
+    /// Last command sent.
     command: Shared<Option<CommandMessage>>,
 }
 
 impl HandProgram {
-    /// A hand that decides by `controller`, on `network`. It commands nothing yet.
+    /// Creates a hand program with the given controller. It sends no commands before [`run`](Self::run).
     ///
     /// # Errors
-    /// When the network does not listen.
+    /// If the network fails.
     pub fn new(
         config: &HandConfig,
         controller: Controller,
@@ -78,26 +78,26 @@ impl HandProgram {
         })
     }
 
-    /// Warnings go to `warn`: why the hand stops or goes on, and which programs it refuses.
+    /// Sets the callback for warnings, which report stops, resumptions and refused programs.
     pub fn set_warn(&mut self, warn: Warn) {
         self.status.node.set_warn(warn);
     }
 
-    /// The controller, as of the newest step.
+    /// Returns the controller.
     pub fn controller(&self) -> &Controller {
         self.control_loop.controller()
     }
 
-    /// The programs that are not there yet, by name.
+    /// Returns the names of the missing programs.
     pub fn missing(&self) -> Vec<String> {
         self.status.missing()
     }
 
-    /// Waits until all programs are there and their data fresh, and publishes that it does; whether they are, and
-    /// `interrupted` was not raised meanwhile. Of programs that do not agree with this one, it warns.
+    /// Waits until all programs are present with fresh data, publishing modes meanwhile. Returns `false` if
+    /// `interrupted` was set. Warns about programs that do not match this one.
     ///
     /// # Errors
-    /// When the network fails.
+    /// If the network fails.
     pub fn wait_for_others(&mut self, interrupted: &AtomicBool) -> Result<bool, ProgramError> {
         let status = &mut self.status;
         while !interrupted.load(Ordering::Relaxed) {
@@ -108,7 +108,7 @@ impl HandProgram {
                 let node = &status.node;
                 let mode = waiting_mode(&mut node.inbox.lock(), &node.clock, node.instance);
                 node.publish(Topic::Mode, &mode)?;
-                // As after each control step: who stops the hand waits for it.
+                // As after each control step: wakes `Stopper::stop`.
                 node.inbox.changed();
                 if status.may_begin() {
                     return Ok(true);
@@ -120,13 +120,14 @@ impl HandProgram {
         Ok(false)
     }
 
-    /// Runs the control loop until the task is done or given up, the time limit is over, `each_step` breaks or
-    /// `interrupted` is raised; then commands all fingers to stop. `each_step` sees every step that is worth a
-    /// record, with what the rig's instruments read: a hand that stands still for want of data makes none.
-    /// Returns what `each_step` broke with, if it did.
+    /// Runs the control loop until the task is done or aborted, the time limit is reached, `each_step` breaks or
+    /// `interrupted` is set, and then stops all fingers. Returns the value with which `each_step` broke, if any.
+    ///
+    /// `each_step` is called with the instrument readings after every step worth recording, which excludes steps of a
+    /// stopped hand without new data.
     ///
     /// # Errors
-    /// When the network or the control loop fails.
+    /// If the network or the control loop fails.
     pub fn run<B>(
         &mut self,
         interrupted: &AtomicBool,
@@ -136,8 +137,8 @@ impl HandProgram {
         self.status.begin();
         let mut supervisor = HandSupervisor::new(&mut self.status, each_step);
         let control_loop = &mut self.control_loop;
-        // A step that is missed does no harm of its own: drives stop by themselves without commands, and data that
-        // became stale meanwhile stop the hand.
+        // Any number of missed steps is allowed: the watchdog stops the drives without commands, and stale data stops
+        // the hand.
         let ended =
             control_loop.run_supervised(&mut schedule, u64::MAX, interrupted, &mut supervisor);
         self.publish_end();
@@ -163,16 +164,16 @@ impl HandProgram {
         })
     }
 
-    /// Publishes the mode that the hand ends in. The rig's watchdog stops its drives where nothing arrives any more.
+    /// Publishes the final mode. The rig's watchdog stops the drives when commands end.
     fn publish_end(&self) {
         let node = &self.status.node;
         let stamp = self.control_loop.state().stamp;
         let mode = mode_of(&node.inbox.lock(), self.controller(), node.instance, stamp);
-        // Who hears nothing finds the hand silent.
+        // If this fails, other programs notice that the hand is silent.
         let _ = node.publish(Topic::Mode, &mode);
     }
 
-    /// A way to stop the hand from another thread.
+    /// Returns a handle for stopping the hand from another thread.
     pub fn stopper(&self) -> Stopper {
         Stopper {
             inbox: self.status.node.inbox.clone(),
@@ -180,29 +181,32 @@ impl HandProgram {
         }
     }
 
-    /// What came of the run.
+    /// Returns a summary of the run.
     pub fn report(&self) -> HandReport {
         self.status.report(self.control_loop.state().stamp)
     }
 }
 
-/// Stops a hand from another thread.
+/// Handle for stopping a hand from another thread.
 #[derive(Debug, Clone)]
 pub struct Stopper {
     inbox: Shared<HandInbox>,
-    /// How long the hand may take to stand still before it is taken to hang.
+    /// Time limit for stopping, after which the hand counts as hanging.
     longest: Duration,
 }
 
-/// Four control periods (s), of which two are needed, and not less than a busy computer may need for one.
+/// Returns the time limit for stopping: four control periods (s), although two suffice, but at least 0.1 s for loaded
+/// machines.
 fn stands_still_within(period: Option<f64>) -> Duration {
     Duration::from_secs_f64((4.0 * period.unwrap_or(0.0)).max(0.1))
 }
 
 impl Stopper {
-    /// Stops the hand by the order `id` of whoever calls himself `from`; the number of the stop (0 where it was resumed
-    /// already), and whether it is still in force after the hand's next control step, by which the hand stands still.
-    /// Waits for that, but no longer than four control periods or 0.1 s.
+    /// Stops the hand by the order `id` from the sender `from`, and waits until it stands still, for at most four
+    /// control periods or 0.1 s, whichever is longer.
+    ///
+    /// Returns the number of the stop (0 if the order has already been resumed), and `true` if the hand has stopped and
+    /// the stop is still active.
     pub fn stop(&self, id: u64, from: &str) -> (u64, bool) {
         let (number, step) = {
             let mut inbox = self.inbox.lock();
@@ -210,7 +214,7 @@ impl Stopper {
             (number, inbox.sent.newest())
         };
         self.inbox.changed();
-        // The step under way may have decided before.
+        // The current step may have been decided before the stop.
         let stepped = |inbox: &mut HandInbox| inbox.sent.newest() > step + 1;
         let stepped = self.inbox.wait_for(self.longest, stepped);
         let inbox = self.inbox.lock();

@@ -1,4 +1,4 @@
-//! What a hand program is made of, and what came of it.
+//! Configuration and report of a hand program.
 
 use crate::peers::Expected;
 use crate::rejection::Rejections;
@@ -9,36 +9,36 @@ use feeler::control::controller::ControlConfig;
 use feeler::pace::PunctualitySummary;
 use std::fmt;
 
-/// The control loop of a hand whose drives and fingers are in other programs.
+/// Control loop of a hand whose drives and fingers are in other programs.
 pub type RemoteLoop = ControlLoop<RemoteFinger, RemoteHand>;
 
-/// What a hand program is made of.
+/// Configuration of a hand program.
 #[derive(Debug, Clone)]
 pub struct HandConfig {
-    /// Period, stale limit and what to do when data are fresh again.
+    /// Control period, stale limit and resume policy.
     pub control: ControlConfig,
-    /// What the other programs must agree in.
+    /// Configuration that other programs must match.
     pub expected: Expected,
     /// Number of sensing elements of each finger.
     pub elements: Vec<usize>,
-    /// How fast the rig's time goes. A rig of another speed is refused.
+    /// Speed of the rig's time. A rig with another speed is refused.
     pub speed: RigSpeed,
-    /// How long a run takes at most, s of the rig's time.
+    /// Maximum duration of a run (s, rig time).
     pub time_limit: f64,
 }
 
-/// What came of a hand program's run.
+/// Summary of a hand program's run.
 #[derive(Debug, Clone)]
 pub struct HandReport {
-    /// The rig's time that the run took, s.
+    /// Duration of the run (s, rig time).
     pub duration: f64,
-    /// Control steps.
+    /// Number of control steps.
     pub steps: u64,
-    /// How punctual they were; no steps where the rig waits for the hand.
+    /// Timing of the control steps; empty in lockstep.
     pub punctuality: PunctualitySummary,
-    /// Tactile updates that never came.
+    /// Number of lost tactile updates.
     pub lost: u64,
-    /// Messages that were refused.
+    /// Counters of rejected messages.
     pub rejected: Rejections,
 }
 

@@ -1,4 +1,4 @@
-//! When the steps of the hand program begin.
+//! Schedule of the hand program's control steps.
 
 use crate::hand_inbox::HandInbox;
 use crate::message::CommandMessage;
@@ -11,18 +11,17 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// How long to wait for the rig's next state before looking whether to end.
+/// Timeout for the rig's next state, after which the interrupt flag is checked and the command resent.
 const PATIENCE: Duration = Duration::from_millis(200);
 
-/// How long a rig that waits for the hand may take for its next step, s: far longer than one that renders pictures on a
-/// busy computer.
+/// Timeout for the next step of a rig in lockstep (s). Rendering images on a loaded computer takes far less.
 pub(super) const HANGS_AFTER: f64 = 20.0;
 
-/// When a control step begins.
+/// Schedule of control steps.
 pub(super) enum HandSchedule {
-    /// Once a period.
+    /// Fixed control period.
     Paced(Pace),
-    /// When the rig, which waits for the hand, has published its next state and all fingers what they felt then.
+    /// A step starts when the rig's next state and the matching updates of all fingers have arrived.
     Lockstep(Lockstep),
 }
 
@@ -30,9 +29,9 @@ pub(super) struct Lockstep {
     pub inbox: Shared<HandInbox>,
     pub clock: TimeSource,
     pub network: Arc<dyn Network>,
-    /// What the hand sent last.
+    /// Last command sent.
     pub command: Shared<Option<CommandMessage>>,
-    /// Number of the state that the newest step was made from.
+    /// Number of the state behind the latest step.
     pub answered: u64,
     pub steps: u64,
 }
@@ -47,16 +46,16 @@ impl Schedule for HandSchedule {
 }
 
 impl Lockstep {
-    /// Says again what the rig has not heard, if it still is where it was when it was told: the network may have dropped it.
+    /// Resends the last command if the rig has not advanced, because the network may have dropped it.
     fn answer_again(&self) {
         let stands = self.inbox.lock().state_sequence() == self.answered;
         if let Some(command) = self.command.lock().as_ref().filter(|_| stands) {
-            // A network that fails ends the hand with its next step.
+            // A failed network ends the program in its next step.
             let _ = send(&*self.network, Topic::Command, command);
         }
     }
 
-    /// Begins late, by more than [`HANGS_AFTER`], where that passes without the rig's next state.
+    /// Waits for the rig's next state. After [`HANGS_AFTER`] without one, returns a late tick.
     fn next_tick(&mut self, interrupted: &AtomicBool) -> Option<Tick> {
         let (answered, began) = (self.answered, (self.clock)());
         self.steps += 1;

@@ -1,4 +1,4 @@
-//! What the hand program knows beside its control loop: it receives orders, publishes its mode, warns, reports.
+//! State of the hand program outside of its control loop: orders, published mode, warnings and reports.
 
 use super::error::ProgramError;
 use super::hand_config::{HandConfig, HandReport, RemoteLoop};
@@ -15,39 +15,39 @@ use feeler::control::phase::Phase;
 use feeler::control::stop_reason::StopReason;
 use feeler::pace::Punctuality;
 
-/// Time between two modes that say the same, s: at the usual 100 Hz, every step publishes its own.
+/// Minimum interval between equal modes (s). At the usual 100 Hz, every step publishes its mode.
 const MODE_INTERVAL: f64 = 0.009;
 
-/// What the hand program knows beside its control loop.
+/// State of the hand program outside of its control loop.
 pub(super) struct HandStatus {
     pub node: Node<HandInbox>,
     pub limits: Limits,
-    /// The control period, s of the rig's time.
+    /// Control period (s, rig time).
     pub period: f64,
     time_limit: f64,
     resume: ResumePolicy,
     pub punctuality: Punctuality,
-    /// Whether another hand was there at the last report.
+    /// `true` if another hand was present at the last report.
     has_rival: bool,
-    /// The rig's time when the hand began, s.
+    /// Rig time at the start of the run (s).
     pub began: f64,
     pub steps: u64,
     warning: String,
-    /// The mode that was published last, and when, s.
+    /// Last published mode, and its time (s).
     published: (HandMode, f64),
 }
 
-/// Limits on the hand's own clock.
+/// Time limits on the hand's clock.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Limits {
-    /// Age at which data are stale, s.
+    /// Age at which data is stale (s).
     pub stale: f64,
-    /// The control period, s; none where the rig waits for the hand.
+    /// Control period (s), or `None` in lockstep.
     pub period: Option<f64>,
 }
 
 impl Limits {
-    /// Those of the hand's own experiment and command line. Where the rig waits for the hand, data are never stale.
+    /// Creates the limits from the configuration. In lockstep, data is never stale.
     fn of(config: &HandConfig) -> Self {
         let ControlConfig {
             period,
@@ -85,23 +85,23 @@ impl HandStatus {
         })
     }
 
-    /// A run begins.
+    /// Starts a run.
     pub fn begin(&mut self) {
         self.began = f64::NAN;
     }
 
-    /// The programs that are not there.
+    /// Returns the names of the missing programs.
     pub fn missing(&self) -> Vec<String> {
         self.node.inbox.lock().missing(self.node.now())
     }
 
-    /// Whether all programs are there and their data fresh.
+    /// Returns `true` if all programs are present and their data is fresh.
     pub fn may_begin(&self) -> bool {
         let (inbox, now) = (self.node.inbox.lock(), self.node.now());
         inbox.may_begin(now, self.limits.stale)
     }
 
-    /// Whether a hand that has not begun leaves the rig to another. It is silent then.
+    /// Returns `true` if this hand, which has not started, yields to another hand. It sends no heartbeats then.
     pub fn stands_back(&mut self) -> bool {
         let (now, instance) = (self.node.now(), self.node.instance);
         let ahead = self.node.inbox.lock().hand_ahead(now, instance);
@@ -114,8 +114,8 @@ impl HandStatus {
         ahead.is_some()
     }
 
-    /// Stops the hand where data are stale or somebody orders it, and lets it go on where each stop has been resumed;
-    /// whether it does go on.
+    /// Stops the hand for stale data or stop orders, and resumes it once each stop has been resumed. Returns `true` if
+    /// it resumes.
     pub fn receive_orders(&mut self, control_loop: &mut RemoteLoop) -> bool {
         let controller = control_loop.controller_mut();
         let by_itself = self.resume == ResumePolicy::Fresh;
@@ -127,7 +127,7 @@ impl HandStatus {
         match verdict {
             Verdict::Go if may_pass => {
                 controller.resume();
-                self.warn(control_loop, "going on");
+                self.warn(control_loop, "resuming");
                 true
             }
             Verdict::Stand(Some(reason)) => {
@@ -138,7 +138,7 @@ impl HandStatus {
         }
     }
 
-    /// Takes it down among the stops in force where the controller stopped the hand, and nothing else had.
+    /// Adds a stop by the controller to the active stops, unless another is active.
     pub fn hold_if_stopped(&self, control_loop: &RemoteLoop) {
         if let Some(reason) = control_loop.controller().stop_reason() {
             let mut inbox = self.node.inbox.lock();
@@ -148,7 +148,7 @@ impl HandStatus {
         }
     }
 
-    /// Publishes what the hand does: at once what is new, else no more often than the others need it.
+    /// Publishes the mode: immediately if it has changed, otherwise at most once per [`MODE_INTERVAL`].
     pub fn publish_mode(&mut self, mode: &HandMode) -> Result<(), LinkError> {
         let now = self.node.now();
         let (published, at) = &self.published;
@@ -162,14 +162,14 @@ impl HandStatus {
         Ok(())
     }
 
-    /// Warns whoever runs the program, and the other programs with the next heartbeat.
+    /// Warns the operator, and the other programs with the next heartbeat.
     pub fn warn(&mut self, control_loop: &RemoteLoop, what: &str) {
         let stamp = control_loop.state().stamp;
         self.warning = format!("{stamp:.2} s: {what}");
         self.node.warn(&self.warning);
     }
 
-    /// Reports by heartbeat, and warns of programs that are refused.
+    /// Updates the heartbeat, and warns about refused programs.
     pub fn report_by_heartbeat(&mut self, control_loop: &RemoteLoop, mode: &HandMode) {
         for mismatch in self.node.new_refusals() {
             self.warn(control_loop, &format!("refused: {mismatch}"));
@@ -202,7 +202,7 @@ impl HandStatus {
         });
     }
 
-    /// Whether the task is done, was given up for good, or the time is over.
+    /// Returns `true` if the task is done or finally aborted, or the time limit is reached.
     pub fn is_over(&self, control_loop: &RemoteLoop) -> bool {
         let controller = control_loop.controller();
         let given_up = controller
@@ -213,7 +213,7 @@ impl HandStatus {
             || control_loop.state().stamp - self.began >= self.time_limit
     }
 
-    /// What came of a run that ended at `stamp`, s of the rig's time.
+    /// Returns the summary of a run that ended at `stamp` (s, rig time).
     pub fn report(&self, stamp: f64) -> HandReport {
         let inbox = self.node.inbox.lock();
         HandReport {

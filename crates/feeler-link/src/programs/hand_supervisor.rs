@@ -1,4 +1,4 @@
-//! The hand program around each step of its control loop.
+//! Work of the hand program before and after each control step.
 
 use super::hand_config::RemoteLoop;
 use super::hand_schedule::HANGS_AFTER;
@@ -13,34 +13,34 @@ use feeler::pace::Tick;
 use feeler_record::InstrumentRecord;
 use std::ops::ControlFlow;
 
-/// Control steps between two reports by heartbeat.
+/// Number of control steps between heartbeat updates.
 const REPORT_STEPS: u64 = 25;
 
-/// Why a run ended between two steps.
+/// Reason why a run ended.
 pub(super) enum StepEnd<B> {
-    /// The task or the time is over.
+    /// The task has ended, or the time limit is reached.
     Over,
-    /// The caller broke.
+    /// `each_step` broke with this value.
     Broke(B),
-    /// The network fails.
+    /// The link failed.
     Link(LinkError),
 }
 
-/// The hand program around each step of its control loop.
+/// Supervisor of the hand's control loop.
 pub(super) struct HandSupervisor<'a, F> {
     status: &'a mut HandStatus,
     each_step: F,
-    /// Why the hand was stopped before the step under way, if it was.
+    /// Stop reason before the current step, if any.
     stopped_before: Option<String>,
-    /// Whether it goes on with the step under way.
+    /// `true` if the hand resumes in the current step.
     went_on: bool,
-    /// Whether it stands still in the step under way by what was known before.
+    /// `true` if the hand was already stopped at the start of the current step.
     stands_still: bool,
-    /// Number of the state that the step before was made from.
+    /// Number of the state behind the previous step.
     answered: u64,
-    /// Number of the state that the step under way is made from.
+    /// Number of the state behind the current step.
     answers: u64,
-    /// What the instruments read in that state.
+    /// Instrument readings of that state.
     instruments: Option<InstrumentsMessage>,
 }
 
@@ -76,7 +76,7 @@ where
         if status.began.is_nan() {
             status.began = stamp;
         }
-        // What stopped it before may have been resumed meanwhile.
+        // An earlier stop may have been resumed meanwhile and must not be added again.
         if !self.stands_still {
             status.hold_if_stopped(control_loop);
         }
@@ -93,7 +93,7 @@ where
         if !still_stopped && !mode.stopped.is_empty() {
             status.warn(control_loop, &format!("stopped: {}", mode.stopped));
         }
-        // A hand that stands still for want of data has nothing to add to the record.
+        // A stopped hand without new data is not recorded.
         if is_new || !still_stopped {
             self.record(control_loop, stamp)?;
         }
@@ -125,7 +125,7 @@ where
         }
     }
 
-    /// Hands the step on to the caller, with what the instruments read.
+    /// Passes the step to `each_step`, with the instrument readings.
     fn record(&mut self, control_loop: &RemoteLoop, stamp: f64) -> ControlFlow<StepEnd<B>> {
         let fingers = control_loop.state().joints.len();
         let read = self.instruments.map(|at| at.recorded(stamp, fingers));

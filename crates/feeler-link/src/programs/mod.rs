@@ -1,8 +1,7 @@
-//! The programs of a rig as types: a hand that controls, a rig that moves, a fingertip that senses.
+//! Programs of a rig: the hand, which controls; the rig, which moves the drives; and the fingertip sensors.
 //!
-//! Each is made on a [`Network`](crate::network::Network), does one thing until it is told to end, and reports what
-//! it refuses or misses by heartbeat and through its warnings. None of them ends because of what another program
-//! sends.
+//! Each program runs on a [`Network`](crate::network::Network) until it is interrupted. Refused programs and lost
+//! messages are reported by heartbeats and warnings. No message of another program ends it.
 
 mod error;
 mod hand;

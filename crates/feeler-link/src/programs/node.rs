@@ -1,4 +1,4 @@
-//! What every program of a rig has: its place on the network.
+//! Network connection of a program, common to all programs of a rig.
 
 use super::error::Warn;
 use super::refusals::Refusals;
@@ -14,20 +14,20 @@ use crate::topic::Topic;
 use feeler_record::wire::Message;
 use std::sync::Arc;
 
-/// A program on the network: its inbox, its heartbeat and its clock.
+/// Program on the network, with inbox, heartbeat and clock.
 pub(super) struct Node<I> {
     pub network: Arc<dyn Network>,
     pub inbox: Shared<I>,
     pub beacon: Arc<Beacon>,
     pub clock: TimeSource,
-    /// The number that the program drew when it started.
+    /// Random number that the program drew at its start.
     pub instance: u64,
     refusals: Refusals,
     warn: Warn,
 }
 
 impl<I: Inbox + Send + 'static> Node<I> {
-    /// Starts the `heartbeat`, and lets `inbox` take in heartbeats and the messages of `topics`.
+    /// Starts sending `heartbeat`, and receives all heartbeats and the messages of `topics` in `inbox`.
     pub fn start(
         network: Arc<dyn Network>,
         heartbeat: Heartbeat,
@@ -53,7 +53,7 @@ impl<I: Inbox + Send + 'static> Node<I> {
         self.warn = warn;
     }
 
-    /// The program's time, s.
+    /// Returns the time on the program's clock (s).
     pub fn now(&self) -> f64 {
         (self.clock)()
     }
@@ -63,20 +63,19 @@ impl<I: Inbox + Send + 'static> Node<I> {
         send(&*self.network, topic, message)
     }
 
-    /// Warns whoever runs the program.
+    /// Warns the operator.
     pub fn warn(&mut self, text: &str) {
         (self.warn)(text);
     }
 
-    /// Why programs are refused that have not been reported yet.
+    /// Returns the refusals that have not been reported yet.
     pub fn new_refusals(&mut self) -> Vec<Mismatch> {
         let now = self.now();
         self.refusals.new_ones(self.inbox.lock().peers(), now)
     }
 }
 
-/// The first heartbeat of a `program` that works by the `experiment` of this SHA-256 and has used no data yet. It draws
-/// the program's instance.
+/// Returns the first heartbeat of a program with the given experiment (SHA-256). Draws the program's instance.
 pub(super) fn first_heartbeat(program: ProgramKind, experiment: &str) -> Heartbeat {
     Heartbeat {
         instance: draw_instance(),

@@ -1,20 +1,20 @@
-//! Which programs are refused, each told once.
+//! Rate-limited reporting of refused programs.
 
 use crate::mismatch::Mismatch;
 use crate::peers::Peers;
 use std::collections::VecDeque;
 
-/// Refusals that are remembered, so that the same is not told again, and that may be told at once.
+/// Number of reported refusals kept to avoid repetitions, and maximum burst of reports.
 const MOST: usize = 64;
 
-/// Refusals that are told in a second on average: whoever comes by ever new names fills no log.
+/// Average number of reports per second, which protects the log from a flood of new programs.
 const RATE: f64 = 1.0;
 
-/// Remembers which refusals have been reported.
+/// Filter that returns each refusal once.
 #[derive(Debug)]
 pub(super) struct Refusals {
     told: VecDeque<Mismatch>,
-    /// How many more may be told at the time `at`, s.
+    /// Number of reports still allowed at the time `at` (s).
     allowed: f64,
     at: f64,
 }
@@ -30,7 +30,7 @@ impl Default for Refusals {
 }
 
 impl Refusals {
-    /// Why those of `peers` are refused of which that has not been reported by `now`, s.
+    /// Returns the refusals of `peers` that have not been reported by `now` (s).
     pub fn new_ones(&mut self, peers: &Peers, now: f64) -> Vec<Mismatch> {
         self.allowed = (self.allowed + RATE * (now - self.at)).min(MOST as f64);
         self.at = now;
@@ -57,7 +57,7 @@ mod tests {
     use crate::outlet::encode;
     use crate::peers::Expected;
 
-    /// A rig of another experiment each time.
+    /// Adds a rig program with another experiment.
     fn refuse(peers: &mut Peers, instance: u64, experiment: &str, now: f64) {
         let heartbeat = Heartbeat {
             protocol: PROTOCOL,
@@ -73,7 +73,7 @@ mod tests {
     }
 
     #[test]
-    fn the_same_is_told_once_and_ever_new_names_fill_no_log() {
+    fn refusals_are_reported_once_and_rate_limited() {
         let mut peers = Peers::new(Expected::default());
         let mut refusals = Refusals::default();
         refuse(&mut peers, 1, "theirs", 0.0);

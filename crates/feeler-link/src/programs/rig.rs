@@ -1,4 +1,4 @@
-//! The rig program: publishes what encoders, instruments and cameras read, and moves the drives as commanded.
+//! Rig program: publishes encoder, instrument and camera data, and executes the hand's commands.
 
 use super::error::{ProgramError, Warn};
 use super::node::{Node, first_heartbeat};
@@ -18,10 +18,10 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
 
-/// How long to wait for the hand's answer before all is published again, and before looking whether to end.
+/// Timeout for the hand's answer in lockstep, after which the data is published again and the interrupt flag checked.
 const PATIENCE: Duration = Duration::from_millis(200);
 
-/// Serves a rig: its drives do what the hand program commands, for as long as its commands are fresh.
+/// Program that serves a rig. Its drives follow the hand program's commands while these are fresh.
 pub struct RigProgram<R> {
     pub(super) rig: R,
     pub(super) node: Node<RigInbox>,
@@ -29,48 +29,48 @@ pub struct RigProgram<R> {
     pub(super) sequence: u64,
     pub(super) state: HandState,
     pub(super) command: HandCommand,
-    /// Each finger's newest picture.
+    /// Latest image of each finger.
     pub(super) exposed: Vec<Option<Exposed>>,
     pub(super) missed: u64,
     pub(super) warning: String,
-    /// How often the drives failed, and when the stop for it was last ordered, s.
+    /// Number of drive failures, and the time of the last stop order for them (s).
     pub(super) faults: (u64, f64),
-    /// The newest readings, to be published again, where the hand is waited for.
+    /// Latest readings, kept for resending in lockstep.
     pub(super) published: Vec<Reading>,
     /// Sequence number and time (s) of the last report.
     pub(super) reported: (u64, f64),
 }
 
-/// A picture of a finger that was published.
+/// Published image of a finger.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Exposed {
     pub number: u64,
-    /// The hand's newest step when it was taken, and the time then, s.
+    /// The hand's latest step at the exposure, and the time of the exposure (s).
     pub taken: (Echo, f64),
 }
 
-/// What came of a rig program.
+/// Summary of a rig program.
 #[derive(Debug, Clone)]
 pub struct RigReport {
-    /// The rig's time, s.
+    /// Rig time (s).
     pub time: f64,
-    /// Steps whose time went by before they were made.
+    /// Number of missed step periods, by which the rig falls behind real time.
     pub missed: u64,
-    /// Commands to move that were made from stale data, and not obeyed.
+    /// Number of motion commands rejected because they were based on stale data.
     pub stale_commands: u64,
-    /// How often the watchdog stopped drives that moved.
+    /// Number of times that the watchdog stopped moving drives.
     pub watchdog_stops: u64,
-    /// How often drives or encoders failed.
+    /// Number of drive and encoder failures.
     pub faults: u64,
-    /// Messages that were refused.
+    /// Counters of rejected messages.
     pub rejected: Rejections,
 }
 
 impl<R: Rig> RigProgram<R> {
-    /// Serves `rig` on `network`.
+    /// Creates a program that serves `rig` on `network`.
     ///
     /// # Errors
-    /// When the network does not listen.
+    /// If the network fails.
     pub fn new(
         rig: R,
         config: &RigConfig,
@@ -78,7 +78,7 @@ impl<R: Rig> RigProgram<R> {
     ) -> Result<Self, ProgramError> {
         let fingers = rig.finger_count();
         let limit = match config.speed {
-            // What a command takes on its way is no fault of the hand's: it has a period for that.
+            // One more period allows for the transmission of the command.
             RigSpeed::Times(_) => (config.stale_periods + 1.0) * config.period,
             RigSpeed::Lockstep => f64::INFINITY,
         };
@@ -103,15 +103,15 @@ impl<R: Rig> RigProgram<R> {
         })
     }
 
-    /// Warnings go to `warn`: which programs it refuses.
+    /// Sets the callback for warnings about refused programs and failed drives.
     pub fn set_warn(&mut self, warn: Warn) {
         self.node.set_warn(warn);
     }
 
-    /// Serves the rig until `interrupted` is raised; then stops its drives.
+    /// Serves the rig until `interrupted` is set, then stops its drives.
     ///
     /// # Errors
-    /// When the rig or the network fails.
+    /// If the rig or the network fails.
     pub fn run(&mut self, interrupted: &AtomicBool) -> Result<(), ProgramError> {
         let ended = match self.config.speed {
             RigSpeed::Times(speed) => self.run_in_time(speed, interrupted),
@@ -122,7 +122,7 @@ impl<R: Rig> RigProgram<R> {
         ended.and(self.survive(stopped))
     }
 
-    /// Goes on in time, whatever comes of the hand. The rig's time begins with the hand's first command.
+    /// Runs at a fixed rate, independent of the hand. Rig time starts with the hand's first command.
     fn run_in_time(&mut self, speed: f64, interrupted: &AtomicBool) -> Result<(), ProgramError> {
         let watchdog = (self.config.stale_periods + 1.0) * self.config.period / speed;
         let steps = self.rig.steps_per_period();
@@ -134,7 +134,7 @@ impl<R: Rig> RigProgram<R> {
                 let Some(tick) = pace.wait_unless(interrupted) else {
                     return Ok(());
                 };
-                // No step is left out: the rig is late then, and says how much.
+                // Every step is executed: a late rig falls behind real time by the missed periods.
                 self.missed += tick.missed;
                 self.drive(watchdog)?;
             }
@@ -142,7 +142,7 @@ impl<R: Rig> RigProgram<R> {
         Ok(())
     }
 
-    /// Has the drives do what the hand commands, or stand still where that came more than `watchdog` (s) ago.
+    /// Executes the hand's latest command, or stops the drives if it is older than `watchdog` (s).
     fn drive(&mut self, watchdog: f64) -> Result<(), ProgramError> {
         let now = self.node.now();
         let mut inbox = self.node.inbox.lock();
@@ -161,7 +161,7 @@ impl<R: Rig> RigProgram<R> {
         Ok(())
     }
 
-    /// Waits for the hand's answer to every period, and loses none.
+    /// Runs in lockstep: waits for the hand's answer in every period.
     fn run_in_lockstep(&mut self, interrupted: &AtomicBool) -> Result<(), ProgramError> {
         self.publish()?;
         while !interrupted.load(Ordering::Relaxed) {
@@ -185,12 +185,12 @@ impl<R: Rig> RigProgram<R> {
         Ok(())
     }
 
-    /// Ages of commands are told by the rig's time.
+    /// Passes the rig time to the inbox, which computes the ages of commands with it.
     pub(super) fn update_time(&self) {
         self.node.inbox.lock().time = self.rig.time();
     }
 
-    /// What came of the program so far.
+    /// Returns a summary of the program so far.
     pub fn report(&self) -> RigReport {
         let inbox = self.node.inbox.lock();
         RigReport {

@@ -1,4 +1,4 @@
-//! What a rig program serves: drives and encoders, and cameras where it has them.
+//! Interface and configuration of the rig that a rig program serves.
 
 use crate::message::InstrumentsMessage;
 use crate::peers::Expected;
@@ -7,63 +7,63 @@ use feeler::hand::{Hand, HandCommand, HandError, HandState};
 use feeler::sensor::frame::Frame;
 use feeler::sensor::reading::{SensorError, TactileFrame};
 
-/// What the sensor of a finger delivered.
+/// Output of a finger's sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum SensorOutput<'a> {
-    /// Its camera's newest picture.
+    /// Latest camera image.
     Picture(&'a Frame),
-    /// The newest forces, where they are sensed directly.
+    /// Latest forces, if measured directly.
     Forces(&'a TactileFrame),
 }
 
-/// A rig as its program sees it. Real drives keep their own time; a simulated rig goes on by its steps.
+/// Drives, encoders, instruments and cameras of a rig, real or simulated.
 pub trait Rig {
-    /// Number of fingers.
+    /// Returns the number of fingers.
     fn finger_count(&self) -> usize;
 
-    /// The rig's time, s: the clock of all stamps.
+    /// Returns the rig time (s), on the clock of all stamps.
     fn time(&self) -> f64;
 
-    /// Fills `state` with what the encoders read; what the rig's instruments read, where it has any.
+    /// Reads the encoders into `state`. Returns the instrument readings, or `None` if the rig has no instruments.
     ///
     /// # Errors
-    /// When they cannot be read.
+    /// If encoders or instruments cannot be read.
     fn read(&mut self, state: &mut HandState) -> Result<Option<InstrumentsMessage>, HandError>;
 
-    /// What the sensor of `finger` delivers now; nothing where another program has its camera.
+    /// Returns the current output of the sensor of `finger`, or `None` if its camera belongs to another program.
     ///
     /// # Errors
-    /// When it delivers nothing.
+    /// If the sensor fails.
     fn expose(&mut self, finger: usize) -> Result<Option<SensorOutput<'_>>, SensorError> {
         let _ = finger;
         Ok(None)
     }
 
-    /// Steps that [`advance`](Self::advance) makes of a control period.
+    /// Returns the number of [`advance`](Self::advance) calls per control period.
     fn steps_per_period(&self) -> usize {
         1
     }
 
-    /// Called before the steps of a control period.
+    /// Called at the start of each control period, before its steps.
     fn begin_period(&mut self) {}
 
-    /// Goes on by a step in which the drives do what `command` says.
+    /// Commands the drives for one step. A simulated rig also advances its time by the step.
     ///
     /// # Errors
-    /// When the drives fail.
+    /// If the drives fail.
     fn advance(&mut self, command: &HandCommand) -> Result<(), HandError>;
 
-    /// Makes drives that failed ready to move again, after somebody has resumed the stop that came of it. Without more to do,
-    /// they are read and commanded again.
+    /// Restarts failed drives after the resulting stop has been resumed. The default does nothing, for drives that only
+    /// need to be read and commanded again.
     ///
     /// # Errors
-    /// When they still fail.
+    /// If the drives still fail.
     fn restart(&mut self) -> Result<(), HandError> {
         Ok(())
     }
 }
 
-/// A user's own [`Hand`] as a rig: its drives and encoders, read and commanded once a control period.
+/// Adapter that serves any [`Hand`] as a rig, read and commanded once per control period.
 #[derive(Debug)]
 pub struct ServedHand<H> {
     hand: H,
@@ -71,7 +71,7 @@ pub struct ServedHand<H> {
 }
 
 impl<H: Hand> ServedHand<H> {
-    /// Serves `hand`, whose states are stamped on the rig's clock.
+    /// Wraps `hand`, whose state stamps define the rig time.
     pub fn new(hand: H) -> Self {
         Self { hand, time: 0.0 }
     }
@@ -97,18 +97,19 @@ impl<H: Hand> Rig for ServedHand<H> {
     }
 }
 
-/// What a rig program is made of.
+/// Configuration of a rig program.
 #[derive(Debug, Clone)]
 pub struct RigConfig {
-    /// What the other programs must agree in.
+    /// Configuration that other programs must match.
     pub expected: Expected,
-    /// The control period, s of the rig's time.
+    /// Control period (s, rig time).
     pub period: f64,
-    /// Control periods after which data are stale.
+    /// Number of control periods after which data is stale.
     pub stale_periods: f64,
-    /// How fast the rig's time goes.
+    /// Speed of the rig's time.
     pub speed: RigSpeed,
-    /// Whether the program goes on where drives or encoders fail: it stops the hand and says why, and
-    /// [restarts](Rig::restart) the rig once somebody has resumed that stop. Else it ends. A rig that waits for the hand always does.
+    /// Continues after drive or encoder failures if `true`: the program stops the hand with the reason, and
+    /// [restarts](Rig::restart) the rig once the stop has been resumed. Otherwise a failure ends the program, as always
+    /// in lockstep.
     pub survives_faults: bool,
 }

@@ -1,4 +1,4 @@
-//! A rig whose drives fail: it stands still, stops the hand and says why, until somebody has resumed that stop.
+//! Handling of drive failures: the rig stops its drives and the hand until the stop is resumed.
 
 use super::error::ProgramError;
 use super::rig::RigProgram;
@@ -9,11 +9,12 @@ use crate::run_clock::RigSpeed;
 use crate::topic::Topic;
 use feeler::hand::HandError;
 
-/// Time between two times that the same stop is ordered, s: the network may drop what it cannot take.
+/// Interval for repeating the same stop order (s), because the network may drop messages.
 const AGAIN: f64 = 0.2;
 
 impl<R: Rig> RigProgram<R> {
-    /// Publishes what the rig reads; where its drives fail, nothing but that. Restarts drives that failed when that was resumed.
+    /// Publishes the rig's data, or only the stop order while its drives have failed. Restarts the drives once that
+    /// stop has been resumed.
     pub(super) fn publish_or_fail(&mut self) -> Result<(), ProgramError> {
         let is_resumed = match &self.node.inbox.lock().own_stop {
             Some(own) => own.is_resumed(),
@@ -38,7 +39,7 @@ impl<R: Rig> RigProgram<R> {
         }
     }
 
-    /// Goes on after an error of the drives, which stops the hand, where the program is to survive that.
+    /// Turns a drive error into a stop of the hand, if the program is configured to survive faults.
     pub(super) fn survive(&mut self, result: Result<(), HandError>) -> Result<(), ProgramError> {
         let Err(error) = result else {
             return Ok(());
@@ -47,18 +48,19 @@ impl<R: Rig> RigProgram<R> {
             return Err(error.into());
         }
         if self.node.inbox.lock().own_stop.is_some() {
-            // What fails goes on failing.
+            // A repeated failure, for which the hand is already stopped.
             return Ok(());
         }
         self.faults = (self.faults.0 + 1, f64::NEG_INFINITY);
         self.warning = error.to_string();
         self.node.inbox.lock().own_stop = Some(OwnStop::new(&self.warning));
-        self.node
-            .warn(&format!("{error}; stands still until that is resumed"));
+        self.node.warn(&format!(
+            "{error}; the drives stay stopped until the stop is resumed"
+        ));
         self.order_stop()
     }
 
-    /// Orders the stop until the hand has it in force.
+    /// Sends the stop order repeatedly until the hand reports the stop as active.
     fn order_stop(&mut self) -> Result<(), ProgramError> {
         let now = self.node.now();
         let order = match &self.node.inbox.lock().own_stop {

@@ -1,4 +1,4 @@
-//! What the rig program publishes: state, pictures or forces, and heartbeats.
+//! Publishing of the rig program: states, images or forces, and heartbeats.
 
 use super::error::ProgramError;
 use super::rig::{Exposed, RigProgram};
@@ -16,10 +16,10 @@ use feeler::sensor::frame::Frame;
 use feeler_record::wire::Vector3;
 use glam::DVec3;
 
-/// Time between two reports by heartbeat, s.
+/// Interval between heartbeat updates (s).
 const REPORT_INTERVAL: f64 = 0.25;
 
-/// A message of what was read, which may be published again.
+/// Message with readings, which may be published again.
 pub(super) enum Reading {
     State(StateMessage),
     Picture(usize, PictureMessage),
@@ -35,7 +35,7 @@ impl Reading {
         }
     }
 
-    /// Its topic and bytes.
+    /// Returns the topic and the encoded message.
     fn encoded(&self) -> Result<(Topic, Vec<u8>), LinkError> {
         Ok(match self {
             Self::State(message) => (Topic::State, encode(message)?),
@@ -46,7 +46,7 @@ impl Reading {
 }
 
 impl<R: Rig> RigProgram<R> {
-    /// Publishes what encoders, instruments and sensors read now.
+    /// Reads encoders, instruments and sensors, and publishes the readings.
     pub(super) fn publish(&mut self) -> Result<(), ProgramError> {
         self.sequence += 1;
         self.published.clear();
@@ -64,8 +64,8 @@ impl<R: Rig> RigProgram<R> {
         Ok(())
     }
 
-    /// Publishes the newest again, as somebody may not have been there. The rig stands still meanwhile, so that it is
-    /// true now.
+    /// Publishes the latest readings again, for programs that missed them. They are still valid, because the rig stands
+    /// still meanwhile.
     pub(super) fn publish_again(&mut self) -> Result<(), ProgramError> {
         let (echo, time) = self.taken();
         for reading in &mut self.published {
@@ -78,13 +78,13 @@ impl<R: Rig> RigProgram<R> {
         Ok(())
     }
 
-    /// The hand's newest step, and the time, s: what is read now echoes.
+    /// Returns the hand's latest step and the current time (s), which readings taken now echo.
     fn taken(&self) -> (Echo, f64) {
         (self.node.inbox.lock().echo, self.node.now())
     }
 
-    /// Publishes what the sensor of `finger` delivers. A picture that comes again echoes what it did when it was
-    /// `taken`.
+    /// Publishes the output of the sensor of `finger`. A repeated image keeps the echo of its first publication, a new
+    /// one echoes `taken`.
     fn expose(&mut self, finger: usize, taken: (Echo, f64)) -> Result<(), ProgramError> {
         let failed = |source| ProgramError::Sensor { finger, source };
         let Some(exposure) = self.rig.expose(finger).map_err(failed)? else {
@@ -117,7 +117,7 @@ impl<R: Rig> RigProgram<R> {
         Ok(self.send(reading)?)
     }
 
-    /// Sends `reading`, and keeps it where the hand's answer is waited for. To read again would draw other noise.
+    /// Sends `reading`, and keeps it for resending in lockstep, because reading again would draw different noise.
     fn send(&mut self, reading: Reading) -> Result<(), LinkError> {
         let (topic, bytes) = reading.encoded()?;
         self.node.network.send(topic, bytes)?;
@@ -127,7 +127,7 @@ impl<R: Rig> RigProgram<R> {
         Ok(())
     }
 
-    /// Reports by heartbeat, and warns of programs that are refused.
+    /// Updates the heartbeat, and warns about refused programs.
     pub(super) fn report_by_heartbeat(&mut self) {
         let now = self.node.now();
         let (sequence, since) = self.reported;

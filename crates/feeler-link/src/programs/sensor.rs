@@ -1,4 +1,4 @@
-//! The sensor program of one finger: publishes the forces and flags of each picture.
+//! Sensor program of one finger: publishes the forces and flags of each image.
 
 use super::error::{ProgramError, Warn};
 use super::node::{Node, first_heartbeat};
@@ -15,27 +15,27 @@ use glam::DVec3;
 use std::sync::Arc;
 use std::time::{Duration, Instant};
 
-/// Updates between two reports by heartbeat.
+/// Number of tactile updates between heartbeat updates.
 const REPORT_UPDATES: u64 = 25;
 
-/// What a sensor program is made of.
+/// Configuration of a sensor program.
 #[derive(Debug, Clone)]
 pub struct SensorConfig {
-    /// The finger, from 0.
+    /// Finger index, from 0.
     pub finger: usize,
-    /// Number of its sensing elements.
+    /// Number of sensing elements.
     pub elements: usize,
-    /// Size of its pictures, columns and rows, px.
+    /// Image size: width and height (px).
     pub picture_size: (usize, usize),
-    /// Thresholds of its flags.
+    /// Thresholds of the flags.
     pub thresholds: FlagThresholds,
-    /// SHA-256 of the fingertip that it senses by.
+    /// SHA-256 of the fingertip.
     pub fingertip: String,
-    /// What the other programs must agree in.
+    /// Configuration that other programs must match.
     pub expected: Expected,
 }
 
-/// Publishes what one finger feels.
+/// Program that publishes the tactile updates of one finger.
 pub struct SensorProgram {
     finger: usize,
     touch: FingerTouch,
@@ -43,15 +43,15 @@ pub struct SensorProgram {
     slip_threshold: f64,
     node: Node<SenseInbox>,
     updates: u64,
-    /// Number and time (s) of the last report.
+    /// Number of updates and time (s) at the last heartbeat update.
     reported: (u64, f64),
 }
 
 impl SensorProgram {
-    /// The sensor of `config` on `network`.
+    /// Creates a sensor program on `network`.
     ///
     /// # Errors
-    /// When the network does not listen.
+    /// If the network fails.
     pub fn new(config: &SensorConfig, network: Arc<dyn Network>) -> Result<Self, ProgramError> {
         let (finger, elements) = (config.finger, config.elements);
         let expected = config.expected.clone();
@@ -75,12 +75,12 @@ impl SensorProgram {
         })
     }
 
-    /// Warnings go to `warn`: which programs it refuses.
+    /// Sets the callback for warnings about refused programs and sensor faults.
     pub fn set_warn(&mut self, warn: Warn) {
         self.node.set_warn(warn);
     }
 
-    /// The oldest picture of a rig in another program that waits to be sensed; waits for one for at most `longest`.
+    /// Returns the oldest queued exposure of a remote rig. Waits for one for at most `longest`.
     pub fn next_exposed(&self, longest: Duration) -> Option<Exposed> {
         let mut next = None;
         self.node.inbox.wait_for(longest, |inbox| {
@@ -90,12 +90,12 @@ impl SensorProgram {
         next
     }
 
-    /// Publishes the forces of a camera's picture: number `sequence` from 0, taken at `stamp` (s on the camera's own
-    /// clock), which came in at `at`. `forces`: one for each element in its frame `E_i`, N; none where there is no
-    /// valid one.
+    /// Publishes the forces of a local camera's image with frame sequence number `sequence` (from 0), taken at `stamp`
+    /// (s, on the camera's clock) and received at `at`. `forces` contains the force on each element in its frame `E_i`
+    /// (N), or `None` if invalid.
     ///
     /// # Errors
-    /// When the network fails.
+    /// If the network fails.
     pub fn publish(
         &mut self,
         (sequence, stamp, at): (u64, f64, Instant),
@@ -103,17 +103,17 @@ impl SensorProgram {
     ) -> Result<(), ProgramError> {
         let came = self.node.now() - at.elapsed().as_secs_f64();
         let echo = self.node.inbox.lock().echo_at(came);
-        // From 1, as everywhere.
+        // Message sequence numbers start at 1.
         let header = header(self.node.instance, sequence + 1, stamp);
         let header = header.echoing(echo, came);
         self.publish_update(header, sequence, at, forces)
     }
 
-    /// Publishes the forces of what a rig in another program exposed, which came in at `at`: the header and number of
-    /// that are `taken`.
+    /// Publishes the forces of a remote rig's exposure, received at `at`. `taken` and `number` are its header and frame
+    /// sequence number; `forces` is as in [`publish`](Self::publish).
     ///
     /// # Errors
-    /// When the network fails.
+    /// If the network fails.
     pub fn publish_exposed(
         &mut self,
         (taken, number): (MessageHeader, u64),
@@ -149,14 +149,14 @@ impl SensorProgram {
         Ok(())
     }
 
-    /// Warns whoever runs the program, and the others by heartbeat, of something that is wrong with the sensor.
+    /// Reports a sensor fault to the operator, and to the other programs by heartbeat.
     pub fn warn(&mut self, what: &str) {
         self.node.warn(what);
         let fault = what.to_string();
         self.node.beacon.update(|heartbeat| heartbeat.fault = fault);
     }
 
-    /// Warns of programs that are refused.
+    /// Warns about refused programs.
     pub fn check_peers(&mut self) {
         for mismatch in self.node.new_refusals() {
             self.node.warn(&format!("refused: {mismatch}"));

@@ -562,7 +562,7 @@ fn a_hand_waits_for_what_is_missing_and_refuses_what_does_not_agree() {
     });
     assert!(!is_whole.unwrap());
     let refused = refused().unwrap();
-    assert!(refused.contains("works by experiment another"), "{refused}");
+    assert!(refused.contains("runs experiment another"), "{refused}");
 }
 
 /// A picture echoes the step that had arrived when it came in, however long sensing it took.

@@ -55,7 +55,7 @@ fn a_call_is_one_order_and_is_told_what_the_hand_is_about() {
     assert_eq!((second.order, second.stopped.len()), (2, 256));
     let other = refused(call_stop(&endpoints, None, "bank", (3, "me")));
     assert!(
-        other.contains("hand of rig \"bench\", not of \"bank\""),
+        other.contains("expected rig \"bench\", got \"bank\""),
         "{other}"
     );
 }
@@ -79,8 +79,8 @@ fn who_may_stop_is_who_has_a_certificate_for_it() {
     assert_eq!(call(&of(&lab, "order")).expect("an answer").order, 1);
     assert_eq!(call(&of(&lab, "stop")).expect("an answer").order, 2);
     let why = |folder: &Path| refused(call(folder));
-    assert!(why(&of(&lab, "sense-0")).contains("sense-0.1; expected a right"));
-    assert!(why(&of(&lab, "watch")).contains("watch.1; expected a right"));
+    assert!(why(&of(&lab, "sense-0")).contains("sense-0.1 does not grant"));
+    assert!(why(&of(&lab, "watch")).contains("watch.1 does not grant"));
     assert!(why(&lab.join("lost/order")).contains("order.2 is withdrawn"));
     assert!(why(&lab.join("old/order")).contains("order.3: CertExpired"));
     assert!(why(&of(&strangers, "order")).contains("expected a valid one of this lab"));

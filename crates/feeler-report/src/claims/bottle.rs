@@ -1,4 +1,5 @@
-//! The paper's claims that need its bottle and its torque sensor as well: when the seat comes and how torque goes over time.
+//! The paper's claims that also depend on its bottle and torque sensor: the time of closing and the course of the
+//! torque.
 
 use super::measured::{change, ratio};
 use super::{PEAK_ENDS_BELOW, PEAK_RISES_ABOVE, SMOOTHING, samples};
@@ -7,7 +8,7 @@ use crate::measures::{LaggedCorrelation, lagged_correlation};
 use crate::run_data::{RunData, Stroke};
 use crate::series::{absolute_rate, count_peaks, mean, moving_mean};
 
-/// Largest lag at which torque rate and shear rate are compared, s.
+/// Maximum lag between torque rate and shear rate (s).
 const MAX_LAG: f64 = 0.05;
 
 pub(super) fn four_peaks(data: &RunData) -> Claim {
@@ -37,7 +38,7 @@ pub(super) fn four_peaks(data: &RunData) -> Claim {
     let bound = f64::from(data.facts.stroke_count);
     Claim::new(
         "four-peaks",
-        "Grasp force and torque each show one peak a stroke: four in the paper.",
+        "Grasp force and torque each have one peak per stroke (four in the paper).",
         vec![
             ClaimPart::new("peaks of grasp force", grasp_force, Relation::Equals, bound),
             ClaimPart::new("peaks of torque", torque, Relation::Equals, bound),
@@ -46,8 +47,8 @@ pub(super) fn four_peaks(data: &RunData) -> Claim {
     .decided_by(DecidedBy::HandAndBottle)
 }
 
-/// Torque from the torque sensor's first sample on, N·m; `None` unless that comes before the first MOVE, and with it before
-/// the first peak.
+/// Torque from the first sample of the torque sensor on (N·m); `None` if the first MOVE, and possibly the first peak,
+/// precedes that sample.
 fn torque_over_strokes(data: &RunData) -> Option<Vec<f64>> {
     let torque = data.torque.as_ref()?;
     let first = torque.iter().position(|torque| torque.is_finite())?;
@@ -75,10 +76,10 @@ pub(super) fn first_stroke_torque_rises(data: &RunData) -> Claim {
     let grasp_force = first_and_last(&|row| data.grasp_force(row)).and_then(|(a, b)| change(a, b));
     Claim::new(
         "first-stroke-torque-rises",
-        "In stroke 1 torque rises while grasp force stays level.",
+        "In stroke 1, torque rises while grasp force stays constant.",
         vec![
             ClaimPart::new(
-                "torque, last third of MOVE to first third",
+                "torque, last third of MOVE relative to first third",
                 torque,
                 Relation::AtLeast,
                 2.0,
@@ -94,13 +95,14 @@ pub(super) fn first_stroke_torque_rises(data: &RunData) -> Claim {
     .decided_by(DecidedBy::HandAndBottle)
 }
 
-/// Least correlation of the bumps in a hand of two fingers.
+/// Minimum correlation of the bumps for a hand with two fingers.
 const IN_STEP: f64 = 0.4;
 
-/// Correlation of the size of a sum with the sum of sizes, of `fingers` normal quantities that do not depend on each other.
+/// Correlation between the magnitude of a sum and the sum of magnitudes of `fingers` independent normal variables.
 ///
-/// Torque is the sum of what the fingers put on the cap, and fingers slip at different times: the more there are, the less of one finger's
-/// bump is left in the rate of the sum. By E|XY| of two normal quantities of correlation r, 2/π (√(1-r²) + r asin r), with r = 1/√fingers.
+/// Torque is the sum of the fingers' contributions, and the fingers slip at different times. The more fingers, the less
+/// a bump of one finger contributes to the rate of the sum. Follows from E|XY| = 2/π (√(1-r²) + r asin r) for normal
+/// variables with correlation r, with r = 1/√fingers.
 fn of_independent_fingers(fingers: usize) -> f64 {
     use std::f64::consts::FRAC_2_PI;
     let n = fingers as f64;
@@ -109,7 +111,8 @@ fn of_independent_fingers(fingers: usize) -> f64 {
     n.sqrt() * FRAC_2_PI * covariance / (1.0 - FRAC_2_PI)
 }
 
-/// Least correlation of the bumps in a hand of `fingers`, to two digits; that of two in a hand of fewer.
+/// Minimum correlation of the bumps for a hand with `fingers` fingers, rounded to two digits. Fewer than two fingers
+/// count as two.
 fn least_in_step(fingers: usize) -> f64 {
     let share = of_independent_fingers(fingers.max(2)) / of_independent_fingers(2);
     (100.0 * IN_STEP * share).round() / 100.0
@@ -126,10 +129,10 @@ pub(super) fn bumps_in_step(data: &RunData) -> Claim {
     let lag = best.map(|best| f64::from(best.lag) * data.facts.control_period);
     Claim::new(
         "bumps-in-step",
-        "Bumps of shear rate and of torque are in step (MOVE of strokes 3 and 4).",
+        "Bumps in shear rate and torque coincide (MOVE of strokes 3 and 4).",
         vec![
             ClaimPart::new(
-                "correlation of |d torque/dt| with the shear rate",
+                "correlation of |d torque/dt| and shear rate",
                 best.map(|best| best.correlation),
                 Relation::AtLeast,
                 least_in_step(data.fingers.len()),
@@ -140,10 +143,10 @@ pub(super) fn bumps_in_step(data: &RunData) -> Claim {
     .decided_by(DecidedBy::HandAndBottle)
 }
 
-/// Shear rate and absolute torque rate over MOVE, treated alike: each is the absolute difference
-/// of one control step to the next (the shear rate is so by its definition), then goes through
-/// the same centred moving mean of [`SMOOTHING`], which takes out the noise of the A/D converter
-/// that a difference brings up. The torque sensor's own delay is left to the lag. `None` without a torque sensor.
+/// Shear rate and absolute torque rate over MOVE. Both are absolute differences between consecutive control steps (the
+/// shear rate by definition), smoothed by the same centered moving mean of [`SMOOTHING`], which removes the A/D
+/// converter noise that differencing amplifies. The torque sensor's delay is not compensated; it appears as lag. `None`
+/// without a torque sensor.
 pub fn rates(data: &RunData, stroke: &Stroke) -> Option<(Vec<f64>, Vec<f64>)> {
     let first = stroke.moving.start.max(1);
     let rows = first..stroke.moving.end.max(first);
@@ -159,8 +162,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn fingers_that_slip_at_different_times_are_less_in_step_the_more_they_are() {
-        // Of 400,000 draws with Python's `random`.
+    fn correlation_of_bumps_decreases_with_the_number_of_fingers() {
+        // From 400,000 draws of Python's `random`.
         for (fingers, drawn) in [(1, 1.0), (2, 0.6502), (3, 0.5219), (4, 0.4484)] {
             let share = of_independent_fingers(fingers);
             assert!((share - drawn).abs() < 2e-3, "{fingers}: {share}");

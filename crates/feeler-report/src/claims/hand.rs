@@ -1,5 +1,5 @@
-//! The paper's claims that the hand decides: its rubber, its law and its path, on any cap that turns at first and is closed at
-//! last.
+//! The paper's claims that depend on the hand only: its rubber, law and path, for any cap that turns at first and is
+//! closed at the end.
 
 use super::measured::{CLOSED, Measured, change, each_finger, greatest, least, ratio};
 use super::parts::{curvature, grip_variation, radius_to_line};
@@ -11,9 +11,9 @@ use crate::series::mean;
 use crate::stroke_pattern::ALIKE;
 use crate::strokes::{CLOSED_TURN, over_fraction, share, slip_precision, slip_skill};
 
-/// Id of the claim that no element is harmed.
+/// Id of the claim that no element is damaged.
 pub const NO_DAMAGE: &str = "no-damage";
-/// Longest time for which an element may bear more than its damage limit, s.
+/// Maximum time for which an element may exceed the damage limit (s).
 const DAMAGE_TIME: f64 = 0.05;
 
 pub(super) fn closed_after_third(measured: &Measured) -> Claim {
@@ -22,7 +22,7 @@ pub(super) fn closed_after_third(measured: &Measured) -> Claim {
     let cap_turn = measured.compare(1, 4, |m| m.cap_turn, |first, fourth| ratio(fourth, first));
     Claim::new(
         "closed-after-third",
-        "Strokes 3 and 4 are alike: the cap is closed after the third.",
+        "Strokes 3 and 4 are alike: the cap is closed after stroke 3.",
         vec![
             ClaimPart::new(
                 "change of peak torque from stroke 3 to 4",
@@ -37,7 +37,7 @@ pub(super) fn closed_after_third(measured: &Measured) -> Claim {
                 ALIKE,
             ),
             ClaimPart::new(
-                "cap turn, stroke 4 to stroke 1",
+                "cap rotation, stroke 4 relative to stroke 1",
                 cap_turn,
                 Relation::AtMost,
                 CLOSED_TURN,
@@ -51,9 +51,9 @@ pub(super) fn shear_rate_marks_closing(measured: &Measured) -> Claim {
     let marked = measured.compare(1, 4, |m| m.peak_shear_rate, |a, b| ratio(b, a));
     Claim::new(
         "shear-rate-marks-closing",
-        "The shear rate is marked in stroke 4, not in stroke 1.",
+        "The shear rate is pronounced in stroke 4, not in stroke 1.",
         vec![ClaimPart::new(
-            "99th percentile of the largest element's shear rate over MOVE, stroke 4 to stroke 1",
+            "99th percentile of the largest element's shear rate over MOVE, stroke 4 relative to stroke 1",
             marked,
             Relation::AtLeast,
             2.0,
@@ -62,12 +62,12 @@ pub(super) fn shear_rate_marks_closing(measured: &Measured) -> Claim {
     .decided_by(DecidedBy::Hand)
 }
 
-/// SLIP against what the simulator knows: raised where a feeler slips, and not all the time.
+/// SLIP against ground truth: raised while a feeler slips, and not all the time.
 pub(super) fn slip_means_slip(data: &RunData) -> Claim {
     let precision = each_finger(data, &CLOSED, |stroke, finger| {
         slip_precision(&data.fingers[finger], stroke)
     });
-    // Where feelers slip most of the time, a flag that is always up is right most of the time.
+    // If feelers slip most of the time, even a constant flag is precise; the skill accounts for that.
     let skill = each_finger(data, &CLOSED, |stroke, finger| {
         slip_skill(&data.fingers[finger], stroke)
     });
@@ -84,25 +84,25 @@ pub(super) fn slip_means_slip(data: &RunData) -> Claim {
         "SLIP is raised where a feeler slips (MOVE of strokes 3 and 4; each finger).",
         vec![
             ClaimPart::new(
-                "least precision of SLIP against the true slip",
+                "minimum precision of SLIP against true slip",
                 least(&precision),
                 Relation::AtLeast,
                 0.9,
             ),
             ClaimPart::new(
-                "least gain in precision over a flag raised at random, of what there is to gain",
+                "minimum gain in precision over a random flag, relative to the possible gain",
                 least(&skill),
                 Relation::AtLeast,
                 0.5,
             ),
             ClaimPart::new(
-                "least share of MOVE with SLIP",
+                "minimum fraction of MOVE with SLIP",
                 least(&raised),
                 Relation::AtLeast,
                 0.10,
             ),
             ClaimPart::new(
-                "greatest share of MOVE with SLIP",
+                "maximum fraction of MOVE with SLIP",
                 greatest(&raised),
                 Relation::AtMost,
                 0.60,
@@ -112,19 +112,19 @@ pub(super) fn slip_means_slip(data: &RunData) -> Claim {
     .decided_by(DecidedBy::Hand)
 }
 
-/// The distance R of the dome's centre from the cap's axis stays the same: against what it would have done on the planned
-/// line, and against stroke 1, where the cap turns along. See [`PathFit`](crate::path_fit::PathFit).
+/// The distance R of the dome's center from the cap's axis stays constant, compared with the planned line and with
+/// stroke 1, in which the cap turns along. See [`PathFit`](crate::path_fit::PathFit).
 pub(super) fn path_follows_contour(measured: &Measured) -> Claim {
     let to_first = measured.each_fit(&CLOSED, |fit, finger| {
         ratio(fit.radius_std, measured.fit(1, finger)?.radius_std)
     });
     Claim::new(
         "path-follows-contour",
-        "Once closed, the fingertips go round the cap's axis at a constant distance R (strokes 3 and 4; each finger).",
+        "With the cap closed, the fingertips circle its axis at a constant distance R (strokes 3 and 4; each finger).",
         vec![
             radius_to_line(measured),
             ClaimPart::new(
-                "greatest std of R relative to stroke 1's",
+                "maximum std of R relative to stroke 1",
                 greatest(&to_first),
                 Relation::AtMost,
                 0.5,
@@ -134,19 +134,19 @@ pub(super) fn path_follows_contour(measured: &Measured) -> Claim {
     .decided_by(DecidedBy::Hand)
 }
 
-/// The path bends as the arc about the cap's axis does, which no straight line does, however tilted. See
+/// The path is curved like the arc about the cap's axis, unlike any straight line, however tilted. See
 /// [`PathFit::curvature`](crate::path_fit::PathFit::curvature).
 pub(super) fn path_is_curved(measured: &Measured) -> Claim {
     let [at_least, at_most] = curvature(measured);
     let first = measured.each_fit(&[1], |fit, _| Some(fit.curvature));
     Claim::new(
         "path-is-curved",
-        "The straight segment becomes a curve that fits the cap (each finger).",
+        "The straight path becomes a curve that fits the cap (each finger).",
         vec![
             at_least,
             at_most,
             ClaimPart::new(
-                "greatest curvature relative to the arc's, stroke 1",
+                "maximum curvature relative to the arc, stroke 1",
                 greatest(&first),
                 Relation::AtMost,
                 0.4,
@@ -156,24 +156,25 @@ pub(super) fn path_is_curved(measured: &Measured) -> Claim {
     .decided_by(DecidedBy::Hand)
 }
 
-/// The grip that slips have built up is limited by OVER, within the window of [`PathFit`](crate::path_fit::PathFit).
+/// The grasp force that slips have built up is limited by OVER, within the window of
+/// [`PathFit`](crate::path_fit::PathFit).
 pub(super) fn grip_levels_off(data: &RunData) -> Claim {
     let over = each_finger(data, &CLOSED, |stroke, finger| {
         over_fraction(data, stroke, finger)
     });
     Claim::new(
         "grip-levels-off",
-        "Once closed, the grasp force levels off, limited by OVER (strokes 3 and 4; each finger).",
+        "With the cap closed, the grasp force levels off, limited by OVER (strokes 3 and 4; each finger).",
         vec![
             grip_variation(data),
             ClaimPart::new(
-                "least share of the window with OVER",
+                "minimum fraction of the window with OVER",
                 least(&over),
                 Relation::AtLeast,
                 0.03,
             ),
             ClaimPart::new(
-                "greatest share of the window with OVER",
+                "maximum fraction of the window with OVER",
                 greatest(&over),
                 Relation::AtMost,
                 0.50,
@@ -197,9 +198,9 @@ pub(super) fn path_saturates(measured: &Measured) -> Claim {
     let share = distance.zip(bend).and_then(|(d, bend)| ratio(d, bend));
     Claim::new(
         "path-saturates",
-        "The path's modification saturates after closing.",
+        "The path stops changing after the cap is closed.",
         vec![ClaimPart::new(
-            "RMS distance between the paths of strokes 3 and 4, to stroke 4's bend",
+            "RMS distance between the paths of strokes 3 and 4, relative to the bend of stroke 4",
             share,
             Relation::AtMost,
             0.15,
@@ -213,7 +214,7 @@ pub(crate) fn no_damage(data: &RunData) -> Claim {
     let longest = longest_above(data, limit);
     Claim::new(
         NO_DAMAGE,
-        "OVER protects the elements.",
+        "OVER protects the elements from overload.",
         vec![
             ClaimPart::new(
                 "longest time of an element above 1.25 F2",

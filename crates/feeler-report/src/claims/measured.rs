@@ -1,4 +1,4 @@
-//! What several claims are about, measured once, and how measures are compared.
+//! Measures that several claims share, and comparisons between them.
 
 use crate::path_fit::PathFit;
 use crate::run_data::{RunData, Stroke};
@@ -6,19 +6,19 @@ use crate::strokes::StrokeMeasures;
 
 /// Strokes in which the cap is closed.
 pub(super) const CLOSED: [u32; 2] = [3, 4];
-/// Strokes whose measures claims are about.
+/// Strokes that claims refer to.
 const MEASURED: [u32; 3] = [1, 3, 4];
 
-/// Measures of the strokes that claims are about.
+/// Measures of the strokes that claims refer to.
 pub(super) struct Measured<'a> {
     pub data: &'a RunData,
     strokes: Vec<MeasuredStroke<'a>>,
 }
 
-/// A stroke whose MOVE is over.
+/// A stroke with a complete MOVE.
 pub(super) struct MeasuredStroke<'a> {
     measures: &'a StrokeMeasures,
-    /// Of each finger.
+    /// Path fit of each finger.
     fits: Vec<Option<PathFit>>,
 }
 
@@ -56,7 +56,7 @@ impl<'a> Measured<'a> {
         self.stroke(index)?.fits[finger]
     }
 
-    /// A measure of one stroke against that of another.
+    /// Compares a measure between strokes `a` and `b`.
     pub fn compare(
         &self,
         a: u32,
@@ -67,7 +67,7 @@ impl<'a> Measured<'a> {
         comparison(measure(self.measures(a)?)?, measure(self.measures(b)?)?)
     }
 
-    /// A part of how well every finger's path fits in each of `strokes`, or `None` unless all define it.
+    /// A property of the path fit of every finger in each of `strokes`; `None` unless all of them define it.
     pub fn each_fit(
         &self,
         strokes: &[u32],
@@ -79,7 +79,7 @@ impl<'a> Measured<'a> {
     }
 }
 
-/// A measure of every finger in each of `strokes`, or `None` unless all define it.
+/// A measure of every finger in each of `strokes`; `None` unless all of them define it.
 pub(super) fn each_finger(
     data: &RunData,
     strokes: &[u32],
@@ -102,12 +102,12 @@ pub(super) fn greatest(values: &Option<Vec<f64>>) -> Option<f64> {
     values.as_ref()?.iter().copied().reduce(f64::max)
 }
 
-/// `value / reference`; none unless the reference is above 0.
+/// `value / reference`; `None` unless `reference` is above 0.
 pub(super) fn ratio(value: f64, reference: f64) -> Option<f64> {
     (reference > 0.0).then(|| value / reference)
 }
 
-/// `(to - from) / from`; none unless `from` is above 0.
+/// `(to - from) / from`; `None` unless `from` is above 0.
 pub(super) fn change(from: f64, to: f64) -> Option<f64> {
     ratio(to - from, from)
 }

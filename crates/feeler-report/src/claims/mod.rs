@@ -1,8 +1,8 @@
-//! Claims about a run in which a cap is screwed, measured on its recording.
+//! Claims about a cap-screwing run, measured on its recording.
 //!
-//! [`claims`] are those of the paper, about its own law. [`of_any_hand`] are about what a user wants of a hand under any law.
-//! A claim holds if all its parts hold. A part whose value the recording does not define (a stroke that was not made, too
-//! few samples) does not hold, and the claim's text says so.
+//! [`claims`] returns the paper's claims about its own law. [`of_any_hand`] returns claims that apply under any law. A
+//! claim holds if all its parts hold. If the recording does not define a value (missing stroke, too few samples), its
+//! part does not hold, and the claim's text names it.
 
 mod any_hand;
 mod bottle;
@@ -22,18 +22,17 @@ use super::thinned::Pressed;
 use feeler_record::RunFacts;
 use measured::Measured;
 
-/// A peak rises above this share of the run's peak…
+/// Fraction of the run's maximum that a signal must exceed to start a peak.
 pub(crate) const PEAK_RISES_ABOVE: f64 = 0.10;
-/// …and ends when it falls below this share.
+/// Fraction of the run's maximum below which a peak ends.
 pub(crate) const PEAK_ENDS_BELOW: f64 = 0.05;
-/// Length of the moving mean that goes over series before peaks are counted and before torque
-/// rate and shear rate are compared, s.
+/// Length of the moving mean applied before peaks are counted and before torque rate and shear rate are compared (s).
 pub const SMOOTHING: f64 = 0.05;
-/// Share of F2 above which an element might be damaged.
+/// Force relative to F2 above which an element may be damaged.
 pub const DAMAGE_FORCE: f64 = 1.25;
 
-/// The claims of the paper, in its order, about a run whose strokes measure `strokes`. What needs an instrument that the rig
-/// does not have is not measured.
+/// The paper's claims, in its order, for a run with these stroke measures. Claims that need a missing instrument are
+/// reported as not measured.
 pub fn claims(data: &RunData, strokes: &[StrokeMeasures]) -> Vec<Claim> {
     let measured = Measured::new(data, strokes);
     vec![
@@ -51,12 +50,12 @@ pub fn claims(data: &RunData, strokes: &[StrokeMeasures]) -> Vec<Claim> {
     ]
 }
 
-/// The force (N) above which an element might be damaged.
+/// Force above which an element may be damaged (N).
 pub(crate) fn damage_limit(facts: &RunFacts) -> f64 {
     DAMAGE_FORCE * facts.over_force_threshold
 }
 
-/// Longest time of an element pressed harder than `limit` (N), s; `None` if no forces are known.
+/// Longest time for which an element's force exceeds `limit` (N), in seconds; `None` if no forces are known.
 pub(crate) fn longest_above(data: &RunData, limit: f64) -> Option<f64> {
     let longest = match &data.thinned {
         Some(thinned) => thinned.longest_above(limit),
@@ -71,7 +70,7 @@ pub(crate) fn longest_above(data: &RunData, limit: f64) -> Option<f64> {
     longest.map(|rows| rows as f64 * data.facts.control_period)
 }
 
-/// The odd number of samples nearest to a time, at least 1.
+/// Odd number of samples closest to a duration (s), at least 1.
 pub(crate) fn samples(data: &RunData, time: f64) -> usize {
     let samples = (time / data.facts.control_period).round().clamp(1.0, 1e6) as usize;
     samples | 1

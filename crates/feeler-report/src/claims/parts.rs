@@ -1,34 +1,34 @@
-//! Parts that claims of the paper and of any hand have in common.
+//! Parts shared by the paper's claims and the claims of any hand.
 
 use super::measured::{CLOSED, Measured, each_finger, greatest, least, ratio};
 use crate::claim::{ClaimPart, Relation};
 use crate::run_data::RunData;
 use crate::strokes::grasp_force_variation;
 
-/// Deviation of the distance R from the cap's axis, relative to the planned line's, strokes 3 and 4. See
+/// Deviation of the distance R from the cap's axis relative to the planned line, strokes 3 and 4. See
 /// [`PathFit`](crate::path_fit::PathFit).
 pub(super) fn radius_to_line(measured: &Measured) -> ClaimPart {
     let to_line = measured.each_fit(&CLOSED, |fit, _| ratio(fit.radius_std, fit.line_radius_std));
     ClaimPart::new(
-        "greatest std of R relative to the planned line's",
+        "maximum std of R relative to the planned line",
         greatest(&to_line),
         Relation::AtMost,
         0.35,
     )
 }
 
-/// Curvature of the path relative to the arc's, strokes 3 and 4: not too small, not too large.
+/// Curvature of the path relative to the arc, strokes 3 and 4: lower and upper bound.
 pub(super) fn curvature(measured: &Measured) -> [ClaimPart; 2] {
     let closed = measured.each_fit(&CLOSED, |fit, _| Some(fit.curvature));
     [
         ClaimPart::new(
-            "least curvature relative to the arc's, strokes 3 and 4",
+            "minimum curvature relative to the arc, strokes 3 and 4",
             least(&closed),
             Relation::AtLeast,
             0.5,
         ),
         ClaimPart::new(
-            "greatest curvature relative to the arc's, strokes 3 and 4",
+            "maximum curvature relative to the arc, strokes 3 and 4",
             greatest(&closed),
             Relation::AtMost,
             1.5,
@@ -42,7 +42,7 @@ pub(super) fn grip_variation(data: &RunData) -> ClaimPart {
         grasp_force_variation(data, stroke, finger)
     });
     ClaimPart::new(
-        "greatest std of the grasp force relative to its mean",
+        "maximum std of the grasp force relative to its mean",
         greatest(&variation),
         Relation::AtMost,
         0.2,

@@ -1,4 +1,4 @@
-//! Figures of a calibration: errors by element, curves and residuals of one.
+//! Figures of a force calibration: errors per element, and curves and residuals of single elements.
 
 use super::super::calibration_page::{CalibrationPage, ElementLoads};
 use super::Figure;
@@ -7,12 +7,12 @@ use super::drawing::tiled;
 use kuva::render::layout::Layout;
 
 const AXES: [&str; 3] = ["x", "y", "z"];
-/// Most dots of one panel: more tell no more.
+/// Maximum number of dots per panel.
 const DOTS: usize = 200;
-/// Grey of loads.
+/// Gray of the loads.
 const LOADS: &str = "#999999";
 
-/// Root mean square errors of all elements, % of full scale.
+/// Root mean square errors of all elements (% of full scale).
 pub fn errors_figure(page: &CalibrationPage) -> Figure {
     let percent = |axis: usize| {
         let elements = page.elements.iter().enumerate();
@@ -30,11 +30,11 @@ pub fn errors_figure(page: &CalibrationPage) -> Figure {
     let legend: Vec<_> = AXES.into_iter().zip(pens).collect();
     let (title, panels) = ("Errors by element", vec![(plots, layout)]);
     let drawing = tiled((1, title), &legend, panels, 1, 300.0);
-    let caption = "Root mean square on loads that the fit has not seen.";
+    let caption = "Root mean square error on held-out loads.";
     Figure::drawn(1, title, caption, Some(drawing))
 }
 
-/// Loads, curves and residuals of one element, a row for each of x, y and z.
+/// Loads, curves and residuals of one element, with one row each for x, y and z.
 pub fn loads_figure(element: &ElementLoads, number: u32) -> Figure {
     let panels = AXES.into_iter().enumerate().flat_map(|(axis, name)| {
         let pen = Pen::solid(finger_colour(axis), 1.4);
@@ -64,12 +64,12 @@ pub fn loads_figure(element: &ElementLoads, number: u32) -> Figure {
         ("z", Pen::solid(finger_colour(2), 2.0)),
     ];
     let drawing = tiled((number, &title), &legend, panels.collect(), 2, 220.0);
-    let caption = "Left: the loads (dots) and the calibration's curves, for a coupled model at no, half and full growth of \
-        the gray value. Right: readings less loads, of held-out loads where there are some.";
+    let caption = "Left: loads (dots) and calibration curves; for a coupled model, at zero, half and full growth of \
+        the gray value. Right: readings minus loads, on held-out loads if available.";
     Figure::drawn(number, title, caption, Some(drawing))
 }
 
-/// An empty panel that holds all points.
+/// An empty panel whose axes cover all points.
 fn over(points: &[(f64, f64)], x_label: &str, y_label: &str) -> Layout {
     let x = range(points.iter().map(|p| p.0)).unwrap_or((0.0, 1.0));
     let y = range(points.iter().map(|p| p.1)).unwrap_or((0.0, 1.0));

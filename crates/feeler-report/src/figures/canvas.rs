@@ -1,8 +1,7 @@
-//! What all figures share: lines, panels, and the frame around them.
+//! Common parts of all figures: lines, panels and the frame around them.
 //!
-//! A figure is 480 units wide with 14-unit letters, so that it reads at a phone's width and at a
-//! page's column. The frame is ours (title for screen readers, `viewBox`, legend in a row above the
-//! panels, where it covers nothing); the panels are kuva's.
+//! A figure is 480 units wide with 14-unit text, so that it is readable on a phone and in a page column. The frame
+//! (title for screen readers, `viewBox`, legend above the panels) is drawn here; the panels are drawn by kuva.
 
 use super::super::series::finite;
 pub use super::pen::{CAP, Pen, REFERENCE, SHADE, Style, finger_colour, stroke_colour};
@@ -17,14 +16,14 @@ use std::sync::Arc;
 /// Width of a figure.
 pub const WIDTH: f64 = 480.0;
 
-/// Most strokes whose MOVE is shaded: of more, none can be told from the next.
+/// Maximum number of strokes whose MOVE is shaded; shades of more strokes are too narrow to distinguish.
 pub const MOST_SHADED: usize = 100;
 
 const LEGEND_HEIGHT: f64 = 30.0;
 const LEGEND_LINE: f64 = 22.0;
 const FONT: &str = "DejaVu Sans, Verdana, Liberation Sans, Arial, sans-serif";
 
-/// The legend's entries of so many fingers.
+/// Legend entries of the fingers.
 pub fn finger_legend(fingers: usize, width: f64) -> Vec<(&'static str, Pen)> {
     const NAMES: [&str; 5] = ["finger 0", "finger 1", "finger 2", "finger 3", "finger 4"];
     let names = NAMES.iter().enumerate().take(fingers);
@@ -33,7 +32,7 @@ pub fn finger_legend(fingers: usize, width: f64) -> Vec<(&'static str, Pen)> {
         .collect()
 }
 
-/// A line through points, without those that are no numbers.
+/// A line through the points with finite coordinates.
 pub fn line(points: impl IntoIterator<Item = (f64, f64)>, pen: Pen) -> Plot {
     let known = |(x, y): &(f64, f64)| x.is_finite() && y.is_finite();
     let points: Vec<_> = points.into_iter().filter(known).collect();
@@ -47,7 +46,7 @@ pub fn line(points: impl IntoIterator<Item = (f64, f64)>, pen: Pen) -> Plot {
     })
 }
 
-/// A line through the middle of intervals, in their band; without those that are no numbers.
+/// A line through the middle values, with a band between the interval ends; omits points that are not finite.
 pub fn line_in_band(points: impl IntoIterator<Item = (f64, [f64; 3])>, pen: Pen) -> [Plot; 2] {
     let known = |(x, y): &(f64, [f64; 3])| x.is_finite() && y.iter().all(|y| y.is_finite());
     let points: Vec<_> = points.into_iter().filter(known).collect();
@@ -59,7 +58,7 @@ pub fn line_in_band(points: impl IntoIterator<Item = (f64, [f64; 3])>, pen: Pen)
     [Plot::Band(band), line(x().zip(y(1)), pen)]
 }
 
-/// Dots at points, at most `most` of them, evenly thinned; without those that are no numbers.
+/// Dots at the points with finite coordinates, evenly decimated to at most `most`.
 pub fn dots(points: &[(f64, f64)], most: usize, colour: &str, size: f64) -> Plot {
     let step = points.len().div_ceil(most).max(1);
     let known = |(x, y): &(f64, f64)| x.is_finite() && y.is_finite();
@@ -68,7 +67,7 @@ pub fn dots(points: &[(f64, f64)], most: usize, colour: &str, size: f64) -> Plot
     Plot::Scatter(plot.with_size(size))
 }
 
-/// An empty panel over the given ranges. A range that is none is widened to one.
+/// An empty panel with the given axis ranges. Ranges without width are widened.
 pub fn panel(x: (f64, f64), y: (f64, f64), x_label: &str, y_label: &str) -> Layout {
     let layout = Layout::new(widen(x), widen(y))
         .with_label_size(14)
@@ -84,7 +83,7 @@ pub fn panel(x: (f64, f64), y: (f64, f64), x_label: &str, y_label: &str) -> Layo
     }
 }
 
-/// A tick's label: as short as tells it from its neighbours, with a true minus sign.
+/// Short tick label with a proper minus sign.
 fn tick(value: f64) -> String {
     let rounded = (value * 1e4).round() / 1e4;
     let text = rounded.abs().to_string();
@@ -95,7 +94,7 @@ fn tick(value: f64) -> String {
     }
 }
 
-/// The range as it is, or one around it when it has no width or is no number.
+/// The range, or a range of width 1 if it has no width or is not finite.
 fn widen((low, high): (f64, f64)) -> (f64, f64) {
     match (finite(low), finite(high)) {
         (Some(low), Some(high)) if high - low > 1e-9 => (low, high),
@@ -104,7 +103,7 @@ fn widen((low, high): (f64, f64)) -> (f64, f64) {
     }
 }
 
-/// Smallest and largest of the values that are numbers.
+/// Range of the finite values; `None` if no value is finite.
 pub fn range(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
     (values.into_iter().filter(|v| v.is_finite())).fold(None, |range, v| match range {
         None => Some((v, v)),
@@ -112,14 +111,14 @@ pub fn range(values: impl IntoIterator<Item = f64>) -> Option<(f64, f64)> {
     })
 }
 
-/// The range with some air, so that dots at its ends are whole.
+/// The range with a margin, so that dots at its ends are not clipped.
 pub fn airy((low, high): (f64, f64)) -> (f64, f64) {
     let air = 0.05 * (high - low);
     (low - air, high + air)
 }
 
-/// Thins a series to at most `buckets` pairs of a smallest and a largest value, in their order,
-/// so that no peak is lost.
+/// Decimates a series to the smallest and largest value of each of `buckets` buckets, in order, so that no peak is
+/// lost.
 pub fn thin(points: &[(f64, f64)], buckets: usize) -> Vec<(f64, f64)> {
     if points.len() <= 2 * buckets {
         return points.to_vec();
@@ -141,7 +140,7 @@ pub fn thin(points: &[(f64, f64)], buckets: usize) -> Vec<(f64, f64)> {
     thinned
 }
 
-/// Puts panels into a frame with a legend.
+/// Places panels in a frame with a legend.
 pub fn frame(
     number: u32,
     title: &str,
@@ -168,7 +167,7 @@ pub fn frame(
     sheet(number, title, height + legend_height, body)
 }
 
-/// A figure of our own drawing: white, in our letters, with a title for screen readers.
+/// An SVG document with white background, the common font and a title for screen readers.
 pub fn sheet(number: u32, title: &str, height: f64, body: Markup) -> String {
     let heading = format!("fig-{number:02}-title");
     html! {
@@ -182,9 +181,9 @@ pub fn sheet(number: u32, title: &str, height: f64, body: Markup) -> String {
     .into_string()
 }
 
-/// The legend's entries in rows, each with its left end.
+/// Legend entries arranged in rows, each with its left end.
 fn legend_rows<'a>(legend: &[(&'a str, Pen)]) -> Vec<Vec<(f64, &'a str, Pen)>> {
-    /// Width of a letter of the legend, on average, with room to spare.
+    /// Average width of a legend character, with some margin.
     const LETTER: f64 = 8.0;
     const START: f64 = 16.0;
     let mut rows = vec![Vec::new()];
@@ -203,7 +202,7 @@ fn legend_rows<'a>(legend: &[(&'a str, Pen)]) -> Vec<Vec<(f64, &'a str, Pen)>> {
     rows
 }
 
-/// Gives a figure's clip paths names that no other figure in the page has.
+/// Renames the clip paths of a figure so that ids are unique within a page.
 fn own_ids(svg: &str, number: u32) -> String {
     const THEIRS: &str = "kuva-clip-";
     let mut names: Vec<&str> = Vec::new();
@@ -244,7 +243,7 @@ mod tests {
     }
 
     #[test]
-    fn clip_paths_get_the_figures_own_names() {
+    fn clip_path_ids_are_unique_to_the_figure() {
         let svg = r##"<clipPath id="kuva-clip-12"/><g clip-path="url(#kuva-clip-12)"/><a b="kuva-clip-7"/>"##;
         assert_eq!(
             own_ids(svg, 8),
@@ -253,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn a_legend_that_is_too_wide_takes_another_row() {
+    fn wide_legend_wraps_to_another_row() {
         let pen = Pen::solid(CAP, 1.0);
         let long = "a legend entry of forty letters, or more";
         assert_eq!(legend_rows(&[(long, pen), (long, pen)]).len(), 2);

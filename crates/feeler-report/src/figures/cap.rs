@@ -1,4 +1,4 @@
-//! What the hand felt of a cap, over time, against the rig's instruments.
+//! Figure of a cap closed or opened by touch: the hand's estimates over time, with the instruments' values.
 
 use super::super::cap::{CapMeasures, Felt};
 use super::super::run_data::RunData;
@@ -11,22 +11,22 @@ use feeler_record::{FindingName, Recording};
 use kuva::render::annotations::{ReferenceLine, ShadedRegion};
 use kuva::render::layout::Layout;
 
-/// Pairs of points that a series is thinned to.
+/// Number of buckets to which a series is decimated.
 const BUCKETS: usize = 480;
-/// Left and right of both panels, so that their times stand one above the other.
+/// Left and right margins of both panels, so that their time axes align.
 const MARGINS: (f64, f64) = (64.0, 20.0);
-/// All of a recording.
+/// Time span that covers a whole recording (s).
 const ALWAYS: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
-/// Draws what there is to draw of a cap: torque and turn over the run.
+/// Figure of torque and rotation over the run.
 pub fn figures(recording: &Recording, data: &RunData, cap: &CapMeasures) -> Vec<Figure> {
     let (title, caption) =
         match cap.sense.is_some() && (data.torque.is_some() || data.cap.is_some()) {
             true => (
-                "Torque and turn, felt and measured",
+                "Torque and rotation, estimated and measured",
                 [FELT, JUDGES].concat(),
             ),
-            false => ("Torque and turn, as felt", FELT.to_string()),
+            false => ("Estimated torque and rotation", FELT.to_string()),
         };
     let limit = if cap.friction_limit.is_some() {
         LIMIT
@@ -37,17 +37,17 @@ pub fn figures(recording: &Recording, data: &RunData, cap: &CapMeasures) -> Vec<
     vec![Figure::drawn(1, title, caption + limit, drawing)]
 }
 
-const FELT: &str = "The torque that the hand feels is the sum of shear forces times their distance from the axis; nothing is felt \
-    between strokes. The turn that it feels is the way of sticking elements over the radius.";
-const JUDGES: &str = " The torque sensor and the cap's true angle are not the hand's to know.";
-const LIMIT: &str = " Dashed is what friction allows with the whole grip.";
+const FELT: &str = "The estimated torque is the sum of shear forces times their distance from the axis; there is no estimate \
+    between strokes. The estimated rotation is the displacement of sticking elements divided by the radius.";
+const JUDGES: &str = " The hand uses neither the torque sensor nor the cap's true angle.";
+const LIMIT: &str = " The dashed line is the torque limit of friction at full grasp force.";
 
-/// Of the instruments.
+/// Pen of measured or true values.
 const TRUTH: Pen = Pen::solid(CAP, 2.4);
-/// Where friction ends.
+/// Pen of the friction limit.
 const LIMIT_PEN: Pen = Pen::dashed(REFERENCE, 1.4);
 
-/// Points of time (s) and value.
+/// Points (time in s, value).
 type Points = Vec<(f64, f64)>;
 
 fn torque_and_turn(
@@ -91,8 +91,8 @@ fn torque_and_turn(
         let line = ReferenceLine::horizontal(limit).with_color(LIMIT_PEN.colour);
         layout.with_reference_line(line.with_stroke_width(LIMIT_PEN.width))
     });
-    let lower = panel_of(&turns, 0.0, "Time (s)", "Turn (°)")?;
-    // Nothing is felt of the torque between strokes; a line across would seem to say otherwise.
+    let lower = panel_of(&turns, 0.0, "Time (s)", "Rotation (°)")?;
+    // There is no torque estimate between strokes, so each stroke is a separate line.
     let strokes = data.strokes.iter().filter(|s| !s.moving.is_empty());
     let felt_torques = strokes.map(|stroke| {
         let (start, end) = (stroke.moving.start, stroke.moving.end - 1);
@@ -115,8 +115,8 @@ fn torque_and_turn(
         [false, false] => None,
     };
     let mut legend: Vec<_> = truth.into_iter().map(|name| (name, TRUTH)).collect();
-    legend.push(("felt", hand));
-    legend.extend(limit.map(|_| ("limit of friction", LIMIT_PEN)));
+    legend.push(("estimated", hand));
+    legend.extend(limit.map(|_| ("friction limit", LIMIT_PEN)));
     legend.push(("MOVE", Pen::solid(SHADE, 14.0)));
     let panels = vec![(upper_lines, upper), (lower_lines, lower)];
     Some(column((1, title), &legend, panels, 380.0))

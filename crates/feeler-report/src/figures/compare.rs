@@ -1,4 +1,4 @@
-//! Figures of a comparison: a measure of each control law against what varies, and two laws trial by trial.
+//! Figures of a law comparison: measures against varied quantities, and two laws trial by trial.
 
 use super::super::compare_page::{Curves, PairedMeasure, Pairs};
 use super::super::page_data::panels::{COLOURS, Colour, Command, Line, Points, Series};
@@ -6,16 +6,16 @@ use super::canvas::{Pen, REFERENCE, airy, dots, finger_colour, line, line_in_ban
 use super::drawing::{Drawing, tiled};
 use super::{Figure, grid};
 
-/// Most trials that are drawn in a still picture.
+/// Maximum number of trials drawn in the static figure.
 const MOST_DOTS: usize = 300;
-/// Where both laws do alike.
+/// Line on which both laws are equal.
 const ALIKE: Pen = Pen::dashed(REFERENCE, 1.2);
 
-/// One curve a law, with the band of its 95 % confidence.
+/// One curve per law with its 95 % confidence band.
 pub fn curves_figure(curves: &Curves, number: u32) -> Figure {
     let (mut plots, mut legend) = (Vec::new(), Vec::new());
     for (index, curve) in curves.curves.iter().enumerate() {
-        // Colours come again, in broken lines.
+        // Colors repeat with dashed lines.
         let style = if index < COLOURS {
             Pen::solid
         } else {
@@ -35,7 +35,7 @@ pub fn curves_figure(curves: &Curves, number: u32) -> Figure {
     Figure::drawn(number, title, "", Some(drawing))
 }
 
-/// Two laws on the same trials: a panel for each measure, a dot for each trial.
+/// Two laws on the same trials: one panel per measure, one dot per trial.
 pub fn pairs_figure(pairs: &Pairs, number: u32) -> Figure {
     let title = format!("{} and {}, trial by trial", pairs.first, pairs.other);
     let panels = pairs.measures.iter().map(|measure| {
@@ -44,13 +44,13 @@ pub fn pairs_figure(pairs: &Pairs, number: u32) -> Figure {
     });
     let legend = [
         ("trials", Pen::solid(finger_colour(1), 2.0)),
-        ("both alike", ALIKE),
+        ("equal", ALIKE),
     ];
     let panels: Vec<_> = panels.collect();
     let mut drawing = tiled((number, &title), &legend, panels, 2, 250.0);
     answer(&mut drawing, pairs);
-    let caption = "Each dot is a trial under both laws, with the same draws; on the broken line they do alike. A click copies \
-        the command that runs the trial alone under the second law.";
+    let caption = "Each dot is one trial under both laws with the same random draws; on the dashed line both are equal. Click a dot to copy \
+        the command that repeats the trial under the second law.";
     Figure::drawn(number, title, caption, Some(drawing))
 }
 
@@ -65,7 +65,7 @@ fn pair_panel(trials: &[(u64, f64, f64)], along: &str, upright: &str) -> grid::P
     (plots, panel(axis, axis, along, upright).with_ticks(4))
 }
 
-/// Gives every trial its command where scripts run.
+/// Adds the command of each trial to the interactive panels.
 fn answer(drawing: &mut Drawing, pairs: &Pairs) {
     for (panel, PairedMeasure { trials, .. }) in drawing.panels.iter_mut().zip(&pairs.measures) {
         panel.series.retain(|series| series.line != Line::Points);

@@ -1,4 +1,4 @@
-//! A picture, and what stands in its place where scripts run.
+//! Static drawings and the interactive panels that replace them.
 
 use super::super::page_data::panels::{Axis, COLOURS, Colour, Line, Panel, Points, Series};
 use super::super::text::name_and_unit;
@@ -8,24 +8,24 @@ use kuva::plot::{BandPlot, LinePlot, LineStyle};
 use kuva::render::figure::Figure as Panels;
 use kuva::render::plots::Plot;
 
-/// Around all panels.
+/// Padding around all panels.
 const PADDING: f64 = 6.0;
-/// Pairs of points that a line of time is thinned to.
+/// Number of buckets to which a line over time is decimated.
 const BUCKETS: usize = 600;
-/// What the axis of time is called.
+/// Label of time axes.
 const TIME: &str = "Time (s)";
 
-/// A picture, and the panels that answer in its place.
+/// A static drawing with its interactive replacement.
 pub struct Drawing {
-    /// The picture, a whole SVG document.
+    /// SVG document.
     pub svg: String,
-    /// The same as panels.
+    /// Interactive panels with the same content.
     pub panels: Vec<Panel>,
-    /// How many of them stand side by side.
+    /// Number of panels side by side.
     pub columns: usize,
 }
 
-/// Panels one below the other, which share what is along x, under a legend.
+/// Panels below each other with a shared x axis, under a legend.
 pub fn column(
     head: (u32, &str),
     legend: &[(&str, Pen)],
@@ -41,7 +41,7 @@ pub fn column(
     drawing((arranged, 1), (legend, of_time), panels, svg)
 }
 
-/// Panels of axes of their own, side by side in `columns`, under a legend; each row is `height` high.
+/// Panels with separate axes, arranged in `columns`, under a legend. Each row has height `height`.
 pub fn tiled(
     head: (u32, &str),
     legend: &[(&str, Pen)],
@@ -55,7 +55,7 @@ pub fn tiled(
     drawing((arranged, columns), (legend, false), panels, svg)
 }
 
-/// The panels in their arrangement of so many columns, and what answers in place of each.
+/// Creates the drawing and the interactive version of each panel.
 fn drawing(
     (arranged, columns): (Panels, usize),
     (legend, of_time): (&[(&str, Pen)], bool),
@@ -76,7 +76,7 @@ fn drawing(
     }
 }
 
-/// A panel that shows what a drawn one does, in the units that it is drawn in.
+/// Interactive version of a drawn panel, in the displayed units.
 fn answering((plots, layout): &grid::Panel, legend: &[(&str, Pen)], of_time: bool) -> Panel {
     let mut series: Vec<Series> = Vec::new();
     for (index, plot) in plots.iter().enumerate() {
@@ -112,8 +112,8 @@ fn answering((plots, layout): &grid::Panel, legend: &[(&str, Pen)], of_time: boo
     }
 }
 
-/// Adds a line to those that there are. One that is drawn in pieces is one series; only over time, where no line goes
-/// back, another of the same name begins anew.
+/// Adds a line to the series. Pieces of the same line are joined to one series. Over time, an earlier piece of the same
+/// name starts a new series, because lines do not run backwards.
 fn add_line(series: &mut Vec<Series>, line: &LinePlot, legend: &[(&str, Pen)], of_time: bool) {
     let name = name_of(line, legend);
     let mut points: Vec<_> = line.data.iter().map(|point| (point.x, point.y)).collect();
@@ -139,7 +139,7 @@ fn add_line(series: &mut Vec<Series>, line: &LinePlot, legend: &[(&str, Pen)], o
     }
 }
 
-/// A line with the band of its intervals.
+/// A line with its interval band.
 fn line_in_band(line: &LinePlot, band: &BandPlot, legend: &[(&str, Pen)]) -> Series {
     let points = Points::new(line.data.iter().map(|point| (point.x, point.y)));
     let ends = band
@@ -151,13 +151,13 @@ fn line_in_band(line: &LinePlot, band: &BandPlot, legend: &[(&str, Pen)]) -> Ser
     Series::of_points(name_of(line, legend), colour(&line.color), points)
 }
 
-/// What the legend calls a line.
+/// Name of a line in the legend.
 fn name_of(line: &LinePlot, legend: &[(&str, Pen)]) -> String {
     let is_solid = matches!(line.line_style, LineStyle::Solid);
     name(legend, &line.color, Some(is_solid))
 }
 
-/// What the legend calls what has a colour, and is solid or not; nothing where it does not name it.
+/// Name in the legend of an item with this color and line style; empty if the legend has no such item.
 fn name(legend: &[(&str, Pen)], colour: &str, is_solid: Option<bool>) -> String {
     let same = |(_, pen): &&(&str, Pen)| {
         let solid = pen.style.dashes().is_none();
@@ -167,7 +167,7 @@ fn name(legend: &[(&str, Pen)], colour: &str, is_solid: Option<bool>) -> String 
     entry.map_or_else(String::new, |(name, _)| (*name).into())
 }
 
-/// What the legend calls a horizontal line: its last broken one.
+/// Name of horizontal lines: the last dashed legend entry.
 fn reference_name<'a>(legend: &[(&'a str, Pen)]) -> &'a str {
     let mut broken = legend
         .iter()
@@ -186,7 +186,7 @@ fn colour(drawn: &str) -> Colour {
     }
 }
 
-/// An axis by its label, as in `Torque (mN·m)`.
+/// Axis for a label such as `Torque (mN·m)`.
 fn axis(label: Option<&str>, range: (f64, f64)) -> Axis {
     let (label, unit) = name_and_unit(label.unwrap_or_default());
     let mut axis = Axis::new(label, unit.to_string(), 1.0);

@@ -1,5 +1,5 @@
-//! The figures of a friction scan, all of the element that each stroke looks at: the one of largest F_z when
-//! it begins.
+//! Figures of a friction scan. They show the observed element of each stroke: the element with the largest F_z when the
+//! stroke starts.
 
 use super::Figure;
 use super::canvas::{
@@ -16,7 +16,7 @@ use kuva::render::plots::Plot;
 use std::f64::consts::TAU;
 
 const BUCKETS: usize = 480;
-/// Left and right of panels over time, so that their times stand one above the other.
+/// Left and right margins of panels over time, so that their time axes align.
 const MARGINS: (f64, f64) = (64.0, 20.0);
 const LINE: f64 = 1.6;
 const STATIC: Pen = Pen {
@@ -30,12 +30,12 @@ const KINETIC: Pen = Pen {
     style: Style::Dashed,
 };
 
-/// Fig. 1.
+/// Fig. 1: forces on the observed element.
 pub fn forces(data: &RunData) -> Figure {
-    let title = "Forces of the element that is looked at";
-    let caption = "The load is regulated over all elements that touch, so that the share of one may change as the \
-            fingertip rolls. Friction is positive where it acts against the first stroke; its teeth are slips. \
-            Shaded are the strokes that count: the first wipes away what shear the pressing left.";
+    let title = "Forces on the observed element";
+    let caption = "The load is controlled over all touching elements, so the share of one element may change as the \
+            fingertip rolls. Friction is positive if it opposes the first stroke; its teeth are slips. \
+            The evaluated strokes are shaded: the first stroke only removes the shear left from pressing.";
     Figure::drawn(1, title, caption, forces_over_time(data, title))
 }
 
@@ -62,12 +62,12 @@ fn forces_over_time(data: &RunData, title: &str) -> Option<Drawing> {
     Some(column((1, title), &legend, panels, 380.0))
 }
 
-/// Fig. 2.
+/// Fig. 2: ratio of friction to normal force.
 pub fn ratio(data: &RunData) -> Figure {
-    let title = "Friction by normal force";
+    let title = "Ratio of friction to normal force";
     let caption = "While the element sticks, the ratio rises to the static coefficient; when it slips, it falls to the \
-            kinetic one. Dashed is what the task found. The tilt that it found is taken out; what is tilted across \
-            the slide is not, and does not matter much.";
+            kinetic coefficient. Dashed lines are the measured coefficients. The measured tilt along the slide is compensated; \
+            tilt across the slide is not, but has little effect.";
     Figure::drawn(2, title, caption, ratio_over_time(data, title))
 }
 
@@ -77,7 +77,7 @@ fn ratio_over_time(data: &RunData, title: &str) -> Option<Drawing> {
     let top = 1.15 * range(strokes.iter().flatten().map(|s| s.ratio()))?.1;
     let pen = Pen::solid(finger_colour(0), LINE);
     let mut plots = over_time(&strokes, |s| s.ratio(), pen);
-    let mut legend = vec![("friction by normal force", pen)];
+    let mut legend = vec![("friction / normal force", pen)];
     for (name, words, pen) in found_lines() {
         if let Some(&value) = data.findings.get(&name) {
             plots.push(line([(time.0, value), (time.1, value)], pen));
@@ -90,17 +90,17 @@ fn ratio_over_time(data: &RunData, title: &str) -> Option<Drawing> {
 
 fn found_lines() -> [(FindingName, &'static str, Pen); 2] {
     [
-        (FindingName::StaticFriction, "found static", STATIC),
-        (FindingName::KineticFriction, "found kinetic", KINETIC),
+        (FindingName::StaticFriction, "measured static", STATIC),
+        (FindingName::KineticFriction, "measured kinetic", KINETIC),
     ]
 }
 
-/// Fig. 3.
+/// Fig. 3: path of the tangential force.
 pub fn path(data: &RunData) -> Figure {
-    let title = "Path of the force in the tangential plane";
-    let caption = "Friction along and across the slide, both by normal force: the friction cone from above. Forces stay \
-            within the static circle. A path that does not pass through the middle shows how the specimen is tilted \
-            across the slide; the circles are drawn around it.";
+    let title = "Path of the tangential force";
+    let caption = "Friction along and across the slide, divided by the normal force: the friction cone in top view. Forces stay \
+            within the static circle. The offset of the path from the origin shows the tilt of the specimen \
+            across the slide; the circles are centered on it.";
     Figure::drawn(3, title, caption, tangential_path(data, title))
 }
 
@@ -142,11 +142,10 @@ fn tangential_path(data: &RunData, title: &str) -> Option<Drawing> {
     Some(column((3, title), &legend, vec![(plots, layout)], 460.0))
 }
 
-/// Fig. 4. `truth`: static and kinetic coefficient.
+/// Fig. 4: measured and true coefficients. `truth` contains the static and the kinetic coefficient.
 pub fn found_and_true(data: &RunData, truth: [Option<f64>; 2]) -> Figure {
-    let title = "Found against true";
-    let caption =
-        "A cross on the line is a coefficient that was found as it is; the thin lines are 5 % off.";
+    let title = "Measured and true coefficients";
+    let caption = "Crosses on the bold line are exact; the thin lines mark an error of 5 %.";
     Figure::drawn(4, title, caption, crosses(data, truth, title))
 }
 
@@ -155,7 +154,7 @@ fn crosses(data: &RunData, truth: [Option<f64>; 2], title: &str) -> Option<Drawi
     let (same, off) = (Pen::solid(REFERENCE, 1.4), Pen::solid("#999999", 0.8));
     let ray = |slope: f64, pen| line([(0.0, 0.0), (top, slope * top)], pen);
     let mut plots = vec![ray(1.0, same), ray(0.95, off), ray(1.05, off)];
-    let mut legend = vec![("found as it is", same), ("5 % off", off)];
+    let mut legend = vec![("exact", same), ("5 % error", off)];
     for ((name, words, pen), truth) in found_lines().into_iter().zip(truth) {
         let Some((&found, truth)) = data.findings.get(&name).zip(truth) else {
             continue;
@@ -167,9 +166,9 @@ fn crosses(data: &RunData, truth: [Option<f64>; 2], title: &str) -> Option<Drawi
         let arm = 0.03 * top;
         plots.push(line([(truth - arm, found), (truth + arm, found)], pen));
         plots.push(line([(truth, found - arm), (truth, found + arm)], pen));
-        legend.push((words.trim_start_matches("found "), pen));
+        legend.push((words.trim_start_matches("measured "), pen));
     }
-    let layout = panel((0.0, top), (0.0, top), "True", "Found")
+    let layout = panel((0.0, top), (0.0, top), "True", "Measured")
         .with_equal_aspect()
         .with_x_axis_min(0.0)
         .with_x_axis_max(top)
@@ -178,7 +177,7 @@ fn crosses(data: &RunData, truth: [Option<f64>; 2], title: &str) -> Option<Drawi
     Some(column((4, title), &legend, vec![(plots, layout)], 440.0))
 }
 
-/// A line per stroke, so that nothing joins one to the next.
+/// One line per stroke, so that strokes are not connected.
 fn over_time(strokes: &[Vec<Sample>], value: fn(&Sample) -> f64, pen: Pen) -> Vec<Plot> {
     let series = |samples: &Vec<Sample>| {
         let points: Vec<_> = samples.iter().map(|s| (s.time, value(s))).collect();
@@ -187,7 +186,7 @@ fn over_time(strokes: &[Vec<Sample>], value: fn(&Sample) -> f64, pen: Pen) -> Ve
     strokes.iter().map(series).collect()
 }
 
-/// A panel over time with the strokes that count shaded.
+/// A panel over time with the evaluated strokes shaded.
 fn time_panel(
     data: &RunData,
     time: (f64, f64),
@@ -211,7 +210,7 @@ fn time_panel(
     counting.fold(layout, |layout, stroke| {
         let start = data.time[stroke.moving.start];
         let end = data.time[stroke.moving.end - 1];
-        // A gap between strokes that follow each other at once.
+        // Leave a gap between consecutive strokes.
         let shade = ShadedRegion::vertical(start + 0.01 * (end - start), end);
         layout.with_shaded_region(shade.with_color(SHADE).with_opacity(0.55))
     })

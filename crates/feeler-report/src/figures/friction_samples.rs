@@ -1,31 +1,30 @@
-//! What the figures of a friction scan are drawn from: the force on the element that each stroke looks at, along the
-//! axes of the specimen.
+//! Data of the friction figures: the force on the observed element of each stroke, along the axes of the specimen.
 
 use crate::run_data::{RunData, Stroke};
 use feeler_record::FindingName;
 use glam::DVec3;
 
-/// The force on the element at one row, N.
+/// Force on the observed element at one row (N).
 #[derive(Clone, Copy)]
 pub struct Sample {
-    /// s.
+    /// Time (s).
     pub time: f64,
-    /// On the finger by the specimen, across its surface as far as the found tilt tells.
+    /// Force on the finger by the specimen, normal to its surface as far as the measured tilt is known.
     pub normal: f64,
-    /// Along the first stroke, against it.
+    /// Force along the first stroke, positive against its direction.
     pub friction: f64,
-    /// Across both.
+    /// Force perpendicular to both.
     pub lateral: f64,
 }
 
 impl Sample {
-    /// Friction by normal force.
+    /// Ratio of friction to normal force.
     pub fn ratio(self) -> f64 {
         self.friction.abs() / self.normal
     }
 }
 
-/// The samples of every stroke's MOVE.
+/// Samples of every stroke's MOVE; `None` if the data is missing.
 pub fn strokes(data: &RunData) -> Option<Vec<Vec<Sample>>> {
     let strokes: Option<Vec<_>> = data
         .strokes
@@ -40,7 +39,7 @@ fn samples(data: &RunData, stroke: &Stroke) -> Option<Vec<Sample>> {
     let approach = DVec3::from(*data.facts.approach.first()?);
     let along = DVec3::from(*data.facts.stroke_direction.first()?);
     let along = along.reject_from_normalized(approach).normalize_or_zero();
-    // The axes of a surface that is tilted so.
+    // Axes of the tilted surface.
     let (sin, cos) = data
         .findings
         .get(&FindingName::Tilt)

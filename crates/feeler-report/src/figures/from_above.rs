@@ -1,4 +1,4 @@
-//! A stroke from above: the cap, the paths of the domes' centres beside it, and of the tips that touch it.
+//! Top view of a stroke: the cap, the paths of the dome centers, and the paths of the touching tips.
 
 use super::super::run_data::{RunData, Stroke};
 use super::canvas::{CAP, Pen, REFERENCE, WIDTH, finger_colour, line, panel, range};
@@ -10,29 +10,29 @@ use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use std::f64::consts::TAU;
 
-/// Metres to millimetres.
+/// Meters to millimeters.
 pub const MM: f64 = 1e3;
-/// Width of the path that a figure is about.
+/// Line width of the main path.
 pub const BOLD: f64 = 2.6;
-/// The other touching elements.
+/// Pen of the other touching elements.
 pub const TOUCHING: Pen = Pen::solid("#888888", 1.0);
-/// The line that was planned.
+/// Pen of the planned line.
 pub const PLANNED: Pen = Pen::dashed(REFERENCE, 1.4);
-/// The arc about the cap's axis.
+/// Pen of the arc about the cap's axis.
 pub const ARC: Pen = Pen::dotted(CAP, 1.8);
-/// The cap's contour.
+/// Pen of the cap's contour.
 pub const CONTOUR: Pen = Pen::solid(CAP, 1.8);
-/// Where the centre of a tip is that just touches the cap.
+/// Pen of the circle on which the center of a just touching tip lies.
 pub const JUST_TOUCHING: Pen = Pen::dashed("#999999", 1.0);
 
 /// Ranges of x and y.
 type Window = ((f64, f64), (f64, f64));
 
-/// The cap, where it is known, with the domes' centres beside it, as wide as the figure and as high as it needs.
+/// The cap (if its position is known) with the paths of the dome centers, scaled to the width of the figure.
 pub fn overview(data: &RunData, stroke: &Stroke) -> Option<Row> {
-    /// Around what is drawn, mm.
+    /// Margin around the content (mm).
     const MARGIN: f64 = 2.0;
-    /// Left of the panel and right of it, above and below.
+    /// Width of labels beside the panel, and their height above and below it.
     const LABELS: (f64, f64) = (84.0, 56.0);
     let cap = cap_above(data, stroke);
     let mut plots = cap_outline(data, cap);
@@ -50,7 +50,7 @@ pub fn overview(data: &RunData, stroke: &Stroke) -> Option<Row> {
     })
 }
 
-/// The tips that touch, one close-up a finger; all of one scale, and the same for strokes 1 and 4.
+/// Close-ups of the touching tips, one per finger, all with the same scale and the same axes for strokes 1 and 4.
 pub fn close_ups(data: &RunData, stroke: &Stroke) -> Option<Vec<Panel>> {
     let cap = cap_above(data, stroke);
     let close_up = |finger: usize| {
@@ -62,7 +62,7 @@ pub fn close_ups(data: &RunData, stroke: &Stroke) -> Option<Vec<Panel>> {
     (0..data.fingers.len()).map(close_up).collect()
 }
 
-/// Axes of a plan, with a tick every so many millimetres; the `first` in a row names its upright axis.
+/// Axes of a top view with ticks every `ticks` millimeters. Only the `first` panel of a row labels its y axis.
 fn plan((x, y): Window, first: bool, ticks: f64) -> Layout {
     panel(x, y, "x (mm)", if first { "y (mm)" } else { "" })
         .with_equal_aspect()
@@ -74,14 +74,14 @@ fn plan((x, y): Window, first: bool, ticks: f64) -> Layout {
         .with_y_axis_max(y.1)
 }
 
-/// Where the cap's axis is when MOVE begins, m; none unless that and the cap's radius are known.
+/// Position of the cap's axis when MOVE starts (m); `None` unless it and the cap's radius are known.
 pub fn cap_above(data: &RunData, stroke: &Stroke) -> Option<DVec2> {
     let centre = data.cap.as_ref()?.centre.get(stroke.moving.start)?;
     let known = centre.is_finite() && data.facts.cap_radius > 0.0;
     known.then(|| centre.truncate())
 }
 
-/// The cap's contour, and the circle of a tip's centre that touches it.
+/// The cap's contour, and the circle on which the center of a just touching tip lies.
 fn cap_outline(data: &RunData, centre: Option<DVec2>) -> Vec<Plot> {
     let Some(centre) = centre else {
         return Vec::new();
@@ -106,8 +106,7 @@ fn cap_outline(data: &RunData, centre: Option<DVec2>) -> Vec<Plot> {
     plots
 }
 
-/// The path of a dome's centre over MOVE, boldest, with the line that was planned and, where the axis is known, the arc
-/// about it.
+/// Path of a dome's center over MOVE (bold), with the planned line and, if the axis is known, the arc about it.
 fn centre_paths(data: &RunData, stroke: &Stroke, finger: usize) -> Vec<Plot> {
     let Some(unrolled) = Unrolled::new(data, stroke, finger) else {
         return Vec::new();
@@ -123,8 +122,7 @@ fn centre_paths(data: &RunData, stroke: &Stroke, finger: usize) -> Vec<Plot> {
     plots
 }
 
-/// A finger's tips over MOVE: the planned segment, every touching element, and, boldest, the
-/// element that leads.
+/// A finger's tips over MOVE: the planned segment, every touching element, and the leading element (bold).
 fn tip_paths(data: &RunData, stroke: &Stroke, finger: usize) -> Vec<Plot> {
     let columns = &data.fingers[finger];
     let mut plots = Vec::new();
@@ -148,7 +146,7 @@ fn tip_paths(data: &RunData, stroke: &Stroke, finger: usize) -> Vec<Plot> {
     plots
 }
 
-/// The unbroken stretches of a path over MOVE: broken where it has no point.
+/// Contiguous stretches of a path over MOVE, split where `point` is `None`.
 fn stretches<'a>(
     stroke: &'a Stroke,
     point: impl Fn(usize) -> Option<DVec3> + 'a,
@@ -166,8 +164,8 @@ fn stretches<'a>(
     .filter(|path| path.len() > 1)
 }
 
-/// Where the tip of the element that leads would have gone had the finger kept to the planned
-/// direction, over the distance that it went along that direction.
+/// Segment along which the tip of the leading element would have moved in the planned direction, over the actual
+/// travel.
 fn planned_segment(data: &RunData, stroke: &Stroke, finger: usize) -> Option<[DVec3; 2]> {
     let columns = &data.fingers[finger];
     let direction = DVec3::from(*data.facts.stroke_direction.get(finger)?);
@@ -177,7 +175,7 @@ fn planned_segment(data: &RunData, stroke: &Stroke, finger: usize) -> Option<[DV
     Some([start, start + travel * direction])
 }
 
-/// Ranges (m) that hold the cap, and what strokes 1 and 4 draw of the domes' centres.
+/// Ranges (m) that contain the cap and the paths of the dome centers in strokes 1 and 4.
 fn overview_window(data: &RunData, cap: Option<DVec2>) -> Option<Window> {
     let reach = DVec2::splat(data.facts.cap_radius + data.facts.feeler_tip_radius);
     let mut points: Vec<_> = (cap.iter().flat_map(|&axis| [axis - reach, axis + reach])).collect();
@@ -194,8 +192,7 @@ fn overview_window(data: &RunData, cap: Option<DVec2>) -> Option<Window> {
     ))
 }
 
-/// Ranges of x and y (mm) around a finger's leading tips in strokes 1 and 4, of one size
-/// for all fingers.
+/// Ranges of x and y (mm) around a finger's leading tips in strokes 1 and 4, of equal size for all fingers.
 fn close_up_window(data: &RunData, finger: usize) -> Option<Window> {
     const MARGIN: f64 = 1.5;
     let extents: Option<Vec<_>> = (0..data.fingers.len())

@@ -1,24 +1,24 @@
-//! Panels in rows.
+//! Arrangement of panels in rows.
 
 use kuva::render::figure::Figure as Panels;
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 
-/// Between panels, and around all.
+/// Spacing between and around panels.
 const SPACING: f64 = 6.0;
 
-/// What a panel draws, and its axes.
+/// Plots of a panel, and its axes.
 pub type Panel = (Vec<Plot>, Layout);
 
-/// Panels side by side.
+/// A row of panels.
 pub struct Row {
     /// Height of the row.
     pub height: f64,
-    /// From left to right; one alone is as wide as the figure.
+    /// Panels from left to right; a single panel spans the width of the figure.
     pub panels: Vec<Panel>,
 }
 
-/// One panel a finger, in rows of at most three, of which none is left with one alone.
+/// Arranges one panel per finger in rows of at most three, without a single panel in the last row.
 pub fn rows(height: f64, mut panels: Vec<Panel>) -> Vec<Row> {
     let columns = if panels.len() == 4 { 2 } else { 3 };
     let mut rows = Vec::new();
@@ -30,7 +30,7 @@ pub fn rows(height: f64, mut panels: Vec<Panel>) -> Vec<Row> {
     rows
 }
 
-/// All rows, one below the other, and the height they take. There must be a panel.
+/// Stacks rows vertically and returns the total height. There must be at least one panel.
 pub fn stack(rows: Vec<Row>) -> (Panels, f64) {
     let columns = rows.iter().map(|row| row.panels.len()).max().unwrap_or(0);
     let mut figure = Panels::new(rows.len(), columns)

@@ -1,29 +1,30 @@
-//! Figures of a probing run: raw probes, and what was fitted to them.
+//! Figures of a probing run: raw probes with their fits.
 
 use super::super::identify_page::{FingerProbes, IdentifyPage};
 use super::Figure;
 use super::canvas::{Pen, airy, dots, finger_colour, line, panel, range};
 use super::drawing::tiled;
 
-/// Most dots of one series: more show no more.
+/// Maximum number of dots per series.
 const DOTS: usize = 400;
-/// Grey of what was fitted.
+/// Gray of the fits.
 const FITTED: &str = "#555555";
 const HEIGHT: f64 = 240.0;
 
-/// Points of a finger.
+/// Accessor for a finger's points.
 type PointsOf = fn(&FingerProbes) -> &[(f64, f64)];
 
 /// `F_z` over depth.
 pub fn depth_figure(page: &IdentifyPage, number: u32) -> Figure {
-    let caption = "The most loaded element, pressed and released at two speeds. Line: the contact stiffness along its axis.";
+    let caption =
+        "Most loaded element, pressed and released at two speeds. Line: normal contact stiffness.";
     let labels = ["depth (mm)", "F_z (N)"];
     slope_figure(page, (number, "Pressing"), |f| &f.depth, 0, labels, caption)
 }
 
 /// Shear force over displacement.
 pub fn shear_figure(page: &IdentifyPage, number: u32) -> Figure {
-    let caption = "The same element, sheared along the object's axis while it sticks. Line: the contact stiffness across its axis.";
+    let caption = "Same element, sheared along the object's axis while it sticks. Line: tangential contact stiffness.";
     let labels = ["shear displacement (mm)", "shear force (N)"];
     slope_figure(page, (number, "Shearing"), |f| &f.shear, 1, labels, caption)
 }
@@ -85,12 +86,12 @@ pub fn slide_figure(page: &IdentifyPage, number: u32) -> Figure {
         (plots, layout.with_ticks(4))
     });
     let (title, panels) = ("Sliding", panels.collect());
-    let caption = "The most loaded element at each place: it sticks, and then sticks and slips in turn between both coefficients of friction (lines).";
+    let caption = "Most loaded element at each place: it first sticks, then alternates between stick and slip within both friction coefficients (lines).";
     let drawing = tiled((number, title), &legend(page), panels, 2, HEIGHT);
     Figure::drawn(number, title, caption, Some(drawing))
 }
 
-/// Tips that touch, and the circle through them.
+/// Touching tips, and the circle through them.
 pub fn circle_figure(page: &IdentifyPage, number: u32) -> Figure {
     let [x, y, radius] = page.circle.map(|length| 1e3 * length);
     let turn = (0..=120).map(|step| f64::from(step) / 120.0 * std::f64::consts::TAU);
@@ -109,9 +110,9 @@ pub fn circle_figure(page: &IdentifyPage, number: u32) -> Figure {
         "y (mm)",
     )
     .with_equal_aspect();
-    let title = "Object, along its axis";
-    let caption = "Centres of the tips that touch, one dot for each element and place, where the forces have pushed them; the circle through them, and its centre, the pivot. \
-        The object's radius is less by that of a tip.";
+    let title = "Cross-section of the object";
+    let caption = "Centers of the touching tips under load, one dot per element and place; circle fitted through them, and its center, the pivot. \
+        The object's radius is the circle's radius minus the radius of a tip.";
     let drawing = tiled(
         (number, title),
         &legend(page),

@@ -1,18 +1,18 @@
-//! Figure of control laws on the same hands: a bar for each law and claim.
+//! Figure of control laws on the same hands: one bar per law and claim.
 
 use super::super::law_shares_page::LawSharesPage;
 use super::Figure;
 use super::canvas::{WIDTH, finger_colour, sheet};
 use maud::html;
 
-/// Height of the bars of 100 %.
+/// Height of a 100 % bar.
 const HEIGHT: f64 = 220.0;
 /// Left end of the axis.
 const LEFT: f64 = 44.0;
-/// Laws in one line of the legend.
+/// Number of laws per legend line.
 const PER_LINE: usize = 2;
 
-/// A group of bars for each claim, a bar for each law, with Wilson's interval.
+/// One group of bars per claim, one bar per law, with Wilson's interval.
 pub fn law_shares_figure(page: &LawSharesPage, number: u32) -> Figure {
     let of = page.laws.first().map_or(&[][..], |law| &law.shares);
     let top = 24.0 * page.laws.len().div_ceil(PER_LINE) as f64 + 14.0;
@@ -32,7 +32,7 @@ pub fn law_shares_figure(page: &LawSharesPage, number: u32) -> Figure {
         }
         @for (column, share) in of.iter().enumerate() {
             @let middle = LEFT + group * (column as f64 + 0.5);
-            // Two lines, so that neighbours do not overlap.
+            // Two lines, so that adjacent labels do not overlap.
             @let (first, last) = share.of.rsplit_once(' ').unwrap_or((&share.of, ""));
             text x=(middle) y=(y(0.0) + 16.0) text-anchor="middle" font-size="12" { (first) }
             text x=(middle) y=(y(0.0) + 30.0) text-anchor="middle" font-size="12" { (last) }
@@ -47,9 +47,8 @@ pub fn law_shares_figure(page: &LawSharesPage, number: u32) -> Figure {
         }
         line x1=(LEFT) x2=(WIDTH - 16.0) y1=(y(0.0)) y2=(y(0.0)) stroke="black" {}
     };
-    let title = "Share of hands in which each claim of any hand holds (%)";
-    let caption =
-        "A bar for each law, with Wilson's 95 % interval. All laws ran on the same hands.";
+    let title = "Fraction of hands that pass each claim of any hand (%)";
+    let caption = "One bar per law, with Wilson's 95 % interval. All laws ran on the same hands.";
     let svg = sheet(number, title, y(0.0) + 42.0, body);
     Figure::still(number, title, caption, svg)
 }

@@ -1,4 +1,4 @@
-//! Figures, drawn from a run: the paper's Figs. 8 to 13, one that goes with them, and those of other tasks.
+//! Figures of reports: the paper's Figs. 8 to 13, an additional Fig. 14, and figures of other tasks and pages.
 
 pub mod calibration;
 pub(super) mod canvas;
@@ -27,25 +27,25 @@ use super::page_data::Panel;
 use drawing::Drawing;
 use maud::{Markup, PreEscaped, html};
 
-/// One figure of the report.
+/// A figure of a page.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Figure {
-    /// Its number; where it answers a figure of the paper, that figure's.
+    /// Figure number; equals the paper's number for figures that correspond to the paper.
     pub number: u32,
-    /// What it shows.
+    /// Title.
     pub title: String,
-    /// What to see in it, and how that relates to the paper's figure.
+    /// Explanation, including the relation to the paper's figure.
     pub caption: String,
-    /// The picture, a whole SVG document; none if the recording does not hold what it shows.
+    /// Static figure as SVG document; `None` if the recording does not contain the data.
     pub svg: Option<String>,
-    /// What stands in its place where scripts run; nothing if the picture stays.
+    /// Interactive panels that replace the static figure; may be empty.
     pub panels: Vec<Panel>,
-    /// How many panels stand side by side, where there is room.
+    /// Number of panels side by side, space permitting.
     pub columns: usize,
 }
 
 impl Figure {
-    /// A figure that shows `drawing`, if the recording holds it.
+    /// A figure that shows `drawing`, or a placeholder if it is `None`.
     pub(super) fn drawn(
         number: u32,
         title: impl Into<String>,
@@ -71,7 +71,7 @@ impl Figure {
         }
     }
 
-    /// A figure that is a picture only.
+    /// A static figure.
     pub(super) fn still(
         number: u32,
         title: impl Into<String>,
@@ -95,7 +95,7 @@ impl Figure {
         }
     }
 
-    /// The figure in a page, where its panels find it by its number.
+    /// HTML of the figure; its panels find it by number.
     pub(super) fn markup(&self) -> Markup {
         html! {
             figure id=(format!("fig-{:02}", self.number)) {
@@ -111,7 +111,7 @@ impl Figure {
         }
     }
 
-    /// Name of the figure's file.
+    /// Name of the figure's SVG file.
     pub fn file_name(&self) -> String {
         format!("fig-{:02}.svg", self.number)
     }

@@ -1,4 +1,4 @@
-//! An outline that was felt, from above and against the true section.
+//! Figures of a measured outline: top view with the true section, and its error.
 
 use super::Figure;
 use super::canvas::{CAP, Pen, finger_colour, line, panel, range};
@@ -9,16 +9,16 @@ use crate::run_data::RunData;
 use feeler_record::{Phase, Recording};
 use glam::DVec2;
 
-/// Metres to millimetres.
+/// Meters to millimeters.
 const MM: f64 = 1e3;
 
-/// The outline from above, and its error along the way.
+/// Top view of the outline, and its error over time.
 pub fn figures(recording: &Recording, data: &RunData) -> Vec<Figure> {
     vec![outline(recording, data), error(recording)]
 }
 
 fn outline(recording: &Recording, data: &RunData) -> Figure {
-    let title = "The outline as felt, from above";
+    let title = "Measured outline, top view";
     let (section, drawn) = (section(recording), drawn(recording));
     let millimetres = |p: DVec2| (MM * p.x, MM * p.y);
     let centre = data.fingers.first().map(|finger| {
@@ -43,20 +43,20 @@ fn outline(recording: &Recording, data: &RunData) -> Figure {
             line(centre.iter().copied().map(millimetres), path),
             line(drawn.iter().map(|d| millimetres(d.1)), felt),
         ];
-        let mut legend = vec![("felt", felt)];
+        let mut legend = vec![("measured", felt)];
         if !section.is_empty() {
             plots.push(line(section.iter().copied().map(millimetres), truth));
             legend.push(("true section", truth));
         }
-        legend.push(("dome's centre", path));
+        legend.push(("dome center", path));
         let layout = panel(x, y, "x (mm)", "y (mm)").with_equal_aspect();
         column((1, title), &legend, vec![(plots, layout)], 480.0)
     });
-    let mut caption = "Every point is where the feeler with the largest force on it touches, by that force, its stiffness and \
-            where the arm is. At a corner the finger goes from feeler to feeler, and its path has steps."
+    let mut caption = "Each point is the contact of the feeler with the largest force, computed from that force, the feeler's stiffness and \
+            the pose of the finger. At corners the contact moves from feeler to feeler, and the finger's path has steps."
         .to_string();
     if !section.is_empty() {
-        caption += " The true section is the simulator's; the hand does not know it.";
+        caption += " The true section is ground truth that the hand does not know.";
     }
     Figure::drawn(1, title, caption, drawing)
 }
@@ -72,10 +72,10 @@ fn error(recording: &Recording) -> Figure {
     let ranges = range(points.iter().map(|p| p.0)).zip(range(points.iter().map(|p| p.1)));
     let drawing = ranges.map(|(time, (_, most))| {
         let layout = panel(time, (0.0, most), "Time (s)", "Distance (mm)");
-        let legend = [("felt point to true section", pen)];
+        let legend = [("measured point to true section", pen)];
         let lines = vec![line(points.iter().copied(), pen)];
         column((2, title), &legend, vec![(lines, layout)], 300.0)
     });
-    let caption = "Distance of each point felt from the true section.";
+    let caption = "Distance of each measured point from the true section.";
     Figure::drawn(2, title, caption, drawing)
 }

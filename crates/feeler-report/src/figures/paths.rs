@@ -1,4 +1,4 @@
-//! Figs. 12 and 13: where the fingertips go in a stroke, and whether that is along the cap.
+//! Figs. 12 and 13: paths of the fingertips in a stroke, compared with the cap's contour.
 
 use super::super::page_data::panels::{Axis, Colour, Panel as AnsweringPanel, Points, Series};
 use super::super::run_data::{RunData, Stroke};
@@ -14,37 +14,37 @@ use kuva::render::annotations::ShadedRegion;
 use kuva::render::layout::Layout;
 use std::f64::consts::TAU;
 
-/// Height of a row of close-ups of tips, and of paths laid out.
+/// Row heights of the tip close-ups, and of the unrolled paths.
 const HEIGHTS: (f64, f64) = (235.0, 225.0);
 
-/// Fig. 12; without cap and arc where nothing tells where the cap is, as Fig. 13.
+/// Fig. 12: paths before closing. Cap and arc are omitted if the cap's position is unknown (also in Fig. 13).
 pub fn before_closing(data: &RunData) -> Figure {
     let arc = knows_arc(data, 1);
     let close_up = match shows_cap(data, 1) {
-        true => " on the grey circle a tip touches the cap without being pressed.",
-        false => " where the cap is was not measured.",
+        true => " a tip on the gray circle touches the cap without force.",
+        false => " the cap's position was not measured.",
     };
     let above = match shows_cap(data, 1) {
-        true => "bold beside the cap the domes' centres, bold at the cap the tip",
-        false => "bold on the outside the domes' centres, bold on the inside the tip",
+        true => "the outer bold lines are the dome centers, the bold lines at the cap are the tips",
+        false => "the outer bold lines are the dome centers, the inner bold lines are the tips",
     };
     let laid_out = match arc {
         true => {
-            "; a finger that follows the cap keeps to the dotted arc about the cap's axis. Line \
-            and arc begin at a quarter of the travel, where the shade begins: the grip has built up."
+            "; a finger that follows the cap stays on the dotted arc about the cap's axis. Line \
+            and arc start at a quarter of the travel, where the shading starts, because the grip has built up by then."
         }
         false => {
-            ". The line begins at a quarter of the travel, where the shade begins: the grip has built up."
+            ". The line starts at a quarter of the travel, where the shading starts, because the grip has built up by then."
         }
     };
     Figure {
         number: 12,
         title: "Paths of the fingertips in stroke 1, before closing".into(),
         caption: format!(
-            "In the paper's Fig. 12 the cap is loose, and the tips of the touching elements keep to the straight segment \
-            that was planned (dashed) and only pass by the cap. Top: from above, {above} of the element that is pressed hardest when MOVE begins. Middle: the tips close up;{close_up} \
-            Bottom: how far each dome's centre is from its \
-            planned line, much enlarged{laid_out}"
+            "In the paper's Fig. 12 the cap is loose; the tips of the touching elements follow the planned straight segment \
+            (dashed) and only pass by the cap. Top: top view; {above} of the most compressed elements when MOVE starts. Middle: close-up of the tips;{close_up} \
+            Bottom: offset of each dome center from its \
+            planned line, magnified{laid_out}"
         ),
         panels: from_above(data, 1),
         columns: 1,
@@ -52,21 +52,21 @@ pub fn before_closing(data: &RunData) -> Figure {
     }
 }
 
-/// Fig. 13.
+/// Fig. 13: paths after closing.
 pub fn after_closing(data: &RunData) -> Figure {
     let compare = match knows_arc(data, 4) {
-        true => "the dotted arc about the cap's axis and with the dashed line that was planned",
-        false => "the dashed line that was planned",
+        true => "the dotted arc about the cap's axis and with the dashed planned line",
+        false => "the dashed planned line",
     };
     let claims = match knows_arc(data, 4) {
-        true => "Claims path-follows-contour, path-is-curved and path-saturates measure that.",
+        true => "Claims path-follows-contour, path-is-curved and path-saturates measure this.",
         false => "Claim path-saturates compares it with stroke 3.",
     };
     Figure {
         number: 13,
         title: "Paths of the fingertips in stroke 4, after closing".into(),
         caption: format!(
-            "The same views and axes as for stroke 1. In the paper's Fig. 13 every slip has \
+            "Same views and axes as for stroke 1. In the paper's Fig. 13 each slip has \
             pressed the finger further inward, so that the straight segment has become a curve \
             closer to the cap's contour. At the bottom, compare the bold path with {compare}; a straight path that leaves the line is tilted, not curved. {claims}"
         ),
@@ -76,7 +76,7 @@ pub fn after_closing(data: &RunData) -> Figure {
     }
 }
 
-/// The domes' centres from above, with the cap, and how they leave the planned line.
+/// Interactive panels: top view of the dome centers with the cap, and their offset from the planned line.
 fn from_above(data: &RunData, index: u32) -> Vec<AnsweringPanel> {
     let Some(stroke) = data.whole_stroke(index) else {
         return Vec::new();
@@ -124,13 +124,13 @@ fn from_above(data: &RunData, index: u32) -> Vec<AnsweringPanel> {
     vec![plan, bends]
 }
 
-/// Whether the cap is to be seen in the figure of a stroke.
+/// `true` if the figure of a stroke shows the cap.
 fn shows_cap(data: &RunData, index: u32) -> bool {
     let stroke = data.whole_stroke(index);
     stroke.is_some_and(|stroke| cap_above(data, stroke).is_some())
 }
 
-/// Whether any finger's arc is.
+/// `true` if the arc of any finger is known.
 fn knows_arc(data: &RunData, index: u32) -> bool {
     let arc =
         |stroke: &Stroke, finger| Unrolled::new(data, stroke, finger).is_some_and(|u| u.has_arc());
@@ -145,7 +145,7 @@ fn paths(data: &RunData, number: u32, index: u32) -> Option<String> {
     panels.extend(rows(HEIGHTS.0, close_ups(data, stroke)?));
     panels.extend(rows(HEIGHTS.1, bends(data, stroke)));
     let (panels, height) = stack(panels);
-    let title = format!("Paths of the fingertips in stroke {index}, from above and laid out");
+    let title = format!("Paths of the fingertips in stroke {index}, top view and unrolled");
     let legend = legend(data, knows_arc(data, index), shows_cap(data, index));
     Some(frame(number, &title, &legend, panels, height))
 }
@@ -160,7 +160,7 @@ fn legend(data: &RunData, arc: bool, cap: bool) -> Vec<(&'static str, Pen)> {
             (true, "other touching tips", TOUCHING),
             (cap, "cap", CONTOUR),
             (tip, "cap + tip radius", JUST_TOUCHING),
-            (true, "window of the claims", Pen::solid(SHADE, 14.0)),
+            (true, "evaluation window", Pen::solid(SHADE, 14.0)),
         ]
         .into_iter()
         .filter_map(|(drawn, name, pen)| drawn.then_some((name, pen))),
@@ -168,14 +168,14 @@ fn legend(data: &RunData, arc: bool, cap: bool) -> Vec<(&'static str, Pen)> {
     legend
 }
 
-/// Each finger's dome's centre: its offset from the planned line over the travel.
+/// Offset of each finger's dome center from the planned line, over the travel.
 fn bends(data: &RunData, stroke: &Stroke) -> Vec<Panel> {
     let Some((x, y)) = bend_window(data) else {
         return Vec::new();
     };
     let bend = |finger: usize| {
         let y_label = if finger == 0 {
-            "towards the cap (mm)"
+            "offset to cap (mm)"
         } else {
             ""
         };
@@ -202,13 +202,13 @@ fn bends(data: &RunData, stroke: &Stroke) -> Vec<Panel> {
     (0..data.fingers.len()).map(bend).collect()
 }
 
-/// Shades the travel (m) that the claims look at.
+/// Shades the travel (m) evaluated by the claims.
 pub fn with_window(layout: Layout, window: (f64, f64)) -> Layout {
     let shade = ShadedRegion::vertical(MM * window.0, MM * window.1);
     layout.with_shaded_region(shade.with_color(SHADE).with_opacity(0.55))
 }
 
-/// Ranges of travel and offset (mm) of all fingers in strokes 1 and 4.
+/// Ranges of travel and offset (mm) over all fingers in strokes 1 and 4.
 fn bend_window(data: &RunData) -> Option<((f64, f64), (f64, f64))> {
     let strokes = [1, 4].iter().filter_map(|&index| data.whole_stroke(index));
     let steps: Vec<Step> = strokes

@@ -1,54 +1,53 @@
-//! Colours, and how lines are drawn.
+//! Colors and line styles.
 
-/// Black, of what belongs to the cap.
+/// Black, for the cap.
 pub const CAP: &str = "#000000";
-/// Colours of the fingers (Okabe and Ito's, safe for the colour-blind).
+/// Colors of the fingers (Okabe and Ito, safe for color-blind readers).
 const FINGERS: [&str; 5] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9"];
-/// Colours of successive strokes, from the first to the last (plasma, which grows darker evenly, for
-/// the colour-blind, too).
+/// Colors of successive strokes (colormap plasma, perceptually uniform and safe for color-blind readers).
 const STROKES: [&str; 6] = [
     "#F1962F", "#E16462", "#C03A83", "#8F0DA4", "#5901A5", "#0D0887",
 ];
-/// Grey of what was planned, or is allowed.
+/// Gray of planned values and limits.
 pub const REFERENCE: &str = "#555555";
-/// Grey of grids and shades.
+/// Gray of grids and shading.
 pub const SHADE: &str = "#d9d9d9";
 
-/// Colour of a finger.
+/// Color of a finger.
 pub fn finger_colour(finger: usize) -> &'static str {
     FINGERS[finger % FINGERS.len()]
 }
 
-/// Colour of a stroke, the `place`th (from 0) of `count`; some share one where there are many.
+/// Color of the stroke with index `place` among `count` strokes; many strokes share colors.
 pub fn stroke_colour(place: usize, count: usize) -> &'static str {
     let last = count.saturating_sub(1).max(1);
     STROKES[(place * (STROKES.len() - 1) / last).min(STROKES.len() - 1)]
 }
 
-/// How a line is drawn.
+/// Line style of a plot.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Pen {
-    /// Colour, as in CSS.
+    /// CSS color.
     pub colour: &'static str,
-    /// Width.
+    /// Line width.
     pub width: f64,
-    /// Whether it is broken.
+    /// Solid, dashed or dotted.
     pub style: Style,
 }
 
-/// Whether and how a line is broken.
+/// Dash pattern of a line.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Style {
-    /// Not at all.
+    /// Continuous line.
     Solid,
-    /// Into dashes.
+    /// Dashed line.
     Dashed,
-    /// Into dots.
+    /// Dotted line.
     Dotted,
 }
 
 impl Style {
-    /// As SVG has it.
+    /// Value of the SVG attribute `stroke-dasharray`.
     pub fn dashes(self) -> Option<&'static str> {
         match self {
             Self::Solid => None,

@@ -1,4 +1,4 @@
-//! Fig. 14: how far each dome's centre is from the cap's axis, over the travel, in every stroke.
+//! Fig. 14: distance of each dome center from the cap's axis over the travel, for every stroke.
 
 use super::super::page_data::panels::{Axis, Colour, Panel as AnsweringPanel, Points, Series};
 use super::super::run_data::{RunData, Stroke};
@@ -11,18 +11,18 @@ use super::unrolled::{Step, Unrolled};
 
 /// Height of a row of panels.
 const HEIGHT: f64 = 270.0;
-/// Width of the first stroke's line, and what the last one's has more.
+/// Line width of the first stroke, and its increase up to the last stroke.
 const LINE: (f64, f64) = (1.4, 1.2);
 
-/// Fig. 14, which the paper does not have.
+/// Fig. 14, which has no counterpart in the paper.
 pub fn over_travel(data: &RunData) -> Figure {
     Figure {
         number: 14,
-        title: "Distance R of the domes' centres from the cap's axis, over the travel of each stroke".into(),
-        caption: "A finger that follows the cap keeps its distance from the axis: its line is level. One that goes straight \
-            on (dashed, of the last stroke) comes nearer until it is abreast of the axis, and then leaves. R₀ is R where \
-            the shade begins, at 25 % of the travel; at its end, at 98 %, the finger begins to brake. Before it the grip \
-            builds up. The paper has no such figure; it is what claim path-follows-contour measures."
+        title: "Distance R of the dome centers from the cap's axis, over the travel of each stroke".into(),
+        caption: "A finger that follows the cap keeps its distance from the axis, so its line is level. A straight path \
+            (dashed, for the last stroke) approaches the axis until it is level with it, and then recedes. R₀ is R where \
+            the shading starts, at 25 % of the travel, when the grip has built up; it ends at 98 %, when the finger starts to brake. \
+            The paper has no such figure; claim path-follows-contour measures this quantity."
             .into(),
         panels: answering(data),
         columns: 1,
@@ -30,7 +30,7 @@ pub fn over_travel(data: &RunData) -> Figure {
     }
 }
 
-/// A panel a finger, with all strokes.
+/// One interactive panel per finger, with all strokes.
 fn answering(data: &RunData) -> Vec<AnsweringPanel> {
     let strokes = strokes(data);
     let last = strokes.len().saturating_sub(1);
@@ -54,7 +54,7 @@ fn answering(data: &RunData) -> Vec<AnsweringPanel> {
     (0..data.fingers.len()).map(panel).collect()
 }
 
-/// The strokes of which it is known where the cap is.
+/// Complete strokes with a known cap position.
 fn strokes(data: &RunData) -> Vec<&Stroke> {
     let centre = data.cap.as_ref().map(|cap| &cap.centre);
     let whole = data
@@ -82,7 +82,7 @@ fn radius(data: &RunData) -> Option<String> {
     let panels = unrolled.iter().enumerate();
     let panels = panels.map(|(finger, paths)| radius_panel(finger, paths, strokes.len(), window));
     let (panels, height) = stack(rows(HEIGHT, panels.collect()));
-    let title = "Distance of the domes' centres from the cap's axis over the travel of each stroke";
+    let title = "Distance of the dome centers from the cap's axis over the travel of each stroke";
     Some(frame(14, title, &legend(&strokes), panels, height))
 }
 
@@ -133,11 +133,11 @@ fn legend(strokes: &[&Stroke]) -> Vec<(&'static str, Pen)> {
         })
         .collect();
     legend.push(("planned line", PLANNED));
-    legend.push(("window of the claims", Pen::solid(SHADE, 14.0)));
+    legend.push(("evaluation window", Pen::solid(SHADE, 14.0)));
     legend
 }
 
-/// Ranges of travel and of R (mm), the same for all fingers.
+/// Ranges of travel and R (mm), the same for all fingers.
 fn window<'a>(paths: impl Iterator<Item = &'a Unrolled>) -> Option<((f64, f64), (f64, f64))> {
     let steps: Vec<_> = paths.flat_map(|path| &path.steps).collect();
     let (_, end) = range(steps.iter().map(|step| MM * step.travel))?;

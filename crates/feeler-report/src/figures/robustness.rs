@@ -1,4 +1,5 @@
-//! Figures of robustness: shares with intervals, total-effect indices as a heat map, shares against parameters.
+//! Figures of a robustness study: fractions with intervals, a heat map of total-effect indices, and fractions against
+//! parameters.
 
 use super::super::robustness_page::{Index, Measure, NOTHING, RobustnessPage, Share, Trace};
 use super::canvas::{Pen, REFERENCE, WIDTH, finger_colour, line, range, sheet};
@@ -7,18 +8,18 @@ use super::sweep::{parameter_panel, rate_with_band};
 use super::{Figure, grid};
 use maud::{Markup, html};
 
-/// What the experiment has.
+/// Pen of the experiment's nominal value.
 const NOMINAL: Pen = Pen::dashed(REFERENCE, 1.2);
-/// Height of a line of a chart.
+/// Row height of a chart.
 const ROW: f64 = 17.0;
-/// Left end of a chart, right of its labels.
+/// Left end of a chart, to the right of its labels.
 const LEFT: f64 = 190.0;
-/// What the last column's slanted label takes, to the right of its cell.
+/// Space for the slanted label of the last column, to the right of its cell.
 const SLANT: f64 = 44.0;
-/// Most parameters in a heat map; those that decide least are left out.
+/// Maximum number of parameters in a heat map; the least influential are omitted.
 const MOST: usize = 16;
 
-/// A chart of shares: for each claim a dot with its interval, of each kind of hands.
+/// Chart of fractions: for each claim one dot per set of hands, with its interval.
 pub fn shares_figure(page: &RobustnessPage, number: u32) -> Figure {
     let kinds = page.measures.first().map_or(0, |m| m.shares.len());
     let block = 10.0 * kinds as f64 + 14.0;
@@ -49,15 +50,15 @@ pub fn shares_figure(page: &RobustnessPage, number: u32) -> Figure {
             }
         }
         line x1=(LEFT) x2=(x(1.0)) y1=(bottom) y2=(bottom) stroke="black" {}
-        text x=(x(0.5)) y=(bottom + 38.0) text-anchor="middle" { "share of hands in which it holds (%)" }
+        text x=(x(0.5)) y=(bottom + 38.0) text-anchor="middle" { "hands that pass (%)" }
     };
-    let title = "Share of hands in which each claim holds";
-    let caption = "A dot for each kind of hands, with Wilson's 95 % interval.";
+    let title = "Fraction of hands that pass each claim";
+    let caption = "One dot per set of hands, with Wilson's 95 % interval.";
     let svg = sheet(number, title, bottom + 50.0, body);
     Figure::still(number, title, caption, svg)
 }
 
-/// Colour of a kind of hands: all varied black, nothing varied grey, the groups in between.
+/// Color of a set of hands: black if everything varies, gray if nothing varies, and finger colors for groups.
 fn colour(share: &Share, kind: usize) -> &'static str {
     match kind {
         0 => "#000000",
@@ -71,7 +72,7 @@ fn dot(x: f64, y: f64, share: &Share, kind: usize) -> Markup {
     html! { circle cx=(x) cy=(y) r=(radius) fill=(colour(share, kind)) {} }
 }
 
-/// Total-effect indices of `which` by factor and claim: parameters that decide most first, then what is not one.
+/// Total-effect indices by factor and claim: parameters by decreasing influence, then the other factors.
 pub fn indices_figure(
     page: &RobustnessPage,
     (of, caption): (&str, &str),
@@ -84,7 +85,7 @@ pub fn indices_figure(
         .filter(|m| !which(m).is_empty())
         .collect();
     let total = |measure: &Measure, factor: usize| which(measure).get(factor).and_then(|i| i.total);
-    // The sum over claims, with what cannot be told from 0 left out.
+    // Sum over claims of the indices that are significantly above 0.
     let weight = |factor: usize| -> f64 {
         let totals = measures.iter().filter_map(|m| total(m, factor));
         totals.filter(|t| t[0] > 0.0).map(|t| t[1]).sum()
@@ -96,7 +97,7 @@ pub fn indices_figure(
     factors.extend(page.parameters..page.factors.len());
     let cell = (WIDTH - LEFT - SLANT) / measures.len().max(1) as f64;
     let top = 128.0;
-    // What is no parameter stands apart.
+    // Factors that are not parameters are set apart.
     let y = |row: usize| {
         top + ROW * row as f64
             + if row >= factors.len() - (page.factors.len() - page.parameters) {
@@ -106,7 +107,7 @@ pub fn indices_figure(
             }
     };
     let bottom = y(factors.len());
-    let note = format!("and {left_out} more that decide less");
+    let note = format!("and {left_out} less influential ones");
     let body = html! {
         @for (column, measure) in measures.iter().enumerate() {
             @let x = LEFT + cell * (column as f64 + 0.5);
@@ -120,16 +121,16 @@ pub fn indices_figure(
         }
         @if left_out > 0 { text x=(LEFT) y=(bottom + 16.0) font-size="12" fill="#555" { (note) } }
     };
-    let title = format!("Total-effect indices of {of}");
+    let title = format!("Total-effect indices of the {of}");
     let svg = sheet(number, &title, bottom + 26.0, body);
     Figure::still(number, title, caption, svg)
 }
 
-/// One index: white at 0, blue at 1, and the number in percent; white and pale where it cannot be told from 0.
+/// One index in percent, on a background from white (0) to blue (1); pale on white if not significantly above 0.
 fn cell_of(total: Option<[f64; 3]>, x: f64, y: f64, width: f64) -> Markup {
     let clear = total.filter(|[low, ..]| *low > 0.0);
     let shown = clear.map_or(0.0, |t| t[1]).clamp(0.0, 1.0);
-    // Through the root, so that small ones can be told apart.
+    // The square root makes small values distinguishable.
     let depth = shown.sqrt();
     let mix = |from: f64, to: f64| (from + (to - from) * depth).round() as u8;
     let fill = format!(
@@ -151,16 +152,16 @@ fn cell_of(total: Option<[f64; 3]>, x: f64, y: f64, width: f64) -> Markup {
     }
 }
 
-/// Share of hands in which a claim holds against the parameters that decide most, a panel each.
+/// Fraction of hands that pass a claim against the most influential parameters, one panel each.
 pub fn traces_figure(measure: &Measure, number: u32) -> Figure {
-    let title = format!("{}: against what decides most", measure.name);
+    let title = format!("{}: most influential parameters", measure.name);
     let panels = measure.traces.iter().map(trace).collect();
     let legend = [
         (measure.name.as_str(), Pen::solid(finger_colour(0), 2.0)),
-        ("as in the experiment", NOMINAL),
+        ("nominal value", NOMINAL),
     ];
     let drawing = tiled((number, &title), &legend, panels, 1, 170.0);
-    let caption = "The share of hands in bins of equal width with all else varied, too, with Wilson's 95 % interval.";
+    let caption = "Fraction of hands in bins of equal width, with all other parameters varied as well, and Wilson's 95 % interval.";
     Figure::drawn(number, title, caption, Some(drawing))
 }
 
@@ -171,6 +172,6 @@ fn trace(trace: &Trace) -> grid::Panel {
     plots.extend(inside.map(|nominal| line([(nominal, 0.0), (nominal, 100.0)], NOMINAL)));
     let total = 100.0 * trace.total;
     let label = format!("{}, total effect {total:.0} %", trace.varied.name);
-    let layout = parameter_panel(&trace.varied, &label, (0.0, 100.0), "holds (%)");
+    let layout = parameter_panel(&trace.varied, &label, (0.0, 100.0), "passes (%)");
     (plots, layout.with_ticks(4))
 }

@@ -1,4 +1,4 @@
-//! Figure of slip detectors: slips noticed against false alarms.
+//! ROC figures of slip detectors: detection rate against false alarm rate.
 
 use super::super::grasp_slip_page::{GraspDetector, GraspSlipPage};
 use super::super::page_data::panels::{Colour, Points, Series};
@@ -8,12 +8,12 @@ use super::Figure;
 use super::canvas::{Pen, dots, finger_colour, line, panel};
 use super::drawing::tiled;
 
-/// Fewest false alarms that are drawn, %: where precision is of interest, they are far below one percent.
+/// Lower end of the false alarm axis (%). Precise detectors are far below one percent.
 const LEAST: f64 = 0.01;
 
-/// The receiver operating characteristic of each detector with its operating point, %.
+/// Receiver operating characteristic of each detector with its operating points (%).
 pub fn roc_figure(page: &SlipPage, number: u32) -> Figure {
-    let title = "Slips noticed against false alarms";
+    let title = "Slips detected against false alarms";
     let pen = |index| Pen::solid(finger_colour(index), 2.0);
     let drawn = |(x, y): (f64, f64)| ((100.0 * x).max(LEAST), 100.0 * y);
     let curves = page.curves.iter().enumerate();
@@ -28,7 +28,7 @@ pub fn roc_figure(page: &SlipPage, number: u32) -> Figure {
         (LEAST, 100.0),
         (0.0, 100.0),
         "false alarms (%)",
-        "slips noticed (%)",
+        "slips detected (%)",
     );
     let names = page.curves.iter().enumerate();
     let legend: Vec<_> = names
@@ -37,14 +37,14 @@ pub fn roc_figure(page: &SlipPage, number: u32) -> Figure {
     let panels = vec![(plots, layout.with_log_x())];
     let mut drawing = tiled((number, title), &legend, panels, 1, 360.0);
     for panel in &mut drawing.panels {
-        // In place of the dots, which say nothing.
+        // Replaces the unlabeled dots.
         panel.series.truncate(page.curves.len());
         let points = page.points.iter();
         panel
             .series
             .extend(points.filter_map(|point| operating_point(page.curve_of(point)?, point)));
     }
-    let caption = "Over all thresholds; the dots are the experiment's threshold and those that were chosen, with the 95 % interval of what they notice.";
+    let caption = "Curves are over all thresholds. Dots are the experiment's threshold and the chosen thresholds, with the 95 % interval of the detection rate.";
     Figure::drawn(number, title, caption, Some(drawing))
 }
 
@@ -61,9 +61,10 @@ fn operating_point(curve: usize, point: &OperatingPoint) -> Option<Series> {
     Some(Series::of_points(name, Colour::Finger(curve), points).dotted())
 }
 
-/// The receiver operating characteristic of each detector on recordings, with what it says with thresholds of other groups, %.
+/// Receiver operating characteristic of each detector on recordings, with its result at thresholds from other groups
+/// (%).
 pub fn grasp_roc_figure(page: &GraspSlipPage, number: u32) -> Figure {
-    let title = "Slips noticed against false alarms";
+    let title = "Slips detected against false alarms";
     let pen = |index| Pen::solid(finger_colour(index), 2.0);
     let drawn = |(x, y): (f64, f64)| (100.0 * x, 100.0 * y);
     let known = page.detectors.iter().enumerate();
@@ -77,13 +78,13 @@ pub fn grasp_roc_figure(page: &GraspSlipPage, number: u32) -> Figure {
     });
     let plots = lines.chain(points).collect();
     let whole = (0.0, 100.0);
-    let layout = panel(whole, whole, "false alarms (%)", "slips noticed (%)");
+    let layout = panel(whole, whole, "false alarms (%)", "slips detected (%)");
     let legend: Vec<_> = (known.iter())
         .map(|&(index, detector)| (detector.name, pen(index)))
         .collect();
     let mut drawing = tiled((number, title), &legend, vec![(plots, layout)], 1, 360.0);
     for panel in &mut drawing.panels {
-        // In place of the dots, which say nothing.
+        // Replaces the unlabeled dots.
         panel.series.truncate(known.len());
         let points = known.iter().filter_map(|&(index, detector)| {
             let points = Points::new([drawn(judged(detector)?)]);
@@ -92,11 +93,11 @@ pub fn grasp_roc_figure(page: &GraspSlipPage, number: u32) -> Figure {
         });
         panel.series.extend(points);
     }
-    let caption = "Over all thresholds; the dots are what is said with thresholds that were chosen on all other groups.";
+    let caption = "Curves are over all thresholds. Dots are results with thresholds chosen on all other groups.";
     Figure::drawn(number, title, caption, Some(drawing))
 }
 
-/// Shares of false alarms and of slips noticed, where there are any of either.
+/// False alarm rate and detection rate; `None` if there are no slips or no non-slips.
 fn judged(detector: &GraspDetector) -> Option<(f64, f64)> {
     let [noticed, missed, alarms, quiet] = detector.confusion;
     let share = |part: usize, rest: usize| {

@@ -1,4 +1,4 @@
-//! When SLIP was up, and beneath it when a feeler slipped in truth.
+//! Strip that shows SLIP and, below it, true slip over time.
 
 use super::super::run_data::{FingerColumns, RunData};
 use super::super::strokes::TRUE_SLIP;
@@ -12,18 +12,18 @@ use std::sync::Arc;
 
 /// Height of a lane.
 const HEIGHT: f64 = 16.0;
-/// Above and below all lanes.
+/// Margin above and below the lanes.
 const MARGIN: f64 = 4.0;
-/// Half of what an event fills of its lane's height, which is 1.
+/// Half height of an event relative to its lane.
 const HALF: f64 = 0.38;
 
-/// What a lane shows of a finger at a row; none where it is not known.
+/// State of a lane for a finger at a row; `None` if unknown.
 type Event = fn(&FingerColumns, usize) -> Option<bool>;
 
-/// One lane: its name, its colour, and when it is filled.
+/// A lane: name, color and filled time spans.
 type Lane = (&'static str, &'static str, Vec<(f64, f64)>);
 
-/// A strip over these rows with two lanes for each finger, or one where the true slip is not known; and its height.
+/// Strip over these rows with two lanes per finger (one if true slip is unknown), and its height.
 pub fn slip_strip(data: &RunData, rows: Range<usize>, time: (f64, f64)) -> (f64, Panel) {
     let mut lanes: Vec<Lane> = Vec::new();
     for (f, finger) in data.fingers.iter().enumerate() {
@@ -42,7 +42,7 @@ pub fn slip_strip(data: &RunData, rows: Range<usize>, time: (f64, f64)) -> (f64,
         lanes.extend(known.into_iter().flatten());
     }
     let count = lanes.len() as f64;
-    // From the top down; a lane's middle is a whole number, where its name stands as a tick's.
+    // From top to bottom. The middle of a lane is an integer, at which a tick label shows its name.
     let names: Vec<_> = lanes.iter().rev().map(|lane| lane.0).collect();
     let name = move |tick: f64| {
         let lane = names.get(tick.round() as usize);
@@ -63,7 +63,7 @@ pub fn slip_strip(data: &RunData, rows: Range<usize>, time: (f64, f64)) -> (f64,
     (height, (plots.collect(), layout))
 }
 
-/// One lane, filled about the height `middle`.
+/// One lane, filled around the height `middle`.
 fn draw((_, colour, spans): &Lane, middle: f64) -> Plot {
     let (mut x, mut half) = (Vec::new(), Vec::new());
     for (start, end) in spans {
@@ -76,8 +76,8 @@ fn draw((_, colour, spans): &Lane, middle: f64) -> Plot {
     Plot::Band(band.with_color(*colour).with_opacity(1.0))
 }
 
-/// The spans of time in which an event is, which at a row tells of the time since the row before; none if it is not
-/// known at every row.
+/// Time spans of an event. The event at a row refers to the time since the previous row. `None` if it is unknown at any
+/// row.
 fn spans(
     time: &[f64],
     rows: Range<usize>,
@@ -104,7 +104,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn events_in_a_row_are_one_span_from_the_row_before() {
+    fn consecutive_events_are_one_span_from_the_previous_row() {
         let time = [0.0, 1.0, 2.0, 3.0, 4.0, 5.0];
         let up = [false, false, true, true, false, true];
         let of = |rows| spans(&time, rows, |row| Some(up[row]));

@@ -1,4 +1,4 @@
-//! Figures of a sweep: success rate against a parameter, and how measures are distributed.
+//! Figures of a sweep: success rate against a parameter, and distributions of measures.
 
 use super::super::page_data::panels::{Colour, Command, Points, Series};
 use super::super::sweep_page::{Measured, TrialMeasure, Varied};
@@ -8,16 +8,16 @@ use super::{Figure, grid};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 
-/// Bins of a parameter's range.
+/// Number of bins of a parameter's range.
 const BINS: usize = 12;
-/// Bins of a histogram.
+/// Number of bins of a histogram.
 const BARS: usize = 24;
-/// Most trials that answer, and most that are drawn in a still picture.
+/// Maximum number of trials in an interactive panel, and in a static figure.
 const MOST_TRIALS: usize = 5000;
 const MOST_DOTS: usize = 300;
 const SUCCESS: &str = "success";
-const FAILURE: &str = "no success";
-/// Standard deviations of a 95 % confidence interval.
+const FAILURE: &str = "failure";
+/// Number of standard deviations of a 95 % confidence interval.
 const Z: f64 = 1.959_964;
 
 /// Wilson's 95 % confidence interval of a success rate.
@@ -33,7 +33,7 @@ pub fn wilson(successes: u64, trials: u64) -> (f64, f64) {
     ((centre - half).max(0.0), (centre + half).min(1.0))
 }
 
-/// Success rate in bins of a parameter: the middle of each, and the rate's interval and value.
+/// Success rate per bin of a parameter: mean parameter value, and the rate with its interval.
 fn rates(varied: &Varied) -> Vec<(f64, [f64; 3])> {
     let Some((low, high)) = range(varied.trials.iter().map(|trial| trial.0)) else {
         return Vec::new();
@@ -61,13 +61,13 @@ fn rates(varied: &Varied) -> Vec<(f64, [f64; 3])> {
         .collect()
 }
 
-/// A rate against a parameter, %, within its 95 % confidence band.
+/// Success rate (%) against a parameter, with its 95 % confidence band.
 pub(super) fn rate_with_band(varied: &Varied, pen: Pen) -> Vec<Plot> {
     let percent = |(x, rate): (f64, [f64; 3])| (x, rate.map(|part| 100.0 * part));
     line_in_band(rates(varied).into_iter().map(percent), pen).into()
 }
 
-/// The panel of something, which is within `upright`, against a parameter.
+/// Panel of a quantity with range `upright` against a parameter.
 pub(super) fn parameter_panel(
     varied: &Varied,
     label: &str,
@@ -76,14 +76,14 @@ pub(super) fn parameter_panel(
 ) -> Layout {
     let along = range(varied.trials.iter().map(|trial| trial.0)).unwrap_or((0.0, 1.0));
     let layout = panel(along, upright, label, name);
-    // A range without width is widened to one in which a logarithm says nothing.
+    // A range without width has been widened and may not allow a logarithm.
     match varied.logarithmic && 0.0 < along.0 && along.0 < along.1 {
         true => layout.with_log_x(),
         false => layout,
     }
 }
 
-/// Success rate against a parameter, %, with its 95 % confidence band, and each trial.
+/// Success rate (%) against a parameter, with its 95 % confidence band and all trials.
 pub fn success_figure(varied: &Varied, number: u32, measured: Option<&TrialMeasure>) -> Figure {
     let pen = Pen::solid(finger_colour(0), 2.0);
     let rate = (
@@ -105,16 +105,16 @@ pub fn success_figure(varied: &Varied, number: u32, measured: Option<&TrialMeasu
         panel.series = trials.answering();
     }
     let caption = match measured {
-        None => "The share of trials in bins of equal width, with Wilson's 95 % interval.",
+        None => "Success rate in bins of equal width, with Wilson's 95 % interval.",
         Some(_) => {
-            "Top: the share of trials in bins of equal width, with Wilson's 95 % interval. Bottom: each trial that has the \
-            measure; a click copies the command that runs it alone."
+            "Top: success rate in bins of equal width, with Wilson's 95 % interval. Bottom: each trial that has the \
+            measure. Click a dot to copy the command that repeats the trial."
         }
     };
     Figure::drawn(number, title, caption, Some(drawing))
 }
 
-/// How often each measure took which value, in two columns of panels.
+/// Histograms of all measures, in two columns of panels.
 pub fn distributions_figure(measures: &[Measured], number: u32) -> Figure {
     let pen = Pen::solid(finger_colour(0), 1.6);
     let histogram = |measured| {
@@ -124,17 +124,18 @@ pub fn distributions_figure(measures: &[Measured], number: u32) -> Figure {
     let panels = measures.iter().map(histogram).collect();
     let (title, legend) = ("Distribution of measures", [("number of trials", pen)]);
     let drawing = tiled((number, title), &legend, panels, 2, 210.0);
-    let caption = "Of all trials that define the measure; the digit before it is the stroke.";
+    let caption =
+        "All trials that define the measure. The digit in front of a measure is the stroke.";
     Figure::drawn(number, title, caption, Some(drawing))
 }
 
-/// The trials of a sweep as dots: those that were a success, and the others.
+/// The trials of a sweep as dots, grouped by success and failure.
 struct Scatter<'a> {
     measured: &'a TrialMeasure,
     groups: [Vec<Dot>; 2],
 }
 
-/// A trial: its number, the parameter, the measure.
+/// A trial: number, parameter, measure.
 type Dot = (u64, f64, f64);
 
 impl<'a> Scatter<'a> {
@@ -173,7 +174,7 @@ impl<'a> Scatter<'a> {
     }
 }
 
-/// The outline of a histogram, and the panel that holds it.
+/// Outline of a histogram, and its panel.
 fn histogram(measured: &Measured) -> (Vec<(f64, f64)>, Layout) {
     let (low, high) = range(measured.values.iter().copied()).unwrap_or((0.0, 1.0));
     let high = if high > low { high } else { low + 1.0 };
@@ -199,7 +200,7 @@ mod tests {
     use super::wilson;
 
     #[test]
-    fn wilsons_interval_is_that_of_the_textbook() {
+    fn wilson_interval_matches_published_values() {
         // Newcombe (1998), table I: 81 of 263, 15 of 148, 0 of 20.
         for ((successes, trials), (low, high)) in [
             ((81, 263), (0.2553, 0.3662)),

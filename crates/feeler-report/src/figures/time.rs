@@ -1,4 +1,4 @@
-//! Figs. 8 to 11: forces, rates and torque against time.
+//! Figs. 8 to 11: forces, rates and torque over time.
 
 use super::super::page_data::of_finger;
 use super::super::page_data::panels::{Axis, Colour, Panel as AnsweringPanel, Series};
@@ -15,22 +15,22 @@ use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use std::ops::Range;
 
-/// Pairs of points that a series is thinned to.
+/// Number of buckets to which a series is decimated.
 const BUCKETS: usize = 480;
-/// Left and right of both panels, so that their times stand one above the other.
+/// Left and right margins of both panels, so that their time axes align.
 const MARGINS: (f64, f64) = (64.0, 20.0);
 /// Height of a panel.
 const HEIGHT: f64 = 170.0;
-/// What the axis of time takes of the lowest one.
+/// Height of the time axis of the lowest panel.
 const AXIS: f64 = 60.0;
-/// Width of a series' line.
+/// Line width of a series.
 const LINE: f64 = 1.6;
-/// The name of the axis of time.
+/// Label of time axes.
 const TIME: &str = "Time (s)";
-/// Width of a threshold's line.
+/// Line width of a threshold.
 const THRESHOLD: f64 = 1.4;
 
-/// Fig. 8; without torque where none was measured, as all of these.
+/// Fig. 8: grasp force and torque. Torque is omitted if it was not measured (also in Figs. 9 to 11).
 pub fn grasp_force_and_torque(data: &RunData) -> Figure {
     let rows = 0..data.time.len();
     let upper = Upper {
@@ -44,14 +44,14 @@ pub fn grasp_force_and_torque(data: &RunData) -> Figure {
     };
     let title = title(data, &upper, rows.clone(), "over the run");
     let caption = if shows_torque(data, rows.clone()) {
-        "Each touch-and-release stroke makes a peak of grasp force and a peak of torque. In \
-            the paper's Fig. 8 there are four of each; in stroke 1 torque rises while grasp force \
-            stays level, and strokes 3 and 4 are almost the same, because the cap is closed. Claims \
-            four-peaks, first-stroke-torque-rises and closed-after-third say how far this run \
-            agrees."
+        "Each touch-and-release stroke produces a peak of grasp force and a peak of torque. \
+            The paper's Fig. 8 shows four of each: in stroke 1, torque rises while grasp force \
+            stays constant; strokes 3 and 4 are nearly identical, because the cap is closed. Claims \
+            four-peaks, first-stroke-torque-rises and closed-after-third quantify the agreement \
+            of this run."
     } else {
-        "Each touch-and-release stroke makes a peak of grasp force. In the paper's Fig. 8 there are \
-            four; those of strokes 3 and 4 are almost the same, because the cap is closed."
+        "Each touch-and-release stroke produces a peak of grasp force. The paper's Fig. 8 shows \
+            four; those of strokes 3 and 4 are nearly identical, because the cap is closed."
     };
     Figure {
         number: 8,
@@ -63,22 +63,22 @@ pub fn grasp_force_and_torque(data: &RunData) -> Figure {
     }
 }
 
-/// Fig. 9.
+/// Fig. 9: shear rate and torque.
 pub fn shear_rate_and_torque(data: &RunData) -> Figure {
     let (rows, upper) = (0..data.time.len(), shear_rate(data));
     let title = title(data, &upper, rows.clone(), "over the run");
     let in_step = if shows_torque(data, rows.clone()) {
-        "In the paper's Fig. 9 its bumps come in step with the \
-            torque's, because the slipping element trembles; claim bumps-in-step measures that \
-            here. "
+        "In the paper's Fig. 9 its bumps coincide with those of the \
+            torque, because the slipping element vibrates; claim bumps-in-step measures this \
+            correlation. "
     } else {
         ""
     };
     let caption = format!(
-        "The shear rate is the absolute time derivative of the shearing force on the \
-            element that is pressed hardest. {in_step}Where the rate of any element exceeds the slip threshold (dashed), the finger is \
-            pressed further inward. The axis is scaled to MOVE; peaks where the fingers detach may \
-            leave it."
+        "The shear rate is the absolute time derivative of the shear force on the \
+            most compressed element. {in_step}If the rate of any element exceeds the slip threshold (dashed), the finger is \
+            pressed further inward. The axis is scaled to MOVE; peaks at release may \
+            exceed it."
     );
     Figure {
         number: 9,
@@ -100,12 +100,12 @@ pub fn stroke_in_detail(data: &RunData, number: u32, stroke: u32) -> Figure {
     let caption = match (stroke == 1, knows_slip) {
         (true, true) => [
             FIRST,
-            " and, beneath it, when a feeler slipped over the cap in truth, which only the simulator knows.",
+            " and, below it, when a feeler truly slipped on the cap (ground truth).",
         ],
         (true, false) => [FIRST, "."],
         (false, true) => [
             CLOSED,
-            " In the strip, SLIP should stand above true slip: claim slip-means-slip measures how often it does.",
+            " In the strip, SLIP should coincide with true slip; claim slip-means-slip measures how often it does.",
         ],
         (false, false) => [CLOSED, ""],
     };
@@ -121,12 +121,12 @@ pub fn stroke_in_detail(data: &RunData, number: u32, stroke: u32) -> Figure {
     }
 }
 
-const FIRST: &str = "In the paper's Fig. 10 the cap is still loose, and no marked shear rate occurs. Compare \
-    with the figure of stroke 4, which has the same vertical axes. The strip tells when each finger's SLIP was up";
-const CLOSED: &str = "In the paper's Fig. 11 the cap is locked, and the shear rate is marked: the elements slip \
+const FIRST: &str = "In the paper's Fig. 10 the cap is still loose, and the shear rate is low. The figure of stroke 4 \
+    has the same vertical axes for comparison. The strip shows when each finger's SLIP was raised";
+const CLOSED: &str = "In the paper's Fig. 11 the cap is locked, and the shear rate is pronounced: the elements slip \
     in bumps. Claim shear-rate-marks-closing compares this stroke with stroke 1.";
 
-/// Whether the true slip of a finger is known at all of these rows.
+/// `true` if the true slip of a finger is known at all of these rows.
 fn knows_slip(data: &RunData, rows: &Range<usize>) -> bool {
     let known = |finger: &FingerColumns| {
         rows.clone()
@@ -135,7 +135,7 @@ fn knows_slip(data: &RunData, rows: &Range<usize>) -> bool {
     data.fingers.iter().any(known)
 }
 
-/// Whether there is a torque to draw in a span of rows.
+/// `true` if the torque is known at any of these rows.
 fn shows_torque(data: &RunData, rows: Range<usize>) -> bool {
     data.known_torque(rows).next().is_some()
 }
@@ -161,7 +161,7 @@ fn shear_rate(data: &RunData) -> Upper {
     }
 }
 
-/// What stands above the torque.
+/// Quantity of the panel above the torque.
 struct Upper {
     name: &'static str,
     label: &'static str,
@@ -172,7 +172,7 @@ struct Upper {
     threshold_name: &'static str,
 }
 
-/// The same as [`panels`], of all rows, showing `rows` at first.
+/// Interactive version of [`panels`] over all rows, which initially shows `rows`.
 fn answering(data: &RunData, upper: &Upper, rows: Option<&Range<usize>>) -> Vec<AnsweringPanel> {
     let fingers = 0..data.fingers.len();
     let finger = |finger| {
@@ -209,7 +209,7 @@ fn answering(data: &RunData, upper: &Upper, rows: Option<&Range<usize>>) -> Vec<
     panels.into_iter().map(shown).collect()
 }
 
-/// A quantity of each finger above the torque, over a span of rows; between them, if asked for, when SLIP was up.
+/// A quantity of each finger above the torque over a range of rows, optionally with the slip strip between them.
 fn panels(
     data: &RunData,
     number: u32,
@@ -236,7 +236,7 @@ fn panels(
         stacked.extend(strip);
         stacked.push(row(HEIGHT, torque));
     } else {
-        // What stands at the bottom names the time.
+        // The lowest panel labels the time axis.
         stacked.extend(strip);
         stacked.push(row(HEIGHT + AXIS, (plots, layout.with_x_label(TIME))));
     }
@@ -246,7 +246,7 @@ fn panels(
     Some(frame(number, title, &legend, panels, height))
 }
 
-/// A quantity against time over a span of rows.
+/// A quantity over time for a range of rows.
 fn series(data: &RunData, rows: Range<usize>, value: impl Fn(usize) -> f64, pen: Pen) -> Plot {
     let points = rows.map(|row| (data.time[row], value(row)));
     let points: Vec<_> = points.filter(|point| point.1.is_finite()).collect();
@@ -255,7 +255,7 @@ fn series(data: &RunData, rows: Range<usize>, value: impl Fn(usize) -> f64, pen:
 
 fn upper_panel(data: &RunData, upper: &Upper, rows: Range<usize>, time: (f64, f64)) -> Panel {
     let fingers = (data.fingers.iter().enumerate()).map(|(f, finger)| {
-        // Later fingers thinner, so that equal lines do not hide each other.
+        // Draw the other fingers thinner, so that identical lines remain visible.
         let pen = Pen::solid(finger_colour(f), LINE + 0.8 - 1.2 * f.min(1) as f64);
         series(data, rows.clone(), |row| (upper.value)(finger, row), pen)
     });
@@ -271,7 +271,7 @@ fn upper_panel(data: &RunData, upper: &Upper, rows: Range<usize>, time: (f64, f6
     (fingers.collect(), layout)
 }
 
-/// Where the axis of a quantity ends: the same in all of its figures, so that strokes compare at a glance.
+/// Upper end of a quantity's axis; the same in all of its figures, so that strokes can be compared.
 fn top(data: &RunData, upper: &Upper) -> f64 {
     let largest = range((data.fingers.iter()).flat_map(|finger| {
         let moving = data.strokes.iter().flat_map(|stroke| stroke.moving.clone());
@@ -281,7 +281,7 @@ fn top(data: &RunData, upper: &Upper) -> f64 {
     1.25 * largest.max(upper.threshold).max(1e-3)
 }
 
-/// Torque against time over a span of rows; none unless some of it was measured.
+/// Torque over time for a range of rows; `None` if no torque is known.
 fn torque_panel(data: &RunData, rows: Range<usize>, time: (f64, f64)) -> Option<Panel> {
     let column = data
         .torque
@@ -308,7 +308,7 @@ fn legend(data: &RunData, upper: &Upper, has_torque: bool) -> Vec<(&'static str,
     legend
 }
 
-/// Shades the MOVE phases within a span of time, and numbers the strokes at height `top`.
+/// Shades the MOVE phases within a time span, and numbers the strokes at height `top`.
 fn with_strokes(layout: Layout, data: &RunData, time: (f64, f64), top: Option<f64>) -> Layout {
     let mut layout = layout
         .with_x_axis_min(time.0)

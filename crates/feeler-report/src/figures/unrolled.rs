@@ -1,42 +1,42 @@
-//! The path of a dome's centre over MOVE, laid out along the line that it was planned to go, so that a bend of a
-//! millimetre shows: against that line, and against the arc about the cap's axis.
+//! Path of a dome's center over MOVE, unrolled along the planned line so that bends of a millimeter are visible, with
+//! the planned line and the arc about the cap's axis.
 
 use super::super::path_fit::{travel, window_rows};
 use super::super::run_data::{RunData, Stroke};
 use glam::DVec3;
 
-/// One finger's path over one MOVE. Both the line and the arc begin where the window of the claims does, at the path.
+/// One finger's path over one MOVE. The planned line and the arc start on the path at the start of the claims' window.
 pub struct Unrolled {
-    /// What is known at each row of MOVE.
+    /// Values at each row of MOVE.
     pub steps: Vec<Step>,
-    /// Travel between which the claims look, m.
+    /// Range of travel evaluated by the claims (m).
     pub window: (f64, f64),
 }
 
-/// One row of an [`Unrolled`] path. What the arc does not reach is not a number, nor is anything about the axis where
-/// nothing tells where the cap is.
+/// One row of an [`Unrolled`] path. Values are NaN where the arc does not reach, or if the cap's position is unknown.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Step {
-    /// Way along the planned direction since MOVE began, m.
+    /// Travel along the planned direction since the start of MOVE (m).
     pub travel: f64,
-    /// Offset of the path from the planned line, m, positive = towards the cap.
+    /// Offset of the path from the planned line (m), positive = towards the cap.
     pub path: f64,
-    /// The same of the arc about the axis.
+    /// Offset of the arc from the planned line (m), positive = towards the cap.
     pub arc: f64,
-    /// R less R where the window begins, m; R is the horizontal distance of the dome's centre from the axis.
+    /// R relative to its value at the start of the window (m). R is the horizontal distance of the dome's center from
+    /// the axis.
     pub radius: f64,
-    /// The same of the planned line.
+    /// Like `radius`, but for the planned line.
     pub line_radius: f64,
-    /// The dome's centre, m in `W`.
+    /// Center of the dome in `W` (m).
     pub centre: DVec3,
-    /// Where it would be on the arc, m in `W`.
+    /// Corresponding point on the arc in `W` (m).
     pub on_arc: DVec3,
-    /// Where it would be on the planned line, m in `W`.
+    /// Corresponding point on the planned line in `W` (m).
     pub on_line: DVec3,
 }
 
 impl Unrolled {
-    /// Of the `finger` over the MOVE of `stroke`; none if it does not travel.
+    /// Path of `finger` over the MOVE of `stroke`; `None` if the finger does not move.
     pub fn new(data: &RunData, stroke: &Stroke, finger: usize) -> Option<Self> {
         let facts = &data.facts;
         let direction = DVec3::from(*facts.stroke_direction.get(finger)?);
@@ -75,14 +75,14 @@ impl Unrolled {
         })
     }
 
-    /// Whether there is an arc to be seen.
+    /// `true` if the arc is known.
     pub fn has_arc(&self) -> bool {
         self.steps.iter().any(|step| step.arc.is_finite())
     }
 }
 
-/// How far it is along `direction` from a point outside a vertical cylinder of this radius about the origin to the
-/// cylinder, on the side where it is entered; not a number where the way leads past it.
+/// Distance along `direction` from a point outside a vertical cylinder about the origin to its near side; NaN if the
+/// ray misses the cylinder.
 fn way_to_circle(from: DVec3, direction: DVec3, radius: f64) -> f64 {
     let (from, direction) = (from.truncate(), direction.truncate());
     let square = direction.length_squared();
@@ -96,7 +96,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_way_to_a_circle_ends_on_it_from_either_side() {
+    fn ray_ends_on_the_near_side_of_the_circle() {
         for (x, y) in [(0.034, 0.006), (0.031, -0.002), (0.032, 0.0)] {
             let from = DVec3::new(x, y, 0.1);
             let way = way_to_circle(from, DVec3::NEG_X, 0.032);

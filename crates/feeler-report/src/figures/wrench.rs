@@ -1,21 +1,21 @@
-//! Figures of a wrench calibration: predicted over measured, and errors over time by recording.
+//! Figures of a wrench calibration: predicted over measured values, and errors over time by recording.
 
 use super::super::wrench_page::{AxisPoints, PredictedPoint, WrenchPage};
 use super::Figure;
 use super::canvas::{Pen, airy, dots, finger_colour, line, panel, range};
 use super::drawing::tiled;
 
-/// An error of a picture.
+/// Accessor for the error of an image.
 type ErrorOf = fn(&PredictedPoint) -> f64;
 
-/// Most dots of one recording: more tell no more.
+/// Maximum number of dots per recording.
 const DOTS: usize = 400;
-/// Most recordings with a colour of their own.
+/// Maximum number of recordings with distinct colors.
 const COLOURS: usize = 5;
-/// Grey of what is exact.
+/// Gray of the line of exact predictions.
 const EXACT: &str = "#999999";
 
-/// Predicted over measured, blocks of time left out.
+/// Predicted over measured values, with blocks of time held out.
 pub fn predicted_figure(page: &WrenchPage, axis: &AxisPoints, number: u32) -> Figure {
     let measured = range(axis.points.iter().map(|p| p.measured)).unwrap_or((0.0, 1.0));
     let predicted = range(axis.points.iter().map(|p| p.by_blocks)).unwrap_or((0.0, 1.0));
@@ -41,15 +41,16 @@ pub fn predicted_figure(page: &WrenchPage, axis: &AxisPoints, number: u32) -> Fi
         1,
         320.0,
     );
-    let caption = "Each dot is a picture, predicted without its block of time; on the line, it would be exact.";
+    let caption = "Each dot is an image, predicted with its block of time held out. Dots on the line are exact.";
     Figure::drawn(number, title, caption, Some(drawing))
 }
 
-/// Errors in the order of time: blocks left out, and, where there are several recordings, whole recordings.
+/// Errors in chronological order with blocks held out and, if there are several recordings, with whole recordings held
+/// out.
 pub fn residuals_figure(page: &WrenchPage, axis: &AxisPoints, number: u32) -> Figure {
     let kinds: [(&str, ErrorOf); 2] = [
-        ("blocks left out", |p| p.by_blocks - p.measured),
-        ("recording left out", |p| p.by_recording - p.measured),
+        ("blocks held out", |p| p.by_blocks - p.measured),
+        ("recording held out", |p| p.by_recording - p.measured),
     ];
     let panels = kinds.into_iter().filter_map(|(kind, error)| {
         let errors = range(axis.points.iter().map(error))?;
@@ -62,10 +63,10 @@ pub fn residuals_figure(page: &WrenchPage, axis: &AxisPoints, number: u32) -> Fi
             plots.push(dots(&own, DOTS, finger_colour(recording % COLOURS), 2.4));
         }
         let label = format!("error, {kind} ({})", axis.unit);
-        let layout = panel(airy((0.0, last)), airy(errors), "picture", &label);
+        let layout = panel(airy((0.0, last)), airy(errors), "image", &label);
         Some((plots, layout))
     });
-    let title = format!("{}: errors in the order of time", axis.name);
+    let title = format!("{}: errors in chronological order", axis.name);
     let drawing = tiled(
         (number, &title),
         &legend(page, axis),
@@ -73,11 +74,11 @@ pub fn residuals_figure(page: &WrenchPage, axis: &AxisPoints, number: u32) -> Fi
         1,
         240.0,
     );
-    let caption = "Predicted less measured, recording after recording. A recording whose errors lie all on one side has drifted.";
+    let caption = "Predicted minus measured, recording by recording. A recording with errors on one side only has drifted.";
     Figure::drawn(number, title, caption, Some(drawing))
 }
 
-/// The recordings in which the component was measured.
+/// Recordings in which the component was measured.
 fn drawn(axis: &AxisPoints) -> Vec<usize> {
     let mut recordings: Vec<_> = axis.points.iter().map(|point| point.recording).collect();
     recordings.dedup();

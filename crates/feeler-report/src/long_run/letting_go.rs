@@ -1,4 +1,4 @@
-//! What stays of a long run.
+//! Decimation of long runs.
 
 use crate::run_data::{RunData, Stroke, keep};
 use crate::tasks::carry::tip;
@@ -7,14 +7,14 @@ use feeler_record::{FindingName, Phase, Recording, Stamped};
 use glam::DVec3;
 use std::ops::Range;
 
-/// Findings and poses of the object that are kept before some are let go of.
+/// Maximum number of findings and object poses kept before decimation.
 const MESSAGES: usize = 20_000;
-/// Rows that a cell keeps, at most, of two fingers.
+/// Maximum number of rows that a cell keeps, for two fingers.
 const OF_CELL: usize = 10;
 
-/// Memory of the newest row, bytes, about.
+/// Approximate memory size of the latest row (bytes).
 pub fn row_size(data: &RunData) -> usize {
-    /// What is not a force, of a finger and of the rig.
+    /// Size of the values other than forces, per finger and for the rig.
     const OTHERS: usize = 25 * size_of::<f64>();
     let fingers = data.fingers.iter().map(|finger| {
         let elements = finger.forces.last().map_or(0, <[_]>::len);
@@ -23,9 +23,9 @@ pub fn row_size(data: &RunData) -> usize {
     fingers.sum::<usize>() + OTHERS
 }
 
-/// The rows that stay of `data`, and the length of their cells, s: all that are `pinned`, and of the rest at most `most`.
-/// Cells are at least `cell` long; within a cell MOVE is told from what is around it as long as so many `strokes` leave
-/// room for that.
+/// Indices of the rows of `data` to keep, and the cell length (s). Keeps all `pinned` rows and at most `most` others.
+/// Cells are at least `cell` long. MOVE and other phases have separate cells if `most` is large enough for this number
+/// of `strokes`.
 pub fn rows_of_cells(
     data: &RunData,
     pinned: &[Range<usize>],
@@ -58,7 +58,7 @@ pub fn rows_of_cells(
     }
 }
 
-/// What figures show peaks of, and measures.
+/// Quantities whose peaks are shown in figures or measured.
 fn quantities(data: &RunData) -> Vec<Box<Quantity<'_>>> {
     let peak_force = |row: usize| {
         let fingers = data.fingers.iter();
@@ -75,7 +75,7 @@ fn quantities(data: &RunData) -> Vec<Box<Quantity<'_>>> {
         quantities.push(Box::new(|row| finger.shear_rate[row]));
     }
     if let Some(torque) = &data.torque {
-        // Before it is known it is nowhere greatest.
+        // Rows without a torque must not count as maximum.
         let known = |torque: f64| if torque.is_nan() { f64::MIN } else { torque };
         quantities.push(Box::new(move |row| known(torque[row])));
         quantities.push(Box::new(move |row| known(-torque[row])));
@@ -83,7 +83,7 @@ fn quantities(data: &RunData) -> Vec<Box<Quantity<'_>>> {
     quantities
 }
 
-/// A stroke in other rows.
+/// The stroke with its row ranges mapped by `rows`.
 pub fn moved(stroke: &Stroke, rows: impl Fn(&Range<usize>) -> Range<usize>) -> Stroke {
     Stroke {
         rows: rows(&stroke.rows),
@@ -92,24 +92,24 @@ pub fn moved(stroke: &Stroke, rows: impl Fn(&Range<usize>) -> Range<usize>) -> S
     }
 }
 
-/// Rows moved by so many.
+/// The range shifted by `by` rows.
 pub fn shifted(rows: &Range<usize>, by: usize) -> Range<usize> {
     rows.start + by..rows.end + by
 }
 
-/// The rows that are kept of a span of all, by which of all each is.
+/// Range of retained rows within a range of all rows. `places` contains the index of each retained row among all rows.
 pub fn kept_rows(places: &[usize], rows: &Range<usize>) -> Range<usize> {
     let first_from = |row: usize| places.partition_point(|&place| place < row);
     first_from(rows.start)..first_from(rows.end)
 }
 
-/// Whether there are too many findings or poses of the object.
+/// `true` if there are too many findings or object poses.
 pub fn has_many_messages(recording: &Recording) -> bool {
     recording.findings.len().max(recording.object.len()) > MESSAGES
 }
 
-/// Lets go of findings and of poses of the object, where there are too many: of those from before `open` (s), unless
-/// these alone are too many.
+/// Decimates findings and object poses if there are too many. Keeps all messages from `open` (s) on, unless these alone
+/// are too many.
 pub fn thin_messages(recording: &mut Recording, open: f64) {
     let findings = &recording.findings;
     if findings.len() > MESSAGES {

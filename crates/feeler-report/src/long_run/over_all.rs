@@ -1,4 +1,4 @@
-//! What is measured of all rows of a run as they come.
+//! Quantities accumulated over all rows of a run.
 
 use crate::claims::{PEAK_ENDS_BELOW, PEAK_RISES_ABOVE, SMOOTHING, damage_limit, samples};
 use crate::peaks::PeakCounter;
@@ -9,14 +9,14 @@ use std::ops::Range;
 pub struct OverAll {
     grasp_force: PeakCounter,
     torque: PeakCounter,
-    /// The first of all rows at which the torque is known.
+    /// Index among all rows of the first row with a torque.
     first_torque: Option<usize>,
     /// See [`Thinned::longest_above`](crate::thinned::Thinned::longest_above).
     pub pressed: Vec<Pressed>,
 }
 
 impl OverAll {
-    /// Of a run without rows yet.
+    /// Accumulator without rows.
     pub fn new(data: &RunData) -> Self {
         let window = samples(data, SMOOTHING);
         let peaks = PeakCounter::new(window, PEAK_RISES_ABOVE, PEAK_ENDS_BELOW);
@@ -32,7 +32,7 @@ impl OverAll {
         }
     }
 
-    /// Takes the newest rows of `data`, the first of which has the number `place` of all.
+    /// Adds the latest rows of `data`; the first has the index `place` among all rows.
     pub fn take(&mut self, data: &RunData, rows: Range<usize>, place: usize) {
         for (row, place) in rows.zip(place..) {
             self.grasp_force.take(data.grasp_force(row));
@@ -50,8 +50,8 @@ impl OverAll {
         }
     }
 
-    /// Peaks of grasp force and of torque; of torque only where it is known from before `first_move` on, the number of
-    /// the row at which the first MOVE begins.
+    /// Number of peaks of grasp force and of torque. The torque count is `None` unless torque is known from the row
+    /// `first_move`, at which the first MOVE starts.
     pub fn peaks(&self, first_move: Option<usize>) -> [Option<usize>; 2] {
         let in_time = |first: usize| first_move.is_none_or(|start| first <= start);
         let torque = self.first_torque.filter(|&first| in_time(first));

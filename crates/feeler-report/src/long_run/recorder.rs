@@ -1,4 +1,4 @@
-//! A run as columns while it is recorded.
+//! Converts a run to columns while it is being recorded.
 
 use super::{LongRun, MEMORY};
 use crate::run_data::RunData;
@@ -6,12 +6,12 @@ use feeler_record::{
     MemoryRecorder, MessageSink, RecordError, RecordedMessage, RecordedTopic, Recording, RunFacts,
 };
 
-/// Control steps of which messages are kept before they become rows: so few that their memory is still in the processor's cache, and that
-/// the system's library has it at hand for the next ones (glibc keeps seven pieces of a size for that).
+/// Number of control steps between conversions. Small, so that messages stay in the processor's cache and in the
+/// allocator's free lists (glibc caches seven blocks per size).
 const STEPS: usize = 3;
 
-/// Makes columns of a run's messages as they come: what [`read`](super::read) gives of a recording of them, which need not be read
-/// again then. Takes no pictures.
+/// Message sink that converts a run to columns. The result equals that of [`read`](super::read) on a recording of the
+/// same messages, without reading a file. Ignores images.
 pub struct RunRecorder {
     recorder: MemoryRecorder,
     run: LongRun,
@@ -19,10 +19,10 @@ pub struct RunRecorder {
 }
 
 impl RunRecorder {
-    /// For a run of these constants.
+    /// Recorder for a run with these constants.
     ///
     /// # Errors
-    /// When the facts make no sense.
+    /// If the facts are invalid.
     pub fn new(facts: &RunFacts) -> Result<Self, RecordError> {
         let mut recorder = MemoryRecorder::new(facts)?;
         Ok(Self {
@@ -32,17 +32,17 @@ impl RunRecorder {
         })
     }
 
-    /// Whether it takes messages of this topic: not those that are for viewers only.
+    /// `true` if messages of this topic are recorded. Topics for viewers only are not.
     pub fn keeps<M: RecordedMessage>(&mut self, topic: RecordedTopic<M>) -> bool {
         M::list(self.recording_mut(), topic.finger()).is_some()
     }
 
-    /// What is recorded so far, without what became rows already.
+    /// Recording so far, without the messages that have been converted to rows.
     pub fn recording_mut(&mut self) -> &mut Recording {
         self.recorder.recording_mut()
     }
 
-    /// The recording, of which are left its facts, its newest messages, and what was found out; and the columns.
+    /// Returns the recording, reduced to its facts, latest messages and findings, and the columns.
     pub fn finish(self) -> (Recording, RunData) {
         let mut recording = self.recorder.into_recording();
         let data = self.run.finish(&mut recording);

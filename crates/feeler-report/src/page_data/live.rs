@@ -1,4 +1,4 @@
-//! What a page needs of a rig that works while it is looked at.
+//! Page data of a running rig.
 
 use super::panels::{Axis, Colour, Panel, Series};
 use super::scene::Scene;
@@ -7,32 +7,32 @@ use super::{Figure, PageData, VERSION};
 use feeler_record::{RunFacts, SolidFrame};
 use serde::Serialize;
 
-/// Where the rows of a page come from.
+/// Source of a live page's rows.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Live {
-    /// Path of the WebSocket, with its token.
+    /// Path of the WebSocket, including its token.
     pub socket: String,
-    /// Rows that the page keeps.
+    /// Number of rows that the page keeps.
     pub keep: usize,
-    /// Whether there is somebody who can be told to stop.
+    /// `true` if the page can send stop commands.
     pub orders: bool,
 }
 
-/// A rig that works.
+/// A running rig.
 #[derive(Debug, Clone, Copy)]
 pub struct LiveRig<'a> {
-    /// Its constants.
+    /// Constants of the rig.
     pub facts: &'a RunFacts,
-    /// Where its fingers begin, m in `W`.
+    /// Home position of each finger in `W` (m).
     pub homes: &'a [[f64; 3]],
-    /// Whether its rows say how a cap stands.
+    /// `true` if rows contain the pose of a cap.
     pub cap: bool,
-    /// Whether its rows say where an object is that is carried.
+    /// `true` if rows contain the pose of a carried object.
     pub object: bool,
 }
 
 impl LiveRig<'_> {
-    /// Names of the columns and numbers of each in a row, in the order of a message.
+    /// Names of the columns and their number of values per row, in message order.
     pub fn columns(&self) -> Vec<(String, usize)> {
         let single = |name: &str| (name.to_string(), 1);
         let mut columns = vec![single("time"), single("phase")];
@@ -57,7 +57,7 @@ impl LiveRig<'_> {
         columns
     }
 
-    /// The figures of its page: titles, and what answers.
+    /// Figures of the live page: titles and interactive panels.
     pub(crate) fn figures(&self) -> Vec<(&'static str, Panel)> {
         let torque = Series::of_column("torque", Colour::Shared, "torque");
         let facts = self.facts;
@@ -90,7 +90,7 @@ impl LiveRig<'_> {
 }
 
 impl PageData {
-    /// Of a page about a rig that works.
+    /// Data of a page about a running rig.
     pub fn of_rig(title: &str, rig: &LiveRig<'_>, live: Live) -> Self {
         let figures = rig.figures().into_iter().zip(1..);
         let figure = |((_, panel), number)| Figure {

@@ -1,4 +1,4 @@
-//! What a page's program draws: the contract with `web/src/page_data.ts`, which says what each field means.
+//! Data of a page's script. The contract with `web/src/page_data.ts`, which documents each field.
 
 mod live;
 pub mod panels;
@@ -16,10 +16,10 @@ pub use panels::Panel;
 pub(crate) use table::{Rows, RunTable};
 pub use table::{flag_bits, of_finger};
 
-/// Number of the contract.
+/// Version of the contract.
 const VERSION: u32 = 1;
 
-/// All that a page's program draws.
+/// Data of a page's script.
 #[derive(Debug, Clone, Serialize)]
 pub struct PageData {
     version: u32,
@@ -41,7 +41,7 @@ struct Figure {
 }
 
 impl PageData {
-    /// Of a page about one run, whose rows are in `table`.
+    /// Data of a page about one run, whose rows are in `table`.
     pub(crate) fn of_run(
         title: &str,
         recording: &Recording,
@@ -63,7 +63,7 @@ impl PageData {
         }
     }
 
-    /// Of a page that has figures only.
+    /// Data of a page that has only figures.
     pub fn of_figures(title: &str, figures: &[StillFigure]) -> Self {
         Self {
             version: VERSION,
@@ -75,16 +75,16 @@ impl PageData {
         }
     }
 
-    /// As it stands in a document: JSON in which nothing ends a script.
+    /// JSON for embedding in HTML; cannot terminate the script element.
     ///
     /// # Errors
-    /// None that page data can cause; serde's signature has one.
+    /// Never for valid page data; required by serde's signature.
     pub fn to_json(&self) -> Result<String, serde_json::Error> {
         serde_json::to_string(self).map(|json| json.replace('<', "\\u003c"))
     }
 }
 
-/// The figures that answer, each in place of a still one.
+/// Interactive figures that replace static ones.
 fn interactive(figures: &[StillFigure]) -> Vec<Figure> {
     let drawn = figures.iter().filter(|figure| figure.svg.is_some());
     let figures = drawn.map(|figure| Figure {

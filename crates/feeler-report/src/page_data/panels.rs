@@ -1,36 +1,36 @@
-//! Panels of figures that answer.
+//! Panels of interactive figures.
 
 use super::table::Rows;
 use serde::{Serialize, Serializer};
 use std::borrow::Cow;
 use std::ops::Range;
 
-/// What a panel's axis along x is.
+/// Quantity of a panel's x axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum PanelKind {
     /// Time.
     Time,
-    /// Anything.
+    /// Any other quantity.
     Xy,
 }
 
 /// A panel of a figure.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Panel {
-    /// What its axis along x is.
+    /// Quantity of the x axis.
     pub kind: PanelKind,
-    /// Along x.
+    /// X axis.
     pub x: Axis,
-    /// Along y.
+    /// Y axis.
     pub y: Axis,
-    /// What it shows.
+    /// Displayed series.
     pub series: Vec<Series>,
     /// Horizontal lines.
     pub thresholds: Vec<Threshold>,
-    /// Whether lengths along x and y are alike.
+    /// `true` if both axes have the same scale.
     pub equal: bool,
-    /// Rows that are shown at first, if not all.
+    /// Rows that are initially shown; all if `None`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub rows: Option<(usize, usize)>,
 }
@@ -38,41 +38,41 @@ pub struct Panel {
 /// An axis.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Axis {
-    /// What it is.
+    /// Name of the quantity.
     pub label: String,
-    /// The unit that is shown.
+    /// Displayed unit.
     pub unit: Cow<'static, str>,
-    /// Units that are shown per SI unit.
+    /// Displayed units per SI unit.
     pub scale: f64,
-    /// What it shows at first, in SI units, if not all.
+    /// Initial range in SI units; fitted to the data if `None`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub range: Option<(f64, f64)>,
-    /// Whether equal distances stand for equal ratios.
+    /// `true` for a logarithmic axis.
     pub log: bool,
 }
 
 /// A horizontal line.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Threshold {
-    /// Where it is, in SI units.
+    /// Value in SI units.
     pub value: f64,
-    /// What it is.
+    /// Name.
     pub name: String,
 }
 
-/// Fingers that have a colour of their own.
+/// Number of distinct finger colors.
 pub const COLOURS: usize = 5;
 
-/// Colour of a series.
+/// Color of a series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Colour {
-    /// Of a finger; of one of several things that are compared.
+    /// Color of a finger, or of one of several compared items.
     Finger(usize),
-    /// Of what belongs to all.
+    /// Color of common quantities.
     Shared,
-    /// Of what was planned, or is allowed.
+    /// Color of planned values and limits.
     Reference,
-    /// Of what is less important.
+    /// Color of less important series.
     Background,
 }
 
@@ -89,69 +89,69 @@ impl Serialize for Colour {
     }
 }
 
-/// How a series is drawn.
+/// Drawing style of a series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Line {
-    /// A line.
+    /// Solid line.
     Solid,
-    /// A broken line.
+    /// Dashed line.
     Dashed,
     /// Dots.
     Points,
-    /// A lane that is filled while something is so.
+    /// A lane that is filled while a state is active.
     States,
 }
 
-/// What a panel shows: numbers of a column, or points of its own.
+/// A series of a panel, from a column of the run or from separate points.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Series {
-    /// What it is.
+    /// Name.
     pub name: String,
-    /// Its colour.
+    /// Color.
     pub colour: Colour,
-    /// How it is drawn.
+    /// Drawing style.
     pub line: Line,
-    /// Numbers of a column of the run.
+    /// Values from a column of the run.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub column: Option<ColumnPart>,
-    /// Points of its own.
+    /// Separate points.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub points: Option<Points>,
 }
 
-/// A number of each row of a column, or a bit of it.
+/// One value of each row of a column, or one bit of it.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct ColumnPart {
-    /// The column.
+    /// Name of the column.
     pub name: String,
-    /// Which number of a row.
+    /// Index of the value within a row.
     pub index: usize,
-    /// Which bit of it, if it holds some.
+    /// Bit of the value, if it is a bit field.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub bit: Option<u32>,
 }
 
-/// Points in SI units; what is not known is null. What else there is has an entry for each point, or none at all.
+/// Points in SI units; unknown values are null. The other lists have either one entry per point or none.
 #[derive(Debug, Clone, Default, PartialEq, Serialize)]
 pub struct Points {
-    /// Along x.
+    /// X values.
     pub x: Vec<f64>,
-    /// Along y.
+    /// Y values.
     pub y: Vec<Option<f64>>,
-    /// Lower ends of the intervals about y.
+    /// Lower ends of the intervals in y.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub low: Vec<Option<f64>>,
-    /// Upper ends of the intervals about y.
+    /// Upper ends of the intervals in y.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub high: Vec<Option<f64>>,
-    /// The row of the run that each belongs to.
+    /// Row of the run for each point.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub row: Vec<usize>,
-    /// What else is to be said of each.
+    /// Additional text for each point.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub label: Vec<String>,
-    /// The command that shows each.
+    /// Command for each point.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub command: Option<Command>,
 }
@@ -159,14 +159,14 @@ pub struct Points {
 /// A command for each point.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Command {
-    /// The command, with `{folder}` in place of the page's folder and `{trial}` in place of the trial.
+    /// Command with placeholders: `{folder}` for the page's folder, `{trial}` for the trial.
     pub pattern: String,
-    /// The trial of each point.
+    /// Trial of each point.
     pub trial: Vec<u64>,
 }
 
 impl Command {
-    /// What runs trials alone of the sweep in `folder` of the page's own.
+    /// Commands that repeat trials of the sweep in `folder`, relative to the page's folder.
     pub fn of_trials(folder: &str, trial: Vec<u64>) -> Self {
         let pattern = format!("feeler run --trial {{folder}}{folder} {{trial}}");
         Self { pattern, trial }
@@ -174,14 +174,14 @@ impl Command {
 }
 
 impl Points {
-    /// Those whose x is a number.
+    /// Points with a finite x.
     pub fn new(points: impl IntoIterator<Item = (f64, f64)>) -> Self {
         let mut taken = Self::default();
         taken.extend(points);
         taken
     }
 
-    /// The same, each with its row.
+    /// Like [`new`](Self::new), with the row of each point.
     pub fn of_rows(points: impl IntoIterator<Item = (usize, f64, f64)>) -> Self {
         let points = points.into_iter().filter(|(_, x, _)| x.is_finite());
         let (row, points): (_, Vec<_>) = points.map(|(row, x, y)| (row, (x, y))).unzip();
@@ -191,7 +191,7 @@ impl Points {
         }
     }
 
-    /// Takes another line, which does not go on where the last ends.
+    /// Appends a separate line.
     pub fn append(&mut self, points: Vec<(f64, f64)>) {
         if let (Some(&end), false) = (self.x.last(), points.is_empty()) {
             self.x.push(end);
@@ -207,7 +207,7 @@ impl Points {
         }
     }
 
-    /// The same, with the intervals about y from low to high.
+    /// Adds intervals in y, from low to high.
     #[must_use]
     pub fn within(mut self, intervals: impl IntoIterator<Item = (f64, f64)>) -> Self {
         let ends = intervals.into_iter().map(|(l, h)| (shown(l), shown(h)));
@@ -220,10 +220,10 @@ fn shown(value: f64) -> Option<f64> {
     value.is_finite().then(|| short(value))
 }
 
-/// A number to six significant digits: more precise than a screen can show.
+/// Rounds to six significant digits, which exceeds screen resolution.
 fn short(value: f64) -> f64 {
     const DIGITS: i32 = 6;
-    // Powers of ten up to the 22nd are exact, and so is what is left of the digits.
+    // Powers of ten up to 10^22 are exact, and so is the rounded result.
     match value.abs().log10().floor() as i32 {
         _ if value == 0.0 => 0.0,
         magnitude if magnitude < DIGITS => {
@@ -235,7 +235,7 @@ fn short(value: f64) -> f64 {
 }
 
 impl Axis {
-    /// Of a quantity that is shown in `unit`, of which an SI unit has `scale`.
+    /// Axis of a quantity shown in `unit`; `scale` is the number of these units per SI unit.
     pub fn new(label: impl Into<String>, unit: impl Into<Cow<'static, str>>, scale: f64) -> Self {
         Self {
             label: label.into(),
@@ -246,14 +246,14 @@ impl Axis {
         }
     }
 
-    /// Of time.
+    /// Time axis.
     fn time() -> Self {
         Self::new("Time", "s", 1.0)
     }
 }
 
 impl Panel {
-    /// A quantity over the time of the run.
+    /// Panel of a quantity over the time of the run.
     pub fn over_time(y: Axis, series: Vec<Series>) -> Self {
         Self {
             kind: PanelKind::Time,
@@ -266,7 +266,7 @@ impl Panel {
         }
     }
 
-    /// A quantity over another.
+    /// Panel of a quantity over another.
     pub fn of(x: Axis, y: Axis, series: Vec<Series>) -> Self {
         Self {
             kind: PanelKind::Xy,
@@ -275,7 +275,7 @@ impl Panel {
         }
     }
 
-    /// The same with a horizontal line.
+    /// Adds a horizontal line.
     #[must_use]
     pub fn with_threshold(mut self, value: f64, name: &str) -> Self {
         let name = name.into();
@@ -283,14 +283,14 @@ impl Panel {
         self
     }
 
-    /// The same, showing these rows at first.
+    /// Sets the rows that are initially shown.
     #[must_use]
     pub fn of_rows(mut self, rows: &Range<usize>) -> Self {
         self.rows = Some((rows.start, rows.end));
         self
     }
 
-    /// Takes the run's rows for those of its page, where some are left out.
+    /// Converts rows of the run to rows of the page, which may omit some.
     pub(super) fn take_rows(&mut self, rows: &Rows) {
         self.rows = self.rows.map(|(start, end)| (rows.of(start), rows.of(end)));
         let points = self.series.iter_mut().filter_map(|s| s.points.as_mut());
@@ -301,7 +301,7 @@ impl Panel {
 }
 
 impl Series {
-    /// Numbers of a column.
+    /// Series of a column's values.
     pub fn of_column(name: impl Into<String>, colour: Colour, column: impl Into<String>) -> Self {
         Self {
             name: name.into(),
@@ -316,7 +316,7 @@ impl Series {
         }
     }
 
-    /// A lane that is filled while a bit of a column is up.
+    /// A lane that is filled while a bit of a column is set.
     pub fn of_bit(name: String, colour: Colour, column: String, bit: u32) -> Self {
         Self {
             line: Line::States,
@@ -329,7 +329,7 @@ impl Series {
         }
     }
 
-    /// The same of another number of each row.
+    /// Selects another value of each row.
     #[must_use]
     pub fn at(mut self, index: usize) -> Self {
         if let Some(column) = &mut self.column {
@@ -338,7 +338,7 @@ impl Series {
         self
     }
 
-    /// Points.
+    /// Series of separate points.
     pub fn of_points(name: impl Into<String>, colour: Colour, points: Points) -> Self {
         Self {
             name: name.into(),
@@ -349,14 +349,14 @@ impl Series {
         }
     }
 
-    /// The same as dots.
+    /// Draws the series as dots.
     #[must_use]
     pub fn dotted(mut self) -> Self {
         self.line = Line::Points;
         self
     }
 
-    /// The same as a broken line.
+    /// Draws the series as a dashed line.
     #[must_use]
     pub fn dashed(mut self) -> Self {
         self.line = Line::Dashed;

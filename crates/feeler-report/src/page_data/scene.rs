@@ -1,4 +1,4 @@
-//! The 3-D scene of a run.
+//! 3-D scene of a run.
 
 use super::live::LiveRig;
 use crate::run_data::RunData;
@@ -9,13 +9,13 @@ use glam::{DAffine3, DQuat, DVec3};
 use serde::Serialize;
 use std::f64::consts::FRAC_PI_2;
 
-/// What the home view shows around what matters, over the radius of a dome.
+/// Margin of the home view relative to the dome radius.
 const MARGIN: f64 = 1.2;
 
 type Vector = [f64; 3];
 type Quaternion = [f64; 4];
 
-/// Frames, solids in them, and fingertips.
+/// Coordinate frames, solids and fingertips.
 #[derive(Debug, Clone, Serialize)]
 pub struct Scene {
     frames: Vec<Frame>,
@@ -81,7 +81,7 @@ struct Home {
 }
 
 impl Scene {
-    /// Of a run; none where it is not known how the hand is built.
+    /// Scene of a run; `None` if the hand's geometry is unknown.
     pub fn new(recording: &Recording, data: &RunData) -> Option<Self> {
         let is_known = |frame| match frame {
             SolidFrame::World => true,
@@ -91,10 +91,10 @@ impl Scene {
         Self::around(&recording.facts, is_known, home(recording, data)?)
     }
 
-    /// Of a rig that works; none where it is not known how the hand is built.
+    /// Scene of a running rig; `None` if the hand's geometry is unknown.
     pub fn of_rig(rig: &LiveRig<'_>) -> Option<Self> {
         let homes = rig.homes.iter().map(|&home| DVec3::from_array(home));
-        // What a hand is about stands on the axis of `W`.
+        // The object of a hand is on the axis of `W`.
         let points = homes.flat_map(|home| [home, home * DVec3::Z]);
         let is_known = |frame| match frame {
             SolidFrame::World => true,
@@ -104,7 +104,7 @@ impl Scene {
         Self::around(rig.facts, is_known, home_of(&rig.facts.hand, points)?)
     }
 
-    /// With the solids of the frames of which it `is_known` where they are.
+    /// Scene with the solids in frames whose pose is known according to `is_known`.
     fn around(facts: &RunFacts, is_known: impl Fn(SolidFrame) -> bool, home: Home) -> Option<Self> {
         let mut scene = Self {
             frames: Vec::new(),
@@ -165,7 +165,7 @@ fn element((element, tip): (SensingElement, DVec3)) -> Element {
 }
 
 impl Shape {
-    /// What is drawn in a frame of a finger, if anything is.
+    /// Shape in a frame of a finger, if any.
     fn of_frame(frame: &ModelFrame) -> Option<Self> {
         let (role, solid, position) = match frame.part? {
             FingerPart::Link { radius, length } => {
@@ -177,7 +177,7 @@ impl Shape {
         Some(Self {
             frame: frame.name.clone(),
             position,
-            // A rod is along x of its link, a cylinder along its own z.
+            // A rod extends along x of its link, a cylinder along its own z axis.
             rotation: DQuat::from_rotation_y(FRAC_PI_2).to_array(),
             role,
             solid,
@@ -198,14 +198,14 @@ impl Shape {
     }
 }
 
-/// What the home view shows: all domes, wherever they go, and what moves; none without a hand.
+/// Home view: contains all dome positions and moving objects; `None` without a hand.
 fn home(recording: &Recording, data: &RunData) -> Option<Home> {
     let domes = data.fingers.iter().flat_map(|finger| &finger.position);
     let cap = data.cap.iter().flat_map(|cap| &cap.centre);
     home_of(&recording.facts.hand, domes.chain(cap).copied())
 }
 
-/// The view of these points, around domes of the `hand`.
+/// View that contains these points, with a margin for the domes of `hand`.
 fn home_of(hand: &[FingerModel], points: impl Iterator<Item = DVec3> + Clone) -> Option<Home> {
     let dome = hand
         .iter()
@@ -224,7 +224,7 @@ fn home_of(hand: &[FingerModel], points: impl Iterator<Item = DVec3> + Clone) ->
     })
 }
 
-/// Where the first dome is while its joints stand at 0.
+/// Position of the first dome with all joint angles at 0.
 fn at_rest(hand: &[FingerModel]) -> DVec3 {
     let frames = hand.first().and_then(|model| model.frames(0).ok());
     let places = frames.iter().flatten().map(|frame| frame.in_parent(0.0));

@@ -1,4 +1,4 @@
-//! The rows of a run as columns.
+//! Rows of a run as binary columns.
 
 use crate::run_data::{FingerColumns, RunData};
 use crate::strokes::TRUE_SLIP;
@@ -11,15 +11,15 @@ use glam::{DQuat, DVec3};
 use serde::Serialize;
 use std::io::Write;
 
-/// Rows that a second has at most, and those of a page: a file that a browser draws within two seconds.
+/// Maximum number of rows per second and per page, so that a browser draws the page within two seconds.
 const RATE: f64 = 100.0;
 const MOST_ROWS: usize = 30_000;
-/// Smallest step of a force, N: a quarter of what a sensor's noise is.
+/// Minimum resolution of forces (N): a quarter of a sensor's noise.
 const FORCE_STEP: f64 = 5e-4;
-/// What is not known, where numbers are of 16 bits.
+/// Unknown value in 16-bit columns.
 const UNKNOWN: i16 = i16::MIN;
 
-/// The rows of a run.
+/// Rows of a run.
 #[derive(Debug, Clone, Serialize)]
 pub struct RunTable {
     rows: usize,
@@ -47,7 +47,7 @@ struct Stroke {
     moving: (usize, usize),
 }
 
-/// Which rows of a run stand in its page: every so many.
+/// Rows of a run that are in its page: every n-th row.
 pub struct Rows {
     every: usize,
     count: usize,
@@ -57,7 +57,7 @@ impl Rows {
     fn new(data: &RunData) -> Self {
         let count = data.time.len();
         let every = match data.thinned {
-            Some(_) => 1, // they are few already, and each has its reason
+            Some(_) => 1, // already decimated to significant rows
             None => (1.0 / (RATE * data.facts.control_period)).round() as usize,
         };
         Self {
@@ -66,18 +66,18 @@ impl Rows {
         }
     }
 
-    /// The rows that stand in the page.
+    /// Indices of the rows in the page.
     fn kept(&self) -> impl Iterator<Item = usize> + Clone + use<> {
         (0..self.count).step_by(self.every)
     }
 
-    /// The page's row in place of a run's.
+    /// Row of the page that corresponds to a row of the run.
     pub fn of(&self, row: usize) -> usize {
         row / self.every
     }
 }
 
-/// Columns on their way into the page.
+/// Columns being encoded.
 #[derive(Default)]
 struct Columns {
     columns: Vec<Column>,
@@ -91,7 +91,7 @@ impl Columns {
         (width, scale): (usize, f64),
         numbers: impl Iterator<Item = [u8; N]>,
     ) {
-        // Of whole numbers at once: byte by byte this took as long as compressing them.
+        // Append whole numbers: appending single bytes took as long as compressing them.
         for number in numbers {
             self.bytes.extend_from_slice(&number);
         }
@@ -114,7 +114,7 @@ impl Columns {
 }
 
 impl RunTable {
-    /// The columns of a page whose rows are still to come.
+    /// Columns of a page whose rows arrive later.
     pub fn to_come(columns: impl IntoIterator<Item = (String, usize)>) -> Self {
         let column = |(name, width): (String, usize)| Column {
             kind: match name.as_str() {
@@ -134,7 +134,7 @@ impl RunTable {
         }
     }
 
-    /// The rows of a run, and which of all they are.
+    /// Rows of a run, and their selection.
     pub fn new(data: &RunData) -> (Self, Rows) {
         let rows = Rows::new(data);
         let kept = rows.kept();
@@ -170,23 +170,23 @@ impl RunTable {
     }
 }
 
-/// Names of phases by number.
+/// Names of the phases, indexed by number.
 fn phase_names() -> Vec<String> {
     Phase::ALL.map(|phase| phase.to_string()).to_vec()
 }
 
-/// Name of a column of a finger.
+/// Name of a finger's column.
 pub fn of_finger(finger: usize, name: &str) -> String {
     format!("finger/{finger}/{name}")
 }
 
-/// What stands in a finger's column `flags`, of TOUCH, SLIP, OVER, and whether it slips in truth.
+/// Value of a finger's column `flags`, from TOUCH, SLIP, OVER and true slip.
 pub fn flag_bits(flags: [bool; 4]) -> u8 {
     let bits = flags.into_iter().enumerate();
     bits.fold(0, |bits, (bit, up)| bits | u8::from(up) << bit)
 }
 
-/// What a finger felt.
+/// Adds the tactile columns of a finger.
 fn add_felt(
     columns: &mut Columns,
     number: usize,
@@ -201,7 +201,7 @@ fn add_felt(
         .filter(|force| force.is_finite())
         .fold(0.0, f64::max);
     let scale = FORCE_STEP.max(largest / f64::from(i16::MAX));
-    // Half away from zero, as `round` has it, which is a call of the C library for each number.
+    // Round half away from zero like `round`, which would be a C library call per value.
     let stored = |force: f64| match force.is_nan() {
         true => UNKNOWN,
         false => (force / scale + 0.5_f64.copysign(force)) as i16,
@@ -223,7 +223,7 @@ fn add_felt(
     columns.f32(of_finger(number, "shear_rate"), 1, rate);
 }
 
-/// What moves around the hand.
+/// Adds the motion of cap and object.
 fn add_moving(columns: &mut Columns, data: &RunData, kept: &(impl Iterator<Item = usize> + Clone)) {
     let place = |position: DVec3, turned: DQuat| {
         let numbers = position.to_array().into_iter().chain(turned.to_array());
@@ -244,14 +244,15 @@ fn add_moving(columns: &mut Columns, data: &RunData, kept: &(impl Iterator<Item 
     }
 }
 
-/// Name of the column that says where a frame is.
+/// Name of the column with a frame's pose.
 pub fn frame_column(frame: SolidFrame) -> String {
     format!("frame/{}", frame.name())
 }
 
-/// By raw deflate, in base64.
+/// Compresses with raw deflate and encodes in base64.
 fn compressed(bytes: &[u8]) -> String {
-    // The level below makes pages a seventh larger, those above save a hundredth and take longer, the highest more than the run itself.
+    // Level 1 makes pages a seventh larger. Higher levels save one percent and take longer; the highest takes longer
+    // than the run itself.
     let mut encoder = DeflateEncoder::new(Vec::new(), Compression::new(2));
     // Writing to memory cannot fail.
     let written = encoder.write_all(bytes).and_then(|()| encoder.finish());

@@ -1,4 +1,4 @@
-//! The columns of one finger.
+//! Columns of one finger.
 
 use super::Stroke;
 use crate::rows::Rows;
@@ -9,56 +9,56 @@ use feeler_record::{
 };
 use glam::{DQuat, DVec3};
 
-/// Rows that there is room for at first, so that a run of ordinary length (20 s at 100 Hz) does not copy them as it grows.
+/// Initial capacity in rows, so that a run of ordinary length (20 s at 100 Hz) does not reallocate.
 const ROWS: usize = 2048;
 
-/// One finger's columns; all have as many rows as [`RunData::time`](super::RunData::time).
+/// Columns of one finger, with as many rows as [`RunData::time`](super::RunData::time).
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FingerColumns {
-    /// Sum of the positive F_z, N.
+    /// Sum of the positive F_z (N).
     pub grasp_force: Vec<f64>,
-    /// TOUCH.
+    /// TOUCH flag.
     pub touch: Vec<bool>,
-    /// SLIP.
+    /// SLIP flag.
     pub slip: Vec<bool>,
-    /// OVER.
+    /// OVER flag.
     pub over: Vec<bool>,
-    /// Longest way that the anchor of one of its feelers slid since the row before, m, where a simulated world told.
+    /// Longest distance that the anchor of a feeler slid since the previous row (m); ground truth.
     pub slipped: Vec<Option<f64>>,
-    /// The touching element of largest F_z.
+    /// Touching element with the largest F_z, if any.
     pub largest_element: Vec<Option<usize>>,
-    /// Shear rate of that element, N/s; 0 when none touches.
+    /// Shear rate of that element (N/s); 0 if no element touches.
     pub shear_rate: Vec<f64>,
-    /// Force on every element in its frame, N; z is compression.
+    /// Force on each element in its frame (N); z is compression.
     pub forces: Rows<DVec3>,
-    /// The largest F_z of them, N; not a number where one of them is none, and -∞ where there are no elements.
+    /// Largest F_z (N); NaN if any is not finite, -∞ if there are no elements.
     pub largest_force: Vec<f64>,
-    /// Centre of the dome, m in `W`.
+    /// Center of the dome in `W` (m).
     pub position: Vec<DVec3>,
-    /// From the fingertip frame `T` to `W`.
+    /// Rotation from the fingertip frame `T` to `W`.
     pub rotation: Vec<DQuat>,
-    /// Joint angles, rad; not numbers before they were first read.
+    /// Joint angles (rad); NaN before the first measurement.
     pub joints: Vec<[f64; 3]>,
-    /// Undeformed tip of every element's feeler, m in `T`.
+    /// Undeformed tip of each element's feeler in `T` (m).
     pub tips: Vec<DVec3>,
 }
 
 impl FingerColumns {
-    /// Path over MOVE of the undeformed tip of the element that leads the stroke, m in `W`: the
-    /// touching element of largest F_z when MOVE begins.
+    /// Path of the leading element's undeformed tip over MOVE, in `W` (m). The leading element is the touching element
+    /// with the largest F_z when MOVE starts.
     pub fn leading_path(&self, stroke: &Stroke) -> Option<Vec<DVec3>> {
         let moving = stroke.moving.clone();
         let leading = moving.clone().find_map(|row| self.largest_element[row])?;
         moving.map(|row| self.tip(row, leading)).collect()
     }
 
-    /// Undeformed tip of the feeler of `element` at a row, m in `W`.
+    /// Undeformed tip of the feeler of `element` at a row, in `W` (m).
     pub fn tip(&self, row: usize, element: usize) -> Option<DVec3> {
         let (centre, rotation) = (self.position.get(row)?, self.rotation.get(row)?);
         Some(*centre + *rotation * *self.tips.get(element)?)
     }
 
-    /// Force on the feeler of `element` by what it touches at a row, N, in `W`.
+    /// Force on the feeler of `element` by the touched object at a row, in `W` (N).
     pub fn force_in_world(&self, row: usize, element: usize) -> Option<DVec3> {
         let force = self.forces.get(row)?.get(element)?;
         let outward = self.tips.get(element)?.normalize_or_zero();
@@ -66,7 +66,7 @@ impl FingerColumns {
         Some(*self.rotation.get(row)? * force)
     }
 
-    /// Makes room for the first rows.
+    /// Reserves capacity for the first rows.
     pub(super) fn reserve(&mut self) {
         self.grasp_force.reserve(ROWS);
         self.touch.reserve(ROWS);
@@ -112,7 +112,7 @@ impl FingerColumns {
         self.joints.push(angles);
     }
 
-    /// Keeps these rows only, which are in their order.
+    /// Retains only the rows with these ascending indices.
     pub(super) fn keep(&mut self, rows: &[usize]) {
         keep(&mut self.grasp_force, rows);
         keep(&mut self.touch, rows);
@@ -129,7 +129,7 @@ impl FingerColumns {
     }
 }
 
-/// Keeps the entries of these rows, which are in their order.
+/// Retains only the entries with these ascending indices.
 pub(crate) fn keep<T>(column: &mut Vec<T>, rows: &[usize]) {
     for (place, &row) in rows.iter().enumerate() {
         column.swap(place, row);
@@ -137,7 +137,7 @@ pub(crate) fn keep<T>(column: &mut Vec<T>, rows: &[usize]) {
     column.truncate(rows.len());
 }
 
-/// The columns of each finger, still without rows.
+/// Columns of each finger, without rows.
 pub(super) fn fingers(recording: &Recording) -> Vec<FingerColumns> {
     let mut fingers = vec![FingerColumns::default(); recording.fingers.len()];
     for (columns, model) in fingers.iter_mut().zip(&recording.facts.hand) {
@@ -147,7 +147,7 @@ pub(super) fn fingers(recording: &Recording) -> Vec<FingerColumns> {
     fingers
 }
 
-/// The channels of one finger that become columns.
+/// Channels of one finger that become columns.
 pub(super) struct FingerNewest<'a> {
     tactile: Newest<'a, Tactile>,
     flags: Newest<'a, Flags>,
@@ -155,7 +155,7 @@ pub(super) struct FingerNewest<'a> {
     joints: Newest<'a, Joints>,
 }
 
-/// What is newest of one finger; its joints need not be known.
+/// Latest messages of one finger; joint angles are optional.
 pub(super) struct FingerRow<'a> {
     tactile: &'a Tactile,
     flags: &'a Flags,

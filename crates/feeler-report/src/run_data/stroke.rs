@@ -1,9 +1,9 @@
-//! Rows as strokes.
+//! Splits rows into strokes.
 
 use feeler_record::Phase;
 use std::ops::Range;
 
-/// One touch-and-release stroke, as ranges of rows.
+/// One stroke from touch to release, as ranges of rows.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Stroke {
     /// Number of the stroke, from 1.
@@ -12,13 +12,12 @@ pub struct Stroke {
     pub rows: Range<usize>,
     /// Rows of its MOVE phase; empty if it has none.
     pub moving: Range<usize>,
-    /// Whether the recording goes on after MOVE, so that MOVE is known to be over; false, too, where not all rows of a stroke
-    /// that claims are about could be kept.
+    /// `true` if the recording continues after MOVE, so that MOVE is complete, and all rows of the stroke were kept.
     pub whole: bool,
 }
 
-/// Splits rows into strokes: a stroke is a run of rows with one number above 0, without the rows
-/// after the task ended; its MOVE is the longest run of MOVE rows in it.
+/// Splits rows into strokes. A stroke is a run of rows with the same number above 0, excluding rows after the end of
+/// the task. Its MOVE is its longest run of MOVE rows.
 pub(crate) fn split_strokes(numbers: &[u32], phases: &[Phase]) -> Vec<Stroke> {
     let ended = |phase| matches!(phase, Phase::Done | Phase::Stopped);
     let number = |row: usize| if ended(phases[row]) { 0 } else { numbers[row] };
@@ -42,7 +41,7 @@ pub(crate) fn split_strokes(numbers: &[u32], phases: &[Phase]) -> Vec<Stroke> {
         .collect()
 }
 
-/// The runs of equal keys in `0..length`.
+/// Runs of equal keys in `0..length`.
 fn runs<K: PartialEq + Copy>(
     length: usize,
     key: impl Fn(usize) -> K,
@@ -63,7 +62,7 @@ mod tests {
     use Phase::{Done, Move, Release, Return, Search, Stopped};
 
     #[test]
-    fn strokes_are_runs_of_one_number_and_end_with_the_task() {
+    fn strokes_are_runs_of_equal_numbers_until_the_task_ends() {
         let numbers = [0, 1, 1, 1, 1, 1, 2, 2, 2, 2];
         let phases = [
             Search, Search, Move, Move, Release, Return, Search, Move, Return, Done,
@@ -82,7 +81,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stroke_whose_move_is_cut_off_is_not_whole() {
+    fn stroke_with_truncated_move_is_not_whole() {
         assert!(!split_strokes(&[1, 1, 1], &[Search, Move, Move])[0].whole);
         assert!(!split_strokes(&[1, 1, 1], &[Search, Move, Stopped])[0].whole);
         let without_move = &split_strokes(&[1, 1], &[Search, Search])[0];

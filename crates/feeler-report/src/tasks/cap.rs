@@ -1,4 +1,4 @@
-//! The report of a cap that was screwed until the hand knew what became of it, in place of the paper's claims.
+//! Report of closing or opening a cap by touch. It replaces the paper's claims.
 
 use super::screw::ScrewReport;
 use super::{TaskReport, shown};
@@ -12,7 +12,7 @@ use crate::text::{significant, value};
 use feeler_record::{Recording, TaskOutcome};
 use maud::{Markup, html};
 
-/// The report of a cap that was closed or opened by touch.
+/// Report of a cap that was closed or opened by touch.
 pub struct CapReport;
 
 impl TaskReport for CapReport {
@@ -20,7 +20,7 @@ impl TaskReport for CapReport {
         "of this task"
     }
 
-    /// None: the hand's own word is held against the instruments.
+    /// Always empty: the report compares the hand's estimates with the instruments.
     fn claims(&self, _: &Recording, _: &RunData, _: &[StrokeMeasures]) -> Vec<Claim> {
         Vec::new()
     }
@@ -43,31 +43,31 @@ impl TaskReport for CapReport {
     }
 }
 
-/// One column: name with unit, and the value in that unit.
+/// Table column: name with unit, and the value in that unit.
 type Column = (&'static str, fn(&FeltStroke) -> Option<f64>);
 
 const COLUMNS: [Column; 4] = [
-    ("Turn felt (°)", |s| s.felt_turn.map(f64::to_degrees)),
-    ("Turn (°)", |s| s.turn.map(f64::to_degrees)),
-    ("Largest torque felt (mN·m)", |s| {
+    ("Estimated rotation (°)", |s| s.felt_turn.map(f64::to_degrees)),
+    ("True rotation (°)", |s| s.turn.map(f64::to_degrees)),
+    ("Peak torque, estimated (mN·m)", |s| {
         s.felt_torque.map(|t| 1e3 * t)
     }),
-    ("Largest torque by the sensor (mN·m)", |s| {
+    ("Peak torque, measured (mN·m)", |s| {
         s.torque.map(|t| 1e3 * t)
     }),
 ];
 
-/// What became of the cap, and the strokes as they were felt.
+/// Section with the outcome, and the table of strokes.
 fn cap_section(summary: &Summary, cap: &CapMeasures) -> Markup {
     let outcome = summary
         .outcome
         .as_ref()
-        .map_or("nothing that it could tell", TaskOutcome::as_str);
+        .map_or("undetermined", TaskOutcome::as_str);
     html! {
-        h2 { "What became of the cap" }
+        h2 { "Result" }
         p.verdict {
-            "The hand's own word: " b { (outcome) } ". It was told nothing of torque or angle; both columns “felt” below are made "
-            "of forces on its fingertips and its encoders."
+            "Outcome reported by the hand: " b { (outcome) } ". The hand does not measure torque or cap angle; the estimates below are "
+            "computed from fingertip forces and joint encoders."
         }
         @let (strokes, left_out) = shown(&cap.strokes);
         @let columns: Vec<_> = COLUMNS.iter().filter(|column| cap.strokes.iter().any(|stroke| column.1(stroke).is_some())).collect();
@@ -101,26 +101,26 @@ fn rows(cap: &CapMeasures) -> Vec<(String, String)> {
     };
     let mut rows = vec![
         (
-            "What friction allows: static coefficient × grip allowed × radius × fingers"
+            "Torque limit of friction: static coefficient × allowed grasp force × radius × fingers"
                 .to_string(),
             cap.friction_limit
                 .map_or_else(|| "unknown".to_string(), |limit| milli(Some(limit))),
         ),
         (
-            "Largest torque, by the sensor".to_string(),
+            "Peak torque, measured".to_string(),
             milli(cap.largest_torque),
         ),
     ];
     if let (Some(1.0), Some(ratio)) = (cap.sense, cap.torque_ratio) {
         let tight = significant(1e2 * TIGHT);
         rows.push((
-            format!("Largest torque of the last stroke, by the sensor; a closed cap is tight from {tight} % of what friction allows"),
+            format!("Peak torque of the last stroke, measured; a closed cap is tight from {tight} % of the torque limit of friction"),
             format!("{}, {} %", milli(cap.final_torque), significant(1e2 * ratio)),
         ));
     }
     rows.push((
         format!(
-            "Longest time of an element over its damage limit ({} ms are borne)",
+            "Longest time of an element above its damage limit ({} ms allowed)",
             significant(1e3 * DAMAGE_TIME)
         ),
         (cap.time_over_damage).map_or_else(not_measured, |time| {

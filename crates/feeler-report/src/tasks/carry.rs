@@ -1,4 +1,4 @@
-//! The carry task: where the object went, against where it should go, and how hard it was gripped.
+//! Report of the carry task: path of the object compared with its goal, and grasp forces.
 
 use super::{TaskReport, findings};
 use crate::claim::{Claim, ClaimPart, Relation};
@@ -13,27 +13,27 @@ use feeler_record::{CarryGoal, FindingName, ObjectPose, Recording, TaskOutcome};
 use glam::{DQuat, DVec3};
 use maud::Markup;
 
-/// How far the object may end from its goal, m.
+/// Maximum final distance of the object from its goal (m).
 const PLACE: f64 = 2e-3;
-/// How far it may have turned, and how far it may tip, deg.
+/// Maximum rotation, and maximum tilt (deg).
 const TURN: f64 = 3.0;
-/// How much lower than the path's highest place it may stay, m.
+/// Maximum shortfall of the object's highest position relative to the path's (m).
 const DROP: f64 = 5e-3;
-/// Metres to millimetres.
+/// Meters to millimeters.
 const MM: f64 = 1e3;
 
 fn position(pose: &ObjectPose) -> DVec3 {
     pose.position.into()
 }
 
-/// Way of the object along x, y and z.
+/// Estimated displacement of the object along x, y and z.
 const MOVED: [FindingName; 3] = [
     FindingName::MovedX,
     FindingName::MovedY,
     FindingName::MovedZ,
 ];
 
-/// How a pose is turned from another: about W's z, and by how much its upright axis tips, rad.
+/// Rotation between two poses: angle about W's z axis, and tilt of the upright axis (rad).
 fn turned(from: &ObjectPose, to: &ObjectPose) -> (f64, f64) {
     let rotation = |pose: &ObjectPose| {
         let q = &pose.orientation;
@@ -45,12 +45,12 @@ fn turned(from: &ObjectPose, to: &ObjectPose) -> (f64, f64) {
     (side.y.atan2(side.x), upright.angle_between(DVec3::Z))
 }
 
-/// By how much the upright axis of an object tips from one pose to another, rad.
+/// Tilt of an object's upright axis between two poses (rad).
 pub(crate) fn tip(from: &ObjectPose, to: &ObjectPose) -> f64 {
     turned(from, to).1
 }
 
-/// The report of this task.
+/// Report of the carry task.
 pub struct CarryReport;
 
 impl TaskReport for CarryReport {
@@ -75,7 +75,7 @@ impl TaskReport for CarryReport {
     }
 }
 
-/// What the task is held to.
+/// Claims about the task.
 fn claims(recording: &Recording, data: &RunData) -> Vec<Claim> {
     let goal: Option<CarryGoal> = recording.facts.carry;
     let ends = recording.object.first().zip(recording.object.last());
@@ -104,27 +104,27 @@ fn claims(recording: &Recording, data: &RunData) -> Vec<Claim> {
     vec![
         Claim::new(
             "carried",
-            "The object is carried to the path's end.",
+            "The object is carried to the end of the path.",
             vec![
                 ClaimPart::new("carried", carried, Relation::Equals, 1.0),
                 ClaimPart::new(
-                    "distance from the path's end",
+                    "distance from the end of the path",
                     end_error,
                     Relation::AtMost,
                     MM * PLACE,
                 )
                 .in_unit("mm"),
-                ClaimPart::new("turned about the upright", turn, Relation::Within, TURN)
+                ClaimPart::new("rotation about the vertical", turn, Relation::Within, TURN)
                     .in_unit("°"),
             ],
         ),
         Claim::new(
             "not-dropped",
-            "It neither tips nor stays behind.",
+            "The object does not tip, and it is lifted to the height of the path.",
             vec![
-                ClaimPart::new("tipped", tip, Relation::AtMost, TURN).in_unit("°"),
+                ClaimPart::new("tilt", tip, Relation::AtMost, TURN).in_unit("°"),
                 ClaimPart::new(
-                    "highest place below the path's",
+                    "highest position below the path's",
                     below,
                     Relation::AtMost,
                     MM * DROP,
@@ -134,11 +134,11 @@ fn claims(recording: &Recording, data: &RunData) -> Vec<Claim> {
         ),
         Claim::new(
             "not-crushed",
-            "No finger presses harder than it may.",
+            "No finger exceeds the crush force.",
             vec![
                 ClaimPart::new(
                     "largest grasp force of a finger",
-                    // Without a goal there is nothing that it is held to.
+                    // Without a goal there is no limit to compare with.
                     pressing.filter(|_| goal.is_some()),
                     Relation::AtMost,
                     crush_force,
@@ -149,12 +149,12 @@ fn claims(recording: &Recording, data: &RunData) -> Vec<Claim> {
     ]
 }
 
-/// Where the object went, and how hard it was gripped.
+/// Figures of the object's path and of the grasp forces.
 fn figures(recording: &Recording, data: &RunData) -> Vec<Figure> {
     vec![way(recording), grip(data)]
 }
 
-/// What the hand found, as a series over time.
+/// Estimate of the hand over time.
 fn found(recording: &Recording, name: &FindingName) -> Vec<(f64, f64)> {
     let found = recording
         .findings
@@ -164,10 +164,10 @@ fn found(recording: &Recording, name: &FindingName) -> Vec<(f64, f64)> {
 }
 
 fn way(recording: &Recording) -> Figure {
-    let title = "How far the object moved";
+    let title = "Displacement of the object";
     let names = match recording.object.is_empty() {
         false => ["x, true", "y, true", "z, true"],
-        true => ["x, as felt", "y, as felt", "z, as felt"],
+        true => ["x, estimated", "y, estimated", "z, estimated"],
     };
     let start = recording.object.first().map_or(DVec3::ZERO, position);
     let (mut plots, mut legend, mut all) = (Vec::new(), Vec::new(), Vec::new());
@@ -188,15 +188,15 @@ fn way(recording: &Recording) -> Figure {
         legend.push((name, pen));
     }
     let mut caption =
-        "From where it was taken. Felt is what the tips say that stick to the object".to_string();
+        "Displacement since the grasp. The estimate is computed from the fingertips that stick to the object".to_string();
     if !recording.object.is_empty() {
-        legend.push(("as felt", Pen::dashed(CAP, 1.0)));
-        caption += "; the true way is the simulator's, and the hand does not know it";
+        legend.push(("estimated", Pen::dashed(CAP, 1.0)));
+        caption += "; the true displacement is ground truth that the hand does not know";
     }
     caption += ".";
     let ranges = range(all.iter().map(|p| p.0)).zip(range(all.iter().map(|p| p.1)));
     let drawing = ranges.map(|(time, way)| {
-        let layout = panel(time, way, "Time (s)", "Moved (mm)");
+        let layout = panel(time, way, "Time (s)", "Displacement (mm)");
         column((1, title), &legend, vec![(plots, layout)], 320.0)
     });
     Figure::drawn(1, title, caption, drawing)
@@ -217,6 +217,6 @@ fn grip(data: &RunData) -> Figure {
         let layout = panel(time, (0.0, most), "Time (s)", "Grasp force (N)");
         column((2, title), &legend, vec![(plots, layout)], 300.0)
     });
-    let caption = "The sum of the compressions of a finger's elements. It grows with what the object pulls, and with every slip.";
+    let caption = "Sum of the compressions of a finger's elements. It increases with the pull of the object and with every slip.";
     Figure::drawn(2, title, caption, drawing)
 }

@@ -1,4 +1,4 @@
-//! The contour task: the outline that was drawn, against the true section.
+//! Report of the contour task: the drawn outline compared with the true section.
 
 use super::{TaskReport, findings};
 use crate::claim::{Claim, ClaimPart, Relation};
@@ -13,23 +13,24 @@ use feeler_record::{Recording, TaskOutcome};
 use glam::DVec2;
 use maud::Markup;
 
-/// The outline is off by no more than this, RMS, m.
+/// Maximum RMS error of the outline (m).
 const RMS_ERROR: f64 = 0.5e-3;
-/// No contact is lost for longer than this, s.
+/// Maximum duration of a loss of contact (s).
 const LOST_TIME: f64 = 0.1;
-/// A corner was passed if the outline comes as close to it, m: the greatest error that three standard deviations of
-/// the RMS allowed would be.
+/// Maximum distance between a corner and the outline for the corner to count as passed (m): three times the allowed RMS
+/// error.
 const CORNER_DISTANCE: f64 = 1.5e-3;
-/// No part of the section is further than this from the outline, m: it goes all the way round.
+/// Maximum distance of any point of the section from the outline (m); ensures that the outline covers the whole
+/// section.
 const GREATEST_GAP: f64 = 1.5e-3;
-/// Where the section turns by so much within [`CORNER_LENGTH`], it has a corner, rad.
+/// Minimum change of direction within [`CORNER_LENGTH`] at a corner of the section (rad).
 const CORNER_ANGLE: f64 = 0.5;
-/// See [`CORNER_ANGLE`], m.
+/// Length of a corner, see [`CORNER_ANGLE`] (m).
 const CORNER_LENGTH: f64 = 0.4e-3;
-/// Metres to millimetres.
+/// Meters to millimeters.
 const MM: f64 = 1e3;
 
-/// The corners of a closed path: the middles of the stretches in which it turns sharply.
+/// Corners of a closed path: the midpoints of sharp bends.
 fn corners(section: &[DVec2]) -> Vec<DVec2> {
     let Some(ring) = section.len().checked_sub(1).filter(|&count| count > 2) else {
         return Vec::new();
@@ -53,7 +54,7 @@ fn corners(section: &[DVec2]) -> Vec<DVec2> {
     let mut found: Vec<DVec2> = Vec::new();
     for place in (0..ring).filter(sharpest) {
         let corner = at(place);
-        // Two neighbours that turn alike are one corner.
+        // Neighboring points with equal bends are one corner.
         if found
             .iter()
             .all(|other| other.distance(corner) > CORNER_LENGTH)
@@ -64,12 +65,12 @@ fn corners(section: &[DVec2]) -> Vec<DVec2> {
     found
 }
 
-/// Longest time without touch while the finger followed, s.
+/// Longest time without touch while following the outline (s).
 fn longest_loss(data: &RunData) -> Option<f64> {
     Some(data.longest_loss? as f64 * data.facts.control_period)
 }
 
-/// The report of this task.
+/// Report of the contour task.
 pub struct ContourReport;
 
 impl TaskReport for ContourReport {
@@ -94,7 +95,7 @@ impl TaskReport for ContourReport {
     }
 }
 
-/// What the task is held to.
+/// Claims about the task.
 fn claims(recording: &Recording, data: &RunData) -> Vec<Claim> {
     let section = section(recording);
     let drawn: Vec<_> = drawn(recording).into_iter().map(|(_, p)| p).collect();
@@ -121,11 +122,11 @@ fn claims(recording: &Recording, data: &RunData) -> Vec<Claim> {
     vec![
         Claim::new(
             "outline-closed",
-            "The finger goes all the way round and notices it.",
+            "The finger follows the whole outline and detects that it is closed.",
             vec![
                 ClaimPart::new("closed", closed, Relation::Equals, 1.0),
                 ClaimPart::new(
-                    "largest distance of the section from the outline",
+                    "maximum distance of the section from the outline",
                     millimetres(gap),
                     Relation::AtMost,
                     MM * GREATEST_GAP,
@@ -135,7 +136,7 @@ fn claims(recording: &Recording, data: &RunData) -> Vec<Claim> {
         ),
         Claim::new(
             "outline-true",
-            "The outline is the object's section.",
+            "The outline matches the object's section.",
             vec![
                 ClaimPart::new(
                     "RMS error",
@@ -148,7 +149,7 @@ fn claims(recording: &Recording, data: &RunData) -> Vec<Claim> {
         ),
         Claim::new(
             "corners-passed",
-            "No corner is left out.",
+            "Every corner is passed.",
             vec![ClaimPart::new(
                 "corners passed",
                 known(Some(passed.count() as f64)),
@@ -158,7 +159,7 @@ fn claims(recording: &Recording, data: &RunData) -> Vec<Claim> {
         ),
         Claim::new(
             "contact-kept",
-            "The finger does not lose the object.",
+            "The finger keeps contact with the object.",
             vec![
                 ClaimPart::new(
                     "longest time without touch",

@@ -1,23 +1,23 @@
-//! What tasks have in common whose report is mostly what they found out.
+//! Parts of reports that consist mostly of the task's findings.
 
 use crate::summary::Summary;
 use crate::text::{significant, value};
 use feeler_record::TaskOutcome;
 use maud::{Markup, html};
 
-/// How the run ended, in a sentence.
+/// One-sentence summary of the run.
 pub fn verdict(summary: &Summary) -> Markup {
     let outcome = summary.outcome.as_ref().map(TaskOutcome::as_str);
     html! {
-        "After " (significant(summary.sim_time)) " s the task ended with: "
-        (outcome.unwrap_or("nothing that it could tell")) "."
+        "The task ended after " (significant(summary.sim_time)) " s. Outcome: "
+        (outcome.unwrap_or("undetermined")) "."
     }
 }
 
-/// What the task found out, by name.
+/// Table of the task's findings.
 pub fn table(summary: &Summary) -> Markup {
     html! {
-        h2 { "What the task found out" }
+        h2 { "Findings" }
         table {
             tbody {
                 @for (name, found) in &summary.findings {

@@ -1,4 +1,4 @@
-//! The report of the friction scan: what was found, held against the truth where a simulated world knows it.
+//! Report of the friction scan: measured coefficients, compared with ground truth if known.
 
 use super::TaskReport;
 use crate::claim::{Claim, ClaimPart, Relation};
@@ -11,16 +11,16 @@ use crate::text::{significant, value};
 use feeler_record::{FindingName, Recording, RunFacts};
 use maud::{Markup, html};
 
-/// Greatest relative error of a coefficient.
+/// Maximum relative error of a coefficient.
 const TOLERANCE: f64 = 0.05;
 
-/// The coefficients: name of the finding, and in words.
+/// Coefficients: name of the finding and table label.
 const COEFFICIENTS: [(FindingName, &str); 2] = [
     (FindingName::StaticFriction, "Static coefficient"),
     (FindingName::KineticFriction, "Kinetic coefficient"),
 ];
 
-/// The report of the friction scan.
+/// Report of the friction scan.
 pub struct FrictionScanReport;
 
 impl TaskReport for FrictionScanReport {
@@ -37,15 +37,15 @@ impl TaskReport for FrictionScanReport {
         vec![
             within(
                 "static-friction",
-                "The static coefficient is within 5 % of the truth.",
+                "The static coefficient is within 5 % of the true value.",
                 &FindingName::StaticFriction,
-                "found static coefficient's relative error",
+                "relative error of the static coefficient",
             ),
             within(
                 "kinetic-friction",
-                "The kinetic coefficient is within 5 % of the truth.",
+                "The kinetic coefficient is within 5 % of the true value.",
                 &FindingName::KineticFriction,
-                "found kinetic coefficient's relative error",
+                "relative error of the kinetic coefficient",
             ),
             no_damage(data),
         ]
@@ -64,7 +64,7 @@ impl TaskReport for FrictionScanReport {
     fn verdict(&self, _: &Recording, summary: &Summary) -> Markup {
         let found = |name| value(summary.findings.get(name).copied().flatten());
         html! {
-            "In " (significant(summary.sim_time)) " s the finger found a static coefficient of friction of "
+            "In " (significant(summary.sim_time)) " s the finger measured a static coefficient of friction of "
             (found(&FindingName::StaticFriction)) " and a kinetic one of " (found(&FindingName::KineticFriction))
             @if let Some(outcome) = &summary.outcome { " (" (outcome) ")" }
             "."
@@ -74,11 +74,11 @@ impl TaskReport for FrictionScanReport {
     fn measured(&self, recording: &Recording, summary: &Summary) -> Markup {
         let found = |name| summary.findings.get(name).copied().flatten();
         html! {
-            h2 { "Found" }
+            h2 { "Friction" }
             div.scroll {
                 table {
                     thead {
-                        tr { th {} th.number { "Found" } th.number { "True" } th.number { "Error" } }
+                        tr { th {} th.number { "Measured" } th.number { "True" } th.number { "Error" } }
                     }
                     tbody {
                         @for (name, words) in &COEFFICIENTS {
@@ -96,7 +96,7 @@ impl TaskReport for FrictionScanReport {
                             td.number { (value(found(&FindingName::Tilt).map(f64::to_degrees))) " " span.unit { "°" } }
                             td {} td {}
                         }
-                        tr { td { "Slips that were counted" } td.number { (value(found(&FindingName::Slips))) } td {} td {} }
+                        tr { td { "Number of slips" } td.number { (value(found(&FindingName::Slips))) } td {} td {} }
                     }
                 }
             }
@@ -104,7 +104,7 @@ impl TaskReport for FrictionScanReport {
     }
 }
 
-/// What the simulated world knows of `name`, where that is of one object only.
+/// True value of `name`, if the run's facts contain it for exactly one object.
 fn true_value(facts: &RunFacts, name: &FindingName) -> Option<f64> {
     let mut known = facts.truth.iter().filter(|(key, _)| {
         let of = key.strip_suffix(name.as_str());

@@ -1,4 +1,4 @@
-//! What the report of each task shows that no other task's does: its claims, measures and figures.
+//! Task-specific parts of reports: claims, measures and figures.
 
 mod cap;
 pub(crate) mod carry;
@@ -17,18 +17,18 @@ use super::summary::Summary;
 use feeler_record::{Recording, RunFacts, TaskKind};
 use maud::{Markup, html};
 
-/// Whose the claims of the screw task are.
+/// Origin of the screw task's claims.
 pub(crate) const PAPERS: &str = "of the paper";
 
-/// Whose the claims are that hold a hand to what a user wants of it.
+/// Origin of the claims that apply to any hand.
 const ANY_HANDS: &str = "of any hand";
 
-/// The part of a report that a task brings.
+/// Task-specific part of a report.
 pub trait TaskReport: Sync {
-    /// Whose its claims are, after the word "claims".
+    /// Origin of the claims, as it follows the word "claims".
     fn whose(&self) -> &'static str;
 
-    /// Its claims about a run whose [`stroke_measures`](RunData::stroke_measures) are `strokes`.
+    /// Claims about a run with these [`stroke_measures`](RunData::stroke_measures).
     fn claims(
         &self,
         recording: &Recording,
@@ -36,20 +36,20 @@ pub trait TaskReport: Sync {
         strokes: &[StrokeMeasures],
     ) -> Vec<Claim>;
 
-    /// Its figures.
+    /// Figures of the task.
     fn figures(&self, recording: &Recording, data: &RunData) -> Vec<Figure>;
 
-    /// What came of the run, in a sentence.
+    /// One-sentence summary of the run.
     fn verdict(&self, recording: &Recording, summary: &Summary) -> Markup;
 
-    /// What the run measured: sections with headings.
+    /// Sections with the measures of the run.
     fn measured(&self, recording: &Recording, summary: &Summary) -> Markup;
 }
 
-/// Strokes that a table shows at most.
+/// Maximum number of strokes in a table.
 const MOST_SHOWN: usize = 100;
 
-/// The strokes that a table shows, the first and the last of many, and a note about the others.
+/// Strokes to show in a table (the first and the last, if there are many), and a note about the omitted ones.
 fn shown<S>(strokes: &[S]) -> (Vec<&S>, Markup) {
     let left_out = strokes.len().saturating_sub(MOST_SHOWN);
     let shown = if left_out > 0 {
@@ -62,49 +62,48 @@ fn shown<S>(strokes: &[S]) -> (Vec<&S>, Markup) {
     let note = html! {
         @if left_out > 0 {
             p.note {
-                "Left out here are " (left_out) " strokes in the middle; " code { (SUMMARY) } " has them all."
+                (left_out) " strokes in the middle are omitted here; " code { (SUMMARY) } " contains all of them."
             }
         }
     };
     (first.iter().chain(last).collect(), note)
 }
 
-/// The control law of the paper.
+/// Control law of the paper.
 const PAPERS_LAW: &str = "tri-axial";
 
-/// The strokes that the paper's claims are about.
+/// Number of strokes that the paper's claims refer to.
 pub(crate) const PAPERS_STROKES: u32 = 4;
 
-/// Fingers of the paper's hand, and elements of each of its fingertips (section II).
+/// Number of fingers of the paper's hand, and of elements per fingertip (section II).
 const PAPERS_FINGERS: usize = 2;
 const PAPERS_ELEMENTS: usize = 41;
 
-/// Whether runs with these facts are of a hand like the paper's, as far as is known: the bounds of its claims were chosen for that.
+/// `true` if the hand is like the paper's as far as is known; the bounds of the paper's claims were chosen for it.
 pub(crate) fn is_papers_hand(facts: &RunFacts) -> bool {
     let mut elements = facts.hand.iter().map(|finger| finger.element_tips.len());
     facts.fingers == PAPERS_FINGERS && elements.all(|count| count == PAPERS_ELEMENTS)
 }
 
-/// Whether the claims of the task are about runs with these facts: those of the paper only where its law ran.
+/// `true` if the task's claims apply to runs with these facts. The paper's claims require its law.
 pub fn claims_apply(facts: &RunFacts) -> bool {
     let another_law = facts.law.as_deref().is_some_and(|law| law != PAPERS_LAW);
     !(another_law && of(facts).whose() == PAPERS)
 }
 
-/// Whether a report of a run with these facts shows the claims: those of the paper only where their strokes were asked
-/// for.
+/// `true` if reports of runs with these facts show the task's claims. The paper's claims require enough planned
+/// strokes.
 pub fn claims_are_shown(facts: &RunFacts) -> bool {
     let too_few = facts.stroke_count < PAPERS_STROKES;
     claims_apply(facts) && !(too_few && of(facts).whose() == PAPERS)
 }
 
-/// Whether the claims of any hand are about a run with this recording: a cap is screwed in as many strokes as the paper's or
-/// more.
+/// `true` if the claims of any hand apply: a cap is screwed in at least as many strokes as in the paper.
 pub(crate) fn is_for_any_hand(recording: &Recording) -> bool {
     recording.facts.stroke_count >= PAPERS_STROKES && of_recording(recording).whose() == PAPERS
 }
 
-/// The claims that a report shows, and whose they are.
+/// Claims shown in a report, and their origin.
 pub(crate) fn shown_claims<'a>(
     recording: &Recording,
     summary: &'a Summary,
@@ -116,7 +115,7 @@ pub(crate) fn shown_claims<'a>(
     (summary.shown_claims(), whose)
 }
 
-/// The report of the task of a run with these facts; of one that is not known, as of the first that there was.
+/// Task-specific report for these facts; unknown tasks use the report of the screw task.
 pub fn of(facts: &RunFacts) -> &'static dyn TaskReport {
     match &facts.task {
         TaskKind::Carry => &carry::CarryReport,
@@ -127,7 +126,7 @@ pub fn of(facts: &RunFacts) -> &'static dyn TaskReport {
     }
 }
 
-/// The same of a run with this recording, which may tell of a cap that its facts do not know.
+/// Like [`of`], but also detects from the findings that a cap was screwed by touch.
 pub fn of_recording(recording: &Recording) -> &'static dyn TaskReport {
     match is_felt(recording) {
         true => &cap::CapReport,

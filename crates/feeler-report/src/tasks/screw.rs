@@ -1,4 +1,4 @@
-//! The report of the screw task: the paper's claims and figures, and a table of strokes.
+//! Report of the screw task: the paper's claims and figures, and a table of strokes.
 
 use super::{PAPERS, TaskReport, shown};
 use crate::claim::Claim;
@@ -11,7 +11,7 @@ use crate::text::{significant, value};
 use feeler_record::{Phase, Recording};
 use maud::{Markup, html};
 
-/// The report of the screw task.
+/// Report of the screw task.
 pub struct ScrewReport;
 
 impl TaskReport for ScrewReport {
@@ -61,7 +61,7 @@ impl TaskReport for ScrewReport {
     }
 }
 
-/// Strokes that were made from SEARCH to RETURN.
+/// Number of completed strokes (SEARCH to RETURN).
 fn strokes_made(recording: &Recording) -> u32 {
     recording.task.last().map_or(0, |task| match task.phase {
         Phase::Done => task.stroke,
@@ -69,7 +69,7 @@ fn strokes_made(recording: &Recording) -> u32 {
     })
 }
 
-/// One column of the strokes' table: name, unit, and the measure in that unit.
+/// Column of the table of strokes: name, unit, and the measure in that unit.
 type Column = (
     &'static str,
     &'static str,
@@ -80,9 +80,9 @@ const STROKE_COLUMNS: [Column; 15] = [
     ("Peak torque", "mN·m", |s| s.peak_torque.map(|v| 1e3 * v)),
     ("Mean grasp force", "N", |s| s.mean_grasp_force),
     ("Peak grasp force", "N", |s| s.peak_grasp_force),
-    ("Cap turn", "°", |s| s.cap_turn.map(f64::to_degrees)),
+    ("Cap rotation", "°", |s| s.cap_turn.map(f64::to_degrees)),
     ("Peak shear rate", "N/s", |s| s.peak_shear_rate),
-    ("Slip", "% of MOVE", |s| s.slip_fraction.map(|v| 1e2 * v)),
+    ("SLIP", "% of MOVE", |s| s.slip_fraction.map(|v| 1e2 * v)),
     ("Precision of SLIP", "%", |s| {
         s.slip_precision.map(|v| 1e2 * v)
     }),
@@ -94,7 +94,7 @@ const STROKE_COLUMNS: [Column; 15] = [
         s.grasp_force_variation.map(|v| 1e2 * v)
     }),
     ("Inward bend", "mm", |s| s.path_inward_bend.map(|v| 1e3 * v)),
-    ("Std of R, the distance from the axis", "mm", |s| {
+    ("Std of R, distance from the axis", "mm", |s| {
         s.path_radius_std.map(|v| 1e3 * v)
     }),
     ("Std of R on the planned line", "mm", |s| {
@@ -104,7 +104,8 @@ const STROKE_COLUMNS: [Column; 15] = [
     ("Peak element force", "N", |s| s.peak_element_force),
 ];
 
-/// Measures down, strokes across: four strokes fit a phone. What no stroke measures is named beneath.
+/// Table with one row per measure and one column per stroke; four strokes fit on a phone. Unmeasured quantities are
+/// listed below.
 fn strokes_table(strokes: &[StrokeMeasures]) -> Markup {
     let measured = |column: &Column| strokes.iter().any(|stroke| column.2(stroke).is_some());
     let (columns, missing): (Vec<&Column>, Vec<&Column>) =

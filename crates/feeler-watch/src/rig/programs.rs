@@ -147,8 +147,6 @@ mod tests {
         ));
         let warnings = warnings(&peers, 3.5);
         assert_eq!(warnings[0], "hand silent for 3.5 s");
-        assert!(
-            warnings[1].starts_with("refused, feeler 9.9.9: world works by experiment another")
-        );
+        assert!(warnings[1].starts_with("refused, feeler 9.9.9: world runs experiment another"));
     }
 }

@@ -76,12 +76,12 @@ fn cut(name: &str, seconds: u64, by_itself: bool) {
     cable.set("down");
     hand.wait_for("stopped: ");
     std::thread::sleep(Duration::from_secs(seconds));
-    assert!(!hand.said().contains("going on"), "{}", hand.said());
+    assert!(!hand.said().contains("resuming"), "{}", hand.said());
     cable.set("up");
     if !by_itself {
         rig.resume(&hand);
     }
-    hand.wait_for("going on");
+    hand.wait_for("resuming");
     std::thread::sleep(Duration::from_millis(300));
     let LastWords { world, .. } = check(&mut rig, hand, "s old (limit");
     assert!(!world.contains(" 0 stops by the watchdog"), "{world}");

@@ -9,13 +9,13 @@ fn certificates_are_not_written_over() {
     let folder = Setup::new("link-lab").folder;
     certificates(&folder, "lab", "127.0.0.1");
     let again = run(&folder, &["certificates", "lab", "127.0.0.1=rig"]);
-    again.refused(&["there already", "--renew"]);
+    again.refused(&["already exists", "--renew"]);
     let strange = run(&folder, &["certificates", "lab", "b=fly"]);
     strange.refused(&["expected hand, rig, sense-0 to sense-4"]);
     let unknown = run(&folder, &["certificates", "lab", "--withdraw", "b"]);
     unknown.refused(&["b has no certificate"]);
     let nowhere = run(&folder, &["certificates", "nowhere", "--list"]);
-    nowhere.refused(&["no lab's authority"]);
+    nowhere.refused(&["no certificate authority"]);
 }
 
 #[test]

@@ -270,7 +270,7 @@ fn servos_make_a_stroke_under_hand_and_sensors() {
 fn stopped_by_rig(said: &str) -> Option<&str> {
     let (_, newest) = said.rsplit_once("stop requested by ")?;
     let (by, since) = newest.split_once('\n')?;
-    (by.starts_with("the rig: ") && !since.contains("going on")).then_some(by)
+    (by.starts_with("the rig: ") && !since.contains("resuming")).then_some(by)
 }
 
 #[test]
@@ -285,7 +285,7 @@ fn a_servo_that_falls_silent_stops_the_hand_by_name_until_it_answers_again() {
     assert_ne!(refused.status, Some(0), "{refused:?}");
     // Somebody resumes it though it is dead: that is said once more.
     bench.resume_those_of_the_rig();
-    let again = "stands still until that is resumed";
+    let again = "the drives stay stopped until the stop is resumed";
     bench.rig.world.wait_for_times(again, 2);
     assert!(bench.rig.world.is_running());
     bench.check(&["the rig", "theta3 of finger 0", "servo 3"]);
@@ -333,7 +333,7 @@ fn a_rig_program_that_is_frozen_finds_its_servos_stopped_and_waits_for_somebody(
     bench
         .rig
         .world
-        .wait_for("stands still until that is resumed");
+        .wait_for("the drives stay stopped until the stop is resumed");
     bench.resume_all();
     bench.moves_again();
     bench.check(&["the joint angles"]);

@@ -57,7 +57,7 @@ fn a_sensor_program_that_is_killed_stops_the_hand_until_it_is_told_to_go_on() {
     assert!(refused.stdout.contains("remains stopped"), "{refused:?}");
     rig.start_sense(1);
     rig.resume(&hand);
-    hand.wait_for("going on");
+    hand.wait_for("resuming");
     check(&mut rig, hand, "the forces of finger 1");
 }
 
@@ -69,7 +69,7 @@ fn a_sensor_program_that_is_frozen_stops_the_hand_which_may_go_on_by_itself() {
     rig.senses[0].signal("STOP");
     hand.wait_for("stopped: the forces of finger 0");
     rig.senses[0].signal("CONT");
-    hand.wait_for("going on");
+    hand.wait_for("resuming");
     check(&mut rig, hand, "the forces of finger 0");
 }
 
@@ -106,7 +106,7 @@ fn a_hand_that_is_killed_leaves_the_rig_to_its_watchdog() {
 fn programs_that_do_not_agree_are_refused_and_both_are_named() {
     let rig = Setup::new("link-other").start();
     let mut hand = rig.setup.hand(&["--seed=9"]);
-    hand.wait_for("refused: world works by experiment");
+    hand.wait_for("refused: world runs experiment");
     assert!(hand.said().contains("this by"), "{}", hand.said());
     hand.signal("INT");
     let (status, said) = hand.wait();
@@ -119,6 +119,6 @@ fn a_rig_of_another_speed_is_refused() {
     let mut setup = rig.setup.clone();
     setup.speed = "max";
     let mut hand = setup.hand(&[]);
-    let words = format!("refused: world goes at {SLOW} times real time, this hand at the pace");
+    let words = format!("refused: world runs at {SLOW} times real time, this hand at the pace");
     hand.wait_for(&words);
 }

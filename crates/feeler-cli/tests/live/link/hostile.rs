@@ -42,13 +42,13 @@ fn a_hostile_peer_is_counted_and_moves_nothing() {
         say_in_the_name_of_others(&peer, &instances);
         std::thread::sleep(Duration::from_millis(10));
     }
-    assert!(!hand.said().contains("going on"), "{}", hand.said());
+    assert!(!hand.said().contains("resuming"), "{}", hand.said());
     // What can be taken for a stop is one, whoever says it: here somebody without a name.
     within_reason(&hand, || stops.lock().expect("the notes").len() > 1);
     let told = rig.setup.order("resume", &[]);
-    assert!(told.stdout.contains("somebody"), "{told:?}");
-    rig.resume_from(&hand, "somebody");
-    hand.wait_for("going on");
+    assert!(told.stdout.contains("unknown"), "{told:?}");
+    rig.resume_from(&hand, "unknown");
+    hand.wait_for("resuming");
     let said = check(&mut rig, hand, "stop requested by the test");
     for said in [said.hand, said.world] {
         for reason in ["malformed", "of another size", "not finite", "too long"] {

@@ -22,7 +22,7 @@ fn a_hand_stops_when_told_to_and_goes_on_when_told_to() {
     hand.wait_for("stopped: stop requested by the test");
     let told = rig.resume(&hand);
     assert!(told.contains("has resumed"), "{told}");
-    hand.wait_for("going on");
+    hand.wait_for("resuming");
     let told = rig.setup.order("resume", &[]);
     assert!(told.stdout.contains("not stopped"), "{told:?}");
     check(&mut rig, hand, "stop requested by the test");
@@ -44,13 +44,13 @@ fn stops_of_two_need_two_resumes() {
     assert_eq!(first.status, Some(1), "{first:?}");
     let listed = first.stdout.contains("the door\\u{1b}[2J") && !first.stdout.contains('\u{1b}');
     assert!(listed, "{first:?}");
-    assert!(!hand.said().contains("going on") && !hand.said().contains('\u{1b}'));
+    assert!(!hand.said().contains("resuming") && !hand.said().contains('\u{1b}'));
     // The only one that is left is the door's, and nobody else's.
     let passer_by = rig.setup.order_from("resume", "a passer-by");
     assert_eq!(passer_by.status, Some(2), "{passer_by:?}");
     assert!(passer_by.stderr.contains("--number"), "{passer_by:?}");
     rig.resume_from(&hand, "the door\u{1b}[2J");
-    hand.wait_for("going on");
+    hand.wait_for("resuming");
     check(&mut rig, hand, "stop requested by the test");
 }
 
@@ -102,7 +102,7 @@ fn a_long_name_hides_no_hand() {
     assert!(told.contains("the hand is stopped"), "{told}");
     hand.wait_for("stopped: stop requested by xxx");
     rig.resume_from(&hand, &name);
-    hand.wait_for("going on");
+    hand.wait_for("resuming");
     check(&mut rig, hand, "stop requested by xxx");
 }
 
@@ -146,6 +146,6 @@ fn nobody_listens_beyond_this_computer_unasked() {
     setup.endpoint = setup.endpoint.replace("127.0.0.1", "0.0.0.0");
     let (status, said) = setup.hand(&[]).wait();
     assert_eq!(status, Some(2), "{said}");
-    let asked = said.contains("anybody on the network") && said.contains("--insecure");
+    let asked = said.contains("anyone on the network") && said.contains("--insecure");
     assert!(asked, "{said}");
 }

@@ -26,7 +26,7 @@ fn times() -> usize {
 fn resume_after(rig: &Rig, hand: &mut Running, words: &str, nth: usize) {
     hand.wait_for_times(words, nth);
     rig.resume(hand);
-    hand.wait_for_times("going on", nth);
+    hand.wait_for_times("resuming", nth);
 }
 
 #[test]

@@ -101,7 +101,7 @@ fn keys_reach_the_hand_and_it_is_missed_when_it_is_gone() {
     within_reason(&hand, || {
         terminal.press("r");
         thread::sleep(Duration::from_secs(1));
-        hand.said().contains("going on")
+        hand.said().contains("resuming")
     });
     hand.signal("KILL");
     terminal.wait_for("silent for");

@@ -218,16 +218,16 @@ fn whatever_is_wrong_with_a_robot_or_its_fingertip_stops_the_hand() {
         let stops = count(&lab, words);
         lab.order(fault);
         lab.hand.wait_for_times(words, stops + 1);
-        let resumed = count(&lab, "going on");
+        let resumed = count(&lab, "resuming");
         lab.order("well");
-        lab.hand.wait_for_times("going on", resumed + 1);
+        lab.hand.wait_for_times("resuming", resumed + 1);
     }
     // Forces that are no numbers are no matter of age: somebody has to look.
     lab.order("nan");
     lab.hand
         .wait_for("stopped: element 0 of finger 0 has no valid force");
     lab.order("well");
-    let resumed = count(&lab, "going on");
+    let resumed = count(&lab, "resuming");
     within_reason(&lab.hand, || {
         // Before good forces have come it stops again.
         let told = run(
@@ -235,7 +235,7 @@ fn whatever_is_wrong_with_a_robot_or_its_fingertip_stops_the_hand() {
             &["resume", "robot.toml", "--connect", &lab.link],
         );
         assert_ne!(told.status, Some(2), "{told:?}");
-        count(&lab, "going on") > resumed
+        count(&lab, "resuming") > resumed
     });
     let said = lab.rig.said();
     for words in ["receiving the robot's joint states", "ahead of the clock"] {

@@ -48,7 +48,7 @@ fn lost_objects_are_told_in_videos() {
     assert_eq!(ended.status, Some(0), "{ended:?}");
     let text = ended.stdout;
     let area = number(&text, "contact loss", "AUC");
-    let right = number(&text, "contact loss", "right (%)");
+    let right = number(&text, "contact loss", "accuracy (%)");
     println!("area {area}, {right} % right");
     assert!(area >= 0.87 && right >= 80.0, "{text}");
     // All were read and scored.

@@ -35,7 +35,7 @@ fn a_whole_run_gives_every_figure_in_the_page_and_as_a_file() {
     assert_eq!(outcome.claims().len(), 11);
     let page = fs::read_to_string(&outcome.report_path).unwrap();
     assert!(!page.contains("INCOMPLETE"));
-    assert!(page.contains("All 11 claims of the paper hold."));
+    assert!(page.contains("All 11 claims of the paper pass."));
     assert!(page.contains("About the hand: 8 of 8 hold"));
     assert!(page.contains("the paper's bottle and the torque sensor: 3 of 3 hold"));
     for figure in FIGURES {

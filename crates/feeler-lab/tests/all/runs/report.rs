@@ -61,7 +61,7 @@ fn a_long_runs_report_is_that_of_its_recording() {
     ];
     let folder = check("cap-closing", &settings, false, usize::MAX);
     let page = fs::read_to_string(folder.join("report.html")).expect("a page");
-    assert!(page.contains("This run is long."));
+    assert!(page.contains("This is a long run"));
 }
 
 #[test]

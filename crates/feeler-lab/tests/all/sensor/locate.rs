@@ -160,7 +160,7 @@ fn a_layout_survives_its_file_and_its_hash_tells_it() {
     other.elements[7].radius_px += 0.01;
     assert_ne!(other.hash().unwrap(), hash);
     for (from, to, words) in [
-        ("version = 1", "version = 9", "version 1 expected, got 9"),
+        ("version = 1", "version = 9", "version 1, got 9"),
         ("width = 640", "width = 0", "width, height"),
         ("width = 640", "width = 641", "dome.camera"),
         ("radius_px = ", "radius_px = -", "radius_px"),

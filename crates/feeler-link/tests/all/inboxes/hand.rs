@@ -172,7 +172,7 @@ fn what_is_no_message_is_counted() {
     assert_eq!(hand.rejected.total(), 3);
     assert_eq!(
         hand.rejected.to_string(),
-        "1 too long, 1 malformed, 1 from strangers"
+        "1 too long, 1 malformed, 1 from unknown senders"
     );
 }
 

@@ -41,16 +41,13 @@ fn who_does_not_agree_is_refused_by_name() {
     for (heartbeat, words) in [
         (
             other_experiment,
-            "world works by experiment theirs, this by ours",
+            "world runs experiment theirs, this program ours",
         ),
-        (
-            other_fingertip,
-            "sense of finger 0 senses by fingertip theirs",
-        ),
-        (no_such_finger, "sense of finger 1 senses by fingertip tip"),
+        (other_fingertip, "sense of finger 0 uses fingertip theirs"),
+        (no_such_finger, "sense of finger 1 uses fingertip tip"),
         (
             other_speed,
-            "world goes at the pace of the hand's answers (max), this hand at 1 times",
+            "world runs at the pace of the hand's answers (max), this hand at 1 times",
         ),
     ] {
         let said = refused(&heartbeat).map(|mismatch| mismatch.to_string());

@@ -16,8 +16,7 @@ pub struct NamedPlace<'a> {
 /// Looks up the elements of a layout by position.
 pub struct Places<'a> {
     seen: &'a [SeenElement],
-    /// Maximum distance of a position from each element, px: half the distance to the nearest neighbour, so that
-    /// matches are unique.
+    /// Maximum distance of a position from each element, px: half the distance to the nearest neighbour.
     limits: Vec<f64>,
     /// Element of each name.
     elements: HashMap<String, usize>,
@@ -74,8 +73,7 @@ impl<'a> Places<'a> {
         Ok(nearest)
     }
 
-    /// Records the name of an element. Rejects a name that belongs to another element, and a second name for an
-    /// element.
+    /// Records the name of an element. Rejects a name of another element, and a second name for an element.
     fn note_name(&mut self, line: u64, name: &str, element: usize) -> Result<(), LoadsError> {
         if name.is_empty() {
             return Ok(());

@@ -33,8 +33,7 @@ impl RecordBuilder {
         }
     }
 
-    /// Adds the forces of one image and the moments of all elements in it. Elements beyond the shorter list count as
-    /// unknown.
+    /// Adds the forces and the moments of all elements in one image. Elements beyond the shorter list are unknown.
     pub fn add(&mut self, forces: &[Option<DVec3>], moments: &[ElementMoments]) {
         let mut picture = TakenPicture {
             forces: forces.to_vec(),

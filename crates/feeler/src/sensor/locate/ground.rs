@@ -28,8 +28,7 @@ impl Ground {
         let level = |region: &Vec<(usize, usize)>| {
             let gray =
                 |&(c, r): &(usize, usize)| f64::from(reference.gray[r * reference.width + c]);
-            // The darkest fifth of a sub-region is background even if the spot fills most of the rest. About 400 pixels
-            // suffice.
+            // The darkest fifth of a sub-region is background even if the spot fills most of it. 400 pixels suffice.
             let some = region.iter().step_by(region.len() / 400 + 1);
             let mut grays: Vec<f64> = some.map(gray).collect();
             quantile(&mut grays, 0.2)
@@ -42,8 +41,7 @@ impl Ground {
         }
     }
 
-    /// Background level for each element, given the elements' contrasts. Bright elements under even light share one
-    /// level.
+    /// Background level of each element, given the elements' contrasts. Under even light, bright elements share one.
     pub fn of_elements(&self, contrasts: &[f64]) -> Vec<u8> {
         let quantile_of = |q: f64| quantile(&mut self.levels.clone(), q);
         let uneven = quantile_of(0.95) - quantile_of(0.05) > EVEN.max(8.0 * self.noise);
@@ -64,8 +62,7 @@ impl Ground {
         }
     }
 
-    /// A single background level for all elements, slightly above the background so that its noise does not add to the
-    /// sums.
+    /// Common background level, slightly above the background so that its noise does not add to the sums.
     pub fn of_all(&self, contrasts: &[f64]) -> u8 {
         if self.two_level {
             return 127;

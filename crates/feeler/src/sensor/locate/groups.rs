@@ -22,8 +22,7 @@ const SIZES: std::ops::RangeInclusive<usize> = 3..=32;
 /// Maximum number of spots for which groups are searched.
 const MOST: usize = 2048;
 
-/// Minimum clearance of a group: distance from its centre to the nearest foreign spot over that to its own farthest
-/// spot.
+/// Minimum ratio of the distance from a group's centre to the nearest foreign spot and to its own farthest spot.
 const CLEAR: f64 = 1.25;
 
 /// Fraction of all spots that groups of a single size must cover.
@@ -80,8 +79,7 @@ struct ClearGroup {
     clearance: f64,
 }
 
-/// Finds groups centred on the midpoints of nearby pairs of spots: the midpoint of two opposite spots is the group's
-/// centre.
+/// Finds groups centred on midpoints of nearby pairs: the midpoint of two opposite spots is their group's centre.
 fn clear_groups(centres: &[DVec2]) -> Vec<ClearGroup> {
     let cells = Cells::new(centres);
     let mut near = Vec::new();
@@ -221,8 +219,7 @@ fn unlike(groups: &[Vec<usize>], centres: &[DVec2]) -> f64 {
     median(&mut off)
 }
 
-/// Adds groups formed from the remaining spots that fit within the same diameter: groups that lack a spot or have
-/// merged with another.
+/// Adds groups of the remaining spots that fit within the same diameter: incomplete or merged groups.
 fn with_incomplete(mut groups: Vec<Vec<usize>>, centres: &[DVec2], size: usize) -> Grouped {
     let mut taken = vec![false; centres.len()];
     groups.iter().flatten().for_each(|&spot| taken[spot] = true);

@@ -13,7 +13,7 @@ pub(super) struct Outline {
 }
 
 impl Outline {
-    /// Returns `true` if the bright region around a maximum exceeds a spot of scale `sigma`, as a rim or reflection does.
+    /// Returns `true` if the bright region around a maximum exceeds a spot of scale `sigma`, as a reflection does.
     pub fn exceeds(&mut self, picture: &ReferencePicture, index: usize, sigma: f64) -> bool {
         let (width, height) = (picture.width, picture.height);
         let (column, row) = (index % width, index / width);

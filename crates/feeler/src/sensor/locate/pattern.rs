@@ -6,8 +6,7 @@ use glam::DVec2;
 /// Minimum number of spots in a pattern.
 const FEWEST: usize = 6;
 
-/// Median deviation of spots from their six nearest neighbours, as natural logarithms of ratios; 0 for a perfect
-/// pattern.
+/// Median deviation of spots from their six nearest neighbours, as logarithms of ratios; 0 for a perfect pattern.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 struct Regularity {
     /// Deviation of the distance to the nearest spot.

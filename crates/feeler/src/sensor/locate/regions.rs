@@ -24,8 +24,7 @@ pub fn sub_regions(size: (usize, usize), discs: &[(DVec2, f64)]) -> Vec<Vec<(usi
                 let pixel = DVec2::new(column as f64, row as f64);
                 let distance = pixel.distance_squared(centre);
                 let owner = &mut owner[row * width + column];
-                // Compares distances only, so that the border between two overlapping discs is halfway between their
-                // centres.
+                // The border between two overlapping discs is halfway between their centres.
                 if distance < owner.0 && distance <= radius * radius {
                     *owner = (distance, element);
                 }

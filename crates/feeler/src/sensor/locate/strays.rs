@@ -56,8 +56,7 @@ fn gaps(spots: &[Spot], neighbours: &[Vec<usize>]) -> Vec<f64> {
     spots.iter().zip(neighbours).map(gap).collect()
 }
 
-/// Removes the weaker of two spots that are much closer to each other than the spots around them, such as a speck
-/// beside a pin.
+/// Removes the weaker of two spots that are unusually close to each other, such as a speck beside a pin.
 pub(super) fn without_crowding(spots: Vec<Spot>) -> Vec<Spot> {
     let neighbours = nearest(&centres(&spots), 9);
     let gaps = gaps(&spots, &neighbours);

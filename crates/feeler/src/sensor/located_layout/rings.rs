@@ -1,12 +1,10 @@
-//! Sorts elements located on a dome in the order of a designed layout, so that each keeps its index from image to
-//! image.
+//! Sorts elements located on a dome in the order of a designed layout, so that indices persist between images.
 
 use super::ElementPlace;
 use glam::DVec3;
 use std::f64::consts::TAU;
 
-/// Sorts by ring and azimuth. A new ring starts where the polar angle increases by more than a third of the typical
-/// angle between neighbours.
+/// Sorts by ring and azimuth. A new ring starts at an increase of the polar angle by a third of the typical spacing.
 pub(super) fn sort_into_rings(elements: &mut [ElementPlace]) {
     let axis = |e: &ElementPlace| e.direction.unwrap_or(DVec3::X);
     let polar = |e: &ElementPlace| axis(e).x.clamp(-1.0, 1.0).acos();

@@ -18,8 +18,7 @@ pub struct Cells {
 }
 
 impl Cells {
-    /// Creates a splitter for cells separated by `separator`: one of [`SEPARATORS`], or a space, where consecutive
-    /// ones count as one.
+    /// Creates a splitter for one of [`SEPARATORS`], or for spaces, where consecutive ones count as one.
     pub fn new(separator: u8) -> Self {
         Self {
             reader: ReaderBuilder::new().delimiter(separator).build(),

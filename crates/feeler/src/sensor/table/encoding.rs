@@ -17,8 +17,7 @@ enum Encoding {
 }
 
 impl Encoding {
-    /// Detects the encoding from the first bytes of a table: its byte order mark, or else the position of the zero byte
-    /// in its first character.
+    /// Detects the encoding from the byte order mark, or else from the zero byte in the first character.
     fn of(start: &[u8]) -> Self {
         match *start {
             [0xff] | [0xff, 0xfe, ..] => Self::Utf16Le,

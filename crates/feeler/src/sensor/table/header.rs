@@ -38,8 +38,7 @@ impl Header {
         &self.names
     }
 
-    /// Returns the index of the column `name`: an exact match, or else a variant such as `Fx [N]` for `f_x`. Returns
-    /// `None` if missing.
+    /// Index of the column `name`, or `None` if missing. Also matches variants such as `Fx [N]` for `f_x`.
     ///
     /// # Errors
     /// Returns [`TableError::Several`] if several columns match.

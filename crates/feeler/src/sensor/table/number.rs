@@ -63,8 +63,7 @@ impl std::fmt::Display for Mark {
 /// Maximum length of a number, bytes.
 const LONGEST: usize = 64;
 
-/// Parses numbers with the decimal mark of a table, which is taken from the first unambiguous number. Does not
-/// allocate.
+/// Parses numbers with the decimal mark of the first unambiguous number in a table. Does not allocate.
 #[derive(Debug, Clone, Copy)]
 pub struct Decimals {
     mark: Option<(Mark, u64)>,

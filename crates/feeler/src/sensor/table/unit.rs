@@ -112,8 +112,7 @@ pub fn without_brackets(cell: &str) -> &str {
         .trim()
 }
 
-/// Splits a column name into name and unit, as in `f_x [N]`, `Fx (N)`, `Fx/N` or `time_ms`; the unit is `None` if
-/// missing.
+/// Splits a column name into name and optional unit, as in `f_x [N]`, `Fx (N)`, `Fx/N` or `time_ms`.
 pub fn name_and_unit(column: &str) -> (&str, Option<&str>) {
     let bracketed = [('[', ']'), ('(', ')')]
         .into_iter()

@@ -69,8 +69,7 @@ pub struct ColumnNames {
     /// Separator between cells; if `None`, a comma, a semicolon or a tab, detected from the header.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub delimiter: Option<char>,
-    /// All columns of a table without a header, in order. A run of consecutive names with `{n}` is repeated for every
-    /// taxel.
+    /// All columns of a table without a header, in order. A run of names with `{n}` is repeated for every taxel.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub without_header: Option<Vec<String>>,
 }
@@ -85,7 +84,7 @@ pub struct TimeColumn {
     pub unit: TimeUnit,
 }
 
-/// Determines the values of the columns without load.
+/// Source of the zero: the values of the columns without load.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ZeroConfig {
@@ -153,8 +152,7 @@ impl TaxelLayout {
     /// Parses a layout from TOML.
     ///
     /// # Errors
-    /// If the text is not a taxel layout of the supported version, or if values are out of range; the error lists all
-    /// of them.
+    /// If the text is not a taxel layout of the supported version, or if values are out of range (all are listed).
     pub fn from_toml(text: &str) -> Result<Self, TaxelError> {
         #[derive(Deserialize)]
         struct VersionOnly {

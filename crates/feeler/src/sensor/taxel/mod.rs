@@ -10,8 +10,7 @@
 //! 1. The zero is subtracted from the numbers in its columns x, y, z. The zero is the mean of the first rows or given
 //!    in the layout ([`ZeroConfig`]). It may follow slow drift while nothing is touched ([`TaxelDrift`]).
 //! 2. The result is divided by the taxel's counts per newton, if known; otherwise forces are in counts ([`TaxelUnit`]).
-//! 3. The vector is rotated to the element's frame `E_i`: x and y are tangential, z is compression, positive when
-//!    pressed.
+//! 3. The vector is rotated to the element's frame `E_i`: x and y tangential, z compression, positive when pressed.
 //!
 //! Invalid values do not stop the sensor. Every row is a frame; a taxel with an invalid value has
 //! [`NO_FORCE`](super::reading::NO_FORCE) in that frame. Only lines without any number are skipped. [`Troubles`] counts

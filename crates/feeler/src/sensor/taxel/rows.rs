@@ -65,8 +65,7 @@ pub struct TaxelRows<R> {
 }
 
 impl<R: BufRead> TaxelRows<R> {
-    /// Reads the header of `stream`, a table with the columns of `layout`. A `rate` (Hz) takes precedence over a time
-    /// column.
+    /// Reads the header of `stream`, a table with the columns of `layout`. A `rate` (Hz) overrides a time column.
     ///
     /// Empty lines and lines that begin with `#` are comments.
     ///
@@ -103,8 +102,7 @@ impl<R: BufRead> TaxelRows<R> {
     /// Reads the next row into `row`. Returns `false` at the end.
     ///
     /// # Errors
-    /// If reading the stream fails, if the row of units differs from the layout, or if a comma-separated table has
-    /// decimal commas.
+    /// If reading fails, if units differ from the layout, or if a comma-separated table has decimal commas.
     pub fn next(&mut self, row: &mut TaxelRow) -> io::Result<bool> {
         while self.next_line()? {
             let text = self.lines.text();

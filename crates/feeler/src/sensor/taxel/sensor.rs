@@ -42,8 +42,7 @@ pub struct TaxelSensor<R> {
 }
 
 impl<R: BufRead> TaxelSensor<R> {
-    /// Reads the header of `stream`, a table with the columns of `layout`. A `rate` (Hz) takes precedence over a time
-    /// column.
+    /// Reads the header of `stream`, a table with the columns of `layout`. A `rate` (Hz) overrides a time column.
     ///
     /// # Errors
     /// If a value of the layout is out of range, if the header does not match the layout, if there is no source of
@@ -64,8 +63,7 @@ impl<R: BufRead> TaxelSensor<R> {
         self.unit
     }
 
-    /// Returns `true` if the current frame starts a sequence. It is unrelated to earlier frames, so shear rates must
-    /// not be computed across.
+    /// Returns `true` if the current frame starts a sequence. Shear rates must not span two sequences.
     pub fn starts_sequence(&self) -> bool {
         self.row.starts_sequence
     }

@@ -104,8 +104,7 @@ impl Field {
         foretold.is_finite().then_some(foretold)
     }
 
-    /// Distance of a marker's displacement from its prediction, divided by the spacing; 0 if too few neighbours are
-    /// known.
+    /// Distance of a marker's displacement from its prediction, over the spacing; 0 if it cannot be predicted.
     pub fn off(&self, own: usize, displacements: &[DVec2], known: &[bool]) -> f64 {
         let foretold = self.foretold(own, displacements, known);
         foretold.map_or(0.0, |u| u.distance(displacements[own]) / self.spacing[own])

@@ -8,7 +8,7 @@ use glam::DVec2;
 const MOST_OFF_AGAIN: f64 = 0.3;
 /// Distance between two markers, over their distance in the reference, below which both measured the same spot.
 const SAME: f64 = 0.4;
-/// Contrast relative to the reference below which a marker counts as not visible.
+/// Contrast relative to a marker's usual contrast below which it counts as not visible.
 const LEAST_CONTRAST: f64 = 0.3;
 
 impl MarkerTracker {
@@ -102,8 +102,7 @@ impl MarkerTracker {
         }
     }
 
-    /// Resolves pairs of markers that measured the same spot: the one that agrees less with its neighbours is not
-    /// found.
+    /// If two markers measured the same spot, the one that agrees less with its neighbours counts as not found.
     fn one_marker_to_a_spot(&mut self) {
         for own in 0..self.reference.len() {
             for place in 0..self.field.neighbours(own).len() {

@@ -77,8 +77,7 @@ impl Scene<'_> {
             .off(own, &matching.displacements, &matching.known)
     }
 
-    /// Markers that may belong to `spot`: not in `passed`, in doubt or without a spot, and predicted nearby; nearest
-    /// first.
+    /// Candidates for `spot`, nearest first: markers not in `passed`, in doubt or without a spot, and predicted nearby.
     fn suited(&self, matching: &Matching, spot: usize, passed: &[usize]) -> Vec<usize> {
         let far = |own: usize| {
             let foretold = self

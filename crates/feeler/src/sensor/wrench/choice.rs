@@ -8,8 +8,7 @@ use nalgebra::DMatrix;
 
 /// Numbers of blocks per recording. Two partitions reduce the influence of where the cuts fall.
 const CUTS: [usize; 2] = [5, 8];
-/// Maximum number of rows used for the choice, evenly spread. More rows take longer for the same choice; the regression
-/// uses all rows.
+/// Maximum number of rows used for the choice, evenly spread. The regression uses all rows.
 const MOST_ROWS: usize = 400;
 /// Exponents of candidate penalties `10^(n/2)`. Features have a variance of 1.
 const HALF_DECADES: std::ops::RangeInclusive<i32> = -4..=12;
@@ -72,8 +71,7 @@ pub(super) struct Target {
 /// Standardised features of each row.
 pub(super) type Features = [Vec<[f64; PER_ELEMENT]>];
 
-/// Best choice for each of `targets`, or `None` if no regression has a finite solution. `used` is the number of
-/// elements in use.
+/// Best choice for each of `targets`, or `None` if no regression has a finite solution. `used`: elements in use.
 pub(super) fn choose(
     features: &Features,
     recording_of: &[usize],

@@ -18,8 +18,7 @@ pub struct WrenchEstimate {
     pub components: [Option<f64>; AXES],
     /// `true` if the image resembles those of the calibration. Otherwise the components are extrapolated.
     pub valid: bool,
-    /// Distance of the image from those of the calibration, relative to the limit: valid up to 1. Infinite if too few
-    /// elements are lit.
+    /// Distance of the image from those of the calibration; valid up to 1. Infinite if too few elements are lit.
     pub novelty: f64,
 }
 

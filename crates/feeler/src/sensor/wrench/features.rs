@@ -4,7 +4,7 @@
 //! needed; the intercept absorbs the difference:
 //!
 //! ```text
-//! growth         G/G_0 / m - 1      m = mean of G/G_0 over the elements: the picture's common gain
+//! growth         G/G_0 / m - 1      m = mean of G/G_0 over the elements: the image's common gain
 //! plain growth   G/G_0 - 1
 //! displacement   u_x, u_y = c - c_0
 //! ```

@@ -72,8 +72,7 @@ impl Novelty {
         }
     }
 
-    /// Distance of standardised `features` from those of the calibration; about 1 for its own images. Neither allocates
-    /// nor panics.
+    /// Distance of standardised `features` from the calibration; about 1 for its own images. Never allocates or panics.
     pub fn distance(&self, features: &[[f64; PER_ELEMENT]]) -> f64 {
         let values = self.terms.of(features);
         let (mut total, mut count) = (0.0, 0.0_f64);

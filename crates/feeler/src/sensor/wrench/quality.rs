@@ -65,13 +65,11 @@ pub struct AxisQuality {
     pub range: [f64; 2],
     /// Root mean square error of predicting the mean of the measured values, N or N m.
     pub mean_rmse: f64,
-    /// Errors with blocks of time held out. Everything is refitted without them, including the choice of terms and
-    /// penalty.
+    /// Errors with blocks of time held out. Everything is refitted without them, including terms and penalty.
     pub blocks: Errors,
     /// R² with blocks held out: 1 for perfect predictions, 0 for predictions no better than the mean.
     pub r2: f64,
-    /// Mean error under growing load minus that under falling load, blocks held out, N or N m. `None` if there are too
-    /// few images.
+    /// Mean error under growing minus under falling load, blocks held out, N or N m; `None` if unknown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hysteresis: Option<f64>,
     /// Errors by recording.
@@ -128,8 +126,7 @@ pub fn outlier(held_out: &[HeldOut]) -> Option<HeldOut> {
     is_far.then_some(held_out[worst])
 }
 
-/// Computes the quality of `axis` from held-out predictions in order of time. Returns `None` if there are no
-/// predictions.
+/// Computes the quality of `axis` from held-out predictions in order of time, or `None` without predictions.
 pub(super) fn judge(
     axis: WrenchAxis,
     held_out: &[HeldOut],

@@ -9,8 +9,7 @@ use crate::sensor::reading::{NO_FORCE, SensorError, TactileFrame, TactileSensor}
 use crate::sensor::sensing::{ElementReading, SensingChain, SensingError};
 use glam::{DMat3, DVec3};
 
-/// Novelty above which no force is reported. A slightly unusual image does not stop the hand; an image of something
-/// else does.
+/// Novelty above which no force is reported, which stops the hand.
 const FARTHEST_NOVELTY: f64 = 2.0;
 
 /// A fingertip that measures only the total force.
@@ -35,8 +34,7 @@ pub struct WrenchSensor<C> {
 }
 
 impl<C: Camera> WrenchSensor<C> {
-    /// Creates a sensor that computes moments of the images of `camera` with `sensing` and estimates the force with
-    /// `estimator`.
+    /// Creates a sensor that processes the images of `camera` with `sensing` and `estimator`.
     ///
     /// # Errors
     /// If `sensing` and `estimator` have different numbers of elements, or if `f_x`, `f_y` or `f_z` is not calibrated.

@@ -28,8 +28,7 @@ impl Validated {
         found.map(|(quality, held_out)| (quality, &held_out[..]))
     }
 
-    /// Distance within which a fraction [`NEAR`] of the samples is from those of other blocks; 1, the usual distance by
-    /// definition, if unknown.
+    /// Distance within which a fraction [`NEAR`] of the samples is from those of other blocks; 1 if unknown.
     pub fn near(&self) -> f64 {
         let distances = self.distances.iter().copied();
         let mut distances: Vec<f64> = distances.filter(|d| d.is_finite() && *d > 0.0).collect();
