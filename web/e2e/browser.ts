@@ -1,4 +1,4 @@
-/** A browser for the tests, and what its pages said. */
+/** Browser for the tests, with the errors and requests of its pages. */
 import assert from "node:assert/strict";
 import { execSync } from "node:child_process";
 import { isDeepStrictEqual } from "node:util";
@@ -12,16 +12,16 @@ const FLAGS = [
   // WebGL without a graphics card.
   "--use-angle=swiftshader",
   "--enable-unsafe-swiftshader",
-  // Of what is drawn without a graphics card only WebGL needs one that is emulated: the page is put together faster without.
+  // Without a graphics card, only WebGL needs an emulated one; compositing is faster without it.
   "--disable-gpu-compositing",
 ];
 
-/** What the browser says of itself where it takes pictures of WebGL back to put the page together. */
+/** Warning of the browser itself when it reads back WebGL frames for compositing. */
 const OWN_WARNING = "GPU stall due to ReadPixels";
 
-/** How long a test waits for what must happen, ms. */
+/** Maximum time that a test waits for an event (ms). */
 const PATIENCE = 180_000;
-/** How often it looks, ms. */
+/** Polling interval (ms). */
 const INTERVAL = 50;
 
 export function launch(flags: string[] = []): Promise<Browser> {
@@ -31,13 +31,13 @@ export function launch(flags: string[] = []): Promise<Browser> {
 
 export interface Opened {
   page: Page;
-  /** Errors of the console and of scripts. */
+  /** Console errors and warnings, and uncaught exceptions. */
   errors: string[];
-  /** Addresses that the page asked for, besides itself. */
+  /** URLs requested by the page, except its own. */
   requests: string[];
 }
 
-/** Opens the page at `url`, once it is prepared. */
+/** Opens `url` in a new context, after `prepare` has been called with the empty page. */
 export async function open(
   browser: Browser,
   url: string,
@@ -45,7 +45,7 @@ export async function open(
   prepare: (page: Page) => Promise<void> = async () => {},
 ): Promise<Opened> {
   const context = await browser.newContext({ viewport: { width: 1280, height: 800 }, ...options });
-  // No test fails because the computer is busy.
+  // A busy computer must not cause a test to fail.
   context.setDefaultTimeout(PATIENCE);
   const page = await context.newPage();
   const [errors, requests]: [string[], string[]] = [[], []];
@@ -62,16 +62,16 @@ export async function open(
   return { page, errors, requests };
 }
 
-/** How soon a live page must show a flag, ms. */
+/** Maximum latency of flags on a live page (ms). */
 const FLAG_LATENCY = 100;
 
-/** Tells a latency, ms, and holds it where asked to (`LATENCY=1`), as a busy computer has no say in what is right. */
+/** Prints a latency (ms). Asserts its limit only with `LATENCY=1`, because a busy computer may exceed it. */
 export function holdLatency(told: string, latency: number): void {
   console.log(told);
   if (process.env["LATENCY"]) assert.ok(latency < FLAG_LATENCY, told);
 }
 
-/** Whether `what` is so within the time that a test waits. */
+/** Polls `what`. Returns `false` if it does not become true in time. */
 async function comesTrue(what: () => Promise<boolean>): Promise<boolean> {
   for (let waited = 0; waited < PATIENCE; waited += INTERVAL) {
     if (await what()) return true;
@@ -80,12 +80,12 @@ async function comesTrue(what: () => Promise<boolean>): Promise<boolean> {
   return false;
 }
 
-/** Waits until `what` is so; `message` says what that is. */
+/** Waits until `what` is true. `message` describes the condition. */
 export async function until(what: () => Promise<boolean>, message: string): Promise<void> {
   if (!(await comesTrue(what))) throw new Error(`not within ${PATIENCE / 1000} s: ${message}`);
 }
 
-/** Waits until `read` gives what is expected; `message` says of what. */
+/** Waits until `read` returns `expected`. `message` describes the value. */
 export async function eventually<T>(read: () => Promise<T>, expected: T, message: string): Promise<void> {
   let actual: T | undefined;
   await comesTrue(async () => isDeepStrictEqual((actual = await read()), expected));

@@ -1,4 +1,4 @@
-/** A page that does nothing for a time, at the end of a run of the program itself. */
+/** Live page that is blocked while the run ends. */
 import assert from "node:assert/strict";
 import { after, before, describe, test } from "node:test";
 import type { Browser } from "playwright-core";
@@ -6,11 +6,11 @@ import { launch, open } from "./browser";
 import { Program, folder, killAll, skip } from "./feeler";
 
 /**
- * How long the page is busy, ms: until all buffers on the way to it are full, and the program sends it no more rows; not
- * until the program takes it for gone.
+ * Time that the page is blocked (ms): long enough to fill all buffers, so that the program stops sending rows, but too
+ * short for the program to drop the connection.
  */
 const BUSY = 9500;
-/** When the run ends meanwhile, ms: so late that the page is free before the program has left. */
+/** Time at which the run ends meanwhile (ms): late enough that the page responds again before the program exits. */
 const END = 8500;
 
 describe("a busy page", { skip }, () => {
@@ -23,7 +23,7 @@ describe("a busy page", { skip }, () => {
     await browser.close();
   });
 
-  test("is told how the run ended all the same", async () => {
+  test("still shows how the run ended", async () => {
     const run = ["run", "cap-closing", "--sensing=direct", "--out=run", "--speed=0.2"];
     const program = new Program(folder(), [...run, "--view", "--no-open"]);
     const { page, errors } = await open(browser, await program.url());
@@ -32,7 +32,7 @@ describe("a busy page", { skip }, () => {
     await page.evaluate((busy) => {
       for (const until = Date.now() + busy; Date.now() < until;);
     }, BUSY);
-    await page.getByText(/The run was interrupted: .*No more rows come/).waitFor();
+    await page.getByText(/The run was interrupted: .*No further data/).waitFor();
     assert.equal(await page.locator(".live-notice").isVisible(), false);
     assert.deepEqual(errors, []);
     assert.equal(await program.ended, 1, program.said);

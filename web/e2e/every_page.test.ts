@@ -1,4 +1,4 @@
-/** What every page must do, whatever it is about. Set REPORTS to a folder of pages to test them, too. */
+/** Requirements for all kinds of pages. Set REPORTS to a folder to test its pages, too. */
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import type { Browser, Page } from "playwright-core";
@@ -14,8 +14,8 @@ after(() => browser.close());
 const PHONE = { viewport: { width: 390, height: 844 }, isMobile: true, hasTouch: true };
 
 /**
- * Reports of other experiments than this one are pages of the same kind, with other data: a narrow window shows how they fit on a phone, and
- * spares opening them once more.
+ * Reports of other experiments are the same kind of page with other data. They are tested in a narrow window instead of
+ * being opened again as on a phone.
  */
 const REPORT = "cap-closing/report.html";
 const isOneMore = (name: string) => name.endsWith("/report.html") && name !== REPORT;
@@ -30,7 +30,7 @@ async function ready(page: Page): Promise<void> {
   await page.locator(".page-tools").waitFor();
 }
 
-// Opening a page takes a second or two: those checks share one that leave it as it is.
+// Opening a page takes a second or two, so checks that do not change the page share it.
 for (const url of allPages()) {
   const name = url.split("/").slice(-2).join("/");
 
@@ -45,7 +45,7 @@ for (const url of allPages()) {
       assert.equal(await page.locator(".problem").count(), 0);
     });
 
-    await t.test("names its canvases and controls", async () => {
+    await t.test("gives canvases and controls accessible names", async () => {
       const nameless = await page.evaluate(() => {
         const canvases = [...document.querySelectorAll('canvas[role="img"]')].filter((c) => !c.ariaLabel);
         const controls = [...document.querySelectorAll("button, input, select")].filter(
@@ -56,7 +56,7 @@ for (const url of allPages()) {
       assert.deepEqual(nameless, []);
     });
 
-    await t.test("prints its still figures", async () => {
+    await t.test("prints the static figures", async () => {
       const stills = await page.locator("figure > svg").count();
       await page.emulateMedia({ media: "print" });
       assert.equal(await shown(page, "figure > svg"), stills);
@@ -69,7 +69,7 @@ for (const url of allPages()) {
 
     if (isOneMore(name)) {
       await t.test(
-        "does not scroll sideways in a narrow window, and is dark where the system is",
+        "does not scroll sideways in a narrow window, and follows the system's dark theme",
         async () => {
           const light = await ground(page);
           await page.emulateMedia({ colorScheme: "dark" });
@@ -84,7 +84,7 @@ for (const url of allPages()) {
     await page.context().close();
   });
 
-  test(`${name} reads without scripts`, async () => {
+  test(`${name} shows its static figures without scripts`, async () => {
     const { page } = await open(browser, url, { javaScriptEnabled: false });
     const stills = await page.locator("figure > svg").count();
     assert.equal(await shown(page, "figure > svg"), stills);
@@ -93,7 +93,7 @@ for (const url of allPages()) {
 
   if (isOneMore(name)) continue;
 
-  test(`${name} on a phone whose system is dark`, async (t) => {
+  test(`${name} on a phone with a dark theme`, async (t) => {
     const { page, errors } = await open(browser, url, { ...PHONE, colorScheme: "dark" });
     await ready(page);
 
@@ -102,7 +102,7 @@ for (const url of allPages()) {
       assert.deepEqual(errors, []);
     });
 
-    await t.test("is dark, and light where the reader wants", async () => {
+    await t.test("is dark until the reader chooses light", async () => {
       const dark = await ground(page);
       await page.locator(".theme").click();
       assert.notEqual(await ground(page), dark);

@@ -1,4 +1,4 @@
-/** What every report that feeler made must do. That the columns of its page are those of the recording, Rust tests. */
+/** Requirements for all reports. Rust tests check that a page's columns match the recording. */
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { after, before, test } from "node:test";
@@ -17,7 +17,7 @@ before(async () => {
 });
 after(() => browser.close());
 
-/** Of a run's rows: where its fingers move, whatever its task is. */
+/** Fractions of a run at which the fingers move in every task. */
 const PLACES = [0.35, 0.62, 0.9];
 
 async function seek(page: Page, table: Table, row: number): Promise<void> {
@@ -26,11 +26,11 @@ async function seek(page: Page, table: Table, row: number): Promise<void> {
     .getByText(moment(table.time(row)), { exact: true })
     .first()
     .waitFor();
-  // The moment is drawn in the frame that follows.
+  // The row is drawn in the next animation frame.
   await page.evaluate(() => new Promise((done) => requestAnimationFrame(() => requestAnimationFrame(done))));
 }
 
-/** Every figure's values of columns at a row, as they are to be read; by the figure's place in the document. */
+/** Expected legend values of all figures at a row, by the figure's selector. */
 function expected({ figures }: PageData, table: Table, row: number): Map<string, string[]> {
   const values = figures.map(({ number, panels }): [string, string[]] => {
     const ofTime = panels.filter((panel) => panel.kind === "time");
@@ -46,13 +46,13 @@ function expected({ figures }: PageData, table: Table, row: number): Map<string,
 }
 
 const reports = allPages().filter((url) => url.endsWith("/report.html"));
-// A file without any test would wait for its browser for ever.
-if (reports.length === 0) test("reports", { skip: "REPORTS names no folder with reports of feeler" });
+// Without any test, this file would wait forever for its browser.
+if (reports.length === 0) test("reports", { skip: "REPORTS is not set to a folder with reports of feeler" });
 
 for (const url of reports) {
   const name = url.split("/").slice(-2).join("/");
 
-  test(`${name}: the scene moves, and values at the cursor are those of the run`, async () => {
+  test(`${name}: the scene moves, and values at the cursor match the run`, async () => {
     const { page, errors } = await open(browser, url);
     await page.locator(".player").waitFor();
     const { data, table } = await recorded(readFileSync(fileURLToPath(url), "utf8"));
@@ -65,7 +65,7 @@ for (const url of reports) {
       pictures.push(await scene.screenshot());
       for (const [figure, values] of expected(data, table, row)) {
         await page.locator(figure).scrollIntoViewIfNeeded();
-        // A figure follows when it is seen.
+        // A figure is updated only while it is visible.
         const shown = async () =>
           (await page.locator(`${figure} .legend-value`).allInnerTexts()).filter((_, i) => values[i]);
         await eventually(shown, values.filter(Boolean), `${figure}, row ${row}`);

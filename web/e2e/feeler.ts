@@ -1,4 +1,4 @@
-/** The program itself, for the tests: FEELER is its path. */
+/** Runs the program `feeler` in tests. FEELER is its path. */
 import assert from "node:assert/strict";
 import { type ChildProcess, spawn } from "node:child_process";
 import { mkdtempSync } from "node:fs";
@@ -10,23 +10,23 @@ const FEELER = process.env["FEELER"];
 const LACKS = "FEELER is not set: expected the path of the program `feeler`, built with --all-features";
 const REQUIRED = !["", "0"].includes(process.env["FEELER_REQUIRE_ALL"] ?? "");
 
-/** Why the tests of the program are skipped, if they are. */
+/** Reason for skipping tests that need the program, or `false`. */
 export const skip: string | false = FEELER || REQUIRED ? false : LACKS;
 
-/** A new folder, in which programs work. */
+/** Creates a temporary working folder. */
 export const folder = (): string => mkdtempSync(join(tmpdir(), "feeler-e2e-"));
 
 const running = new Set<ChildProcess>();
 
-/** Ends what tests left. */
+/** Kills all running programs. */
 export function killAll(): void {
   for (const child of running) child.kill("SIGKILL");
 }
 
-/** A program that runs. */
+/** A running instance of `feeler`. */
 export class Program {
   readonly #child: ChildProcess;
-  /** Its exit status. */
+  /** Exit status. */
   readonly ended: Promise<number | null>;
   #said = "";
   #listeners: (() => void)[] = [];
@@ -52,34 +52,34 @@ export class Program {
     });
   }
 
-  /** All that it has said. */
+  /** Output so far. */
   get said(): string {
     return this.#said;
   }
 
-  /** What it says, once that is there. */
+  /** Waits until the output matches `what`. Fails if the program ends before. */
   async says(what: RegExp): Promise<RegExpExecArray> {
     for (;;) {
       const found = what.exec(this.#said);
       if (found) return found;
-      assert.ok(running.has(this.#child), `it ended without ${what}: ${this.#said}`);
+      assert.ok(running.has(this.#child), `the program ended without printing ${what}: ${this.#said}`);
       await new Promise<void>((resolve) => this.#listeners.push(resolve));
     }
   }
 
-  /** The address of its page. */
+  /** URL of its live page. */
   async url(): Promise<string> {
     return (await this.says(/^live page: (.*)$/m))[1] ?? "";
   }
 
-  /** Ends it as Ctrl-C does. */
+  /** Sends SIGINT, as Ctrl-C does, and waits for the exit status. */
   interrupt(): Promise<number | null> {
     this.#child.kill("SIGINT");
     return this.ended;
   }
 }
 
-/** The answer to a request with headers that a browser would not let a page choose; 101 for a socket that opened. */
+/** Sends a request with headers that a page cannot set in a browser. The status is 101 if a WebSocket opened. */
 export function ask(url: string, headers: Record<string, string>): Promise<{ status: number; body: string }> {
   return new Promise((resolve, reject) => {
     const asking = request(url, { headers, agent: false });

@@ -1,4 +1,4 @@
-/** Pages of figures alone, as feeler makes them of many trials: sweep, comparison, slip detectors. */
+/** Pages with only figures, which feeler makes from many trials: sweep, comparison, slip detectors. */
 import assert from "node:assert/strict";
 import { execFileSync } from "node:child_process";
 import { mkdtempSync, readFileSync } from "node:fs";
@@ -13,9 +13,9 @@ import { made } from "./pages";
 const SWEEP = made("sweep/summary.html");
 const COMPARISON = made("comparison/compare.html");
 const SLIP = made("slip/slip.html");
-/** The program that made the pages. */
+/** Program that made the pages. */
 const FEELER = process.env["FEELER"] ?? "feeler";
-const skip = SWEEP ? false : "REPORTS names no folder of pages that feeler made";
+const skip = SWEEP ? false : "REPORTS is not set to a folder of pages that feeler made";
 
 let browser: Browser;
 before(async () => {
@@ -23,7 +23,7 @@ before(async () => {
 });
 after(() => browser.close());
 
-/** Moves over a panel until a point is read whose tooltip holds all that is wanted; its lines. */
+/** Moves the mouse over a panel until a tooltip matches all patterns. Returns the lines of the tooltip. */
 async function findPoint(page: Page, figure: string, panel: number, wanted: RegExp[]): Promise<string[]> {
   const over = page.locator(`${figure} .u-over`).nth(panel);
   await over.scrollIntoViewIfNeeded();
@@ -38,19 +38,19 @@ async function findPoint(page: Page, figure: string, panel: number, wanted: RegE
       if (wanted.every((part) => part.test(text))) return text.split("\n").filter(Boolean);
     }
   }
-  return assert.fail(`no point of ${figure} tells ${wanted.join(", ")}`);
+  return assert.fail(`no tooltip of ${figure} matches ${wanted.join(", ")}`);
 }
 
-/** Runs a command as it was shown, and returns the summary of its run. */
+/** Runs a command as displayed and returns the summary of its run. */
 function runAgain(command: string) {
   const out = join(mkdtempSync(join(tmpdir(), "feeler-trial-")), "run");
   const quoted = command.replace(/^feeler /, `'${FEELER}' `);
-  // A run whose task does not end well has exit status 1, and a summary.
+  // A run with a failed task has exit status 1 and still writes a summary.
   execFileSync("sh", ["-c", `${quoted} --out '${out}' || [ $? = 1 ]`], { stdio: "pipe" });
   return JSON.parse(readFileSync(join(out, "summary.json"), "utf8"));
 }
 
-/** The row of a trial in the table beside a page. */
+/** Row of a trial in the page's `trials.csv`. */
 function rowOf(folder: string, trial: string): Record<string, string> {
   const lines = readFileSync(join(folder, "trials.csv"), "utf8").trim().split("\n");
   const [header = [], ...rows] = lines.map((line) => line.split(","));
@@ -58,7 +58,7 @@ function rowOf(folder: string, trial: string): Record<string, string> {
   return Object.fromEntries(header.map((name, i) => [name, row[i] ?? ""]));
 }
 
-/** A point says what its command comes to, and what stands in the table. */
+/** Checks that the tooltip, the table and a repeated run of the point's command agree. */
 function holdsToItsTrial(lines: string[], told: string): void {
   const command = lines.find((line) => line.startsWith("feeler run --trial")) ?? "";
   const [folder = "", trial = ""] = command.split(" ").slice(3);
@@ -74,31 +74,31 @@ async function commandOfPoint(url: string, figure: string, panel: number): Promi
   const lines = await findPoint(page, figure, panel, [/Click to copy/]);
   await page.mouse.down();
   await page.mouse.up();
-  await page.getByText(/^(Copied|Not copied: select it here)$/).waitFor();
+  await page.getByText(/^(Copied|Copy failed; select the text here)$/).waitFor();
   assert.deepEqual(errors, []);
   await page.context().close();
   return lines;
 }
 
-test("a sweep's point gives the command of its trial", { skip }, async () => {
+test("a point of a sweep shows the command of its trial", { skip }, async () => {
   const lines = await commandOfPoint(SWEEP ?? "", "#fig-01", 1);
   holdsToItsTrial(lines, lines.find((line) => line.startsWith("final torque")) ?? "");
 });
 
-test("a comparison's point gives the command of the trial under the other law", { skip }, async () => {
+test("a point of a comparison shows the command of the trial under the other law", { skip }, async () => {
   const lines = await commandOfPoint(COMPARISON ?? "", "#fig-01", 0);
   const told = lines.find((line) => line.startsWith("best: final torque")) ?? "";
   holdsToItsTrial(lines, told.replace("best: ", ""));
 });
 
-test("the detectors' operating points are told with their intervals", { skip }, async () => {
+test("tooltips show the detectors' operating points with intervals", { skip }, async () => {
   const { page, errors } = await open(browser, SLIP ?? "");
   await page.locator(".uplot").first().waitFor();
   const lines = await findPoint(page, "#fig-01", 0, [/missing shear above/, /precision/]);
   const table = await page.locator("tr", { hasText: /^missing shear\d/ }).innerText();
   const [, precision] = /precision ([\d.]+)/.exec(lines.join(" ")) ?? [];
   assert.ok(precision && table.includes(precision), `${lines.join(", ")}; ${table}`);
-  assert.match(lines.join(" "), /slips noticed: [\d.]+\u00a0% \[[\d.]+\u00a0%, [\d.]+\u00a0%\]/);
+  assert.match(lines.join(" "), /slips detected: [\d.]+\u00a0% \[[\d.]+\u00a0%, [\d.]+\u00a0%\]/);
   assert.deepEqual(errors, []);
   await page.context().close();
 });

@@ -1,4 +1,4 @@
-/** Whom the program's page lets in. */
+/** Access control of the live page. */
 import assert from "node:assert/strict";
 import { after, before, describe, test } from "node:test";
 import type { Browser } from "playwright-core";
@@ -12,14 +12,14 @@ const UPGRADE = {
   "Sec-WebSocket-Key": "dGhlIHNhbXBsZSBub25jZQ==",
 };
 
-describe("who asks for a live page", { skip }, () => {
+describe("a client of a live page", { skip }, () => {
   let browser: Browser;
   let program: Program;
   let url: URL;
 
   before(async () => {
     browser = await launch();
-    // It lasts until the tests end it.
+    // Slow enough to run until the tests interrupt it.
     const run = ["run", "cap-closing", "--sensing=direct", "--out=run", "--speed=0.02"];
     program = new Program(folder(), [...run, "--view", "--no-open"]);
     url = new URL(await program.url());
@@ -29,7 +29,7 @@ describe("who asks for a live page", { skip }, () => {
     await browser.close();
   });
 
-  test("gets no page by a wrong token", async () => {
+  test("is rejected with a wrong token", async () => {
     const wrong = new URL(`/${"0".repeat(url.pathname.length - 2)}/`, url);
     const page = await browser.newPage();
     const answer = await page.goto(wrong.href);
@@ -39,15 +39,15 @@ describe("who asks for a live page", { skip }, () => {
     await page.close();
   });
 
-  test("gets no page by a foreign name of this computer", async () => {
+  test("is rejected with a foreign host name", async () => {
     const { status, body } = await ask(url.href, { Host: `evil.example:${url.port}` });
     assert.equal(status, 403);
     assert.match(body, /expected the address.*evil\.example/);
     assert.equal((await ask(url.href, {})).status, 200);
   });
 
-  test("gets no socket from another page, whose own it is", async () => {
-    // In the browser: a page of another origin that knows the whole address.
+  test("cannot open the socket from another origin", async () => {
+    // In the browser: a page of another origin that knows the complete address.
     const foreign = await browser.newPage();
     await foreign.goto("data:text/html,<title>another page</title>");
     const opened = await foreign.evaluate(
@@ -61,7 +61,7 @@ describe("who asks for a live page", { skip }, () => {
     );
     assert.equal(opened, false);
     await foreign.close();
-    // And what it was told, which a browser keeps from pages.
+    // The error message, which browsers hide from pages.
     const socket = new URL("live", url).href;
     const { status, body } = await ask(socket, { ...UPGRADE, Origin: "http://evil.example" });
     assert.equal(status, 403);
@@ -69,11 +69,11 @@ describe("who asks for a live page", { skip }, () => {
     assert.equal((await ask(socket, { ...UPGRADE, Origin: url.origin })).status, 101);
   });
 
-  test("sees it by the printed address", async () => {
+  test("opens the page with the printed address", async () => {
     const { page, errors } = await open(browser, url.href);
     await page.getByText(/SEARCH of stroke 1 of 4/).waitFor();
     assert.deepEqual(errors, []);
     assert.equal(await program.interrupt(), 1);
-    await page.getByText(/The run was interrupted.*No more rows come/).waitFor();
+    await page.getByText(/The run was interrupted.*No further data/).waitFor();
   });
 });

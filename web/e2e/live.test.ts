@@ -1,4 +1,4 @@
-/** The live page, against a rig of the test's own. */
+/** The live page, connected to a simulated rig. */
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import type { Browser, Page } from "playwright-core";
@@ -24,7 +24,7 @@ after(async () => {
 const chip = (finger: number, name: string) =>
   page.locator(".live-finger").nth(finger).locator(`.chip.${name}.on`);
 
-/** Has the page note when the chip of a finger's touch changes. */
+/** Records the times at which the TOUCH chip of the first finger changes. Returns a function that reads them (ms). */
 async function watchTouch(): Promise<() => Promise<number[]>> {
   await page.evaluate(() => {
     const times: number[] = ((window as unknown as { times: number[] }).times = []);
@@ -38,7 +38,7 @@ async function watchTouch(): Promise<() => Promise<number[]>> {
   return () => page.evaluate(() => (window as unknown as { times: number[] }).times);
 }
 
-test("flags are shown as they come", async () => {
+test("flags are shown immediately", async () => {
   const row = rig.rows.find((row) => row.flags.every((flags) => flags & 1));
   assert.ok(row);
   const changes = await watchTouch();
@@ -50,12 +50,12 @@ test("flags are shown as they come", async () => {
     took.push(((await changes())[i] ?? NaN) - sent);
   }
   assert.equal(await chip(1, "TOUCH").count(), 0);
-  // The middle one: others may have been the work of another program.
+  // The median, because other programs may delay single changes.
   const middle = took.sort((a, b) => a - b)[6] ?? NaN;
   holdLatency(`flags after ${middle} ms`, middle);
 });
 
-test("rows are drawn, and the newest is shown", async () => {
+test("the latest row is shown", async () => {
   const canvas = page.locator(".scene-canvas canvas");
   const before = await canvas.screenshot();
   for (const row of rig.rows.slice(100, 700)) rig.send(row);
@@ -64,42 +64,42 @@ test("rows are drawn, and the newest is shown", async () => {
   assert.ok(!before.equals(await canvas.screenshot()));
 });
 
-test("the state is told in words, and stop and resume are sent", async () => {
+test("the state is shown, and stop and resume are sent", async () => {
   rig.state({ state: "MOVE of stroke 1", stopped: false, over: false });
   await page.getByText("MOVE of stroke 1").waitFor();
   await page.getByRole("button", { name: "Stop the hand" }).focus();
   await page.keyboard.press("Enter");
   await until(async () => rig.orders.length === 1, "the order arrives");
   assert.deepEqual(JSON.parse(rig.orders[0] ?? ""), { order: "stop" });
-  rig.state({ state: "Stopped by order.", stopped: true, answer: "All drives stand.", over: false });
-  await page.getByText("All drives stand.").waitFor();
-  await page.getByRole("button", { name: "Let the hand go on" }).click();
+  rig.state({ state: "Stopped by request.", stopped: true, answer: "All drives are at rest.", over: false });
+  await page.getByText("All drives are at rest.").waitFor();
+  await page.getByRole("button", { name: "Resume the hand" }).click();
   await until(async () => rig.orders.length === 2, "the order arrives");
   assert.deepEqual(JSON.parse(rig.orders[1] ?? ""), { order: "resume" });
 });
 
-test("stale data are said to be stale", async () => {
+test("stale data are reported", async () => {
   await page.getByText(/No data for \d+ s/).waitFor({ timeout: 5000 });
 });
 
-test("a lost connection is told, and comes back", async () => {
+test("a lost connection is reported and reopened", async () => {
   rig.cut();
   await page.getByText(/Connection lost/).waitFor();
-  await until(async () => rig.sockets() === 1, "it connects again");
+  await until(async () => rig.sockets() === 1, "the page reconnects");
   rig.send(rig.rows[720] ?? rig.rows[0]!);
-  await until(async () => !(await page.locator(".live-notice").isVisible()), "the notice goes");
+  await until(async () => !(await page.locator(".live-notice").isVisible()), "the notice disappears");
 });
 
-test("a message that cannot be read is told, and ends nothing", async () => {
+test("an unreadable message is reported and otherwise ignored", async () => {
   rig.state({} as never);
   await page.getByText(/a state that this page cannot read/).waitFor();
   rig.state({ state: "RELEASE of stroke 1", stopped: false, over: false });
   await page.getByText("RELEASE of stroke 1").waitFor();
 });
 
-test("the end is told, and the page stays", async () => {
+test("the end of the run is shown, and the page does not reconnect", async () => {
   rig.state({ state: "Done.", stopped: false, over: true });
-  await page.getByText("No more rows come.").waitFor();
+  await page.getByText("No further data.").waitFor();
   rig.cut();
   await page.waitForTimeout(800);
   assert.equal(rig.sockets(), 0);

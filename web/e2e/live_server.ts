@@ -1,4 +1,4 @@
-/** A rig for tests: serves a live page, and plays a run into its socket. */
+/** Rig for tests: serves a live page and sends a run to its socket. */
 import { createServer } from "node:http";
 import { WebSocketServer, type WebSocket } from "ws";
 import { livePage } from "../sample/document";
@@ -16,7 +16,7 @@ export interface Rig {
   orders: string[];
   send(row: Row): void;
   state(state: LiveState): void;
-  /** Closes all sockets; pages open new ones. */
+  /** Closes all sockets; pages reconnect. */
   cut(): void;
   sockets(): number;
   close(): Promise<void>;

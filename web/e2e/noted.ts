@@ -1,37 +1,37 @@
-/** What a live page gets and shows, noted within the page by its own clock. */
+/** Records, within a live page and with its clock, the messages that it receives and the flags that it shows. */
 import type { Page } from "playwright-core";
 
 export interface Row {
-  /** Its time, s. */
+  /** Time of the row (s). */
   time: number;
-  /** When it came, ms. */
+  /** Time of arrival (ms). */
   at: number;
 }
 
-/** A flag that changed. */
+/** A change of a flag. */
 export interface Change {
-  /** The row that changed it. */
+  /** Row that caused the change. */
   row: Row;
   finger: number;
   name: string;
   on: boolean;
-  /** When the page showed it, ms. */
+  /** Time at which the page showed the change (ms). */
   at: number;
 }
 
 export interface Noted {
   rows: Row[];
   changes: Change[];
-  /** When the stop button was pressed, ms. */
+  /** Times at which the stop button was pressed (ms). */
   stops: number[];
 }
 
-/** Has pages of `page` note from their beginning on. */
+/** Starts recording as soon as `page` loads a document. */
 export async function note(page: Page): Promise<void> {
   await page.addInitScript(() => {
     const noted: Noted = { rows: [], changes: [], stops: [] };
     Object.assign(window, { noted });
-    // The page's own listener comes after this one.
+    // The page adds its own listener after this one.
     window.WebSocket = class extends WebSocket {
       constructor(url: string | URL, protocols?: string | string[]) {
         super(url, protocols);
@@ -41,7 +41,7 @@ export async function note(page: Page): Promise<void> {
         });
       }
     };
-    // It is called at the end of the task in which the page shows a row.
+    // Called at the end of the task in which the page shows a row.
     const observer = new MutationObserver((records) => {
       const at = Date.now();
       for (const { target, oldValue } of records) {
@@ -51,7 +51,7 @@ export async function note(page: Page): Promise<void> {
         if (on === / on( |$)/.test(oldValue ?? "")) continue;
         const fingers = [...document.querySelectorAll(".live-finger")];
         const finger = fingers.findIndex((finger) => finger.contains(chip));
-        // The pictures of the fingertips have chips, too, which are drawn with the next frame.
+        // Skips the chips of the fingertip panels, which are updated in the next animation frame.
         if (finger < 0) continue;
         const row = noted.rows.at(-1) ?? { time: NaN, at: NaN };
         noted.changes.push({ row, finger, name: chip.textContent ?? "", on, at });

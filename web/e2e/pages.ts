@@ -1,4 +1,4 @@
-/** The pages under test: samples made here, and those of the folder REPORTS. */
+/** Pages under test: generated samples, and the pages in the folder REPORTS. */
 import { mkdtempSync, readdirSync, writeFileSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join, resolve } from "node:path";
@@ -12,7 +12,7 @@ export const data = reportData(run);
 
 const folder = mkdtempSync(join(tmpdir(), "feeler-e2e-"));
 
-/** Writes a page, and returns its address. */
+/** Writes a page and returns its URL. */
 export function write(name: string, text: string): string {
   const file = join(folder, name);
   writeFileSync(file, text);
@@ -21,17 +21,17 @@ export function write(name: string, text: string): string {
 
 export const sample = write("sample.html", reportPage(data));
 
-/** The folder REPORTS of pages that feeler made, if there is one. */
+/** Folder REPORTS with pages made by feeler, if set. */
 const reports = process.env["REPORTS"];
 
-/** The sample and the pages that feeler made. */
+/** URLs of the sample and of the pages made by feeler. */
 export function allPages(): string[] {
   if (!reports) return [sample];
   const names = readdirSync(reports, { recursive: true }).map(String);
   return [sample, ...names.filter((name) => name.endsWith(".html")).map((name) => address(reports, name))];
 }
 
-/** A page that feeler made; none where there is no folder of them. */
+/** URL of a page made by feeler; undefined if REPORTS is not set. */
 export const made = (name: string): string | undefined => reports && address(reports, name);
 
 function address(folder: string, name: string): string {

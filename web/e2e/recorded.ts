@@ -1,4 +1,4 @@
-/** A run as it is on record: what the page of its report holds. */
+/** Reads the run from the page data of a report. */
 import { inflate } from "../src/inflate";
 import type { PageData } from "../src/page_data";
 import { readPage } from "../src/read_page";
@@ -25,7 +25,7 @@ export async function recorded(html: string): Promise<Recorded> {
   };
 }
 
-/** Times at which a phase called `name` begins, s. */
+/** Times at which the phase `name` begins (s). */
 export function begins({ table, run }: Recorded, name: string): number[] {
   const times: number[] = [];
   for (let row = 0; row < table.length; row++) {

@@ -1,4 +1,4 @@
-/** The page of a run: one moment through scene, fingertips and figures. */
+/** Report page of a run: one current time for scene, fingertips and figures. */
 import assert from "node:assert/strict";
 import { after, before, test } from "node:test";
 import type { Browser, Page } from "playwright-core";
@@ -44,7 +44,7 @@ test("scrubbing changes the scene and the fingertips", async () => {
   await page.context().close();
 });
 
-test("the values at the cursor are those on record", async () => {
+test("the values at the cursor equal the recorded values", async () => {
   const { page } = await opened();
   const figure = page.locator("#fig-08");
   await figure.scrollIntoViewIfNeeded();
@@ -52,7 +52,7 @@ test("the values at the cursor are those on record", async () => {
   const box = await over.boundingBox();
   assert.ok(box);
   await over.hover({ position: { x: 0.42 * box.width, y: 40 } });
-  await until(async () => (await time(page)) !== moment(0), "the cursor moves the moment");
+  await until(async () => (await time(page)) !== moment(0), "the cursor changes the time");
   const shown = await time(page);
   const row = run.rows.find((row) => moment(row.time) === shown);
   assert.ok(row, shown);
@@ -63,21 +63,21 @@ test("the values at the cursor are those on record", async () => {
     quantity(row.torque, "mN·m", 1e3),
   ];
   assert.deepEqual(values, expected);
-  // One cursor through all figures.
+  // All figures share the cursor.
   const other = await page.locator("#fig-09 .u-cursor-x").first().getAttribute("style");
   const own = await figure.locator(".u-cursor-x").first().getAttribute("style");
   assert.equal(other, own);
   await page.context().close();
 });
 
-test("a drag zooms a figure, a double click shows all again", async () => {
+test("a drag zooms a figure, a double click resets it", async () => {
   const { page } = await opened();
   const figure = page.locator("#fig-08");
   await figure.scrollIntoViewIfNeeded();
   const over = figure.locator(".u-over").first();
   const picture = async () => {
     await page.mouse.move(5, 5);
-    // What the cursor leaves behind is not what is looked for.
+    // Wait until the cursor has disappeared.
     await page.waitForTimeout(400);
     return figure
       .locator("canvas")
@@ -93,11 +93,11 @@ test("a drag zooms a figure, a double click shows all again", async () => {
   await page.mouse.up();
   await until(async () => (await picture()) !== all, "the figure zooms");
   await over.dblclick({ position: { x: 80, y: 50 } });
-  await until(async () => (await picture()) === all, "the figure shows all again");
+  await until(async () => (await picture()) === all, "the figure is reset");
   await page.context().close();
 });
 
-test("keys play, pause, step, and show what they do", async () => {
+test("keys play, pause, step, and open the help", async () => {
   const { page } = await opened();
   await page.keyboard.press("ArrowRight");
   await showsTime(page, 1);
@@ -124,7 +124,7 @@ test("keys play, pause, step, and show what they do", async () => {
   await page.context().close();
 });
 
-test("playing is as fast as is chosen", async () => {
+test("playback has the selected speed", async () => {
   const { page } = await opened();
   await page.locator(".player select").selectOption("4");
   await page.keyboard.press("Space");
@@ -135,7 +135,7 @@ test("playing is as fast as is chosen", async () => {
   await page.context().close();
 });
 
-test("a claim shows its moment", async () => {
+test("a claim jumps to its time", async () => {
   const { page } = await opened();
   await page.locator(".jump").first().click();
   await showsTime(page, run.strokes[0]?.move[0] ?? NaN);
@@ -161,7 +161,7 @@ test("a point with a command shows it", async () => {
   await page.context().close();
 });
 
-test("a click on a figure goes to that moment while the run plays", async () => {
+test("a click on a figure jumps to that time during playback", async () => {
   const { page } = await opened();
   const over = page.locator("#fig-08 .u-over").first();
   await over.scrollIntoViewIfNeeded();
@@ -171,11 +171,11 @@ test("a click on a figure goes to that moment while the run plays", async () => 
   await until(async () => (await time(page)) !== moment(run.rows[0]?.time ?? NaN), "the run plays");
   await over.click({ position: { x: 0.9 * box.width, y: 50 } });
   const last = run.rows.at(-1)?.time ?? NaN;
-  await until(async () => parseFloat(await time(page)) > 0.85 * last, "the click's moment is shown");
+  await until(async () => parseFloat(await time(page)) > 0.85 * last, "the time of the click is shown");
   await page.context().close();
 });
 
-test("a finger on a figure moves the moment", async () => {
+test("a finger on a figure sets the time", async () => {
   const { page, errors } = await opened({
     viewport: { width: 390, height: 844 },
     isMobile: true,
@@ -185,14 +185,14 @@ test("a finger on a figure moves the moment", async () => {
   await over.scrollIntoViewIfNeeded();
   const before = await time(page);
   await over.tap({ position: { x: 150, y: 60 } });
-  await until(async () => (await time(page)) !== before, "the tap moves the moment");
+  await until(async () => (await time(page)) !== before, "the tap changes the time");
   assert.deepEqual(errors, []);
   await page.context().close();
 });
 
 /**
- * What the scene shows without its buttons, as 32 x 24 grays from 0 to 1: drawn with more pixels nearly the same, from another
- * place not.
+ * The scene without its buttons, as 32 x 24 gray values from 0 to 1. These are nearly independent of the resolution,
+ * but depend on the camera.
  */
 async function grays(page: Page): Promise<number[]> {
   const scene = page.locator(".scene-canvas canvas");
@@ -219,7 +219,7 @@ test("home view and zoom move the camera", async () => {
     const now = await grays(page);
     return now.reduce((sum, gray, i) => sum + Math.abs(gray - (home[i] ?? NaN)), 0) / now.length;
   };
-  await page.getByRole("button", { name: "Nearer" }).click();
+  await page.getByRole("button", { name: "Zoom in" }).click();
   let nearer = 0;
   await until(async () => (nearer = await fromHome()) > 0.01, "the camera is nearer");
   await page.keyboard.press("h");
@@ -229,9 +229,9 @@ test("home view and zoom move the camera", async () => {
 
 const run0 = data.run;
 const BAD: [what: string, text: string, says: RegExp][] = [
-  ["no JSON", "{", /damaged/],
+  ["invalid JSON", "{", /damaged/],
   ["another version", JSON.stringify({ ...data, version: 2 }), /version 2/],
-  ["no rows", JSON.stringify({ ...data, run: { ...run0, data: "" } }), /damaged|cut off/],
+  ["no rows", JSON.stringify({ ...data, run: { ...run0, data: "" } }), /damaged|truncated/],
   [
     "a truncated blob",
     JSON.stringify({ ...data, run: { ...run0, data: run0?.data.slice(0, 2000) } }),
@@ -241,18 +241,18 @@ const BAD: [what: string, text: string, says: RegExp][] = [
 ];
 
 for (const [what, text, says] of BAD) {
-  test(`a page with ${what} says so`, async () => {
+  test(`a page with ${what} shows an error`, async () => {
     const url = write("bad.html", html({ title: "bad", body: reportBody(data), data: text }));
     const { page, errors } = await open(browser, url);
     await page.locator(".problem").first().waitFor();
     assert.match(await page.locator(".problem").first().innerText(), says);
-    assert.ok(await page.locator("figure > svg").first().isVisible(), "the still figures stay");
+    assert.ok(await page.locator("figure > svg").first().isVisible(), "the static figures remain");
     assert.deepEqual(errors, []);
     await page.context().close();
   });
 }
 
-test("a figure that lacks its column stays a still picture", async () => {
+test("a figure without its column remains static", async () => {
   const columns = run0?.columns.map((column) =>
     column.name === "torque" ? { ...column, name: "renamed" } : column,
   );
@@ -266,7 +266,7 @@ test("a figure that lacks its column stays a still picture", async () => {
   await page.context().close();
 });
 
-test("without WebGL the page says so, and everything else works", async () => {
+test("without WebGL the page shows a message, and everything else works", async () => {
   const plain = await launch(["--disable-3d-apis"]);
   const { page, errors } = await open(plain, sample);
   await page.locator(".scene-canvas .problem").waitFor();

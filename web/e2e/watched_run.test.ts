@@ -1,4 +1,4 @@
-/** A run of the program itself, watched and ordered in the browser from its beginning to its end. */
+/** A run of the program, watched and commanded in the browser from start to end. */
 import assert from "node:assert/strict";
 import { readFileSync } from "node:fs";
 import { join } from "node:path";
@@ -11,8 +11,8 @@ import { type Change, type Noted, note, noted } from "./noted";
 import { type Recorded, begins, recorded } from "./recorded";
 
 /**
- * How often the hand is stopped, for how long at least, and how long it works in between, ms: so short that a slow browser is
- * done before the run.
+ * Number of stops, minimum duration of a stop, and time between stops (ms); short enough that a slow browser finishes
+ * before the run.
  */
 const STOPS = 4;
 const STANDS = 500;
@@ -40,7 +40,7 @@ describe("a run in the browser", { skip }, () => {
       "--view",
       "--no-open",
     ]);
-    // A small page, as there may be no graphics card to draw it.
+    // A small page, because there may be no graphics card.
     const viewport = { width: 640, height: 480 };
     ({ page, errors } = await open(browser, await program.url(), { viewport }, note));
   });
@@ -51,9 +51,9 @@ describe("a run in the browser", { skip }, () => {
 
   const time = async () => Number.parseFloat(await page.locator(".player-time").innerText());
   const stop = () => page.getByRole("button", { name: "Stop the hand" });
-  const resume = () => page.getByRole("button", { name: "Let the hand go on" });
+  const resume = () => page.getByRole("button", { name: "Resume the hand" });
 
-  test("rows come, and the scene moves with them", async () => {
+  test("rows arrive, and the scene moves", async () => {
     await until(async () => (await time()) > 0, "a row is shown");
     const before = await time();
     const canvas = page.locator(".scene-canvas canvas");
@@ -62,27 +62,27 @@ describe("a run in the browser", { skip }, () => {
     assert.ok(!picture.equals(await canvas.screenshot()));
   });
 
-  test("stop and resume are answered in words", async () => {
+  test("stop and resume are acknowledged", async () => {
     for (let i = 0; i < STOPS; i++) {
       await stop().click();
       await page.getByText("The hand is stopped: stop requested by the live page.").waitFor();
-      await page.getByText("Stop: the hand stands still.").waitFor();
+      await page.getByText("Stop: the hand is stopped.").waitFor();
       await page.waitForTimeout(STANDS);
       await resume().click();
-      await page.getByText("Resume: the hand continues.").waitFor();
+      await page.getByText("Resume: the hand has resumed.").waitFor();
       await page.waitForTimeout(WORKS);
     }
   });
 
-  test("the end is told, and the page stays without a complaint", async () => {
-    await page.getByText("The task is done. No more rows come.").waitFor();
+  test("the end is reported, and the page shows no warning", async () => {
+    await page.getByText("The task is done. No further data.").waitFor();
     assert.equal(await program.ended, 0, program.said);
     assert.equal(await page.locator(".live-notice").isVisible(), false);
     assert.deepEqual(errors, []);
     shown = await noted(page);
   });
 
-  test("the report of the recording opens, and has it to be taken along", async () => {
+  test("the report of the recording opens and offers it for download", async () => {
     const view = new Program(where, ["view", "run", "--no-open"]);
     const url = await view.url();
     record = await recorded((await ask(url, {})).body);
@@ -97,7 +97,7 @@ describe("a run in the browser", { skip }, () => {
     assert.equal(await view.interrupt(), 0);
   });
 
-  test("the hand was stopped as often as the button was pressed, and stood still", () => {
+  test("each press of the button stopped the hand, which stood still", () => {
     const { table, run } = record;
     assert.equal(shown.stops.length, STOPS);
     assert.equal(begins(record, "STOPPED").length, STOPS);
@@ -115,7 +115,7 @@ describe("a run in the browser", { skip }, () => {
     }
   });
 
-  test("the page showed the flags that are on record, at every row that came", () => {
+  test("the page showed the recorded flags at every received row", () => {
     assert.ok(shown.rows.length > 100);
     const changes = [...shown.changes];
     const on = new Set<string>();
@@ -132,11 +132,11 @@ describe("a run in the browser", { skip }, () => {
       assert.deepEqual([...on].sort(), flags.sort(), `${time} s`);
     }
     assert.deepEqual(changes, []);
-    // Two fingers touch and let go in each of four strokes.
+    // Two fingers touch and release in each of four strokes.
     assert.ok(shown.changes.filter(({ name }) => name === "TOUCH").length >= 16);
   });
 
-  /** Time of the step, s, since which a flag is as its row shows it. */
+  /** Time of the step in which a flag changed (s); may be before the row that shows the change. */
   const began = ({ row: { time }, finger, name, on }: Change) => {
     const bit = FLAG_NAMES.find(([, flag]) => flag === name)?.[0] ?? 0;
     const isSo = (row: number) => (((record.fingers[finger]?.flags(row) ?? 0) & bit) !== 0) === on;
@@ -146,14 +146,18 @@ describe("a run in the browser", { skip }, () => {
   };
 
   /**
-   * From the step in which a flag changes to the chip that shows it, in three parts: to the step whose row shows it, as
-   * they are recorded in real time; from there to the page; from there to the chip. Nobody outside of the program knows when
-   * a step is made, so the second part is not known, but something longer is. The step that the button stops comes after the
-   * button was pressed: from there to the first row of a stopped hand, less what that is after the stopped step, is the
-   * way of a row and of the order besides: of this the lower quartile, as a busy computer may hold up anything
-   * at any time, of the other parts the median.
+   * Latency from the step in which a flag changes to the chip that shows it. It has three parts:
+   *
+   * 1. from the step of the change to the step whose row shows it, according to the recording;
+   * 2. from that step to the arrival of its row on the page;
+   * 3. from the arrival to the change of the chip.
+   *
+   * Part 2 cannot be measured from outside the program. Its upper bound is the time from a press of the stop button to
+   * the arrival of the first row of the stopped hand, minus the recorded time between the stopped step and that row.
+   * It includes the transfer of the order. The test uses the lower quartile of this bound, because a busy computer may
+   * delay any message, and the median of the sum of parts 1 and 3.
    */
-  test("flags follow their step, and how soon is told", () => {
+  test("latency of flags", () => {
     const stopped = begins(record, "STOPPED");
     const ways = shown.stops.map((pressed, i) => {
       const stop = stopped[i] ?? NaN;
@@ -161,19 +165,19 @@ describe("a run in the browser", { skip }, () => {
       return row ? row.at - pressed - 1000 * (row.time - stop) : NaN;
     });
     const way = quantile(ways, 0.25);
-    // SLIP comes and goes from step to step, so that what a row shows may be new by chance.
+    // Only TOUCH: SLIP may change in every step, so the step that a row shows is ambiguous.
     const touches = shown.changes.filter(({ name }) => name === "TOUCH");
     const rest = quantile(
       touches.map((change) => 1000 * (change.row.time - began(change)) + change.at - change.row.at),
       0.5,
     );
     assert.ok(rest + way > 0, `${rest} ms, and ${ways.join(", ")} ms`);
-    const parts = `${way.toFixed(0)} of them the way of an order and a row`;
+    const parts = `${way.toFixed(0)} ms of it for the transfer of an order and a row`;
     holdLatency(`flags after ${(rest + way).toFixed(0)} ms, ${parts}`, rest + way);
   });
 });
 
-/** The number that this share of all is below. Not a number where one is not. */
+/** Quantile of the numbers; NaN if any of them is NaN. */
 function quantile(numbers: number[], share: number): number {
   const sorted = numbers.toSorted((a, b) => a - b);
   return numbers.some(Number.isNaN) ? NaN : (sorted[Math.floor(share * sorted.length)] ?? NaN);

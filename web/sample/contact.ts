@@ -1,4 +1,4 @@
-/** Feelers of a fingertip on a cap: springs along and across, and friction. */
+/** Contact of a fingertip's feelers with a cap: normal and tangential springs, and friction. */
 import { Matrix4, Quaternion, Vector3 } from "three";
 import type { Element } from "../src/page_data";
 
@@ -9,14 +9,14 @@ const SHEAR_STIFFNESS = 90;
 const [STATIC, KINETIC] = [0.9, 0.62];
 
 export interface Felt {
-  /** x, y, z of each element, N. */
+  /** x, y, z of each element (N). */
   forces: number[];
   slips: boolean;
-  /** About the cap's axis, on the cap, N m. */
+  /** Torque on the cap about its axis (N m). */
   torque: number;
 }
 
-/** What a fingertip feels, step by step: shear depends on what was before. */
+/** Contact state of a fingertip. Shear depends on the previous steps. */
 export class Contact {
   readonly #elements: { tip: Vector3; rotation: Quaternion; shear: Vector3; last: Vector3 | undefined }[];
 
@@ -29,7 +29,9 @@ export class Contact {
     }));
   }
 
-  /** The fingertip is at `pose`; the cap, whose axis is the world's z, has turned by `turned` since the last step. */
+  /**
+   * Advances the fingertip to `pose`. The cap, whose axis is the world's z, has turned by `turned` since the last step.
+   */
   step(pose: Matrix4, capHeight: number, turned: number): Felt {
     const felt: Felt = { forces: [], slips: false, torque: 0 };
     const turn = new Quaternion().setFromRotationMatrix(pose);
@@ -58,7 +60,9 @@ export class Contact {
     return felt;
   }
 
-  /** Stretches an element by its way over the cap, as far as friction holds it; true if it slips. */
+  /**
+   * Updates the shear of an element by its displacement on the cap, limited by friction; returns `true` if it slips.
+   */
   #shear(
     element: { shear: Vector3; last: Vector3 | undefined },
     tip: Vector3,

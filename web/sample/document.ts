@@ -1,4 +1,4 @@
-/** The sample's documents, made of the same parts as feeler-report makes them. */
+/** Sample documents, built from the same parts as the pages of feeler-report. */
 import { readFileSync } from "node:fs";
 import type { PageData } from "../src/page_data";
 import { ROOT, still } from "./still";
@@ -8,7 +8,7 @@ const report = (file: string) => readFileSync(`${ROOT}/../crates/feeler-report/s
 export interface Parts {
   body: string;
   title: string;
-  /** The text of `#page-data`. */
+  /** Text of `#page-data`. */
   data: string;
   script?: string;
 }
@@ -29,9 +29,9 @@ export function reportBody(page: PageData): string {
   const [stroke1, stroke4] = [page.run?.strokes[0], page.run?.strokes[3]];
   return `<h1>Run report: ${page.title}</h1>
 <p class="verdict"><span class="holds">Done.</span> The cap was closed in four strokes.
-<span class="holds">All 3 claims of the paper hold.</span></p>
+<span class="holds">All 3 claims of the paper pass.</span></p>
 <div class="tiles">
-  <div class="tile"><div class="value">3 of 3</div><div class="label">claims hold</div></div>
+  <div class="tile"><div class="value">3 of 3</div><div class="label">claims pass</div></div>
   <div class="tile"><div class="value">29.6 <span class="unit">mN·m</span></div><div class="label">closing torque</div></div>
   <div class="tile"><div class="value">4</div><div class="label">strokes</div></div>
   <div class="tile"><div class="value">19.2 <span class="unit">s</span></div><div class="label">simulated, 12.4 times real time</div></div>
@@ -39,11 +39,11 @@ export function reportBody(page: PageData): string {
 <div id="scene"></div>
 <h2>Claims of the paper</h2>
 <div class="scroll"><table>
-<thead><tr><th>Claim</th><th class="number">Value</th><th class="number">Bound</th><th>Holds</th></tr></thead>
+<thead><tr><th>Claim</th><th class="number">Value</th><th class="number">Bound</th><th>Result</th></tr></thead>
 <tbody class="claim" data-row="${stroke1?.move[0] ?? 0}">
-<tr><td colspan="3">In stroke 1 torque rises while grasp force stays level <span class="unit">first-stroke-torque-rises</span></td><td><span class="holds">✓ yes</span></td></tr>
+<tr><td colspan="3">In stroke 1, torque rises while grasp force stays constant <span class="unit">first-stroke-torque-rises</span></td><td><span class="holds">✓ pass</span></td></tr>
 <tr><td class="part">rise of torque</td><td class="number">5.31 <span class="unit">mN·m</span></td><td class="number">≥ 2 <span class="unit">mN·m</span></td><td></td></tr></tbody>
-<tbody class="claim"><tr data-time="${(stroke4?.move[0] ?? 0) / 100}"><td colspan="3">Strokes 3 and 4 are almost the same, because the cap is closed <span class="unit">closed-after-third</span></td><td><span class="holds">✓ yes</span></td></tr>
+<tbody class="claim"><tr data-time="${(stroke4?.move[0] ?? 0) / 100}"><td colspan="3">Strokes 3 and 4 are alike: the cap is closed after stroke 3 <span class="unit">closed-after-third</span></td><td><span class="holds">✓ pass</span></td></tr>
 <tr><td class="part">difference of peaks</td><td class="number">0.021</td><td class="number">≤ 0.1</td><td></td></tr></tbody>
 </table></div>
 <h2>Figures</h2>
@@ -51,7 +51,7 @@ ${figureElements(page)}
 <h2>The run</h2>
 <table><tbody><tr><th scope="row">Experiment</th><td>cap-closing</td></tr><tr><th scope="row">Seed</th><td>0</td></tr>
 <tr><th scope="row">Sensing</th><td>image</td></tr></tbody></table>
-<p>Digest of the recording's content (SHA-256):<br><span class="digest">${"0123456789abcdef".repeat(4)}</span></p>`;
+<p>Digest of the recording (SHA-256):<br><span class="digest">${"0123456789abcdef".repeat(4)}</span></p>`;
 }
 
 export function livePage(page: PageData): string {
@@ -64,7 +64,7 @@ function figureElements(page: PageData): string {
     const title = figure.panels.map((panel) => panel.y.label).join(" and ");
     const picture = page.live ? "" : still(figure);
     return `<figure id="fig-${String(figure.number).padStart(2, "0")}">${picture}
-<figcaption><b>Fig. ${figure.number}. ${title}. </b>A figure of the sample, for tests and for looking at.</figcaption></figure>`;
+<figcaption><b>Fig. ${figure.number}. ${title}. </b>A sample figure.</figcaption></figure>`;
   };
   return `<div class="figures">${page.figures.map(one).join("\n")}</div>`;
 }

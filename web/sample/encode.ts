@@ -1,4 +1,4 @@
-/** Rows as the columns of a page, as feeler-report packs them. */
+/** Encodes rows as columns of a page, like feeler-report. */
 import { deflateRawSync } from "node:zlib";
 import type { Column, RunTable } from "../src/page_data";
 import { PHASES, type Row, type Simulated } from "./simulate";
@@ -7,7 +7,7 @@ interface Written extends Column {
   values: (row: Row) => number[];
 }
 
-/** The columns and what a row has in each. */
+/** The columns, with the values of a row. */
 export function columns(fingers: number, elements: number): Written[] {
   const each = Array.from({ length: fingers }, (_, f) => f);
   const column = (
@@ -59,7 +59,7 @@ function packed({ type, width, scale, values }: Written, rows: Row[]): Buffer {
   return Buffer.from(stored.buffer);
 }
 
-/** A row as the socket of a live page sends it. */
+/** A row in the format of a live page's socket. */
 export function rowMessage(row: Row, written: Written[]): ArrayBuffer {
   const rest = written.filter(({ name }) => name !== "time");
   const message = new DataView(new ArrayBuffer(8 + 4 * rest.reduce((sum, { width }) => sum + width, 0)));

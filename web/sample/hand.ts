@@ -1,4 +1,4 @@
-/** The reference hand (crates/feeler-lab/experiments/cap-closing.toml): frames, elements, and inverse kinematics. */
+/** Reference hand (crates/feeler-lab/experiments/cap-closing.toml): frames, elements and inverse kinematics. */
 import { Matrix4, Quaternion, Vector3 } from "three";
 import type { Element, Frame, Quaternion as Four, Shape, Vector } from "../src/page_data";
 
@@ -13,9 +13,9 @@ const RINGS = [
 
 export interface Base {
   position: Vector3;
-  /** Rotation about the world's y, rad. */
+  /** Rotation about the world's y axis (rad). */
   turn: number;
-  /** Which way joint 3 bends. */
+  /** Bending direction of joint 3. */
   bend: 1 | -1;
 }
 
@@ -27,9 +27,9 @@ export const BASES: Base[] = [
 const four = (q: Quaternion): Four => [q.x, q.y, q.z, q.w];
 const three = (v: Vector3): Vector => [v.x, v.y, v.z];
 const NONE: Four = [0, 0, 0, 1];
-/** Joints 2 and 3 turn about -y of the frame before. */
+/** Joints 2 and 3 rotate about -y of the previous frame. */
 const ABOUT_MINUS_Y = four(new Quaternion().setFromAxisAngle(new Vector3(1, 0, 0), Math.PI / 2));
-/** Takes z, a cylinder's axis, to x, a link's. */
+/** Rotates z, the axis of a cylinder, to x, the axis of a link. */
 const ALONG_X = four(new Quaternion().setFromAxisAngle(new Vector3(0, 1, 0), Math.PI / 2));
 
 export function frames(finger: number, base: Base): Frame[] {
@@ -105,7 +105,7 @@ export function elements(): Element[] {
   );
 }
 
-/** The joint angles at which the dome's centre is at `point`. */
+/** Joint angles that place the dome's centre at `point`. */
 export function jointsAt({ position, turn, bend }: Base, point: Vector3): [number, number, number] {
   const [l2, l3, l4] = LINKS;
   const inBase = point
@@ -119,7 +119,7 @@ export function jointsAt({ position, turn, bend }: Base, point: Vector3): [numbe
   return [Math.atan2(inBase.y, inBase.x), theta2, theta3];
 }
 
-/** The fingertip's frame in the world at these joint angles. */
+/** Pose of the fingertip in the world at these joint angles. */
 export function tipPose({ position, turn }: Base, [t1, t2, t3]: [number, number, number]): Matrix4 {
   const [l2, l3, l4] = LINKS;
   const step = (x: number, turned: Matrix4) => new Matrix4().makeTranslation(x, 0, 0).multiply(turned);

@@ -1,4 +1,4 @@
-/** Writes the sample pages into `out/`: the report of four strokes, one of a minute, and one that is damaged. */
+/** Writes the sample pages to `out/`: a report of four strokes, a report of one minute, and a damaged report. */
 import { mkdirSync, writeFileSync } from "node:fs";
 import { reportPage } from "./document";
 import { reportData } from "./page_data";

@@ -1,4 +1,4 @@
-/** The data of the sample pages. */
+/** Data of the sample pages. */
 import type { Figure, Live, PageData, Panel, Scene, Series } from "../src/page_data";
 import { CAP } from "./contact";
 import { runTable } from "./encode";

@@ -1,4 +1,4 @@
-/** Figures of the sample that are not against time. */
+/** Sample figures that are not functions of time. */
 import type { Panel } from "../src/page_data";
 import { CAP } from "./contact";
 import { BASES, tipPose } from "./hand";
@@ -6,7 +6,7 @@ import type { Simulated } from "./simulate";
 
 const millimetres = (label: string) => ({ label, unit: "mm", scale: 1e3 });
 
-/** The domes' centres from above in the last stroke, with the cap. */
+/** Top view of the dome centres in the last stroke, with the cap. */
 export function paths({ rows, strokes }: Simulated): Panel {
   const stroke = strokes.at(-1);
   const moving = Array.from(
@@ -46,7 +46,7 @@ export function paths({ rows, strokes }: Simulated): Panel {
   };
 }
 
-/** Trials of a sweep, each with the command that runs it again. */
+/** Trials of a sweep with their commands. */
 export function scatter(): Panel {
   const seeds = Array.from({ length: 60 }, (_, seed) => seed);
   const noise = (seed: number, k: number) => Math.abs(Math.sin(12.9898 * seed + 78.233 * k) * 43758.5453) % 1;
@@ -66,6 +66,6 @@ export function scatter(): Panel {
         },
       },
     ],
-    thresholds: [{ value: 0.025, name: "wanted" }],
+    thresholds: [{ value: 0.025, name: "target" }],
   };
 }

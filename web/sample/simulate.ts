@@ -1,4 +1,7 @@
-/** A run for tests and for looking at the page: two fingers close a cap by strokes. Not feeler's simulator. */
+/**
+ * Synthetic run for tests and sample pages: two fingers close a cap in several strokes. Independent of feeler's
+ * simulator.
+ */
 import { Vector3 } from "three";
 import type { Stroke } from "../src/page_data";
 import { CAP, Contact } from "./contact";
@@ -8,7 +11,7 @@ export const PERIOD = 0.01;
 export const PHASES = ["SEARCH", "MOVE", "RELEASE", "RETURN"];
 export const TOUCH_FORCE = 0.1;
 export const OVER_FORCE = 0.505;
-/** The parts of a stroke: how long each takes, s, and its phase. The fingers close, press, turn, open and go home. */
+/** Sections of a stroke: duration (s) and phase. The fingers close, press, turn, open and return. */
 const DURATIONS = [0.9, 0.6, 1.3, 0.7, 1.3];
 const PHASE_OF = [0, 0, 1, 2, 3];
 const TURNING = 2;
@@ -49,7 +52,7 @@ export function simulate(count: number): Simulated {
         const row = takeRow(contacts, section, part, cap, turned, rows.at(-1));
         row.time = rows.length * PERIOD;
         rows.push(row);
-        // What the fingers' friction is worth beyond what the thread resists turns the cap.
+        // The excess of the fingers' torque over the resisting torque turns the cap.
         const resisting = RUNNING_TORQUE + Math.max(0, cap - SEAT) * SEAT_STIFFNESS;
         turned = section === TURNING ? Math.max(0, Math.min(0.007, (row.torque - resisting) * 2)) : 0;
         cap += turned;
@@ -98,7 +101,7 @@ function takeRow(
 const flags = (hardest: number, slip: boolean, truth: boolean): number =>
   (hardest > TOUCH_FORCE ? 1 : 0) + (slip ? 2 : 0) + (hardest > OVER_FORCE ? 4 : 0) + (truth ? 8 : 0);
 
-/** Where the dome's centre of the finger on the left (side 1) or right (side -1) is; the rectangle of a stroke. */
+/** Position of a dome's centre on its rectangular path, for the left (side 1) or right (side -1) finger. */
 function centre(side: 1 | -1, section: number, part: number): Vector3 {
   const [far, near] = [0.038, CAP.radius + 0.018 - 0.0005];
   const [high, low] = [0.0042, -0.0051];
@@ -115,7 +118,7 @@ function centre(side: 1 | -1, section: number, part: number): Vector3 {
   return new Vector3(-side * x, side * y, 0.1);
 }
 
-/** Change of the shearing force on the element that is pressed hardest, N/s. */
+/** Rate of change of the shear force on the most compressed element (N/s). */
 function shearRate(now: number[], before: number[] | undefined): number {
   let hardest = 2;
   for (let k = 2; k < now.length; k += 3) if ((now[k] ?? 0) > (now[hardest] ?? 0)) hardest = k;

@@ -1,8 +1,8 @@
-/** Still pictures of the sample's figures, as plain as will do: feeler-report draws its own. */
+/** Simple static versions of the sample's figures; feeler-report draws its own. */
 import { readFileSync } from "node:fs";
 import type { Figure } from "../src/page_data";
 
-/** The folder `web/`, which the tests and the scripts run in. */
+/** The folder `web/`, in which tests and scripts run. */
 export const ROOT = process.cwd();
 
 const real = () => readFileSync(`${ROOT}/../docs/figures/fig-13.svg`, "utf8");

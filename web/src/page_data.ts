@@ -1,10 +1,10 @@
 /**
  * Data of a page: the contract between `feeler-report`, which writes it into the document, and this script, which
- * displays it. `crates/feeler-report/src/page_data` defines the same structs. `test/examples.ts` contains the data of real
- * pages: a Rust test keeps it up to date, and the compiler checks it against these types.
+ * displays it. `crates/feeler-report/src/page_data` defines the same structs. `test/examples.ts` contains data of pages
+ * from `feeler-report`: a Rust test keeps it up to date, and the compiler checks it against these types.
  *
- * The document contains one `<script type="application/json" id="page-data">` with a {@link PageData}. All values are in
- * SI units; the axes of a figure define how they are scaled for display.
+ * The document contains one `<script type="application/json" id="page-data">` with a {@link PageData}. All values are
+ * in SI units; the axes of a figure define how they are scaled for display.
  */
 export interface PageData {
   /** Version of this contract. Other versions are rejected with a message. */
@@ -57,7 +57,7 @@ export interface Column {
   scale: number;
 }
 
-/** Rows of a stroke, from `start` (inclusive) to `end` (exclusive). `move` is the part in which the object is turned. */
+/** Rows of a stroke: `start` (inclusive) to `end` (exclusive). `move` is the part in which the object is turned. */
 export interface Stroke {
   index: number;
   start: number;
@@ -78,7 +78,7 @@ export type Vector = [number, number, number];
 /** Quaternion x, y, z, w. */
 export type Quaternion = [number, number, number, number];
 
-/** A frame, relative to its parent: this pose, followed by a rotation about z by the joint angle if there is a joint. */
+/** A frame, relative to its parent: this pose, followed by a rotation about z by the angle of the joint, if any. */
 export interface Frame {
   name: string;
   parent: string;
@@ -114,7 +114,7 @@ export interface Finger {
   overForce: number;
 }
 
-/** A sensing element: its feeler's undeformed tip (m) and the rotation of its frame `E`, both in the fingertip's frame. */
+/** A sensing element: its feeler's undeformed tip (m) and the rotation of its frame `E`, in the fingertip's frame. */
 export interface Element {
   tip: Vector;
   rotation: Quaternion;
@@ -136,7 +136,7 @@ export interface Panel {
   series: Series[];
   /** Thresholds, drawn as horizontal lines; values in SI units. */
   thresholds: { value: number; name: string }[];
-  /** Whether x and y have the same scale ("xy" panels only). */
+  /** `true` if x and y have the same scale ("xy" panels only). */
   equal?: boolean;
   /** Initially visible rows; all rows by default. */
   rows?: [number, number];
@@ -151,7 +151,7 @@ export interface Axis {
   scale: number;
   /** Range in SI units; by default, the range of the data. */
   range?: [number, number];
-  /** Whether the axis is logarithmic. Only for x of "xy" panels whose x values are all positive. */
+  /** `true` if the axis is logarithmic. Only for x of "xy" panels whose x values are all positive. */
   log?: boolean;
 }
 
@@ -178,21 +178,21 @@ export interface PointList {
   row?: number[];
   /** Additional text of the tooltip. */
   label?: string[];
-  /** Command that reproduces the point: `pattern` with `{folder}` replaced by the page's folder and `{trial}` by its trial. */
+  /** Command that reproduces a point: `pattern` with the page's folder for `{folder}` and its trial for `{trial}`. */
   command?: { pattern: string; trial: number[] };
 }
 
 /**
- * Connection of a live page. The socket sends each row as a binary message: the time as f64, followed by all numbers of
- * the other columns as f32, in column order and in SI units. (Types and scales of columns apply only to reports.) It sends
- * each {@link LiveState} as JSON text. The page sends {@link LiveOrder} as JSON text.
+ * Connection of a live page. The socket sends each row as a binary message: the time as f64, followed by all numbers
+ * of the other columns as f32, in column order and in SI units. (Types and scales of columns apply only to reports.)
+ * It sends each {@link LiveState} as JSON text. The page sends {@link LiveOrder} as JSON text.
  */
 export interface Live {
   /** Path of the WebSocket, including the access token. */
   socket: string;
   /** Minimum number of latest rows that the page keeps. */
   keep: number;
-  /** Whether the page can stop and resume the hand. */
+  /** `true` if the page can stop and resume the hand. */
   orders: boolean;
 }
 
@@ -202,7 +202,7 @@ export interface LiveState {
   stopped: boolean;
   /** Result of the last order as a sentence. */
   answer?: string;
-  /** Whether the run has ended. */
+  /** `true` if the run has ended. */
   over: boolean;
 }
 

@@ -70,7 +70,7 @@ export function readTable(run: RunTable, bytes: Uint8Array): Table {
     const end = start + run.rows * description.width * arrayOf(description).BYTES_PER_ELEMENT;
     if (end > bytes.length) {
       throw new PageProblem(
-        `The run's data are truncated: column “${description.name}” ends at byte ${end} of ${bytes.length}.`,
+        `The run's data are truncated: column “${description.name}” requires ${end} bytes, got ${bytes.length}.`,
       );
     }
     // Copies the bytes because an f64 must be aligned to 8 bytes. All browsers run on little-endian machines.

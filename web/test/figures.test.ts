@@ -18,7 +18,7 @@ const table = new Table(
 const series = (rest: Partial<Series>): Series => ({ name: "s", colour: "shared", line: "solid", ...rest });
 const all = (at: (row: number) => number) => [0, 1, 2].map(at);
 
-test("a series shows a column, one bit of it, or points of its own", () => {
+test("a series shows a column, one bit of it, or separate points", () => {
   assert.deepEqual(all(seriesAt(series({ column: { name: "flags", index: 0 } }), table)), [0, 2, 3]);
   assert.deepEqual(all(seriesAt(series({ column: { name: "flags", index: 0, bit: 1 } }), table)), [0, 1, 1]);
   assert.deepEqual(all(seriesAt(series({ points: { x: [0.19], y: [7] } }), table)), [NaN, NaN, 7]);
@@ -26,13 +26,13 @@ test("a series shows a column, one bit of it, or points of its own", () => {
   assert.throws(() => seriesAt(series({ column: { name: "gone", index: 0 } }), table), /“gone”/);
 });
 
-test("what is not known leaves a gap", () => {
+test("unknown values leave a gap", () => {
   const at = seriesAt(series({ column: { name: "torque", index: 0 } }), table);
   const shown = plotted(at, 3, 1e3);
   assert.deepEqual([Math.round(shown[0] ?? 0), shown[1], Math.round(shown[2] ?? 0)], [10, null, 20]);
 });
 
-test("windows hold their points, and may have equal scales", () => {
+test("windows contain their points and may have equal scales", () => {
   const window = windowAround(
     [
       [0, 0],
@@ -45,12 +45,12 @@ test("windows hold their points, and may have equal scales", () => {
   assert.deepEqual(equalScale(window, 100, 100), { x: [0, 10], y: [-2.5, 7.5] });
 });
 
-test("a pinch keeps what is between the fingers between them", () => {
+test("a pinch keeps the values between the fingers", () => {
   const zoomed = pinched({ x: [0, 10], y: [0, 10] }, 100, [40, 60], [30, 70]);
   assert.deepEqual(zoomed, { x: [2.5, 7.5], y: [2.5, 7.5] });
 });
 
-test("a row finds its point only while the points go on", () => {
+test("a row has a point only within the rows of the points", () => {
   const points: Points = {
     series: series({ points: { x: [1, 2, 3], y: [1, 2, 3], row: [10, 20, 30] } }),
     x: [1, 2, 3],
@@ -65,7 +65,7 @@ test("a row finds its point only while the points go on", () => {
   assert.equal(pointAtRow(points, 60), undefined);
 });
 
-test("an axis may show logarithms, with ticks that a reader knows", () => {
+test("logarithmic axes have ticks at 1, 2 and 5 times powers of ten", () => {
   const axis = { label: "false alarms", unit: "%", scale: 100, log: true };
   assert.ok(Math.abs(placeOn(axis, 0.001) + 1) < 1e-12);
   assert.equal(placeOn({ ...axis, log: false }, 0.5), 50);
@@ -75,7 +75,7 @@ test("an axis may show logarithms, with ticks that a reader knows", () => {
   assert.deepEqual(shown(Math.log10(0.15), Math.log10(6)), [0.2, 0.5, 1, 2, 5]);
 });
 
-test("points have intervals in the units of their axis, and each its command", () => {
+test("points have intervals in axis units and a command each", () => {
   const list = {
     x: [1, 2],
     y: [0.5, null],
@@ -99,7 +99,7 @@ test("points have intervals in the units of their axis, and each its command", (
   assert.deepEqual([commandOf(plain, 0, "."), plain.low], [undefined, []]);
 });
 
-test("a page knows its folder by its address", () => {
+test("the folder of a page follows from its address", () => {
   assert.equal(folderOf("file:///home/a%20b/sweep/summary.html?x#fig-01"), "/home/a b/sweep");
   assert.equal(folderOf("file:///C:/sweep/summary.html"), "C:/sweep");
   assert.equal(folderOf("http://127.0.0.1:1/summary.html"), ".");

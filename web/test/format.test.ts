@@ -14,13 +14,13 @@ test("numbers have three significant digits, as in feeler-report", () => {
   assert.equal(significant(NaN), "0");
 });
 
-test("a quantity has its unit, and a dash where it is not known", () => {
+test("quantities have a unit; unknown quantities are a dash", () => {
   assert.equal(quantity(0.01234, "mN·m", 1e3), "12.3\u00a0mN·m");
   assert.equal(quantity(0.5, ""), "0.5");
   assert.equal(quantity(NaN, "N"), "–");
 });
 
-test("a moment tells rows of 10 ms apart", () => {
+test("times distinguish rows 10 ms apart", () => {
   assert.equal(moment(12.34), "12.34\u00a0s");
   assert.equal(moment(-0.001), "0.00\u00a0s");
   assert.equal(moment(NaN), "–");

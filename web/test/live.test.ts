@@ -9,7 +9,7 @@ import { simulate } from "../sample/simulate";
 const { rows } = simulate(1);
 const written = columns(2, elements().length);
 
-test("a ring keeps the newest rows in as much memory", () => {
+test("a ring keeps the latest rows in constant memory", () => {
   const ring = new Ring(written, 50);
   let gone = 0;
   for (const row of rows) gone += ring.add(rowMessage(row, written));
@@ -23,7 +23,7 @@ test("a ring keeps the newest rows in as much memory", () => {
   assert.ok(Math.abs(angle - (last?.capAngle ?? 0)) < 1e-6);
 });
 
-test("time that begins again is another run", () => {
+test("time that decreases starts a new run", () => {
   const ring = new Ring(written, 50);
   const [first, second] = rows;
   assert.ok(first && second);
@@ -33,9 +33,9 @@ test("time that begins again is another run", () => {
   assert.equal(ring.table.length, 1);
 });
 
-test("messages that cannot be read are refused in words", () => {
+test("unreadable messages are rejected with a reason", () => {
   assert.throws(() => new Ring(written, 50).add(new ArrayBuffer(12)), /12 bytes/);
-  assert.throws(() => readState("{"), /no JSON/);
+  assert.throws(() => readState("{"), /not valid JSON/);
   assert.throws(() => readState("null"), /cannot read/);
   assert.throws(() => readState('{"state":1}'), /cannot read/);
   const state = { state: "MOVE of stroke 2", stopped: false, over: false };

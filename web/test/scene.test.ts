@@ -10,7 +10,7 @@ import { runTable } from "../sample/encode";
 import { BASES, elements, jointsAt, tipPose } from "../sample/hand";
 import { simulate } from "../sample/simulate";
 
-test("frames turned by joints are where the finger's kinematics says", async () => {
+test("frames moved by joints agree with the finger's kinematics", async () => {
   const run = simulate(1);
   const packed = runTable(run, 2, elements().length);
   const frames = new FrameTree(scene(), readTable(packed, await inflate(packed.data)));
@@ -20,12 +20,12 @@ test("frames turned by joints are where the finger's kinematics says", async () 
     const [a = 0, b = 0, c = 0] = run.rows[row]?.joints[finger] ?? [];
     const expected = new Vector3().setFromMatrixPosition(tipPose(base, [a, b, c]));
     const got = new Vector3().setFromMatrixPosition(frames.world(`finger/${finger}/tip`));
-    // The joints are recorded as f32.
+    // Joints are recorded as f32.
     assert.ok(got.distanceTo(expected) < 1e-6, `${got.toArray()} for ${expected.toArray()}`);
   });
 });
 
-test("a frame with a recorded pose is there", async () => {
+test("a frame with a recorded pose has that pose", async () => {
   const run = simulate(1);
   const packed = runTable(run, 2, elements().length);
   const frames = new FrameTree(scene(), readTable(packed, await inflate(packed.data)));
@@ -35,7 +35,7 @@ test("a frame with a recorded pose is there", async () => {
   assert.ok(Math.abs(Math.atan2(mark.y, mark.x) - (run.rows[row]?.capAngle ?? 0)) < 1e-6);
 });
 
-test("frames without a way to the world are refused", () => {
+test("frames without a connection to the world are rejected", () => {
   const loop = {
     ...scene(),
     frames: [{ name: "a", parent: "a", position: [0, 0, 0], rotation: [0, 0, 0, 1] }],
@@ -58,13 +58,13 @@ test("inverse kinematics reaches the points of the task", () => {
   assert.ok(reached.distanceTo(point) < 1e-12);
 });
 
-test("the camera sees the dome from inside: apex in the middle, z up, y on the left", () => {
+test("the camera view shows the dome from inside: apex in the middle, z up, y to the left", () => {
   const seen = spots(elements());
   assert.deepEqual(
     [seen[0]?.x, seen[0]?.y].map((value) => Math.abs(value ?? 1)),
     [0, 0],
   );
-  // The first of a ring stands towards y, and a quarter on towards z.
+  // The first element of a ring is towards y, the element a quarter turn later towards z.
   assert.ok((seen[1]?.x ?? 0) < -0.1 && Math.abs(seen[1]?.y ?? 1) < 1e-9);
   assert.ok((seen[3]?.y ?? 0) > 0.1 && Math.abs(seen[3]?.x ?? 1) < 1e-9);
   assert.ok(seen.every(({ x, y }) => Math.hypot(x, y) < 1));

@@ -14,7 +14,7 @@ const run = simulate(1);
 const packed = runTable(run, 2, elements().length);
 const table = async (from: RunTable = packed) => readTable(from, await inflate(from.data));
 
-test("a table holds what was packed", async () => {
+test("a table contains the encoded values", async () => {
   const read = await table();
   assert.equal(read.length, run.rows.length);
   const row = 180;
@@ -27,7 +27,7 @@ test("a table holds what was packed", async () => {
   assert.equal(read.column("no such column"), undefined);
 });
 
-test("a time finds the nearest row", async () => {
+test("rowAt returns the nearest row", async () => {
   const read = await table();
   assert.equal(read.rowAt(-1), 0);
   assert.equal(read.rowAt(1.004), 100);
@@ -35,7 +35,7 @@ test("a time finds the nearest row", async () => {
   assert.equal(read.rowAt(1e9), run.rows.length - 1);
 });
 
-test("what is not known is not a number", () => {
+test("unknown values are NaN", () => {
   const columns: RunTable["columns"] = [
     { name: "time", type: "f64", width: 1, scale: 1 },
     { name: "a", type: "i16", width: 1, scale: 0.1 },
@@ -48,17 +48,17 @@ test("what is not known is not a number", () => {
   assert.equal(read.column("a")?.at(1), 2.5);
 });
 
-test("damaged data are refused in words", async () => {
+test("damaged data are rejected with a reason", async () => {
   await assert.rejects(inflate(packed.data.slice(0, 1000)), PageProblem);
   await assert.rejects(inflate("no base64!"), PageProblem);
-  await assert.rejects(table({ ...packed, rows: packed.rows + 1 }), /cut off/);
+  await assert.rejects(table({ ...packed, rows: packed.rows + 1 }), /truncated/);
   await assert.rejects(table({ ...packed, columns: packed.columns.slice(1) }), /no column “time”/);
   const unknown = [{ name: "time", type: "f16", width: 1, scale: 1 }] as unknown as RunTable["columns"];
   await assert.rejects(table({ ...packed, columns: unknown }), /type “f16”/);
 });
 
-test("another version, and what is no page, are refused in words", () => {
-  assert.throws(() => readPage("{"), /no JSON/);
+test("other versions and invalid pages are rejected with a reason", () => {
+  assert.throws(() => readPage("{"), /not valid JSON/);
   assert.throws(() => readPage("null"), /no data/);
   assert.throws(() => readPage('{"version":2}'), /version 2.*version 1/);
   assert.throws(() => readPage('{"version":1}'), /figures/);
@@ -67,9 +67,9 @@ test("another version, and what is no page, are refused in words", () => {
   assert.equal(readPage('{"version":1,"title":"t","figures":[]}').title, "t");
 });
 
-test("what feeler-report makes of each kind of page is read", () => {
+test("pages of each kind made by feeler-report are readable", () => {
   for (const example of examples) assert.equal(readPage(JSON.stringify(example)).title, example.title);
-  // Of a report, of what many trials came to, and of a rig that works: nothing that is declared goes unseen.
+  // A report, pages of many trials and a live page together cover all declared fields.
   assert.ok(examples.some((page) => page.scene?.shapes.length && page.run?.strokes.length));
   assert.ok(examples.some((page) => page.live));
   const series = examples.flatMap((page) =>

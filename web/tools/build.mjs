@@ -1,4 +1,4 @@
-// Writes the bundle that feeler-report embeds, and says how large it is.
+// Writes the bundle that feeler-report embeds, and prints its size.
 import { readFileSync } from "node:fs";
 import { gzipSync } from "node:zlib";
 import { bundle, COMMITTED } from "./bundle.mjs";

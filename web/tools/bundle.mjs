@@ -1,4 +1,4 @@
-// How the bundle is made: in one place for the build, its check and the sample pages.
+// Bundler settings, shared by the build, its check and the sample pages.
 import { build } from "esbuild";
 import { fileURLToPath } from "node:url";
 

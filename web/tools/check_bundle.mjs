@@ -1,4 +1,4 @@
-// Fails unless the committed bundle is what the sources make, byte for byte.
+// Fails unless the committed bundle equals the build output byte for byte.
 import { mkdtempSync, readFileSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
@@ -10,11 +10,11 @@ try {
   await bundle(made);
   const text = readFileSync(made, "utf8");
   if (!readFileSync(made).equals(readFileSync(COMMITTED))) {
-    throw new Error("page.js is not what web/src makes: run `npm run build` in web/ and commit it");
+    throw new Error("page.js differs from the build output: run `npm run build` in web/ and commit it");
   }
-  // Either would end or swallow the <script> that it is inlined in.
-  if (/<\/script|<!--/i.test(text)) throw new Error("the bundle holds </script or <!--");
-  console.log("page.js is what web/src makes");
+  // Either would end or swallow the <script> in which the bundle is inlined.
+  if (/<\/script|<!--/i.test(text)) throw new Error("the bundle contains </script or <!--");
+  console.log("page.js equals the build output");
 } finally {
   rmSync(folder, { recursive: true });
 }

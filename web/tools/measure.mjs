@@ -1,4 +1,4 @@
-// Measures how soon a report's scene is drawn, and how often while the run plays.
+// Measures the time until a report's scene is drawn, and the frame rate during playback.
 // usage: node tools/measure.mjs REPORT.html
 import { execSync } from "node:child_process";
 import { statSync } from "node:fs";
@@ -7,14 +7,14 @@ import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
 
 const REPEATS = 5;
-/** How long it plays, ms. */
+/** Duration of playback (ms). */
 const PLAYS = 5000;
 
 const [report] = process.argv.slice(2);
 if (!report) throw new Error("usage: node tools/measure.mjs REPORT.html");
 
 const executablePath = process.env["CHROMIUM"] ?? execSync("command -v chromium").toString().trim();
-// A graphics card is used where there is one: `GPU=1`; else WebGL is drawn in software, as in e2e/browser.ts.
+// `GPU=1` uses the graphics card; otherwise WebGL is drawn in software, as in e2e/browser.ts.
 const software = ["--use-angle=swiftshader", "--enable-unsafe-swiftshader"];
 const args = ["--no-sandbox", ...(process.env["GPU"] ? ["--ignore-gpu-blocklist"] : software)];
 const browser = await chromium.launch({ executablePath, args });
@@ -23,16 +23,16 @@ try {
   for (let i = 0; i < REPEATS; i++) runs.push(await measure(pathToFileURL(resolve(report)).href));
   const middle = (of) => runs.map(of).sort((a, b) => a - b)[Math.floor(REPEATS / 2)];
   console.log(`file                 ${(statSync(report).size / 1e6).toFixed(2)} MB`);
-  console.log(`drawn by             ${runs[0].renderer}`);
+  console.log(`renderer             ${runs[0].renderer}`);
   console.log(
-    `first picture after  ${(middle((run) => run.first) / 1000).toFixed(2)} s (median of ${REPEATS})`,
+    `first image after    ${(middle((run) => run.first) / 1000).toFixed(2)} s (median of ${REPEATS})`,
   );
-  console.log(`while playing        ${middle((run) => run.rate).toFixed(1)} frames/s (median of ${REPEATS})`);
+  console.log(`during playback      ${middle((run) => run.rate).toFixed(1)} frames/s (median of ${REPEATS})`);
 } finally {
   await browser.close();
 }
 
-/** Times from the beginning of navigation, ms; frames in which something was drawn, per second. */
+/** Time from the start of navigation to the first drawn frame (ms), and drawn frames per second. */
 async function measure(url) {
   const page = await browser.newPage({ viewport: { width: 1280, height: 800 } });
   page.setDefaultTimeout(180_000);
@@ -46,7 +46,7 @@ async function measure(url) {
         draw.apply(this, values);
         if (isNew) return;
         isNew = true;
-        // A frame is over when the next one begins.
+        // A frame ends when the next one starts.
         requestAnimationFrame(() => {
           isNew = false;
           drawn.frames++;

@@ -1,4 +1,4 @@
-// Makes a moving picture of a report's scene, the README's: one stroke of the run, in real time, as a GIF that loops.
+// Makes the animated image of the README from a report's scene: one stroke of the run in real time, as a looping GIF.
 // usage: node tools/moving_picture.mjs REPORT.html OUT.gif
 import gifenc from "gifenc";
 import { execSync } from "node:child_process";
@@ -8,18 +8,18 @@ import { pathToFileURL } from "node:url";
 import { chromium } from "playwright-core";
 
 const [WIDTH, HEIGHT] = [480, 300];
-/** Between frames, ms: a GIF counts in hundredths of a second. Rows are 10 ms apart. */
+/** Frame interval (ms); GIF has a resolution of 10 ms. Rows are 10 ms apart. */
 const DELAY = 80;
 const ROWS = DELAY / 10;
-/** Of `run.strokes`: the first, as in it the cap turns farthest. */
+/** Index into `run.strokes`: in the first stroke the cap turns farthest. */
 const STROKE = 0;
-/** Few colours, and no dithering, make a small file. The last index says "as in the frame before". */
+/** Few colours without dithering make a small file. The last index means "same as in the previous frame". */
 const COLOURS = 63;
-/** Brings the scene nearer: the domes fill the picture, the arms need not be seen. */
-const NEARER = '.scene-buttons button[title^="Nearer"]';
-/** Even: a gradient, as on the page, would take many colours. */
+/** Zooms in so that the domes fill the image; the arms may be cropped. */
+const NEARER = '.scene-buttons button[title^="Zoom in"]';
+/** Uniform background; the page's gradient would need many colours. */
 const GROUND = "#f6f7f8";
-/** The scene in the picture's size, and nothing else that would take time to draw. */
+/** Shows only the scene, at the size of the image. */
 const STYLE = `
   body * { visibility: hidden; }
   .figures { display: none !important; }
@@ -37,7 +37,7 @@ const gif = animation(frames);
 writeFileSync(out, gif);
 console.log(`${out}: ${frames.length} frames, ${(gif.length / 1000).toFixed(0)} kB`);
 
-/** The scene's pixels (RGBA) at every ROWS-th row of the stroke. */
+/** Pixels (RGBA) of the scene at every ROWS-th row of the stroke. */
 async function pictures(url) {
   const executablePath = process.env["CHROMIUM"] ?? execSync("command -v chromium").toString().trim();
   // WebGL without a graphics card, as in e2e/browser.ts.
@@ -46,7 +46,7 @@ async function pictures(url) {
   try {
     const page = await browser.newPage({ viewport: { width: WIDTH, height: HEIGHT }, colorScheme: "light" });
     page.setDefaultTimeout(180_000);
-    // The scene draws fewer pixels where drawing is slow, and learns that from fences. Here time does not matter.
+    // Without fences, the scene cannot detect slow drawing and keeps its full resolution.
     await page.addInitScript(() => (WebGL2RenderingContext.prototype.fenceSync = () => null));
     await page.goto(url);
     await page.locator(".player").waitFor();
@@ -63,7 +63,7 @@ async function pictures(url) {
     const frames = [];
     for (let row = stroke.start; row < stroke.end; row += ROWS) {
       const pixels = await page.evaluate(picture, { row, ground: GROUND });
-      // Copied, as gifenc reads the whole of the memory that is under a Buffer.
+      // A copy, because gifenc reads the whole memory underlying a Buffer.
       frames.push(Uint8Array.from(Buffer.from(pixels, "base64")));
     }
     return frames;
@@ -72,12 +72,12 @@ async function pictures(url) {
   }
 }
 
-/** In the page: shows a row and gives the scene's pixels, in base64. */
+/** In the page: shows a row and returns the scene's pixels in base64. */
 function picture({ row, ground }) {
   const input = document.querySelector(".player input");
   input.value = String(row);
   input.dispatchEvent(new Event("input", { bubbles: true }));
-  // The page draws in the browser's next frame. This comes after it in the same frame, as later a canvas of WebGL is empty.
+  // Runs after the page's own callback in the same frame; later, a WebGL canvas is empty.
   return new Promise((done) =>
     requestAnimationFrame(() => {
       const scene = document.querySelector(".scene-canvas canvas");
@@ -95,7 +95,10 @@ function picture({ row, ground }) {
   );
 }
 
-/** The frames as a GIF: one palette for all, and of each frame only what differs from the one before. */
+/**
+ * Encodes the frames as a GIF with a common palette; each frame contains only the pixels that differ from the previous
+ * one.
+ */
 function animation(frames) {
   const { GIFEncoder, applyPalette, quantize } = gifenc;
   const palette = quantize(Uint8Array.from(Buffer.concat(frames)), COLOURS);
@@ -111,7 +114,7 @@ function animation(frames) {
       delay: DELAY,
       transparent: before !== undefined,
       transparentIndex: same,
-      dispose: 1, // A frame stays, for the next to change.
+      dispose: 1, // Keep the frame; the next one only changes pixels.
     });
     before = colours;
   }

@@ -1,4 +1,4 @@
-// Makes the sample pages: sample/make.ts, bundled for node.
+// Builds the sample pages: bundles sample/make.ts for node and runs it.
 import { build } from "esbuild";
 
 const outfile = new URL("../out/make_sample.mjs", import.meta.url).pathname;

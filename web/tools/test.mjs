@@ -1,4 +1,4 @@
-// Runs the tests of a folder with node's own runner, which does not read TypeScript: they are bundled first.
+// Runs the tests of a folder with node's test runner. They are bundled first, because it does not read TypeScript.
 import { build } from "esbuild";
 import { spawnSync } from "node:child_process";
 import { readdirSync, rmSync } from "node:fs";

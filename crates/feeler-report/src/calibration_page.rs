@@ -7,7 +7,7 @@ use super::text::significant;
 use maud::{Markup, html};
 use std::iter;
 
-/// Content of the page.
+/// Content of the calibration page.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct CalibrationPage {
     /// Source of the loads.

@@ -50,7 +50,7 @@ impl FeltStroke {
     }
 }
 
-/// Measures of the run; `None` (JSON null) if the recording does not define them.
+/// Measures of a run that closed or opened a cap by touch; `None` (JSON null) if undefined.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct CapMeasures {
     /// Torque limit of friction (N·m): static coefficient times allowed grasp force times radius times number of
@@ -130,7 +130,7 @@ pub fn is_felt(recording: &Recording) -> bool {
     recording.facts.task == TaskKind::Screw && names.any(|name| *name == FindingName::Torque)
 }
 
-/// Estimates of the hand over time.
+/// Torque and rotation estimates of the hand over time.
 pub struct Felt<'a> {
     findings: &'a [Findings],
 }

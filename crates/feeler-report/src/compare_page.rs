@@ -7,7 +7,7 @@ use super::page_data::PageData;
 use super::text::{name_and_unit, significant};
 use maud::{Markup, html};
 
-/// Content of the page.
+/// Content of the comparison page.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct ComparePage {
     /// Name of the experiment.
@@ -150,7 +150,7 @@ pub fn compare_page(page: &ComparePage) -> String {
         (table(page, false, |row| row.difference, signed))
         p.note {
             "Bands show 95 % confidence intervals. Final torque, friction and work lost in slip are ground truth of the simulator, which no law uses; "
-            "element forces are measured. Path of the fingertip's center during MOVE in strokes 3 and 4, as in a run's report: variation of its distance "
+            "element forces are measured. Path of the fingertip's centre during MOVE in strokes 3 and 4, as in a run's report: variation of its distance "
             "from the cap's axis, and curvature relative to the arc about that axis (1 = follows the arc). "
             "Grip variation is the standard deviation of the grasp force divided by its mean, in the same strokes."
         }

@@ -1,4 +1,4 @@
-//! `slip.html` of recordings: slip detectors evaluated on labeled grasps, on a self-contained page.
+//! `slip.html` of recordings: slip detectors evaluated on labelled grasps, on a self-contained page.
 
 use super::compare_page::number;
 use super::document::{Tile, document, tiles};
@@ -9,7 +9,7 @@ use super::text::significant;
 use maud::html;
 use serde::Serialize;
 
-/// Content of the page.
+/// Content of the slip detector page for recordings.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GraspSlipPage {
     /// Name of the set of recordings.
@@ -18,13 +18,13 @@ pub struct GraspSlipPage {
     pub of: &'static str,
     /// Grouping for cross-validation: a column of the labels, or `recording`.
     pub grouped_by: String,
-    /// Number of labeled units, of slips among them, and of groups.
+    /// Number of labelled units, of slips among them, and of groups.
     pub counts: (usize, usize, usize),
     /// Results of the detectors.
     pub detectors: Vec<GraspDetector>,
     /// Other recordings used to choose thresholds, if any: name, number of units, number of slips.
     pub others: Option<(String, usize, usize)>,
-    /// Notes on unusual or unlabeled data.
+    /// Notes on unusual or unlabelled data.
     pub notes: Vec<String>,
 }
 
@@ -49,7 +49,7 @@ pub struct GraspDetector {
     /// ROC curve.
     #[serde(skip)]
     pub curve: Roc,
-    /// Misclassified recordings, with their number of misclassified frames if frames are labeled.
+    /// Misclassified recordings, with their number of misclassified frames if frames are labelled.
     pub wrong: Vec<String>,
     /// Result with thresholds from other recordings, if scores are comparable between the sets.
     pub transfer: Option<GraspTransfer>,
@@ -158,7 +158,7 @@ pub fn grasp_slip_page(page: &GraspSlipPage) -> String {
         h1 { "Slip detectors: " (page.name) }
         (tiles(&tiles_of(page)))
         p {
-            (all) " labeled " (page.of) " in " (groups) " groups (" (page.grouped_by) "), " (slips) " of them slips. A constant answer has an "
+            (all) " labelled " (page.of) " in " (groups) " groups (" (page.grouped_by) "), " (slips) " of them slips. A constant answer has an "
             "accuracy of " (base) " %. Each threshold was chosen on all groups except the one it is tested on."
         }
         div.figures { (roc.markup()) }
@@ -186,7 +186,7 @@ pub fn grasp_slip_page(page: &GraspSlipPage) -> String {
         @if let Some((name, all, slips)) = &page.others {
             h2 { "With thresholds of other recordings" }
             p {
-                (name) ": " (all) " labeled " (page.of) ", " (slips) " of them slips. Results with the threshold chosen on these alone, "
+                (name) ": " (all) " labelled " (page.of) ", " (slips) " of them slips. Results with the threshold chosen on these alone, "
                 "and with thresholds chosen on these and all other groups, both sets weighted equally."
             }
             div.scroll {

@@ -6,7 +6,7 @@ use super::page_data::PageData;
 use super::text::significant;
 use maud::{Markup, html};
 
-/// Content of the page.
+/// Content of the identification page.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct IdentifyPage {
     /// Name of the experiment.
@@ -19,7 +19,7 @@ pub struct IdentifyPage {
     pub rows: Vec<EstimateRow>,
     /// Raw probes of each finger, with the fits.
     pub fingers: Vec<FingerProbes>,
-    /// Circle through the tips: center x, y in W and radius (m).
+    /// Circle through the tips: centre x, y in W and radius (m).
     pub circle: [f64; 3],
 }
 

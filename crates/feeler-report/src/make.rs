@@ -34,9 +34,7 @@ pub enum ReportError {
     #[error(transparent)]
     Recording(#[from] RecordError),
     /// The recording is unreadable, and an earlier report was renamed.
-    #[error(
-        "{error}; the earlier report cannot be verified any more and was renamed to {files}"
-    )]
+    #[error("{error}; the earlier report cannot be verified any more and was renamed to {files}")]
     SetAside {
         /// Error of the recording.
         error: RecordError,

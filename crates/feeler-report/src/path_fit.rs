@@ -7,7 +7,7 @@ use glam::DVec3;
 /// Range of a stroke's travel (as fractions) in which the grip has built up and the finger does not brake yet.
 pub const WINDOW: (f64, f64) = (0.25, 0.98);
 
-/// Fit of one finger's path over MOVE to the arc about the cap's axis. The path is that of the dome's center, from
+/// Fit of one finger's path over MOVE to the arc about the cap's axis. The path is that of the dome's centre, from
 /// encoders and kinematics. R is its horizontal distance from the cap's axis.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct PathFit {

@@ -16,7 +16,7 @@ pub const NOTHING: &str = "nothing varied";
 /// Name of the measure that combines all claims decided by the hand.
 pub const ALL_OF_HAND: &str = "all about the hand";
 
-/// Content of the page, serialized as `robustness.json`.
+/// Content of the robustness page, serialized as `robustness.json`.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct RobustnessPage {
     /// Name of the experiment.
@@ -146,10 +146,7 @@ impl RobustnessPage {
         }
         let nothing = all.shares.last().filter(|share| share.of == NOTHING);
         if let Some(nominal) = nothing {
-            text += &format!(
-                "; with only the seed varied: {}",
-                percent(nominal.share)
-            );
+            text += &format!("; with only the seed varied: {}", percent(nominal.share));
         }
         Some(text)
     }

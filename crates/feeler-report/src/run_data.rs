@@ -24,7 +24,7 @@ use std::ops::Range;
 pub struct CapColumns {
     /// Rotation of the cap since the start of the run (rad), positive = closing.
     pub angle: Vec<f64>,
-    /// Center of the cap in `W` (m).
+    /// Centre of the cap in `W` (m).
     pub centre: Vec<DVec3>,
 }
 

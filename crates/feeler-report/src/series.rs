@@ -49,7 +49,7 @@ pub fn percentile(values: impl IntoIterator<Item = f64>, p: f64) -> Option<f64> 
     Some(sorted[below] * (1.0 - share) + sorted[above] * share)
 }
 
-/// Centered moving mean over `window` samples (even numbers are rounded up to odd); the window is truncated at the
+/// Centred moving mean over `window` samples (even numbers are rounded up to odd); the window is truncated at the
 /// ends.
 pub fn moving_mean(values: &[f64], window: usize) -> Vec<f64> {
     let half = window / 2;

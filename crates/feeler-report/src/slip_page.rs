@@ -8,7 +8,7 @@ use super::text::significant;
 use maud::html;
 use serde::Serialize;
 
-/// Content of the page.
+/// Content of the slip detector page.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SlipPage {
     /// Name of the experiment.

@@ -40,7 +40,7 @@ pub struct TrialMeasure {
     pub trials: Vec<(u64, Option<f64>)>,
 }
 
-/// Content of the page.
+/// Content of the sweep page.
 #[derive(Debug, Clone, PartialEq)]
 pub struct SweepPage {
     /// Name of the experiment.

@@ -7,7 +7,7 @@ use super::robustness_page::percent;
 use super::text::significant;
 use maud::{Markup, html};
 
-/// Content of the page.
+/// Content of the tuning page.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct TunePage {
     /// Name of the experiment.

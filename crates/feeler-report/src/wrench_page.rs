@@ -6,7 +6,7 @@ use super::page_data::PageData;
 use super::text::significant;
 use maud::{Markup, html};
 
-/// Content of the page.
+/// Content of the wrench calibration page.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct WrenchPage {
     /// Source of the forces.

@@ -1,4 +1,4 @@
-//! Which loads a calibration bench puts on which element, and when.
+//! Sequence of loads that a calibration bench applies to each element.
 
 use super::calibration_bench::CalibrationBenchConfig;
 use feeler::sensor::layout::ElementLayout;
@@ -7,21 +7,21 @@ use rand::{RngExt, seq::SliceRandom};
 use rand_pcg::Pcg64;
 use std::f64::consts::TAU;
 
-/// What is done with one load on one element; the force in its frame `E_i`, N.
+/// One load on one element and its use. Forces are in the element's frame `E_i` (N).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Load {
-    /// A live page, which cannot exist in this build.
+    /// Unloaded.
     None,
-    /// It is for fitting.
+    /// Used for the fit.
     Fitted(DVec3),
-    /// It is kept from the fit.
+    /// Held out from the fit, for validation.
     HeldOut(DVec3),
-    /// It is one of a cycle.
+    /// Part of a load cycle.
     Cycled(DVec3),
 }
 
 impl Load {
-    /// The same with another shear force.
+    /// Copy with another shear force.
     fn with_shear(self, shear: impl Fn(DVec2) -> DVec2) -> Self {
         let with = |force: DVec3| shear(force.truncate()).extend(force.z);
         match self {
@@ -32,7 +32,7 @@ impl Load {
         }
     }
 
-    /// The force in the element's frame `E_i`, N.
+    /// Force in the element's frame `E_i` (N).
     pub fn force(self) -> DVec3 {
         match self {
             Self::None => DVec3::ZERO,
@@ -41,8 +41,8 @@ impl Load {
     }
 }
 
-/// All loads for one element, in random order but for the cycles. Of a skin on which loads reach their neighbours, all elements are
-/// unloaded at once, at first.
+/// All loads for one element: in random order, then the cycles. With patches, the unloaded samples come first, so that
+/// all elements are unloaded at the same time.
 pub(super) fn program(bench: &CalibrationBenchConfig, rng: &mut Pcg64) -> Vec<Load> {
     let mut loads = vec![Load::None; bench.unloaded];
     for step in 1..=bench.normal_sweep {
@@ -76,7 +76,7 @@ pub(super) fn program(bench: &CalibrationBenchConfig, rng: &mut Pcg64) -> Vec<Lo
     loads
 }
 
-/// A load with equally likely compressions, directions and shares of the largest shear force.
+/// Random load with uniformly distributed compression, direction, and fraction of the maximum shear force.
 fn load_in_friction_cone(bench: &CalibrationBenchConfig, rng: &mut Pcg64) -> DVec3 {
     let normal = bench.largest_normal * rng.random::<f64>();
     let shear = bench.largest_friction * normal * rng.random::<f64>();
@@ -84,8 +84,9 @@ fn load_in_friction_cone(bench: &CalibrationBenchConfig, rng: &mut Pcg64) -> DVe
     (shear * direction).extend(normal)
 }
 
-/// The loads of `own`, each put on the patch of about `radius`, m, around its element; patches meet, so that most elements bear what a
-/// neighbour's program says. Shear keeps its direction across a patch. With a radius of 0, what `own` says.
+/// Applies loads to patches of about `radius` (m): an element takes the load of `own` of its patch's central element.
+/// Patches are adjacent, so most elements take a neighbour's load. The direction of shear is constant in a patch.
+/// Returns `own` if `radius` is 0.
 pub(super) fn in_patches(
     layout: &ElementLayout,
     radius: f64,

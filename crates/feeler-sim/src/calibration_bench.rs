@@ -1,4 +1,4 @@
-//! Calibrates a simulated fingertip as a laboratory would: known loads, pictures, least squares.
+//! Calibration of a simulated fingertip as in a laboratory: known loads, images, least squares.
 
 pub use super::bench_loads::Load;
 
@@ -20,39 +20,38 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 
-/// Which loads are put on each element.
+/// Loads that are applied to each element.
 ///
-/// The separable calibration cannot be right for all loads, so what it is fitted on matters. Most
-/// loads lie inside the friction cone, as they do while a cap is screwed.
+/// The separable model cannot fit all loads, so their selection matters. Most are inside the friction cone, as they are
+/// while a cap is turned.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct CalibrationBenchConfig {
-    /// Seed of the loads' order and of the camera's noise.
+    /// Seed of the order of loads and of the camera's noise.
     pub seed: u64,
-    /// Largest compression, N.
+    /// Maximum compression (N).
     pub largest_normal: f64,
-    /// Largest shear force over compression, as a coefficient of friction.
+    /// Maximum ratio of shear force to compression, like a friction coefficient.
     pub largest_friction: f64,
-    /// Pictures without load.
+    /// Number of images without load.
     pub unloaded: usize,
-    /// Loads of the sweep of compression alone, up to the largest.
+    /// Number of loads of pure compression, up to the maximum.
     pub normal_sweep: usize,
-    /// Loads of each of the two sweeps of shear, along x and along y, at half the largest normal.
+    /// Number of loads in each of two sweeps of shear, along x and y, at half the maximum compression.
     pub shear_sweep: usize,
-    /// Combined loads, drawn from inside the friction cone.
+    /// Number of combined loads, random inside the friction cone.
     pub combined: usize,
-    /// Further combined loads that are kept from the fit to find its error.
+    /// Number of additional combined loads that are held out from the fit for validation.
     pub held_out: usize,
-    /// Times that each element is loaded and unloaded again, in steps up to half the largest
-    /// compression and half its largest shear force, after everything else, to find repeatability
-    /// and hysteresis.
+    /// Number of load cycles of each element at the end, for repeatability and hysteresis: in steps up to half the
+    /// maximum compression and half of its maximum shear force.
     pub cycles: usize,
-    /// Loads are put on patches of about this radius, m, as objects press on many elements of a skin at once; 0: on each element, whatever
-    /// its neighbours bear.
+    /// Approximate radius of the patches to which loads are applied (m), as objects press on several elements of a
+    /// skin. With 0, elements are loaded independently.
     pub contact_radius: f64,
-    /// Which model is fitted.
+    /// Model to fit.
     pub model: ModelChoice,
-    /// What shares of full scale refer to.
+    /// Full scale that relative errors refer to.
     pub full_scale: FullScale,
 }
 
@@ -76,14 +75,15 @@ impl Default for CalibrationBenchConfig {
 }
 
 impl CalibrationBenchConfig {
-    /// For a fingertip: `combined` combined loads and other kinds in proportion. Where there are more than 41 elements, each bears less, so
-    /// that all bear as much together; on a skin that moves as one, loads are put on patches of thrice its spread.
+    /// Loads for a fingertip: `combined` combined loads, and other kinds in proportion. Above 41 elements, loads are
+    /// reduced so that the total remains the same. On a skin with markers, the radius of patches is three times its
+    /// spread.
     pub fn of_fingertip(
         fingertip: &FingertipConfig,
         optics: &OpticsConfig,
         combined: usize,
     ) -> Self {
-        /// Elements of the fingertip that the default is for.
+        /// Number of elements that the default values are for.
         const ELEMENTS: f64 = 41.0;
         let default = Self::default();
         let share = |count: usize| (count * combined).div_ceil(default.combined);
@@ -109,43 +109,43 @@ impl CalibrationBenchConfig {
     }
 }
 
-/// Why a simulated fingertip cannot be calibrated.
+/// Error when calibrating a simulated fingertip.
 #[derive(Debug, thiserror::Error)]
 pub enum CalibrationBenchError {
-    /// The fingertip makes no sense.
+    /// The fingertip is invalid.
     #[error(transparent)]
     Fingertip(#[from] FingertipError),
-    /// Its optics make no sense.
+    /// The optics are invalid.
     #[error(transparent)]
     Optics(#[from] OpticsError),
-    /// No moments could be taken.
+    /// Moments could not be measured.
     #[error(transparent)]
     Moments(#[from] MomentsError),
     /// The loads do not determine a calibration.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
-    /// A length makes no sense.
-    #[error("{name} must be a number of 0 or more, got {value}")]
+    /// A length is negative or not finite.
+    #[error("{name} must be at least 0, got {value}")]
     Negative {
-        /// The field.
+        /// Name of the field.
         name: &'static str,
-        /// What it was.
+        /// Its value.
         value: f64,
     },
-    /// A load makes no sense.
-    #[error("{name} must be a positive number, got {value}")]
+    /// A parameter of the loads is not positive or not finite.
+    #[error("{name} must be positive, got {value}")]
     NotPositive {
-        /// The field.
+        /// Name of the field.
         name: &'static str,
-        /// What it was.
+        /// Its value.
         value: f64,
     },
 }
 
-/// Calibrates the simulated fingertip `fingertip` with the optics `optics`.
+/// Calibrates `fingertip` with simulated `optics`.
 ///
 /// # Errors
-/// When a configuration makes no sense, or its loads do not determine a calibration.
+/// If a configuration is invalid, or its loads do not determine a calibration.
 pub fn calibrate_simulated(
     fingertip: &FingertipConfig,
     optics: &OpticsConfig,
@@ -156,10 +156,10 @@ pub fn calibrate_simulated(
     Ok(fit(made_for, &records, bench.model, bench.full_scale)?)
 }
 
-/// Loads the simulated fingertip `fingertip` and takes its moments.
+/// Loads `fingertip` in simulation and measures the moments of its elements.
 ///
 /// # Errors
-/// When a configuration makes no sense.
+/// If a configuration is invalid.
 pub fn load_simulated(
     fingertip: &FingertipConfig,
     optics: &OpticsConfig,
@@ -190,13 +190,12 @@ pub fn load_simulated(
     Ok(records)
 }
 
-/// Loads the simulated fingertip `fingertip` step by step and hands over each picture with what is
-/// on its elements.
+/// Loads `fingertip` in simulation step by step and passes each image to `take`, with the loads on the elements.
 ///
-/// All elements are loaded at once, each with its own loads in its own order.
+/// All elements are loaded at the same time, each with its own loads in its own order.
 ///
 /// # Errors
-/// When a configuration makes no sense, or what `take` says.
+/// If a configuration is invalid, or an error of `take`.
 pub fn take_pictures<E: From<CalibrationBenchError>>(
     fingertip: &FingertipConfig,
     optics: &OpticsConfig,
@@ -211,7 +210,7 @@ pub fn take_pictures<E: From<CalibrationBenchError>>(
     draw_loads(&optics, bench, take)
 }
 
-/// Hands over the pictures that `model` draws of all loads.
+/// Renders images of all loads with `model` and passes them to `take`.
 fn draw_loads<E: From<CalibrationBenchError>>(
     model: &OpticsModel,
     bench: &CalibrationBenchConfig,
@@ -235,7 +234,7 @@ fn draw_loads<E: From<CalibrationBenchError>>(
     Ok(())
 }
 
-/// Refuses loads that make no sense.
+/// Checks the parameters of the loads.
 fn check(bench: &CalibrationBenchConfig) -> Result<(), CalibrationBenchError> {
     for (name, value) in [
         ("largest_normal", bench.largest_normal),

@@ -1,17 +1,17 @@
-//! The noise of a camera's picture, fast enough to be drawn for every pixel of every frame.
+//! Camera noise, fast enough for every pixel of every frame.
 
 use rand::Rng;
 use rand_pcg::Pcg64;
 
-/// Pixels that are drawn side by side.
+/// Number of pixels per block.
 pub const NOISE_LANES: usize = 16;
 
-/// Nearly Gaussian numbers for the pixels of one picture, [`NOISE_LANES`] at a time, in any order.
+/// Approximately Gaussian noise for the pixels of one image, [`NOISE_LANES`] at a time, in any order.
 ///
-/// A sample is the sum of the four bytes of a word: by the central limit theorem close to a Gaussian, with mean 510, variance
-/// 4 (256² - 1) / 12, and no sample beyond 3.45 standard deviations. A word is what a Feistel network makes of the number
-/// of the pixel's block and of a number that is drawn for each lane and picture. All of it are operations on integers of 16 bits: so
-/// the numbers are the same on every machine, and a vector of 256 bits holds all lanes.
+/// A sample is the sum of the four bytes of a word: approximately Gaussian by the central limit theorem, with mean 510,
+/// variance 4 (256² - 1) / 12, and no sample beyond 3.45 standard deviations. A Feistel network computes the word from
+/// the index of the pixel's block and a seed per lane and image. It uses only 16-bit integer operations, so results are
+/// equal on all machines, and one 256-bit vector contains all lanes.
 #[derive(Debug, Clone)]
 pub struct PictureNoise {
     seeds: [[u16; NOISE_LANES]; 2],
@@ -21,18 +21,18 @@ pub struct PictureNoise {
 const BYTE_SUM_MEAN: i16 = 510;
 /// Standard deviation of the sum of four bytes, sqrt(4 (256² - 1) / 12).
 pub const BYTE_SUM_DEVIATION: f32 = 147.801_22;
-/// What each round of the network multiplies by. With three rounds a picture's spectrum has lines; with four it is white.
+/// Multipliers of the network's rounds. With three rounds an image's spectrum has lines, with four it is white.
 const ROUNDS: [u16; 4] = [0x9e37, 0x85eb, 0xc2b3, 0x27d5];
 
 impl PictureNoise {
-    /// Noise that `rng` decides.
+    /// Creates the noise of one image, with seeds from `rng`.
     pub fn new(rng: &mut Pcg64) -> Self {
         Self {
             seeds: [(); 2].map(|()| std::array::from_fn(|_| rng.next_u32() as u16)),
         }
     }
 
-    /// The samples of a block of pixels: mean 0, standard deviation [`BYTE_SUM_DEVIATION`].
+    /// Samples of a block of pixels: mean 0, standard deviation [`BYTE_SUM_DEVIATION`].
     #[inline(always)]
     pub fn of_block(&self, block: usize) -> [i16; NOISE_LANES] {
         let [mut left, mut right] = self.seeds;
@@ -42,7 +42,7 @@ impl PictureNoise {
         }
         for factor in ROUNDS {
             for lane in 0..NOISE_LANES {
-                // The product's two halves are an instruction each.
+                // The high and low half of the product are one SIMD instruction each.
                 let high = (u32::from(right[lane]) * u32::from(factor)) >> 16;
                 let mixed = right[lane].wrapping_mul(factor) ^ high as u16;
                 (left[lane], right[lane]) = (right[lane], left[lane] ^ mixed);
@@ -63,7 +63,7 @@ mod tests {
     use super::*;
     use rand::SeedableRng;
 
-    /// The first `count` samples of a picture, relative to their standard deviation.
+    /// The first `count` samples of an image, divided by their standard deviation.
     fn samples(seed: u64, count: usize) -> Vec<f32> {
         let noise = PictureNoise::new(&mut Pcg64::seed_from_u64(seed));
         let blocks = (0..count / NOISE_LANES).flat_map(|block| noise.of_block(block));
@@ -78,7 +78,7 @@ mod tests {
         let samples = samples(7, count);
         let mean = samples.iter().map(|&s| f64::from(s)).sum::<f64>() / count as f64;
         let variance = samples.iter().map(|&s| f64::from(s).powi(2)).sum::<f64>() / count as f64;
-        // Four standard errors: 1/sqrt(n) of the mean, sqrt(2/n) of a Gaussian's variance.
+        // Four standard errors: 1/sqrt(n) for the mean, sqrt(2/n) for the variance of a Gaussian.
         assert!(mean.abs() < 4.0 / 1024.0, "mean {mean}");
         assert!(
             (variance - 1.0).abs() < 4.0 * 2.0_f64.sqrt() / 1024.0,
@@ -104,14 +104,14 @@ mod tests {
     }
 
     #[test]
-    fn how_samples_are_distributed_is_that_of_four_bytes_sum() {
+    fn samples_are_distributed_as_a_sum_of_four_bytes() {
         let count = 1 << 20;
         let seen = samples(5, count);
         let share = |below: f32| {
             let below = seen.iter().filter(|&&sample| sample < below);
             below.count() as f64 / count as f64
         };
-        // Of the exact distribution, by counting all sums of four bytes.
+        // Exact distribution, by counting all sums of four bytes.
         let mut ways = vec![1.0];
         for _ in 0..4 {
             let mut next = vec![0.0; ways.len() + 255];

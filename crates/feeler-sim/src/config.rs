@@ -1,4 +1,4 @@
-//! The simulated world, as an experiment file describes it.
+//! Parameters of the simulated world in an experiment file: the table `sim`.
 
 use super::columnar_feeler::FeelerConfig;
 use super::element::ElementConfig;
@@ -16,34 +16,34 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
 use std::f64::consts::PI;
 
-/// Far more objects than a hand could touch.
+/// Maximum number of objects; far more than a hand can touch.
 const MAX_OBJECTS: usize = 64;
-/// Most faults: each is looked at in every step.
+/// Maximum number of faults; each is checked in every step.
 const MAX_FAULTS: usize = 256;
-/// Physics steps in one control period at most: beyond, a run would seem to hang.
+/// Maximum number of physics steps per control period; with more, a run would seem to hang.
 const MAX_STEPS_PER_PERIOD: f64 = 1000.0;
 
-/// How much runs of different seeds differ. Every quantity is drawn uniformly once per run.
+/// Variation between runs of different seeds. Each quantity is drawn once per run from a uniform distribution.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct VariationConfig {
-    /// Greatest offset of what stands on a thread from its place along W's x and y, m.
+    /// Maximum offset along W's x and y of objects on a thread (m).
     pub bottle_position: f64,
-    /// Greatest relative change of all friction coefficients, of feelers and of objects.
+    /// Maximum relative change of all friction coefficients.
     pub friction: f64,
-    /// Greatest relative change of the kinetic coefficients alone; none comes out above its static one.
+    /// Maximum additional relative change of the kinetic coefficients, which never exceed the static ones.
     pub kinetic_friction: f64,
-    /// Greatest relative change of the seat angle.
+    /// Maximum relative change of the seat angle.
     pub seat_angle: f64,
-    /// Greatest rotation of a cap at the start, rad. A round cap shows none of it.
+    /// Maximum rotation of a cap at the start (rad). It is invisible on a round cap.
     pub cap_angle: f64,
-    /// Greatest offset of each joint's encoder, rad: what the hand takes for a joint's zero when it is
-    /// switched on is so far from it.
+    /// Maximum offset of each joint's encoder (rad): error of the zero position that the hand assumes when it is
+    /// switched on.
     pub encoder_offset: f64,
 }
 
 impl Default for VariationConfig {
-    /// The reference experiment's.
+    /// Variation of the reference experiment.
     fn default() -> Self {
         Self {
             bottle_position: 0.0003,
@@ -60,44 +60,44 @@ impl Default for VariationConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct SimConfig {
-    /// Time step of the physics, s.
+    /// Time step of the physics (s).
     #[serde(default = "millisecond")]
     pub step: f64,
-    /// Time from one picture of a fingertip, or force on its elements, to the next, s: for drives that are commanded more often than
-    /// there are pictures. Without it, there is one in every control period.
+    /// Time between images of a fingertip, or between directly sensed forces (s). Set it for drives that are commanded
+    /// more often than images are taken. Default: the control period.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub frame_period: Option<f64>,
-    /// Acceleration of free bodies, m/s², in W.
+    /// Gravitational acceleration of free bodies in W (m/s²).
     #[serde(default = "earth")]
     pub gravity: [f64; 3],
-    /// The feelers on all fingertips.
+    /// Parameters of the feelers.
     #[serde(default)]
     pub feeler: FeelerConfig,
-    /// Feelers that differ from the others.
+    /// Overrides of `feeler` for single elements.
     #[serde(default)]
     pub element: Vec<ElementConfig>,
-    /// What there is to touch, by name.
+    /// The objects, by name.
     pub object: BTreeMap<String, ObjectConfig>,
-    /// The torque sensor under what stands on a thread.
+    /// The torque sensor under objects on a thread.
     #[serde(default)]
     pub torque_sensor: TorqueSensorConfig,
-    /// How what stands on a thread is held on the torque sensor; by default it cannot shift, and turns only as the
-    /// sensor's shaft does.
+    /// Clamp that holds objects on a thread to the torque sensor. By default they cannot shift, and turn only with the
+    /// sensor's shaft.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub holder: Option<HolderConfig>,
     /// The drives of the fingers.
     #[serde(default)]
     pub servo: ServoConfig,
-    /// What differs from run to run.
+    /// Variation between runs.
     #[serde(default)]
     pub variation: VariationConfig,
-    /// What the camera's picture is made of.
+    /// Optics and camera of the fingertips.
     #[serde(default)]
     pub optics: OpticsConfig,
-    /// What breaks, and when.
+    /// Injected faults.
     #[serde(default)]
     pub fault: Vec<FaultConfig>,
-    /// Noise of forces that are sensed without pictures.
+    /// Noise of directly sensed forces.
     #[serde(default)]
     pub direct_sensing: DirectSensingConfig,
 }
@@ -111,7 +111,7 @@ fn earth() -> [f64; 3] {
 }
 
 impl SimConfig {
-    /// The first object that stands on a thread: its name, itself and its thread.
+    /// The first object on a thread: its name, parameters and thread.
     pub fn cap(&self) -> Option<(&str, &ObjectConfig, &ThreadConfig)> {
         let mut objects = self.object.iter();
         objects.find_map(|(name, object)| Some((name.as_str(), object, object.thread()?)))
@@ -119,8 +119,8 @@ impl SimConfig {
 }
 
 impl SimConfig {
-    /// Requires every value to be in its range, for a hand with these `fingertips`, one per finger, and a control period of
-    /// `period` seconds. Keys are those of an experiment file: `sim`.
+    /// Checks that every value is in its range, for a hand with `fingertips`, one per finger, and a control period of
+    /// `period` seconds. Messages use the keys of an experiment file, below `sim`.
     pub fn check(&self, fingertips: &[&FingertipConfig], period: f64, checker: &mut Checker) {
         checker.between("sim.step", self.step, 1e-6, 0.1);
         checker.vector("sim.gravity", self.gravity);
@@ -197,7 +197,7 @@ impl SimConfig {
 }
 
 impl VariationConfig {
-    /// Requires every value of the table `key` to be in its range.
+    /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         checker.not_negative(&format!("{key}.bottle_position"), self.bottle_position);
         checker.not_negative(&format!("{key}.cap_angle"), self.cap_angle);
@@ -213,18 +213,18 @@ impl VariationConfig {
     }
 }
 
-/// Noise of forces that are sensed without pictures.
+/// Noise of directly sensed forces.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct DirectSensingConfig {
-    /// Standard deviation of an element's normal force, N.
+    /// Standard deviation of an element's normal force (N).
     pub normal_noise: f64,
-    /// Standard deviation of either component of an element's shear force, N.
+    /// Standard deviation of each component of an element's shear force (N).
     pub shear_noise: f64,
 }
 
 impl Default for DirectSensingConfig {
-    /// About as much as pictures of the reference fingertip have.
+    /// Approximately the noise of forces from images of the reference fingertip.
     fn default() -> Self {
         Self {
             normal_noise: 0.002,
@@ -234,7 +234,7 @@ impl Default for DirectSensingConfig {
 }
 
 impl DirectSensingConfig {
-    /// Requires every value of the table `key` to be in its range.
+    /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         checker.not_negative(&format!("{key}.normal_noise"), self.normal_noise);
         checker.not_negative(&format!("{key}.shear_noise"), self.shear_noise);

@@ -1,19 +1,19 @@
-//! Which pixels of a simulated picture are drawn.
+//! Selection of the pixels of a simulated image that are rendered.
 
 use super::camera_noise::NOISE_LANES;
 use std::ops::Range;
 
-/// For each row of a picture, its blocks of [`NOISE_LANES`] pixels that are drawn.
+/// For each row of an image, its rendered blocks of [`NOISE_LANES`] pixels.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub(super) struct DrawnBlocks {
-    /// Unbroken runs of blocks, row by row.
+    /// Contiguous runs of blocks, row by row.
     runs: Vec<Range<usize>>,
-    /// Where each row's runs begin, and where the last row's end.
+    /// Index in `runs` of the first run of each row, and the number of runs.
     rows: Vec<usize>,
 }
 
 impl DrawnBlocks {
-    /// All of `height` rows of `width` pixels.
+    /// Selects all blocks of an image with `height` rows of `width` pixels.
     pub fn all(width: usize, height: usize) -> Self {
         Self {
             runs: vec![0..width.div_ceil(NOISE_LANES); height],
@@ -21,7 +21,7 @@ impl DrawnBlocks {
         }
     }
 
-    /// Those of `height` rows of `width` pixels that have one of `pixels` (column, row).
+    /// Selects the blocks of such an image that contain one of `pixels` (column, row).
     pub fn with_pixels(
         width: usize,
         height: usize,
@@ -51,7 +51,7 @@ impl DrawnBlocks {
         new
     }
 
-    /// The runs of `row`, from the left.
+    /// Rendered runs of `row`, from left to right.
     #[inline(always)]
     pub fn in_row(&self, row: usize) -> impl Iterator<Item = Range<usize>> {
         let own = match self.rows.get(row..row + 2) {

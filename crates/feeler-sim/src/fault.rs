@@ -1,153 +1,153 @@
-//! Faults to inject: what breaks, and when. The same seed and faults give the same run.
+//! Fault injection: kinds of faults and their times. The same seed and faults give the same run.
 
 use serde::{Deserialize, Serialize};
 
-/// Times that differ by less are the same, s: far less than a step, far more than rounding.
+/// Tolerance of time comparisons (s): far shorter than a step, far longer than rounding errors.
 pub(super) const SAME_TIME: f64 = 1e-9;
 
-/// A fault, as an experiment file describes it.
+/// A fault in an experiment file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FaultConfig {
-    /// What breaks.
+    /// Kind of the fault.
     pub kind: FaultKind,
-    /// Time from which on it is broken, s.
+    /// Start of the fault (s).
     #[serde(default)]
     pub from: f64,
-    /// Time from which on it works again, s; without it, never.
+    /// End of the fault (s). Default: it does not end.
     #[serde(default)]
     pub until: Option<f64>,
 }
 
 impl FaultConfig {
-    /// Whether it is broken at `time`, s.
+    /// Returns `true` if the fault is active at `time` (s).
     pub fn active(&self, time: f64) -> bool {
         let time = time + SAME_TIME;
         time >= self.from && self.until.is_none_or(|until| time < until)
     }
 }
 
-/// What breaks. Fingers, elements and joints are counted from 0.
+/// Kind of a fault. Indices of fingers, elements and joints start at 0.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum FaultKind {
-    /// A sensing element that feels nothing: its cones show no load, or its force is zero but for the
-    /// noise where forces are sensed directly. The feeler itself goes on touching.
+    /// An element without signal: its cones show no load, or its directly sensed force is zero plus noise. The feeler's
+    /// contact is unchanged.
     DeadElement {
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
-        /// The element.
+        /// Index of the element.
         element: usize,
     },
-    /// Rows of the camera's picture that are stuck. Nothing happens where forces are sensed directly.
+    /// Camera rows that are stuck at a gray level. No effect with direct sensing.
     StuckRows {
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
-        /// The first row, from the top, px.
+        /// First row, from the top (px).
         first: usize,
-        /// How many rows, px.
+        /// Number of rows (px).
         count: usize,
-        /// The grey level that they are stuck at.
+        /// Gray level of the rows.
         gray: u8,
     },
-    /// The last picture, noise and all, again and again with new stamps and sequence numbers: the worst
-    /// case, for nothing but the picture itself tells.
+    /// The last image, including noise, is repeated with new stamps and sequence numbers. This is the worst case: only
+    /// the image itself reveals the fault.
     FrozenFrame {
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
     },
-    /// Pictures that never arrive. Until the next one does, the last reading stays with its stamp and
-    /// sequence number. The first picture of a run always arrives.
+    /// Images are lost. Until the next one arrives, the last reading remains with its stamp and sequence number. The
+    /// first image of a run is never lost.
     DroppedFrames {
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
-        /// Probability with which each picture is lost, 0 to 1.
+        /// Probability of losing each image, 0 to 1.
         probability: f64,
     },
-    /// Pictures that arrive late, with the stamp of their exposure. A picture is taken in every control
-    /// period and read in the first one after its arrival. The first picture of a run is not late.
+    /// Images arrive late, with the stamp of their exposure. An image is taken in every control period and read in the
+    /// first period after its arrival. The first image of a run is not late.
     CameraLatency {
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
-        /// From exposure to arrival, s.
+        /// Time from exposure to arrival (s).
         delay: f64,
     },
-    /// A joint that stops dead and ignores its commands.
+    /// A joint that stops instantly and ignores commands.
     ServoStall {
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
-        /// The joint: theta1 is joint 0.
+        /// Index of the joint: theta1 is joint 0.
         joint: usize,
     },
-    /// Play between a joint's motor, which the encoder reads, and its link, beyond that of
+    /// Play between a joint's motor, which the encoder measures, and its link, in addition to
     /// [`ServoConfig::backlash`](super::servo::ServoConfig::backlash).
     ///
-    /// The link stays where it is until the motor has come to an end of the dead band, and is then
-    /// taken along: the play operator, `link = clamp(link, motor - angle / 2, motor + angle / 2)`.
-    /// Forces do not move the link within the band. It begins in the middle.
+    /// The link rests until the motor reaches an end of the dead band, and then follows it: the play operator
+    /// `link = clamp(link, motor - angle / 2, motor + angle / 2)`. Forces do not move the link within the band. The
+    /// joint starts in the middle of the band.
     Backlash {
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
-        /// The joint: theta1 is joint 0.
+        /// Index of the joint: theta1 is joint 0.
         joint: usize,
-        /// Width of the dead band, rad: how far the motor turns back before the link follows.
+        /// Width of the dead band (rad): on reversal, the motor turns by this angle before the link follows.
         angle: f64,
     },
-    /// A joint's encoder that goes on showing the same angle; the joint turns as before.
+    /// A joint's encoder that is stuck at an angle. The joint moves normally.
     JointFreeze {
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
-        /// The joint: theta1 is joint 0.
+        /// Index of the joint: theta1 is joint 0.
         joint: usize,
     },
-    /// A joint's encoder that shows only a part of each turn, or more than all of it, from where it began to.
+    /// A joint's encoder with a wrong gain, from the angle at the start of the fault.
     JointGain {
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
-        /// The joint: theta1 is joint 0.
+        /// Index of the joint: theta1 is joint 0.
         joint: usize,
-        /// What it shows of a turn, as a factor; below 0 the reverse of it.
+        /// Ratio of the shown to the actual rotation; negative if reversed.
         gain: f64,
     },
-    /// A joint's encoder that shows an angle that is off, all at once.
+    /// A joint's encoder whose angle jumps by an offset.
     JointJump {
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
-        /// The joint: theta1 is joint 0.
+        /// Index of the joint: theta1 is joint 0.
         joint: usize,
-        /// What it shows too much, rad.
+        /// Offset of the shown angle (rad).
         angle: f64,
     },
-    /// The sensors of two fingers that are connected in place of each other, all through a run.
+    /// Swapped connections of two fingers' sensors, during the whole run.
     SwappedSensors {
-        /// The finger.
+        /// Index of the finger.
         finger: usize,
-        /// The other finger.
+        /// Index of the other finger.
         other: usize,
     },
-    /// Friction that is lost, as on a wet cap.
+    /// Reduced friction, as on a wet cap.
     FrictionDrop {
-        /// The object's name; without it, all objects.
+        /// Name of the object. Default: all objects.
         #[serde(default)]
         object: Option<String>,
-        /// Factor on all coefficients of feelers on it.
+        /// Factor on the friction coefficients of feelers on the object.
         factor: f64,
     },
-    /// A free object that becomes heavier or lighter, as a vessel into which water is poured. Its moments of inertia go
-    /// with its mass, its centre of mass stays.
+    /// A free object whose mass changes, such as a vessel that is filled with water. Moments of inertia change in
+    /// proportion, and the centre of mass does not move.
     MassChange {
-        /// The object's name.
+        /// Name of the object.
         object: String,
-        /// Its mass in the end, kg.
+        /// Final mass (kg).
         mass: f64,
-        /// How long it takes, s; the mass changes evenly.
+        /// Duration of the change (s); the mass changes linearly.
         #[serde(default)]
         over: f64,
     },
 }
 
 impl FaultKind {
-    /// The finger that it concerns, if it concerns one.
+    /// Index of the affected finger, if any.
     pub fn finger(&self) -> Option<usize> {
         match *self {
             Self::DeadElement { finger, .. }

@@ -1,4 +1,4 @@
-//! What every value of a fault must be: that what it breaks is there, above all.
+//! Checks of faults in an experiment file: ranges of values, and existence of the affected parts.
 
 use super::fault::{FaultConfig, FaultKind};
 use super::object::{MotionConfig, ObjectConfig};
@@ -6,26 +6,26 @@ use feeler::check::Checker;
 use feeler::sensor::fingertip::FingertipConfig;
 use std::collections::BTreeMap;
 
-/// Longest latency, control periods: so many exposures are kept.
+/// Maximum latency in control periods, as exposures in flight are stored.
 const MAX_LATE_PERIODS: f64 = 1000.0;
-/// Largest factor that an encoder is wrong by.
+/// Maximum gain of a faulty encoder.
 const MAX_GAIN: f64 = 1e3;
-/// Joints of a finger.
+/// Number of joints of a finger.
 const JOINTS: usize = 3;
 
-/// What there is to break.
+/// Parts of an experiment that faults can affect.
 #[derive(Debug, Clone, Copy)]
 pub struct FaultTargets<'a> {
-    /// The fingertip of each finger.
+    /// Fingertip of each finger.
     pub fingertips: &'a [&'a FingertipConfig],
-    /// The control period, s.
+    /// Control period (s).
     pub period: f64,
-    /// The objects, by name.
+    /// Objects by name.
     pub objects: &'a BTreeMap<String, ObjectConfig>,
 }
 
 impl FaultConfig {
-    /// Requires every value of the entry `key` to be in its range, and what it breaks to be targets.
+    /// Checks that every value of the entry `key` is in its range, and that the affected part exists in `targets`.
     pub fn check(&self, key: &str, targets: &FaultTargets<'_>, checker: &mut Checker) {
         checker.not_negative(&format!("{key}.from"), self.from);
         if let Some(until) = self.until {
@@ -70,14 +70,14 @@ impl FaultKind {
             } => {
                 let Some(fingertip) = fingertip else { return };
                 let rows = fingertip.camera.height;
-                let what = format!("rows of the picture of finger {finger}");
+                let what = format!("rows of the images of finger {finger}");
                 index_below(&format!("{key}.first"), first, rows, &what, checker);
                 let left = rows.saturating_sub(first);
                 checker.require(
                     &format!("{key}.count"),
                     count.to_string(),
                     (1..=left).contains(&count) || first >= rows,
-                    &format!("1 to {left}: the picture has {rows} rows, and the first is {first}"),
+                    &format!("1 to {left}: the image has {rows} rows, and the first is {first}"),
                 );
             }
             Self::FrozenFrame { .. } => {}
@@ -128,7 +128,7 @@ impl FaultKind {
         }
     }
 
-    /// Its key.
+    /// Key of this kind in an experiment file.
     fn name(&self) -> &'static str {
         match self {
             Self::DeadElement { .. } => "dead_element",
@@ -149,7 +149,7 @@ impl FaultKind {
 }
 
 impl FaultTargets<'_> {
-    /// Requires the name of an object that is `fit`.
+    /// Checks that `object` names an object that is `fit`.
     fn require_object(
         &self,
         key: &str,
@@ -169,7 +169,7 @@ impl FaultTargets<'_> {
     }
 }
 
-/// Requires an index into so many things.
+/// Checks that `index` is below `count`.
 fn index_below(key: &str, index: usize, count: usize, what: &str, checker: &mut Checker) {
     checker.require(
         key,

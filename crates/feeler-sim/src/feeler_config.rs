@@ -1,42 +1,42 @@
-//! Feelers and their friction, as an experiment file describes them.
+//! Parameters of feelers and of friction in an experiment file.
 
 use super::relaxation::RelaxationConfig;
 use feeler::check::{Checker, MAX};
 use serde::{Deserialize, Serialize};
 
-/// A feeler of silicone rubber.
+/// Parameters of a feeler of silicone rubber.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct FeelerConfig {
-    /// Stiffness along the feeler's axis, N/m: that of a quick deformation, where the feeler relaxes.
+    /// Stiffness along the axis (N/m). For a feeler that relaxes: instantaneous stiffness.
     pub normal_stiffness: f64,
-    /// Stiffness across the feeler's axis, N/m: that of a quick deformation, where the feeler relaxes.
+    /// Stiffness across the axis (N/m). For a feeler that relaxes: instantaneous stiffness.
     pub shear_stiffness: f64,
-    /// Radius of the feeler's rounded tip, m.
+    /// Radius of the rounded tip (m).
     pub tip_radius: f64,
-    /// Friction coefficient of a tip that sticks to the object.
+    /// Friction coefficient of a sticking tip.
     pub static_friction: f64,
-    /// Friction coefficient of a tip that slips over the object.
+    /// Friction coefficient of a slipping tip.
     pub kinetic_friction: f64,
-    /// See [`Friction::stribeck_speed`], m/s.
+    /// Speed scale of Stribeck friction (m/s); see [`Friction::stribeck_speed`].
     pub stribeck_speed: f64,
-    /// Damping along the feeler's axis, N·s/m.
+    /// Damping along the axis (N·s/m).
     pub normal_damping: f64,
-    /// Damping across the feeler's axis, N·s/m.
+    /// Damping across the axis (N·s/m).
     pub shear_damping: f64,
-    /// Growth of the shear stiffness with compression, relative, 1/m. It comes from a potential, so
-    /// that shear presses the object away in turn and no energy is made.
+    /// Relative increase of the shear stiffness with compression (1/m). The force derives from a potential, so shear
+    /// also increases the normal force, and energy is conserved.
     pub normal_shear_coupling: f64,
-    /// Compression at which the feeler meets its base and is ten times as stiff, m; none by default.
+    /// Compression at which the feeler reaches its base and becomes ten times as stiff (m); no limit by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub length_limit: Option<f64>,
-    /// How the rubber relaxes and creeps; by default it is elastic.
+    /// Viscoelastic relaxation and creep; elastic by default.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub relaxation: Option<RelaxationConfig>,
 }
 
 impl Default for FeelerConfig {
-    /// The reference experiment's soft silicone rubber: elastic, without damping.
+    /// Soft silicone rubber of the reference experiment: elastic, without damping.
     fn default() -> Self {
         Self {
             normal_stiffness: 205.0,
@@ -58,18 +58,19 @@ impl Default for FeelerConfig {
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Friction {
-    /// Coefficient while the tip sticks.
+    /// Coefficient of a sticking tip.
     pub static_friction: f64,
-    /// Coefficient while the tip slips.
+    /// Coefficient of a slipping tip.
     pub kinetic_friction: f64,
-    /// Speed of the surface under the undeformed tip, m/s, at which a slip's drop from the static to
-    /// the kinetic limit is 1 - 1/e of the whole drop (`1 - exp(-v / v_s)`); 0: always the whole.
+    /// Speed scale `v_s` of Stribeck friction (m/s): at the speed `v` of the surface relative to the undeformed tip,
+    /// the coefficient of a slipping tip has fallen by `1 - exp(-v / v_s)` of the difference between static and
+    /// kinetic. With 0 it is always the kinetic one.
     #[serde(default)]
     pub stribeck_speed: f64,
 }
 
 impl Friction {
-    /// Both coefficients, `factor` times as large.
+    /// Scales both coefficients by `factor`.
     pub fn scaled(self, factor: f64) -> Self {
         Self {
             static_friction: self.static_friction * factor,
@@ -78,7 +79,7 @@ impl Friction {
         }
     }
 
-    /// The friction of a surface that passes under the tip at `speed`, m/s.
+    /// Friction at a relative `speed` of the surface (m/s).
     pub fn at_speed(self, speed: f64) -> Self {
         if self.stribeck_speed <= 0.0 {
             return self;
@@ -91,7 +92,7 @@ impl Friction {
         }
     }
 
-    /// Requires every value of the table `key` to be in its range.
+    /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         let kinetic = self.kinetic_friction;
         checker.not_negative(&format!("{key}.kinetic_friction"), kinetic);
@@ -106,12 +107,12 @@ impl Friction {
 }
 
 impl FeelerConfig {
-    /// Whether it is a spring and nothing else, without damping or relaxation.
+    /// Returns `true` if the feeler is a pure spring: linear, without damping or relaxation.
     pub(super) fn is_spring(&self) -> bool {
         *self == self.as_spring()
     }
 
-    /// The feeler as the spring that it is beside everything else. The compiler sees that the rest is nothing.
+    /// Copy of the feeler with only its linear elasticity. The constants let the compiler remove everything else.
     #[inline(always)]
     pub(super) fn as_spring(&self) -> Self {
         Self {
@@ -129,7 +130,7 @@ impl FeelerConfig {
         }
     }
 
-    /// Requires every value of the table `key` to be in its range.
+    /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         let positive = [
             ("normal_stiffness", self.normal_stiffness),

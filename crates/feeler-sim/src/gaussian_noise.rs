@@ -1,38 +1,39 @@
-//! Gaussian numbers, many at a time: the noise of forces that are sensed directly.
+//! Vectorized Gaussian random numbers, for the noise of directly sensed forces.
 
 use multiversion::multiversion;
 use rand::Rng;
 use rand_pcg::Pcg64;
 use std::f32::consts::{FRAC_PI_4, SQRT_2};
 
-/// Pairs of numbers whose random words are drawn side by side.
+/// Number of pairs per block; one lane each.
 const LANES: usize = 8;
-/// Numbers that are drawn together.
+/// Numbers per block.
 pub const GAUSSIAN_BLOCK: usize = 2 * LANES;
-/// Blocks that are made of their words side by side: as many as the widest vectors hold.
+/// Number of blocks that are computed together, to fill the widest vectors.
 const BLOCKS: usize = 2;
 
 type Words = [u32; LANES];
 
-/// Gaussian numbers of mean 0 and standard deviation 1, one after the other.
+/// Generator of Gaussian numbers with mean 0 and standard deviation 1.
 ///
-/// Xoshiro128++ (Blackman and Vigna 2021) in each of eight lanes, and the Box-Muller transform in single precision: numbers of 24 bits, none
-/// beyond 5.77 standard deviations, which 8e-9 of a Gaussian's are. All of it are operations that every machine rounds alike, so that
-/// the numbers are the same on all of them, and the same whichever vectors a processor has.
+/// Each of eight lanes runs Xoshiro128++ (Blackman and Vigna 2021), followed by the Box-Muller transform in single
+/// precision. Numbers have 24 bits and are limited to 5.77 standard deviations, which a Gaussian exceeds with
+/// probability 8e-9. All operations are rounded alike on every machine, so results do not depend on the processor and
+/// its vector width.
 #[derive(Debug, Clone)]
 pub struct GaussianNoise {
     state: [Words; 4],
 }
 
 impl GaussianNoise {
-    /// Noise that `rng` decides.
+    /// Creates a generator with seeds from `rng`.
     pub fn new(rng: &mut Pcg64) -> Self {
         Self {
             state: [(); 4].map(|()| std::array::from_fn(|_| rng.next_u32())),
         }
     }
 
-    /// Writes the next numbers; of the last block that `numbers` do not fill, the rest is left out.
+    /// Writes the next numbers. If the last block is not filled, its remaining numbers are discarded.
     pub fn fill(&mut self, numbers: &mut [f64]) {
         fill(&mut self.state, numbers);
     }
@@ -50,9 +51,9 @@ fn fill(state: &mut [Words; 4], numbers: &mut [f64]) {
     }
 }
 
-// What follows are loops over lanes by index: the compiler makes vectors of them.
+// The loops over lane indices below are vectorized by the compiler.
 
-/// The next so many blocks, of as many lanes together.
+/// Computes the next `COUNT` blocks, with `ALL` lanes in total.
 #[inline(always)]
 fn next_blocks<const ALL: usize, const COUNT: usize>(
     state: &mut [Words; 4],
@@ -95,7 +96,7 @@ fn next_words(state: &mut [Words; 4]) -> Words {
     words
 }
 
-/// sqrt(-2 ln u) of numbers u that are uniform over the multiples of 2^-24 in (0, 1].
+/// sqrt(-2 ln u) for u uniform over the multiples of 2^-24 in (0, 1].
 #[inline(always)]
 fn radii<const ALL: usize>(words: &[u32; ALL]) -> [f32; ALL] {
     let mut radii = [0.0; ALL];
@@ -106,8 +107,8 @@ fn radii<const ALL: usize>(words: &[u32; ALL]) -> [f32; ALL] {
     radii
 }
 
-/// Cosines and sines of angles that are uniform over the circle: an angle within an eighth of it from the lower 23 bits, and which eighth
-/// from the next three.
+/// Cosines and sines of angles that are uniform over the circle. The lower 23 bits select the angle within an octant,
+/// the next three bits the octant.
 #[inline(always)]
 fn directions<const ALL: usize>(words: &[u32; ALL]) -> ([f32; ALL], [f32; ALL]) {
     let (mut cosines, mut sines) = ([0.0; ALL], [0.0; ALL]);
@@ -121,20 +122,21 @@ fn directions<const ALL: usize>(words: &[u32; ALL]) -> ([f32; ALL], [f32; ALL]) 
             if swap { sine } else { cosine },
             if swap { cosine } else { sine },
         );
-        // Their signs are two more bits.
+        // Two more bits are the signs.
         cosines[lane] = f32::from_bits(x.to_bits() ^ ((word << 7) & 0x8000_0000));
         sines[lane] = f32::from_bits(y.to_bits() ^ ((word << 6) & 0x8000_0000));
     }
     (cosines, sines)
 }
 
-/// The natural logarithm of a positive number, to 2e-7 relatively. Coefficients of the Cephes library (Moshier 1992), `logf`.
+/// Natural logarithm of a positive number, with a relative error of 2e-7. Coefficients of the Cephes library (Moshier
+/// 1992), `logf`.
 #[inline(always)]
 fn logarithm(number: f32) -> f32 {
     let bits = number.to_bits();
     let mantissa = f32::from_bits((bits & 0x7f_ffff) | 1.0_f32.to_bits());
     let exponent = ((bits >> 23) as i32 - 127) as f32;
-    // Within a factor of sqrt(2) of 1.
+    // Reduces the mantissa to within a factor of sqrt(2) of 1.
     let high = mantissa > SQRT_2;
     let x = if high { 0.5 * mantissa } else { mantissa } - 1.0;
     let exponent = exponent + if high { 1.0 } else { 0.0 };
@@ -148,12 +150,12 @@ fn logarithm(number: f32) -> f32 {
     p = p * x - 2.499_999_4e-1;
     p = p * x + 3.333_333e-1;
     let square = x * x;
-    // ln 2 in two parts, of which the first, 355 / 512, is exact.
+    // ln 2 is split into two parts; the first, 355 / 512, is exact.
     let small = p * x * square - 2.121_944_4e-4 * exponent - 0.5 * square;
     x + small + (355.0 / 512.0) * exponent
 }
 
-/// The sine of an angle from 0 to π/4, to 1e-7. Coefficients of the Cephes library, `sinf`.
+/// Sine of an angle from 0 to π/4, to 1e-7. Coefficients of the Cephes library, `sinf`.
 #[inline(always)]
 fn sine(angle: f32) -> f32 {
     let square = angle * angle;
@@ -161,7 +163,7 @@ fn sine(angle: f32) -> f32 {
     angle + angle * square * p
 }
 
-/// The cosine of an angle from 0 to π/4, to 1e-7. Coefficients of the Cephes library, `cosf`.
+/// Cosine of an angle from 0 to π/4, to 1e-7. Coefficients of the Cephes library, `cosf`.
 #[inline(always)]
 fn cosine(angle: f32) -> f32 {
     let square = angle * angle;
@@ -208,7 +210,7 @@ mod tests {
     fn functions_are_those_of_the_standard_library() {
         for step in 1..=10_000 {
             let (angle, number) = (FRAC_PI_4 * step as f32 / 1e4, step as f32 / 1e4);
-            // Some roundings of numbers up to 1, of 6e-8 each.
+            // A few rounding errors of 6e-8 for numbers up to 1.
             assert!((f64::from(sine(angle)) - f64::from(angle).sin()).abs() < 1.5e-7);
             assert!((f64::from(cosine(angle)) - f64::from(angle).cos()).abs() < 1.5e-7);
             let expected = f64::from(number).ln();
@@ -222,7 +224,7 @@ mod tests {
         assert!((logarithm(least) + 24.0 * 2.0_f32.ln()).abs() < 2e-6);
     }
 
-    /// Shares of a Gaussian beyond so many standard deviations on either side: erfc(x / sqrt(2)), from tables.
+    /// Two-sided tail probabilities of a Gaussian, erfc(x / sqrt(2)), from tables.
     const BEYOND: [(f64, f64); 6] = [
         (0.5, 0.617_075_1),
         (1.0, 0.317_310_5),
@@ -233,12 +235,12 @@ mod tests {
     ];
 
     #[test]
-    fn numbers_are_distributed_as_a_gaussian_is_up_to_its_tails() {
+    fn distribution_is_gaussian_up_to_its_tails() {
         let count = 1 << 23;
         let numbers = numbers(3, count);
         let mean = numbers.iter().sum::<f64>() / count as f64;
         let moment = |power| numbers.iter().map(|x| x.powi(power)).sum::<f64>() / count as f64;
-        // Four standard errors: the powers' variances are 1, 2, 15 and 96.
+        // Four standard errors: the variances of the powers are 1, 2, 15 and 96.
         let error = |variance: f64| 4.0 * (variance / count as f64).sqrt();
         assert!(mean.abs() < error(1.0), "mean {mean}");
         assert!((moment(2) - 1.0).abs() < error(2.0), "{}", moment(2));
@@ -257,7 +259,7 @@ mod tests {
     }
 
     #[test]
-    fn neighbours_the_two_of_a_pair_and_other_seeds_are_independent() {
+    fn numbers_are_independent_across_lags_and_seeds() {
         let count = 1 << 20;
         let (one, other) = (numbers(11, count), numbers(12, count));
         let check = |a: &[f64], b: &[f64], what: &str| {
@@ -265,7 +267,7 @@ mod tests {
                 let products = a.iter().zip(b).map(|(a, b)| (a * b).powi(power));
                 products.sum::<f64>() / count as f64
             };
-            // Four standard errors; of the product's square, whose mean is 1, the variance is 8.
+            // Four standard errors; the square of the product has mean 1 and variance 8.
             let error = 4.0 / (count as f64).sqrt();
             assert!(mean(1).abs() < error, "{what}: {}", mean(1));
             assert!(
@@ -281,7 +283,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_the_same_however_many_are_asked_for_and_without_wide_vectors() {
+    fn numbers_do_not_depend_on_buffer_length_or_vector_width() {
         let whole = numbers(5, 8 * GAUSSIAN_BLOCK);
         let mut noise = GaussianNoise::new(&mut Pcg64::seed_from_u64(5));
         let mut first = vec![0.0; 2 * GAUSSIAN_BLOCK + 3];

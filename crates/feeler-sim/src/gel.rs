@@ -1,56 +1,57 @@
-//! A soft gel with markers on it: how far each marker moves, and sinks in, under forces on the surface.
+//! A soft gel with markers: displacement of the markers under forces on its surface.
 //!
-//! The gel is an incompressible elastic layer (Poisson's ratio 1/2, as silicone nearly is) that is bonded to a rigid base.
-//! A load of wave number q on its surface gives way in proportion (x = q h, with thickness h and shear modulus G):
+//! The gel is an incompressible elastic layer (Poisson's ratio 1/2, as silicone nearly is) that is bonded to a rigid
+//! base. Its response to a surface load of wave number q is (x = q h, with thickness h and shear modulus G):
 //!
 //! ```text
 //! D = cosh 2x + 2 x² + 1
-//! pressure p:  sinks in by       (sinh 2x - 2x) / (2 G q D) p
-//!              moves outward by  2 x² / (2 G q² D) times the gradient of -p
-//! shear t:     along q by        (sinh 2x + 2x) / (2 G q D) t
-//!              across q by       tanh x / (G q) t
+//! pressure p:  inward    (sinh 2x - 2x) / (2 G q D) p
+//!              outward   2 x² / (2 G q² D) times the gradient of -p, along the surface
+//! shear t:     along q   (sinh 2x + 2x) / (2 G q D) t
+//!              across q  tanh x / (G q) t
 //! ```
 //!
-//! Of a force that is spread as a normal distribution of deviation s, these are multiplied by exp(-q² s² / 2) and summed over
-//! all q (Hankel transforms).
+//! For a force with a normal distribution of standard deviation s, the responses are multiplied by exp(-q² s² / 2) and
+//! integrated over q (Hankel transforms).
 
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
-/// Largest wave number that counts, in units of 1 / s: there a spread load has e^-18 of its strength.
+/// Upper limit of wave numbers in units of 1 / s, where the spectrum of a load has fallen to e^-18.
 const LAST: f64 = 6.0;
-/// Distances in the table are so many parts of the load's deviation apart.
+/// Number of rows of the table per standard deviation of the load.
 const PARTS: f64 = 3.0;
-/// Beyond this, hyperbolic functions are as good as exponentials, and would overflow.
+/// Limit of `x`: beyond it hyperbolic functions equal exponentials, and later overflow.
 const DEEP: f64 = 300.0;
 
-/// What the surface does at some distance from a force of 1 N, m.
+/// Displacement of the surface at some distance from a force of 1 N (m).
 #[derive(Debug, Clone, Copy, Default)]
 struct Compliance {
-    /// Along a tangential force, straight before it.
+    /// Displacement along a tangential force, ahead of it.
     along: f64,
-    /// Along a tangential force, beside it.
+    /// Displacement along a tangential force, beside it.
     across: f64,
-    /// Outward from a pressing force.
+    /// Displacement outward from a normal force.
     outward: f64,
-    /// Inward under a pressing force.
+    /// Displacement inward under a normal force.
     sunk: f64,
 }
 
-/// A gel of given thickness and stiffness, and its response to forces that are spread over a spot.
+/// A gel layer and its response to distributed forces.
 #[derive(Debug, Clone)]
 pub struct GelLayer {
     thickness: f64,
     shear_modulus: f64,
-    /// Distance between two rows of the table, m.
+    /// Distance between two rows of the table (m).
     step: f64,
-    /// Of distances 0, `step`, 2 `step`, ...
+    /// Responses at the distances 0, `step`, 2 `step`, ...
     table: Vec<Compliance>,
 }
 
 impl GelLayer {
-    /// A gel of `thickness` (m) and `shear_modulus` (Pa) under forces that are each spread with the deviation `spread` (m);
-    /// its response is known up to `reach` (m) and 0 beyond. All must be more than 0.
+    /// Creates a gel of `thickness` (m) and `shear_modulus` (Pa) under forces with a normal distribution of standard
+    /// deviation `spread` (m). The response is tabulated up to the distance `reach` (m), and 0 beyond. All must be
+    /// positive.
     pub fn new(thickness: f64, shear_modulus: f64, spread: f64, reach: f64) -> Self {
         let step = spread / PARTS;
         let rows = (reach / step).ceil() as usize + 1;
@@ -67,15 +68,15 @@ impl GelLayer {
         layer
     }
 
-    /// Stiffness per area (N/m³) against pressing and against shear, of loads of `wave_number` (rad/m): about the inverse of a
-    /// contact's radius.
+    /// Normal and shear stiffness per area (N/m³) for loads of `wave_number` (rad/m), about the inverse of a contact's
+    /// radius.
     pub fn stiffness(&self, wave_number: f64) -> [f64; 2] {
         let [along, across, _, sunk] = self.response_of(wave_number);
         [1.0 / sunk, 2.0 / (along + across)]
     }
 
-    /// How the surface moves at `at` under a `force` (N) at `from` (both m, on the surface): x and y along it, z inward, m. The
-    /// force is that on the gel: x and y along the surface, z inward.
+    /// Displacement of the surface at `at` (m) due to a `force` on the gel (N) at `from` (m): x and y along the
+    /// surface, z inward, for force and displacement.
     pub fn displacement(&self, from: DVec2, at: DVec2, force: DVec3) -> DVec3 {
         let apart = at - from;
         let row = apart.length() / self.step;
@@ -94,12 +95,12 @@ impl GelLayer {
         let shear = force.truncate();
         let ahead = direction.dot(shear);
         let moved = across * shear + ((along - across) * ahead + outward * force.z) * direction;
-        // What is pushed ahead bulges: the reverse of pressing that moves outward (reciprocity).
+        // A shear force raises the gel ahead of it, by reciprocity with the outward displacement of a normal force.
         moved.extend(between(|c| c.sunk) * force.z - outward * ahead)
     }
 
-    /// Displacement along and across a shear load of 1 Pa, outward of a pressure's gradient of 1 Pa times q, and inward of a
-    /// pressure, m.
+    /// Displacements (m) along and across a shear load of 1 Pa, outward for a pressure gradient of 1 Pa times q, and
+    /// inward for a pressure of 1 Pa.
     fn response_of(&self, wave_number: f64) -> [f64; 4] {
         let x = (wave_number * self.thickness).min(DEEP);
         let doubled = 2.0 * x;
@@ -113,10 +114,10 @@ impl GelLayer {
         ]
     }
 
-    /// The response to 1 N at `distance`, m.
+    /// Response to 1 N at `distance` (m).
     fn response(&self, distance: f64, spread: f64, reach: f64) -> Compliance {
         let last = LAST / spread;
-        // Several points to each turn of the Bessel functions, which are fastest at the largest distance.
+        // Several points per period of the Bessel functions, which oscillate fastest at the largest distance.
         let points = (4.0 * last * reach.max(self.thickness)).ceil();
         let width = last / points;
         let mut sum = Compliance::default();
@@ -140,8 +141,8 @@ impl GelLayer {
     }
 }
 
-/// The Bessel function of the first kind of `order` 0 or 1, from its integral, by the trapezoidal rule: exact to rounding with
-/// more points than half of `at`.
+/// Bessel function of the first kind of `order` 0 or 1, by the trapezoidal rule for its integral; exact up to rounding
+/// with more points than half of `at`.
 fn bessel(order: i32, at: f64) -> f64 {
     let points = (0.5 * at).ceil() as usize + 16;
     let value = |point: usize| {
@@ -170,9 +171,9 @@ mod tests {
         }
     }
 
-    /// Of a thick gel, near a force: Boussinesq's and Cerruti's solutions for an incompressible half-space,
-    /// w = P / 4 pi G r, u = T / 2 pi G r straight before the force and half of that beside it. A gel that is 60 times as thick
-    /// as far lacks about r / h of it.
+    /// Near a force on a thick gel: Boussinesq's and Cerruti's solutions for an incompressible half-space,
+    /// w = P / 4 pi G r and u = T / 2 pi G r ahead of the force, half of that beside it. The relative error is about r
+    /// / h; here h = 60 r.
     #[test]
     fn a_thick_gel_is_a_half_space() {
         let (modulus, apart) = (5e4, 2e-3);
@@ -192,13 +193,13 @@ mod tests {
         near(gel.displacement(DVec2::ZERO, at, DVec3::Y).y, unit);
     }
 
-    /// Of a thin gel, all over: G / h against shear, and by lubrication h^2 / 2 G times the pressure's gradient outward.
+    /// A thin gel: shear stiffness G / h, and by lubrication theory h^2 / 2 G times the pressure gradient outward.
     #[test]
     fn a_thin_gel_is_sheared_and_squeezed_out() {
         let (thickness, modulus, spread) = (1e-4, 5e4, 2e-3);
         let gel = GelLayer::new(thickness, modulus, spread, 8e-3);
         let pressure = |r: f64| (-r * r / (2.0 * spread * spread)).exp() / (TAU * spread * spread);
-        // On a row of the table.
+        // At a row of the table, so without interpolation.
         let r = spread;
         let at = r * DVec2::Y;
         let sheared = gel.displacement(DVec2::ZERO, at, DVec3::X).x;
@@ -216,7 +217,7 @@ mod tests {
         );
     }
 
-    /// Work done at one place by a force at another is the same the other way round.
+    /// Maxwell-Betti reciprocity of responses at two places.
     #[test]
     fn responses_are_reciprocal() {
         let gel = GelLayer::new(4e-3, 5e4, 1e-3, 2e-2);

@@ -1,7 +1,6 @@
-//! An upright cylinder with a knurled, slightly oval side: its nearest surface point, exactly.
+//! Exact nearest point on an upright cylinder with a knurled, slightly oval side.
 //!
-//! The solid is a plane region times a range of heights, so everything comes from the nearest point
-//! of the region's edge, a curve.
+//! The solid is an extruded plane region, so the problem reduces to the nearest point on the region's edge, a curve.
 
 mod curve;
 
@@ -9,8 +8,8 @@ use super::shape::SurfacePoint;
 use curve::Curve;
 use glam::DVec3;
 
-/// An upright cylinder in its own frame (origin at its centre, z along its axis) whose side has the
-/// radius `r(phi) = radius (1 + ovality cos 2 phi) + depth / 2 (cos(knurls phi) - 1)`.
+/// An upright cylinder (origin at the centre, z along the axis) whose side has the radius
+/// `r(phi) = radius (1 + ovality cos 2 phi) + depth / 2 (cos(knurls phi) - 1)`.
 #[derive(Debug, Clone)]
 pub struct KnurledCylinder {
     curve: Curve,
@@ -18,9 +17,9 @@ pub struct KnurledCylinder {
 }
 
 impl KnurledCylinder {
-    /// A cylinder of `radius` (at the crests, where `ovality` is 0) and `height`, m, with `knurls`
-    /// grooves of `depth`, m, around it. `radius (1 - |ovality|)` must exceed `depth`;
-    /// the time of a query from far away grows with `knurls`.
+    /// Creates a cylinder of `radius` (m; at the crests, for an `ovality` of 0) and `height` (m), with `knurls` grooves
+    /// of `depth` (m). `radius (1 - |ovality|)` must exceed `depth`. The time of a query from far away grows with
+    /// `knurls`.
     pub fn new(radius: f64, height: f64, knurls: u32, depth: f64, ovality: f64) -> Self {
         Self {
             curve: Curve::new(radius, knurls, depth, ovality),
@@ -28,15 +27,15 @@ impl KnurledCylinder {
         }
     }
 
-    /// The surface point nearest to `point` (m, object's frame), or `None` when `point` lies on the
-    /// rim to within rounding, where there is no normal, or is not finite.
+    /// Surface point nearest to `point` (m, object's frame). `None` if `point` is not finite, or is on the rim, up to
+    /// rounding, where the normal is undefined.
     pub fn nearest(&self, point: DVec3) -> Option<SurfacePoint> {
         if !point.is_finite() {
             return None;
         }
         let plane = point.truncate();
         let above = point.z.abs() - self.half_height;
-        // Under an end the side cannot be nearer than the innermost radius.
+        // Above or below an end, the side is at least as far away as the innermost radius.
         let inside = self.curve.innermost_radius() - plane.length();
         if inside > 0.0 && above > -inside {
             return Some(self.on_end(point, above));
@@ -61,8 +60,8 @@ impl KnurledCylinder {
         })
     }
 
-    /// Volume, m^3, and the moments of inertia about the axes x, y, z of the object's frame,
-    /// kg m^2, of the solid at `density`, kg/m^3. The products of inertia in the plane vanish.
+    /// Volume (m^3), and moments of inertia about the axes of the object's frame (kg m^2) at `density` (kg/m^3). The
+    /// products of inertia in the plane are zero.
     pub fn volume_and_inertia(&self, density: f64) -> (f64, DVec3) {
         let (area, second) = self.curve.area_and_second_moments();
         let height = 2.0 * self.half_height;

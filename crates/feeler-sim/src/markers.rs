@@ -1,16 +1,17 @@
-//! Fingertips on which the camera sees one marker for each element: pins, ends of fibres, dots on a gel.
+//! Fingertips with visible markers on each element: pins, fibre ends, or dots on a gel.
 //!
-//! The skin between elements is elastic, and gives way about a loaded element over a length `s`, the spread: at a distance `d`,
-//! `w = exp(-d² / 2 s²)` of what it does there. A force `F_t, F_z` on element j moves the marker of element i, `D` away from it, by
+//! The skin between elements is elastic. A displacement of the skin decays with the distance `d` from the loaded
+//! element as `w = exp(-d² / 2 s²)`, where `s` is the spread. A force `F_t, F_z` on element j displaces the marker of
+//! element i at the distance vector `D` by
 //!
 //! ```text
 //! u = w (F_t / k_t + (l / s²) D F_z / k_n)         across the skin
 //! z = w (F_z + (h / s²) D · F_t) / k_n             into it, towards the camera
 //! ```
 //!
-//! What stands behind: the skin sinks in by `w F_z / k_n`, and a pin of length `l` on its inside turns with its slope, so that pins
-//! move away from what presses. A shear force that acts at the height `h` over the skin presses it down ahead and lifts it behind.
-//! A marker that is nearer to the camera is seen larger, and brighter by `brightening z`.
+//! The skin sinks in by `w F_z / k_n`, and a pin of length `l` on its inside turns with the skin's slope, so pins move
+//! away from a normal load. A shear force at the height `h` above the skin depresses it ahead and lifts it behind. A
+//! marker that is nearer to the camera appears larger, and brighter by `brightening z`.
 
 use super::optics_config::{OpticsError, in_range};
 use super::optics_model::Spot;
@@ -21,40 +22,41 @@ use rand_pcg::Pcg64;
 use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
-/// Markers farther away than this many spreads do not feel a force.
+/// Maximum distance at which a force displaces markers, in units of the spread.
 const REACH: f64 = 3.0;
-/// Most markers of an element.
+/// Maximum number of markers per element.
 const MAX_PER_ELEMENT: f64 = 64.0;
 
-/// The markers of a fingertip, one for each element, and the skin that they are on.
+/// Parameters of a fingertip's markers and of the skin that carries them.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct MarkerConfig {
-    /// Radius of a marker, m.
+    /// Radius of a marker (m).
     pub radius: f64,
-    /// Markers of each element.
+    /// Number of markers per element.
     #[serde(default = "one")]
     pub per_element: usize,
-    /// Radius of the circle about an element's axis on which its markers are, m; not used where there is one, which is on the axis.
+    /// Radius of the circle of an element's markers about its axis (m). Not used for a single marker, which is on the
+    /// axis.
     #[serde(default)]
     pub circle_radius: f64,
-    /// Force on an element over how far its marker sinks in, N/m.
+    /// Ratio of normal force to inward displacement of a marker (N/m).
     pub normal_stiffness: f64,
-    /// Force on an element over how far its marker follows it, N/m.
+    /// Ratio of shear force to tangential displacement of a marker (N/m).
     pub shear_stiffness: f64,
-    /// Distance at which the skin gives way by exp(-1/2) of what it does under the force, m; 0: elements do not move their neighbours.
+    /// Distance at which the skin's displacement falls to exp(-1/2) (m). With 0, elements are independent.
     #[serde(default)]
     pub spread: f64,
-    /// Length of the pin under the skin at whose end a marker is, m; 0: it is in the skin.
+    /// Length of the pin under the skin that carries a marker at its end (m). With 0, the marker is in the skin.
     #[serde(default)]
     pub pin_length: f64,
-    /// Height over the skin at which a shear force acts, m.
+    /// Height above the skin at which a shear force acts (m).
     #[serde(default)]
     pub nodule_height: f64,
-    /// Relative growth of a marker's contrast, per metre that it is nearer to the camera.
+    /// Relative increase of a marker's contrast per displacement towards the camera (1/m).
     #[serde(default)]
     pub brightening: f64,
-    /// How much contrasts differ from marker to marker, relative, uniformly up to; the same for all fingertips of a layout.
+    /// Maximum relative variation of contrast between markers (uniform). Equal for all fingertips of a layout.
     #[serde(default)]
     pub variation: f64,
 }
@@ -64,7 +66,7 @@ fn one() -> usize {
 }
 
 impl MarkerConfig {
-    /// Where the markers of an element are, m, in x and y of its frame.
+    /// Positions of an element's markers, x and y in its frame (m).
     fn places(&self) -> Vec<DVec2> {
         match self.per_element {
             1 => vec![DVec2::ZERO],
@@ -76,7 +78,7 @@ impl MarkerConfig {
         }
     }
 
-    /// Radius about an element's axis within which its markers are, m.
+    /// Radius about an element's axis that contains its markers (m).
     pub(super) fn reach(&self) -> f64 {
         let ring = if self.per_element > 1 {
             self.circle_radius
@@ -86,7 +88,7 @@ impl MarkerConfig {
         (ring + self.radius).max(self.spread)
     }
 
-    /// Refuses values outside of what the model can draw.
+    /// Checks that values are in the range that can be rendered.
     pub(super) fn check(&self) -> Result<(), OpticsError> {
         let positive = f64::MIN_POSITIVE;
         in_range(&[
@@ -119,7 +121,8 @@ impl MarkerConfig {
     }
 }
 
-/// What a force on one element, `(F_x, F_y, F_z)` in its frame, does to a marker: `(u_x, u_y, z)` in the frame of the marker's element, m.
+/// Effect of a force `(F_x, F_y, F_z)` on one element, in its frame, on a marker: displacement `(u_x, u_y, z)` in the
+/// frame of the marker's element (m).
 #[derive(Debug, Clone, Copy)]
 struct Influence {
     of: usize,
@@ -130,17 +133,17 @@ struct Influence {
 #[derive(Debug, Clone)]
 struct Marker {
     element: usize,
-    /// Where it is without load, x and y of its element's frame, m.
+    /// Position without load, x and y in its element's frame (m).
     place: DVec2,
-    /// Contrast relative to the mean of all.
+    /// Contrast relative to the mean.
     contrast: f64,
-    /// Distance from the camera's pinhole, m.
+    /// Distance from the camera's pinhole (m).
     distance: f64,
-    /// All elements that move it.
+    /// Elements whose forces displace it.
     influences: Vec<Influence>,
 }
 
-/// Where markers are under forces.
+/// Displacements of markers under forces.
 #[derive(Debug, Clone)]
 pub(super) struct MarkerModel {
     config: MarkerConfig,
@@ -149,7 +152,7 @@ pub(super) struct MarkerModel {
 
 impl MarkerModel {
     pub fn new(config: &MarkerConfig, layout: &ElementLayout, projection: &DomeProjection) -> Self {
-        // A seed of its own: it belongs to the fingertip, not to a run.
+        // A fixed seed: contrasts belong to the fingertip, not to a run.
         let mut rng = Pcg64::seed_from_u64(0);
         let places = config.places();
         let markers = (0..layout.elements.len())
@@ -173,7 +176,8 @@ impl MarkerModel {
         }
     }
 
-    /// All markers under `forces` on all elements, N, each with the element in whose frame it is given.
+    /// Spots of all markers under `forces` on all elements (N), each with the index of the element in whose frame it
+    /// is.
     pub fn spots(&self, forces: &[DVec3]) -> impl Iterator<Item = (usize, Spot)> {
         self.markers.iter().map(|marker| {
             let moved = marker
@@ -182,7 +186,7 @@ impl MarkerModel {
                 .fold(DVec3::ZERO, |moved, influence| {
                     moved + influence.compliance * forces[influence.of]
                 });
-            // Halfway to the camera is as near as it gets.
+            // Limits the approach to half of the distance to the camera.
             let nearer = marker.distance / (marker.distance - moved.z.min(0.5 * marker.distance));
             let spot = Spot {
                 load: forces[marker.element].z,
@@ -195,7 +199,7 @@ impl MarkerModel {
     }
 }
 
-/// What a force on element `of` does to the marker at `place` of another or the same `element`; none where it does nothing.
+/// Compliance of the marker at `place` of `element` for a force on element `of`. `None` if the force has no effect.
 fn compliance(
     config: &MarkerConfig,
     layout: &ElementLayout,

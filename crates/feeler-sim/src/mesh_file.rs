@@ -1,4 +1,4 @@
-//! A closed surface of triangles from an STL or OBJ file, checked so that it has an inside.
+//! Reads closed triangle meshes from STL and OBJ files, and validates them.
 
 mod check;
 mod error;
@@ -10,28 +10,28 @@ use std::collections::HashMap;
 use std::io::{Cursor, Error, Read};
 use std::path::Path;
 
-/// Most bytes of a file; 1 million triangles of a text STL are about as many.
+/// Maximum size of a file (bytes); about that of a text STL with 1 million triangles.
 const MAX_BYTES: u64 = 256 << 20;
-/// Most triangles of a mesh.
+/// Maximum number of triangles.
 const MAX_TRIANGLES: usize = 1_000_000;
-/// Bytes before the triangles of a binary STL, and of each triangle.
+/// Size of a binary STL's header, and of each of its triangles (bytes).
 const STL_HEADER: usize = 84;
 const STL_TRIANGLE: usize = 50;
 
 /// A closed, consistently oriented surface.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TriangleMesh {
-    /// The corners, m, in the object's frame; each once.
+    /// Unique vertices in the object's frame (m).
     pub vertices: Vec<DVec3>,
-    /// Three corners of each triangle, counter-clockwise as seen from outside.
+    /// Vertex indices of each triangle, counter-clockwise seen from outside.
     pub triangles: Vec<[u32; 3]>,
 }
 
-/// Reads the mesh in the STL (binary or text) or OBJ file at `path`, told apart by its extension;
-/// `scale` is the metres of a unit of the file.
+/// Reads a mesh from the STL (binary or text) or OBJ file at `path`, depending on its extension. `scale` is in metres
+/// per unit of the file.
 ///
-/// Corners at the same place become one; faces of more than three corners are cut into fans. A mesh
-/// whose inside is out is turned. Whether the surface intersects itself is not checked.
+/// Merges vertices at the same position and triangulates polygons as fans. Flips the orientation if normals point
+/// inward. Self-intersections are not detected.
 pub fn read_mesh(path: &Path, scale: f64) -> Result<TriangleMesh, MeshError> {
     let extension = path.extension().unwrap_or_default().to_string_lossy();
     let corners = match extension.to_ascii_lowercase().as_str() {
@@ -58,10 +58,9 @@ pub fn read_mesh(path: &Path, scale: f64) -> Result<TriangleMesh, MeshError> {
 }
 
 impl TriangleMesh {
-    /// The volume that the surface encloses, m^3; negative where its triangles are clockwise as
-    /// seen from outside.
+    /// Enclosed volume (m^3); negative if triangles are clockwise seen from outside.
     pub fn signed_volume(&self) -> f64 {
-        // Tetrahedra from a corner of the mesh, so that little cancels in a mesh far from its origin.
+        // Tetrahedra with an apex on the mesh limit cancellation if the mesh is far from the origin.
         let apex = self.vertices.first().copied().unwrap_or_default();
         let volume = |t: &[u32; 3]| {
             let [a, b, c] = self.corners(t).map(|p| p - apex);
@@ -70,7 +69,7 @@ impl TriangleMesh {
         self.triangles.iter().map(volume).sum()
     }
 
-    /// The longest side of the box around the mesh, m.
+    /// Longest side of the bounding box (m).
     pub fn size(&self) -> f64 {
         let first = self.vertices.first().copied().unwrap_or_default();
         let low = self.vertices.iter().fold(first, |low, p| low.min(*p));
@@ -83,11 +82,11 @@ impl TriangleMesh {
     }
 }
 
-/// The corners of all triangles of an STL file, three by three, in the file's unit.
+/// Corners of all triangles of an STL file, three per triangle, in the file's unit.
 fn stl_corners(mut bytes: Vec<u8>) -> Result<Vec<DVec3>, MeshError> {
     let text = bytes.trim_ascii_start().starts_with(b"solid") && !bytes.contains(&0);
     let facets = if text {
-        // The reader wants one solid, a blank after the first word, UTF-8 and lower case.
+        // stl_io requires one solid, a space after its first word, UTF-8 and lower case.
         let all = String::from_utf8_lossy(&bytes).to_ascii_lowercase();
         let rest = all.trim_start().split_once('\n').unwrap_or_default().1;
         bytes = format!("solid \n{rest}").into_bytes();
@@ -95,7 +94,7 @@ fn stl_corners(mut bytes: Vec<u8>) -> Result<Vec<DVec3>, MeshError> {
         rest.lines().filter(ends).count()
     } else {
         let claimed = binary_count(&bytes)?;
-        // A header that says "solid" would be taken for a text.
+        // stl_io would parse a file with the header "solid" as text.
         bytes[..STL_HEADER - 4].fill(0);
         claimed
     };
@@ -108,18 +107,18 @@ fn stl_corners(mut bytes: Vec<u8>) -> Result<Vec<DVec3>, MeshError> {
     }
     if corners.len() != 3 * facets {
         let read = corners.len() / 3;
-        let reason = format!("one solid expected, its end comes after {read} of {facets} facets");
+        let reason = format!("expected one solid with {facets} facets, got {read} facets");
         return Err(MeshError::Stl(reason));
     }
     Ok(corners)
 }
 
-/// The triangles of a binary STL, once the file is as long as its header says.
+/// Number of triangles of a binary STL, if the file has the length that its header requires.
 fn binary_count(bytes: &[u8]) -> Result<usize, MeshError> {
     let header = bytes.first_chunk::<STL_HEADER>();
     let Some(count) = header.and_then(|h| h.last_chunk::<4>()) else {
         let reason = format!(
-            "{STL_HEADER} bytes or the word solid expected, it has {} bytes",
+            "expected the word solid or at least {STL_HEADER} bytes, got {} bytes",
             bytes.len()
         );
         return Err(MeshError::Stl(reason));
@@ -136,12 +135,12 @@ fn binary_count(bytes: &[u8]) -> Result<usize, MeshError> {
     Ok(claimed as usize)
 }
 
-/// The corners of all triangles of an OBJ file, three by three, in the file's unit.
+/// Corners of all triangles of an OBJ file, three per triangle, in the file's unit.
 fn obj_corners(bytes: Vec<u8>) -> Result<Vec<DVec3>, MeshError> {
     let text = String::from_utf8_lossy(&bytes)
         .replace("\r\n", "\n")
         .replace("\\\n", " ");
-    // Before anything is kept of them: a short text can make many triangles.
+    // Checked before allocation, as a short text can define many triangles.
     check::count_at_most(text.lines().map(triangles_of_line).sum())?;
     let mut shape = String::new();
     text.lines().for_each(|line| keep_shape(line, &mut shape));
@@ -166,7 +165,7 @@ fn words(line: &str) -> impl Iterator<Item = &str> + Clone {
     code.split_whitespace()
 }
 
-/// How many triangles a line of an OBJ file makes, at least one if it is a face.
+/// Number of triangles that a line of an OBJ file defines; at least one for a face.
 fn triangles_of_line(line: &str) -> usize {
     let mut words = words(line);
     match words.next() {
@@ -175,14 +174,14 @@ fn triangles_of_line(line: &str) -> usize {
     }
 }
 
-/// Adds to `shape` what a line of an OBJ file says of it, without colours, textures and normals:
-/// those of a hostile file could make the library fail.
+/// Appends a line of an OBJ file to `shape`, without colours, texture coordinates and normals, on which tobj could fail
+/// in a malicious file.
 fn keep_shape(line: &str, shape: &mut String) {
     let mut words = words(line);
     let Some(kind @ ("v" | "f")) = words.next() else {
         return;
     };
-    // A vertex has three coordinates, and one weight or three parts of a colour.
+    // A vertex has three coordinates, optionally followed by a weight or by three colour components.
     let coloured = kind == "v" && words.clone().take(5).count() > 4;
     let kept = if coloured { 3 } else { usize::MAX };
     shape.push_str(kind);
@@ -194,7 +193,7 @@ fn keep_shape(line: &str, shape: &mut String) {
     shape.push('\n');
 }
 
-/// The mesh of triangles given by three corners each, those at the same place made one.
+/// Builds a mesh from three corners per triangle and merges equal corners.
 fn merged(corners: &[DVec3], scale: f64) -> Result<TriangleMesh, MeshError> {
     let (triangles, _) = corners.as_chunks::<3>();
     check::count(triangles.len())?;
@@ -206,7 +205,7 @@ fn merged(corners: &[DVec3], scale: f64) -> Result<TriangleMesh, MeshError> {
     for (index, triangle) in triangles.iter().enumerate() {
         let mut of_triangle = [0; 3];
         for (index_there, corner) in of_triangle.iter_mut().zip(triangle) {
-            // Adding zero makes -0 a 0.
+            // Adding zero turns -0 into 0.
             let corner = scale * corner + DVec3::ZERO;
             if !corner.is_finite() {
                 return Err(MeshError::NotFinite {

@@ -1,4 +1,4 @@
-//! Things to touch: a shape, and how it may move.
+//! Objects: a shape, and a motion that is fixed, on a hinge or thread, or free.
 
 use super::columnar_feeler::Friction;
 use super::pose::Pose;
@@ -9,57 +9,57 @@ use glam::{DMat3, DVec3, EulerRot};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
-/// An object, as an experiment file describes it.
+/// An object in an experiment file.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ObjectConfig {
-    /// Its shape.
+    /// Shape.
     pub shape: ShapeConfig,
-    /// How it may move.
+    /// Motion.
     pub motion: MotionConfig,
-    /// Its origin in W, m, at the start.
+    /// Position of the origin in W at the start (m).
     pub position: [f64; 3],
-    /// Its rotation in W at the start: about W's x, then y, then z, deg.
+    /// Rotation in W at the start: about W's x, then y, then z (deg).
     #[serde(default)]
     pub orientation_deg: [f64; 3],
-    /// The shape's centre in the object's frame, m. A hinge or a thread turns about the object's z,
-    /// so that an offset along x or y makes a cap sit off its centre.
+    /// Position of the shape's centre in the object's frame (m). A hinge or thread turns about the object's z, so an
+    /// offset along x or y makes a cap eccentric.
     #[serde(default)]
     pub offset: [f64; 3],
-    /// Friction of feelers on this object; without it, each feeler's own.
+    /// Friction of feelers on this object. Default: friction of each feeler.
     #[serde(default)]
     pub friction: Option<Friction>,
 }
 
-/// How an object may move.
+/// Possible motion of an object.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum MotionConfig {
-    /// Not at all.
+    /// The object does not move.
     Fixed,
-    /// About its z axis, against friction.
+    /// Rotation about the object's z axis, against friction.
     Hinge(HingeConfig),
-    /// About its z axis, and along it, as a cap on the thread of a bottle.
+    /// Rotation about the object's z axis and descent along it, like a cap on a bottle's thread.
     Thread(ThreadConfig),
-    /// Every way, under gravity: it rests on what is fixed, slides, tips and falls.
+    /// Rigid-body motion under gravity: the object rests on fixed ones, slides, tips and falls.
     Free(FreeConfig),
 }
 
-/// A free body.
+/// Parameters of a free body.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FreeConfig {
-    /// Density, kg/m³; with the shape it gives mass and inertia.
+    /// Density (kg/m³), from which mass and inertia follow.
     #[serde(default = "density_of_water")]
     pub density: f64,
-    /// Mass, kg, instead of what the density gives.
+    /// Mass (kg). Default: from the density.
     #[serde(default)]
     pub mass: Option<f64>,
-    /// Moments of inertia about the axes of the shape's frame through the centre of mass, kg m²,
-    /// instead of what density and shape (and mass) give.
+    /// Moments of inertia about the axes of the shape's frame through the centre of mass (kg m²). Default: from shape
+    /// and mass.
     #[serde(default)]
     pub inertia: Option<[f64; 3]>,
-    /// Coefficient of friction on fixed objects; between two free bodies, the mean of both.
+    /// Friction coefficient on fixed objects. Between two free bodies it is the mean of both.
     #[serde(default = "usual_friction")]
     pub friction: f64,
 }
@@ -73,13 +73,13 @@ fn usual_friction() -> f64 {
 }
 
 impl ObjectConfig {
-    /// Its rotation in W at the start.
+    /// Rotation in W at the start.
     pub fn rotation(&self) -> DMat3 {
         let [x, y, z] = self.orientation_deg.map(f64::to_radians);
         DMat3::from_euler(EulerRot::XYZEx, x, y, z)
     }
 
-    /// The thread that the object turns on, if it does.
+    /// Thread of the object, if any.
     pub fn thread(&self) -> Option<&ThreadConfig> {
         match &self.motion {
             MotionConfig::Thread(thread) => Some(thread),
@@ -87,7 +87,7 @@ impl ObjectConfig {
         }
     }
 
-    /// As [`Self::thread`], to vary it.
+    /// Thread of the object, if any, mutable.
     pub fn thread_mut(&mut self) -> Option<&mut ThreadConfig> {
         match &mut self.motion {
             MotionConfig::Thread(thread) => Some(thread),
@@ -97,7 +97,7 @@ impl ObjectConfig {
 }
 
 impl ObjectConfig {
-    /// Requires every value of the table `key` to be in its range.
+    /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         checker.vector(&format!("{key}.position"), self.position);
         checker.vector(&format!("{key}.offset"), self.offset);
@@ -118,7 +118,7 @@ impl ObjectConfig {
                     &format!("{key}.shape"),
                     "half_space".to_string(),
                     self.shape != ShapeConfig::HalfSpace,
-                    "a shape of finite mass, because the object is free",
+                    "a shape of finite mass for a free object",
                 );
                 free.check(&format!("{key}.motion.free"), checker);
             }
@@ -127,7 +127,7 @@ impl ObjectConfig {
 }
 
 impl FreeConfig {
-    /// Requires every value of the table `key` to be in its range.
+    /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         checker.positive(&format!("{key}.density"), self.density);
         checker.not_negative(&format!("{key}.friction"), self.friction);
@@ -141,45 +141,45 @@ impl FreeConfig {
             &format!("{key}.inertia"),
             format!("{inertia:?}"),
             good,
-            "three moments more than 0, none of which exceeds the sum of the other two",
+            "three moments above 0, each at most the sum of the other two",
         );
     }
 }
 
-/// How an object moves.
+/// Motion of an object.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Motion {
-    /// Not at all.
+    /// The object does not move.
     Fixed,
-    /// About its z axis.
+    /// Rotation about the object's z axis.
     Turns(Hinge),
-    /// As a rigid body.
+    /// Rigid-body motion.
     Free(FreeConfig),
 }
 
-/// An object of one run.
+/// An object in a run.
 #[derive(Clone)]
 pub struct Object {
-    /// Its name in the experiment file.
+    /// Name in the experiment file.
     pub name: String,
-    /// Its shape.
+    /// Shape.
     pub shape: Shape,
-    /// The shape's centre in the object's frame, m.
+    /// Position of the shape's centre in the object's frame (m).
     pub offset: DVec3,
-    /// How it moves.
+    /// Motion.
     pub motion: Motion,
-    /// Where it is at the start.
+    /// Pose at the start.
     pub start: Pose,
-    /// Friction of feelers on it, where not each feeler's own.
+    /// Friction of feelers on the object, or `None` for that of each feeler.
     pub friction: Option<Friction>,
 }
 
 impl Object {
-    /// The object `name` that `config` describes; files are relative to `folder`. `angle` (rad)
-    /// turns it about its z axis at the start.
+    /// Creates the object `name` of `config`; files are relative to `folder`. At the start it is turned by `angle`
+    /// (rad) about its z axis.
     ///
     /// # Errors
-    /// When its shape cannot be made.
+    /// If the shape is invalid.
     pub fn new(
         name: &str,
         config: &ObjectConfig,
@@ -204,7 +204,7 @@ impl Object {
         })
     }
 
-    /// Mass of a free object, kg, at the start; none of what is not free.
+    /// Mass of a free object at the start (kg); `None` for other objects.
     pub fn mass(&self) -> Option<f64> {
         let Motion::Free(config) = &self.motion else {
             return None;
@@ -213,8 +213,8 @@ impl Object {
         Some(config.mass.unwrap_or_else(own))
     }
 
-    /// The surface point nearest to `point`, both m in the object's frame; `None` when `point` lies
-    /// on the surface to within rounding.
+    /// Surface point nearest to `point` (both in the object's frame, m). `None` if `point` is on the surface, up to
+    /// rounding.
     pub fn nearest(&self, point: DVec3) -> Option<SurfacePoint> {
         let nearest = self.shape.nearest(point - self.offset)?;
         Some(SurfacePoint {

@@ -1,4 +1,4 @@
-//! The picture of a simulated fingertip: spots or markers on a dome, as a noisy camera sees them.
+//! Renders images of a simulated fingertip: spots or markers on a dome, with camera noise.
 
 mod exposed_block;
 mod exposure;
@@ -23,25 +23,24 @@ use multiversion::multiversion;
 use rand_pcg::Pcg64;
 use std::ops::Range;
 
-/// Rows that are drawn at a time: as many as stay in the first cache.
+/// Number of rows that are rendered at a time; their data fits into the L1 cache.
 const BAND: usize = 8;
 
-/// What drawing a picture needs room for.
+/// Buffers for rendering, which avoid allocation.
 #[derive(Debug, Clone)]
 pub struct OpticsScratch {
-    /// What lights the picture.
+    /// Light sources of the image.
     lights: Vec<Light>,
-    /// Which of them each band shows, in their order: that in which they are added up.
+    /// Indices of the light sources in each band, in the order of summation.
     by_band: Vec<Vec<usize>>,
-    /// How much of each pixel of a band is lit, 0 between two bands; rows are padded to
-    /// whole noise lanes.
+    /// Coverage of each pixel of a band by spots, 0 between two bands. Rows are padded to whole noise blocks.
     lit: Vec<f32>,
-    /// In which noise blocks of a band the light is another one than at rest.
+    /// Noise blocks of a band whose light differs from that at rest.
     changed: Vec<bool>,
 }
 
 impl OpticsScratch {
-    /// Room for drawing one picture of `model` at a time.
+    /// Allocates the buffers for images of `model`.
     pub fn new(model: &OpticsModel) -> Self {
         let spots = model.spot_count();
         let bands = model.projection.height().div_ceil(BAND);
@@ -53,9 +52,9 @@ impl OpticsScratch {
         }
     }
 
-    /// What lights a picture with `forces`, and which band shows which.
+    /// Determines the light sources of an image with `forces`, and their bands.
     fn see(&mut self, model: &OpticsModel, forces: &[DVec3]) {
-        // Nothing is done here unless the scratch was made for another model.
+        // Has no effect unless the buffers were created for another model.
         self.lit.resize(BAND * model.padded_width(), 0.0);
         self.changed.resize(self.lit.len() / NOISE_LANES, false);
         let bands = model.projection.height().div_ceil(BAND);
@@ -89,12 +88,12 @@ impl OpticsScratch {
     }
 }
 
-/// Draws the picture of a fingertip with `forces` on its elements, N, each in its frame `E_i`.
+/// Renders the image of a fingertip with `forces` on its elements (N), each in its frame `E_i`.
 ///
-/// The same model, forces and state of `rng` give the same picture, bit for bit.
+/// The same model, forces and state of `rng` give a bit-identical image.
 ///
 /// # Errors
-/// When `forces` or `picture` has another size than the model.
+/// If the size of `forces` or `picture` differs from the model's.
 pub fn render(
     model: &OpticsModel,
     scratch: &mut OpticsScratch,
@@ -124,9 +123,9 @@ pub fn render(
     Ok(())
 }
 
-/// Draws band by band with the widest instructions that the processor has. They change no bit of the
-/// picture: every operation is a single one on integers or IEEE numbers, in the same order. What is called in here is inlined, as a
-/// function of its own would have none of them.
+/// Renders band by band with the widest vector instructions of the processor. Results are bit-identical on all of them,
+/// as every operation is a single one on integers or IEEE numbers, in the same order. Callees must be inlined: separate
+/// functions would not be compiled for these instructions.
 #[multiversion(targets("x86_64+avx512f+avx512bw+avx512dq+avx512vl+avx2", "x86_64+avx2"))]
 fn draw(model: &OpticsModel, scratch: &mut OpticsScratch, noise: &PictureNoise, pixels: &mut [u8]) {
     let (width, padded) = (model.projection.width(), model.padded_width());
@@ -141,7 +140,7 @@ fn draw(model: &OpticsModel, scratch: &mut OpticsScratch, noise: &PictureNoise, 
         let first = band * BAND;
         let own = || own.iter().filter_map(|&index| lights.get(index));
         let changes = own().filter_map(|light| light.changes(model)).reduce(hull);
-        // Where nothing changes, grey levels are in a table, block by block.
+        // Blocks without changes use the table of gray levels at rest.
         let wanted = changes.unwrap_or_default();
         let wanted =
             wanted.start / NOISE_LANES * NOISE_LANES..wanted.end.next_multiple_of(NOISE_LANES);
@@ -172,7 +171,7 @@ fn draw(model: &OpticsModel, scratch: &mut OpticsScratch, noise: &PictureNoise, 
     }
 }
 
-/// What holds both of these columns; those that are empty hold nothing.
+/// Smallest range that contains both; empty ranges are ignored.
 fn hull(one: Range<usize>, other: Range<usize>) -> Range<usize> {
     if one.is_empty() || other.is_empty() {
         return if one.is_empty() { other } else { one };
@@ -180,7 +179,7 @@ fn hull(one: Range<usize>, other: Range<usize>) -> Range<usize> {
     one.start.min(other.start)..one.end.max(other.end)
 }
 
-/// Whether two ranges have something in common.
+/// Returns `true` if the ranges overlap.
 fn meet(one: &Range<usize>, other: &Range<usize>) -> bool {
     one.start.max(other.start) < one.end.min(other.end)
 }

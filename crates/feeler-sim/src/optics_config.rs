@@ -1,51 +1,49 @@
-//! What the simulated fingertip is made of.
+//! Parameters of the simulated fingertip's optics and camera.
 
 use super::markers::MarkerConfig;
 use serde::{Deserialize, Serialize};
 
-/// Most noise of a camera, grey levels. In the brightest pixel both together are 36 levels, the most that pictures are drawn with.
+/// Maximum camera noise (gray levels). Both together are 36 levels in the brightest pixel, the maximum for rendering.
 const MAX_READ_NOISE: f64 = 30.0;
 const MAX_SHOT_NOISE: f64 = 1.2;
 
 /// Rubber, light and camera of a simulated fingertip.
 ///
-/// The paper gives none of these numbers; all are assumed.
+/// The paper does not give these numbers; all are assumed.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct OpticsConfig {
-    /// Young's modulus of the silicone rubber, Pa (assumed, typical of such feelers).
+    /// Young's modulus of the silicone rubber (Pa); typical of such feelers.
     pub youngs_modulus: f64,
-    /// Poisson's ratio of the rubber (assumed, nearly incompressible).
+    /// Poisson's ratio of the rubber; nearly incompressible.
     pub poisson_ratio: f64,
-    /// Angle between a cone's flank and the dome before they touch, degrees (assumed: the spots of
-    /// flatter cones would run into each other at full load).
+    /// Angle between a cone's flank and the dome without load (degrees). With flatter cones, spots would merge at full
+    /// load.
     pub cone_flank_deg: f64,
-    /// Radius of a cone's base, m; its contact cannot grow beyond (assumed).
+    /// Radius of a cone's base (m), which limits its contact.
     pub cone_base_radius: f64,
-    /// Radius of the circle about the element's axis on which its eight cones stand, m (assumed: up to
-    /// 2 N of compression and 1.8 N of shear, all spots but their rims stay in a sub-region of 2.6 mm).
+    /// Radius of the circle of an element's eight cones about its axis (m). Up to 2 N of compression and 1.8 N of
+    /// shear, all spots except their rims remain in a sub-region of 2.6 mm.
     pub cone_circle_radius: f64,
-    /// Height over the cones' tips at which a shear force acts on the feeler, m (assumed).
+    /// Height above the cones' tips at which a shear force acts on the feeler (m).
     pub lever_height: f64,
-    /// Load on each cone of an unloaded element, N (assumed).
+    /// Load on each cone of an unloaded element (N).
     pub preload: f64,
-    /// Shear stiffness with which the cones carry the column, N/m (assumed).
+    /// Shear stiffness of the cones that carry the column (N/m).
     pub shear_stiffness: f64,
-    /// Grey level of the dome where nothing touches it, at the picture's centre (assumed).
+    /// Gray level of the dome without contact, at the image's centre.
     pub background_gray: f64,
-    /// Grey level of a bright spot or of a marker, at the picture's centre; markers may be darker than the dome (assumed).
+    /// Gray level of a bright spot or marker, at the image's centre. Markers may be darker than the dome.
     pub spot_gray: f64,
-    /// Part of the light that is lost half a picture's width off the centre, growing with the square
-    /// of the distance (assumed).
+    /// Relative loss of light at half the image's width from the centre; it increases with the square of the distance.
     pub vignetting: f64,
-    /// Half the width of a spot's blurred edge, px (assumed).
+    /// Half of the width of a spot's blurred edge (px).
     pub blur_px: f64,
-    /// Standard deviation of the read noise, grey levels (assumed).
+    /// Standard deviation of the read noise (gray levels).
     pub read_noise: f64,
-    /// Standard deviation of the shot noise of one grey level; it grows with the root of the gray
-    /// value (assumed).
+    /// Standard deviation of the shot noise at gray level 1; it increases with the square root of the gray level.
     pub shot_noise: f64,
-    /// A marker for each element in place of its eight cones: where they stand is not used then.
+    /// Markers instead of cones. The parameters of cones are not used then.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub markers: Option<MarkerConfig>,
 }
@@ -72,58 +70,58 @@ impl Default for OpticsConfig {
     }
 }
 
-/// Why a simulated fingertip cannot be built or drawn.
+/// Error when creating or rendering a simulated fingertip.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum OpticsError {
-    /// A value of the configuration makes no sense.
+    /// A parameter is out of its range.
     #[error("{name} must lie between {low} and {high}, got {value}")]
     OutOfRange {
-        /// The field.
+        /// Name of the field.
         name: &'static str,
-        /// Least value.
+        /// Lower limit.
         low: f64,
-        /// Greatest value.
+        /// Upper limit.
         high: f64,
-        /// What it was.
+        /// Its value.
         value: f64,
     },
-    /// A cone of an unloaded element does not touch the dome where the camera sees it.
-    #[error("the camera does not see the cones of element {element}")]
+    /// A cone of an unloaded element does not touch the visible part of the dome.
+    #[error("the cones of element {element} are not visible to the camera")]
     Unseen {
         /// Index of the element.
         element: usize,
     },
-    /// The number of forces is not that of the elements.
-    #[error("forces for {expected} elements expected, got {actual}")]
+    /// The number of forces differs from the number of elements.
+    #[error("expected forces for {expected} elements, got {actual}")]
     ElementCount {
-        /// Elements of the fingertip.
+        /// Number of elements of the fingertip.
         expected: usize,
-        /// Forces that arrived.
+        /// Number of forces.
         actual: usize,
     },
-    /// The picture to draw has another size than the camera's.
+    /// The image has another size than the camera.
     #[error(
-        "a picture of {expected_width}x{expected_height} px expected, got {width}x{height} px in {pixels} values"
+        "expected an image of {expected_width}x{expected_height} px, got {width}x{height} px in {pixels} values"
     )]
     PictureSize {
-        /// Columns of the camera's pictures, px.
+        /// Columns of the camera (px).
         expected_width: usize,
-        /// Rows of the camera's pictures, px.
+        /// Rows of the camera (px).
         expected_height: usize,
-        /// Columns of the picture, px.
+        /// Columns of the image (px).
         width: usize,
-        /// Rows of the picture, px.
+        /// Rows of the image (px).
         height: usize,
-        /// Gray values in the picture.
+        /// Number of gray values in the image.
         pixels: usize,
     },
 }
 
 impl OpticsConfig {
-    /// Refuses values outside of what the model can draw.
+    /// Checks that values are in the range that can be rendered.
     ///
     /// # Errors
-    /// Names the field, its range and its value.
+    /// [`OpticsError::OutOfRange`] for the first value that is not.
     pub fn check(&self) -> Result<(), OpticsError> {
         let positive = f64::MIN_POSITIVE;
         let darkest = match self.markers {
@@ -150,7 +148,7 @@ impl OpticsConfig {
     }
 }
 
-/// Refuses a value, `(name, value, lowest, highest)`, that is out of its range.
+/// Checks values, given as `(name, value, lowest, highest)`.
 pub(super) fn in_range(values: &[(&'static str, f64, f64, f64)]) -> Result<(), OpticsError> {
     let out = values
         .iter()

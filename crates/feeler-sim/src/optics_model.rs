@@ -1,22 +1,21 @@
-//! Where a simulated fingertip's conical feelers press on the dome, and how the camera sees them.
+//! Contact of a simulated fingertip's conical feelers with the dome, and constant data for rendering.
 //!
-//! An element is a column on eight cones at radius `r_c` around its axis (paper, section II), each
-//! preloaded with `f_0`. A force on the feeler's tip, in the convention of
-//! [`TactileFrame`](feeler::sensor::reading::TactileFrame), loads cone k at `(x_k, y_k)` with
+//! An element is a column on eight cones at radius `r_c` around its axis (paper, section II), each with a preload
+//! `f_0`. A force on the feeler's tip, with the signs of a [`TactileFrame`](feeler::sensor::reading::TactileFrame),
+//! loads cone k at `(x_k, y_k)` with
 //!
 //! ```text
-//! f_k = f_0 + F_z / 8 + (F_x x_k + F_y y_k) h / sum x²,   not less than 0.
+//! f_k = f_0 + F_z / 8 + (F_x x_k + F_y y_k) h / sum x²,   at least 0.
 //! ```
 //!
-//! A shear force along +x acts at the height `h` over the cones: it tilts the column so that the
-//! cones on the +x side carry more, and it carries the whole foot along by `F_x / k_shift`. Both move
-//! the centroid of the bright spots in the direction of the shear force, by
-//! `F_x (h / (8 f_0 + F_z) + 1 / k_shift)` as long as no cone lifts off.
+//! A shear force along +x acts at the height `h` above the cones. It tilts the column, so that cones on the +x side
+//! carry more, and shifts the foot by `F_x / k_shift`. Both displace the centroid of the bright spots in the direction
+//! of the shear force, by `F_x (h / (8 f_0 + F_z) + 1 / k_shift)` while no cone lifts off.
 //!
-//! The contact of a cone is a disc with `f = 2 E* tan(a) r² / pi`, `E* = E / (1 - nu²)` (Sneddon's
-//! elastic cone), `a` between flank and dome: its area grows linearly with the load.
+//! The contact of a cone is a disc with `f = 2 E* tan(a) r² / pi` and `E* = E / (1 - nu²)` (Sneddon's elastic cone),
+//! where `a` is the angle between flank and dome. Its area is proportional to the load.
 //!
-//! Other fingertips have a marker for each element instead: see [`markers`](super::markers).
+//! Other fingertips have markers instead; see [`markers`](super::markers).
 
 use super::{
     camera_noise::NOISE_LANES,
@@ -29,23 +28,23 @@ use feeler::sensor::{dome::DomeProjection, layout::ElementLayout};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
 
-/// Conical feelers under one columnar feeler (paper, section II).
+/// Number of conical feelers under a columnar feeler (paper, section II).
 pub const CONES: usize = 8;
 
-/// One of an element's spots.
+/// A spot of an element: the contact of a cone, or a marker.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Spot {
-    /// Load of the cone, or of the marker's element, N.
+    /// Load of the cone, or of the marker's element (N).
     pub load: f64,
-    /// Centre in x, y of the element's frame `E_i`, m.
+    /// Centre, x and y in the element's frame `E_i` (m).
     pub centre: DVec2,
-    /// Radius of the contact, or of the marker, m.
+    /// Radius of the contact or marker (m).
     pub radius: f64,
-    /// How much it differs from the dome, relative to what the configuration says.
+    /// Contrast to the dome relative to the configured one.
     pub contrast: f64,
 }
 
-/// What the camera's picture consists of and does not change.
+/// Constant data for rendering the images of a fingertip.
 #[derive(Debug, Clone)]
 pub struct OpticsModel {
     pub(super) config: OpticsConfig,
@@ -53,29 +52,28 @@ pub struct OpticsModel {
     pub(super) projection: DomeProjection,
     cones: [DVec2; CONES],
     pub(super) markers: Option<MarkerModel>,
-    /// Area of a contact per load, m²/N.
+    /// Contact area per load (m²/N).
     area_per_load: f64,
-    /// Pixels per metre of the dome at each element: in the direction in which it is largest, and as
-    /// the root of the area factor.
+    /// Pixels per metre of the dome at each element: maximum over directions, and root of the area factor.
     pub(super) scales: Vec<(f64, f64)>,
-    /// x, y, z of the dome's point at each pixel, m, in `T`; far away where there is none.
+    /// Coordinates x, y and z in `T` of the dome's point at each pixel (m); far away for pixels without a point.
     pub(super) dome_points: [Vec<f32>; 3],
-    /// Part of the light that vignetting takes, by column (padded to whole noise lanes) and by row;
-    /// a pixel loses the sum of both.
+    /// Relative loss of light due to vignetting, by column (padded to whole noise blocks) and by row. A pixel's loss is
+    /// the sum of both.
     pub(super) light_lost_by_column: Vec<f32>,
     pub(super) light_lost_by_row: Vec<f32>,
     pub(super) drawn: DrawnBlocks,
-    /// The light of each element that bears nothing; none where there are markers, which move one another.
+    /// Light of each unloaded element. Empty with markers, as they influence each other.
     pub(super) at_rest: Vec<RestLight>,
-    /// The blocks of a picture on whose elements nothing acts, without noise; where there are markers, without them.
+    /// Blocks of the image of an unloaded fingertip without noise; with markers, of the dome alone.
     pub(super) exposed_at_rest: Vec<ExposedBlock>,
 }
 
 impl OpticsModel {
-    /// The optics of `config` for elements at `layout` seen through `projection`.
+    /// Creates the optics of `config` for elements at `layout`, projected by `projection`.
     ///
     /// # Errors
-    /// When a value is out of its range, or the camera does not see an element.
+    /// If a value is out of its range, or an element is not visible.
     pub fn new(
         config: &OpticsConfig,
         layout: &ElementLayout,
@@ -84,8 +82,8 @@ impl OpticsModel {
         config.check()?;
         let modulus = config.youngs_modulus / (1.0 - config.poisson_ratio.powi(2));
         let flank = config.cone_flank_deg.to_radians();
-        // Half a step off the element's axes: so turned, the spots of neighbours on a ring are
-        // farthest apart.
+        // Offset by half a step from the element's axes, which maximizes the distance between spots of neighbours on a
+        // ring.
         let cones = std::array::from_fn(|k| {
             config.cone_circle_radius * DVec2::from_angle(TAU * (k as f64 + 0.5) / CONES as f64)
         });
@@ -97,7 +95,7 @@ impl OpticsModel {
                     .ok_or(OpticsError::Unseen { element })
             })
             .collect::<Result<_, _>>()?;
-        // Per pixel squared off the centre.
+        // Loss per squared distance from the centre (1/px²).
         let lost_per_square = config.vignetting / (projection.width() as f64 / 2.0).powi(2);
         let mut model = Self {
             config: config.clone(),
@@ -129,8 +127,8 @@ impl OpticsModel {
         Ok(model)
     }
 
-    /// The same optics, of whose pictures no more needs drawing than `pixels` (column, row): these are what they were, to the bit; what
-    /// others are is left open.
+    /// Restricts rendering to the blocks that contain `pixels` (column, row). Those pixels are bit-identical to a full
+    /// image; others are unspecified.
     #[must_use]
     pub fn drawing_only(self, pixels: impl Iterator<Item = (usize, usize)>) -> Self {
         let (width, height) = (self.projection.width(), self.projection.height());
@@ -140,7 +138,7 @@ impl OpticsModel {
         }
     }
 
-    /// The spots of the cones of an element under `force`, N, in its frame `E_i`.
+    /// Spots of an element's cones under `force` in its frame `E_i` (N).
     pub fn spots(&self, force: DVec3) -> [Spot; CONES] {
         let config = &self.config;
         let sum_of_squares = 0.5 * CONES as f64 * config.cone_circle_radius.powi(2);
@@ -160,25 +158,25 @@ impl OpticsModel {
         })
     }
 
-    /// Spots in a picture.
+    /// Number of spots in an image.
     pub(super) fn spot_count(&self) -> usize {
         let markers = self.config.markers.as_ref();
         let per_element = markers.map_or(CONES, |markers| markers.per_element);
         per_element * self.layout.elements.len()
     }
 
-    /// Pixels of a row and what pads it to whole noise lanes.
+    /// Width of the image, padded to whole noise blocks.
     pub(super) fn padded_width(&self) -> usize {
         self.light_lost_by_column.len()
     }
 
-    /// Area of a cone's contact per load, m²/N.
+    /// Contact area of a cone per load (m²/N).
     pub fn area_per_load(&self) -> f64 {
         self.area_per_load
     }
 }
 
-/// Largest and mean number of pixels per metre of the dome within `radius` of an element's axis.
+/// Maximum and mean number of pixels per metre of the dome within `radius` of an element's axis.
 fn pixel_scales(
     layout: &ElementLayout,
     projection: &DomeProjection,
@@ -193,7 +191,7 @@ fn pixel_scales(
         let seen = |offset| projection.project(projection.lift(place + offset, own)?);
         let along_x = (seen(DVec2::X * step)? - seen(DVec2::ZERO)?) / step;
         let along_y = (seen(DVec2::Y * step)? - seen(DVec2::ZERO)?) / step;
-        // The local map's larger singular value.
+        // Larger singular value of the local map.
         let mean = (along_x.length_squared() + along_y.length_squared()) / 2.0;
         let area = along_x.perp_dot(along_y);
         let square = mean + (mean * mean - area * area).max(0.0).sqrt();
@@ -205,14 +203,14 @@ fn pixel_scales(
     Some((largest, area.sqrt().recip()))
 }
 
-/// The dome's point at each pixel.
+/// Points of the dome at all pixels.
 fn dome_points(projection: &DomeProjection) -> [Vec<f32>; 3] {
     let (width, height) = (projection.width(), projection.height());
     let mut points = [(); 3].map(|()| Vec::with_capacity(width * height));
     for row in 0..height {
         for column in 0..width {
             let pixel = DVec2::new(column as f64, row as f64);
-            // A metre away from the dome, where no spot reaches.
+            // A metre away from the dome, out of reach of all spots.
             let point = projection.point_at(pixel).unwrap_or(DVec3::ONE);
             for (points, coordinate) in points.iter_mut().zip(point.to_array()) {
                 points.push(coordinate as f32);
@@ -222,7 +220,7 @@ fn dome_points(projection: &DomeProjection) -> [Vec<f32>; 3] {
     points
 }
 
-/// Part of the light that vignetting takes along one axis of the picture.
+/// Relative loss of light due to vignetting along one axis of the image.
 fn light_lost(pixels: usize, centre: f64, per_square: f64) -> Vec<f32> {
     (0..pixels.next_multiple_of(NOISE_LANES))
         .map(|pixel| (per_square * (pixel as f64 - centre).powi(2)) as f32)

@@ -1,6 +1,6 @@
-//! A picture of the scene from outside, for people: links, domes with their elements coloured by force, and objects.
+//! Renders the scene from outside for human viewers: links, domes with elements coloured by force, and objects.
 //!
-//! A ray for each pixel, the nearest surface, and light from the camera's upper left: as little as it takes to see what goes on.
+//! A minimal ray caster: one ray per pixel, the nearest surface, and diffuse light from the camera's upper left.
 
 use super::free_bodies::{collider, to_library};
 use super::model::Finger;
@@ -12,13 +12,13 @@ use parry3d_f64::math::Pose as LibraryPose;
 use parry3d_f64::query::Ray;
 use parry3d_f64::shape::SharedShape;
 
-/// Radius of a link as it is drawn, m.
+/// Radius of a rendered link (m).
 const LINK_RADIUS: f64 = 0.005;
-/// Nothing is seen that is farther away, m.
+/// Maximum distance of visible surfaces (m).
 const FARTHEST: f64 = 10.0;
-/// Light that comes from everywhere, as a share of all.
+/// Fraction of ambient light.
 const AMBIENT: f64 = 0.35;
-/// Red, green, blue, from 0 to 1.
+/// Red, green and blue, from 0 to 1.
 type Colour = DVec3;
 
 const LINK: Colour = DVec3::new(0.45, 0.48, 0.55);
@@ -26,49 +26,47 @@ const DOME: Colour = DVec3::new(0.20, 0.22, 0.26);
 const FREE: Colour = DVec3::new(0.85, 0.60, 0.30);
 const TURNS: Colour = DVec3::new(0.30, 0.55, 0.80);
 const FIXED: Colour = DVec3::new(0.70, 0.70, 0.68);
-/// What is behind everything, at the picture's lower and upper end.
+/// Background at the lower and upper edge of the image.
 const BACKGROUND: [Colour; 2] = [DVec3::new(0.80, 0.82, 0.85), DVec3::new(0.96, 0.97, 0.98)];
-/// An element that bears nothing, half of the force that is drawn as most, and that.
+/// Colours of an unloaded element, at half of `most_force`, and at `most_force`.
 const FORCES: [Colour; 3] = [
     DVec3::new(0.55, 0.60, 0.68),
     DVec3::new(0.98, 0.80, 0.25),
     DVec3::new(0.85, 0.12, 0.10),
 ];
 
-/// Why no picture could be drawn.
+/// Error when rendering an image.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
 pub enum PictureError {
-    /// There is more or less room than pixels.
-    #[error(
-        "a picture of {width} x {height} pixels takes {expected} bytes, there is room for {actual}"
-    )]
+    /// The buffer has the wrong length.
+    #[error("an image of {width} x {height} pixels needs {expected} bytes, got {actual}")]
     Room {
-        /// Pixels to a row.
+        /// Columns.
         width: usize,
         /// Rows.
         height: usize,
-        /// Bytes of the picture, three to a pixel.
+        /// Required length: three bytes per pixel.
         expected: usize,
-        /// Bytes that there are.
+        /// Length of the buffer (bytes).
         actual: usize,
     },
 }
 
-/// Where the scene is seen from.
+/// Viewpoint and scale of a rendered scene.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct View {
-    /// Where the camera is, m, in W.
+    /// Position of the camera in W (m).
     pub eye: DVec3,
-    /// What is in the middle of the picture, m, in W.
+    /// Point at the centre of the image, in W (m).
     pub at: DVec3,
-    /// Angle from the lower to the upper edge, rad.
+    /// Vertical field of view (rad).
     pub field_of_view: f64,
-    /// Compression F_z of an element that is drawn as red as can be, N.
+    /// Compression F_z of an element that is rendered in full red (N).
     pub most_force: f64,
 }
 
 impl View {
-    /// Of all fingertips of `world`, from the front and somewhat above.
+    /// Default view of all fingertips of `world`, from the front and slightly above.
     pub fn of(world: &World) -> Self {
         let tips = || {
             world
@@ -88,10 +86,11 @@ impl View {
     }
 }
 
-/// Draws `world` as seen by `view`: `width` times `height` pixels, row by row from the top, red, green and blue of each, sRGB.
+/// Renders `world` from `view` into `rgb`: `width` times `height` pixels, row by row from the top, three bytes per
+/// pixel (sRGB).
 ///
 /// # Errors
-/// When `rgb` has another length.
+/// If `rgb` has the wrong length.
 pub fn draw(
     world: &World,
     view: &View,
@@ -113,7 +112,7 @@ pub fn draw(
     let light = (camera.y_axis + 0.8 * camera.z_axis - 0.6 * camera.x_axis).normalize_or_zero();
     for (index, pixel) in rgb.chunks_exact_mut(3).enumerate() {
         let (column, row) = (index % width, index / width);
-        // From the picture's middle, in halves of its height.
+        // Distance from the centre of the image, in halves of its height.
         let place = |at: usize, of: usize| (2 * at + 1) as f64 - of as f64;
         let right = half * place(column, width) / height as f64;
         let up = -half * place(row, height) / height as f64;
@@ -134,7 +133,7 @@ pub fn draw(
     Ok(())
 }
 
-/// The camera's frame in W: x to the right, y up, z backwards.
+/// Rotation of the camera's frame in W: x right, y up, z backwards.
 fn camera(view: &View) -> DMat3 {
     let backwards = (view.eye - view.at).try_normalize().unwrap_or(DVec3::Z);
     let right = DVec3::Z
@@ -144,7 +143,7 @@ fn camera(view: &View) -> DMat3 {
     DMat3::from_cols(right, backwards.cross(right), backwards)
 }
 
-/// Something to be seen.
+/// A visible body.
 struct Body<'a> {
     shape: SharedShape,
     pose: LibraryPose,
@@ -153,7 +152,7 @@ struct Body<'a> {
 
 enum Surface<'a> {
     Plain(Colour),
-    /// A dome, with its elements.
+    /// A dome with its elements.
     Dome(&'a Finger, &'a FingerState),
 }
 
@@ -179,7 +178,7 @@ fn bodies(world: &World) -> Vec<Body<'_>> {
     bodies
 }
 
-/// The links of a finger, from its base to its tip, and its dome.
+/// Links of a finger, from its base to its tip, and its dome.
 fn of_finger<'a>(finger: &'a Finger, now: &'a FingerState) -> Vec<Body<'a>> {
     let (geometry, tip) = (&finger.geometry, &now.tip);
     let [l2, _, l4] = geometry.links();
@@ -202,7 +201,7 @@ fn of_finger<'a>(finger: &'a Finger, now: &'a FingerState) -> Vec<Body<'a>> {
     bodies
 }
 
-/// The first body that `ray` meets, its normal there, and where, in W.
+/// First body that `ray` hits, with the normal and the point in W.
 fn nearest<'a>(bodies: &'a [Body<'a>], ray: &Ray) -> Option<(&'a Body<'a>, DVec3, DVec3)> {
     let mut found = None;
     let mut farthest = FARTHEST;
@@ -241,7 +240,7 @@ impl Body<'_> {
     }
 }
 
-/// The colour of a `share` of the most force.
+/// Colour for a `share` of the maximum force.
 fn of_force(share: f64) -> Colour {
     let [none, half, most] = FORCES;
     match share < 0.5 {

@@ -1,34 +1,34 @@
-//! Faults of the rig itself: of drives, joints and surfaces.
+//! Injected faults of the rig: drives, encoders, friction and masses.
 
 use super::fault::{FaultConfig, FaultKind};
 use super::model::WorldModel;
 use super::state::{FingerState, State};
 
-/// The faults of the rig, put on its state at every step. Those of sensors are left out.
+/// Applies faults of the rig to its state in every step. Ignores faults of tactile sensors.
 pub struct RigFaults {
     faults: Vec<(FaultConfig, Part)>,
-    /// Backlash of a joint without a fault, rad.
+    /// Backlash of a joint without a fault (rad).
     backlash: f64,
 }
 
-/// What is broken, as an index into the state. What does not exist is not broken.
+/// Faulty part, by its indices in the state. Indices that do not exist are ignored.
 enum Part {
     Stall(usize, usize),
     Backlash(usize, usize, f64),
-    /// The encoder of a joint shows its turns with this factor, from the angle (rad) that it showed when it broke.
+    /// Encoder of a joint with a wrong gain from the angle (rad) that it showed when the fault began.
     Gain(usize, usize, f64, Option<f64>),
-    /// The encoder of a joint shows so much too much, rad.
+    /// Encoder of a joint with an offset (rad).
     Jump(usize, usize, f64),
     Friction(Vec<usize>, f64),
     Mass(usize, MassChange),
 }
 
-/// A mass that changes evenly.
+/// Linear change of a mass.
 struct MassChange {
-    /// When it begins, s, and how long it takes, s.
+    /// Start and duration of the change (s).
     from: f64,
     over: f64,
-    /// Mass before and after, kg.
+    /// Mass before and after the change (kg).
     before: f64,
     after: f64,
 }
@@ -45,7 +45,7 @@ impl MassChange {
 }
 
 impl RigFaults {
-    /// Those of `faults` that concern the rig of `model`.
+    /// Selects those of `faults` that affect the rig of `model`.
     pub fn new(faults: &[FaultConfig], model: &WorldModel) -> Self {
         let part = |fault: &FaultConfig| match fault.kind {
             FaultKind::ServoStall { finger, joint } => Some(Part::Stall(finger, joint)),
@@ -95,7 +95,7 @@ impl RigFaults {
         }
     }
 
-    /// Puts those on `state` that are active at its time, and takes the others away.
+    /// Applies faults that are active at the state's time, and removes the others.
     pub fn apply(&mut self, state: &mut State) {
         for (_, part) in &self.faults {
             part.mend(state, self.backlash);
@@ -111,7 +111,7 @@ impl RigFaults {
 }
 
 impl Part {
-    /// Takes it away; joints without a fault have a `backlash`, rad.
+    /// Removes the fault; `backlash` is that of a joint without a fault (rad).
     fn mend(&self, state: &mut State, backlash: f64) {
         match self {
             &Self::Stall(finger, joint) => stall(state.fingers.get_mut(finger), joint, false),
@@ -130,7 +130,7 @@ impl Part {
         }
     }
 
-    /// Puts it on a state without it; of two on the same part, both.
+    /// Applies the fault to a state without it. Several faults of the same part accumulate.
     fn spoil(&mut self, state: &mut State) {
         match self {
             &mut Self::Stall(finger, joint) => stall(state.fingers.get_mut(finger), joint, true),
@@ -171,7 +171,7 @@ fn stall(finger: Option<&mut FingerState>, joint: usize, stalled: bool) {
     }
 }
 
-/// Changes gain and offset (rad) of a joint's encoder, given both and the joint's angle (rad).
+/// Changes the gain and offset (rad) of a joint's encoder, as a function of both and of the joint's angle (rad).
 fn read_wrong(
     finger: Option<&mut FingerState>,
     joint: usize,

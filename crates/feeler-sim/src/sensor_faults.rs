@@ -1,19 +1,19 @@
-//! Faults of one finger's sensor: what of an exposure arrives, and when.
+//! Injected faults of one finger's tactile sensor: lost, late, frozen and corrupted exposures.
 
 use super::fault::{FaultConfig, FaultKind, SAME_TIME};
 use super::random::{Generator, Purpose, chance, generator};
 use feeler::sensor::frame::Picture;
 use glam::DVec3;
 
-/// The faults of one finger's sensor. Everything is allocated when it is built.
+/// Faults of one finger's tactile sensor. Allocates only on construction.
 #[derive(Debug, Clone)]
 pub struct SensorFaults {
     faults: Vec<(FaultConfig, Generator)>,
-    /// Exposures so far.
+    /// Number of exposures so far.
     exposures: u64,
-    /// Exposures that may still be on their way, oldest overwritten first; none when none is ever late.
+    /// Ring buffer of exposures that may not have arrived yet; empty without latency.
     under_way: Vec<Exposure>,
-    /// The newest exposure that has arrived.
+    /// Sequence number of the latest exposure that has arrived.
     arrived: Option<u64>,
 }
 
@@ -28,17 +28,17 @@ struct Exposure {
 /// An exposure that has arrived.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Arrival {
-    /// Its sequence number.
+    /// Sequence number.
     pub sequence: u64,
-    /// Its time, s.
+    /// Time of the exposure (s).
     pub stamp: f64,
-    /// Whether it shows what the one before showed, noise and all.
+    /// `true` if it repeats the previous one, including noise.
     pub frozen: bool,
 }
 
 impl SensorFaults {
-    /// Those of `faults` that concern the sensor of `finger`, which has so many `elements` and is
-    /// exposed every `period`, s. What they draw is drawn from `seed`.
+    /// Selects those of `faults` that affect the sensor of `finger`, which has `elements` and is exposed every `period`
+    /// (s). `seed` determines random losses.
     pub fn new(
         faults: &[FaultConfig],
         finger: usize,
@@ -69,13 +69,13 @@ impl SensorFaults {
         }
     }
 
-    /// Whether there are none.
+    /// Returns `true` if there are no faults.
     pub fn is_empty(&self) -> bool {
         self.faults.is_empty()
     }
 
-    /// The sensor is exposed at `now` (s) to `forces`: what has arrived of this and earlier exposures,
-    /// if anything new has. `forces` are then those that it shows.
+    /// Exposes the sensor at `now` (s) to `forces`. Returns the latest exposure if one has arrived since the last call,
+    /// and replaces `forces` by its forces.
     pub fn expose(&mut self, now: f64, forces: &mut [DVec3]) -> Option<Arrival> {
         let sequence = self.exposures;
         self.exposures += 1;
@@ -106,7 +106,7 @@ impl SensorFaults {
         })
     }
 
-    /// Overwrites the rows of a `picture` exposed at `stamp` that are stuck.
+    /// Overwrites the stuck rows of a `picture` that was exposed at `stamp`.
     pub fn overwrite_rows(&self, stamp: f64, picture: &mut Picture) {
         for (fault, _) in self.faults.iter().filter(|(f, _)| f.active(stamp)) {
             if let FaultKind::StuckRows {
@@ -122,7 +122,7 @@ impl SensorFaults {
         }
     }
 
-    /// Takes away what dead elements do not feel; whether the exposure is lost.
+    /// Zeroes the forces of dead elements. Returns `true` if the exposure is lost.
     fn spoil(&mut self, now: f64, forces: &mut [DVec3]) -> bool {
         let mut lost = false;
         for (fault, random) in &mut self.faults {
@@ -147,7 +147,7 @@ impl SensorFaults {
         faults.any(|(fault, _)| kind(&fault.kind) && fault.active(time))
     }
 
-    /// Puts an exposure on its way.
+    /// Stores an exposure in the latency buffer.
     fn send(&mut self, sequence: u64, stamp: f64, due: f64, forces: &[DVec3]) {
         let places = self.under_way.len() as u64;
         let place = &mut self.under_way[(sequence % places) as usize];
@@ -157,7 +157,7 @@ impl SensorFaults {
         }
     }
 
-    /// The stamp of the newest exposure that is there by `now`, unless it was before; its forces.
+    /// Stamp of the latest exposure that has arrived by `now`, if it is new; writes its forces to `forces`.
     fn receive(&mut self, now: f64, forces: &mut [DVec3]) -> Option<f64> {
         let there = self.under_way.iter().filter(|e| e.due <= now + SAME_TIME);
         let newest = there.max_by_key(|exposure| exposure.sequence)?;

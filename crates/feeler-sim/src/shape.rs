@@ -1,4 +1,4 @@
-//! Shapes to touch, each in a frame of its own: origin at its centre, z along its axis.
+//! Shapes of objects in their own frames: origin at the centre, z along the axis.
 
 pub use super::shape_config::ShapeConfig;
 
@@ -11,38 +11,38 @@ use parry3d_f64::math::{Pose as LibraryPose, Rotation, Vector};
 use parry3d_f64::shape::{Cylinder, SharedShape, TriMeshFlags};
 use std::path::{Path, PathBuf};
 
-/// Why a shape cannot be made.
+/// Error when creating a shape.
 #[derive(Debug, thiserror::Error)]
 pub enum ShapeError {
-    /// Its file cannot be used.
+    /// The mesh file is invalid.
     #[error("{}: {source}", file.display())]
     Mesh {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What is wrong with it.
+        /// Cause.
         source: Box<MeshError>,
     },
-    /// A section has no area.
-    #[error("expected a section with an area")]
+    /// A section has zero area.
+    #[error("the section has zero area")]
     NoArea,
-    /// The library refuses the mesh, or its corners have no hull.
+    /// The mesh is rejected by parry, or its corners have no convex hull.
     #[error("{}: expected {expected}", file.display())]
     Unfit {
-        /// The file.
+        /// Path of the file.
         file: PathBuf,
-        /// What is needed.
+        /// Expected mesh.
         expected: &'static str,
     },
 }
 
-/// The prism over a section.
+/// Extrudes a section to a prism.
 fn drawn_out(section: &[DVec2], height: f64) -> Result<Form, ShapeError> {
     prism(section, height)
         .map(Form::Other)
         .ok_or(ShapeError::NoArea)
 }
 
-/// The mesh in `file`, relative to `folder`.
+/// Reads the mesh in `file`, relative to `folder`.
 fn mesh(folder: &Path, file: &Path, scale: f64) -> Result<TriangleMesh, ShapeError> {
     read_mesh(&folder.join(file), scale).map_err(|source| ShapeError::Mesh {
         file: file.to_path_buf(),
@@ -50,23 +50,23 @@ fn mesh(folder: &Path, file: &Path, scale: f64) -> Result<TriangleMesh, ShapeErr
     })
 }
 
-/// The point of a surface that is nearest to a query point.
+/// The surface point nearest to a query point.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct SurfacePoint {
-    /// The point, m, in the shape's frame.
+    /// Position in the shape's frame (m).
     pub position: DVec3,
-    /// The outward unit normal there, in the shape's frame.
+    /// Outward unit normal in the shape's frame.
     pub normal: DVec3,
-    /// Distance of the query point from the surface, m; negative inside.
+    /// Signed distance of the query point from the surface (m); negative inside.
     pub distance: f64,
 }
 
-/// The side of a cylinder that stands along z, around the origin.
+/// Side surface of an upright cylinder around the origin.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Side {
-    /// m.
+    /// Radius (m).
     radius: f64,
-    /// m.
+    /// Half of the height (m).
     half_height: f64,
 }
 
@@ -78,14 +78,14 @@ impl Side {
         }
     }
 
-    /// Of the way around it of tips' centres whose radius is `tip_radius`, m; 1/m.
+    /// Curvature of the path of tips' centres around the cylinder (1/m), for tips of radius `tip_radius` (m).
     #[inline(always)]
     pub fn curvature(&self, tip_radius: f64) -> f64 {
         1.0 / (self.radius + tip_radius)
     }
 
-    /// The point of the side nearest to `point`, m, and whether that is beside it: outside, below the top and above the bottom. Where it is not, the
-    /// answer means nothing.
+    /// Nearest point on the side to `point` (m), and `true` if `point` is outside the cylinder, between the planes of
+    /// its ends. If `false`, the point is meaningless.
     #[inline(always)]
     pub fn nearest(&self, point: DVec3) -> (SurfacePoint, bool) {
         let away = point.truncate().length();
@@ -110,18 +110,18 @@ pub struct Shape {
 
 #[derive(Clone)]
 enum Form {
-    /// By itself, because it is by far the most frequent, and feelers are beside it.
+    /// A separate variant for speed: the most frequent shape, touched mostly on its side.
     Cylinder(Cylinder),
-    /// With the plain cylinder around it.
+    /// With the circumscribed plain cylinder.
     Knurled(Box<KnurledCylinder>, Cylinder),
     Other(SharedShape),
 }
 
 impl Shape {
-    /// The shape that `config` describes; files are relative to `folder`.
+    /// Creates the shape of `config`; files are relative to `folder`.
     ///
     /// # Errors
-    /// When a file cannot be read or holds no shape.
+    /// If a file cannot be read, or does not contain a valid shape.
     pub fn new(config: &ShapeConfig, folder: &Path) -> Result<Self, ShapeError> {
         let form = match config {
             &ShapeConfig::Cylinder { radius, height } => {
@@ -159,7 +159,7 @@ impl Shape {
                 let hull = SharedShape::convex_hull(&mesh.vertices);
                 Form::Other(hull.ok_or_else(|| ShapeError::Unfit {
                     file: file.clone(),
-                    expected: "corners that do not lie in one plane",
+                    expected: "corners that are not coplanar",
                 })?)
             }
             ShapeConfig::Mesh { file, scale } => {
@@ -167,7 +167,7 @@ impl Shape {
                     vertices,
                     triangles,
                 } = mesh(folder, file, *scale)?;
-                // The flags that tell inside from outside.
+                // These flags are required to distinguish inside from outside.
                 let mesh = SharedShape::trimesh_with_flags(
                     vertices,
                     triangles,
@@ -175,15 +175,15 @@ impl Shape {
                 );
                 Form::Other(mesh.map_err(|_| ShapeError::Unfit {
                     file: file.clone(),
-                    expected: "a mesh in which every edge joins two triangles",
+                    expected: "a mesh whose edges each join two triangles",
                 })?)
             }
         };
         Ok(Self { form })
     }
 
-    /// The surface point nearest to `point` (m, shape's frame), or `None` when `point` lies on the
-    /// surface to within rounding, where the direction to it tells no normal.
+    /// Surface point nearest to `point` (m, shape's frame). `None` if `point` is on the surface, up to rounding, where
+    /// the direction to the nearest point defines no normal.
     pub fn nearest(&self, point: DVec3) -> Option<SurfacePoint> {
         let (position, inside) = match &self.form {
             Form::Knurled(cylinder, _) => return cylinder.nearest(point),
@@ -214,7 +214,7 @@ impl Shape {
         })
     }
 
-    /// The side that feelers touch, where the shape is a plain cylinder.
+    /// Side surface, if the shape is a plain cylinder.
     pub(super) fn side(&self) -> Option<Side> {
         match &self.form {
             Form::Cylinder(cylinder) => Some(Side::of(cylinder)),
@@ -222,10 +222,10 @@ impl Shape {
         }
     }
 
-    /// What the rigid-body library collides, and its pose in the shape's frame. Knurls are left
-    /// out: a knurled cylinder collides as a plain one.
+    /// Collision shape for parry and rapier, and its pose in the shape's frame. A knurled cylinder collides as a plain
+    /// one.
     pub fn collider(&self) -> (SharedShape, LibraryPose) {
-        // The library's cylinders stand along y, ours along z.
+        // parry's cylinders are along y, those here along z.
         let upright = LibraryPose::from_parts(
             Vector::ZERO,
             Rotation::from_rotation_x(std::f64::consts::FRAC_PI_2),
@@ -238,14 +238,13 @@ impl Shape {
         }
     }
 
-    /// Mass, centre of mass and inertia at `density`, kg/m³, in the shape's frame.
+    /// Mass, centre of mass and inertia at `density` (kg/m³), in the shape's frame.
     pub fn mass_properties(&self, density: f64) -> MassProperties {
         let (shape, pose) = self.collider();
         shape.mass_properties(density).transform_by(&pose)
     }
 
-    /// Half the size of the box around the shape in its frame, m, and that box's centre; `None` for
-    /// a half-space.
+    /// Half extents (m) and centre of the bounding box in the shape's frame. `None` for a half-space.
     pub fn bounds(&self) -> Option<(DVec3, DVec3)> {
         let (shape, pose) = self.collider();
         let bounds = shape.compute_aabb(&pose);
@@ -254,7 +253,7 @@ impl Shape {
     }
 }
 
-/// The library's cylinders stand along y, ours along z.
+/// Rotates from z-up to parry's y-up coordinates.
 fn to_library_axes(p: DVec3) -> Vector {
     Vector::new(p.x, p.z, -p.y)
 }

@@ -1,78 +1,78 @@
-//! Shapes, as an experiment file describes them.
+//! Parameters of shapes in an experiment file.
 
 use feeler::check::Checker;
 use serde::{Deserialize, Serialize};
 use std::path::PathBuf;
 
-/// Most knurls around a cylinder: finer ones than a feeler could ever feel.
+/// Maximum number of knurls; far finer ones than a feeler can resolve.
 const MAX_KNURLS: u32 = 10_000;
 
-/// Most corners of a section: each becomes hundreds when it is rounded.
+/// Maximum number of a section's corners; rounding replaces each by hundreds.
 const MAX_CORNERS: usize = 32;
 
-/// A shape, as an experiment file describes it. Lengths in metres.
+/// A shape in an experiment file. Lengths are in metres.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ShapeConfig {
     /// An upright cylinder.
     Cylinder {
-        /// Radius, m.
+        /// Radius (m).
         radius: f64,
-        /// Height, m.
+        /// Height (m).
         height: f64,
     },
-    /// An upright cylinder with knurls along its side, or an oval one, or both.
+    /// An upright cylinder with a knurled or oval side.
     KnurledCylinder {
-        /// Radius at the crests, m.
+        /// Radius at the crests (m).
         radius: f64,
-        /// Height, m.
+        /// Height (m).
         height: f64,
-        /// Knurls around the side.
+        /// Number of knurls.
         knurls: u32,
-        /// From crest to groove, m.
+        /// Depth of the grooves (m).
         depth: f64,
-        /// Relative excess of the radius along x, and lack of it along y.
+        /// Relative increase of the radius along x and decrease along y.
         #[serde(default)]
         ovality: f64,
     },
-    /// An upright cylinder whose section is an ellipse.
+    /// An upright cylinder with an elliptic section.
     EllipticCylinder {
-        /// Semi-axes along x and y, m.
+        /// Semi-axes along x and y (m).
         semi_axes: [f64; 2],
-        /// Height, m.
+        /// Height (m).
         height: f64,
     },
     /// An upright prism with a convex section and rounded edges.
     RoundedPrism {
-        /// The section's corners before they are rounded, x and y, m: their hull.
+        /// Corners (x, y) whose convex hull is the section before rounding (m).
         corners: Vec<[f64; 2]>,
-        /// Everything within this distance of the hull belongs to the section, m.
+        /// Radius of the edges: distance by which the hull is grown (m).
         rounding: f64,
-        /// Height, m.
+        /// Height (m).
         height: f64,
     },
-    /// A box.
+    /// A cuboid.
     Box {
-        /// Lengths along x, y and z, m.
+        /// Lengths along x, y and z (m).
         size: [f64; 3],
     },
     /// A sphere.
     Sphere {
-        /// Radius, m.
+        /// Radius (m).
         radius: f64,
     },
-    /// An upright cylinder with half a sphere at either end.
+    /// An upright cylinder with hemispherical ends.
     Capsule {
-        /// Radius, m.
+        /// Radius (m).
         radius: f64,
-        /// Distance of the spheres' centres, m.
+        /// Distance between the hemispheres' centres (m).
         length: f64,
     },
-    /// Everything below z = 0: a table, a wall.
+    /// The half-space below z = 0, such as a table or a wall.
     HalfSpace,
-    /// The convex hull of a mesh's corners.
+    /// The convex hull of a mesh.
     ConvexHull {
-        /// STL or OBJ file, relative to the experiment's.
+        /// STL or OBJ file, relative to the experiment's folder.
         file: PathBuf,
         /// Metres per unit of the file.
         #[serde(default = "one")]
@@ -80,7 +80,7 @@ pub enum ShapeConfig {
     },
     /// A closed triangle mesh.
     Mesh {
-        /// STL or OBJ file, relative to the experiment's.
+        /// STL or OBJ file, relative to the experiment's folder.
         file: PathBuf,
         /// Metres per unit of the file.
         #[serde(default = "one")]
@@ -93,7 +93,7 @@ fn one() -> f64 {
 }
 
 impl ShapeConfig {
-    /// Requires every value of the shape at `key` to be in its range. Files are looked at when they are read.
+    /// Checks that every value of the shape at `key` is in its range. Files are checked when they are read.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         let mut size = |kind: &str, fields: &[(&str, f64)]| {
             for (field, value) in fields {

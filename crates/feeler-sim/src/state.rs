@@ -87,7 +87,7 @@ pub struct Contact {
     pub element: usize,
     /// Index of the object.
     pub object: usize,
-    /// Where the feeler sticks to the object.
+    /// Point where the feeler sticks to the object.
     pub anchor: Anchor,
     /// Rolling distance since the anchor was last projected onto the surface (m).
     pub rolled: f64,

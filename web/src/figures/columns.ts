@@ -1,9 +1,9 @@
-/** What a series shows at the rows of a run. */
+/** Values of a series at the rows of a run. */
 import type { Series } from "../page_data";
 import { PageProblem } from "../problem";
 import type { Table } from "../table";
 
-/** The series in SI units at a row; NaN where it has no value. */
+/** Value of a series at a row in SI units; NaN if there is none. */
 export type At = (row: number) => number;
 
 export function seriesAt(series: Series, table: Table): At {
@@ -15,7 +15,7 @@ export function seriesAt(series: Series, table: Table): At {
 function columnAt(from: NonNullable<Series["column"]>, series: string, table: Table): At {
   const column = table.column(from.name);
   if (!column)
-    throw new PageProblem(`Series “${series}” needs column “${from.name}”, which is not on record.`);
+    throw new PageProblem(`Series “${series}” needs column “${from.name}”, which was not recorded.`);
   const { index, bit } = from;
   if (bit === undefined) return (row) => column.at(row, index);
   return (row) => {
@@ -24,14 +24,14 @@ function columnAt(from: NonNullable<Series["column"]>, series: string, table: Ta
   };
 }
 
-/** Points of a series' own stand at the rows nearest to their times. */
+/** Separate points are assigned to the rows nearest to their times. */
 function pointsAt({ x, y, row }: NonNullable<Series["points"]>, table: Table): At {
   const values = new Map<number, number>();
   x.forEach((time, i) => values.set(row?.[i] ?? table.rowAt(time), y[i] ?? NaN));
   return (at) => values.get(at) ?? NaN;
 }
 
-/** All rows, as uPlot takes them: nothing where there is no value. */
+/** Values of all rows for uPlot; `null` if there is no value. */
 export function plotted(at: At, rows: number, scale: number): (number | null)[] {
   return Array.from({ length: rows }, (_, row) => {
     const value = at(row);

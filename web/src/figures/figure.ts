@@ -1,4 +1,4 @@
-/** A figure that answers, in place of the still picture that the document has. */
+/** An interactive figure, which replaces the static figure of the document. */
 import type { Figure, Panel } from "../page_data";
 import type { Playback } from "../playback";
 import { PageProblem } from "../problem";
@@ -10,11 +10,11 @@ import { TimeAxis } from "./time_axis";
 import { TimePanel } from "./time_panel";
 import { XyPanel } from "./xy_panel";
 
-/** Least width of a panel beside another one, and what is between them, px. */
+/** Minimum width of a panel that is next to another one, and the gap between them (px). */
 const NARROWEST = 200;
 const GAP = 12;
 
-/** What figures may show besides points of their own. */
+/** Run and playback that figures are linked to. */
 export interface Moments {
   run: Run;
   playback: Playback;
@@ -29,7 +29,7 @@ export class FigureView {
   #visible = true;
   #width = 0;
 
-  /** Puts the figure into its `<figure>`. */
+  /** Inserts the figure into its `<figure>`. */
   constructor(figure: Figure, place: HTMLElement, moments: Moments | undefined) {
     const times = figure.panels.filter((panel) => panel.kind === "time");
     this.#axis = moments && new TimeAxis(moments.run.table, times[0]?.rows);
@@ -58,18 +58,18 @@ export class FigureView {
   }
 
   #panel(panel: Panel, times: Panel[], moments: Moments | undefined): PanelView {
-    // Without a run, time is an axis like any other.
+    // Without a run, time is an ordinary axis.
     if (panel.kind === "xy" || (!moments && panel.series.every((series) => series.points))) {
       return new XyPanel(panel, moments?.playback);
     }
     if (!moments || !this.#axis)
-      throw new PageProblem("This figure needs the run's data, which this page lacks.");
+      throw new PageProblem("This figure requires run data, but the page has none.");
     const place = { first: panel === times[0], last: panel === times.at(-1) };
     return new TimePanel(panel, moments.run, moments.playback, this.#axis, place);
   }
 
   #fit(width: number): void {
-    // Panels change the height themselves.
+    // Panels also change the height.
     if (width <= 0 || width === this.#width) return;
     this.#width = width;
     const columns = Math.max(1, Math.min(this.#columns, Math.floor(width / NARROWEST)));
@@ -80,7 +80,7 @@ export class FigureView {
   }
 }
 
-/** The figures of the page, each in its place in the document. */
+/** The interactive figures of the page, each in its place in the document. */
 export function figureViews(figures: Figure[], moments: Moments | undefined): FigureView[] {
   return figures.flatMap((figure) => {
     const id = `fig-${String(figure.number).padStart(2, "0")}`;
@@ -89,7 +89,7 @@ export function figureViews(figures: Figure[], moments: Moments | undefined): Fi
     try {
       return [new FigureView(figure, place, moments)];
     } catch (error) {
-      // The still picture stays.
+      // The static figure remains.
       place.append(make("p", { class: "note" }, error instanceof Error ? error.message : String(error)));
       return [];
     }

@@ -1,22 +1,22 @@
-/** Clicks and fingers on a panel: one finger moves the cursor, two zoom, two quick taps reset. */
+/** Mouse and touch gestures on a panel: one finger moves the cursor, two fingers zoom, a double tap resets. */
 
 export interface Gestures {
-  /** The cursor is wanted at this place, px from the panel's left and top. */
+  /** Moves the cursor to this position, in px from the panel's left and top. */
   point(x: number, y: number): void;
-  /** What was at `from` is wanted at `to`: both ends of a pinch, px from the left. */
+  /** Scales the axis so that the values at `from` appear at `to`: the two fingers of a pinch, in px from the left. */
   pinch(from: [number, number], to: [number, number]): void;
   reset(): void;
-  /** A click or tap at this place, px from the panel's left and top; not the end of a drag. */
+  /** A click or tap at this position, in px from the panel's left and top; not called at the end of a drag. */
   click(x: number, y: number): void;
 }
 
-/** Taps within this time are one gesture, ms. */
+/** Maximum time between two taps of a double tap (ms). */
 const DOUBLE_TAP = 300;
 
 export function startGestures(over: HTMLElement, gestures: Gestures): void {
   const fingers = new Map<number, number>();
   let lastTap = 0;
-  // Up and down still scrolls the page.
+  // Vertical swipes still scroll the page.
   over.style.touchAction = "pan-y";
   const place = (event: MouseEvent): [number, number] => {
     const { left, top } = over.getBoundingClientRect();
@@ -25,7 +25,7 @@ export function startGestures(over: HTMLElement, gestures: Gestures): void {
   const touch = (act: (event: PointerEvent) => void) => (event: PointerEvent) => {
     if (event.pointerType === "touch") act(event);
   };
-  // uPlot lets no click through that ends a drag.
+  // uPlot suppresses the click at the end of a drag.
   over.addEventListener("click", (event) => gestures.click(...place(event)));
   over.addEventListener(
     "pointerdown",

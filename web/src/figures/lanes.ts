@@ -1,18 +1,18 @@
-/** States, each a lane that is filled while the state holds. */
+/** State lanes, which are filled while the state is active. */
 import type uPlot from "uplot";
 import type { Panel } from "../page_data";
 import { pageColour } from "../ui/colours";
 import { scaled } from "./shading";
 import { FONT, seriesColour } from "./style";
 
-/** Height of a lane, px. */
+/** Height of a lane (px). */
 export const LANE = 20;
-/** What a bar leaves free of its lane, above and below. */
+/** Margin above and below a bar, as a fraction of the lane's height. */
 const FREE = 0.18;
 
 export const hasLanes = (panel: Panel): boolean => panel.series.every((series) => series.line === "states");
 
-/** The bars of the `lane`th of `lanes` from the top, filled from a row on until the next. */
+/** Path builder for the bars of lane number `lane` from the top. The state of a row extends to the next row. */
 export function bars(lane: number, lanes: number): uPlot.Series.PathBuilder {
   return (u, series, first, last) => {
     const fill = new Path2D();
@@ -30,7 +30,7 @@ export function bars(lane: number, lanes: number): uPlot.Series.PathBuilder {
   };
 }
 
-/** Writes the lanes' names at their left ends. */
+/** Draws the names of the lanes at their left ends. */
 export function nameLanes({ ctx, bbox }: uPlot, panel: Panel): void {
   const height = bbox.height / panel.series.length;
   ctx.save();

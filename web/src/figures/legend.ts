@@ -1,4 +1,4 @@
-/** The entries above a panel: a series' colour and name, its value at the cursor, and a click that hides it. */
+/** Legend above a panel: colour and name of each series, its value at the cursor, and a button that hides it. */
 import type { Panel } from "../page_data";
 import { make, setText } from "../ui/dom";
 import { axisTitle, seriesColour } from "./style";
@@ -18,13 +18,13 @@ export class Legend {
     );
     panel.series.forEach((series, i) => {
       const entry = this.#entry(series.name, i, toggle);
-      // What the legend does not name stays without an entry.
+      // Unnamed series have no entry.
       if (series.name) this.element.append(entry);
     });
     this.paint();
   }
 
-  /** Writes the values of all series, as they are to be read. */
+  /** Shows the formatted values of all series. */
   show(valueOf: (series: number) => string): void {
     this.#values.forEach((output, i) => setText(output, valueOf(i)));
   }

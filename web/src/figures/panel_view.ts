@@ -1,11 +1,11 @@
-/** What a figure asks of each of its panels. */
+/** Interface of a figure's panels. */
 export interface PanelView {
   readonly element: HTMLElement;
   setWidth(width: number): void;
-  /** Shows the moment of a row. */
+  /** Shows the time of a row. */
   showRow(row: number): void;
-  /** Takes the page's colours as they are now. */
+  /** Redraws with the current colours of the page. */
   paint(): void;
-  /** Takes the rows as they are now. */
+  /** Redraws with the current rows. */
   refresh(): void;
 }

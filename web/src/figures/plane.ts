@@ -1,4 +1,4 @@
-/** Parts of a plane that a panel shows. */
+/** Windows of a plane, and axis transformations. */
 import type { Axis } from "../page_data";
 
 export type Range = [number, number];
@@ -8,12 +8,12 @@ export interface Window {
   y: Range;
 }
 
-/** Where a value in SI units stands along an axis, in the axis' unit or as its logarithm. */
+/** Position of a value (SI units) along an axis, in the axis' unit or as its logarithm. */
 export function placeOn({ scale, log }: Axis, value: number): number {
   return log ? Math.log10(value * scale) : value * scale;
 }
 
-/** Ticks of an axis that shows logarithms: powers of ten; with them 2 and 5 times each, where these are few. */
+/** Ticks of a logarithmic axis, as logarithms: powers of ten, or 1, 2 and 5 times these on an axis of few decades. */
 export function decades(low: number, high: number): number[] {
   const factors = high - low > 2.5 ? [1] : [1, 2, 5];
   const powers = Array.from(
@@ -28,7 +28,7 @@ const middle = ([low, high]: Range) => (low + high) / 2;
 const span = ([low, high]: Range) => high - low;
 const around = (centre: number, width: number): Range => [centre - width / 2, centre + width / 2];
 
-/** What holds all points, with some air. */
+/** Window that contains all points, with a margin. */
 export function windowAround(points: Iterable<readonly [number, number]>, air = 0.05): Window {
   const x: Range = [Infinity, -Infinity];
   const y: Range = [Infinity, -Infinity];
@@ -39,13 +39,13 @@ export function windowAround(points: Iterable<readonly [number, number]>, air = 
   return { x: airy(x, air), y: airy(y, air) };
 }
 
-/** The smallest window of one scale along x and y that holds this one, on a panel so many pixels wide and high. */
+/** Smallest window with equal scales along x and y that contains this one, for a panel of this size (px). */
 export function equalScale({ x, y }: Window, width: number, height: number): Window {
   const perPixel = Math.max(span(x) / width, span(y) / height);
   return { x: around(middle(x), perPixel * width), y: around(middle(y), perPixel * height) };
 }
 
-/** The window about which two fingers, at `from` on the panel's width before and at `to` now, have closed or opened. */
+/** Window after a pinch from `from` to `to`, both in px along the panel's width. */
 export function pinched({ x, y }: Window, width: number, from: Range, to: Range): Window {
   if (Math.abs(span(to)) < 8) return { x, y };
   const factor = span(from) / span(to);

@@ -1,17 +1,17 @@
-/** The points of a series in a plane: drawn, and found under a cursor. */
+/** Points of a series in a plane: drawing, and search near the cursor. */
 import type uPlot from "uplot";
 import type { Axis, Series } from "../page_data";
 import { placeOn } from "./plane";
 
-/** Radius of a dot, px. */
+/** Radius of a dot (px). */
 const DOT = 3.2;
 
-/** Points as they are drawn: where they stand on the axes, with gaps as NaN. */
+/** Points in axis coordinates; gaps are NaN. */
 export interface Points {
   series: Series;
   x: number[];
   y: number[];
-  /** Ends of the intervals about y; none where they have no intervals. */
+  /** Ends of the intervals in y; empty if there are no intervals. */
   low: number[];
   high: number[];
 }
@@ -28,28 +28,28 @@ export function pointsOf(series: Series, x: Axis, y: Axis): Points {
   };
 }
 
-/** The command that shows a point, if there is one, of the page in `folder`. */
+/** Shell command that reproduces a point of a page in `folder`; undefined if the point has none. */
 export function commandOf({ series }: Points, index: number, folder: string): string | undefined {
   const { pattern, trial } = series.points?.command ?? {};
   if (!pattern || !trial) return undefined;
   const words = pattern
     .split(" ")
     .map((word) => word.replace("{folder}", () => folder).replace("{trial}", String(trial[index])));
-  // As a shell takes each for one word.
+  // Quotes words that the shell would split or interpret.
   const quoted = (word: string) => (/^[\w/.:+-]+$/.test(word) ? word : `'${word.replaceAll("'", "'\\''")}'`);
   return words.map(quoted).join(" ");
 }
 
-/** The folder of a page by its address; the one that the reader is in where the page is no file. */
+/** Folder of the page with this address; `.` if the page is not a file. */
 export function folderOf(address: string): string {
   const { protocol, pathname } = new URL(address);
   if (protocol !== "file:") return ".";
   const folder = decodeURIComponent(pathname).replace(/\/[^/]*$/, "");
-  // Windows has its drive behind the first slash.
+  // On Windows, the drive follows the first slash.
   return folder.replace(/^\/([A-Za-z]:)/, "$1") || "/";
 }
 
-/** uPlot's own paths need x to rise; a path in the plane goes anywhere. */
+/** Path builder for arbitrary points; the built-in paths of uPlot require increasing x. */
 export function drawn(points: Points): uPlot.Series.PathBuilder {
   return (u) => {
     if (points.series.line === "points") {
@@ -62,7 +62,7 @@ export function drawn(points: Points): uPlot.Series.PathBuilder {
   };
 }
 
-/** Places on the canvas; not numbers where a point is not known. */
+/** Canvas coordinates; NaN for unknown points. */
 function places(u: uPlot, { x }: Points, y: number[]): [number, number][] {
   return x.map((value, i) => [u.valToPos(value, "x", true), u.valToPos(y[i] ?? NaN, "y", true)]);
 }
@@ -111,7 +111,7 @@ function band(u: uPlot, points: Points): Path2D {
   return path;
 }
 
-/** The point nearest to a place of the panel, no farther than `reach`, px. */
+/** Point nearest to a position of the panel, within `reach` px. */
 export function nearest(u: uPlot, all: Points[], left: number, top: number, reach: number) {
   let best: { points: Points; index: number; series: number } | undefined;
   let least = reach;
@@ -130,7 +130,7 @@ export function nearest(u: uPlot, all: Points[], left: number, top: number, reac
   return best;
 }
 
-/** The point that belongs to a row, or to the nearest before it; none outside of the points' rows. */
+/** Index of the last point whose row is not after `row`; undefined if `row` is outside the points' range of rows. */
 export function pointAtRow({ series }: Points, row: number): number | undefined {
   const rows = series.points?.row;
   if (!rows?.length || row < Math.min(rows[0] ?? 0, rows.at(-1) ?? 0)) return undefined;

@@ -1,12 +1,12 @@
-/** Strokes and phases behind the panels of time. */
+/** Strokes and phases in the background of time panels. */
 import type uPlot from "uplot";
 import type { Run } from "../run";
 import { pageColour, phaseColour } from "../ui/colours";
 import { FONT } from "./style";
 
-/** Height of the strip that tells the phases apart, px. */
+/** Height of the phase strip (px). */
 const STRIP = 4;
-/** Fills the parts of the strokes in which the object is turned, and a strip by phase at the bottom, where there is room. */
+/** Shades the MOVE phases. Draws stroke numbers if `numbered`, and a strip of phase colours below if `phases`. */
 export function shade(
   u: uPlot,
   run: Run,
@@ -50,13 +50,13 @@ function strip(u: uPlot, run: Run): void {
   }
 }
 
-/** Left and right of the rows from `start` up to, not including, `end`. */
+/** Left and right end of the rows from `start` up to, but not including, `end`. */
 function spanOf(u: uPlot, { table }: Run, start: number, end: number): [number, number] {
   const at = (row: number) => u.valToPos(table.time(Math.min(row, table.length - 1)), "x", true);
   return [at(start), at(end)];
 }
 
-/** A font in pixels of the canvas. */
+/** The font scaled to canvas pixels. */
 export function scaled(font: string): string {
   return font.replace(/(\d+)px/, (_, size) => `${Number(size) * devicePixelRatio}px`);
 }

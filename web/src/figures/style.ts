@@ -1,4 +1,4 @@
-/** How series and axes look, in light and dark. */
+/** Styles of series and axes for light and dark themes. */
 import type uPlot from "uplot";
 import type { Axis, Series } from "../page_data";
 import { significant, tick } from "../format";
@@ -7,7 +7,7 @@ import { fingerColour, pageColour } from "../ui/colours";
 import { isDark } from "../ui/theme";
 
 export const FONT = '12px system-ui, "Segoe UI", Roboto, "DejaVu Sans", sans-serif';
-/** Room for the upright axis, so that times of all panels stand one above the other, px. */
+/** Width of the y axis (px), equal for all panels so that their time axes align. */
 const GUTTER = 54;
 const X_AXIS = 22;
 const DASHES = [6, 4];
@@ -19,18 +19,18 @@ export function seriesColour({ colour }: Series): string {
   return fingerColour(Number(colour.slice("finger-".length)), isDark());
 }
 
-/** The first finger's line is wider, so that an equal one over it does not hide it. */
+/** The first finger has a wider line, so that it remains visible under an identical one. */
 function lineWidth({ colour }: Series): number {
   if (colour === "background") return 1;
   return colour === "finger-0" ? 2.4 : 1.4;
 }
 
-/** The same, so that what is behind it shows. */
+/** Translucent colour of the series for bands. */
 export function bandColour(series: Series): string {
   return `color-mix(in srgb, ${seriesColour(series)} 20%, transparent)`;
 }
 
-/** What all series have in common for uPlot. */
+/** Options for uPlot that all series share. */
 export function seriesOptions(series: Series): uPlot.Series {
   return {
     label: series.name,
@@ -41,12 +41,12 @@ export function seriesOptions(series: Series): uPlot.Series {
   };
 }
 
-/** "Grasp force (N)". */
+/** Axis title, such as "Grasp force (N)". */
 export function axisTitle({ label, unit }: Axis): string {
   return unit && !label.includes(`(${unit})`) ? `${label} (${unit})` : label;
 }
 
-/** Axes with ticks that are as short as tells them apart; `x` may be hidden where a panel beneath has it. */
+/** uPlot options of both axes. Without `x`, the x axis is hidden; without `upright`, the y axis has no labels. */
 export function axesOptions(x: { title: string; log?: boolean } | undefined, upright: boolean): uPlot.Axis[] {
   const common = {
     stroke: () => pageColour("soft"),

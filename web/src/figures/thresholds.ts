@@ -1,4 +1,4 @@
-/** Thresholds: dashed lines across a panel, with their names. */
+/** Thresholds: dashed horizontal lines with their names. */
 import type uPlot from "uplot";
 import type { Panel } from "../page_data";
 import { pageColour } from "../ui/colours";
@@ -22,7 +22,7 @@ export function drawThresholds({ ctx, bbox, valToPos }: uPlot, { thresholds, y: 
     ctx.lineTo(right, y);
     ctx.stroke();
     ctx.save();
-    // Readable where curves cross it.
+    // Outline the text so that it is readable over curves.
     ctx.setLineDash([]);
     ctx.strokeStyle = pageColour("paper");
     ctx.lineWidth = 3 * devicePixelRatio;

@@ -1,8 +1,8 @@
-/** The axis of time that the panels of a figure share. */
+/** Time axis shared by the panels of a figure. */
 import type uPlot from "uplot";
 import type { Table } from "../table";
 
-/** Rows that stay in sight at least. */
+/** Minimum number of visible rows. */
 const LEAST_ROWS = 5;
 
 export class TimeAxis {
@@ -11,7 +11,7 @@ export class TimeAxis {
   readonly #plots: uPlot[] = [];
   #zoomed = false;
 
-  /** Shows `rows` at first, or all that there are. */
+  /** Initially shows `rows`, or all rows if undefined. */
   constructor(table: Table, rows: [number, number] | undefined) {
     this.#table = table;
     this.#rows = rows;
@@ -34,12 +34,12 @@ export class TimeAxis {
     this.#set(this.#table.time(start), this.#table.time(Math.min(end, last)));
   }
 
-  /** New rows are in sight unless the reader looks at something else. */
+  /** Shows new rows unless the reader has zoomed. */
   follow(): void {
     if (!this.#zoomed) this.reset();
   }
 
-  /** Moves and stretches the axis so that the times under two fingers stay under them. */
+  /** Moves and scales the axis so that the times under two fingers stay under them. */
   pinch(plot: uPlot, from: [number, number], to: [number, number]): void {
     const width = plot.over.clientWidth;
     const pixels = to[1] - to[0];

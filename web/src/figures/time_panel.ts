@@ -1,4 +1,4 @@
-/** Quantities against time. */
+/** A panel with quantities over time. */
 import uPlot from "uplot";
 import { quantity } from "../format";
 import type { Panel } from "../page_data";
@@ -15,9 +15,9 @@ import { drawThresholds } from "./thresholds";
 import type { TimeAxis } from "./time_axis";
 
 const HEIGHT = 150;
-/** What the axis of time takes of the lowest panel. */
+/** Additional height of the lowest panel for the time axis. */
 const AXIS = 40;
-/** The shortest drag that zooms, px. */
+/** Minimum length of a drag that zooms (px). */
 const DRAG = 6;
 
 export class TimePanel implements PanelView {
@@ -66,7 +66,7 @@ export class TimePanel implements PanelView {
 
   showRow(row: number): void {
     const left = this.#plot.valToPos(this.#run.table.time(row), "x");
-    // Not the element's width, for which the browser would lay out the page.
+    // Reading the element's width instead would trigger a layout.
     const inside = left >= 0 && left <= this.#plot.bbox.width / devicePixelRatio;
     this.#plot.setCursor({ left: inside ? left : -10, top: 0 }, false);
     this.#legend.show((i) => this.#read(i, row));
@@ -135,7 +135,7 @@ export class TimePanel implements PanelView {
           if (!this.#playback.playing) this.#seek(u.cursor.left ?? -1);
           return null;
         },
-        // The cursor stays at the moment that the page shows.
+        // The cursor stays at the page's current time.
         mouseleave: () => null,
         dblclick: () => () => {
           this.#axis.reset();
@@ -157,7 +157,7 @@ export class TimePanel implements PanelView {
     u.setSelect({ left: 0, top: 0, width: 0, height: 0 }, false);
   }
 
-  /** The upright axis: as given, or what is there, with thresholds and some air. */
+  /** Range of the y axis: as given, or fitted to data and thresholds with a margin. */
   #range(low: number | null, high: number | null): [number, number] {
     const { range, scale } = this.#panel.y;
     if (range) return [range[0] * scale, range[1] * scale];

@@ -1,4 +1,4 @@
-/** What is said of a point beside the cursor. */
+/** Tooltip with information about a point. */
 import { make } from "../ui/dom";
 
 export class Tooltip {
@@ -10,11 +10,11 @@ export class Tooltip {
     over.append(this.#box);
   }
 
-  /** Writes lines beside a place of the panel, px from its left and top. */
+  /** Shows lines next to a position of the panel, in px from its left and top. */
   show(lines: string[], left: number, top: number): void {
     this.#box.replaceChildren(...lines.map((line) => make("div", {}, line)));
     this.#box.hidden = false;
-    // Towards the middle, so that nothing of it is outside.
+    // Place it towards the middle so that it is not clipped.
     const { clientWidth: width, clientHeight: height } = this.#over;
     const [x, y] = [
       left > width / 2 ? "calc(-100% - 12px)" : "12px",
@@ -29,13 +29,13 @@ export class Tooltip {
     this.#box.hidden = true;
   }
 
-  /** Puts a text into the clipboard; shows it for selecting where the browser does not allow that. */
+  /** Copies text to the clipboard. If the browser denies access, shows the text for selection. */
   async copy(text: string, left: number, top: number): Promise<void> {
     try {
       await navigator.clipboard.writeText(text);
       this.show([text, "Copied"], left, top);
     } catch {
-      this.show([text, "Not copied: select it here"], left, top);
+      this.show([text, "Copy failed; select the text here"], left, top);
     }
   }
 }

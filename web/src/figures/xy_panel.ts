@@ -1,4 +1,4 @@
-/** Points in a plane: paths from above, scatter, curves against something else than time. */
+/** A panel with points in a plane: paths, scatter plots and curves over quantities other than time. */
 import uPlot from "uplot";
 import { quantity } from "../format";
 import type { Panel } from "../page_data";
@@ -13,14 +13,14 @@ import { axesOptions, axisTitle, bandColour, seriesColour, seriesOptions } from 
 import { drawThresholds } from "./thresholds";
 import { Tooltip } from "./tooltip";
 
-/** Room of the axes, px. */
+/** Width of the y axis and height of the x axis (px). */
 const AXES: [number, number] = [66, 48];
 const HEIGHTS: Range = [180, 440];
-/** Of its width, where nothing else says how high a panel is. */
+/** Ratio of height to width, for panels without equal scales. */
 const ASPECT = 0.6;
-/** How far from a point the cursor reads it, px. */
+/** Maximum distance between the cursor and the point that it selects (px). */
 const REACH = 28;
-/** The shortest drag that zooms, px. */
+/** Minimum length of a drag that zooms (px). */
 const DRAG = 6;
 
 export class XyPanel implements PanelView {
@@ -29,7 +29,7 @@ export class XyPanel implements PanelView {
   readonly #playback: Playback | undefined;
   readonly #points: Points[];
   readonly #all: Window;
-  /** What is to be seen, and the window of equal scales that holds it. */
+  /** Requested window, and the window with equal scales that contains it. */
   #wanted: Window;
   #window: Window;
   readonly #legend: Legend;
@@ -63,7 +63,7 @@ export class XyPanel implements PanelView {
     const inner = width - AXES[0];
     const height = this.#panel.equal ? (inner * (y[1] - y[0])) / (x[1] - x[0]) : ASPECT * inner;
     const bounded = Math.min(Math.max(height, HEIGHTS[0]), HEIGHTS[1]);
-    // At once, as equal scales need the size that there is.
+    // In a batch, because equal scales depend on the current size.
     this.#plot.batch(() => this.#plot.setSize({ width, height: Math.round(bounded + AXES[1]) }));
     this.#show(this.#wanted);
   }
@@ -88,7 +88,7 @@ export class XyPanel implements PanelView {
     this.#plot.redraw();
   }
 
-  /** Its points are not of the rows. */
+  /** Does nothing: the points do not depend on the rows. */
   refresh(): void {}
 
   #everything(): Window {
@@ -158,7 +158,7 @@ export class XyPanel implements PanelView {
     if (row !== undefined && this.#playback && !this.#playback.playing) this.#playback.seek(row);
   }
 
-  /** What is said of a point. */
+  /** Tooltip lines of a point. */
   #told(points: Points, index: number): string[] {
     const { x, y } = this.#panel;
     const list = points.series.points;

@@ -1,4 +1,4 @@
-/** A fingertip on the page: its picture, its flags as words, and its forces as numbers. */
+/** Panel of a fingertip: camera view, flags and forces. */
 import { quantity, significant } from "../format";
 import { FLAG_NAMES, type FingerColumns } from "../run";
 import { fingerColour } from "../ui/colours";
@@ -6,7 +6,7 @@ import { make, setText } from "../ui/dom";
 import { isDark, onTheme } from "../ui/theme";
 import { ARROW_SCALE, Picture } from "./picture";
 
-/** What the legend's arrow stands for, N. */
+/** Force of the legend's arrow (N). */
 const LEGEND_FORCE = 0.1;
 
 export class FingertipPanel {
@@ -59,7 +59,7 @@ export class FingertipPanel {
 
   #table(): HTMLElement {
     const body = make("tbody");
-    for (const name of ["Normal force", "Tangential force", "Pressed hardest", "Touching elements"]) {
+    for (const name of ["Normal force", "Tangential force", "Maximum compression", "Touching elements"]) {
       const value = make("td", { class: "number" });
       this.#numbers.set(name, value);
       body.append(make("tr", {}, make("th", { scope: "row" }, name), value));
@@ -82,9 +82,9 @@ export class FingertipPanel {
     }
     this.#write("Normal force", quantity(normal, "N"));
     this.#write("Tangential force", quantity(Math.hypot(x, y, z), "N"));
-    this.#write("Pressed hardest", quantity(hardest, "N"));
+    this.#write("Maximum compression", quantity(hardest, "N"));
     this.#write("Touching elements", `${touching} of ${elements.length}`);
-    this.#canvas.ariaLabel = `What the camera sees: ${touching} elements touch, ${significant(normal)} N in all.`;
+    this.#canvas.ariaLabel = `Camera view: ${touching} touching elements, ${significant(normal)} N in total.`;
   }
 
   #write(name: string, text: string): void {
@@ -100,7 +100,10 @@ export class FingertipPanel {
   }
 }
 
-/** A tangential force in the element's frame, in the finger's: the first two columns of the rotation. */
+/**
+ * Transforms a tangential force from the element's frame to the finger's frame, using the first two columns of the
+ * rotation.
+ */
 function tangent(
   [x, y, z, w]: [number, number, number, number],
   fx: number,
@@ -113,7 +116,7 @@ function tangent(
   ];
 }
 
-/** How long an arrow is, relative to the picture, which is 2 wide. */
+/** Legend of the camera view: an arrow of known force. Its length is in percent of the image's width (2 units). */
 function legend(): HTMLElement {
   const length = ((100 * ARROW_SCALE * LEGEND_FORCE) / 2).toFixed(1);
   const arrow = make("i", { class: "arrow", style: `--length: ${length}` });
@@ -121,6 +124,6 @@ function legend(): HTMLElement {
     "p",
     { class: "note" },
     arrow,
-    `tangential ${significant(LEGEND_FORCE)}\u00a0N; a spot grows with compression`,
+    `tangential force ${significant(LEGEND_FORCE)}\u00a0N; spots grow with compression`,
   );
 }

@@ -1,17 +1,17 @@
-/** Draws what a fingertip's camera sees, with the tangential forces over it. */
+/** Draws the camera view of a fingertip with the tangential forces. */
 import type { FingerColumns } from "../run";
 import { SLIP } from "../run";
 import { OVER_COLOUR, SLIP_COLOUR, TOUCH_COLOUR } from "../ui/colours";
 import { growth, type Spot, spots } from "./optics";
 
-/** A picture from a camera is dark, on a light page, too. */
+/** Background of the camera image; dark in both themes. */
 const GROUND = ["#23272c", "#0c0e10"] as const;
 const ARROW = "#7fd4ff";
-/** Radius of an unpressed spot; the picture is 2 wide. */
+/** Radius of an unloaded spot; the image is 2 units wide. */
 const SPOT = 0.035;
-/** Length of an arrow for 1 N; the picture is 2 wide. */
+/** Length of an arrow per newton; the image is 2 units wide. */
 export const ARROW_SCALE = 2.4;
-/** Forces up to this are noise, N. */
+/** Forces up to this value are noise (N). */
 const LEAST_FORCE = 0.01;
 
 export class Picture {
@@ -29,7 +29,7 @@ export class Picture {
     const ctx = this.#canvas.getContext("2d");
     if (!ctx) return;
     const half = this.#canvas.width / 2;
-    // From here on, as the spots are: 1 is the edge, y goes up.
+    // Image coordinates: the edge is at 1, y points up.
     ctx.setTransform(half, 0, 0, -half, half, half);
     ctx.clearRect(-1, -1, 2, 2);
     this.#drawDome(ctx);
@@ -67,7 +67,7 @@ export class Picture {
     ctx.stroke();
   }
 
-  /** The tangential force on the feeler by the object, from the spot on. */
+  /** Draws the tangential force on the feeler by the object as an arrow that starts at the spot. */
   #drawArrow(ctx: CanvasRenderingContext2D, spot: Spot, i: number, row: number): void {
     const [fx, fy] = this.#tangential(i, row);
     const newtons = Math.hypot(fx, fy);
@@ -76,7 +76,7 @@ export class Picture {
     const [dx, dy] = [fx * sx[0] + fy * sy[0], fx * sx[1] + fy * sy[1]];
     const seen = Math.hypot(dx, dy);
     if (seen < 1e-9) return;
-    // As long as the force is large, wherever on the dome it is.
+    // The length depends on the force only, not on the position on the dome.
     const length = (ARROW_SCALE * newtons) / seen;
     const [x, y] = this.#place(spot, i, row);
     drawArrow(ctx, x, y, x + dx * length, y + dy * length);

@@ -1,13 +1,13 @@
-/** The socket of a live page, opened again whenever it is lost. */
+/** WebSocket of a live page, which reconnects when the connection is lost. */
 import type { LiveOrder } from "../page_data";
 
-/** Waits before another attempt, ms. */
+/** Delays before successive attempts to reconnect (ms). The last one repeats. */
 const WAITS = [250, 500, 1000, 2000];
 
 export interface Listener {
   row(message: ArrayBuffer): void;
   state(text: string): void;
-  /** The connection is there, or lost. */
+  /** Called when the connection is established (`true`) or lost (`false`). */
   connected(there: boolean): void;
 }
 
@@ -26,14 +26,14 @@ export class Connection {
     this.#open();
   }
 
-  /** Whether the order could be sent. */
+  /** Sends an order; returns whether it was sent. */
   send(order: LiveOrder): boolean {
     if (this.#socket?.readyState !== WebSocket.OPEN) return false;
     this.#socket.send(JSON.stringify(order));
     return true;
   }
 
-  /** There is nothing more to come. */
+  /** Stops reconnecting. */
   end(): void {
     this.#ended = true;
   }

@@ -1,4 +1,4 @@
-/** A live page: rows come in, flags and words follow them at once, orders go out. */
+/** A live page: receives rows, shows flags and state at once, and sends orders. */
 import type { Live } from "../page_data";
 import type { Playback } from "../playback";
 import { PageProblem } from "../problem";
@@ -8,9 +8,9 @@ import { readState } from "./messages";
 import { LivePanel } from "./panel";
 import type { Ring } from "./ring";
 
-/** Rows older than this are said to be stale, ms. */
+/** Rows older than this are reported as stale (ms). */
 const STALE = 1000;
-/** How often that is looked at, ms. */
+/** Interval of the check for stale rows (ms). */
 const WATCH = 250;
 
 export class LivePage {
@@ -23,10 +23,10 @@ export class LivePage {
   #connected = false;
   #over = false;
   #lastRow = performance.now();
-  /** What is wrong with a message that came. */
+  /** Error in the last message, if any. */
   #problem = "";
 
-  /** Calls `rowsGone` when the oldest rows have made room. */
+  /** Calls `rowsGone` when the oldest rows have been removed. */
   constructor(live: Live, ring: Ring, playback: Playback, fingers: FingerColumns[], rowsGone: () => void) {
     this.#ring = ring;
     this.#playback = playback;
@@ -43,10 +43,10 @@ export class LivePage {
 
   order(order: "stop" | "resume"): void {
     if (this.#connection.send({ order })) return;
-    this.panel.notice(`Not connected: “${order}” was not sent. Use the hand's own stop.`);
+    this.panel.notice(`Not connected: “${order}” was not sent. Use the stop of the hand itself.`);
   }
 
-  /** A message that cannot be read ends nothing. */
+  /** An unreadable message is reported and otherwise ignored. */
   #read(message: () => void): void {
     try {
       message();
@@ -90,9 +90,9 @@ export class LivePage {
 
   #trouble(): string {
     if (this.#over) return "";
-    if (!this.#connected) return "Connection lost. What is shown is old. Connecting again …";
+    if (!this.#connected) return "Connection lost; the page shows old data. Reconnecting …";
     const age = performance.now() - this.#lastRow;
     if (age < STALE) return "";
-    return `No data for ${Math.floor(age / 1000)} s. What is shown is old.`;
+    return `No data for ${Math.floor(age / 1000)} s; the page shows old data.`;
   }
 }

@@ -1,4 +1,4 @@
-/** What comes over the socket of a live page. */
+/** Messages of a live page's socket. */
 import type { LiveState } from "../page_data";
 import { PageProblem } from "../problem";
 
@@ -7,7 +7,7 @@ export function readState(text: string): LiveState {
   try {
     state = JSON.parse(text);
   } catch {
-    throw new PageProblem("The hand sent a state that is no JSON.");
+    throw new PageProblem("The hand sent a state that is not valid JSON.");
   }
   if (typeof state?.state !== "string" || typeof state.stopped !== "boolean") {
     throw new PageProblem("The hand sent a state that this page cannot read.");

@@ -1,4 +1,4 @@
-/** The head of a live page: what the hand is about, its flags, and the buttons that stop it and let it go on. */
+/** Header of a live page: state of the hand, flags, and the buttons for stop and resume. */
 import type { LiveState } from "../page_data";
 import { FLAG_NAMES, type FingerColumns } from "../run";
 import { button, make, setText } from "../ui/dom";
@@ -18,7 +18,7 @@ export class LivePanel {
 
   constructor(fingers: FingerColumns[], orders: boolean, order: (which: "stop" | "resume") => void) {
     this.#stop = button("Stop", "Stop the hand (S)", () => order("stop"));
-    this.#resume = button("Resume", "Let the hand go on", () => order("resume"));
+    this.#resume = button("Resume", "Resume the hand", () => order("resume"));
     this.#stop.className = "stop";
     this.#resume.className = "resume";
     this.#chips = fingers.map(() =>
@@ -29,11 +29,11 @@ export class LivePanel {
     );
     const buttons = orders
       ? make("div", { class: "orders" }, this.#stop, this.#resume)
-      : make("p", { class: "note" }, "This page watches: nobody here can be told to stop.");
+      : make("p", { class: "note" }, "View only: this page cannot stop the hand.");
     const words = make("div", { class: "live-words" }, this.#state, this.#answer);
     this.element = make(
       "section",
-      { class: "live", "aria-label": "The hand now" },
+      { class: "live", "aria-label": "State of the hand" },
       this.#notice,
       words,
       buttons,
@@ -42,7 +42,7 @@ export class LivePanel {
     this.connected(false);
   }
 
-  /** Shows the flags of a finger, at once: it does not wait for a frame. */
+  /** Shows the flags of a finger immediately, without waiting for an animation frame. */
   showFlags(finger: number, flags: number): void {
     for (const [bit, chip] of this.#chips[finger] ?? []) {
       const on = (flags & bit) !== 0;
@@ -53,14 +53,14 @@ export class LivePanel {
   }
 
   showState({ state, stopped, answer, over }: LiveState): void {
-    setText(this.#state, over ? `${state} No more rows come.` : state);
+    setText(this.#state, over ? `${state} No further data.` : state);
     this.#state.classList.toggle("stopped", stopped);
     setText(this.#answer, answer ?? "");
     this.#resume.disabled = !stopped || over;
     this.#stop.disabled = over;
   }
 
-  /** Says what is wrong with the data, or nothing. */
+  /** Shows a warning about the data; an empty text hides it. */
   notice(text: string): void {
     setText(this.#notice, text);
     this.#notice.hidden = text === "";

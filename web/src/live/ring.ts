@@ -1,4 +1,4 @@
-/** The newest rows of a live page, in as much memory however long it is open. */
+/** Ring buffer with the latest rows of a live page, in constant memory. */
 import type { Column as Description } from "../page_data";
 import { PageProblem } from "../problem";
 import { Column, Table } from "../table";
@@ -9,7 +9,7 @@ export class Ring {
   readonly #columns: Column[];
   readonly #message: number;
 
-  /** Keeps `keep` rows at least, and has room for twice as many, so that rows are moved rarely. */
+  /** Keeps at least `keep` rows. The capacity is twice that number, so that rows are rarely moved. */
   constructor(descriptions: Description[], keep: number) {
     this.#keep = Math.max(2, keep);
     this.#columns = descriptions.map(({ name, width }) => {
@@ -28,11 +28,11 @@ export class Ring {
     );
   }
 
-  /** Adds the row of a message. Returns how many of the oldest rows are gone. */
+  /** Adds the row of a message. Returns the number of removed old rows. */
   add(buffer: ArrayBuffer): number {
     if (buffer.byteLength !== this.#message) {
       throw new PageProblem(
-        `A row came with ${buffer.byteLength} bytes; this page's columns take ${this.#message}. Reload the page.`,
+        `Invalid row: expected ${this.#message} bytes, got ${buffer.byteLength} bytes. Reload the page.`,
       );
     }
     const message = new DataView(buffer);
@@ -52,7 +52,7 @@ export class Ring {
 
   #makeRoom(time: number): number {
     const { length } = this.table;
-    // Time that does not rise is another run.
+    // Time that does not increase belongs to a new run.
     if (length > 0 && time <= this.table.time(length - 1)) return this.#drop(length);
     return length >= 2 * this.#keep ? this.#drop(length - this.#keep) : 0;
   }

@@ -1,11 +1,11 @@
-/** A cap: a cylinder whose turning can be seen. */
+/** A knurled cap, so that its rotation is visible. */
 import { BoxGeometry, BufferGeometry, ExtrudeGeometry, Shape, Vector2 } from "three";
 
 const KNURLS = 30;
-/** Depth of a knurl's groove, of the radius. */
+/** Depth of a groove relative to the radius. */
 const DEPTH = 0.035;
 
-/** About z, centred, knurled; the knurls' crests are at the radius. */
+/** Knurled cylinder about z, centred; the crests are at `radius`. */
 export function cap(radius: number, length: number): BufferGeometry {
   const points = Array.from({ length: 4 * KNURLS }, (_, i) => {
     const angle = (2 * Math.PI * i) / (4 * KNURLS);
@@ -16,7 +16,7 @@ export function cap(radius: number, length: number): BufferGeometry {
   return new ExtrudeGeometry(new Shape(points), options).translate(0, 0, -length / 2);
 }
 
-/** A bar on the cap from its axis to its rim, and a little over it, along x. */
+/** A bar on top of the cap from its axis to its rim, along x. */
 export function capMark(radius: number, length: number): BufferGeometry {
   const width = 0.12 * radius;
   const height = 0.04 * length;

@@ -1,4 +1,4 @@
-/** The sensing elements of a finger and the forces on them: three meshes drawn many times each. */
+/** Sensing elements of a finger and their forces, as three instanced meshes. */
 import {
   Color,
   ConeGeometry,
@@ -18,11 +18,11 @@ import { OVER_COLOUR, SLIP_COLOUR, TOUCH_COLOUR } from "../ui/colours";
 import type { FrameTree } from "./frames";
 import type { Palette } from "./palette";
 
-/** Length of an arrow, m per N. */
+/** Length of an arrow (m/N). */
 export const ARROW_LENGTH = 0.04;
-/** How far a feeler's tip gives way, of the dome's radius per N: about as much as the reference fingertip's. */
+/** Displacement of a feeler's tip, relative to the dome's radius per newton; similar to the reference fingertip. */
 const YIELD = 0.27;
-/** Forces up to this are noise, N. */
+/** Forces up to this value are noise (N). */
 const LEAST_FORCE = 0.01;
 const Z = new Vector3(0, 0, 1);
 
@@ -31,7 +31,7 @@ const slipping = new Color(SLIP_COLOUR);
 const pressedTooHard = new Color(OVER_COLOUR);
 
 export class Elements {
-  /** In the finger's frame. */
+  /** Group in the finger's frame. */
   readonly group = new Group();
   readonly #columns: FingerColumns;
   readonly #palette: Palette;
@@ -40,7 +40,7 @@ export class Elements {
   readonly #shafts: InstancedMesh;
   readonly #heads: InstancedMesh;
   readonly #rotations: Quaternion[];
-  // Scratch, as nothing is allocated while playing.
+  // Reused objects, so that playback does not allocate.
   readonly #matrix = new Matrix4();
   readonly #force = new Vector3();
   readonly #tip = new Vector3();
@@ -94,13 +94,13 @@ export class Elements {
     this.#spots.setMatrixAt(i, this.#matrix);
   }
 
-  /** Where the arrow of an element's force is; false if there is none to see. It starts at the tip, into the dome. */
+  /** Computes the arrow of an element's force, which starts at the tip; returns `false` if the force is too small. */
   #placeArrow(element: Element, i: number, row: number): boolean {
     const rotation = this.#rotations[i];
     const forces = this.#columns.forces;
     if (!forces || !rotation) return false;
     const at = (k: number) => forces.at(row, 3 * i + k) || 0;
-    // What is recorded as compression acts along the inward normal.
+    // Compression acts along the inward normal.
     pressedTip(element, at(2), this.#middle);
     this.#force.set(at(0), at(1), -at(2));
     const newtons = this.#force.length();
@@ -123,9 +123,9 @@ export class Elements {
   }
 }
 
-/** Where a feeler's tip is in the finger's frame when it is pressed, put into `out`. */
+/** Position of a loaded feeler's tip in the finger's frame, written to `out`. */
 export function pressedTip({ tip }: Element, compression: number, out: Vector3): Vector3 {
-  // The tip stands on the dome, whose centre is the frame's origin.
+  // The dome's centre is the origin of the frame.
   return out.set(...tip).multiplyScalar(1 - YIELD * Math.max(0, compression));
 }
 
@@ -136,12 +136,12 @@ function instances(
 ): InstancedMesh {
   const mesh = new InstancedMesh(geometry, material, count);
   mesh.instanceMatrix.setUsage(DynamicDrawUsage);
-  // Its bounds would be computed again at every row.
+  // Culling would recompute the bounds at every row.
   mesh.frustumCulled = false;
   return mesh;
 }
 
-/** Radius of the ball that stands for an element, m: fitting to the dome that they are on. */
+/** Radius of the sphere that represents an element (m), scaled with the dome. */
 function elementSize(elements: Element[]): number {
   const distances = elements.map(({ tip }) => Math.hypot(...tip));
   return 0.05 * Math.max(1e-4, ...distances);

@@ -1,4 +1,4 @@
-/** Where the frames of a scene are at a row. */
+/** Poses of the scene's frames at a row. */
 import { Matrix4, Quaternion, Vector3 } from "three";
 import type { Frame, Scene } from "../page_data";
 import { PageProblem } from "../problem";
@@ -8,16 +8,16 @@ const ROOT = "world";
 const UNIT = new Vector3(1, 1, 1);
 
 interface Node {
-  /** Place of the parent among the nodes; none for a child of the world. */
+  /** Parent node; undefined for children of the world. */
   parent: Node | undefined;
-  /** In its parent, with the joint at zero. */
+  /** Pose in the parent with the joint at zero. */
   rest: Matrix4;
   world: Matrix4;
   joint: { angles: Column; index: number } | undefined;
   pose: Column | undefined;
 }
 
-/** Parents stand before their children, so that one pass is enough. */
+/** Frame tree. Parents precede their children, so that one pass updates all frames. */
 export class FrameTree {
   readonly #nodes: Node[] = [];
   readonly #byName = new Map<string, Node>();
@@ -38,7 +38,7 @@ export class FrameTree {
     }
   }
 
-  /** The frame in the world: the same object at all times, with what it is at the row of the last `moveTo`. */
+  /** Pose of a frame in the world. The returned matrix is updated in place by `moveTo`. */
   world(name: string): Matrix4 {
     const node = this.#byName.get(name);
     if (!node && name !== ROOT) throw new PageProblem(`The scene has no frame “${name}”.`);
@@ -67,7 +67,7 @@ export class FrameTree {
     this.#byName.set(name, node);
   }
 
-  /** Sets the recorded pose; false where none is on record. */
+  /** Sets the recorded pose; returns `false` if there is no recorded pose. */
   #pose({ pose, world }: Node, row: number): boolean {
     if (!pose) return false;
     const at = (k: number) => pose.at(row, k);

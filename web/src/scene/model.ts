@@ -1,4 +1,4 @@
-/** What a scene holds, and how it looks at a row. */
+/** Contents of a scene, and their appearance at a row. */
 import {
   AmbientLight,
   BufferAttribute,
@@ -17,7 +17,7 @@ import { Palette } from "./palette";
 import { solid } from "./solids";
 import { Trail } from "./trails";
 
-/** Distance of the floor's lines, m. */
+/** Spacing of the floor grid (m). */
 export const GRID = 0.01;
 
 export class Model {
@@ -41,7 +41,7 @@ export class Model {
     this.scene.add(...this.#trails.map((trail) => trail.points));
     this.scene.add(floor(scene, this.#palette));
     this.scene.add(...lights());
-    // Frames are set by matrices of ours.
+    // Groups use the matrices of the frame tree; three.js only updates world matrices.
     this.scene.matrixWorldAutoUpdate = true;
   }
 
@@ -58,7 +58,7 @@ export class Model {
     for (const trail of this.#trails) trail.show(row);
   }
 
-  /** The oldest rows are gone. */
+  /** Clears the trails after the oldest rows were removed. */
   forgetTrails(): void {
     for (const trail of this.#trails) trail.clear();
   }
@@ -72,7 +72,7 @@ export class Model {
   }
 }
 
-/** Which finger a frame belongs to: the one whose joints move it. */
+/** Finger that each frame belongs to, according to the joints that move it. */
 function fingerOfFrames(scene: Scene): Map<string, number> {
   const owners = new Map<string, number>();
   for (const frame of scene.frames) {
@@ -83,7 +83,7 @@ function fingerOfFrames(scene: Scene): Map<string, number> {
   return owners;
 }
 
-/** Lines at the lowest place of the solids, to tell lengths by. */
+/** Floor grid at the lowest point of the fixtures, as a length scale. */
 function floor(scene: Scene, palette: Palette): LineSegments {
   const { centre, radius } = scene.home;
   const lines = Math.ceil(radius / GRID);
@@ -99,7 +99,7 @@ function floor(scene: Scene, palette: Palette): LineSegments {
   return grid;
 }
 
-/** Of the fixtures in the world, how far down they reach. */
+/** Lowest z of the fixtures in the world. */
 function lowest(shapes: Shape[]): number | undefined {
   const fixtures = shapes.filter((shape) => shape.role === "fixture" && shape.frame === "world");
   const bottoms = fixtures.map(({ position: [, , z], solid }) => {

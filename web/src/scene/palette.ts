@@ -1,4 +1,4 @@
-/** The materials of a scene, and their colours in light and dark. */
+/** Materials of a scene and their colours in light and dark themes. */
 import { Color, FrontSide, LineBasicMaterial, MeshBasicMaterial, MeshLambertMaterial } from "three";
 import { fingerColour, pageColour } from "../ui/colours";
 
@@ -17,7 +17,7 @@ export class Palette {
     return kept(this.#links, finger, () => new MeshLambertMaterial());
   }
 
-  /** Clear rubber: elements and forces within it are seen. */
+  /** Translucent rubber, through which elements and forces are visible. */
   dome(finger: number): MeshLambertMaterial {
     const clear = { transparent: true, opacity: 0.28, depthWrite: false, side: FrontSide };
     return kept(this.#domes, finger, () => new MeshLambertMaterial(clear));
@@ -27,7 +27,7 @@ export class Palette {
     return kept(this.#arrows, finger, () => new MeshBasicMaterial());
   }
 
-  /** Takes the colours of the page as it is now. */
+  /** Applies the colours of the current theme. */
   paint(dark: boolean): void {
     this.object.color.set(dark ? "#b9b4a6" : "#e9e4d4");
     this.mark.color.set(dark ? "#1d1d1d" : "#333333");

@@ -1,4 +1,4 @@
-/** The scene's place in the document: canvas, buttons, and what its colours mean. */
+/** The scene in the document: canvas, buttons and colour key. */
 import type { Scene } from "../page_data";
 import { significant } from "../format";
 import { guarded } from "../problem";
@@ -34,7 +34,7 @@ export function scenePanel(scene: Scene, run: Run, fingers: FingerColumns[]): Sc
 
 function description(scene: Scene): string {
   const names = scene.fingers.map((finger) => finger.name).join(", ");
-  return `3-D scene at the moment shown: ${names}, the object, and the force on each sensing element.`;
+  return `3-D scene at the current time: ${names}, the object, and the force on each sensing element.`;
 }
 
 function buttons(view: SceneView): HTMLElement {
@@ -42,8 +42,8 @@ function buttons(view: SceneView): HTMLElement {
     "div",
     { class: "scene-buttons" },
     button("⌂", "Home view (H)", () => view.goHome()),
-    button("+", "Nearer", () => view.zoom(0.8)),
-    button("−", "Farther", () => view.zoom(1.25)),
+    button("+", "Zoom in", () => view.zoom(0.8)),
+    button("−", "Zoom out", () => view.zoom(1.25)),
   );
 }
 
@@ -54,10 +54,10 @@ function key(): HTMLElement {
     "p",
     { class: "scene-key" },
     state(TOUCH_COLOUR, "touching"),
-    state(SLIP_COLOUR, "touching, finger slips"),
-    state(OVER_COLOUR, "pressed too hard (larger)"),
-    make("span", {}, `arrow of 10\u00a0mm: ${significant(0.01 / ARROW_LENGTH)}\u00a0N`),
-    make("span", {}, `floor: ${significant(1e3 * GRID)}\u00a0mm`),
-    make("span", {}, "dots: where the touching tips were in this stroke"),
+    state(SLIP_COLOUR, "touching, SLIP"),
+    state(OVER_COLOUR, "above F2 (larger)"),
+    make("span", {}, `10\u00a0mm arrow: ${significant(0.01 / ARROW_LENGTH)}\u00a0N`),
+    make("span", {}, `grid: ${significant(1e3 * GRID)}\u00a0mm`),
+    make("span", {}, "dots: path of the touching tips in this stroke"),
   );
 }

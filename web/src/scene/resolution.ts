@@ -1,11 +1,11 @@
-/** Draws fewer pixels where drawing is slow, as without a graphics card. */
+/** Reduces the resolution if drawing is slow, for example without a graphics card. */
 import type { WebGLRenderer } from "three";
 
-/** A picture that takes longer is slow, ms: under 30 a second. */
+/** Drawing time from which a frame is slow (ms); corresponds to 30 frames per second. */
 const SLOW = 33;
-/** One picture in so many is timed. */
+/** One frame in this many is timed. */
 const SAMPLE = 8;
-/** Slow pictures in a row that it takes: one may be the work of another program. */
+/** Number of consecutive slow frames that reduce the resolution; a single one may be caused by another program. */
 const IN_A_ROW = 2;
 const LEAST = 0.5;
 
@@ -17,7 +17,7 @@ export class Resolution {
   #pictures = 0;
   #slow = 0;
 
-  /** Calls `changed` when the picture must be drawn again. */
+  /** Calls `changed` when the scene must be redrawn. */
   constructor(renderer: WebGLRenderer, gl: WebGL2RenderingContext, changed: () => void) {
     this.#renderer = renderer;
     this.#gl = gl;
@@ -25,7 +25,7 @@ export class Resolution {
     renderer.setPixelRatio(this.#ratio);
   }
 
-  /** To be called after every picture. */
+  /** Must be called after each drawn frame. */
   drawn(): void {
     if (this.#ratio <= LEAST || this.#pictures++ % SAMPLE !== 1) return;
     const fence = this.#gl.fenceSync(this.#gl.SYNC_GPU_COMMANDS_COMPLETE, 0);
@@ -34,7 +34,7 @@ export class Resolution {
     this.#time(fence, performance.now());
   }
 
-  /** Waits without blocking until the picture is there. */
+  /** Waits without blocking until the frame is finished. */
   #time(fence: WebGLSync, start: number): void {
     const gl = this.#gl;
     const took = performance.now() - start;

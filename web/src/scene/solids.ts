@@ -1,4 +1,4 @@
-/** The solids of a scene: links, domes, the object, and what it stands on. */
+/** Solids of a scene: links, domes, the object and fixtures. */
 import {
   BoxGeometry,
   BufferGeometry,
@@ -19,7 +19,7 @@ import type { Palette } from "./palette";
 
 type Solid = Shape["solid"];
 
-/** A solid, moved with its frame. */
+/** A solid that moves with its frame. */
 export function solid(shape: Shape, finger: number | undefined, frames: FrameTree, palette: Palette): Group {
   const inFrame = new Group();
   inFrame.position.set(...shape.position);
@@ -45,7 +45,7 @@ function parts(shape: Shape, finger: number | undefined, palette: Palette) {
   }
 }
 
-/** The object, with its contour, and with knurls and a mark if it is round: a round thing that turns looks still. */
+/** The object with its contour. Round objects get knurls and a mark that make their rotation visible. */
 function object(solid: Solid, palette: Palette) {
   const round = solid.kind === "cylinder";
   const body = new Mesh(round ? cap(solid.radius, solid.length) : geometry(solid), palette.object);
@@ -62,7 +62,7 @@ function geometry(solid: Solid): BufferGeometry {
     case "box":
       return new BoxGeometry(...solid.size);
     case "cylinder":
-      // Three's cylinder is about y; here all are about z.
+      // Cylinders of three.js are about y; here they are about z.
       return new CylinderGeometry(solid.radius, solid.radius, solid.length, 64).rotateX(Math.PI / 2);
     case "prism": {
       const outline = new Outline(solid.outline.map(([x, y]) => new Vector2(x, y)));

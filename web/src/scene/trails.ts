@@ -1,10 +1,10 @@
-/** Where the touching tips of a finger were: dots in the world, as many as the moment shows. */
+/** Trail of a finger's touching tips, drawn as dots in the world. */
 import { BufferAttribute, BufferGeometry, Points, PointsMaterial, Vector3 } from "three";
 import type { FingerColumns, Run } from "../run";
 import { pressedTip } from "./elements";
 import type { FrameTree } from "./frames";
 
-/** How far back a trail goes where no stroke says where it begins, s. */
+/** Duration of a trail outside of strokes (s). */
 const SECONDS = 3;
 
 export class Trail {
@@ -12,7 +12,7 @@ export class Trail {
   readonly #columns: FingerColumns;
   readonly #run: Run;
   #positions = new BufferAttribute(new Float32Array(3 * 1024), 3);
-  /** For each row, how many dots are before it. */
+  /** For each row, the number of dots before it. */
   #before: number[] = [0];
   #dots = 0;
   readonly #dot = new Vector3();
@@ -31,18 +31,18 @@ export class Trail {
     this.points.frustumCulled = false;
   }
 
-  /** Rows that it knows. */
+  /** Number of rows in the trail. */
   get rows(): number {
     return this.#before.length - 1;
   }
 
-  /** Forgets all rows. */
+  /** Removes all rows. */
   clear(): void {
     this.#before.length = 1;
     this.#dots = 0;
   }
 
-  /** Adds the row that comes next, at which `frames` are. */
+  /** Adds the next row, to which `frames` has been moved. */
   add(frames: FrameTree): void {
     const row = this.rows;
     const { elements, frame, touchForce } = this.#columns.finger;
@@ -72,7 +72,7 @@ export class Trail {
       const larger = new Float32Array(6 * room);
       larger.set(this.#positions.array);
       this.#positions = new BufferAttribute(larger, 3);
-      // The old one's memory on the graphics card is given back with the geometry's.
+      // Disposing the geometry also frees the old buffer on the graphics card.
       this.points.geometry.dispose();
       this.points.geometry.setAttribute("position", this.#positions);
     }

@@ -1,4 +1,4 @@
-/** The scene on the page: camera, canvas, and drawing only when something has changed. */
+/** Scene view: camera and canvas; draws only after changes. */
 import { PerspectiveCamera, Vector3, WebGLRenderer } from "three";
 import { OrbitControls } from "three/examples/jsm/controls/OrbitControls.js";
 import type { Scene } from "../page_data";
@@ -7,7 +7,7 @@ import { isDark, onTheme } from "../ui/theme";
 import type { Model } from "./model";
 import { Resolution } from "./resolution";
 
-/** From where the home view looks: in front, a little to the left, from above. */
+/** Viewing direction of the home view: from the front, slightly left, from above. */
 const HOME_DIRECTION = new Vector3(-0.35, -1, 0.75).normalize();
 
 export class SceneView {
@@ -26,11 +26,11 @@ export class SceneView {
     this.#canvas = canvas;
     this.#model = model;
     this.#home = home;
-    // Asked for here, as the renderer would write into the console if there is none.
+    // Requested here, because the renderer would log an error to the console if there is no context.
     const context = canvas.getContext("webgl2", { antialias: true, alpha: true });
     if (!context) {
       throw new PageProblem(
-        "The 3-D scene is not shown, as this browser has no WebGL 2. Everything else on this page works.",
+        "The 3-D scene is not shown because this browser has no WebGL 2. The rest of the page works.",
       );
     }
     this.#renderer = new WebGLRenderer({ canvas, context, antialias: true, alpha: true });
@@ -42,12 +42,12 @@ export class SceneView {
     this.#controls.addEventListener("change", this.request);
     this.#watch();
     this.#paint();
-    // Now rather than when the first element is touched, which would make the page wait in the midst of a run.
+    // Compile now, so that the first touched element does not delay the page during a run.
     this.#renderer.compile(model.scene, this.#camera);
     this.goHome();
   }
 
-  /** Shows a row. To be called once a frame, as it draws at once. */
+  /** Shows a row. Draws immediately, so call it at most once per animation frame. */
   moveTo(row: number): void {
     this.#row = row;
     if (this.#visible) this.#draw();
@@ -55,7 +55,7 @@ export class SceneView {
 
   goHome(): void {
     const { centre, radius } = this.#home;
-    // Also in a narrow window the whole sphere is seen.
+    // The whole sphere must fit, also in a narrow window.
     const half = (0.5 * this.#camera.fov * Math.PI) / 180;
     const narrow = Math.min(1, this.#camera.aspect);
     const distance = radius / Math.sin(Math.atan(Math.tan(half) * narrow));
@@ -65,7 +65,7 @@ export class SceneView {
     this.request();
   }
 
-  /** Nearer (below 1) or farther (above). */
+  /** Zooms in (factor below 1) or out (above 1). */
   zoom(factor: number): void {
     const { target, minDistance, maxDistance } = this.#controls;
     const offset = this.#camera.position.clone().sub(target).multiplyScalar(factor);
@@ -104,7 +104,7 @@ export class SceneView {
       this.#visible = entry?.isIntersecting ?? true;
       this.request();
     }).observe(holder);
-    // The browser may take the context away and give it back.
+    // The browser may drop and restore the context.
     this.#canvas.addEventListener("webglcontextrestored", this.request);
     onTheme(() => {
       this.#paint();

@@ -1,4 +1,4 @@
-/** A new element with attributes and content. */
+/** Creates an element with attributes and content. */
 export function make<K extends keyof HTMLElementTagNameMap>(
   tag: K,
   attributes: Record<string, string> = {},
@@ -10,14 +10,14 @@ export function make<K extends keyof HTMLElementTagNameMap>(
   return element;
 }
 
-/** A button with a name for screen readers, which a sighted reader gets as a tooltip. */
+/** Creates a button; `name` is its accessible name and tooltip. */
 export function button(text: string, name: string, act: () => void): HTMLButtonElement {
   const element = make("button", { type: "button", "aria-label": name, title: name }, text);
   element.addEventListener("click", act);
   return element;
 }
 
-/** Writes text only where it differs, as writing makes the browser lay out again. */
+/** Sets text only if it differs, because writing triggers a layout. */
 export function setText(element: Element, text: string): void {
   if (element.textContent !== text) element.textContent = text;
 }

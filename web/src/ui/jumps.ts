@@ -1,7 +1,4 @@
-/**
- * Elements of the document with `data-row` or `data-time` get a button that shows their moment, and do so when clicked
- * anywhere.
- */
+/** Makes elements with `data-row` or `data-time` clickable: a click, or an added button, jumps to their time. */
 import { moment } from "../format";
 import type { Playback } from "../playback";
 import { button } from "./dom";
@@ -15,7 +12,7 @@ export function startJumps(playback: Playback, shown: () => void): void {
       shown();
     };
     const time = moment(playback.table.time(row));
-    const name = `Show the moment ${time}: ${(element.textContent ?? "").trim().slice(0, 80)}`;
+    const name = `Show ${time}: ${(element.textContent ?? "").trim().slice(0, 80)}`;
     const opener = button(`▶\ufe0e ${time}`, name, jump);
     opener.className = "jump";
     const place = element.matches("tr, tbody") ? element.querySelector("td, th") : element;
@@ -28,7 +25,7 @@ export function startJumps(playback: Playback, shown: () => void): void {
   }
 }
 
-/** The row that an element names; none where it is not one of the run's. */
+/** Row of an element; undefined if it is not a row of the run. */
 function rowOf({ dataset }: HTMLElement, { table }: Playback): number | undefined {
   const number = Number(dataset.row ?? dataset.time);
   if (!Number.isFinite(number)) return undefined;

@@ -1,17 +1,17 @@
-/** Keys, and the list of them that `?` shows. */
+/** Keyboard shortcuts, and the help that lists them. */
 import { SPEEDS, type Playback } from "../playback";
 import type { Run } from "../run";
 import { button, make } from "./dom";
 
 export interface Key {
   keys: string[];
-  /** How the list writes them. */
+  /** Notation in the help. */
   shown: string;
   does: string;
   act: (event: KeyboardEvent) => void;
 }
 
-/** Rows of a step with shift. */
+/** Step size with shift (rows). */
 const LARGE_STEP = 50;
 
 export function playbackKeys(playback: Playback, run: Run): Key[] {
@@ -25,36 +25,36 @@ export function playbackKeys(playback: Playback, run: Run): Key[] {
     {
       keys: [" "],
       shown: "space",
-      does: playback.live ? "stay at this moment, follow the newest" : "play, pause",
+      does: playback.live ? "pause, follow the latest data" : "play, pause",
       act: () => playback.toggle(),
     },
-    { keys: ["ArrowLeft"], shown: "←", does: "one row back; with shift fifty", act: step(-1) },
-    { keys: ["ArrowRight"], shown: "→", does: "one row on; with shift fifty", act: step(1) },
-    { keys: ["Home"], shown: "home", does: "to the beginning", act: () => playback.stopAt(0) },
-    { keys: ["End"], shown: "end", does: "to the end", act: () => playback.stopAt(Infinity) },
+    { keys: ["ArrowLeft"], shown: "←", does: "one row back (50 with shift)", act: step(-1) },
+    { keys: ["ArrowRight"], shown: "→", does: "one row forward (50 with shift)", act: step(1) },
+    { keys: ["Home"], shown: "home", does: "go to the start", act: () => playback.stopAt(0) },
+    { keys: ["End"], shown: "end", does: "go to the end", act: () => playback.stopAt(Infinity) },
   ];
   if (playback.live) return keys;
   const stroke = (sign: number) => () => playback.stopAt(nextStroke(run, playback.row, sign));
   return keys.concat([
-    { keys: ["["], shown: "[", does: "to the stroke before", act: stroke(-1) },
-    { keys: ["]"], shown: "]", does: "to the next stroke", act: stroke(1) },
+    { keys: ["["], shown: "[", does: "previous stroke", act: stroke(-1) },
+    { keys: ["]"], shown: "]", does: "next stroke", act: stroke(1) },
     { keys: ["+", "="], shown: "+", does: "faster", act: speed(1) },
     { keys: ["-"], shown: "−", does: "slower", act: speed(-1) },
   ]);
 }
 
-/** The row where the nearest stroke begins in this direction. */
+/** Start row of the next stroke in this direction. */
 function nextStroke({ strokes }: Run, row: number, sign: number): number {
   const starts = strokes.map((stroke) => stroke.start);
   const next = sign > 0 ? starts.find((start) => start > row) : starts.findLast((start) => start < row);
   return next ?? (sign > 0 ? row : 0);
 }
 
-/** Listens to the keys, and returns the button that opens their list. */
+/** Installs the keyboard shortcuts and returns the button that opens the help. */
 export function startKeyboard(keys: Key[], notes: string[]): HTMLElement {
   const dialog = helpDialog(keys, notes);
   const open = () => dialog.showModal();
-  const help: Key = { keys: ["?"], shown: "?", does: "this list", act: open };
+  const help: Key = { keys: ["?"], shown: "?", does: "this help", act: open };
   addEventListener("keydown", (event) => {
     if (event.ctrlKey || event.altKey || event.metaKey || dialog.open || meantElsewhere(event)) return;
     const key = [...keys, help].find((key) => key.keys.includes(event.key));
@@ -62,11 +62,11 @@ export function startKeyboard(keys: Key[], notes: string[]): HTMLElement {
     event.preventDefault();
     key.act(event);
   });
-  const opener = button("?", "Keys and how to use this page (?)", open);
+  const opener = button("?", "Keyboard shortcuts and help (?)", open);
   return make("span", {}, opener, dialog);
 }
 
-/** Whether what has the focus takes the key itself. */
+/** `true` if the focused element handles the key itself. */
 function meantElsewhere({ key, target }: KeyboardEvent): boolean {
   if (!(target instanceof HTMLElement)) return false;
   if (target instanceof HTMLInputElement && target.type === "range") return key.startsWith("Arrow");
@@ -75,11 +75,11 @@ function meantElsewhere({ key, target }: KeyboardEvent): boolean {
 }
 
 function helpDialog(keys: Key[], notes: string[]): HTMLDialogElement {
-  const dialog = make("dialog", { class: "help", "aria-label": "Keys and how to use this page" });
+  const dialog = make("dialog", { class: "help", "aria-label": "Keyboard shortcuts and help" });
   const rows = keys.map(({ shown, does }) =>
     make("tr", {}, make("th", { scope: "row" }, make("kbd", {}, shown)), make("td", {}, does)),
   );
-  if (rows.length) dialog.append(make("h2", {}, "Keys"), make("table", {}, make("tbody", {}, ...rows)));
+  if (rows.length) dialog.append(make("h2", {}, "Keyboard"), make("table", {}, make("tbody", {}, ...rows)));
   dialog.append(
     make("h2", {}, "Mouse and touch"),
     make("ul", {}, ...notes.map((note) => make("li", {}, note))),

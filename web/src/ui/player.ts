@@ -1,11 +1,11 @@
-/** The bar that plays a run: at the bottom of the window, as it moves everything on the page. */
+/** Playback bar at the bottom of the window. */
 import { moment } from "../format";
 import { SPEEDS, type Playback } from "../playback";
 import type { Run } from "../run";
 import { phaseColour } from "./colours";
 import { button, make, setText } from "./dom";
 
-/** A screen reader hears the moment once it has stood still for so long, ms. */
+/** Time without changes after which a screen reader announces the time (ms). */
 const SETTLED = 700;
 
 export class Player {
@@ -24,13 +24,13 @@ export class Player {
     this.#run = run;
     this.#play = button("", "", () => playback.toggle());
     this.#play.classList.add("play");
-    this.#slider = make("input", { type: "range", min: "0", step: "1", value: "0", "aria-label": "Moment" });
+    this.#slider = make("input", { type: "range", min: "0", step: "1", value: "0", "aria-label": "Time" });
     this.#slider.addEventListener("input", () => playback.stopAt(Number(this.#slider.value)));
     const track = make("div", { class: "track" }, this.#slider);
     if (!playback.live) track.style.backgroundImage = strokeShades(run);
     this.element = make(
       "div",
-      { class: "player", role: "group", "aria-label": "Playing" },
+      { class: "player", role: "group", "aria-label": "Playback" },
       this.#play,
       track,
     );
@@ -67,7 +67,7 @@ export class Player {
 
   #showState(): void {
     const { playing, live } = this.#playback;
-    const name = playing ? "Pause" : live ? "Follow the newest" : "Play";
+    const name = playing ? "Pause" : live ? "Follow the latest data" : "Play";
     setText(this.#play, playing ? "❚❚" : "▶\ufe0e");
     this.#play.setAttribute("aria-label", name);
     this.#play.title = `${name} (space)`;
@@ -80,7 +80,7 @@ export class Player {
   }
 }
 
-/** Where the object is turned, as a background of the slider. */
+/** Shades the MOVE phases in the background of the slider. */
 function strokeShades({ strokes, table }: Run): string {
   const rows = Math.max(1, table.length - 1);
   const percent = (row: number) => `${((100 * row) / rows).toFixed(2)}%`;

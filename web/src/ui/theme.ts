@@ -1,4 +1,4 @@
-/** Light or dark: as the system has it, until the reader chooses. */
+/** Light or dark theme: the system's setting until the reader chooses. */
 import { forgetPageColours } from "./colours";
 import { button, make } from "./dom";
 
@@ -13,7 +13,7 @@ export function isDark(): boolean {
   return choice ? choice === "dark" : system.matches;
 }
 
-/** Calls `listener` whenever the page has become light or dark. */
+/** Calls `listener` whenever the theme changes. */
 export function onTheme(listener: () => void): void {
   listeners.push(listener);
 }
@@ -33,7 +33,7 @@ export function themeButton(): HTMLElement {
   return toggle;
 }
 
-/** Applies what the reader chose last time, and follows the system. */
+/** Applies the reader's last choice and follows changes of the system. */
 export function startTheme(): void {
   const remembered = recall();
   if (remembered) document.documentElement.style.colorScheme = remembered;
@@ -51,12 +51,12 @@ function changed(): void {
   for (const listener of listeners) listener();
 }
 
-// A page from disk may have no storage, or storage that throws.
+// A page opened from disk may have no storage, or access may throw.
 function remember(choice: Choice): void {
   try {
     localStorage.setItem(KEY, choice);
   } catch {
-    // Then it holds for this visit.
+    // The choice applies to this visit only.
   }
 }
 

@@ -45,7 +45,10 @@ fn one_trial_has_no_interval() {
     assert!(torque.unwrap().ends_with("(no interval)"), "{said}");
     assert!(said.contains("not comparable on a single trial"), "{said}");
     let page = document(&folder.join("compare/compare.html"));
-    assert!(page.contains("For a single trial, only success has an interval") && page.contains("(no interval)"));
+    assert!(
+        page.contains("For a single trial, only success has an interval")
+            && page.contains("(no interval)")
+    );
     assert!(!page.contains("NaN"));
 }
 

@@ -123,7 +123,11 @@ fn a_loss_is_told_from_shaking_and_the_largest_speed_tells_nothing() {
         "{text}"
     );
     assert_eq!(number(&text, "contact loss", "AUC"), 1.0, "{text}");
-    assert_eq!(number(&text, "contact loss", "accuracy (%)"), 100.0, "{text}");
+    assert_eq!(
+        number(&text, "contact loss", "accuracy (%)"),
+        100.0,
+        "{text}"
+    );
     // The bump's load is 0.05 spacings (its root mean square over all markers, less what a lens explains), noise of 0.1 px
     // 0.002: the threshold stands between their logarithms.
     let threshold = number(&text, "contact loss", "threshold");

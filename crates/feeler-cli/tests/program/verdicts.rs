@@ -61,7 +61,12 @@ fn a_report_judges_as_a_sweep_does() {
         ("cap-opening", nothing, "detected open", true),
         ("cap-opening", &tight, "detected open", false),
         ("bench-rig", nothing, "every stroke turned the cap", true),
-        ("three-fingers", nothing, "the cap was closed at the last stroke", true),
+        (
+            "three-fingers",
+            nothing,
+            "the cap was closed at the last stroke",
+            true,
+        ),
         ("cap-closing", nothing, "all its claims pass", true),
         ("cap-closing", &far, "all its claims pass", false),
     ];

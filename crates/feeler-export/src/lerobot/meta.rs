@@ -18,9 +18,9 @@ const MEGABYTE: usize = 1 << 20;
 /// File sizes (MiB) at which the next episode starts a new file. Episodes are never split.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct FileSizes {
-    /// Data file.
+    /// Size limit of a data file (MiB).
     pub data: usize,
-    /// Video file of one camera.
+    /// Size limit of a video file (MiB).
     pub videos: usize,
 }
 

@@ -137,7 +137,7 @@ fn nested(shape: &[usize], numbers: &[f64]) -> Value {
 }
 
 /// Quantile at `share` (0 to 1) of a sorted histogram with `number` samples (at least one), linearly interpolated
-/// between neighboring samples.
+/// between neighbouring samples.
 fn quantile(sorted: &[(f64, u64)], number: u64, share: f64) -> f64 {
     let place = share * number.saturating_sub(1) as f64;
     let below = place.floor();

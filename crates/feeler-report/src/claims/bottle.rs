@@ -144,7 +144,7 @@ pub(super) fn bumps_in_step(data: &RunData) -> Claim {
 }
 
 /// Shear rate and absolute torque rate over MOVE. Both are absolute differences between consecutive control steps (the
-/// shear rate by definition), smoothed by the same centered moving mean of [`SMOOTHING`], which removes the A/D
+/// shear rate by definition), smoothed by the same centred moving mean of [`SMOOTHING`], which removes the A/D
 /// converter noise that differencing amplifies. The torque sensor's delay is not compensated; it appears as lag. `None`
 /// without a torque sensor.
 pub fn rates(data: &RunData, stroke: &Stroke) -> Option<(Vec<f64>, Vec<f64>)> {

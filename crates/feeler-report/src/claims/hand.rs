@@ -112,7 +112,7 @@ pub(super) fn slip_means_slip(data: &RunData) -> Claim {
     .decided_by(DecidedBy::Hand)
 }
 
-/// The distance R of the dome's center from the cap's axis stays constant, compared with the planned line and with
+/// The distance R of the dome's centre from the cap's axis stays constant, compared with the planned line and with
 /// stroke 1, in which the cap turns along. See [`PathFit`](crate::path_fit::PathFit).
 pub(super) fn path_follows_contour(measured: &Measured) -> Claim {
     let to_first = measured.each_fit(&CLOSED, |fit, finger| {

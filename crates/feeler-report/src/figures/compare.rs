@@ -15,7 +15,7 @@ const ALIKE: Pen = Pen::dashed(REFERENCE, 1.2);
 pub fn curves_figure(curves: &Curves, number: u32) -> Figure {
     let (mut plots, mut legend) = (Vec::new(), Vec::new());
     for (index, curve) in curves.curves.iter().enumerate() {
-        // Colors repeat with dashed lines.
+        // Colours repeat with dashed lines.
         let style = if index < COLOURS {
             Pen::solid
         } else {

@@ -157,7 +157,7 @@ fn name_of(line: &LinePlot, legend: &[(&str, Pen)]) -> String {
     name(legend, &line.color, Some(is_solid))
 }
 
-/// Name in the legend of an item with this color and line style; empty if the legend has no such item.
+/// Name in the legend of an item with this colour and line style; empty if the legend has no such item.
 fn name(legend: &[(&str, Pen)], colour: &str, is_solid: Option<bool>) -> String {
     let same = |(_, pen): &&(&str, Pen)| {
         let solid = pen.style.dashes().is_none();

@@ -100,7 +100,7 @@ pub fn path(data: &RunData) -> Figure {
     let title = "Path of the tangential force";
     let caption = "Friction along and across the slide, divided by the normal force: the friction cone in top view. Forces stay \
             within the static circle. The offset of the path from the origin shows the tilt of the specimen \
-            across the slide; the circles are centered on it.";
+            across the slide; the circles are centred on it.";
     Figure::drawn(3, title, caption, tangential_path(data, title))
 }
 

@@ -1,4 +1,4 @@
-//! Top view of a stroke: the cap, the paths of the dome centers, and the paths of the touching tips.
+//! Top view of a stroke: the cap, the paths of the dome centres, and the paths of the touching tips.
 
 use super::super::run_data::{RunData, Stroke};
 use super::canvas::{CAP, Pen, REFERENCE, WIDTH, finger_colour, line, panel, range};
@@ -10,7 +10,7 @@ use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use std::f64::consts::TAU;
 
-/// Meters to millimeters.
+/// Metres to millimetres.
 pub const MM: f64 = 1e3;
 /// Line width of the main path.
 pub const BOLD: f64 = 2.6;
@@ -22,13 +22,13 @@ pub const PLANNED: Pen = Pen::dashed(REFERENCE, 1.4);
 pub const ARC: Pen = Pen::dotted(CAP, 1.8);
 /// Pen of the cap's contour.
 pub const CONTOUR: Pen = Pen::solid(CAP, 1.8);
-/// Pen of the circle on which the center of a just touching tip lies.
+/// Pen of the circle on which the centre of a just touching tip lies.
 pub const JUST_TOUCHING: Pen = Pen::dashed("#999999", 1.0);
 
 /// Ranges of x and y.
 type Window = ((f64, f64), (f64, f64));
 
-/// The cap (if its position is known) with the paths of the dome centers, scaled to the width of the figure.
+/// The cap (if its position is known) with the paths of the dome centres, scaled to the width of the figure.
 pub fn overview(data: &RunData, stroke: &Stroke) -> Option<Row> {
     /// Margin around the content (mm).
     const MARGIN: f64 = 2.0;
@@ -62,7 +62,7 @@ pub fn close_ups(data: &RunData, stroke: &Stroke) -> Option<Vec<Panel>> {
     (0..data.fingers.len()).map(close_up).collect()
 }
 
-/// Axes of a top view with ticks every `ticks` millimeters. Only the `first` panel of a row labels its y axis.
+/// Axes of a top view with ticks every `ticks` millimetres. Only the `first` panel of a row labels its y axis.
 fn plan((x, y): Window, first: bool, ticks: f64) -> Layout {
     panel(x, y, "x (mm)", if first { "y (mm)" } else { "" })
         .with_equal_aspect()
@@ -81,7 +81,7 @@ pub fn cap_above(data: &RunData, stroke: &Stroke) -> Option<DVec2> {
     known.then(|| centre.truncate())
 }
 
-/// The cap's contour, and the circle on which the center of a just touching tip lies.
+/// The cap's contour, and the circle on which the centre of a just touching tip lies.
 fn cap_outline(data: &RunData, centre: Option<DVec2>) -> Vec<Plot> {
     let Some(centre) = centre else {
         return Vec::new();
@@ -106,7 +106,7 @@ fn cap_outline(data: &RunData, centre: Option<DVec2>) -> Vec<Plot> {
     plots
 }
 
-/// Path of a dome's center over MOVE (bold), with the planned line and, if the axis is known, the arc about it.
+/// Path of a dome's centre over MOVE (bold), with the planned line and, if the axis is known, the arc about it.
 fn centre_paths(data: &RunData, stroke: &Stroke, finger: usize) -> Vec<Plot> {
     let Some(unrolled) = Unrolled::new(data, stroke, finger) else {
         return Vec::new();
@@ -175,7 +175,7 @@ fn planned_segment(data: &RunData, stroke: &Stroke, finger: usize) -> Option<[DV
     Some([start, start + travel * direction])
 }
 
-/// Ranges (m) that contain the cap and the paths of the dome centers in strokes 1 and 4.
+/// Ranges (m) that contain the cap and the paths of the dome centres in strokes 1 and 4.
 fn overview_window(data: &RunData, cap: Option<DVec2>) -> Option<Window> {
     let reach = DVec2::splat(data.facts.cap_radius + data.facts.feeler_tip_radius);
     let mut points: Vec<_> = (cap.iter().flat_map(|&axis| [axis - reach, axis + reach])).collect();

@@ -111,7 +111,7 @@ pub fn circle_figure(page: &IdentifyPage, number: u32) -> Figure {
     )
     .with_equal_aspect();
     let title = "Cross-section of the object";
-    let caption = "Centers of the touching tips under load, one dot per element and place; circle fitted through them, and its center, the pivot. \
+    let caption = "Centres of the touching tips under load, one dot per element and place; circle fitted through them, and its centre, the pivot. \
         The object's radius is the circle's radius minus the radius of a tip.";
     let drawing = tiled(
         (number, title),

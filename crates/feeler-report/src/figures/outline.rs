@@ -9,7 +9,7 @@ use crate::run_data::RunData;
 use feeler_record::{Phase, Recording};
 use glam::DVec2;
 
-/// Meters to millimeters.
+/// Metres to millimetres.
 const MM: f64 = 1e3;
 
 /// Top view of the outline, and its error over time.
@@ -48,7 +48,7 @@ fn outline(recording: &Recording, data: &RunData) -> Figure {
             plots.push(line(section.iter().copied().map(millimetres), truth));
             legend.push(("true section", truth));
         }
-        legend.push(("dome center", path));
+        legend.push(("dome centre", path));
         let layout = panel(x, y, "x (mm)", "y (mm)").with_equal_aspect();
         column((1, title), &legend, vec![(plots, layout)], 480.0)
     });

@@ -25,8 +25,8 @@ pub fn before_closing(data: &RunData) -> Figure {
         false => " the cap's position was not measured.",
     };
     let above = match shows_cap(data, 1) {
-        true => "the outer bold lines are the dome centers, the bold lines at the cap are the tips",
-        false => "the outer bold lines are the dome centers, the inner bold lines are the tips",
+        true => "the outer bold lines are the dome centres, the bold lines at the cap are the tips",
+        false => "the outer bold lines are the dome centres, the inner bold lines are the tips",
     };
     let laid_out = match arc {
         true => {
@@ -43,7 +43,7 @@ pub fn before_closing(data: &RunData) -> Figure {
         caption: format!(
             "In the paper's Fig. 12 the cap is loose; the tips of the touching elements follow the planned straight segment \
             (dashed) and only pass by the cap. Top: top view; {above} of the most compressed elements when MOVE starts. Middle: close-up of the tips;{close_up} \
-            Bottom: offset of each dome center from its \
+            Bottom: offset of each dome centre from its \
             planned line, magnified{laid_out}"
         ),
         panels: from_above(data, 1),
@@ -76,7 +76,7 @@ pub fn after_closing(data: &RunData) -> Figure {
     }
 }
 
-/// Interactive panels: top view of the dome centers with the cap, and their offset from the planned line.
+/// Interactive panels: top view of the dome centres with the cap, and their offset from the planned line.
 fn from_above(data: &RunData, index: u32) -> Vec<AnsweringPanel> {
     let Some(stroke) = data.whole_stroke(index) else {
         return Vec::new();
@@ -168,7 +168,7 @@ fn legend(data: &RunData, arc: bool, cap: bool) -> Vec<(&'static str, Pen)> {
     legend
 }
 
-/// Offset of each finger's dome center from the planned line, over the travel.
+/// Offset of each finger's dome centre from the planned line, over the travel.
 fn bends(data: &RunData, stroke: &Stroke) -> Vec<Panel> {
     let Some((x, y)) = bend_window(data) else {
         return Vec::new();

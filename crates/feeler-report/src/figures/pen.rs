@@ -1,10 +1,10 @@
-//! Colors and line styles.
+//! Colours and line styles.
 
 /// Black, for the cap.
 pub const CAP: &str = "#000000";
-/// Colors of the fingers (Okabe and Ito, safe for color-blind readers).
+/// Colours of the fingers (Okabe and Ito, safe for colour-blind readers).
 const FINGERS: [&str; 5] = ["#0072B2", "#D55E00", "#009E73", "#CC79A7", "#56B4E9"];
-/// Colors of successive strokes (colormap plasma, perceptually uniform and safe for color-blind readers).
+/// Colours of successive strokes (colour map plasma, perceptually uniform and safe for colour-blind readers).
 const STROKES: [&str; 6] = [
     "#F1962F", "#E16462", "#C03A83", "#8F0DA4", "#5901A5", "#0D0887",
 ];
@@ -13,12 +13,12 @@ pub const REFERENCE: &str = "#555555";
 /// Gray of grids and shading.
 pub const SHADE: &str = "#d9d9d9";
 
-/// Color of a finger.
+/// Colour of a finger.
 pub fn finger_colour(finger: usize) -> &'static str {
     FINGERS[finger % FINGERS.len()]
 }
 
-/// Color of the stroke with index `place` among `count` strokes; many strokes share colors.
+/// Colour of the stroke with index `place` among `count` strokes; many strokes share colours.
 pub fn stroke_colour(place: usize, count: usize) -> &'static str {
     let last = count.saturating_sub(1).max(1);
     STROKES[(place * (STROKES.len() - 1) / last).min(STROKES.len() - 1)]

@@ -1,4 +1,4 @@
-//! Fig. 14: distance of each dome center from the cap's axis over the travel, for every stroke.
+//! Fig. 14: distance of each dome centre from the cap's axis over the travel, for every stroke.
 
 use super::super::page_data::panels::{Axis, Colour, Panel as AnsweringPanel, Points, Series};
 use super::super::run_data::{RunData, Stroke};
@@ -18,7 +18,7 @@ const LINE: (f64, f64) = (1.4, 1.2);
 pub fn over_travel(data: &RunData) -> Figure {
     Figure {
         number: 14,
-        title: "Distance R of the dome centers from the cap's axis, over the travel of each stroke".into(),
+        title: "Distance R of the dome centres from the cap's axis, over the travel of each stroke".into(),
         caption: "A finger that follows the cap keeps its distance from the axis, so its line is level. A straight path \
             (dashed, for the last stroke) approaches the axis until it is level with it, and then recedes. R₀ is R where \
             the shading starts, at 25 % of the travel, when the grip has built up; it ends at 98 %, when the finger starts to brake. \
@@ -82,7 +82,7 @@ fn radius(data: &RunData) -> Option<String> {
     let panels = unrolled.iter().enumerate();
     let panels = panels.map(|(finger, paths)| radius_panel(finger, paths, strokes.len(), window));
     let (panels, height) = stack(rows(HEIGHT, panels.collect()));
-    let title = "Distance of the dome centers from the cap's axis over the travel of each stroke";
+    let title = "Distance of the dome centres from the cap's axis over the travel of each stroke";
     Some(frame(14, title, &legend(&strokes), panels, height))
 }
 

@@ -58,7 +58,7 @@ pub fn shares_figure(page: &RobustnessPage, number: u32) -> Figure {
     Figure::still(number, title, caption, svg)
 }
 
-/// Color of a set of hands: black if everything varies, gray if nothing varies, and finger colors for groups.
+/// Colour of a set of hands: black if everything varies, gray if nothing varies, and finger colours for groups.
 fn colour(share: &Share, kind: usize) -> &'static str {
     match kind {
         0 => "#000000",

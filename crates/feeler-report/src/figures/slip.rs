@@ -37,7 +37,7 @@ pub fn roc_figure(page: &SlipPage, number: u32) -> Figure {
     let panels = vec![(plots, layout.with_log_x())];
     let mut drawing = tiled((number, title), &legend, panels, 1, 360.0);
     for panel in &mut drawing.panels {
-        // Replaces the unlabeled dots.
+        // Replaces the unlabelled dots.
         panel.series.truncate(page.curves.len());
         let points = page.points.iter();
         panel
@@ -84,7 +84,7 @@ pub fn grasp_roc_figure(page: &GraspSlipPage, number: u32) -> Figure {
         .collect();
     let mut drawing = tiled((number, title), &legend, vec![(plots, layout)], 1, 360.0);
     for panel in &mut drawing.panels {
-        // Replaces the unlabeled dots.
+        // Replaces the unlabelled dots.
         panel.series.truncate(known.len());
         let points = known.iter().filter_map(|&(index, detector)| {
             let points = Points::new([drawn(judged(detector)?)]);

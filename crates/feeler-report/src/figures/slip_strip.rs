@@ -20,7 +20,7 @@ const HALF: f64 = 0.38;
 /// State of a lane for a finger at a row; `None` if unknown.
 type Event = fn(&FingerColumns, usize) -> Option<bool>;
 
-/// A lane: name, color and filled time spans.
+/// A lane: name, colour and filled time spans.
 type Lane = (&'static str, &'static str, Vec<(f64, f64)>);
 
 /// Strip over these rows with two lanes per finger (one if true slip is unknown), and its height.

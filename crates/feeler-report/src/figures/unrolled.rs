@@ -1,4 +1,4 @@
-//! Path of a dome's center over MOVE, unrolled along the planned line so that bends of a millimeter are visible, with
+//! Path of a dome's centre over MOVE, unrolled along the planned line so that bends of a millimetre are visible, with
 //! the planned line and the arc about the cap's axis.
 
 use super::super::path_fit::{travel, window_rows};
@@ -22,12 +22,12 @@ pub struct Step {
     pub path: f64,
     /// Offset of the arc from the planned line (m), positive = towards the cap.
     pub arc: f64,
-    /// R relative to its value at the start of the window (m). R is the horizontal distance of the dome's center from
+    /// R relative to its value at the start of the window (m). R is the horizontal distance of the dome's centre from
     /// the axis.
     pub radius: f64,
     /// Like `radius`, but for the planned line.
     pub line_radius: f64,
-    /// Center of the dome in `W` (m).
+    /// Centre of the dome in `W` (m).
     pub centre: DVec3,
     /// Corresponding point on the arc in `W` (m).
     pub on_arc: DVec3,

@@ -63,16 +63,16 @@ pub struct Threshold {
 /// Number of distinct finger colors.
 pub const COLOURS: usize = 5;
 
-/// Color of a series.
+/// Colour of a series.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Colour {
-    /// Color of a finger, or of one of several compared items.
+    /// Colour of a finger, or of one of several compared items.
     Finger(usize),
-    /// Color of common quantities.
+    /// Colour of common quantities.
     Shared,
-    /// Color of planned values and limits.
+    /// Colour of planned values and limits.
     Reference,
-    /// Color of less important series.
+    /// Colour of less important series.
     Background,
 }
 
@@ -108,7 +108,7 @@ pub enum Line {
 pub struct Series {
     /// Name.
     pub name: String,
-    /// Color.
+    /// Colour.
     pub colour: Colour,
     /// Drawing style.
     pub line: Line,

@@ -33,7 +33,7 @@ pub struct FingerColumns {
     pub forces: Rows<DVec3>,
     /// Largest F_z (N); NaN if any is not finite, -∞ if there are no elements.
     pub largest_force: Vec<f64>,
-    /// Center of the dome in `W` (m).
+    /// Centre of the dome in `W` (m).
     pub position: Vec<DVec3>,
     /// Rotation from the fingertip frame `T` to `W`.
     pub rotation: Vec<DQuat>,

@@ -19,7 +19,7 @@ const PLACE: f64 = 2e-3;
 const TURN: f64 = 3.0;
 /// Maximum shortfall of the object's highest position relative to the path's (m).
 const DROP: f64 = 5e-3;
-/// Meters to millimeters.
+/// Metres to millimetres.
 const MM: f64 = 1e3;
 
 fn position(pose: &ObjectPose) -> DVec3 {

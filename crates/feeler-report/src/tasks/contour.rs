@@ -27,7 +27,7 @@ const GREATEST_GAP: f64 = 1.5e-3;
 const CORNER_ANGLE: f64 = 0.5;
 /// Length of a corner, see [`CORNER_ANGLE`] (m).
 const CORNER_LENGTH: f64 = 0.4e-3;
-/// Meters to millimeters.
+/// Metres to millimetres.
 const MM: f64 = 1e3;
 
 /// Corners of a closed path: the midpoints of sharp bends.
@@ -54,7 +54,7 @@ fn corners(section: &[DVec2]) -> Vec<DVec2> {
     let mut found: Vec<DVec2> = Vec::new();
     for place in (0..ring).filter(sharpest) {
         let corner = at(place);
-        // Neighboring points with equal bends are one corner.
+        // Neighbouring points with equal bends are one corner.
         if found
             .iter()
             .all(|other| other.distance(corner) > CORNER_LENGTH)

@@ -1,41 +1,41 @@
-//! The edge of a knurled, slightly oval disc: `c(phi) = r(phi) (cos phi, sin phi)` with
+//! Edge of a knurled, slightly oval disc: `c(phi) = r(phi) (cos phi, sin phi)` with
 //! `r(phi) = radius (1 + ovality cos 2 phi) + depth / 2 (cos(knurls phi) - 1)`.
 //!
-//! The distance from it has a local minimum on almost every knurl. The angles where the global one
-//! can be are bounded first, then cut at the crests, the bottoms and halfway between, and every
-//! minimum there that can be the global one is followed by Newton's method.
+//! The distance from a point has a local minimum at almost every knurl. The search first bounds the angles of the
+//! global minimum, then divides them into cells at the crests, the bottoms and halfway between. Newton's method finds
+//! the minimum in every cell that can contain the global one.
 
 mod minimum;
 
 use glam::DVec2;
 use std::f64::consts::{PI, TAU};
 
-/// Cells per knurl. The curvature falls steadily from a crest to the next bottom, so that the
-/// distance has at most one minimum and one maximum between them.
+/// Number of cells per knurl. The curvature is monotonic between a crest and the next bottom, so the distance has at
+/// most one minimum and one maximum there.
 const CELLS: i64 = 4;
-/// Cells per knurl where there are less than [`FEW_KNURLS`].
+/// Number of cells per knurl if there are less than [`FEW_KNURLS`].
 const MANY_CELLS: i64 = 32;
 const FEW_KNURLS: u32 = 4;
 
-/// The curve, and what is computed once about it.
+/// The curve and precomputed values.
 #[derive(Debug, Clone)]
 pub struct Curve {
     radius: f64,
     knurls: f64,
     depth: f64,
     ovality: f64,
-    /// Angle of a cell, rad, and its cosine and sine.
+    /// Angle of a cell (rad), and its cosine and sine.
     cell: f64,
     step: DVec2,
-    /// Cells per knurl, a power of two.
+    /// Number of cells per knurl, a power of two.
     cells: i64,
-    /// Cosine and sine of `knurls phi` at the cells' ends.
+    /// Cosine and sine of `knurls phi` at the boundaries of cells.
     phases: [DVec2; MANY_CELLS as usize],
-    /// No point of the curve moves faster than this with its angle, m/rad.
+    /// Upper bound of the curve's speed `|dc/dphi|` (m/rad).
     max_speed: f64,
 }
 
-/// A point of the curve as seen from a query point.
+/// A point of the curve, relative to a query point.
 #[derive(Clone, Copy)]
 struct Sample {
     /// Cosine and sine of `phi`.
@@ -43,17 +43,17 @@ struct Sample {
     /// Cosine and sine of `knurls phi`.
     phase: DVec2,
     radius: f64,
-    /// Derivative of the radius by `phi`.
+    /// Derivative of the radius with respect to `phi`.
     slope: f64,
-    /// Squared distance from the query point, m^2.
+    /// Squared distance from the query point (m^2).
     square: f64,
-    /// Half of the first and of the second derivative of `square` by `phi`.
+    /// Half of the first and second derivatives of `square` with respect to `phi`.
     first: f64,
     second: f64,
 }
 
 impl Curve {
-    /// A curve of the given `radius` and `depth`, m.
+    /// Creates a curve of `radius` and `depth` (m).
     pub fn new(radius: f64, knurls: u32, depth: f64, ovality: f64) -> Self {
         let cells = if knurls < FEW_KNURLS {
             MANY_CELLS
@@ -80,14 +80,14 @@ impl Curve {
         }
     }
 
-    /// A radius, m, that the curve is nowhere within.
+    /// Lower bound of the radius (m).
     pub fn innermost_radius(&self) -> f64 {
         self.radius * (1.0 - self.ovality.abs()) - self.depth
     }
 
-    /// The enclosed area, m^2, and the integrals of `x^2` and `y^2` over it, m^4.
+    /// Enclosed area (m^2), and integrals of `x^2` and `y^2` over it (m^4).
     pub fn area_and_second_moments(&self) -> (f64, DVec2) {
-        // Equidistant samples integrate r^4, of at most 4 knurls + 8 periods per turn, exactly.
+        // r^4 has at most 4 knurls + 8 periods per turn, so equidistant samples integrate it exactly.
         let count = 16 * (self.knurls as u64).max(2);
         let weight = TAU / count as f64;
         let (mut area, mut second) = (0.0, DVec2::ZERO);
@@ -101,7 +101,7 @@ impl Curve {
         (area, second)
     }
 
-    /// The nearest point of the curve, its outward normal, and the signed distance from it.
+    /// Nearest point of the curve, its outward normal, and the signed distance from it.
     pub fn nearest(&self, point: DVec2) -> (DVec2, DVec2, f64) {
         if self.depth == 0.0 && self.ovality == 0.0 {
             let (normal, length) = point.normalize_and_length();
@@ -117,8 +117,7 @@ impl Curve {
         (position, normal, if outside { distance } else { -distance })
     }
 
-    /// The nearest point of the curve: cell by cell to both sides of a first guess, as far as it
-    /// can be.
+    /// Nearest point of the curve: searches the cells on both sides of a first guess, within the reach of the minimum.
     fn nearest_sample(&self, point: DVec2) -> Sample {
         let angle = point.to_angle();
         let (guess, at) = self.first_guess(point, angle);
@@ -142,7 +141,7 @@ impl Curve {
         best
     }
 
-    /// The crest nearest by angle to a `point` outside, else the nearest bottom; and its cell.
+    /// The crest at the nearest angle for a `point` outside, otherwise the nearest bottom; and its cell.
     fn first_guess(&self, point: DVec2, angle: f64) -> (Sample, i64) {
         let knurl = angle / (self.cell * self.cells as f64);
         let outside = point.length() > self.oval_radius(point) - self.depth / 2.0;
@@ -155,22 +154,22 @@ impl Curve {
         (self.sample(point, direction, self.phase(k)), k)
     }
 
-    /// How far by angle, rad, the nearest point can be from `point`, if some point of the curve is
-    /// at the squared distance `square`: as far as a circle about `point` through that reaches
-    /// within the radii that the curve has there.
+    /// Maximum angle (rad) between `point` and its nearest point on the curve, if some point of the curve is at the
+    /// squared distance `square`: extent of the circle around `point` with that radius, within the curve's range of
+    /// radii.
     fn reach(&self, point: DVec2, square: f64) -> f64 {
         let length = point.length();
         if square >= length * length {
             return PI;
         }
-        // The curve at an angle psi from the point is at least `length sin(psi)` away.
+        // The curve at an angle psi from `point` is at least `length sin(psi)` away.
         let sine = square.sqrt() / length;
         let oval = self.oval_radius(point);
         let change = PI * self.radius * self.ovality.abs() * sine;
         let (inner, outer) = (oval - change - self.depth, oval + change);
         let radius = length.max(inner).min(outer);
-        // Beside the curve it is at least as far as (radius, psi) too, if the foot of the point on
-        // that ray is on the point's side of `radius`.
+        // Tighter bound: the distance to (radius, psi), if the foot of `point` on that ray is on the same side of
+        // `radius` as `point`.
         let rest = square - (length - radius).powi(2);
         let half_sine_squared = (rest / (4.0 * length * radius)).clamp(0.0, 1.0);
         let foot = length * (1.0 - 2.0 * half_sine_squared);
@@ -181,7 +180,7 @@ impl Curve {
         }
     }
 
-    /// The radius of the side at `point`'s angle, were there no knurls.
+    /// Radius at `point`'s angle without knurls.
     fn oval_radius(&self, point: DVec2) -> f64 {
         let square = point.length_squared();
         let cosine = (point.x * point.x - point.y * point.y) / square.max(f64::MIN_POSITIVE);

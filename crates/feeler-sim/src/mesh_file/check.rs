@@ -1,16 +1,16 @@
-//! What makes triangles a solid that a hand can touch.
+//! Checks that triangles form a valid solid.
 
 use super::{MAX_TRIANGLES, MeshError, TriangleMesh};
 use glam::DVec3;
 
-/// Least and largest size, m: the longest side of the box around the mesh. What a hand can touch
-/// lies well between; what does not is almost always in another unit.
+/// Minimum and maximum size (m): longest side of the bounding box. A mesh of another size almost always has the wrong
+/// unit.
 pub const SIZES: [f64; 2] = [0.001, 1.0];
-/// A triangle is degenerate below this height, relative to its longest edge, and a mesh below this
-/// volume, relative to the cube of its size: what rounding alone can make of nothing.
+/// Minimum height of a triangle relative to its longest edge, and minimum volume of a mesh relative to the cube of its
+/// size. Smaller values may be rounding errors.
 const FLAT: f64 = 1e-12;
 
-/// A solid has four triangles or more.
+/// Checks the number of triangles; a solid has at least four.
 pub fn count(triangles: usize) -> Result<(), MeshError> {
     if triangles < 4 {
         return Err(MeshError::Count(triangles));
@@ -18,7 +18,7 @@ pub fn count(triangles: usize) -> Result<(), MeshError> {
     count_at_most(triangles)
 }
 
-/// Faces of which some may make several triangles.
+/// Checks the number of faces; a face may yield several triangles.
 pub fn count_at_most(faces: usize) -> Result<(), MeshError> {
     if faces > MAX_TRIANGLES {
         return Err(MeshError::Count(faces));
@@ -53,13 +53,13 @@ pub fn areas(mesh: &TriangleMesh) -> Result<(), MeshError> {
     Ok(())
 }
 
-/// Every edge must belong to two triangles, which go along it in opposite directions.
+/// Checks that every edge belongs to two triangles, in opposite directions.
 pub fn edges(mesh: &TriangleMesh) -> Result<(), MeshError> {
     let edges = mesh
         .triangles
         .iter()
         .flat_map(|&[a, b, c]| [(a, b), (b, c), (c, a)]);
-    // Both directions of an edge sort together, the upward one first.
+    // Sorting groups both directions of an edge, ascending first.
     let mut edges: Vec<_> = edges.map(|(a, b)| (a.min(b), a.max(b), a > b)).collect();
     edges.sort_unstable();
     let (mut open, mut wrong) = (Vec::new(), Vec::new());

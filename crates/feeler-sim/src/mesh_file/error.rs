@@ -1,95 +1,95 @@
-//! Why a file gives no mesh.
+//! Errors of mesh files.
 
 use glam::DVec3;
 use std::io::Error;
 
-/// Why a file gives no mesh.
+/// Error when reading a mesh file.
 #[derive(Debug, thiserror::Error)]
 pub enum MeshError {
-    /// The file's name does not say what it is.
-    #[error("a mesh file named .stl or .obj expected, its extension is {0:?}")]
+    /// The file name has no known extension.
+    #[error("expected the extension .stl or .obj, got {0:?}")]
     Extension(String),
-    /// The scale cannot be used.
-    #[error("a scale above 0 expected, m per unit of the file; it is {0}")]
+    /// The scale is not positive.
+    #[error("expected a scale above 0 (m per unit of the file), got {0}")]
     Scale(f64),
-    /// The file cannot be read.
-    #[error("a readable mesh file expected: {0}")]
+    /// Reading the file failed.
+    #[error("failed to read the mesh: {0}")]
     Read(#[from] Error),
     /// The file is too long.
-    #[error("a mesh file of at most {most} bytes expected, it has more", most = super::MAX_BYTES)]
+    #[error("the mesh file is longer than {most} bytes", most = super::MAX_BYTES)]
     TooLong,
-    /// A binary STL does not hold what its header says.
+    /// The length of a binary STL contradicts its header.
     #[error(
-        "a binary STL of {claimed} triangles, as its header says, has {expected} bytes; the file has {bytes}"
+        "expected a binary STL of {expected} bytes for the {claimed} triangles of its header, got {bytes} bytes"
     )]
     Length {
-        /// Triangles by the header.
+        /// Number of triangles in the header.
         claimed: u32,
-        /// Bytes of a file with so many.
+        /// Length of a file with that number of triangles (bytes).
         expected: u64,
-        /// Bytes of the file.
+        /// Length of the file (bytes).
         bytes: usize,
     },
-    /// The file is no STL.
-    #[error("an STL file expected: {0}")]
+    /// The STL file is invalid.
+    #[error("invalid STL file: {0}")]
     Stl(String),
-    /// The file is no OBJ.
-    #[error("an OBJ file expected: {0}")]
+    /// The OBJ file is invalid.
+    #[error("invalid OBJ file: {0}")]
     Obj(#[from] tobj::LoadError),
-    /// A coordinate is infinite or not a number.
-    #[error("finite coordinates expected; triangle {triangle} has a corner at {corner} m")]
+    /// A coordinate is infinite or NaN.
+    #[error("expected finite coordinates, got a corner of triangle {triangle} at {corner} m")]
     NotFinite {
-        /// The triangle, from 1.
+        /// Number of the triangle, from 1.
         triangle: usize,
-        /// Its corner, m.
+        /// Position of the corner (m).
         corner: DVec3,
     },
-    /// Too few triangles for a solid, or too many for a mesh of this program.
-    #[error("from 4 to {most} triangles expected, the file has {0}", most = super::MAX_TRIANGLES)]
+    /// The mesh has too few triangles for a solid, or too many.
+    #[error("expected 4 to {most} triangles, got {0}", most = super::MAX_TRIANGLES)]
     Count(usize),
-    /// The mesh has the size of no object that a hand touches.
+    /// The mesh is too small or too large for an object that a hand touches.
     #[error(
-        "an object of {least} to {most} m expected, the mesh is {0} m long; is its scale right (0.001 for millimetres)?",
+        "expected a mesh of {least} to {most} m, got {0} m; check its scale (0.001 for millimetres)",
         least = super::check::SIZES[0],
         most = super::check::SIZES[1]
     )]
     Size(f64),
-    /// A triangle has no area.
+    /// A triangle has zero area.
     #[error(
-        "triangles with an area expected; triangle {triangle} has none, its corners are {}, {}, {} m",
+        "triangle {triangle} has zero area; its corners are {}, {}, {} m",
         .corners[0], .corners[1], .corners[2]
     )]
     Degenerate {
-        /// The triangle, from 1.
+        /// Number of the triangle, from 1.
         triangle: usize,
-        /// Its corners, m.
+        /// Corners (m).
         corners: [DVec3; 3],
     },
     /// The surface has holes.
     #[error(
-        "a closed surface expected: {count} edges belong to one triangle alone, one of them from {from} to {to} m"
+        "the surface is not closed: {count} edges belong to one triangle alone, such as that from {from} to {to} m"
     )]
     Open {
-        /// Edges of one triangle.
+        /// Number of edges with only one triangle.
         count: usize,
-        /// Where one of them begins, m.
+        /// Start of the first such edge (m).
         from: DVec3,
-        /// Where it ends, m.
+        /// End of that edge (m).
         to: DVec3,
     },
-    /// Neighbours are oriented against each other, or more than two triangles meet in an edge.
+    /// Adjacent triangles have opposite orientations, or more than two triangles share an edge.
     #[error(
-        "two triangles of the same orientation expected at each edge: {count} edges have more or disagreeing ones, one of them from {from} to {to} m"
+        "expected two triangles of the same orientation at each edge; {count} edges have more or opposite ones, such as that from {from} to {to} m"
     )]
     Orientation {
-        /// Such edges.
+        /// Number of such edges.
         count: usize,
-        /// Where one of them begins, m.
+        /// Start of the first such edge (m).
         from: DVec3,
-        /// Where it ends, m.
+        /// End of that edge (m).
         to: DVec3,
     },
-    /// The surface encloses nothing.
-    #[error("a surface around a volume expected, it encloses {0} m^3")]
+    /// The enclosed volume is zero.
+    #[error("the surface encloses no volume ({0} m^3)")]
     Volume(f64),
 }

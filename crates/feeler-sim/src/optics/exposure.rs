@@ -1,4 +1,4 @@
-//! From the light of a row's pixels to their grey levels with noise.
+//! Converts the light of a row of pixels to gray levels with noise.
 
 use super::{
     exposed_block::{ExposedBlock, Exposure},
@@ -9,7 +9,7 @@ use crate::{
     optics_model::OpticsModel,
 };
 
-/// Blocks without noise, row by row, where no element bears anything; where there are markers, without them.
+/// Noise-free blocks of the image of an unloaded fingertip, row by row; with markers, of the dome alone.
 pub(crate) fn exposed_at_rest(model: &OpticsModel) -> Vec<ExposedBlock> {
     let (lost_by_column, _) = model.light_lost_by_column.as_chunks::<NOISE_LANES>();
     let mut exposed = Vec::with_capacity(model.projection.height() * lost_by_column.len());
@@ -29,13 +29,13 @@ pub(crate) fn exposed_at_rest(model: &OpticsModel) -> Vec<ExposedBlock> {
     exposed
 }
 
-/// A row's light, and in which of its blocks it is another one than at rest.
+/// Light of a row, and flags of the blocks that differ from the image at rest.
 pub(super) struct LitRow<'a> {
     pub lit: &'a [f32],
     pub changed: &'a [bool],
 }
 
-/// Turns the light of a row of the picture into grey levels with noise, where the model draws any.
+/// Converts the light of a row to gray levels with noise, in the blocks that the model renders.
 #[inline(always)]
 pub(super) fn expose(
     model: &OpticsModel,
@@ -79,7 +79,7 @@ pub(super) fn expose(
     }
 }
 
-/// An unbroken run of a row's blocks.
+/// A contiguous run of blocks of a row.
 struct Run<'a> {
     exposure: &'a Exposure,
     lit: &'a [[f32; NOISE_LANES]],
@@ -87,12 +87,12 @@ struct Run<'a> {
     lost_by_column: &'a [[f32; NOISE_LANES]],
     at_rest: &'a [ExposedBlock],
     noise: &'a PictureNoise,
-    /// The first block's number in the picture.
+    /// Index of the first block in the image.
     first: usize,
 }
 
 impl Run<'_> {
-    /// The grey levels of a block. (A closure would be a function of its own, which knows no wide instructions.)
+    /// Gray levels of a block. (A closure would be a separate function, compiled without wide vector instructions.)
     #[inline(always)]
     fn grays(&self, at: usize) -> [u8; NOISE_LANES] {
         let anew;

@@ -1,4 +1,4 @@
-//! What lights the pixels: spots, and elements that bear nothing, whose light is always the same.
+//! Light sources of an image: spots, and unloaded elements, whose light is constant and precomputed.
 
 use super::{
     hull,
@@ -8,18 +8,18 @@ use crate::optics_model::OpticsModel;
 use glam::DVec3;
 use std::ops::Range;
 
-/// One source of light in a picture.
+/// A light source of an image.
 #[derive(Debug, Clone)]
 pub(super) enum Light {
     Spot(SeenSpot),
-    /// All spots of an element that bears nothing.
+    /// All spots of an unloaded element.
     AtRest(usize),
-    /// None: what an element that bears something lacks.
+    /// No light: the region of a loaded element, which differs from the image at rest.
     NotAtRest(usize),
 }
 
 impl Light {
-    /// The rows that it reaches.
+    /// Rows of its box.
     pub fn rows(&self, model: &OpticsModel) -> Range<usize> {
         match self {
             Self::Spot(spot) => spot.rows.clone(),
@@ -29,7 +29,7 @@ impl Light {
         }
     }
 
-    /// The columns that it reaches.
+    /// Columns of its box.
     #[inline(always)]
     pub fn columns(&self, model: &OpticsModel) -> Range<usize> {
         match self {
@@ -40,7 +40,7 @@ impl Light {
         }
     }
 
-    /// The columns in which the picture is another one with it than at rest.
+    /// Columns in which the image differs from that at rest, if any.
     #[inline(always)]
     pub fn changes(&self, model: &OpticsModel) -> Option<Range<usize>> {
         match self {
@@ -49,7 +49,7 @@ impl Light {
         }
     }
 
-    /// Adds its light in one of its rows.
+    /// Adds its light to one of its rows.
     #[inline(always)]
     pub fn light_row(&self, model: &OpticsModel, row: usize, lit: &mut [f32]) {
         match self {
@@ -60,17 +60,17 @@ impl Light {
     }
 }
 
-/// The light of an element that bears nothing, pixel by pixel.
+/// Light of an unloaded element, per pixel.
 #[derive(Debug, Clone, Default)]
 pub(crate) struct RestLight {
     rows: Range<usize>,
     columns: Range<usize>,
-    /// Row by row.
+    /// Light of the pixels, row by row.
     light: Vec<f32>,
 }
 
 impl RestLight {
-    /// That of each element of `model`.
+    /// Precomputes the light of each element of `model`.
     pub fn of_elements(model: &OpticsModel) -> Vec<Self> {
         let elements = 0..model.layout.elements.len();
         elements.map(|element| Self::new(model, element)).collect()

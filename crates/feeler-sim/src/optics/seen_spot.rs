@@ -1,18 +1,17 @@
-//! Spots as the camera sees them, and the light that they add to pixels.
+//! Projected spots, and the light that they add to pixels.
 
 use crate::optics_model::{OpticsModel, Spot};
 use glam::Vec3;
 use std::ops::Range;
 
-/// Pixels that are lit side by side: a row of a spot is as many times as many, the last of them beyond its reach.
+/// Number of pixels per vectorized step. The width of a spot's box is a multiple of it.
 pub(super) const SIDE_BY_SIDE: usize = 8;
 
-/// A spot as the camera sees it: a disc on the dome whose edge falls off linearly over twice the
-/// blur. Its height is such that the light of the disc, the area of the contact, is kept however
-/// small it is.
+/// A spot in the image: a disc on the dome whose intensity falls linearly over twice the blur at the edge. Its height
+/// is chosen such that the integrated light equals the contact's area, however small.
 #[derive(Debug, Clone)]
 pub(super) struct SeenSpot {
-    /// m, in `T`.
+    /// Centre in `T` (m).
     centre: Vec3,
     profile: SpotProfile,
     pub rows: Range<usize>,
@@ -20,7 +19,7 @@ pub(super) struct SeenSpot {
 }
 
 impl SeenSpot {
-    /// The spot of an element; none where the cone does not touch or the camera does not see it.
+    /// Projects a spot of an element. `None` if the cone does not touch or is not visible.
     pub fn new(model: &OpticsModel, element: usize, spot: &Spot) -> Option<Self> {
         if spot.radius <= 0.0 {
             return None;
@@ -32,7 +31,7 @@ impl SeenSpot {
         let point = projection.lift(spot.centre, &model.layout.elements[element])?;
         let pixel = projection.project(point)?;
         let half_box = reach * largest_scale + 1.0;
-        // Casts to usize saturate at 0, so that a box beyond the picture is empty.
+        // Casts to usize saturate at 0, so a box outside the image is empty.
         let first = (pixel - half_box).floor();
         let last = (pixel + half_box).ceil() + 1.0;
         let (width, height) = (projection.width(), projection.height());
@@ -44,7 +43,7 @@ impl SeenSpot {
         })
     }
 
-    /// Adds its light in one row of the picture.
+    /// Adds the spot's light to one row of the image.
     #[inline(always)]
     pub fn light_row(&self, model: &OpticsModel, row: usize, lit: &mut [f32]) {
         let width = model.projection.width();
@@ -67,7 +66,7 @@ impl SeenSpot {
     }
 }
 
-/// Columns in whole steps of [`SIDE_BY_SIDE`], where `width` has room for that, that hold those from `first` on before `last`.
+/// Columns that contain `first..last`, widened to a multiple of [`SIDE_BY_SIDE`] if `width` permits.
 pub(super) fn side_by_side(first: usize, last: usize, width: usize) -> Range<usize> {
     let (first, last) = (first.min(width), last.min(width));
     let count = last.saturating_sub(first).next_multiple_of(SIDE_BY_SIDE);
@@ -76,7 +75,7 @@ pub(super) fn side_by_side(first: usize, last: usize, width: usize) -> Range<usi
     start..start + count
 }
 
-/// Brightness of a spot over the distance from its centre.
+/// Intensity of a spot as a function of the distance from its centre.
 #[derive(Debug, Clone, Copy)]
 struct SpotProfile {
     reach: f32,
@@ -85,9 +84,10 @@ struct SpotProfile {
 }
 
 impl SpotProfile {
-    /// For a spot of `radius` whose edge is blurred by `blur` to both sides, m, `contrast` times as bright as others.
+    /// Creates the profile of a spot of `radius` with its edge blurred by `blur` on both sides (m), scaled by
+    /// `contrast`.
     fn new(radius: f64, blur: f64, contrast: f64) -> Self {
-        // Light of the unscaled profile over pi: a cone with its top cut off, or a whole cone.
+        // Integral of the unscaled profile over pi: a truncated or whole cone.
         let light = if radius >= blur {
             radius * radius + blur * blur / 3.0
         } else {
@@ -120,7 +120,7 @@ mod tests {
     use feeler::sensor::fingertip::{Fingertip, FingertipConfig};
     use glam::DVec3;
 
-    /// A pixel's distance to a spot's centre is that of the dome's points, which no box knows of.
+    /// Distances are measured between points of the dome, independently of the spot's box.
     #[test]
     fn a_spot_reaches_no_pixel_outside_of_its_box() {
         let fingertip = Fingertip::new(&FingertipConfig::default()).expect("a fingertip");

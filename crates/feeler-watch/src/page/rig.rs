@@ -119,7 +119,7 @@ fn say(moment: &mut Moment, snapshot: &Snapshot) -> std::fmt::Result {
     match (fault, snapshot.task) {
         (Some(fault), _) => write!(moment.words, "{}.", fault.words),
         (None, _) if !snapshot.notice.is_empty() => write!(moment.words, "{}.", snapshot.notice),
-        (None, None) => write!(moment.words, "No message from a hand."),
+        (None, None) => write!(moment.words, "No messages received from a hand."),
         (None, Some(task)) => say_phase(
             moment,
             task.phase,

@@ -63,12 +63,12 @@ impl Told {
         let is_so = stopped == (self.request == Request::Stop);
         self.heeded |= is_so;
         match (self.request, self.heeded, self.at.elapsed() < PATIENCE) {
-            (Request::Stop, true, _) => "Stop: the hand stands still.",
-            (Request::Resume, true, _) => "Resume: the hand continues.",
+            (Request::Stop, true, _) => "Stop: the hand is stopped.",
+            (Request::Resume, true, _) => "Resume: the hand has resumed.",
             (Request::Stop, false, true) => "Stop: order sent.",
             (Request::Resume, false, true) => "Resume: order sent.",
             (Request::Stop, false, false) => {
-                "Stop: the hand does not confirm that it stands still. Use the stop of the hand itself."
+                "Stop: the hand has not confirmed the stop. Use the stop of the hand itself."
             }
             (Request::Resume, false, false) => "Resume: the hand stays stopped.",
         }
@@ -115,8 +115,8 @@ mod tests {
     fn an_answer_reports_the_effect_of_the_order() {
         let mut told = Told::now(Request::Resume);
         assert_eq!(told.answer(true), "Resume: order sent.");
-        assert_eq!(told.answer(false), "Resume: the hand continues.");
+        assert_eq!(told.answer(false), "Resume: the hand has resumed.");
         // A later stop does not change the answer.
-        assert_eq!(told.answer(true), "Resume: the hand continues.");
+        assert_eq!(told.answer(true), "Resume: the hand has resumed.");
     }
 }

@@ -31,7 +31,7 @@ fn the_buttons_stop_the_hand_and_let_it_go_on() {
     let resumed = wait_for(&mut socket, |state| state["answer"].is_string());
     assert_eq!(
         (&resumed["stopped"], &resumed["answer"]),
-        (&false.into(), &"Resume: the hand continues.".into())
+        (&false.into(), &"Resume: the hand has resumed.".into())
     );
     socket
         .send(Message::text(r#"{"order":"stop"}"#))
@@ -39,7 +39,7 @@ fn the_buttons_stop_the_hand_and_let_it_go_on() {
     let stopped = wait_for(&mut socket, |state| state["stopped"] == true);
     let words = stopped["state"].as_str().expect("words");
     assert!(words.contains("the live page"), "{words}");
-    assert_eq!(stopped["answer"], "Stop: the hand stands still.");
+    assert_eq!(stopped["answer"], "Stop: the hand is stopped.");
     socket
         .send(Message::text(r#"{"order":"resume"}"#))
         .expect("an order");

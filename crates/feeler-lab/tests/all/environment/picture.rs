@@ -40,7 +40,7 @@ fn a_picture_needs_its_room() {
     assert!(
         error
             .to_string()
-            .contains("4 x 3 pixels takes 36 bytes, there is room for 35"),
+            .contains("4 x 3 pixels needs 36 bytes, got 35"),
         "{error}"
     );
     assert!(environment.render((0, 0), &mut []).is_ok());

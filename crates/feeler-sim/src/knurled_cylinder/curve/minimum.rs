@@ -1,17 +1,16 @@
-//! The minima of the distance from a curve in one cell of it.
+//! Minima of the distance from a curve within one cell.
 
 use super::{Curve, Sample};
 use glam::DVec2;
 
-/// Newton's method ends with the first step below this, rad: the next would be below 1e-12, and the
-/// sines of this one need no more than the square of its angle.
+/// Newton's method ends with the first step below this (rad). The next one would be below 1e-12, and second-order sine
+/// and cosine suffice for this one.
 const LAST_STEP: f64 = 1e-7;
-/// Bisection alone would end within so many steps.
+/// Maximum number of iterations; enough for bisection alone.
 const MAX_ITERATIONS: usize = 64;
 
 impl Curve {
-    /// Puts in place of `best` the minimum of the distance in the cell between two samples, if there
-    /// is one and it is nearer.
+    /// Replaces `best` by the minimum of the distance between two samples, if any, if it is nearer.
     #[inline]
     pub(super) fn improve(&self, best: &mut Sample, point: DVec2, low: &Sample, high: &Sample) {
         let falls = low.first <= 0.0;
@@ -39,8 +38,8 @@ impl Curve {
         }
     }
 
-    /// The minimum in a cell at whose ends the distance falls, or rises, alike: where its
-    /// derivative changes sign twice.
+    /// Minimum in a cell whose ends have derivatives of the same sign: the derivative changes sign twice, or not at
+    /// all.
     #[cold]
     fn hidden_minimum(
         &self,
@@ -52,7 +51,7 @@ impl Curve {
         let mut width = self.cell;
         let falls = a.first <= 0.0;
         for _ in 0..MAX_ITERATIONS {
-            // The tangents of the derivative meet beyond its extremum.
+            // The tangents of the derivative intersect beyond its extremum.
             let at = (b.first - a.first - b.second * width) / (a.second - b.second);
             let extreme = a.first + a.second * at;
             if (extreme > 0.0) != falls {
@@ -73,9 +72,8 @@ impl Curve {
         None
     }
 
-    /// The minimum between `from`, where the distance falls, and `to`, `width` rad farther, where it
-    /// rises: Newton's method on the derivative, kept within the bracket; none if it is clearly above
-    /// `bound`, m^2.
+    /// Minimum between `from`, where the distance falls, and `to`, `width` (rad) farther, where it rises: Newton's
+    /// method on the derivative with bisection as fallback. `None` if the minimum is clearly above `bound` (m^2).
     #[inline(never)]
     fn descend(
         &self,
@@ -94,7 +92,7 @@ impl Curve {
             } else {
                 high = angle;
             }
-            // Four times as far down as a parabola's bottom.
+            // Four times the drop to the minimum of a parabola.
             let drop = 4.0 * here.first * here.first;
             if here.second > 0.0 && (here.square - bound) * here.second > drop {
                 return None;
@@ -118,8 +116,8 @@ impl Curve {
     }
 }
 
-/// Where the derivative's sign changes between two samples `width` apart, rad, by the cubic through
-/// the angle as a function of the derivative; by the straight line where that is no function.
+/// Estimated zero of the derivative between two samples `width` (rad) apart: cubic interpolation of the angle as a
+/// function of the derivative, or linear interpolation if the derivative is not monotonic.
 fn first_angle(from: &Sample, to: &Sample, width: f64) -> f64 {
     let rise = to.first - from.first;
     let at = -from.first / rise;
