@@ -3,22 +3,22 @@
 //! Shared by the targets and by the tests `fuzz_corpus` of `feeler-cli`, so that every test run goes through the
 //! corpora. A target says whether its bytes were sound.
 
+use feeler::control::FingerTouch;
+use feeler::control::Plan;
 use feeler::control::law::Law;
 use feeler::control::law::policy::{Policy, PolicyModel};
-use feeler::control::plan::Plan;
 use feeler::control::sense::{FingerSense, FingertipPose};
-use feeler::control::touch::FingerTouch;
 use feeler::hand::{Hand, HandState, JointState};
 use feeler::sensor::calibration::Calibration;
-use feeler::sensor::camera::{Camera, CameraError};
-use feeler::sensor::frame::Frame;
-use feeler::sensor::layout::ElementLayout;
-use feeler::sensor::live_calibration::ForceAxes;
-use feeler::sensor::loads::read_loads;
-use feeler::sensor::located_layout::LocatedLayout;
+use feeler::sensor::calibration::ForceAxes;
+use feeler::sensor::calibration::read_loads;
+use feeler::sensor::fingertip::ElementLayout;
+use feeler::sensor::fingertip::LocatedLayout;
+use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
+use feeler::sensor::image::Frame;
+use feeler::sensor::image::SeenElement;
+use feeler::sensor::image::{Camera, CameraError};
 use feeler::sensor::moments::ElementMoments;
-use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
-use feeler::sensor::seen::SeenElement;
 use feeler::sensor::taxel::{TaxelLayout, TaxelSensor};
 use feeler::sensor::wrench::forces::read_forces;
 use feeler::sensor::wrench::{WrenchCalibration, WrenchEstimator};
@@ -26,28 +26,28 @@ use feeler_drives::packet::{
     Decoder, LONGEST, Protocol, Sender, complete_blocks, encode, fast_blocks,
 };
 use feeler_lab::config::Experiment;
-use feeler_link::freshness::Echo;
-use feeler_link::hand_inbox::HandInbox;
-use feeler_link::inbox::Inbox;
-use feeler_link::message::{
+use feeler_link::hand::{RigSpeed, RunClock};
+use feeler_link::inboxes::HandInbox;
+use feeler_link::inboxes::Inbox;
+use feeler_link::inboxes::RigInbox;
+use feeler_link::inboxes::SenseInbox;
+use feeler_link::inboxes::{Expected, MOST_PEERS};
+use feeler_link::messages::Echo;
+use feeler_link::messages::message::{
     Heartbeat, MessageHeader, NO_FINGER, PROTOCOL, ResumeMessage, StateMessage, StopMessage,
     TactileUpdate,
 };
-use feeler_link::outlet::header;
-use feeler_link::peers::{Expected, MOST_PEERS};
-use feeler_link::rig_inbox::RigInbox;
-use feeler_link::run_clock::{RigSpeed, RunClock};
-use feeler_link::sense_inbox::SenseInbox;
-use feeler_link::stop_wire::parse as parse_datagram;
-use feeler_link::topic::{Place, Topic};
+use feeler_link::stop_door::wire::parse as parse_datagram;
+use feeler_link::transport::header;
+use feeler_link::transport::{Place, Topic};
 use feeler_record::wire::{Message, Vector3, cdr};
 use feeler_record::{RecordedCamera, RecordedHand, RecordedSensor, Recording};
-use feeler_ros2::attachment::Attachment;
-use feeler_ros2::joint_reader::JointReader;
+use feeler_ros2::Attachment;
+use feeler_ros2::JointReader;
+use feeler_ros2::Token;
 use feeler_ros2::message::{ListParametersRequest, SetParametersRequest};
 use feeler_ros2::parameter::Parameters;
-use feeler_ros2::token::Token;
-use feeler_sources::picture::decode_picture;
+use feeler_sources::decode_picture;
 use glam::{DVec2, DVec3};
 use std::io::Cursor;
 use std::str::from_utf8;
@@ -101,7 +101,7 @@ pub fn wrench(bytes: &[u8]) -> bool {
 
 /// A datagram of a force sensor, a request to one, its address, or its web page; all that is read is written alike.
 pub fn netft(bytes: &[u8]) -> bool {
-    use feeler_sources::netft::{NetFtAddress, Record, Request, parse_counts};
+    use feeler_sources::{NetFtAddress, Record, Request, parse_counts};
     let record = Record::from_bytes(bytes);
     if let Ok(record) = record {
         assert_eq!(record.to_bytes(), bytes);
@@ -459,9 +459,8 @@ pub fn ros2(bytes: &[u8]) -> bool {
             let mut reader = JointReader::new(vec![names]).expect("a finger");
             reader.read(&message, &mut HandState::zero(1)).is_ok()
         }),
-        b'c' => cdr::decode(bytes).is_ok_and(|cloud| {
-            feeler_ros2::cloud::read_forces(&cloud, &mut [DVec3::ZERO; 2]).is_ok()
-        }),
+        b'c' => cdr::decode(bytes)
+            .is_ok_and(|cloud| feeler_ros2::read_forces(&cloud, &mut [DVec3::ZERO; 2]).is_ok()),
         b'a' => Attachment::decode(bytes).is_ok(),
         b't' => from_utf8(bytes).is_ok_and(|text| {
             let token = text.parse::<Token>();

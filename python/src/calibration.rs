@@ -3,18 +3,18 @@
 use crate::errors::{failed, refused};
 use crate::interrupt::interruptible;
 use crate::layout::Layout;
-use feeler::sensor::calibration as core;
-use feeler::sensor::calibration_fit::{ElementRecord, ModelChoice, fit};
-use feeler::sensor::calibration_quality::FullScale;
-use feeler::sensor::calibration_report::CalibrationReport;
-use feeler::sensor::frame::Picture;
-use feeler::sensor::live_calibration::ForceAxes;
-use feeler::sensor::load_check::{ELEMENT_RANGE, check_axes, check_magnitude, check_numbers};
-use feeler::sensor::loads::RecordBuilder;
+use feeler::sensor::calibration::CalibrationReport;
+use feeler::sensor::calibration::ForceAxes;
+use feeler::sensor::calibration::FullScale;
+use feeler::sensor::calibration::RecordBuilder;
+use feeler::sensor::calibration::model as core;
+use feeler::sensor::calibration::{ELEMENT_RANGE, check_axes, check_magnitude, check_numbers};
+use feeler::sensor::calibration::{ElementRecord, ModelChoice, fit};
+use feeler::sensor::image::Picture;
 use feeler::sensor::moments::ElementMoments;
 use feeler_lab::config::Experiment;
 use feeler_lab::sensor::{LoadsFile, SensorGeometry};
-use feeler_sim::calibration_bench::{CalibrationBenchConfig, CalibrationBenchError, take_pictures};
+use feeler_sim::bench::{CalibrationBenchConfig, CalibrationBenchError, take_pictures};
 use glam::DVec3;
 use numpy::{
     IntoPyArray as _, PyArray3, PyArrayMethods as _, PyReadonlyArray3, PyUntypedArrayMethods as _,

@@ -38,7 +38,7 @@ impl EnvironmentSpec {
         let parts = environment.layouts().iter().map(|layout| {
             let first = start;
             start += layout.len();
-            let part = |part: feeler::control::observation::ObservationPart| {
+            let part = |part: feeler::control::ObservationPart| {
                 let range = part.range;
                 (part.name, part.unit, first + range.start, first + range.end)
             };

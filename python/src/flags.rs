@@ -1,7 +1,7 @@
 //! Flags of forces in arrays.
 
-use feeler::control::flags::{FlagAnalyzer, FlagThresholds};
-use feeler::sensor::reading::TactileFrame;
+use feeler::control::{FlagAnalyzer, FlagThresholds};
+use feeler::sensor::forces::TactileFrame;
 use glam::DVec3;
 use numpy::{
     PyReadonlyArray1, PyReadonlyArray3, PyReadwriteArray1, PyReadwriteArray2,

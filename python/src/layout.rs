@@ -2,9 +2,9 @@
 
 use crate::errors::{failed, refused};
 use crate::interrupt::interruptible;
-use feeler::sensor::frame::Picture;
+use feeler::sensor::fingertip::{DomeGeometry, LocatedLayout};
+use feeler::sensor::image::Picture;
 use feeler::sensor::locate::{LocateConfig, MeanPicture, Polarity, locate};
-use feeler::sensor::located_layout::{DomeGeometry, LocatedLayout};
 use feeler_lab::config::Experiment;
 use numpy::{PyArray1, PyArray2, PyReadonlyArray3, PyUntypedArrayMethods as _};
 use pyo3::prelude::*;

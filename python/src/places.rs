@@ -1,10 +1,10 @@
 //! Positions of a fingertip's elements.
 
 use crate::errors::refused;
-use feeler::sensor::dome::DomeProjection;
+use feeler::sensor::fingertip::DomeProjection;
+use feeler::sensor::fingertip::LocatedLayout;
+use feeler::sensor::fingertip::{ElementLayout, SensingElement};
 use feeler::sensor::fingertip::{Fingertip, FingertipConfig};
-use feeler::sensor::layout::{ElementLayout, SensingElement};
-use feeler::sensor::located_layout::LocatedLayout;
 use glam::{DMat3, DVec2, DVec3};
 use pyo3::PyResult;
 

@@ -2,8 +2,8 @@
 
 use crate::errors::refused;
 use crate::interrupt::interruptible;
-use feeler_record::picture_reader::PictureReader;
-use feeler_record::recording::PictureAt;
+use feeler_record::reading::PictureAt;
+use feeler_record::reading::PictureReader;
 use feeler_record::wire::Vector3;
 use feeler_record::{self as record, FingerStep, NO_ELEMENT, Step, Steps};
 use glam::{DQuat, DVec3};

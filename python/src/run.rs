@@ -7,7 +7,7 @@ use feeler_lab::config::Experiment;
 use feeler_lab::experiment::recorded_run::{FinishedRun, RecordedRun, RunError};
 use feeler_lab::experiment::run_folder;
 use feeler_record::RunEnd;
-use feeler_report::make;
+use feeler_report::run::make;
 use pyo3::prelude::*;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};

@@ -7,15 +7,13 @@
 //! ```
 
 use feeler::glam::DVec3;
-use feeler::hand::{
-    Hand, HandCommand, HandError, HandState, JointState, kinematics::fingertip_pose,
-};
+use feeler::hand::{Hand, HandCommand, HandError, HandState, JointState, fingertip_pose};
 use feeler::pace::{Pace, Schedule};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::linked::{expected, rig_config};
 use feeler_lab::experiment::{fingers_at_home, layouts};
-use feeler_link::network::Network;
 use feeler_link::programs::{RigProgram, RigSpeed, SensorConfig, SensorProgram, ServedHand};
+use feeler_link::transport::Network;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, PoisonError};
 use std::time::Instant;
@@ -117,7 +115,7 @@ fn sense(
 
 #[allow(dead_code, reason = "a test includes this file for `serve`")]
 fn main() -> Result<(), Failure> {
-    use feeler_link::endpoints::{HAND_ENDPOINT, LinkConfig};
+    use feeler_link::transport::{HAND_ENDPOINT, LinkConfig};
     let experiment = Experiment::load("crates/feeler-cli/examples/own_rig.toml", &[])?;
     let config = LinkConfig {
         rig: experiment.config.name.clone(),

@@ -1,7 +1,7 @@
 //! Camera options of the command line.
 
 use feeler_sensing::CameraOptions;
-use feeler_sources::settings::Trigger;
+use feeler_sources::Trigger;
 
 /// Settings of a camera besides size and rate.
 #[derive(Debug, clap::Args)]

@@ -4,7 +4,7 @@ use super::{CommandError, Outcome};
 use crate::options::Json;
 use feeler_console::print_json;
 use feeler_lab::config::{ConfigError, Experiment};
-use feeler_lab::experiment::warnings::warnings;
+use feeler_lab::experiment::warnings;
 use feeler_lab::experiment::{Session, check_rig};
 use serde::Serialize;
 use std::error::Error;

@@ -8,11 +8,11 @@ use super::{CommandError, Outcome};
 use feeler::control::law::LawConfig;
 use feeler::control::task::TaskConfig;
 use feeler_lab::config::{Experiment, ExperimentConfig};
-use feeler_lab::sweep::comparison::{Candidate, Goal, compare as compare_laws};
-use feeler_lab::sweep::store::write_whole;
+use feeler_lab::sweep::analysis::{Candidate, Goal, compare as compare_laws};
+use feeler_lab::sweep::results::write_whole;
 use feeler_lab::sweep::trial::Trials;
 use feeler_lab::sweep::{Ended, Plan};
-use feeler_report::compare_page::{ComparePage, compare_page, number};
+use feeler_report::pages::{ComparePage, compare_page, number};
 use std::io::Write;
 use std::path::PathBuf;
 

@@ -6,7 +6,7 @@ use feeler::control::law::LawConfig;
 use feeler_console::watch_for_interrupt;
 use feeler_lab::config::Experiment;
 use feeler_lab::sweep::plan::PLAN;
-use feeler_lab::sweep::store::Store;
+use feeler_lab::sweep::results::Store;
 use feeler_lab::sweep::trial::Trials;
 use feeler_lab::sweep::{Ended, Plan, Progress, engine};
 use indicatif::{ProgressBar, ProgressStyle};

@@ -5,8 +5,8 @@ use crate::options::Overwrite;
 use feeler_console::Outputs;
 use feeler_lab::config::Experiment;
 use feeler_lab::identify::{estimate, page, probe, probing};
-use feeler_report::identify_page::{IdentifyPage, identify_page};
-use feeler_report::make::create_folder;
+use feeler_report::pages::{IdentifyPage, identify_page};
+use feeler_report::run::create_folder;
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 

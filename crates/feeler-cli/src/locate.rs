@@ -4,10 +4,10 @@ use super::locate_preview::preview;
 use super::{CommandError, Outcome};
 use crate::options::Json;
 use crate::options::Overwrite;
-use feeler::sensor::{
-    dome::CameraConfig,
-    locate::{self, LocateConfig, LocateWarning, MeanPicture, Polarity, ReferencePicture},
-    located_layout::{DomeGeometry, LocatedLayout},
+use feeler::sensor::fingertip::{CameraConfig, DomeGeometry, LocatedLayout};
+use feeler::sensor::locate;
+use feeler::sensor::locate::{
+    LocateConfig, LocateWarning, MeanPicture, Polarity, ReferencePicture,
 };
 use feeler_console::Outputs;
 use feeler_console::print_json;

@@ -1,9 +1,7 @@
 //! Preview of located elements, drawn over the image.
 
-use feeler::sensor::{
-    locate::{ReferencePicture, sub_regions},
-    located_layout::LocatedLayout,
-};
+use feeler::sensor::fingertip::LocatedLayout;
+use feeler::sensor::locate::{ReferencePicture, sub_regions};
 use glam::DVec2;
 use image::{Rgb, RgbImage};
 

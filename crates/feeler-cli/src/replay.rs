@@ -8,7 +8,7 @@ use feeler_lab::experiment::replay::{Comparison, Kind, Replay, ReplayFrom, recor
 use feeler_lab::experiment::run_facts;
 use feeler_lab::experiment::run_folder;
 use feeler_record::{RecordOptions, Recorder, Recording, RunFacts};
-use feeler_report::make::RECORDING;
+use feeler_report::run::RECORDING;
 use feeler_rig::{make_report, print_outcome};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};

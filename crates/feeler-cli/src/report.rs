@@ -3,7 +3,7 @@
 use super::{CommandError, Outcome};
 use feeler_console::Reading;
 use feeler_lab::experiment::run_folder;
-use feeler_report::make::{RECORDING, REPORT, SUMMARY, make_into};
+use feeler_report::run::{RECORDING, REPORT, SUMMARY, make_into};
 use feeler_rig::print_outcome;
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -5,16 +5,15 @@ mod laws;
 use super::trials::TrialArguments;
 use super::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
-use feeler_lab::sweep::design::{Design, MAX_ROWS};
-use feeler_lab::sweep::ranges::{self, Entry, Ranges};
-use feeler_lab::sweep::robustness::robustness as judge;
-use feeler_lab::sweep::store::{TRIALS, write_whole};
+use feeler_lab::sweep::analysis::robustness as judge;
+use feeler_lab::sweep::plan::ranges;
+use feeler_lab::sweep::plan::ranges::{Entry, Ranges};
+use feeler_lab::sweep::plan::{Design, MAX_ROWS};
+use feeler_lab::sweep::results::{TRIALS, write_whole};
 use feeler_lab::sweep::trial::Trials;
 use feeler_lab::sweep::{Ended, Plan};
 use feeler_report::DecidedBy;
-use feeler_report::robustness_page::{
-    Measure, RobustnessPage, decided_by, percent, robustness_page,
-};
+use feeler_report::pages::{Measure, RobustnessPage, decided_by, percent, robustness_page};
 use std::collections::BTreeSet;
 use std::io::Write;
 use std::path::PathBuf;

@@ -51,7 +51,7 @@ pub struct GraphArguments {
 /// Publishes a rig until Ctrl-C, or a recording until its end.
 #[cfg(feature = "ros2")]
 pub fn ros2(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    use feeler_report::make::RECORDING;
+    use feeler_report::run::RECORDING;
     use std::path::Path;
     let path = Path::new(&arguments.what);
     let is_folder = path.is_dir();

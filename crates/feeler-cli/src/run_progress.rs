@@ -1,6 +1,6 @@
 //! Progress bar of a simulated run.
 
-use feeler::control::phase::Phase;
+use feeler::control::Phase;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::SimulatedLoop;
 use indicatif::{ProgressBar, ProgressStyle};

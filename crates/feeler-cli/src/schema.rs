@@ -1,8 +1,8 @@
 //! The `feeler schema` subcommand.
 
 use super::{CommandError, Outcome};
-use feeler_link::message as linked;
-use feeler_link::topic::{Place, Topic};
+use feeler_link::messages::message as linked;
+use feeler_link::transport::{Place, Topic};
 use feeler_record::sensed::MOMENTS;
 use feeler_record::wire::Message;
 use feeler_record::{RecordedTopic, topics};

@@ -3,14 +3,14 @@
 use super::trials::jobs;
 use super::{CommandError, Outcome};
 use crate::options::Overwrite;
-use feeler::sensor::located_layout::{ElementPlace, LAYOUT_VERSION, LocatedLayout};
-use feeler::sensor::polarity::Polarity;
+use feeler::sensor::fingertip::{ElementPlace, LAYOUT_VERSION, LocatedLayout};
+use feeler::sensor::image::Polarity;
 use feeler_console::Steps;
 use feeler_console::watch_for_interrupt;
 use feeler_console::{Outputs, PartFile};
 use feeler_lab::experiment::ExperimentError;
 use feeler_lab::grasps::simulated::{PICTURE, Scenario, SimulatedGrasp};
-use feeler_report::make::create_folder;
+use feeler_report::run::create_folder;
 use std::fmt::Write as _;
 use std::io::Write;
 use std::path::{Path, PathBuf};

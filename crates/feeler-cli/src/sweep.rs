@@ -3,9 +3,10 @@
 use super::trials::TrialArguments;
 use super::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
-use feeler_lab::sweep::store::{Store, TRIALS, read_finished};
+use feeler_lab::sweep::results::summary;
+use feeler_lab::sweep::results::{Store, TRIALS, read_finished};
 use feeler_lab::sweep::trial::Trials;
-use feeler_lab::sweep::{Ended, Plan, Progress, Shard, SweepError, Table, summary};
+use feeler_lab::sweep::{Ended, Plan, Progress, Shard, SweepError, Table};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::Write;
 use std::path::{Path, PathBuf};
@@ -204,7 +205,7 @@ fn conclude(
         out,
         "{}",
         folder
-            .join(feeler_lab::sweep::store::SUMMARY_PAGE)
+            .join(feeler_lab::sweep::results::SUMMARY_PAGE)
             .display()
     )?;
     Ok(Outcome::Done)

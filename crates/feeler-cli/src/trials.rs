@@ -3,7 +3,7 @@
 use super::CommandError;
 use super::sweep::Bar;
 use feeler_console::watch_for_interrupt;
-use feeler_lab::sweep::store::Store;
+use feeler_lab::sweep::results::Store;
 use feeler_lab::sweep::trial::Trials;
 use feeler_lab::sweep::{Ended, engine};
 use std::num::NonZero;

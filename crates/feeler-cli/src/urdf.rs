@@ -3,7 +3,7 @@
 use super::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::run_facts;
-use feeler_record::urdf::urdf;
+use feeler_record::viewers::urdf;
 use std::io::Write;
 
 #[derive(Debug, clap::Args)]

@@ -15,7 +15,7 @@ fn main() {
     use feeler::hand::Hand;
     use feeler::hand::{HandCommand, HandState};
     use feeler::pace::Pace;
-    use feeler_drives::clock::RigClock;
+    use feeler_drives::RigClock;
     use feeler_drives::emulator::{Emulator, EmulatorConfig};
     use feeler_drives::hand::DriveHand;
     use feeler_drives::packet::Protocol;

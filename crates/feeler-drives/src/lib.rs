@@ -3,23 +3,29 @@
 
 #[cfg(target_os = "linux")]
 pub mod bus;
-pub mod clock;
+pub(crate) mod clock;
 pub mod config;
 #[cfg(target_os = "linux")]
 pub mod emulator;
 #[cfg(target_os = "linux")]
-pub mod error;
+pub(crate) mod error;
 #[cfg(target_os = "linux")]
 pub mod hand;
 #[cfg(target_os = "linux")]
-pub mod health;
+pub(crate) mod health;
 pub mod packet;
 #[cfg(target_os = "linux")]
-pub mod port;
+pub(crate) mod port;
 pub mod registers;
 #[cfg(target_os = "linux")]
-pub mod serial;
+pub(crate) mod serial;
 #[cfg(target_os = "linux")]
-mod servo;
+pub(crate) mod servo;
 #[cfg(target_os = "linux")]
 pub mod setup;
+
+pub use clock::RigClock;
+#[cfg(target_os = "linux")]
+pub use error::{DriveError, JointName};
+#[cfg(target_os = "linux")]
+pub use port::Port;

@@ -3,7 +3,7 @@
 use crate::config::JointDriveConfig;
 use crate::error::{DriveError, JointName};
 use crate::registers::{Model, Registers};
-use feeler::hand::finger::FingerGeometry;
+use feeler::hand::FingerGeometry;
 
 /// A joint's servo.
 #[derive(Debug, Clone)]

@@ -1,6 +1,6 @@
 //! The error type of exports.
 
-use feeler::sensor::camera::CameraError;
+use feeler::sensor::image::CameraError;
 use feeler_record::RecordError;
 use parquet::errors::ParquetError;
 use std::path::{Path, PathBuf};

@@ -1,17 +1,12 @@
 //! Time per frame to convert the moments of 41 elements to forces.
 
 use divan::{Bencher, black_box};
-use feeler::sensor::{
-    calibration::Calibration,
-    calibration_fit::ModelChoice,
-    drift::{DriftConfig, DriftCorrection},
-    fingertip::FingertipConfig,
-    moments::ElementMoments,
-};
-use feeler_sim::{
-    calibration_bench::{CalibrationBenchConfig, calibrate_simulated},
-    optics_config::OpticsConfig,
-};
+use feeler::sensor::calibration::{Calibration, ModelChoice};
+use feeler::sensor::fingertip::FingertipConfig;
+use feeler::sensor::forces::{DriftConfig, DriftCorrection};
+use feeler::sensor::moments::ElementMoments;
+use feeler_sim::bench::{CalibrationBenchConfig, calibrate_simulated};
+use feeler_sim::optics::OpticsConfig;
 use glam::{DVec2, DVec3};
 
 fn main() {

@@ -1,19 +1,19 @@
 //! Time of control: from the latest forces to joint velocities.
 
 use divan::{Bencher, black_box};
-use feeler::control::controller::Controller;
-use feeler::control::flags::FlagAnalyzer;
+use feeler::control::Controller;
+use feeler::control::FingerTouch;
+use feeler::control::FlagAnalyzer;
+use feeler::control::Plan;
 use feeler::control::grasp_slip::{ContactLoss, ContactLossConfig, GraspDrag, GraspDragConfig};
 use feeler::control::law::LawConfig;
 use feeler::control::law::policy::{PolicyConfig, PolicyModel};
-use feeler::control::plan::Plan;
-use feeler::control::sense::{FingertipPose, HandSense};
-use feeler::control::touch::FingerTouch;
-use feeler::hand::finger::FingerGeometry;
-use feeler::hand::inverse_kinematics::inverse_kinematics;
+use feeler::control::{FingertipPose, HandSense};
+use feeler::hand::FingerGeometry;
+use feeler::hand::inverse_kinematics;
 use feeler::hand::{HandCommand, HandState, JointState};
-use feeler::sensor::layout::ElementLayout;
-use feeler::sensor::reading::TactileFrame;
+use feeler::sensor::fingertip::ElementLayout;
+use feeler::sensor::forces::TactileFrame;
 use feeler_lab::config::{Experiment, ExperimentConfig};
 use glam::{DMat3, DVec2, DVec3};
 

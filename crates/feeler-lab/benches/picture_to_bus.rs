@@ -48,16 +48,16 @@ enum Steps {
 #[cfg(target_os = "linux")]
 mod rig {
     use super::{Cameras, Steps};
-    use feeler::control::control_loop::ControlLoop;
-    use feeler::control::live_touch::{LiveArrivals, LiveTouch, live};
-    use feeler::control::phase::Phase;
+    use feeler::control::ControlLoop;
+    use feeler::control::Phase;
+    use feeler::control::{LiveArrivals, LiveTouch, live};
     use feeler::pace::real_time::fine_timer;
     use feeler::pace::{Following, Pace, Punctuality, Schedule};
-    use feeler::sensor::camera::{Camera, CameraError};
     use feeler::sensor::fingertip::Fingertip;
-    use feeler::sensor::frame::Frame;
-    use feeler::sensor::optical::OpticalSensor;
-    use feeler_drives::clock::RigClock;
+    use feeler::sensor::forces::OpticalSensor;
+    use feeler::sensor::image::Frame;
+    use feeler::sensor::image::{Camera, CameraError};
+    use feeler_drives::RigClock;
     use feeler_drives::config::DrivesConfig;
     use feeler_drives::emulator::{EmulatedBus, Emulator};
     use feeler_drives::hand::DriveHand;
@@ -65,9 +65,9 @@ mod rig {
     use feeler_drives::registers::Registers;
     use feeler_lab::config::Experiment;
     use feeler_lab::experiment::{controller, driven, fingers_at_home, layouts, world};
+    use feeler_sim::optics::SimCamera;
+    use feeler_sim::rig::SensorFaults;
     use feeler_sim::rig::SimRig;
-    use feeler_sim::sensor_faults::SensorFaults;
-    use feeler_sim::sim_camera::SimCamera;
     use std::error::Error;
     use std::ops::ControlFlow;
     use std::sync::atomic::AtomicBool;

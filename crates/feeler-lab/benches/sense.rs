@@ -1,14 +1,14 @@
 //! Time of the operations of `feeler sense` on one 640x480 image of 41 elements.
 
-use feeler::sensor::exposure::{DEFAULT_MAX_SATURATED, SaturationCheck};
 use feeler::sensor::fingertip::Fingertip;
-use feeler::sensor::frame::Picture;
-use feeler::sensor::sensing::{ElementReading, SensingChain};
-use feeler::sensor::subregion::subregion;
+use feeler::sensor::forces::{ElementReading, SensingChain};
+use feeler::sensor::image::Picture;
+use feeler::sensor::image::subregion;
+use feeler::sensor::image::{DEFAULT_MAX_SATURATED, SaturationCheck};
 use feeler_lab::config::Experiment;
+use feeler_sim::optics::OpticsModel;
 use feeler_sim::optics::{OpticsScratch, render};
-use feeler_sim::optics_model::OpticsModel;
-use feeler_sources::picture::decode_picture;
+use feeler_sources::decode_picture;
 use glam::DVec3;
 use image::{ExtendedColorType, ImageEncoder};
 use rand::SeedableRng;

@@ -4,19 +4,12 @@
 mod support;
 
 use divan::{Bencher, black_box};
-use feeler::sensor::{
-    calibration::Calibration,
-    exposure::DEFAULT_MAX_SATURATED,
-    fingertip::{Fingertip, FingertipConfig},
-    frame::Picture,
-    moments::Instructions,
-    sensing::{ElementReading, SensingChain},
-};
-use feeler_sim::{
-    optics::{OpticsScratch, render},
-    optics_config::OpticsConfig,
-    optics_model::OpticsModel,
-};
+use feeler::sensor::calibration::Calibration;
+use feeler::sensor::fingertip::{Fingertip, FingertipConfig};
+use feeler::sensor::forces::{ElementReading, SensingChain};
+use feeler::sensor::image::{DEFAULT_MAX_SATURATED, Picture};
+use feeler::sensor::moments::Instructions;
+use feeler_sim::optics::{OpticsConfig, OpticsModel, OpticsScratch, render};
 use glam::DVec3;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;

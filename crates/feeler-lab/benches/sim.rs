@@ -2,7 +2,7 @@
 
 use divan::Bencher;
 use divan::counter::ItemsCount;
-use feeler::control::phase::Phase;
+use feeler::control::Phase;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{Pictures, Session, run_facts};
 use feeler_record::{Recorder, RunLog};

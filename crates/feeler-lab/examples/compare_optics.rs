@@ -14,12 +14,12 @@ mod measure;
 mod page;
 
 use feeler::sensor::fingertip::Fingertip;
-use feeler::sensor::frame::Picture;
+use feeler::sensor::image::Picture;
 use feeler::sensor::wrench::forces::read_forces;
 use feeler_lab::config::Experiment;
+use feeler_sim::optics::OpticsModel;
 use feeler_sim::optics::{OpticsScratch, render};
-use feeler_sim::optics_model::OpticsModel;
-use feeler_sources::picture::read_picture;
+use feeler_sources::read_picture;
 use glam::DVec3;
 use measure::{Loaded, Look};
 use rand::{RngExt, SeedableRng};

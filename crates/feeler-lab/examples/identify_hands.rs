@@ -7,10 +7,11 @@
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::Session;
 use feeler_lab::identify::{Estimate, Identified, estimate, probe, probing};
-use feeler_lab::sweep::design::Design;
+use feeler_lab::sweep::Plan;
+use feeler_lab::sweep::plan::Design;
+use feeler_lab::sweep::plan::ranges;
 use feeler_lab::sweep::trial::Trials;
-use feeler_lab::sweep::{Plan, ranges};
-use feeler_sim::fault::FaultKind;
+use feeler_sim::rig::FaultKind;
 use std::collections::BTreeMap;
 use std::error::Error;
 use std::path::Path;

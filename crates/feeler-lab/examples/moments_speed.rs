@@ -7,13 +7,10 @@
 #[path = "../benches/support/mod.rs"]
 mod support;
 
-use feeler::sensor::{
-    calibration::Calibration,
-    dome::DomeProjection,
-    fingertip::{Fingertip, FingertipConfig},
-    frame::Picture,
-    moments::{ElementMoments, Instructions, MomentsKernel},
-};
+use feeler::sensor::calibration::Calibration;
+use feeler::sensor::fingertip::{DomeProjection, Fingertip, FingertipConfig};
+use feeler::sensor::image::Picture;
+use feeler::sensor::moments::{ElementMoments, Instructions, MomentsKernel};
 use glam::{DVec2, DVec3};
 use std::{error::Error, fs, hint::black_box, path::Path, time::Instant};
 use support::{fingertip_config, simulated_picture, square_kernel};

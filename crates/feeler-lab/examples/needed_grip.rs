@@ -14,13 +14,13 @@
 //! in which the command moves the finger towards the cap's axis at more than 1 mm/s, or the grasp force is 3 % above
 //! its value at the end of the first period.
 
-use feeler::control::phase::Phase;
-use feeler::sensor::layout::ElementLayout;
+use feeler::control::Phase;
+use feeler::sensor::fingertip::ElementLayout;
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::truth::Truth;
+use feeler_lab::experiment::Truth;
 use feeler_lab::experiment::{Pictures, Session};
-use feeler_sim::columnar_feeler::FeelerConfig;
-use feeler_sim::state::FingerState;
+use feeler_sim::contact::FeelerConfig;
+use feeler_sim::world::FingerState;
 use glam::{DVec2, DVec3};
 use std::num::NonZeroU32;
 

@@ -5,10 +5,10 @@
 //! cargo run --release --example own_task
 //! ```
 
-use feeler::control::phase::Phase;
-use feeler::control::plan::Plan;
-use feeler::control::sense::HandSense;
-use feeler::control::stop_reason::StopReason;
+use feeler::control::HandSense;
+use feeler::control::Phase;
+use feeler::control::Plan;
+use feeler::control::StopReason;
 use feeler::control::task::{Finding, Task};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::Session;

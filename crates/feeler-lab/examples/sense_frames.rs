@@ -3,11 +3,9 @@
 //! `cargo run --release --example sense_frames -- FRAMES.raw CALIBRATION.toml`: FRAMES.raw contains consecutive 8-bit
 //! images of the calibration's fingertip. Prints the median time per frame (us) over several passes.
 
-use feeler::sensor::{
-    calibration::Calibration,
-    frame::Picture,
-    sensing::{ElementReading, SensingChain},
-};
+use feeler::sensor::calibration::Calibration;
+use feeler::sensor::forces::{ElementReading, SensingChain};
+use feeler::sensor::image::Picture;
 use std::{error::Error, fs, hint::black_box, time::Instant};
 
 const ROUNDS: usize = 11;

@@ -4,20 +4,12 @@
 //! cargo run --release --example simulated_fingertip -- [picture.png]
 //! ```
 
-use feeler::sensor::{
-    calibration_report::CalibrationReport,
-    camera::{Camera, CameraError},
-    fingertip::{Fingertip, FingertipConfig},
-    frame::Frame,
-    optical::OpticalSensor,
-    reading::{TactileFrame, TactileSensor},
-};
-use feeler_sim::{
-    calibration_bench::{CalibrationBenchConfig, calibrate_simulated},
-    optics::{OpticsScratch, render},
-    optics_config::OpticsConfig,
-    optics_model::OpticsModel,
-};
+use feeler::sensor::calibration::CalibrationReport;
+use feeler::sensor::fingertip::{Fingertip, FingertipConfig};
+use feeler::sensor::forces::{OpticalSensor, TactileFrame, TactileSensor};
+use feeler::sensor::image::{Camera, CameraError, Frame};
+use feeler_sim::bench::{CalibrationBenchConfig, calibrate_simulated};
+use feeler_sim::optics::{OpticsConfig, OpticsModel, OpticsScratch, render};
 use glam::DVec3;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;

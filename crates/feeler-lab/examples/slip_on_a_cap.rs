@@ -5,11 +5,11 @@
 //! cargo run --release --example slip_on_a_cap
 //! ```
 
-use feeler::control::feeler_shape::FeelerShape;
+use feeler::control::FeelerShape;
+use feeler::control::FingerSense;
+use feeler::control::Phase;
+use feeler::control::SlipDetector;
 use feeler::control::law::missing_shear::MissingShearConfig;
-use feeler::control::phase::Phase;
-use feeler::control::sense::FingerSense;
-use feeler::control::slip_detector::SlipDetector;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{Pictures, Session};
 use std::error::Error;

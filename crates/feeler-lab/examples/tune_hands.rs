@@ -11,9 +11,10 @@
 
 use feeler_lab::config::{ConfigError, Experiment};
 use feeler_lab::identify::{Estimate, FingerEstimates, Identified, ObjectEstimates};
-use feeler_lab::sweep::design::Design;
+use feeler_lab::sweep::Plan;
+use feeler_lab::sweep::plan::Design;
+use feeler_lab::sweep::plan::ranges;
 use feeler_lab::sweep::trial::Trials;
-use feeler_lab::sweep::{Plan, ranges};
 use feeler_lab::tune::hand::{Hand, rated_force};
 use feeler_lab::tune::judge::{CLAIM_IDS, Margins, judge_all};
 use feeler_lab::tune::rules::SETTINGS;
@@ -21,7 +22,7 @@ use feeler_lab::tune::search::{Budget, Problem, search};
 use feeler_lab::tune::settings::Settings;
 use feeler_lab::tune::uncertainty::Uncertainty;
 use feeler_report::figures::sweep::wilson;
-use feeler_sim::shape::ShapeConfig;
+use feeler_sim::shapes::ShapeConfig;
 use rand::{RngExt, SeedableRng};
 use rand_distr::StandardNormal;
 use rand_pcg::Pcg64;

@@ -1,8 +1,8 @@
 //! The report of a recording four times as long needs no more memory.
 
 use feeler_record::Recorder;
-use feeler_report::long_run::read_within;
-use feeler_report::make::page_of_rows;
+use feeler_report::run::make::page_of_rows;
+use feeler_report::run::read_within;
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::fs;
 use std::path::Path;

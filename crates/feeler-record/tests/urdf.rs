@@ -1,9 +1,9 @@
 //! Checks that fingertip poses in the URDF, parsed by another library, match the kinematics.
 
-use feeler::hand::finger::{FingerConfig, FingerGeometry};
 use feeler::hand::kinematics::fingertip_pose;
-use feeler_record::model::{FingerModel, frame, joint_names};
-use feeler_record::urdf::urdf;
+use feeler::hand::{FingerConfig, FingerGeometry};
+use feeler_record::messages::{FingerModel, frame, joint_names};
+use feeler_record::viewers::urdf;
 use feeler_record::{Solid, SolidFrame, SolidShape};
 use glam::{DAffine3, DMat3, DQuat, DVec3};
 use proptest::prelude::*;

@@ -1,14 +1,14 @@
 //! Checks of the servos of a rig.
 
-use feeler::hand::finger::FingerGeometry;
+use feeler::hand::FingerGeometry;
 use feeler_console::{CommandError, Outcome};
+use feeler_drives::RigClock;
 use feeler_drives::bus::Bus;
-use feeler_drives::clock::RigClock;
 use feeler_drives::config::{DrivesConfig, JointDriveConfig};
-use feeler_drives::error::{DriveError, JointName};
 use feeler_drives::setup::{
     Change, changes, check_fast_sync_read, check_model, named_joints, read_angle, read_health,
 };
+use feeler_drives::{DriveError, JointName};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::fingers_at_home;
 use std::io::Write;

@@ -1,7 +1,7 @@
 //! Recording of a moving hand, which never blocks the hand.
 
 use crate::run_outcome::{make_report, print_outcome};
-use feeler::control::controller::RecordingFailure;
+use feeler::control::RecordingFailure;
 use feeler_console::Warnings;
 use feeler_console::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
@@ -10,7 +10,7 @@ use feeler_link::programs::{RemoteLoop, RigSpeed};
 use feeler_record::{
     CLOSE_LIMIT, InstrumentRecord, Patience, RecordError, RecordOptions, Recorder, RunEnd, RunLog,
 };
-use feeler_report::make::{RECORDING, ReportOutcome};
+use feeler_report::run::make::{RECORDING, ReportOutcome};
 use std::io::Write;
 use std::ops::ControlFlow;
 use std::path::PathBuf;

@@ -7,17 +7,17 @@ use feeler_console::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::fingers_at_home;
 use feeler_lab::experiment::linked::{expected, hand_program};
-use feeler_link::beacon::Beacon;
-use feeler_link::inbox::listen;
-use feeler_link::message::{
+use feeler_link::inboxes::Beacon;
+use feeler_link::inboxes::RigInbox;
+use feeler_link::inboxes::listen;
+use feeler_link::messages::message::{
     Heartbeat, MessageHeader, NO_ELEMENT, NO_FINGER, StateMessage, TactileUpdate,
 };
-use feeler_link::network::Network;
-use feeler_link::outlet::{TimeSource, draw_instance, header, monotonic, send};
 use feeler_link::programs::RigSpeed;
-use feeler_link::rig_inbox::RigInbox;
-use feeler_link::shared::Shared;
-use feeler_link::topic::Topic;
+use feeler_link::transport::Network;
+use feeler_link::transport::Shared;
+use feeler_link::transport::Topic;
+use feeler_link::transport::{TimeSource, draw_instance, header, monotonic, send};
 use feeler_record::wire::{Message, Vector3};
 use hdrhistogram::Histogram;
 use std::io::Write;

@@ -1,9 +1,9 @@
 //! How a program takes part in the link of a rig.
 
 use feeler_console::CommandError;
-use feeler_link::endpoints::{HAND_ENDPOINT, LinkConfig};
-use feeler_link::network::{Network, Rehearsal, RehearsedNetwork};
-use feeler_link::right::Right;
+use feeler_link::security::Right;
+use feeler_link::transport::{HAND_ENDPOINT, LinkConfig};
+use feeler_link::transport::{Network, Rehearsal, RehearsedNetwork};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -124,7 +124,7 @@ impl LinkOptions {
 #[cfg(feature = "link")]
 fn check_certificate(folder: &Path, rights: &[Right]) -> Result<(), CommandError> {
     use std::io::Write as _;
-    let own = feeler_link::own_certificate::OwnCertificate::read(folder, rights)?;
+    let own = feeler_link::security::OwnCertificate::read(folder, rights)?;
     if let Some(warning) = own.warning() {
         // A closed standard error does not invalidate the certificate.
         let _ = writeln!(std::io::stderr(), "{warning}");

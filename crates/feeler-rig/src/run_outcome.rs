@@ -1,9 +1,9 @@
 //! Result of a run, as text.
 
 use feeler_console::Reading;
-use feeler_report::cap::CapMeasures;
-use feeler_report::criterion::Success;
-use feeler_report::make::{ReportError, ReportOutcome, make_with};
+use feeler_report::measures::CapMeasures;
+use feeler_report::measures::Success;
+use feeler_report::run::make::{ReportError, ReportOutcome, make_with};
 use feeler_report::{Summary, Verdict};
 use std::io::{self, Write};
 use std::path::Path;

@@ -3,8 +3,8 @@
 use crate::link_options::LinkOptions;
 use feeler_console::CommandError;
 use feeler_lab::config::Experiment;
-use feeler_link::network::Network;
-use feeler_link::right::Right;
+use feeler_link::security::Right;
+use feeler_link::transport::Network;
 use std::sync::Arc;
 
 /// Experiment, name and link of a rig, as one of its programs is started with them.

@@ -3,7 +3,7 @@
 use crate::link_options::{LinkOptions, ListenOptions};
 use feeler_console::Warnings;
 use feeler_link::programs::Stopper;
-use feeler_link::stop_wire::StopAnswer;
+use feeler_link::stop_door::wire::StopAnswer;
 use std::sync::mpsc::{Receiver, channel};
 
 /// Starts the stop server of the hand of `rig`. If that fails, prints a warning; the hand can then be stopped only
@@ -54,7 +54,7 @@ pub fn call_stop_door(link: &LinkOptions, rig: &str, id: u64, from: &str) -> Rec
         let order = (id, from.as_str());
         let certificates = certificates.as_deref();
         // An order that the stop server rejects is also rejected over the connection, with a reason.
-        if let Ok(answer) = feeler_link::stop_call::call_stop(&endpoints, certificates, &rig, order)
+        if let Ok(answer) = feeler_link::stop_door::call_stop(&endpoints, certificates, &rig, order)
         {
             // The receiver is gone if an answer over the connection ended the program first.
             let _ = sender.send(answer);

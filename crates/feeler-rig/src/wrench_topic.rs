@@ -65,10 +65,10 @@ mod topic {
     use feeler_console::CommandError;
     use feeler_record::ros::WrenchStamped;
     use feeler_record::wire::cdr;
-    use feeler_ros2::name::NodeName;
-    use feeler_ros2::node::{NODE_ENDPOINT, Node, NodeConfig, ROUTER_ENDPOINT, Subscription};
-    use feeler_ros2::qos::Qos;
-    use feeler_sources::netft::ForceSample;
+    use feeler_ros2::NodeName;
+    use feeler_ros2::Qos;
+    use feeler_ros2::{NODE_ENDPOINT, Node, NodeConfig, ROUTER_ENDPOINT, Subscription};
+    use feeler_sources::ForceSample;
     use std::cell::Cell;
     use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};
     use std::time::{Duration, Instant};

@@ -1,8 +1,8 @@
 //! Forces from `sensor_msgs/PointCloud2`, as `feeler ros2` publishes them: each element's tip `x`, `y`, `z`, m, and the force on it by what it
 //! touches, `fx`, `fy`, `fz`, N, both in the fingertip's frame `T`; where there is a field `valid`, a force counts if that is not 0.
 
-use feeler::sensor::layout::SensingElement;
-use feeler::sensor::reading::NO_FORCE;
+use feeler::sensor::fingertip::SensingElement;
+use feeler::sensor::forces::NO_FORCE;
 use feeler_record::ros::{PointCloud2, PointField};
 use glam::DVec3;
 
@@ -39,7 +39,7 @@ pub enum CloudError {
 }
 
 /// Fills `forces` with what the elements of a fingertip feel, each in its own frame as in a
-/// [`TactileFrame`](feeler::sensor::reading::TactileFrame).
+/// [`TactileFrame`](feeler::sensor::forces::TactileFrame).
 ///
 /// # Errors
 /// When the cloud has other points or fields: then `forces` are of no use.

@@ -1,14 +1,14 @@
 //! What a hand publishes: messages that are kept and filled again.
 
 use crate::message::TactileState;
-use feeler::control::flags::FingerFlags;
+use feeler::control::FingerFlags;
 use feeler_record::error::RecordError;
-use feeler_record::model::{Frame, joint_names};
+use feeler_record::messages::{Frame, joint_names};
 use feeler_record::ros::{
     Header, JointState, PointCloud2, TFMessage, Text, Time, TransformStamped, WrenchStamped,
 };
-use feeler_record::taxels::{Elements, taxels};
-use feeler_record::urdf::urdf;
+use feeler_record::sensed::{Elements, taxels};
+use feeler_record::viewers::urdf;
 use feeler_record::{NO_ELEMENT, RunFacts};
 use glam::DVec3;
 

@@ -4,33 +4,65 @@
 #[macro_use]
 mod texts;
 
-pub mod attachment;
-pub mod cloud;
+pub(crate) mod attachment;
+pub(crate) mod cloud;
 #[cfg(feature = "zenoh")]
-pub mod freshness;
-pub mod hand_messages;
+pub(crate) mod freshness;
+pub(crate) mod hand_messages;
 #[cfg(feature = "zenoh")]
-pub mod hand_node;
-pub mod joint_reader;
-pub mod key;
+pub(crate) mod hand_node;
+pub(crate) mod joint_reader;
+pub(crate) mod key;
 pub mod message;
-mod message_text;
-pub mod name;
+pub(crate) mod message_text;
+pub(crate) mod name;
 #[cfg(feature = "zenoh")]
-pub mod node;
+pub(crate) mod node;
 pub mod parameter;
 #[cfg(feature = "zenoh")]
-pub mod parameter_server;
+pub(crate) mod parameter_server;
 #[cfg(feature = "zenoh")]
-pub mod publisher;
-pub mod qos;
+pub(crate) mod publisher;
+pub(crate) mod qos;
 #[cfg(feature = "zenoh")]
-pub mod ros_hand;
+pub(crate) mod ros_hand;
 #[cfg(feature = "zenoh")]
-pub mod ros_sensor;
+pub(crate) mod ros_sensor;
 #[cfg(feature = "zenoh")]
-pub mod server;
-pub mod token;
-pub mod type_description;
+pub(crate) mod server;
+pub(crate) mod token;
+pub(crate) mod type_description;
 #[cfg(feature = "zenoh")]
-mod velocity_sender;
+pub(crate) mod velocity_sender;
+
+pub use attachment::Attachment;
+pub use attachment::AttachmentError;
+pub use cloud::{CloudError, read_forces};
+#[cfg(feature = "zenoh")]
+pub use freshness::GraphClock;
+#[cfg(feature = "zenoh")]
+pub use freshness::StaleError;
+pub use hand_messages::{HandMessages, Touch};
+#[cfg(feature = "zenoh")]
+pub use hand_node::HandPublishers;
+pub use joint_reader::JointError;
+pub use joint_reader::JointReader;
+pub use key::key;
+pub use message_text::DescriptionError;
+pub use name::NameError;
+pub use name::NodeName;
+#[cfg(feature = "zenoh")]
+pub use node::{NODE_ENDPOINT, Node, NodeConfig, NodeError, ROUTER_ENDPOINT, Subscription};
+#[cfg(feature = "zenoh")]
+pub use parameter_server::serve_parameters;
+#[cfg(feature = "zenoh")]
+pub use publisher::Publisher;
+pub use qos::QosError;
+pub use qos::{History, Qos};
+#[cfg(feature = "zenoh")]
+pub use ros_hand::{RosHand, RosHandConfig, RosHandError};
+#[cfg(feature = "zenoh")]
+pub use ros_sensor::{RosSensor, SensorAge};
+pub use token::TokenError;
+pub use token::{Endpoint, EndpointKind, Token};
+pub use type_description::{Service, TypeDescription};

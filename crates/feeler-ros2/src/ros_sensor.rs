@@ -4,7 +4,7 @@ use crate::cloud::{CloudError, read_forces};
 use crate::freshness::{Freshness, GraphClock, lock, seconds};
 use crate::node::{Node, NodeError, Subscription};
 use crate::qos::Qos;
-use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
+use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
 use feeler_record::ros::{PointCloud2, Time, WrenchStamped};
 use feeler_record::wire::{Message, cdr};
 use glam::DVec3;

@@ -1,8 +1,8 @@
 //! Cameras by name.
 
-use feeler::sensor::camera::Camera;
+use feeler::sensor::image::Camera;
 use feeler_console::CommandError;
-use feeler_sources::settings::{CameraSettings, Trigger};
+use feeler_sources::{CameraSettings, Trigger};
 use std::path::{Path, PathBuf};
 use std::time::Instant;
 

@@ -1,6 +1,6 @@
 //! Errors of a simulated world.
 
-use super::shape::ShapeError;
+use crate::shapes::shape::ShapeError;
 
 /// Error that prevents the creation of a simulated world, or ends its simulation.
 #[derive(Debug, thiserror::Error)]

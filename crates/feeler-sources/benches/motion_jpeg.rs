@@ -1,9 +1,9 @@
 //! Decoding of one Motion JPEG frame of 3280x2464 px, the format of a GelSight Mini.
 
-use feeler::sensor::frame::Picture;
-use feeler_sources::fit::Fit;
-use feeler_sources::motion_jpeg::MotionJpeg;
-use feeler_sources::picture::decode_picture;
+use feeler::sensor::image::Picture;
+use feeler_sources::Fit;
+use feeler_sources::MotionJpeg;
+use feeler_sources::decode_picture;
 use image::codecs::jpeg::JpegEncoder;
 use std::hint::black_box;
 

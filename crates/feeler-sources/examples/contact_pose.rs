@@ -8,14 +8,11 @@
 //! FOLDER contains `targets.csv` and `images/` (see `DataSet`). The default is `$FEELER_DATA/tactip-surface3d-tap`,
 //! where `FEELER_DATA` defaults to `../shared/data`. Relative paths start at the repository.
 
-use feeler::sensor::{
-    exposure::DEFAULT_MAX_SATURATED,
-    frame::Picture,
-    locate::{LocateConfig, ReferencePicture, locate},
-    located_layout::LocatedLayout,
-    sensing::{ElementReading, SensingChain},
-};
-use feeler_sources::picture::read_picture;
+use feeler::sensor::fingertip::LocatedLayout;
+use feeler::sensor::forces::{ElementReading, SensingChain};
+use feeler::sensor::image::{DEFAULT_MAX_SATURATED, Picture};
+use feeler::sensor::locate::{LocateConfig, ReferencePicture, locate};
+use feeler_sources::read_picture;
 use nalgebra::{Cholesky, DMatrix, DVector, RowDVector};
 use std::{error::Error, fs, path::Path, path::PathBuf};
 

@@ -4,9 +4,11 @@
 //! cargo run --release --example sense_folder -- pictures/ fingertip.calibration.toml
 //! ```
 
-use feeler::sensor::camera::{Camera, CameraError};
-use feeler::sensor::{calibration::Calibration, frame::Frame, sensing::SensingChain};
-use feeler_sources::files::PictureFiles;
+use feeler::sensor::calibration::Calibration;
+use feeler::sensor::forces::SensingChain;
+use feeler::sensor::image::Frame;
+use feeler::sensor::image::{Camera, CameraError};
+use feeler_sources::PictureFiles;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);

@@ -14,11 +14,11 @@ pub mod contact_pose;
 
 pub use contact_pose::DataSet;
 use contact_pose::{centred, data_folder_of, fold_error};
-use feeler::sensor::frame::Picture;
+use feeler::sensor::fingertip::LocatedLayout;
+use feeler::sensor::image::Picture;
 use feeler::sensor::locate::{LocateConfig, ReferencePicture, locate};
-use feeler::sensor::located_layout::LocatedLayout;
 use feeler::sensor::track::MarkerTracker;
-use feeler_sources::picture::read_picture;
+use feeler_sources::read_picture;
 use nalgebra::{DMatrix, DVector};
 use std::{error::Error, path::PathBuf};
 

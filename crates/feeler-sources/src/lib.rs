@@ -1,19 +1,40 @@
 #![doc = include_str!("../README.md")]
 #![warn(missing_docs)]
 
-pub mod files;
-pub mod fit;
+pub(crate) mod files;
+pub(crate) mod fit;
 #[cfg(all(feature = "genicam", target_os = "linux"))]
 pub mod genicam;
 mod jpeg;
 #[cfg(feature = "camera")]
-pub mod motion_jpeg;
-mod natural_order;
-pub mod netft;
-pub mod picture;
-pub mod pump;
-pub mod raw;
-pub mod settings;
+pub(crate) mod motion_jpeg;
+pub(crate) mod natural_order;
+pub(crate) mod netft;
+pub(crate) mod picture;
+pub(crate) mod pump;
+pub(crate) mod raw;
+pub(crate) mod settings;
 #[cfg(all(feature = "camera", target_os = "linux"))]
 pub mod video;
-pub mod video_file;
+pub(crate) mod video_file;
+
+pub use files::FilesError;
+pub use files::PictureFiles;
+pub use fit::Fit;
+pub use fit::FitError;
+#[cfg(feature = "camera")]
+pub use motion_jpeg::MotionJpeg;
+#[cfg(feature = "camera")]
+pub use motion_jpeg::MotionJpegError;
+pub use netft::{AddressError, Command, Counts, CountsError, RDT_PORT, RdtError, read_counts};
+pub use netft::{
+    ForceError, ForceSample, NetFt, NetFtAddress, NetFtEmulator, Record, Request, parse_counts,
+};
+pub use picture::PictureError;
+pub use picture::{decode_picture, read_picture};
+pub use pump::{Captured, FramePump};
+pub use raw::RawFrames;
+pub use settings::TriggerError;
+pub use settings::{CameraSettings, Trigger};
+pub use video_file::VideoFileError;
+pub use video_file::{Ffmpeg, VideoFile, VideoFrames, is_video_name};

@@ -2,7 +2,7 @@
 
 use crate::fit::{AreaAverage, Fit};
 use crate::jpeg;
-use feeler::sensor::frame::Picture;
+use feeler::sensor::image::Picture;
 use rusty_jpeg::decode::{CodingProcess, Decoder, PlanarComponent};
 
 /// Error of decoding a Motion JPEG frame.

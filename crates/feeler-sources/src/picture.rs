@@ -1,7 +1,7 @@
 //! Decodes image files to greyscale images.
 
-use super::jpeg;
-use feeler::sensor::frame::Picture;
+use crate::jpeg;
+use feeler::sensor::image::Picture;
 use image::{DynamicImage, ImageDecoder, ImageError, ImageReader, Limits};
 use std::fs::File;
 use std::io::{Cursor, Read};

@@ -4,10 +4,10 @@
 #[path = "../../feeler-lab/tests/support/skip.rs"]
 mod skip;
 
-use feeler::sensor::camera::{Camera, CameraError};
-use feeler::sensor::frame::Frame;
+use feeler::sensor::image::Frame;
+use feeler::sensor::image::{Camera, CameraError};
 use feeler_sources::genicam::{GenicamCamera, GenicamConfig, GenicamError, list};
-use feeler_sources::settings::{CameraSettings, Trigger};
+use feeler_sources::{CameraSettings, Trigger};
 use std::process::{Child, Command, Stdio};
 use std::thread::sleep;
 use std::time::Duration;

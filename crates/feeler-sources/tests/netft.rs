@@ -1,6 +1,6 @@
 //! A force sensor on the network, against the emulator: samples and errors.
 
-use feeler_sources::netft::{ForceError, ForceSample, NetFt, NetFtAddress, NetFtEmulator};
+use feeler_sources::{ForceError, ForceSample, NetFt, NetFtAddress, NetFtEmulator};
 use std::io::{Read, Write};
 use std::net::{TcpListener, UdpSocket};
 use std::sync::Arc;

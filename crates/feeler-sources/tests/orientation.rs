@@ -1,6 +1,6 @@
 //! Images stored rotated or mirrored, with an EXIF orientation.
 
-use feeler_sources::picture::decode_picture;
+use feeler_sources::decode_picture;
 use image::codecs::png::PngEncoder;
 use image::{ExtendedColorType, ImageEncoder};
 

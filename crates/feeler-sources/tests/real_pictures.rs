@@ -6,7 +6,7 @@ mod recordings;
 #[allow(dead_code)]
 mod sheared_contact;
 
-use feeler::sensor::frame::Picture;
+use feeler::sensor::image::Picture;
 use recordings::recordings;
 use sheared_contact::contact_pose::{self, DataSet, contact_pose};
 use sheared_contact::sheared_contact;

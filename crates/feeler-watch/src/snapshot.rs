@@ -1,8 +1,8 @@
 //! Plain-data snapshot of a running system, for display.
 
-use feeler::control::flags::{FingerFlags, FlagThresholds};
-use feeler::control::phase::Phase;
-use feeler::sensor::layout::SensingElement;
+use feeler::control::Phase;
+use feeler::control::{FingerFlags, FlagThresholds};
+use feeler::sensor::fingertip::SensingElement;
 use glam::DVec3;
 
 /// An unknown number. Non-finite numbers are displayed as a dash.

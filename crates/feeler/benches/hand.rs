@@ -1,10 +1,10 @@
 //! Time per call of the kinematics functions.
 
 use divan::{Bencher, black_box};
-use feeler::hand::finger::{FingerConfig, FingerGeometry};
-use feeler::hand::inverse_kinematics::inverse_kinematics;
+use feeler::hand::inverse_kinematics;
 use feeler::hand::kinematics::{fingertip_pose, jacobian};
-use feeler::hand::resolved_rate::resolved_rate;
+use feeler::hand::resolved_rate;
+use feeler::hand::{FingerConfig, FingerGeometry};
 use glam::DVec3;
 
 const THETA: DVec3 = DVec3::new(0.05, 0.9, -0.95);

@@ -2,7 +2,7 @@
 //! with pixel-scale noise.
 
 use divan::{Bencher, black_box};
-use feeler::sensor::frame::Picture;
+use feeler::sensor::image::Picture;
 use feeler::sensor::locate::{LocateConfig, ReferencePicture, locate, locate_again};
 use glam::DVec2;
 use rand::{RngExt, SeedableRng};

@@ -2,9 +2,9 @@
 //! the reference.
 
 use divan::{Bencher, black_box};
-use feeler::sensor::frame::Picture;
+use feeler::sensor::fingertip::LocatedLayout;
+use feeler::sensor::image::Picture;
 use feeler::sensor::locate::{LocateConfig, ReferencePicture, locate};
-use feeler::sensor::located_layout::LocatedLayout;
 use feeler::sensor::track::MarkerTracker;
 use glam::DVec2;
 

@@ -2,18 +2,19 @@
 //! commands instantly, and the feelers are springs that touch a wall, which the finger approaches, strokes and
 //! leaves.
 
-use feeler::control::control_loop::ControlLoop;
-use feeler::control::controller::{ControlConfig, Controller};
-use feeler::control::phase::Phase;
+use feeler::control::AnalyzedSensor;
+use feeler::control::ControlLoop;
+use feeler::control::Phase;
 use feeler::control::task::TaskConfig;
-use feeler::control::touch::AnalyzedSensor;
+use feeler::control::{ControlConfig, Controller};
 use feeler::glam::DVec3;
-use feeler::hand::finger::{FingerConfig, FingerGeometry};
+use feeler::hand::inverse_kinematics;
+use feeler::hand::kinematics::fingertip_pose;
+use feeler::hand::{FingerConfig, FingerGeometry};
 use feeler::hand::{Hand, HandCommand, HandError, HandState, JointState};
-use feeler::hand::{inverse_kinematics::inverse_kinematics, kinematics::fingertip_pose};
 use feeler::pace::Pace;
-use feeler::sensor::layout::{ElementLayout, LayoutConfig};
-use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
+use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
+use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
 use std::{cell::Cell, ops::ControlFlow, rc::Rc, sync::atomic::AtomicBool};
 
 #[derive(serde::Deserialize)]

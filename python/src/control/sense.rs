@@ -1,6 +1,6 @@
 //! Readings of a hand and plans of a task, as Python objects.
 
-use feeler::control::phase::Phase;
+use feeler::control::Phase;
 use feeler::control::plan;
 use feeler::control::sense;
 use glam::DVec3;
@@ -76,7 +76,7 @@ pub struct FingerSense {
     force: Vec<DVec3>,
     normals: Vec<DVec3>,
     shear_rate: Vec<f64>,
-    flags: feeler::control::flags::FingerFlags,
+    flags: feeler::control::FingerFlags,
     pose: sense::FingertipPose,
     joints: feeler::hand::JointState,
     resultant: DVec3,

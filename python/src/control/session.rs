@@ -8,7 +8,7 @@ use feeler_lab::config::Experiment;
 use feeler_lab::experiment::recorded_run::{finish, record_options, run_end};
 use feeler_lab::experiment::{self, Instruments, Pictures, run_folder};
 use feeler_record::{Recorder, RunLog};
-use feeler_report::make::RECORDING;
+use feeler_report::run::make::RECORDING;
 use glam::DVec3;
 use numpy::PyReadonlyArray2;
 use pyo3::exceptions::PyRuntimeError;

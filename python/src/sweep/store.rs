@@ -3,7 +3,8 @@
 use super::trials::{Trials, tell};
 use crate::errors::{failed, refused};
 use crate::interrupt::{abandonable, interruptible};
-use feeler_lab::sweep::{Progress, engine, store, summary, trial};
+use feeler_lab::sweep::results::{store, summary};
+use feeler_lab::sweep::{Progress, engine, trial};
 use pyo3::exceptions::PyRuntimeError;
 use pyo3::prelude::*;
 use std::path::PathBuf;

@@ -3,7 +3,7 @@
 use crate::errors::refused;
 use crate::interrupt::interruptible;
 use feeler_lab::config::Experiment;
-use feeler_lab::sweep::table::line;
+use feeler_lab::sweep::results::line;
 use feeler_lab::sweep::{Plan, trial};
 use pyo3::exceptions::PyIndexError;
 use pyo3::prelude::*;

@@ -1,7 +1,7 @@
 //! Conversion of measured forces to the axes and signs of the fingertip.
 
 use super::CommandError;
-use feeler::sensor::live_calibration::ForceAxes;
+use feeler::sensor::calibration::ForceAxes;
 
 /// Body on which the measured forces act.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]

@@ -2,7 +2,7 @@
 
 use super::{Arguments, CommandError};
 use crate::camera::CameraArguments;
-use feeler::sensor::live_calibration::Goal;
+use feeler::sensor::calibration::Goal;
 use feeler_lab::sensor::SensorGeometry;
 use feeler_sensing::CameraOptions;
 use feeler_sensing::calibration::{self, ForceAddress, GuideOptions};

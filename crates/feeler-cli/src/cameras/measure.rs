@@ -8,7 +8,7 @@ use feeler_console::print_json;
 use feeler_console::warn;
 use feeler_console::watch_for_interrupt;
 use feeler_sensing::{CameraName, CameraOptions, NAMES};
-use feeler_sources::pump::{Captured, FramePump};
+use feeler_sources::{Captured, FramePump};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
@@ -189,8 +189,8 @@ impl Counted {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use feeler::sensor::camera::{Camera, CameraError, CaptureReport};
-    use feeler::sensor::frame::Frame;
+    use feeler::sensor::image::Frame;
+    use feeler::sensor::image::{Camera, CameraError, CaptureReport};
 
     /// Camera of 1000-byte images at 100 Hz: number 3 is damaged, 5 and 6 are dropped, 9 is the last.
     struct Lossy(u64);

@@ -2,8 +2,8 @@
 
 use super::ScanArguments;
 use crate::{CommandError, Outcome};
+use feeler_drives::RigClock;
 use feeler_drives::bus::{Bus, BusError};
-use feeler_drives::clock::RigClock;
 use feeler_drives::packet::Protocol;
 use feeler_drives::registers::{Model, Registers};
 use std::io::Write;

@@ -1,7 +1,7 @@
 //! Atomic creation of an output folder.
 
 use crate::CommandError;
-use feeler_report::make::create_folder;
+use feeler_report::run::create_folder;
 use std::fs;
 use std::io;
 use std::path::{Path, PathBuf};

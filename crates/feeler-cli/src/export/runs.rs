@@ -4,7 +4,7 @@ use crate::CommandError;
 use feeler_console::Working;
 use feeler_lab::experiment::run_folder;
 use feeler_record::Recording;
-use feeler_report::make::RECORDING;
+use feeler_report::run::RECORDING;
 use std::path::{Path, PathBuf};
 
 /// A run to export.

@@ -6,7 +6,7 @@ use crate::{CommandError, Outcome};
 use feeler_console::watch_for_interrupt;
 use feeler_console::{Outputs, PartFile};
 use feeler_export::table;
-use feeler_report::make::create_folder;
+use feeler_report::run::create_folder;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,7 +1,7 @@
 //! The `feeler certificates` subcommand: a lab's certificate authority, and certificates for its computers.
 
 use crate::{CommandError, Outcome};
-use feeler_link::right::{Right, RightError};
+use feeler_link::security::{Right, RightError};
 use std::io::Write;
 use std::path::PathBuf;
 use std::str::FromStr;
@@ -69,7 +69,7 @@ impl Grant {
 /// Issues, renews, withdraws or lists certificates.
 #[cfg(feature = "link")]
 pub fn certificates(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    use feeler_link::certificates::Authority;
+    use feeler_link::security::Authority;
     if arguments.list {
         list(&Authority::open(&arguments.lab)?, out)?;
         return Ok(Outcome::Done);
@@ -93,7 +93,7 @@ pub fn certificates(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcom
 
 #[cfg(feature = "link")]
 fn make(
-    authority: &mut feeler_link::certificates::Authority,
+    authority: &mut feeler_link::security::Authority,
     grant: &Grant,
     arguments: &Arguments,
     out: &mut dyn Write,
@@ -111,10 +111,10 @@ fn make(
 /// Describes the location and validity of the certificates `names`.
 #[cfg(feature = "link")]
 fn made(
-    authority: &feeler_link::certificates::Authority,
+    authority: &feeler_link::security::Authority,
     grant: &Grant,
-    names: &[feeler_link::right::CertificateName],
-    validity: feeler_link::validity::Validity,
+    names: &[feeler_link::security::CertificateName],
+    validity: feeler_link::security::Validity,
 ) -> Result<String, CommandError> {
     let folder = authority.folder(&grant.computer)?;
     let (folder, until) = (folder.display(), validity.last_day());
@@ -124,7 +124,7 @@ fn made(
 /// Withdraws or renews certificates, or both.
 #[cfg(feature = "link")]
 fn replace(
-    authority: &mut feeler_link::certificates::Authority,
+    authority: &mut feeler_link::security::Authority,
     grant: &Grant,
     arguments: &Arguments,
     out: &mut dyn Write,
@@ -146,7 +146,7 @@ fn replace(
             authority.withdraw(computer, &rights)?;
         }
         authority.withdraw_names(&old)?;
-        let list = arguments.lab.join(feeler_link::withdrawn::WITHDRAWN);
+        let list = arguments.lab.join(feeler_link::security::WITHDRAWN);
         let (old, list) = (listed(&old), list.display());
         writeln!(
             out,
@@ -158,21 +158,21 @@ fn replace(
 
 #[cfg(feature = "link")]
 impl Arguments {
-    fn validity(&self) -> feeler_link::validity::Validity {
-        use feeler_link::validity::{DAYS, Validity};
+    fn validity(&self) -> feeler_link::security::Validity {
+        use feeler_link::security::{DAYS, Validity};
         Validity::days(self.days.unwrap_or(DAYS))
     }
 }
 
 #[cfg(feature = "link")]
-fn listed(names: &[feeler_link::right::CertificateName]) -> String {
+fn listed(names: &[feeler_link::security::CertificateName]) -> String {
     let names: Vec<String> = names.iter().map(ToString::to_string).collect();
     names.join(", ")
 }
 
 #[cfg(feature = "link")]
 fn list(
-    authority: &feeler_link::certificates::Authority,
+    authority: &feeler_link::security::Authority,
     out: &mut dyn Write,
 ) -> Result<(), CommandError> {
     writeln!(

@@ -9,7 +9,7 @@ use feeler_console::watch_for_interrupt;
 use feeler_lab::experiment::linked::hand_program;
 use feeler_lab::experiment::recorded_run::run_end;
 use feeler_link::programs::RigSpeed;
-use feeler_link::right::Right;
+use feeler_link::security::Right;
 use feeler_record::{RunEnd, RunState};
 use feeler_rig::{HandRecord, ListenOptions, open_stop_door, patience, request_real_time};
 use std::io::Write;

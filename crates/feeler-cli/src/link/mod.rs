@@ -10,7 +10,7 @@ pub mod world;
 
 use super::CommandError;
 use feeler_lab::config::Experiment;
-use feeler_link::network::Rehearsal;
+use feeler_link::transport::Rehearsal;
 use feeler_rig::{LinkOptions, ListenOptions, RigSession};
 use std::path::{Path, PathBuf};
 

@@ -20,7 +20,7 @@ pub struct Arguments {
 /// Shows a rig.
 #[cfg(feature = "top")]
 pub fn top(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    use feeler_link::right::Right;
+    use feeler_link::security::Right;
     if !arguments.once {
         let check = feeler_watch::View::check_terminal();
         check.map_err(|e| format!("{e}; or use --once to print a snapshot"))?;

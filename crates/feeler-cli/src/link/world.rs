@@ -4,10 +4,10 @@ use super::{ExperimentArguments, LinkArguments};
 use crate::{CommandError, Outcome};
 use feeler_console::Warnings;
 use feeler_console::watch_for_interrupt;
+use feeler_lab::experiment::PlayedRig;
 use feeler_lab::experiment::linked::rig_config;
-use feeler_lab::experiment::played_rig::PlayedRig;
 use feeler_link::programs::{RigProgram, RigSpeed};
-use feeler_link::right::Right;
+use feeler_link::security::Right;
 use std::io::Write;
 
 #[derive(Debug, clap::Args)]

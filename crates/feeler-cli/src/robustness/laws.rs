@@ -4,14 +4,15 @@ use super::{Arguments, entries_of_groups, even};
 use crate::compare::laws::laws;
 use crate::contenders::{Contender, contenders, run, under_law};
 use crate::{CommandError, Outcome};
-use feeler_lab::sweep::design::Design;
-use feeler_lab::sweep::law_shares::{LawTrials, law_shares};
-use feeler_lab::sweep::ranges::{self, Ranges};
-use feeler_lab::sweep::store::write_whole;
+use feeler_lab::sweep::analysis::{LawTrials, law_shares};
+use feeler_lab::sweep::plan::Design;
+use feeler_lab::sweep::plan::ranges;
+use feeler_lab::sweep::plan::ranges::Ranges;
+use feeler_lab::sweep::results::write_whole;
 use feeler_lab::sweep::trial::Trials;
 use feeler_lab::sweep::{Ended, Plan};
-use feeler_report::law_shares_page::{LawSharesPage, law_shares_page};
-use feeler_report::robustness_page::percent;
+use feeler_report::pages::percent;
+use feeler_report::pages::{LawSharesPage, law_shares_page};
 use std::io::Write;
 
 /// File name of the report.

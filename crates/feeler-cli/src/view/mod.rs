@@ -56,8 +56,8 @@ pub struct Arguments {
 /// Serves the page of a recording or of a rig.
 #[cfg(feature = "view")]
 pub fn view(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    use feeler_link::right::Right;
-    use feeler_report::make::RECORDING;
+    use feeler_link::security::Right;
+    use feeler_report::run::RECORDING;
     use std::path::Path;
     let path = Path::new(&arguments.what);
     if !path.is_dir() && path.extension().is_none_or(|extension| extension != "mcap") {

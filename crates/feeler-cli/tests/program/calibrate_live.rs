@@ -3,7 +3,7 @@
 use crate::program::{Ended, feeler, folder, run};
 use feeler::sensor::calibration::Calibration;
 use feeler::sensor::moments::ElementMoments;
-use feeler_sources::netft::NetFtEmulator;
+use feeler_sources::NetFtEmulator;
 use glam::{DVec2, DVec3};
 use std::any::Any;
 use std::fs;
@@ -101,7 +101,7 @@ fn netft(felt: Felt) -> Sensor {
 #[cfg(feature = "ros2")]
 fn topic(felt: Felt) -> Sensor {
     use feeler_record::ros::{Time, WrenchStamped};
-    use feeler_ros2::{name::NodeName, node::Node, node::NodeConfig, qos::Qos};
+    use feeler_ros2::{Node, NodeConfig, NodeName, Qos};
     let endpoint = crate::ports::unused_endpoint();
     let mut node = Node::open(NodeConfig {
         name: NodeName::new(5, "/", "force_sensor").expect("a name"),
@@ -267,7 +267,7 @@ fn assert_tells_forces(folder: &Path, text: &str) {
 fn told(folder: &Path, calibration: &Calibration, element: usize, force: DVec3) -> DVec3 {
     let layout = feeler_lab::sensor::SensorGeometry::read_layout(&folder.join("layout.toml"));
     let geometry = layout.expect("the layout");
-    let picture = feeler::sensor::frame::Picture {
+    let picture = feeler::sensor::image::Picture {
         width: SIZE.0,
         height: SIZE.1,
         pixels: picture((element, force), 77),

@@ -3,7 +3,7 @@
 use crate::calibrate_live::{FRAME, LAYOUT, drawn, program};
 use crate::program::{Ended, folder, run};
 use feeler::sensor::wrench::{WrenchAxis, WrenchCalibration};
-use feeler_sources::netft::NetFtEmulator;
+use feeler_sources::NetFtEmulator;
 use glam::{DVec2, DVec3};
 use std::fs;
 use std::io::{BufRead, BufReader, Write};

@@ -3,7 +3,7 @@
 use crate::program::{Ended, document, feeler, folder, rows, run};
 use feeler::control::law::LawConfig;
 use feeler_lab::sweep::Table;
-use feeler_lab::sweep::comparison::{Candidate, Goal, compare as compare_tables};
+use feeler_lab::sweep::analysis::{Candidate, Goal, compare as compare_tables};
 use std::collections::HashMap;
 use std::fs;
 

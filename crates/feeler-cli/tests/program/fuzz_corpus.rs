@@ -4,11 +4,11 @@
 mod bodies;
 
 use crate::how_many::how_many;
-use feeler_link::message::{
+use feeler_link::messages::message::{
     CommandMessage, DirectForces, HandMode, Heartbeat, MessageHeader, NO_FINGER, PROTOCOL,
     PictureMessage, ProgramKind, ResumeMessage, StateMessage, StopMessage, TactileUpdate,
 };
-use feeler_link::topic::{Place, Topic};
+use feeler_link::transport::{Place, Topic};
 use feeler_record::wire::{Message, Vector3, cdr};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;

@@ -2,7 +2,7 @@
 
 use crate::program::{folder, run};
 use assert_no_alloc::assert_no_alloc;
-use feeler::control::phase::Phase;
+use feeler::control::Phase;
 use feeler::hand::HandCommand;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{Session, controller, fingers_at_home};

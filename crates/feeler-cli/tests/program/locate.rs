@@ -1,7 +1,7 @@
 //! `feeler locate` as its users run it.
 
 use crate::program::{folder, run};
-use feeler::sensor::located_layout::LocatedLayout;
+use feeler::sensor::fingertip::LocatedLayout;
 use image::{GrayImage, Luma};
 use std::fs;
 use std::path::Path;

@@ -1,7 +1,7 @@
 //! Sensors that lie stop the hand, with a reason that says which one; through the program, and read from its record.
 
 use crate::program::{folder, run, summary};
-use feeler::control::phase::Phase;
+use feeler::control::Phase;
 use feeler_record::Recording;
 use std::path::Path;
 

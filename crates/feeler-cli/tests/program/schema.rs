@@ -1,7 +1,7 @@
 //! `feeler schema` knows every message, and docs/link.md says what it says.
 
 use crate::program::{folder, run};
-use feeler_link::message::TactileUpdate;
+use feeler_link::messages::message::TactileUpdate;
 use feeler_record::wire::Message;
 
 /// What stands between a message's text and those of the types in it.
@@ -12,8 +12,8 @@ const SEPARATOR: &str =
 fn every_message_is_printed() {
     let printed = run(&folder("schema-all"), &["schema"]).done();
     let heads = printed.lines().filter(|line| line.starts_with("#### "));
-    let recorded = include_str!("../../../feeler-record/src/channels.rs");
-    let linked = include_str!("../../../feeler-link/src/message.rs");
+    let recorded = include_str!("../../../feeler-record/src/messages/channels.rs");
+    let linked = include_str!("../../../feeler-link/src/messages/message.rs");
     let written = [recorded, linked].map(|text| text.matches("\nmessage!(").count());
     // Those of ROS 2, pictures and seven for viewers, are written without the macro.
     assert_eq!(heads.count(), written.iter().sum::<usize>() + 8);

@@ -5,7 +5,7 @@ use crate::error::DriveError;
 use crate::registers::Registers;
 use crate::servo::Servo;
 use crate::setup::{apply, blame, changes, check_fast_sync_read, check_model, named_joints, set};
-use feeler::hand::finger::FingerGeometry;
+use feeler::hand::FingerGeometry;
 
 impl DriveHand {
     /// Configures the servos, with their torque off.

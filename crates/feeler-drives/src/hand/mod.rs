@@ -11,7 +11,7 @@ use crate::registers::Registers;
 use crate::servo::Servo;
 use crate::setup::blame;
 use feeler::check::Checker;
-use feeler::hand::finger::FingerGeometry;
+use feeler::hand::FingerGeometry;
 use feeler::hand::{Hand, HandCommand, HandError, HandState, check_finger_count};
 use glam::DVec3;
 

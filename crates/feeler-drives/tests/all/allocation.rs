@@ -6,12 +6,12 @@ use crate::support::{MOST_AGE, PERIOD, bus, config, finger};
 use assert_no_alloc::{assert_no_alloc, permit_alloc};
 use feeler::glam::DVec3;
 use feeler::hand::{Hand, HandCommand, HandState};
+use feeler_drives::Port;
 use feeler_drives::bus::Bus;
 use feeler_drives::emulator::Lockstep;
 use feeler_drives::hand::DriveHand;
 use feeler_drives::packet::Protocol;
 use feeler_drives::packet::instruction::READ;
-use feeler_drives::port::Port;
 use std::io;
 
 /// The port of an emulated bus. The emulator may allocate, since real servos are not part of this process.

@@ -7,13 +7,13 @@ use crate::support::{
 };
 use feeler::glam::DVec3;
 use feeler::hand::Hand;
+use feeler_drives::Port;
+use feeler_drives::RigClock;
 use feeler_drives::bus::Bus;
-use feeler_drives::clock::RigClock;
 use feeler_drives::emulator::{BusFault, EmulatorConfig, Lockstep};
 use feeler_drives::hand::DriveHand;
 use feeler_drives::packet::instruction::STATUS;
 use feeler_drives::packet::{Protocol, encode};
-use feeler_drives::port::Port;
 use feeler_drives::registers::Registers;
 use std::io;
 

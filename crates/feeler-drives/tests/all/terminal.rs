@@ -5,8 +5,8 @@
 use crate::support::{config, finger, plant};
 use feeler::glam::DVec3;
 use feeler::hand::{Hand, HandCommand, HandState};
+use feeler_drives::RigClock;
 use feeler_drives::bus::Bus;
-use feeler_drives::clock::RigClock;
 use feeler_drives::emulator::{BusFault, Emulator, EmulatorConfig};
 use feeler_drives::hand::DriveHand;
 use feeler_drives::packet::Protocol;

@@ -4,12 +4,12 @@
 #![allow(dead_code)]
 
 use feeler::glam::DVec3;
-use feeler::hand::finger::{FingerConfig, FingerGeometry};
+use feeler::hand::{FingerConfig, FingerGeometry};
 use feeler::hand::{Hand, HandCommand, HandError, HandState};
+use feeler_drives::DriveError;
 use feeler_drives::bus::Bus;
 use feeler_drives::config::DrivesConfig;
 use feeler_drives::emulator::{EmulatedBus, EmulatorConfig, LagPlant, Lockstep};
-use feeler_drives::error::DriveError;
 use feeler_drives::hand::DriveHand;
 use feeler_drives::packet::Protocol;
 use feeler_drives::packet::instruction::SYNC_WRITE;

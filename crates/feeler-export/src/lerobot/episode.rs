@@ -3,7 +3,7 @@
 use super::feature::{Feature, Values};
 use crate::error::ExportError;
 use feeler_record::Recording;
-use feeler_record::model::joint_names;
+use feeler_record::messages::joint_names;
 use feeler_record::{FingerStep, Step, Steps};
 use serde_json::{Map, Value, json};
 

@@ -4,8 +4,8 @@ use super::data_set::Run;
 use super::mp4::Mp4;
 use super::stats::Stats;
 use crate::error::ExportError;
-use feeler::sensor::camera::Camera as _;
-use feeler::sensor::frame::Frame;
+use feeler::sensor::image::Camera as _;
+use feeler::sensor::image::Frame;
 use feeler_record::Step;
 use feeler_record::{RecordedCamera, Tactile};
 use rav1e::prelude::{

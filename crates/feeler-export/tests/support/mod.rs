@@ -2,8 +2,8 @@
 
 #![allow(dead_code, reason = "each test binary uses a part")]
 
-use feeler::control::phase::Phase;
-use feeler::sensor::frame::Frame;
+use feeler::control::Phase;
+use feeler::sensor::image::Frame;
 use feeler_record::{
     Command, Fingertip, Flags, Image, Joints, MemoryRecorder, MessageSink, NO_ELEMENT,
     RecordOptions, Recorder, Recording, RunFacts, Tactile, Task, TaskKind, TorqueSensor, topics,

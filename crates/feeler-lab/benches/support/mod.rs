@@ -1,18 +1,9 @@
 //! Input of the benchmarks and examples of the moments kernel.
 
-use feeler::sensor::{
-    dome::DomeProjection,
-    fingertip::{Fingertip, FingertipConfig},
-    frame::Picture,
-    layout::SensingElement,
-    moments::MomentsKernel,
-    subregion::WeightedPixel,
-};
-use feeler_sim::{
-    optics::{OpticsScratch, render},
-    optics_config::OpticsConfig,
-    optics_model::OpticsModel,
-};
+use feeler::sensor::fingertip::{DomeProjection, Fingertip, FingertipConfig, SensingElement};
+use feeler::sensor::image::{Picture, WeightedPixel};
+use feeler::sensor::moments::MomentsKernel;
+use feeler_sim::optics::{OpticsConfig, OpticsModel, OpticsScratch, render};
 use glam::{DVec2, DVec3};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;

@@ -1,13 +1,13 @@
 //! The physical limit: the largest torque that circular paths about the cap's true axis reach without overload.
 
 use super::{AnyError, Outcome, Variant, outcome};
+use feeler::control::Phase;
+use feeler::control::Plan;
+use feeler::control::StopReason;
 use feeler::control::law::Law;
-use feeler::control::phase::Phase;
-use feeler::control::plan::Plan;
-use feeler::control::sense::{FingerSense, HandSense};
-use feeler::control::stop_reason::StopReason;
 use feeler::control::task::screw::ScrewConfig;
 use feeler::control::task::{Task, TaskConfig};
+use feeler::control::{FingerSense, HandSense};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{Pictures, Session};
 use glam::DVec3;

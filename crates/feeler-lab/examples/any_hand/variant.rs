@@ -3,7 +3,7 @@
 use super::AnyError;
 use feeler::control::task::TaskConfig;
 use feeler_lab::config::Experiment;
-use feeler_sim::shape::ShapeConfig;
+use feeler_sim::shapes::ShapeConfig;
 use glam::{DMat3, DVec3};
 use std::f64::consts::TAU;
 

@@ -1,10 +1,10 @@
 //! Measurements on the image of a simulated or real fingertip.
 
-use feeler::sensor::frame::Picture;
+use feeler::sensor::fingertip::LocatedLayout;
+use feeler::sensor::image::Picture;
 use feeler::sensor::locate::{LocateConfig, Located, Polarity, ReferencePicture, locate};
-use feeler::sensor::located_layout::LocatedLayout;
 use feeler::sensor::moments::ElementMoments;
-use feeler_report::series::percentile;
+use feeler_report::measures::percentile;
 use glam::{DVec2, DVec3};
 use nalgebra::{DMatrix, DVector};
 use std::error::Error;

@@ -2,7 +2,7 @@
 
 use super::measure::{Look, STRETCH};
 use base64::Engine;
-use feeler::sensor::frame::Picture;
+use feeler::sensor::image::Picture;
 use image::{ExtendedColorType, ImageEncoder, codecs::png::PngEncoder};
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::LinePlot;
@@ -67,7 +67,7 @@ pub fn print(experiment: &str, simulated: &Look, real: &Look) {
 }
 
 fn text(value: Option<f64>) -> String {
-    feeler_report::text::value(value)
+    feeler_report::pages::value(value)
 }
 
 pub fn page(pairs: &[(String, Look, Look)]) -> Result<String, Box<dyn Error>> {

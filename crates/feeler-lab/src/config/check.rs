@@ -4,8 +4,8 @@ use super::experiment_config::ExperimentConfig;
 use feeler::check::{Checker, Problem, Requirement};
 use feeler::control::task::TaskConfig;
 use feeler::hand::MAX_FINGERS;
-use feeler_sim::config::SimConfig;
-use feeler_sim::shape::ShapeConfig;
+use feeler_sim::shapes::ShapeConfig;
+use feeler_sim::world::SimConfig;
 
 /// Maximum length of a name in bytes. The name becomes part of a folder name.
 const MAX_NAME: usize = 64;

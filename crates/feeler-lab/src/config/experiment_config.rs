@@ -3,15 +3,15 @@
 use super::error::ConfigError;
 use super::ros2::RosConfig;
 use feeler::check::Checker;
-use feeler::control::controller::ControlConfig;
+use feeler::control::ControlConfig;
 use feeler::control::task::TaskConfig;
-use feeler::hand::finger::FingerConfig;
-use feeler::sensor::drift::DriftConfig;
+use feeler::hand::FingerConfig;
 use feeler::sensor::fingertip::FingertipConfig;
+use feeler::sensor::forces::DriftConfig;
 use feeler_drives::config::DrivesConfig;
-use feeler_sim::config::SimConfig;
-use feeler_sim::object::ObjectConfig;
-use feeler_sim::thread::ThreadConfig;
+use feeler_sim::objects::ObjectConfig;
+use feeler_sim::objects::ThreadConfig;
+use feeler_sim::world::SimConfig;
 use serde::{Deserialize, Serialize};
 
 /// Configuration of an experiment.
@@ -27,7 +27,7 @@ pub struct ExperimentConfig {
     #[serde(default)]
     pub seed: u64,
     /// Seed for which the hand in this file was drawn; see
-    /// [`plausible_hand`](crate::sweep::plausible::plausible_hand). If present and different from `seed`, another
+    /// [`plausible_hand`](crate::sweep::plan::plausible::plausible_hand). If present and different from `seed`, another
     /// plausible hand is drawn on loading.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plausible_hand: Option<i64>,

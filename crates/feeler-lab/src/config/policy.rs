@@ -2,7 +2,7 @@
 
 use super::error::ConfigError;
 use super::load::{Experiment, read_bytes};
-use feeler::control::controller::ControlConfig;
+use feeler::control::ControlConfig;
 use feeler::control::law::LawConfig;
 use feeler::control::law::policy::{MAX_BYTES, PolicyConfig, PolicyModel};
 use feeler_record::PolicyFile;

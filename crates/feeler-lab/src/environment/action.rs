@@ -1,11 +1,11 @@
 //! Interpretation of actions.
 
 use super::EnvironmentError;
-use feeler::control::limits::LimitsConfig;
-use feeler::control::sense::FingerSense;
-use feeler::hand::finger::FingerGeometry;
-use feeler::hand::kinematics::jacobian;
-use feeler::hand::resolved_rate::resolved_rate;
+use feeler::control::FingerSense;
+use feeler::control::LimitsConfig;
+use feeler::hand::FingerGeometry;
+use feeler::hand::jacobian;
+use feeler::hand::resolved_rate;
 use glam::DVec3;
 
 /// Actions are clamped to this magnitude (m/s or rad/s), which is far above all limits, to prevent overflow.

@@ -6,7 +6,7 @@
 
 use super::Environment;
 use crate::config::ExperimentConfig;
-use feeler::hand::finger::FingerGeometry;
+use feeler::hand::FingerGeometry;
 
 /// Margin for varied values, as a factor of the experiment's values.
 const VARIED: f64 = 2.0;

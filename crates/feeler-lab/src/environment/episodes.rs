@@ -2,7 +2,7 @@
 
 use super::EnvironmentError;
 use crate::config::Experiment;
-use crate::sweep::parameter::{Parameter, check_conflicts, settings};
+use crate::sweep::plan::parameter::{Parameter, check_conflicts, settings};
 use crate::sweep::trial::generator;
 use rand::RngExt;
 use rand_pcg::Pcg64;

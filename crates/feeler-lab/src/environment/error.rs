@@ -3,8 +3,8 @@
 use crate::config::ConfigError;
 use crate::experiment::ExperimentError;
 use crate::sweep::SweepError;
-use feeler::control::observation::ObservationError;
-use feeler_sim::picture::PictureError;
+use feeler::control::ObservationError;
+use feeler_sim::optics::PictureError;
 
 /// Error in the setup or a step of an environment.
 #[derive(Debug, thiserror::Error)]

@@ -29,11 +29,11 @@ pub use vector_error::VectorError;
 use crate::config::Experiment;
 use crate::experiment::{Pictures, Session};
 use episodes::Episodes;
-use feeler::control::controller::Controller;
-use feeler::control::observation::ObservationLayout;
-use feeler::control::phase::Phase;
-use feeler::control::stop_reason::StopReason;
-use feeler_sim::picture::{View, draw};
+use feeler::control::Controller;
+use feeler::control::ObservationLayout;
+use feeler::control::Phase;
+use feeler::control::StopReason;
+use feeler_sim::optics::{View, draw};
 use glam::DVec3;
 use goal::{Goal, Seen, Verdict, goal};
 

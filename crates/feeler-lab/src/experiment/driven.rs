@@ -4,11 +4,11 @@
 use super::{ExperimentError, Session, fingers_at_home};
 use crate::config::Experiment;
 use feeler::pace::{Pace, PaceError, Schedule};
+use feeler_drives::DriveError;
+use feeler_drives::RigClock;
 use feeler_drives::bus::Bus;
-use feeler_drives::clock::RigClock;
 use feeler_drives::config::{DrivesConfig, JointDriveConfig};
 use feeler_drives::emulator::{Emulator, EmulatorConfig, EmulatorError, Lockstep, Motion, Plant};
-use feeler_drives::error::DriveError;
 use feeler_drives::hand::DriveHand;
 use feeler_drives::registers::COUNTS_PER_TURN;
 use feeler_sim::rig::SimRig;

@@ -1,18 +1,18 @@
 //! A rig of servos on a bus, operated by other programs.
 
-use super::driven::{DrivenError, drives, emulated_bus};
 use super::played_rig::PlayedSensing;
-use super::{fingers_at_home, rig};
 use crate::config::Experiment;
-use feeler::hand::finger::FingerGeometry;
+use crate::experiment::driven::{DrivenError, drives, emulated_bus};
+use crate::experiment::{fingers_at_home, rig};
+use feeler::hand::FingerGeometry;
 use feeler::hand::{Hand, HandCommand, HandError, HandState};
-use feeler::sensor::reading::SensorError;
-use feeler_drives::clock::RigClock;
+use feeler::sensor::forces::SensorError;
+use feeler_drives::DriveError;
+use feeler_drives::RigClock;
 use feeler_drives::config::DrivesConfig;
 use feeler_drives::emulator::Emulator;
-use feeler_drives::error::DriveError;
 use feeler_drives::hand::DriveHand;
-use feeler_link::message::InstrumentsMessage;
+use feeler_link::messages::message::InstrumentsMessage;
 use feeler_link::programs::{Rig, SensorOutput};
 use glam::DVec3;
 

@@ -1,17 +1,17 @@
 //! Constants of a run for its recording.
 
 use super::solids::solids;
-use super::{ExperimentError, layouts};
 use crate::config::{ExperimentConfig, Sensing};
+use crate::experiment::{ExperimentError, layouts};
 use feeler::control::task::TaskConfig;
 use feeler::control::task::cap_config::Until;
-use feeler::hand::finger::FingerConfig;
-use feeler::sensor::layout::ElementLayout;
+use feeler::hand::FingerConfig;
+use feeler::sensor::fingertip::ElementLayout;
 use feeler_record::{CapFacts, CarryGoal, FingerModel, RunFacts, SensingKind};
-use feeler_sim::config::SimConfig;
-use feeler_sim::object::{Object, ObjectConfig};
-use feeler_sim::section::section;
-use feeler_sim::shape::ShapeConfig;
+use feeler_sim::objects::{Object, ObjectConfig};
+use feeler_sim::shapes::ShapeConfig;
+use feeler_sim::shapes::section;
+use feeler_sim::world::SimConfig;
 use feeler_sim::world::World;
 use glam::DVec3;
 use std::collections::BTreeMap;

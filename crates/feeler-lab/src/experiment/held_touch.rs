@@ -1,9 +1,9 @@
 //! Simulated sensors with a lower frame rate than the control loop.
 
-use super::Sensor;
-use feeler::control::touch::{FingerTouch, TouchSource};
-use feeler::sensor::frame::Frame;
-use feeler::sensor::reading::SensorError;
+use crate::experiment::Sensor;
+use feeler::control::{FingerTouch, TouchSource};
+use feeler::sensor::forces::SensorError;
+use feeler::sensor::image::Frame;
 use feeler_sim::rig::SimRig;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};

@@ -4,7 +4,7 @@ use super::{ExperimentError, Session};
 use crate::config::ExperimentConfig;
 use feeler_record::{Recording, RunLog};
 use feeler_report::RunData;
-use feeler_report::long_run::RunRecorder;
+use feeler_report::run::RunRecorder;
 
 impl Session {
     /// Steps until the run is [`finished`](Self::finished). Returns the recording and the columns of its report.

@@ -2,10 +2,10 @@
 
 use super::{ExperimentError, controller, fingers_at_home, layouts};
 use crate::config::Experiment;
-use feeler::sensor::made_for::MadeFor;
-use feeler_link::network::Network;
-use feeler_link::peers::Expected;
+use feeler::sensor::fingertip::MadeFor;
+use feeler_link::inboxes::Expected;
 use feeler_link::programs::{HandConfig, HandProgram, ProgramError, RigConfig, RigSpeed};
+use feeler_link::transport::Network;
 use std::sync::Arc;
 
 /// Error that prevents a program of a rig from starting.

@@ -3,25 +3,31 @@
 #[cfg(target_os = "linux")]
 pub mod driven;
 #[cfg(target_os = "linux")]
-pub mod driven_rig;
-mod facts;
-mod held_touch;
+pub(crate) mod driven_rig;
+pub(crate) mod facts;
+pub(crate) mod held_touch;
 mod in_memory;
-mod instruments;
+pub(crate) mod instruments;
 pub mod linked;
-pub mod played_rig;
+pub(crate) mod played_rig;
 pub mod recorded_run;
 pub mod replay;
-mod reported_recorder;
+pub(crate) mod reported_recorder;
 pub mod run_folder;
-mod sensors;
+pub(crate) mod sensors;
 pub mod slip_bench;
-mod solids;
-pub mod specimen;
-mod supervised;
-mod threaded_touch;
-pub mod truth;
-pub mod warnings;
+pub(crate) mod solids;
+pub(crate) mod specimen;
+pub(crate) mod supervised;
+pub(crate) mod threaded_touch;
+pub(crate) mod truth;
+pub(crate) mod warnings;
+
+#[cfg(target_os = "linux")]
+pub use driven_rig::DrivenRig;
+pub use played_rig::PlayedRig;
+pub use truth::Truth;
+pub use warnings::warnings;
 
 use crate::config::{ConfigError, Experiment, ExperimentConfig, Sensing};
 pub use facts::run_facts;
@@ -29,23 +35,23 @@ pub(crate) use facts::{cap_facts, true_section};
 pub use instruments::Instruments;
 
 use facts::simulated_facts;
-use feeler::control::control_loop::{ControlError, ControlLoop};
-use feeler::control::controller::{ControlConfig, Controller};
+use feeler::control::Phase;
+use feeler::control::StopReason;
+use feeler::control::TouchSource;
 use feeler::control::law::{Law, LawError};
-use feeler::control::phase::Phase;
-use feeler::control::stop_reason::StopReason;
 use feeler::control::task::Task;
-use feeler::control::touch::TouchSource;
+use feeler::control::{ControlConfig, Controller};
+use feeler::control::{ControlError, ControlLoop};
 use feeler::hand::Hand;
-use feeler::hand::finger::{FingerError, FingerGeometry};
-use feeler::hand::inverse_kinematics::{KinematicsError, inverse_kinematics};
+use feeler::hand::{FingerError, FingerGeometry};
+use feeler::hand::{KinematicsError, inverse_kinematics};
 use feeler::pace::{Schedule, Tick};
+use feeler::sensor::fingertip::ElementLayout;
 use feeler::sensor::fingertip::{Fingertip, FingertipError};
-use feeler::sensor::layout::ElementLayout;
-use feeler::sensor::sensing::SensingError;
+use feeler::sensor::forces::SensingError;
 use feeler_record::{RecordError, RunFacts};
 use feeler_sim::error::SimError;
-use feeler_sim::optics_config::OpticsError;
+use feeler_sim::optics::OpticsError;
 use feeler_sim::rig::{SimHand, SimRig};
 use feeler_sim::world::World;
 use glam::DVec3;

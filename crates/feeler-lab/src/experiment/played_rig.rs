@@ -2,19 +2,19 @@
 
 use super::sensors::{RigSensor, rig_sensors};
 use super::truth::SlipMeter;
-use super::{
+use crate::config::{ConfigError, Experiment, Problem};
+use crate::experiment::{
     ExperimentError, Instruments, Pictures, fingers_at_home, layouts, rig, steps_per_command,
 };
-use crate::config::{ConfigError, Experiment, Problem};
 use feeler::hand::{Hand, HandCommand, HandError, HandState};
-use feeler::sensor::camera::Camera;
-use feeler::sensor::frame::Frame;
-use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
-use feeler_link::message::InstrumentsMessage;
+use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
+use feeler::sensor::image::Camera;
+use feeler::sensor::image::Frame;
+use feeler_link::messages::message::InstrumentsMessage;
 use feeler_link::programs::{Rig, SensorOutput};
-use feeler_sim::direct_sensor::DirectSensor;
+use feeler_sim::optics::SimCamera;
+use feeler_sim::rig::DirectSensor;
 use feeler_sim::rig::{SimHand, SimRig};
-use feeler_sim::sim_camera::SimCamera;
 
 /// A simulated rig that advances step by step.
 pub struct PlayedRig {

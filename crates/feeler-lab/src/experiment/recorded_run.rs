@@ -3,11 +3,11 @@
 use super::reported_recorder::{Recorded, ReportedRecorder};
 use super::{ExperimentError, Instruments, Pictures, Session, SimulatedLoop};
 use crate::config::{ConfigError, Experiment, Sensing};
-use feeler::control::controller::Controller;
-use feeler::control::phase::Phase;
+use feeler::control::Controller;
+use feeler::control::Phase;
 use feeler::pace::{Schedule, Tick};
 use feeler_record::{RecordError, RecordOptions, Recorder, RunEnd, RunLog, RunState};
-use feeler_report::make::{RECORDING, ReportError, ReportOutcome, make, make_of};
+use feeler_report::run::{RECORDING, ReportError, ReportOutcome, make, make_of};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -5,7 +5,7 @@ use feeler_record::{
     RunEnd, RunFacts,
 };
 use feeler_report::RunData;
-use feeler_report::long_run::RunRecorder;
+use feeler_report::run::RunRecorder;
 
 /// Records a run in a file and collects the columns of its report, so that the file need not be read again.
 pub(super) struct ReportedRecorder {

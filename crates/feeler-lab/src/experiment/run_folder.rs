@@ -2,7 +2,7 @@
 
 use super::{ExperimentError, run_facts};
 use crate::config::ExperimentConfig;
-use feeler_report::make::{RECORDING, REPORT, SUMMARY, create_folder};
+use feeler_report::run::{RECORDING, REPORT, SUMMARY, create_folder};
 use std::io::{self, ErrorKind};
 use std::path::{Path, PathBuf};
 

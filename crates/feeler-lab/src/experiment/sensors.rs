@@ -1,18 +1,18 @@
 //! Construction of the fingertip sensors of a run.
 
 use super::held_touch::{FramesTaken, HeldTouch};
-use super::{ExperimentError, Pictures, Sensor};
 use crate::config::{Experiment, Sensing};
-use feeler::control::touch::AnalyzedSensor;
-use feeler::sensor::camera::Camera;
+use crate::experiment::{ExperimentError, Pictures, Sensor};
+use feeler::control::AnalyzedSensor;
+use feeler::sensor::fingertip::ElementLayout;
 use feeler::sensor::fingertip::Fingertip;
-use feeler::sensor::layout::ElementLayout;
-use feeler::sensor::optical::OpticalSensor;
-use feeler_sim::direct_sensor::DirectSensor;
-use feeler_sim::fault::{FaultConfig, FaultKind};
+use feeler::sensor::forces::OpticalSensor;
+use feeler::sensor::image::Camera;
+use feeler_sim::optics::SimCamera;
+use feeler_sim::rig::DirectSensor;
+use feeler_sim::rig::SensorFaults;
 use feeler_sim::rig::SimRig;
-use feeler_sim::sensor_faults::SensorFaults;
-use feeler_sim::sim_camera::SimCamera;
+use feeler_sim::rig::{FaultConfig, FaultKind};
 
 /// Simulated sensor of a finger.
 pub(super) enum RigSensor {

@@ -1,9 +1,9 @@
 //! Geometry of the objects in a simulated world, for viewers.
 
 use feeler_record::{Solid, SolidFrame, SolidShape};
-use feeler_sim::config::SimConfig;
-use feeler_sim::object::{MotionConfig, ObjectConfig};
-use feeler_sim::shape::ShapeConfig;
+use feeler_sim::objects::{MotionConfig, ObjectConfig};
+use feeler_sim::shapes::ShapeConfig;
+use feeler_sim::world::SimConfig;
 use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::TAU;
 

@@ -1,8 +1,8 @@
 //! Readings of the instruments around each control step of a simulated run.
 
 use super::truth::SlipMeter;
-use super::{AnyHand, Instruments, Sensor, SimulatedLoop, is_finished};
-use feeler::control::control_loop::Supervisor;
+use crate::experiment::{AnyHand, Instruments, Sensor, SimulatedLoop, is_finished};
+use feeler::control::Supervisor;
 use feeler::pace::Tick;
 use feeler_sim::rig::SimRig;
 use std::ops::ControlFlow;

@@ -1,9 +1,9 @@
 //! Tactile sensors that are read concurrently on background threads.
 
-use super::Sensor;
-use feeler::control::touch::{FingerTouch, TouchSource};
-use feeler::sensor::frame::Frame;
-use feeler::sensor::reading::SensorError;
+use crate::experiment::Sensor;
+use feeler::control::{FingerTouch, TouchSource};
+use feeler::sensor::forces::SensorError;
+use feeler::sensor::image::Frame;
 use std::hint::spin_loop;
 use std::io;
 use std::sync::mpsc::{Receiver, RecvError, SyncSender, TryRecvError, sync_channel};

@@ -1,10 +1,10 @@
 //! Ground truth of a run, for evaluation only. It never reaches the hand.
 
-use super::Session;
 use super::held_touch::{FrameTimes, FramesTaken};
+use crate::experiment::Session;
 use feeler::hand::MAX_FINGERS;
-use feeler_sim::object::Motion;
-use feeler_sim::state::State;
+use feeler_sim::objects::Motion;
+use feeler_sim::world::State;
 use feeler_sim::world::World;
 use std::sync::atomic::Ordering;
 

@@ -1,9 +1,9 @@
 //! Warnings about valid settings that are probably mistakes.
 
 use crate::config::{Experiment, ExperimentConfig, Sensing};
-use feeler_sim::fault::FaultKind;
-use feeler_sim::object::{MotionConfig, ObjectConfig};
-use feeler_sim::shape::{Shape, ShapeConfig};
+use feeler_sim::objects::{MotionConfig, ObjectConfig};
+use feeler_sim::rig::FaultKind;
+use feeler_sim::shapes::{Shape, ShapeConfig};
 use std::fmt;
 
 /// A likely mistake in an experiment.

@@ -1,11 +1,11 @@
 //! Slip detectors applied to a recording of a grasp.
 
-use feeler::control::flags::{FlagAnalyzer, FlagThresholds};
 use feeler::control::grasp_slip::{
     ContactLoss, ContactLossConfig, GraspDrag, GraspDragConfig, GraspSlipError, Picture, noise_of,
 };
-use feeler::sensor::reading::TactileFrame;
-use feeler_report::series::percentile;
+use feeler::control::{FlagAnalyzer, FlagThresholds};
+use feeler::sensor::forces::TactileFrame;
+use feeler_report::measures::percentile;
 use glam::{DVec2, DVec3};
 
 /// Quantile of the drag over a recording's frames that is its score. A quantile below 1 ignores short jolts.

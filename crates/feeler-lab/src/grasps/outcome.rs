@@ -1,6 +1,6 @@
 //! Evaluation of a slip detector against labels, with cross-validation over groups.
 
-use crate::sweep::interval::{Estimate, bootstrap_of};
+use crate::sweep::analysis::interval::{Estimate, bootstrap_of};
 use std::collections::BTreeSet;
 
 /// A recording or a frame with its label and score.

@@ -16,7 +16,7 @@ pub struct Sample {
     pub moved: DVec3,
     /// Rate of the displacement (m/s).
     pub rate: DVec3,
-    /// Force on the element in its frame (N); see [`TactileFrame`](feeler::sensor::reading::TactileFrame).
+    /// Force on the element in its frame (N); see [`TactileFrame`](feeler::sensor::forces::TactileFrame).
     pub force: DVec3,
 }
 

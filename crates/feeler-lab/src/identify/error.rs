@@ -3,7 +3,7 @@
 use super::estimate::EstimateError;
 use crate::config::ConfigError;
 use crate::experiment::ExperimentError;
-use feeler::control::stop_reason::StopReason;
+use feeler::control::StopReason;
 
 /// Error of the identification of a hand.
 #[derive(Debug, thiserror::Error)]

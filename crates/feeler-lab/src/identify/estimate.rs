@@ -9,7 +9,7 @@ use super::pivot::{Circle, circle};
 use super::stiffness::{ContactFit, contact_fit};
 use super::trace::{FingerTrace, Trace};
 use super::warnings::warnings;
-use feeler::control::feeler_shape::Stiffness;
+use feeler::control::Stiffness;
 
 /// Half width of a 95 % interval in standard deviations.
 const NORMAL: f64 = 1.96;

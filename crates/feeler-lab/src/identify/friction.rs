@@ -3,7 +3,7 @@
 use super::noise::Measured;
 use super::pivot::{Circle, pushed_tip};
 use super::trace::{FingerTrace, Row};
-use feeler::control::feeler_shape::Stiffness;
+use feeler::control::Stiffness;
 use feeler::control::task::probe::Step;
 
 /// Friction coefficients of one finger's elements.

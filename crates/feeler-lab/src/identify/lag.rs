@@ -154,9 +154,9 @@ impl Curvature {
 mod tests {
     use super::super::trace::Row;
     use super::*;
-    use feeler::control::sense::FingertipPose;
+    use feeler::control::FingertipPose;
     use feeler::control::task::probe::Step;
-    use feeler::sensor::layout::{ElementLayout, LayoutConfig};
+    use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
 
     /// Joint angles that follow changing commands with the given lag and delay, computed in steps of 0.1 ms.
     fn trace(lag: f64, delay: f64) -> FingerTrace {

@@ -48,8 +48,8 @@ pub fn force_noise(trace: &FingerTrace) -> Option<Measured> {
 mod tests {
     use super::super::trace::Row;
     use super::*;
-    use feeler::control::sense::FingertipPose;
-    use feeler::sensor::layout::{ElementLayout, LayoutConfig};
+    use feeler::control::FingertipPose;
+    use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
     use glam::DVec3;
 
     fn trace(rows: usize) -> FingerTrace {

@@ -4,7 +4,7 @@ use super::contact::Contact;
 use super::estimate::Fits;
 use super::identified::{Estimate, Identified};
 use feeler::control::task::probe::Step;
-use feeler_report::identify_page::{EstimateRow, FingerProbes, IdentifyPage};
+use feeler_report::pages::{EstimateRow, FingerProbes, IdentifyPage};
 
 /// Builds the page of `identified` with plots of `fits`.
 pub fn page(identified: &Identified, fits: &Fits) -> IdentifyPage {

@@ -2,7 +2,7 @@
 
 use super::noise::Measured;
 use super::trace::FingerTrace;
-use feeler::control::feeler_shape::Stiffness;
+use feeler::control::Stiffness;
 use feeler::control::task::probe::Step;
 use glam::{DMat3, DVec2, DVec3};
 use std::collections::BTreeMap;

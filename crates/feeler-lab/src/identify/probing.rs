@@ -4,8 +4,8 @@ use super::IdentifyError;
 use super::trace::Trace;
 use crate::config::{Experiment, ExperimentConfig};
 use crate::experiment::{Pictures, Session};
+use feeler::control::Phase;
 use feeler::control::law::LawConfig;
-use feeler::control::phase::Phase;
 use feeler::control::task::TaskConfig;
 use feeler::control::task::probe::ProbeConfig;
 

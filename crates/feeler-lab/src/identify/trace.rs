@@ -1,12 +1,12 @@
 //! Recorded data of a probing run, limited to signals that a real hand provides.
 
-use feeler::control::control_loop::ControlLoop;
-use feeler::control::controller::ControlConfig;
-use feeler::control::sense::FingertipPose;
+use feeler::control::ControlConfig;
+use feeler::control::ControlLoop;
+use feeler::control::FingertipPose;
+use feeler::control::TouchSource;
 use feeler::control::task::probe::{ProbeConfig, Step};
-use feeler::control::touch::TouchSource;
 use feeler::hand::Hand;
-use feeler::sensor::layout::ElementLayout;
+use feeler::sensor::fingertip::ElementLayout;
 use glam::DVec3;
 
 /// Trace of a probing run.
@@ -50,7 +50,7 @@ pub struct Row {
     pub joints: DVec3,
     /// Pose of the fingertip, from the joint angles.
     pub pose: FingertipPose,
-    /// Latest force on each element in its frame (N); see [`TactileFrame`](feeler::sensor::reading::TactileFrame).
+    /// Latest force on each element in its frame (N); see [`TactileFrame`](feeler::sensor::forces::TactileFrame).
     pub forces: Vec<DVec3>,
 }
 

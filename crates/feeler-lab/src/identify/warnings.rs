@@ -131,7 +131,7 @@ fn off_centre(identified: &Identified, trace: &Trace) -> Option<String> {
 mod tests {
     use super::super::identified::ObjectEstimates;
     use super::*;
-    use feeler::control::controller::ControlConfig;
+    use feeler::control::ControlConfig;
     use feeler::control::task::probe::ProbeConfig;
     use feeler::control::task::screw::FingerPathConfig;
 

@@ -2,13 +2,13 @@
 
 use crate::config::{ConfigError, Experiment};
 use feeler::sensor::calibration::{Calibration, CalibrationError, LengthUnit, MadeFor};
-use feeler::sensor::exposure::DEFAULT_MAX_SATURATED;
 use feeler::sensor::fingertip::{Fingertip, FingertipConfig, FingertipError};
-use feeler::sensor::located_layout::{LayoutError, LocatedLayout};
+use feeler::sensor::fingertip::{LayoutError, LocatedLayout};
+use feeler::sensor::image::DEFAULT_MAX_SATURATED;
+use feeler::sensor::image::SeenElement;
+use feeler::sensor::image::WeightedPixel;
+use feeler::sensor::moments::MomentsError;
 use feeler::sensor::moments::MomentsKernel;
-use feeler::sensor::moments_config::MomentsError;
-use feeler::sensor::seen::SeenElement;
-use feeler::sensor::subregion::WeightedPixel;
 use feeler::sensor::wrench::WrenchError;
 use glam::DMat3;
 use std::fs::File;

@@ -3,14 +3,14 @@
 use super::SensorGeometry;
 use super::recorded::{NamedFrame, NamedFrames, files_of};
 use feeler::sensor::calibration::Calibration;
-use feeler::sensor::live_calibration::ForceAxes;
-use feeler::sensor::load_check::{
+use feeler::sensor::calibration::ForceAxes;
+use feeler::sensor::calibration::{COLUMNS, LoadedPicture, LoadsError, RecordBuilder, read_loads};
+use feeler::sensor::calibration::{
     ELEMENT_RANGE, LoadCheckError, check_axes_of_recordings, check_magnitude, check_numbers,
     check_offsets, check_outliers, check_unloaded,
 };
-use feeler::sensor::loads::{COLUMNS, LoadedPicture, LoadsError, RecordBuilder, read_loads};
+use feeler::sensor::image::SeenElement;
 use feeler::sensor::moments::ElementMoments;
-use feeler::sensor::seen::SeenElement;
 use glam::DVec3;
 use std::fs::File;
 use std::path::{Path, PathBuf};

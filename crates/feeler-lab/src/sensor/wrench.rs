@@ -4,9 +4,9 @@
 use super::geometry::read_text;
 use super::recorded::{NamedFrame, NamedFrames, files_of};
 use super::{GeometryError, SensorGeometry};
-use feeler::sensor::load_check::{FINGERTIP_RANGE, LoadCheckError, check_magnitude};
+use feeler::sensor::calibration::{FINGERTIP_RANGE, LoadCheckError, check_magnitude};
+use feeler::sensor::forces::{ElementReading, SensingChain, SensingError};
 use feeler::sensor::moments::ElementMoments;
-use feeler::sensor::sensing::{ElementReading, SensingChain, SensingError};
 use feeler::sensor::wrench::features::usable;
 use feeler::sensor::wrench::forces::{ForcesError, MeasuredForces, MeasuredPicture, read_forces};
 use feeler::sensor::wrench::{WrenchCalibration, WrenchSample};

@@ -1,8 +1,8 @@
 //! Runs the unfinished trials of a sweep on several threads, with one thread that writes the results.
 
 use super::SweepError;
-use super::store::Store;
 use super::trial::Trials;
+use crate::sweep::results::store::Store;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::channel;
 use std::thread;

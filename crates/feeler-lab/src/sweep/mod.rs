@@ -4,32 +4,16 @@
 //! other trials, their order and the machine. The trials of a [`design`] instead fill the parameter space evenly; they,
 //! too, depend only on seed and number.
 
-pub mod claim_columns;
-pub mod comparison;
-pub mod design;
-pub mod distribution;
+pub mod analysis;
 pub mod engine;
-pub mod files;
-pub mod interval;
-pub mod law_shares;
-pub mod multiplier;
-pub mod parameter;
 pub mod plan;
-pub mod plausible;
-pub mod ranges;
-pub mod robustness;
-pub mod sensitivity;
-pub mod slip_score;
-pub mod store;
-mod stroke_columns;
-pub mod summary;
-pub mod table;
+pub mod results;
 pub mod trial;
 
+pub use crate::sweep::plan::plan_file::{Plan, Shard};
+pub use crate::sweep::results::store::Store;
+pub use crate::sweep::results::table::Table;
 pub use engine::{Ended, Progress};
-pub use plan::{Plan, Shard};
-pub use store::Store;
-pub use table::Table;
 
 use std::path::PathBuf;
 

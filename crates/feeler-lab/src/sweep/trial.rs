@@ -1,20 +1,20 @@
 //! A single trial: its random values, its run, and its row in the table.
 
 use super::SweepError;
-use super::claim_columns::ClaimColumns;
-use super::design::Scheme;
-use super::parameter::{Parameter, settings};
-use super::plan::Plan;
-use super::stroke_columns::{MEASURES, PATTERN, PATTERN_STROKES};
 use crate::config::Experiment;
 use crate::experiment::truth::Truth;
 use crate::experiment::{ExperimentError, Pictures, Session, layouts, run_facts};
-use feeler::control::phase::Phase;
+use crate::sweep::plan::design::Scheme;
+use crate::sweep::plan::parameter::{Parameter, settings};
+use crate::sweep::plan::plan_file::Plan;
+use crate::sweep::results::claim_columns::ClaimColumns;
+use crate::sweep::results::stroke_columns::{MEASURES, PATTERN, PATTERN_STROKES};
+use feeler::control::Phase;
 use feeler::control::task::TaskConfig;
 use feeler::pace::Unpaced;
 use feeler_record::{FindingName, MemoryRecorder, PolicyFile, Recording, RunFacts, RunLog};
-use feeler_report::criterion::Criterion;
-use feeler_report::long_run::RunRecorder;
+use feeler_report::measures::Criterion;
+use feeler_report::run::RunRecorder;
 use feeler_report::{RunData, Summary, tasks};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;

@@ -3,7 +3,7 @@
 use super::TuneError;
 use crate::config::Experiment;
 use crate::experiment::{Pictures, Session};
-use feeler::control::phase::Phase;
+use feeler::control::Phase;
 use feeler_report::tasks;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 use std::sync::mpsc::channel;

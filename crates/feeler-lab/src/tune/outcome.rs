@@ -11,7 +11,7 @@ use super::uncertainty::Uncertainty;
 use super::write::{Change, Origin, changes, tuned};
 use crate::config::Experiment;
 use crate::identify::Identified;
-use feeler_report::tune_page::{ClaimRow, CostRow, SettingRow, TunePage};
+use feeler_report::pages::{ClaimRow, CostRow, SettingRow, TunePage};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Number of simulated runs of a prediction.

@@ -5,7 +5,7 @@ use super::hand::screw;
 use super::rules::RULES;
 use super::settings::Settings;
 use crate::config::{Experiment, ExperimentConfig};
-use feeler::control::controller::ControlConfig;
+use feeler::control::ControlConfig;
 use feeler::control::task::screw::ScrewConfig;
 use toml_edit::{DocumentMut, Item};
 

@@ -1,23 +1,15 @@
 //! Neither reading the sensor nor drawing its simulated picture allocates.
 
 use assert_no_alloc::assert_no_alloc;
-use feeler::sensor::{
-    calibration_fit::ModelChoice,
-    camera::{Camera, CameraError},
-    drift::DriftConfig,
-    fingertip::{Fingertip, FingertipConfig},
-    frame::Frame,
-    optical::OpticalSensor,
-    reading::{TactileFrame, TactileSensor},
-    sensing::{ElementReading, SensingChain},
-    taxel::{BuiltInTaxels, TaxelSensor},
+use feeler::sensor::calibration::ModelChoice;
+use feeler::sensor::fingertip::{Fingertip, FingertipConfig};
+use feeler::sensor::forces::{
+    DriftConfig, ElementReading, OpticalSensor, SensingChain, TactileFrame, TactileSensor,
 };
-use feeler_sim::{
-    calibration_bench::{CalibrationBenchConfig, calibrate_simulated},
-    optics::{OpticsScratch, render},
-    optics_config::OpticsConfig,
-    optics_model::OpticsModel,
-};
+use feeler::sensor::image::{Camera, CameraError, Frame};
+use feeler::sensor::taxel::{BuiltInTaxels, TaxelSensor};
+use feeler_sim::bench::{CalibrationBenchConfig, calibrate_simulated};
+use feeler_sim::optics::{OpticsConfig, OpticsModel, OpticsScratch, render};
 use glam::DVec3;
 use rand::SeedableRng;
 use rand_pcg::Pcg64;

@@ -1,8 +1,8 @@
 //! What the trials of a sweep draw, and which of them are left after a stop.
 
 use feeler_lab::config::Experiment;
-use feeler_lab::sweep::store::GROWING;
-use feeler_lab::sweep::table::line;
+use feeler_lab::sweep::results::GROWING;
+use feeler_lab::sweep::results::line;
 use feeler_lab::sweep::trial::Trials;
 use feeler_lab::sweep::{Ended, Plan, Progress, Store, engine};
 use std::collections::BTreeSet;

@@ -1,6 +1,6 @@
 //! A made-up run, plausible enough to look at: two fingers close a cap in four strokes.
 
-use feeler::hand::finger::FingerConfig;
+use feeler::hand::FingerConfig;
 use feeler_record::wire::{Quaternion, Vector3};
 use feeler_record::{
     Cap, Command, Digest, FindingName, Findings, FingerModel, Fingertip, Flags, Joints,

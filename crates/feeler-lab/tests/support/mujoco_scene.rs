@@ -1,14 +1,14 @@
 //! The scene of `references/mujoco_cap.py`: two fingertips turn a cap, under a motion that is a function
 //! of time.
 
-use feeler::hand::finger::{FingerConfig, FingerGeometry};
-use feeler::hand::kinematics::fingertip_pose;
-use feeler::sensor::layout::{ElementLayout, LayoutConfig};
+use feeler::hand::fingertip_pose;
+use feeler::hand::{FingerConfig, FingerGeometry};
+use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
 use feeler_lab::config::Experiment;
-use feeler_sim::object::MotionConfig;
-use feeler_sim::pose::Pose;
-use feeler_sim::shape::ShapeConfig;
-use feeler_sim::thread::ThreadConfig;
+use feeler_sim::objects::MotionConfig;
+use feeler_sim::objects::Pose;
+use feeler_sim::objects::ThreadConfig;
+use feeler_sim::shapes::shape::ShapeConfig;
 use feeler_sim::world::World;
 use glam::DVec3;
 use serde::Deserialize;

@@ -3,7 +3,7 @@
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{ExperimentError, Pictures, Session, run_facts};
 use feeler_record::{Digest, Recorder, RunLog};
-use feeler_report::make::RECORDING;
+use feeler_report::run::make::RECORDING;
 use std::path::{Path, PathBuf};
 
 /// A folder for a test's run.

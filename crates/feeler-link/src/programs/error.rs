@@ -1,11 +1,11 @@
 //! Errors and warnings of a rig's programs.
 
-use crate::endpoints::LinkError;
-use crate::mismatch::Mismatch;
-use feeler::control::control_loop::ControlError;
+use crate::messages::mismatch::Mismatch;
+use crate::transport::endpoints::LinkError;
+use feeler::control::ControlError;
 use feeler::hand::HandError;
 use feeler::pace::PaceError;
-use feeler::sensor::reading::SensorError;
+use feeler::sensor::forces::SensorError;
 
 /// Callback for one-line warnings to the operator.
 pub type Warn = Box<dyn FnMut(&str) + Send>;

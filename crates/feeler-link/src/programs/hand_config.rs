@@ -1,11 +1,11 @@
 //! Configuration and report of a hand program.
 
-use crate::peers::Expected;
-use crate::rejection::Rejections;
-use crate::remote::{RemoteFinger, RemoteHand};
-use crate::run_clock::RigSpeed;
-use feeler::control::control_loop::ControlLoop;
-use feeler::control::controller::ControlConfig;
+use crate::hand::remote::{RemoteFinger, RemoteHand};
+use crate::hand::run_clock::RigSpeed;
+use crate::inboxes::peers::Expected;
+use crate::messages::rejection::Rejections;
+use feeler::control::ControlConfig;
+use feeler::control::ControlLoop;
 use feeler::pace::PunctualitySummary;
 use std::fmt;
 

@@ -1,11 +1,11 @@
 //! Schedule of the hand program's control steps.
 
-use crate::hand_inbox::HandInbox;
-use crate::message::CommandMessage;
-use crate::network::Network;
-use crate::outlet::{TimeSource, send};
-use crate::shared::Shared;
-use crate::topic::Topic;
+use crate::inboxes::hand_inbox::HandInbox;
+use crate::messages::message::CommandMessage;
+use crate::transport::network::Network;
+use crate::transport::outlet::{TimeSource, send};
+use crate::transport::shared::Shared;
+use crate::transport::topic::Topic;
 use feeler::pace::{Pace, Schedule, Tick};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

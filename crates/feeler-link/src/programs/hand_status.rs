@@ -3,16 +3,16 @@
 use super::error::ProgramError;
 use super::hand_config::{HandConfig, HandReport, RemoteLoop};
 use super::node::Node;
-use crate::endpoints::LinkError;
-use crate::hand_inbox::HandInbox;
-use crate::hand_verdict::Verdict;
-use crate::message::HandMode;
-use crate::peers::Peer;
-use crate::run_clock::RigSpeed;
-use crate::topic::Topic;
-use feeler::control::controller::{ControlConfig, ResumePolicy};
-use feeler::control::phase::Phase;
-use feeler::control::stop_reason::StopReason;
+use crate::hand::hand_verdict::Verdict;
+use crate::hand::run_clock::RigSpeed;
+use crate::inboxes::hand_inbox::HandInbox;
+use crate::inboxes::peers::Peer;
+use crate::messages::message::HandMode;
+use crate::transport::endpoints::LinkError;
+use crate::transport::topic::Topic;
+use feeler::control::Phase;
+use feeler::control::StopReason;
+use feeler::control::{ControlConfig, ResumePolicy};
 use feeler::pace::Punctuality;
 
 /// Minimum interval between equal modes (s). At the usual 100 Hz, every step publishes its mode.

@@ -3,12 +3,12 @@
 use super::hand_config::RemoteLoop;
 use super::hand_schedule::HANGS_AFTER;
 use super::hand_status::HandStatus;
-use crate::endpoints::LinkError;
-use crate::instruments::RecordedInstruments;
-use crate::message::InstrumentsMessage;
-use crate::remote::{RemoteFinger, RemoteHand, mode_of};
-use feeler::control::control_loop::Supervisor;
-use feeler::control::stop_reason::StopReason;
+use crate::hand::remote::{RemoteFinger, RemoteHand, mode_of};
+use crate::messages::instruments::RecordedInstruments;
+use crate::messages::message::InstrumentsMessage;
+use crate::transport::endpoints::LinkError;
+use feeler::control::StopReason;
+use feeler::control::Supervisor;
 use feeler::pace::Tick;
 use feeler_record::InstrumentRecord;
 use std::ops::ControlFlow;

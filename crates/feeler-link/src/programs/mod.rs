@@ -1,6 +1,6 @@
 //! Programs of a rig: the hand, which controls; the rig, which moves the drives; and the fingertip sensors.
 //!
-//! Each program runs on a [`Network`](crate::network::Network) until it is interrupted. Refused programs and lost
+//! Each program runs on a [`Network`](crate::transport::network::Network) until it is interrupted. Refused programs and lost
 //! messages are reported by heartbeats and warnings. No message of another program ends it.
 
 mod error;
@@ -17,7 +17,7 @@ mod rig_fault;
 mod rig_publish;
 mod sensor;
 
-pub use crate::run_clock::RigSpeed;
+pub use crate::hand::run_clock::RigSpeed;
 pub use error::{ProgramError, Warn};
 pub use hand::{HandProgram, Stopper};
 pub use hand_config::{HandConfig, HandReport, RemoteLoop};

@@ -2,15 +2,15 @@
 
 use super::error::Warn;
 use super::refusals::Refusals;
-use crate::beacon::Beacon;
-use crate::endpoints::LinkError;
-use crate::inbox::{Inbox, listen};
-use crate::message::{Heartbeat, NO_FINGER, ProgramKind};
-use crate::mismatch::Mismatch;
-use crate::network::Network;
-use crate::outlet::{TimeSource, draw_instance, monotonic, send};
-use crate::shared::Shared;
-use crate::topic::Topic;
+use crate::inboxes::beacon::Beacon;
+use crate::inboxes::inbox::{Inbox, listen};
+use crate::messages::message::{Heartbeat, NO_FINGER, ProgramKind};
+use crate::messages::mismatch::Mismatch;
+use crate::transport::endpoints::LinkError;
+use crate::transport::network::Network;
+use crate::transport::outlet::{TimeSource, draw_instance, monotonic, send};
+use crate::transport::shared::Shared;
+use crate::transport::topic::Topic;
 use feeler_record::wire::Message;
 use std::sync::Arc;
 

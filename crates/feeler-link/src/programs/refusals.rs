@@ -1,7 +1,7 @@
 //! Rate-limited reporting of refused programs.
 
-use crate::mismatch::Mismatch;
-use crate::peers::Peers;
+use crate::inboxes::peers::Peers;
+use crate::messages::mismatch::Mismatch;
 use std::collections::VecDeque;
 
 /// Number of reported refusals kept to avoid repetitions, and maximum burst of reports.
@@ -53,9 +53,9 @@ impl Refusals {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::message::{Heartbeat, NO_FINGER, PROTOCOL, ProgramKind};
-    use crate::outlet::encode;
-    use crate::peers::Expected;
+    use crate::inboxes::peers::Expected;
+    use crate::messages::message::{Heartbeat, NO_FINGER, PROTOCOL, ProgramKind};
+    use crate::transport::outlet::encode;
 
     /// Adds a rig program with another experiment.
     fn refuse(peers: &mut Peers, instance: u64, experiment: &str, now: f64) {

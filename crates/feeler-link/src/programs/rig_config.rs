@@ -1,11 +1,11 @@
 //! Interface and configuration of the rig that a rig program serves.
 
-use crate::message::InstrumentsMessage;
-use crate::peers::Expected;
-use crate::run_clock::RigSpeed;
+use crate::hand::run_clock::RigSpeed;
+use crate::inboxes::peers::Expected;
+use crate::messages::message::InstrumentsMessage;
 use feeler::hand::{Hand, HandCommand, HandError, HandState};
-use feeler::sensor::frame::Frame;
-use feeler::sensor::reading::{SensorError, TactileFrame};
+use feeler::sensor::forces::{SensorError, TactileFrame};
+use feeler::sensor::image::Frame;
 
 /// Output of a finger's sensor.
 #[derive(Debug, Clone, Copy, PartialEq)]

@@ -3,10 +3,10 @@
 use super::error::ProgramError;
 use super::rig::RigProgram;
 use super::rig_config::Rig;
-use crate::outlet::send;
-use crate::own_stop::OwnStop;
-use crate::run_clock::RigSpeed;
-use crate::topic::Topic;
+use crate::hand::own_stop::OwnStop;
+use crate::hand::run_clock::RigSpeed;
+use crate::transport::outlet::send;
+use crate::transport::topic::Topic;
 use feeler::hand::HandError;
 
 /// Interval for repeating the same stop order (s), because the network may drop messages.

@@ -3,16 +3,16 @@
 use super::error::ProgramError;
 use super::rig::{Exposed, RigProgram};
 use super::rig_config::{Rig, SensorOutput};
-use crate::endpoints::LinkError;
-use crate::freshness::Echo;
-use crate::message::{
+use crate::hand::run_clock::RigSpeed;
+use crate::messages::freshness::Echo;
+use crate::messages::message::{
     DirectForces, InstrumentsMessage, MessageHeader, PictureMessage, StateMessage,
 };
-use crate::outlet::{encode, header};
-use crate::run_clock::RigSpeed;
-use crate::topic::Topic;
+use crate::transport::endpoints::LinkError;
+use crate::transport::outlet::{encode, header};
+use crate::transport::topic::Topic;
 use feeler::hand::{HandState, JointState};
-use feeler::sensor::frame::Frame;
+use feeler::sensor::image::Frame;
 use feeler_record::wire::Vector3;
 use glam::DVec3;
 

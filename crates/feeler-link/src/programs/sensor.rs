@@ -2,15 +2,15 @@
 
 use super::error::{ProgramError, Warn};
 use super::node::{Node, first_heartbeat};
-use crate::message::{MessageHeader, ProgramKind, TactileUpdate};
-use crate::network::Network;
-use crate::outlet::header;
-use crate::peers::Expected;
-use crate::sense_inbox::{Exposed, SenseInbox};
-use crate::topic::Topic;
-use feeler::control::flags::{FlagAnalyzer, FlagThresholds};
-use feeler::control::touch::FingerTouch;
-use feeler::sensor::reading::NO_FORCE;
+use crate::inboxes::peers::Expected;
+use crate::inboxes::sense_inbox::{Exposed, SenseInbox};
+use crate::messages::message::{MessageHeader, ProgramKind, TactileUpdate};
+use crate::transport::network::Network;
+use crate::transport::outlet::header;
+use crate::transport::topic::Topic;
+use feeler::control::FingerTouch;
+use feeler::control::{FlagAnalyzer, FlagThresholds};
+use feeler::sensor::forces::NO_FORCE;
 use glam::DVec3;
 use std::sync::Arc;
 use std::time::{Duration, Instant};

@@ -1,6 +1,6 @@
 //! The messages between programs read back as they were written, and their ROS 2 texts say what is written.
 
-use feeler_link::message::{
+use feeler_link::messages::message::{
     CommandMessage, DirectForces, HandMode, Heartbeat, InstrumentsMessage, MessageHeader,
     PictureMessage, ResumeMessage, StateMessage, StopInForce, StopMessage, TactileUpdate,
 };

@@ -1,32 +1,32 @@
 //! Hand, rig and sensor programs over a network in memory: the same run as in one control loop.
 
-use feeler::control::control_loop::ControlLoop;
-use feeler::control::controller::{ControlConfig, Controller};
-use feeler::control::phase::Phase;
-use feeler::control::stop_reason::StopReason;
+use feeler::control::AnalyzedSensor;
+use feeler::control::ControlLoop;
+use feeler::control::Phase;
+use feeler::control::StopReason;
 use feeler::control::task::TaskConfig;
-use feeler::control::touch::AnalyzedSensor;
-use feeler::hand::finger::{FingerConfig, FingerGeometry};
+use feeler::control::{ControlConfig, Controller};
+use feeler::hand::{FingerConfig, FingerGeometry};
 use feeler::hand::{Hand, HandCommand, HandError, HandState, JointState};
-use feeler::hand::{inverse_kinematics::inverse_kinematics, kinematics::fingertip_pose};
+use feeler::hand::{fingertip_pose, inverse_kinematics};
 use feeler::pace::Unpaced;
-use feeler::sensor::layout::{ElementLayout, LayoutConfig};
-use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
-use feeler_link::endpoints::LinkError;
-use feeler_link::inbox::read;
-use feeler_link::message::{
+use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
+use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
+use feeler_link::inboxes::Expected;
+use feeler_link::inboxes::Exposed;
+use feeler_link::inboxes::read;
+use feeler_link::messages::message::{
     HandMode, Heartbeat, InstrumentsMessage, MessageHeader, NO_FINGER, PROTOCOL, ProgramKind,
     ResumeMessage, StopMessage, TactileUpdate,
 };
-use feeler_link::network::{Heard, Network};
-use feeler_link::outlet::{Outlet, encode, header};
-use feeler_link::peers::Expected;
 use feeler_link::programs::{
     HandConfig, HandProgram, ProgramError, Rig, RigConfig, RigProgram, RigSpeed, SensorConfig,
     SensorOutput, SensorProgram,
 };
-use feeler_link::sense_inbox::Exposed;
-use feeler_link::topic::{Place, Topic};
+use feeler_link::transport::LinkError;
+use feeler_link::transport::{Heard, Network};
+use feeler_link::transport::{Outlet, encode, header};
+use feeler_link::transport::{Place, Topic};
 use feeler_record::InstrumentRecord;
 use glam::DVec3;
 use std::ops::ControlFlow;
@@ -411,7 +411,7 @@ fn an_order_to_stop_is_warned_of_and_obeyed() {
         let never = AtomicBool::new(false);
         assert!(program.wait_for_others(&never).unwrap());
         let stop = StopMessage {
-            protocol: feeler_link::message::PROTOCOL,
+            protocol: feeler_link::messages::message::PROTOCOL,
             from: "a test".into(),
             id: 7,
         };

@@ -2,13 +2,13 @@
 #![cfg(feature = "zenoh")]
 
 use crate::lab::{HERE, connecting, heard, lab, listening, of, until_heard};
-use feeler_link::certificates::Authority;
-use feeler_link::endpoints::LinkConfig;
-use feeler_link::own_certificate::{OwnCertificate, OwnCertificateError};
-use feeler_link::right::Right;
-use feeler_link::rights::{Role, access_control};
-use feeler_link::topic::Topic;
-use feeler_link::validity::Validity;
+use feeler_link::security::Authority;
+use feeler_link::security::Right;
+use feeler_link::security::Validity;
+use feeler_link::security::{OwnCertificate, OwnCertificateError};
+use feeler_link::security::{Role, access_control};
+use feeler_link::transport::LinkConfig;
+use feeler_link::transport::Topic;
 use std::fs;
 use std::path::Path;
 use std::time::Instant;
@@ -169,7 +169,7 @@ fn a_program_is_told_what_is_wrong_with_its_certificate() {
 
     let listed = authority.list().unwrap();
     let of_b: Vec<_> = listed.iter().filter(|l| l.entry.computer == "b").collect();
-    let state = |l: &&feeler_link::certificates::Listed| (l.withdrawn, l.expired, l.replaced);
+    let state = |l: &&feeler_link::security::Listed| (l.withdrawn, l.expired, l.replaced);
     let states: Vec<_> = of_b.iter().map(state).collect();
     let expected = [
         (true, true, true),

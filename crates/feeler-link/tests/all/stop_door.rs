@@ -3,14 +3,14 @@
 
 use crate::lab::{lab, listening, of};
 use crate::ports::unused_endpoint;
-use feeler_link::certificates::Authority;
-use feeler_link::right::Right;
-use feeler_link::stop_call::{StopCallError, call_stop};
+use feeler_link::security::Authority;
+use feeler_link::security::Right;
+use feeler_link::security::Validity;
+use feeler_link::stop_door::Credentials;
+use feeler_link::stop_door::Guard;
+use feeler_link::stop_door::wire::{Datagram, Verdict, parse};
 use feeler_link::stop_door::{StopAnswer, StopDoor};
-use feeler_link::stop_guard::Guard;
-use feeler_link::stop_proof::Credentials;
-use feeler_link::stop_wire::{Datagram, Verdict, parse};
-use feeler_link::validity::Validity;
+use feeler_link::stop_door::{StopCallError, call_stop};
 use ring::hmac;
 use std::fs;
 use std::net::{SocketAddr, TcpStream, UdpSocket};

@@ -1,6 +1,6 @@
 //! The datagrams of the stop door, sound and hostile.
 
-use feeler_link::stop_wire::{Datagram, MOST_BYTES, Proof, StopAnswer, Verdict, parse};
+use feeler_link::stop_door::wire::{Datagram, MOST_BYTES, Proof, StopAnswer, Verdict, parse};
 use proptest::prelude::*;
 
 fn proof() -> impl Strategy<Value = Option<Proof>> {

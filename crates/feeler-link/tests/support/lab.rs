@@ -1,14 +1,14 @@
 //! A lab of certificates for tests, and links by them.
 
 use super::ports::unused_endpoint;
-use feeler_link::certificates::Authority;
-use feeler_link::endpoints::LinkConfig;
-use feeler_link::network::Network;
-use feeler_link::outlet::Outlet;
-use feeler_link::right::Right;
-use feeler_link::topic::Topic;
+use feeler_link::security::Authority;
+use feeler_link::security::Right;
+use feeler_link::security::Validity;
 use feeler_link::transport::Link;
-use feeler_link::validity::Validity;
+use feeler_link::transport::LinkConfig;
+use feeler_link::transport::Network;
+use feeler_link::transport::Outlet;
+use feeler_link::transport::Topic;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};

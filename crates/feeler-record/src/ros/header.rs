@@ -1,6 +1,6 @@
 //! `std_msgs/Header`, the header of most messages.
 
-use crate::channels::nanoseconds;
+use crate::messages::channels::nanoseconds;
 use serde::{Deserialize, Serialize};
 
 /// Nanoseconds per second.

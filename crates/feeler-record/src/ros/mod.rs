@@ -24,25 +24,25 @@ pub use wrench::{Wrench, WrenchStamped};
 /// back.
 macro_rules! derived {
     ($($type:ty, $stamp:expr);+ $(;)?) => {
-        $(impl $crate::channels::Stamped for $type {
+        $(impl $crate::messages::channels::Stamped for $type {
             fn stamp(&self) -> f64 {
                 let stamp: fn(&$type) -> f64 = $stamp;
                 stamp(self)
             }
         }
 
-        impl $crate::topic::RecordedMessage for $type {
+        impl $crate::messages::topic::RecordedMessage for $type {
             const DERIVED: bool = true;
 
-            fn list(_: &mut $crate::recording::Recording, _: Option<usize>) -> Option<&mut Vec<Self>> {
+            fn list(_: &mut $crate::reading::recording::Recording, _: Option<usize>) -> Option<&mut Vec<Self>> {
                 None
             }
 
             fn read_into(
-                _: &mut $crate::recording::Recording,
+                _: &mut $crate::reading::recording::Recording,
                 _: Option<usize>,
                 _: &[u8],
-                _: $crate::recording::PictureAt,
+                _: $crate::reading::recording::PictureAt,
             ) -> Result<(), String> {
                 Ok(())
             }

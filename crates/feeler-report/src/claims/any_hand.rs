@@ -3,10 +3,10 @@
 use super::DAMAGE_FORCE;
 use super::measured::{Measured, ratio};
 use super::parts::{curvature, grip_variation, radius_to_line};
-use crate::claim::{Claim, ClaimPart, DecidedBy, Relation};
-use crate::run_data::RunData;
-use crate::series::maximum;
-use crate::strokes::{CLOSED_TURN, StrokeMeasures};
+use crate::measures::claim::{Claim, ClaimPart, DecidedBy, Relation};
+use crate::measures::series::maximum;
+use crate::measures::strokes::{CLOSED_TURN, StrokeMeasures};
+use crate::run::data::RunData;
 
 /// Id of the claim that no element is overloaded.
 pub const OVERLOADS_NOTHING: &str = "hand-overloads-nothing";

@@ -3,10 +3,10 @@
 
 use super::measured::{change, ratio};
 use super::{PEAK_ENDS_BELOW, PEAK_RISES_ABOVE, SMOOTHING, samples};
-use crate::claim::{Claim, ClaimPart, DecidedBy, Relation};
-use crate::measures::{LaggedCorrelation, lagged_correlation};
-use crate::run_data::{RunData, Stroke};
-use crate::series::{absolute_rate, count_peaks, mean, moving_mean};
+use crate::measures::claim::{Claim, ClaimPart, DecidedBy, Relation};
+use crate::measures::paths::{LaggedCorrelation, lagged_correlation};
+use crate::measures::series::{absolute_rate, count_peaks, mean, moving_mean};
+use crate::run::data::{RunData, Stroke};
 
 /// Maximum lag between torque rate and shear rate (s).
 const MAX_LAG: f64 = 0.05;

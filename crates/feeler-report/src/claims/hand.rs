@@ -4,12 +4,12 @@
 use super::measured::{CLOSED, Measured, change, each_finger, greatest, least, ratio};
 use super::parts::{curvature, grip_variation, radius_to_line};
 use super::{damage_limit, longest_above};
-use crate::claim::{Claim, ClaimPart, DecidedBy, Relation};
-use crate::measures::distance_between_paths;
-use crate::run_data::RunData;
-use crate::series::mean;
-use crate::stroke_pattern::ALIKE;
-use crate::strokes::{CLOSED_TURN, over_fraction, share, slip_precision, slip_skill};
+use crate::measures::claim::{Claim, ClaimPart, DecidedBy, Relation};
+use crate::measures::paths::distance_between_paths;
+use crate::measures::series::mean;
+use crate::measures::stroke_pattern::ALIKE;
+use crate::measures::strokes::{CLOSED_TURN, over_fraction, share, slip_precision, slip_skill};
+use crate::run::data::RunData;
 
 /// Id of the claim that no element is damaged.
 pub const NO_DAMAGE: &str = "no-damage";
@@ -113,7 +113,7 @@ pub(super) fn slip_means_slip(data: &RunData) -> Claim {
 }
 
 /// The distance R of the dome's centre from the cap's axis stays constant, compared with the planned line and with
-/// stroke 1, in which the cap turns along. See [`PathFit`](crate::path_fit::PathFit).
+/// stroke 1, in which the cap turns along. See [`PathFit`](crate::measures::path_fit::PathFit).
 pub(super) fn path_follows_contour(measured: &Measured) -> Claim {
     let to_first = measured.each_fit(&CLOSED, |fit, finger| {
         ratio(fit.radius_std, measured.fit(1, finger)?.radius_std)
@@ -135,7 +135,7 @@ pub(super) fn path_follows_contour(measured: &Measured) -> Claim {
 }
 
 /// The path is curved like the arc about the cap's axis, unlike any straight line, however tilted. See
-/// [`PathFit::curvature`](crate::path_fit::PathFit::curvature).
+/// [`PathFit::curvature`](crate::measures::path_fit::PathFit::curvature).
 pub(super) fn path_is_curved(measured: &Measured) -> Claim {
     let [at_least, at_most] = curvature(measured);
     let first = measured.each_fit(&[1], |fit, _| Some(fit.curvature));
@@ -157,7 +157,7 @@ pub(super) fn path_is_curved(measured: &Measured) -> Claim {
 }
 
 /// The grasp force that slips have built up is limited by OVER, within the window of
-/// [`PathFit`](crate::path_fit::PathFit).
+/// [`PathFit`](crate::measures::path_fit::PathFit).
 pub(super) fn grip_levels_off(data: &RunData) -> Claim {
     let over = each_finger(data, &CLOSED, |stroke, finger| {
         over_fraction(data, stroke, finger)

@@ -1,8 +1,8 @@
 //! Measures that several claims share, and comparisons between them.
 
-use crate::path_fit::PathFit;
-use crate::run_data::{RunData, Stroke};
-use crate::strokes::StrokeMeasures;
+use crate::measures::path_fit::PathFit;
+use crate::measures::strokes::StrokeMeasures;
+use crate::run::data::{RunData, Stroke};
 
 /// Strokes in which the cap is closed.
 pub(super) const CLOSED: [u32; 2] = [3, 4];

@@ -15,10 +15,10 @@ pub(crate) use any_hand::{CLOSES_CAP, OVERLOADS_NOTHING};
 pub use bottle::rates;
 pub(crate) use hand::{NO_DAMAGE, no_damage};
 
-use super::claim::{Claim, DecidedBy};
-use super::run_data::RunData;
-use super::strokes::StrokeMeasures;
-use super::thinned::Pressed;
+use crate::measures::claim::{Claim, DecidedBy};
+use crate::measures::strokes::StrokeMeasures;
+use crate::run::data::RunData;
+use crate::run::thinned::Pressed;
 use feeler_record::RunFacts;
 use measured::Measured;
 

@@ -1,12 +1,12 @@
 //! Parts shared by the paper's claims and the claims of any hand.
 
 use super::measured::{CLOSED, Measured, each_finger, greatest, least, ratio};
-use crate::claim::{ClaimPart, Relation};
-use crate::run_data::RunData;
-use crate::strokes::grasp_force_variation;
+use crate::measures::claim::{ClaimPart, Relation};
+use crate::measures::strokes::grasp_force_variation;
+use crate::run::data::RunData;
 
 /// Deviation of the distance R from the cap's axis relative to the planned line, strokes 3 and 4. See
-/// [`PathFit`](crate::path_fit::PathFit).
+/// [`PathFit`](crate::measures::path_fit::PathFit).
 pub(super) fn radius_to_line(measured: &Measured) -> ClaimPart {
     let to_line = measured.each_fit(&CLOSED, |fit, _| ratio(fit.radius_std, fit.line_radius_std));
     ClaimPart::new(

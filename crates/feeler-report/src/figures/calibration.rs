@@ -1,9 +1,9 @@
 //! Figures of a force calibration: errors per element, and curves and residuals of single elements.
 
-use super::super::calibration_page::{CalibrationPage, ElementLoads};
 use super::Figure;
-use super::canvas::{Pen, airy, dots, finger_colour, line, panel, range};
-use super::drawing::tiled;
+use crate::figures::drawing::canvas::{Pen, airy, dots, finger_colour, line, panel, range};
+use crate::figures::drawing::sheet::tiled;
+use crate::pages::calibration::{CalibrationPage, ElementLoads};
 use kuva::render::layout::Layout;
 
 const AXES: [&str; 3] = ["x", "y", "z"];

@@ -1,12 +1,12 @@
 //! Figure of a cap closed or opened by touch: the hand's estimates over time, with the instruments' values.
 
-use super::super::cap::{CapMeasures, Felt};
-use super::super::run_data::RunData;
 use super::Figure;
-use super::canvas::{
+use crate::figures::drawing::canvas::{
     CAP, MOST_SHADED, Pen, REFERENCE, SHADE, finger_colour, line, panel, range, thin,
 };
-use super::drawing::{Drawing, column};
+use crate::figures::drawing::sheet::{Drawing, column};
+use crate::measures::cap::{CapMeasures, Felt};
+use crate::run::data::RunData;
 use feeler_record::{FindingName, Recording};
 use kuva::render::annotations::{ReferenceLine, ShadedRegion};
 use kuva::render::layout::Layout;

@@ -1,10 +1,13 @@
 //! Figures of a law comparison: measures against varied quantities, and two laws trial by trial.
 
-use super::super::compare_page::{Curves, PairedMeasure, Pairs};
 use super::super::page_data::panels::{COLOURS, Colour, Command, Line, Points, Series};
-use super::canvas::{Pen, REFERENCE, airy, dots, finger_colour, line, line_in_band, panel, range};
-use super::drawing::{Drawing, tiled};
-use super::{Figure, grid};
+use super::Figure;
+use crate::figures::drawing::canvas::{
+    Pen, REFERENCE, airy, dots, finger_colour, line, line_in_band, panel, range,
+};
+use crate::figures::drawing::grid;
+use crate::figures::drawing::sheet::{Drawing, tiled};
+use crate::pages::compare::{Curves, PairedMeasure, Pairs};
 
 /// Maximum number of trials drawn in the static figure.
 const MOST_DOTS: usize = 300;

@@ -2,13 +2,13 @@
 //! stroke starts.
 
 use super::Figure;
-use super::canvas::{
+use super::friction_samples::{Sample, strokes};
+use crate::figures::drawing::canvas::{
     CAP, MOST_SHADED, Pen, REFERENCE, SHADE, Style, finger_colour, line, panel, range, thin,
 };
-use super::drawing::{Drawing, column};
-use super::friction_samples::{Sample, strokes};
-use crate::run_data::RunData;
-use crate::series::mean;
+use crate::figures::drawing::sheet::{Drawing, column};
+use crate::measures::series::mean;
+use crate::run::data::RunData;
 use feeler_record::FindingName;
 use kuva::render::annotations::ShadedRegion;
 use kuva::render::layout::Layout;

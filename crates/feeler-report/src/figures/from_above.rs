@@ -1,9 +1,11 @@
 //! Top view of a stroke: the cap, the paths of the dome centres, and the paths of the touching tips.
 
-use super::super::run_data::{RunData, Stroke};
-use super::canvas::{CAP, Pen, REFERENCE, WIDTH, finger_colour, line, panel, range};
-use super::grid::{Panel, Row};
 use super::unrolled::{Step, Unrolled};
+use crate::figures::drawing::canvas::{
+    CAP, Pen, REFERENCE, WIDTH, finger_colour, line, panel, range,
+};
+use crate::figures::drawing::grid::{Panel, Row};
+use crate::run::data::{RunData, Stroke};
 use feeler_record::RunFacts;
 use glam::{DVec2, DVec3};
 use kuva::render::layout::Layout;

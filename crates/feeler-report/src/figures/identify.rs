@@ -1,9 +1,9 @@
 //! Figures of a probing run: raw probes with their fits.
 
-use super::super::identify_page::{FingerProbes, IdentifyPage};
 use super::Figure;
-use super::canvas::{Pen, airy, dots, finger_colour, line, panel, range};
-use super::drawing::tiled;
+use crate::figures::drawing::canvas::{Pen, airy, dots, finger_colour, line, panel, range};
+use crate::figures::drawing::sheet::tiled;
+use crate::pages::identify::{FingerProbes, IdentifyPage};
 
 /// Maximum number of dots per series.
 const DOTS: usize = 400;
@@ -124,7 +124,7 @@ pub fn circle_figure(page: &IdentifyPage, number: u32) -> Figure {
 }
 
 fn legend(page: &IdentifyPage) -> Vec<(&'static str, Pen)> {
-    let mut legend = super::canvas::finger_legend(page.fingers.len(), 2.0);
+    let mut legend = crate::figures::drawing::canvas::finger_legend(page.fingers.len(), 2.0);
     legend.push(("fitted", Pen::solid(FITTED, 1.4)));
     legend
 }

@@ -1,8 +1,8 @@
 //! Figure of control laws on the same hands: one bar per law and claim.
 
-use super::super::law_shares_page::LawSharesPage;
 use super::Figure;
-use super::canvas::{WIDTH, finger_colour, sheet};
+use crate::figures::drawing::canvas::{WIDTH, finger_colour, sheet};
+use crate::pages::law_shares::LawSharesPage;
 use maud::html;
 
 /// Height of a 100 % bar.

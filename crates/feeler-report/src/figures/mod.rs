@@ -1,19 +1,15 @@
 //! Figures of reports: the paper's Figs. 8 to 13, an additional Fig. 14, and figures of other tasks and pages.
 
 pub mod calibration;
-pub(super) mod canvas;
 pub mod cap;
 pub mod compare;
-pub(super) mod drawing;
+pub mod drawing;
 pub mod friction;
 mod friction_samples;
 mod from_above;
-mod grid;
 pub mod identify;
 pub mod law_shares;
-pub mod outline;
 pub mod paths;
-mod pen;
 pub mod radius;
 pub mod robustness;
 pub mod slip;
@@ -24,7 +20,7 @@ mod unrolled;
 pub mod wrench;
 
 use super::page_data::Panel;
-use drawing::Drawing;
+use crate::figures::drawing::sheet::Drawing;
 use maud::{Markup, PreEscaped, html};
 
 /// A figure of a page.

@@ -1,11 +1,12 @@
 //! Figures of a robustness study: fractions with intervals, a heat map of total-effect indices, and fractions against
 //! parameters.
 
-use super::super::robustness_page::{Index, Measure, NOTHING, RobustnessPage, Share, Trace};
-use super::canvas::{Pen, REFERENCE, WIDTH, finger_colour, line, range, sheet};
-use super::drawing::tiled;
+use super::Figure;
 use super::sweep::{parameter_panel, rate_with_band};
-use super::{Figure, grid};
+use crate::figures::drawing::canvas::{Pen, REFERENCE, WIDTH, finger_colour, line, range, sheet};
+use crate::figures::drawing::grid;
+use crate::figures::drawing::sheet::tiled;
+use crate::pages::robustness::{Index, Measure, NOTHING, RobustnessPage, Share, Trace};
 use maud::{Markup, html};
 
 /// Pen of the experiment's nominal value.

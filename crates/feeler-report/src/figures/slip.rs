@@ -1,12 +1,12 @@
 //! ROC figures of slip detectors: detection rate against false alarm rate.
 
-use super::super::grasp_slip_page::{GraspDetector, GraspSlipPage};
 use super::super::page_data::panels::{Colour, Points, Series};
-use super::super::slip_page::{OperatingPoint, SlipPage};
-use super::super::text::significant;
 use super::Figure;
-use super::canvas::{Pen, dots, finger_colour, line, panel};
-use super::drawing::tiled;
+use crate::figures::drawing::canvas::{Pen, dots, finger_colour, line, panel};
+use crate::figures::drawing::sheet::tiled;
+use crate::pages::grasp_slip::{GraspDetector, GraspSlipPage};
+use crate::pages::slip::{OperatingPoint, SlipPage};
+use crate::pages::text::significant;
 
 /// Lower end of the false alarm axis (%). Precise detectors are far below one percent.
 const LEAST: f64 = 0.01;

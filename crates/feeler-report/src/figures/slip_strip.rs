@@ -1,9 +1,9 @@
 //! Strip that shows SLIP and, below it, true slip over time.
 
-use super::super::run_data::{FingerColumns, RunData};
-use super::super::strokes::TRUE_SLIP;
-use super::canvas::{CAP, finger_colour, panel};
-use super::grid::Panel;
+use crate::figures::drawing::canvas::{CAP, finger_colour, panel};
+use crate::figures::drawing::grid::Panel;
+use crate::measures::strokes::TRUE_SLIP;
+use crate::run::data::{FingerColumns, RunData};
 use kuva::plot::BandPlot;
 use kuva::render::layout::TickFormat;
 use kuva::render::plots::Plot;

@@ -1,10 +1,13 @@
 //! Figures of a sweep: success rate against a parameter, and distributions of measures.
 
 use super::super::page_data::panels::{Colour, Command, Points, Series};
-use super::super::sweep_page::{Measured, TrialMeasure, Varied};
-use super::canvas::{Pen, airy, dots, finger_colour, line, line_in_band, panel, range};
-use super::drawing::tiled;
-use super::{Figure, grid};
+use super::Figure;
+use crate::figures::drawing::canvas::{
+    Pen, airy, dots, finger_colour, line, line_in_band, panel, range,
+};
+use crate::figures::drawing::grid;
+use crate::figures::drawing::sheet::tiled;
+use crate::pages::sweep::{Measured, TrialMeasure, Varied};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 

@@ -2,14 +2,14 @@
 
 use super::super::page_data::of_finger;
 use super::super::page_data::panels::{Axis, Colour, Panel as AnsweringPanel, Series};
-use super::super::run_data::{FingerColumns, RunData};
 use super::Figure;
-use super::canvas::{
+use super::slip_strip::slip_strip;
+use crate::figures::drawing::canvas::{
     CAP, MOST_SHADED, Pen, REFERENCE, SHADE, finger_colour, finger_legend, frame, line, panel,
     range, thin,
 };
-use super::grid::{Panel, Row, stack};
-use super::slip_strip::slip_strip;
+use crate::figures::drawing::grid::{Panel, Row, stack};
+use crate::run::data::{FingerColumns, RunData};
 use kuva::render::annotations::{ReferenceLine, ShadedRegion, TextAnnotation};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;

@@ -1,8 +1,8 @@
 //! Path of a dome's centre over MOVE, unrolled along the planned line so that bends of a millimetre are visible, with
 //! the planned line and the arc about the cap's axis.
 
-use super::super::path_fit::{travel, window_rows};
-use super::super::run_data::{RunData, Stroke};
+use crate::measures::path_fit::{travel, window_rows};
+use crate::run::data::{RunData, Stroke};
 use glam::DVec3;
 
 /// One finger's path over one MOVE. The planned line and the arc start on the path at the start of the claims' window.

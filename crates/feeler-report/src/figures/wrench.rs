@@ -1,9 +1,9 @@
 //! Figures of a wrench calibration: predicted over measured values, and errors over time by recording.
 
-use super::super::wrench_page::{AxisPoints, PredictedPoint, WrenchPage};
 use super::Figure;
-use super::canvas::{Pen, airy, dots, finger_colour, line, panel, range};
-use super::drawing::tiled;
+use crate::figures::drawing::canvas::{Pen, airy, dots, finger_colour, line, panel, range};
+use crate::figures::drawing::sheet::tiled;
+use crate::pages::wrench::{AxisPoints, PredictedPoint, WrenchPage};
 
 /// Accessor for the error of an image.
 type ErrorOf = fn(&PredictedPoint) -> f64;

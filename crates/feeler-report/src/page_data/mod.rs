@@ -6,7 +6,7 @@ mod scene;
 mod table;
 
 use super::figures::Figure as StillFigure;
-use super::run_data::RunData;
+use crate::run::data::RunData;
 use feeler_record::Recording;
 use scene::Scene;
 use serde::Serialize;

@@ -1,9 +1,9 @@
 //! 3-D scene of a run.
 
 use super::live::LiveRig;
-use crate::run_data::RunData;
-use feeler::sensor::layout::SensingElement;
-use feeler_record::model::{FingerPart, Frame as ModelFrame, WORLD_FRAME, frame};
+use crate::run::data::RunData;
+use feeler::sensor::fingertip::SensingElement;
+use feeler_record::messages::{FingerPart, Frame as ModelFrame, WORLD_FRAME, frame};
 use feeler_record::{FingerModel, Recording, RunFacts, Solid, SolidFrame, SolidShape};
 use glam::{DAffine3, DQuat, DVec3};
 use serde::Serialize;

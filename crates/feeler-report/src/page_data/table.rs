@@ -1,7 +1,7 @@
 //! Rows of a run as binary columns.
 
-use crate::run_data::{FingerColumns, RunData};
-use crate::strokes::TRUE_SLIP;
+use crate::measures::strokes::TRUE_SLIP;
+use crate::run::data::{FingerColumns, RunData};
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use feeler_record::{Phase, SolidFrame};

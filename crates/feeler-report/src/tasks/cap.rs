@@ -2,13 +2,13 @@
 
 use super::screw::ScrewReport;
 use super::{TaskReport, shown};
-use crate::cap::{CapMeasures, DAMAGE_TIME, FeltStroke, TIGHT};
-use crate::claim::Claim;
 use crate::figures::{Figure, cap};
-use crate::run_data::RunData;
-use crate::strokes::StrokeMeasures;
-use crate::summary::Summary;
-use crate::text::{significant, value};
+use crate::measures::cap::{CapMeasures, DAMAGE_TIME, FeltStroke, TIGHT};
+use crate::measures::claim::Claim;
+use crate::measures::strokes::StrokeMeasures;
+use crate::measures::summary::Summary;
+use crate::pages::text::{significant, value};
+use crate::run::data::RunData;
 use feeler_record::{Recording, TaskOutcome};
 use maud::{Markup, html};
 
@@ -47,7 +47,9 @@ impl TaskReport for CapReport {
 type Column = (&'static str, fn(&FeltStroke) -> Option<f64>);
 
 const COLUMNS: [Column; 4] = [
-    ("Estimated rotation (°)", |s| s.felt_turn.map(f64::to_degrees)),
+    ("Estimated rotation (°)", |s| {
+        s.felt_turn.map(f64::to_degrees)
+    }),
     ("True rotation (°)", |s| s.turn.map(f64::to_degrees)),
     ("Peak torque, estimated (mN·m)", |s| {
         s.felt_torque.map(|t| 1e3 * t)

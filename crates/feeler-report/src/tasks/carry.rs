@@ -1,14 +1,14 @@
 //! Report of the carry task: path of the object compared with its goal, and grasp forces.
 
 use super::{TaskReport, findings};
-use crate::claim::{Claim, ClaimPart, Relation};
 use crate::figures::Figure;
-use crate::figures::canvas::{CAP, Pen, finger_colour, line, panel, range};
-use crate::figures::drawing::column;
-use crate::run_data::RunData;
-use crate::series::{finite, maximum};
-use crate::strokes::StrokeMeasures;
-use crate::summary::Summary;
+use crate::figures::drawing::canvas::{CAP, Pen, finger_colour, line, panel, range};
+use crate::figures::drawing::sheet::column;
+use crate::measures::claim::{Claim, ClaimPart, Relation};
+use crate::measures::series::{finite, maximum};
+use crate::measures::strokes::StrokeMeasures;
+use crate::measures::summary::Summary;
+use crate::run::data::RunData;
 use feeler_record::{CarryGoal, FindingName, ObjectPose, Recording, TaskOutcome};
 use glam::{DQuat, DVec3};
 use maud::Markup;

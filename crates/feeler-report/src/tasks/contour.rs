@@ -1,14 +1,15 @@
 //! Report of the contour task: the drawn outline compared with the true section.
 
 use super::{TaskReport, findings};
-use crate::claim::{Claim, ClaimPart, Relation};
-use crate::contour_points::{drawn, section};
-use crate::figures::{Figure, outline};
-use crate::measures::Polyline;
-use crate::run_data::RunData;
-use crate::series::{maximum, rms};
-use crate::strokes::StrokeMeasures;
-use crate::summary::Summary;
+use crate::figures::Figure;
+use crate::figures::drawing::outline;
+use crate::measures::claim::{Claim, ClaimPart, Relation};
+use crate::measures::contour_points::{drawn, section};
+use crate::measures::paths::Polyline;
+use crate::measures::series::{maximum, rms};
+use crate::measures::strokes::StrokeMeasures;
+use crate::measures::summary::Summary;
+use crate::run::data::RunData;
 use feeler_record::{Recording, TaskOutcome};
 use glam::DVec2;
 use maud::Markup;

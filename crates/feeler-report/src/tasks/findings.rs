@@ -1,7 +1,7 @@
 //! Parts of reports that consist mostly of the task's findings.
 
-use crate::summary::Summary;
-use crate::text::{significant, value};
+use crate::measures::summary::Summary;
+use crate::pages::text::{significant, value};
 use feeler_record::TaskOutcome;
 use maud::{Markup, html};
 

@@ -1,13 +1,13 @@
 //! Report of the friction scan: measured coefficients, compared with ground truth if known.
 
 use super::TaskReport;
-use crate::claim::{Claim, ClaimPart, Relation};
 use crate::claims::no_damage;
 use crate::figures::{Figure, friction};
-use crate::run_data::RunData;
-use crate::strokes::StrokeMeasures;
-use crate::summary::Summary;
-use crate::text::{significant, value};
+use crate::measures::claim::{Claim, ClaimPart, Relation};
+use crate::measures::strokes::StrokeMeasures;
+use crate::measures::summary::Summary;
+use crate::pages::text::{significant, value};
+use crate::run::data::RunData;
 use feeler_record::{FindingName, Recording, RunFacts};
 use maud::{Markup, html};
 

@@ -7,13 +7,13 @@ mod findings;
 mod friction_scan;
 mod screw;
 
-use super::cap::is_felt;
-use super::claim::Claim;
 use super::figures::Figure;
-use super::make::SUMMARY;
-use super::run_data::RunData;
-use super::strokes::StrokeMeasures;
-use super::summary::Summary;
+use crate::measures::cap::is_felt;
+use crate::measures::claim::Claim;
+use crate::measures::strokes::StrokeMeasures;
+use crate::measures::summary::Summary;
+use crate::run::data::RunData;
+use crate::run::make::SUMMARY;
 use feeler_record::{Recording, RunFacts, TaskKind};
 use maud::{Markup, html};
 

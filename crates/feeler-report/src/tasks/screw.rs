@@ -1,13 +1,13 @@
 //! Report of the screw task: the paper's claims and figures, and a table of strokes.
 
 use super::{PAPERS, TaskReport, shown};
-use crate::claim::Claim;
 use crate::claims::claims;
 use crate::figures::{Figure, paths, radius, time};
-use crate::run_data::RunData;
-use crate::strokes::StrokeMeasures;
-use crate::summary::Summary;
-use crate::text::{significant, value};
+use crate::measures::claim::Claim;
+use crate::measures::strokes::StrokeMeasures;
+use crate::measures::summary::Summary;
+use crate::pages::text::{significant, value};
+use crate::run::data::RunData;
 use feeler_record::{Phase, Recording};
 use maud::{Markup, html};
 

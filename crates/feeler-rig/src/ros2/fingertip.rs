@@ -1,13 +1,13 @@
 //! A ROS 2 tactile sensor as the fingertip of a finger.
 
-use feeler::sensor::reading::TactileFrame;
+use feeler::sensor::forces::TactileFrame;
 use feeler_console::CommandError;
 use feeler_lab::config::{Experiment, RosFingerConfig};
 use feeler_lab::experiment::linked::expected;
-use feeler_link::network::Network;
 use feeler_link::programs::{ProgramError, SensorConfig, SensorProgram, Warn};
-use feeler_ros2::node::Node;
-use feeler_ros2::ros_sensor::{RosSensor, SensorAge};
+use feeler_link::transport::Network;
+use feeler_ros2::Node;
+use feeler_ros2::{RosSensor, SensorAge};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;

@@ -3,10 +3,10 @@
 use feeler_console::CommandError;
 use feeler_console::Warnings;
 use feeler_lab::config::Experiment;
-use feeler_ros2::name::NodeName;
-use feeler_ros2::node::{NODE_ENDPOINT, Node, NodeConfig, ROUTER_ENDPOINT};
+use feeler_ros2::NodeName;
 use feeler_ros2::parameter::{Meaning, Parameters};
-use feeler_ros2::parameter_server::serve_parameters;
+use feeler_ros2::serve_parameters;
+use feeler_ros2::{NODE_ENDPOINT, Node, NodeConfig, ROUTER_ENDPOINT};
 use serde_json::json;
 use std::time::{Duration, Instant};
 

@@ -2,9 +2,9 @@
 
 use feeler::hand::{Hand, HandCommand, HandError, HandState};
 use feeler_console::Warnings;
-use feeler_link::message::InstrumentsMessage;
+use feeler_link::messages::message::InstrumentsMessage;
 use feeler_link::programs::Rig;
-use feeler_ros2::ros_hand::RosHand;
+use feeler_ros2::RosHand;
 use std::time::{Duration, Instant};
 
 /// Time to wait for the first joint states before a message is printed.

@@ -1,9 +1,9 @@
 //! Clouds of forces: what is published is read back, and nonsense is refused.
 
-use feeler::sensor::layout::SensingElement;
+use feeler::sensor::fingertip::SensingElement;
 use feeler_record::ros::PointCloud2;
-use feeler_record::taxels::{Elements, taxels};
-use feeler_ros2::cloud::{CloudError, read_forces};
+use feeler_record::sensed::{Elements, taxels};
+use feeler_ros2::{CloudError, read_forces};
 use glam::DVec3;
 use proptest::prelude::*;
 

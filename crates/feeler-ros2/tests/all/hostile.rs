@@ -2,10 +2,10 @@
 
 use feeler_record::ros::{JointState, PointCloud2, WrenchStamped};
 use feeler_record::wire::{Message, cdr};
-use feeler_ros2::attachment::Attachment;
+use feeler_ros2::Attachment;
+use feeler_ros2::Qos;
+use feeler_ros2::Token;
 use feeler_ros2::message::*;
-use feeler_ros2::qos::Qos;
-use feeler_ros2::token::Token;
 use proptest::prelude::*;
 
 /// What was read is written and read again.

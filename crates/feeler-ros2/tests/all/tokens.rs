@@ -1,9 +1,9 @@
 //! Keys, liveliness tokens and ids, compared with those of pyzeros, which `references/tokens.py` prints.
 
-use feeler_ros2::key::key;
-use feeler_ros2::name::NodeName;
-use feeler_ros2::qos::{History, Qos};
-use feeler_ros2::token::{Endpoint, EndpointKind, Token};
+use feeler_ros2::NodeName;
+use feeler_ros2::key;
+use feeler_ros2::{Endpoint, EndpointKind, Token};
+use feeler_ros2::{History, Qos};
 
 const JOINTS: &str = "sensor_msgs/msg/JointState";
 const TRIGGER: &str = "std_srvs/srv/Trigger";

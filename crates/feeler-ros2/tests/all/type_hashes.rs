@@ -3,7 +3,7 @@
 use feeler_record::ros::{JointState, PointCloud2, TFMessage, Text, WrenchStamped};
 use feeler_record::wire::Message;
 use feeler_ros2::message::*;
-use feeler_ros2::type_description::{Service, TypeDescription};
+use feeler_ros2::{Service, TypeDescription};
 use std::collections::BTreeMap;
 
 fn message<M: Message>() -> (String, String) {

@@ -1,10 +1,10 @@
 //! Plausibility checks of loads and fits. The messages name the options that convert or accept the loads.
 
+use feeler::sensor::calibration::ElementRecord;
+use feeler::sensor::calibration::ForceAxes;
+use feeler::sensor::calibration::LoadCheckError;
+use feeler::sensor::calibration::RecordBuilder;
 use feeler::sensor::calibration::{Calibration, explained};
-use feeler::sensor::calibration_fit::ElementRecord;
-use feeler::sensor::live_calibration::ForceAxes;
-use feeler::sensor::load_check::LoadCheckError;
-use feeler::sensor::loads::RecordBuilder;
 use feeler_console::CommandError;
 use feeler_console::warn;
 use feeler_lab::sensor::{LoadsFile, LoadsFileError};

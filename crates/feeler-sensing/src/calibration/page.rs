@@ -1,12 +1,10 @@
 //! HTML report of a calibration.
 
+use feeler::sensor::calibration::ElementRecord;
 use feeler::sensor::calibration::{
     Calibration, CalibrationModel, ElementCalibration, ForceMap, Inputs, LengthUnit,
 };
-use feeler::sensor::calibration_fit::ElementRecord;
-use feeler_report::calibration_page::{
-    CalibrationPage, ElementErrors, ElementLoads, calibration_page,
-};
+use feeler_report::pages::{CalibrationPage, ElementErrors, ElementLoads, calibration_page};
 use glam::{DVec2, DVec3};
 
 /// Number of segments of a curve.

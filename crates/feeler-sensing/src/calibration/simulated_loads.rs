@@ -1,13 +1,13 @@
 //! Simulated loads, written to disk in the format of laboratory data.
 
+use feeler::sensor::calibration::{COLUMNS, PLACE_COLUMNS};
 use feeler::sensor::fingertip::{Fingertip, FingertipConfig};
-use feeler::sensor::frame::Picture;
-use feeler::sensor::loads::{COLUMNS, PLACE_COLUMNS};
+use feeler::sensor::image::Picture;
 use feeler_console::CommandError;
 use feeler_console::Outputs;
-use feeler_report::make::create_folder;
-use feeler_sim::calibration_bench::{CalibrationBenchConfig, take_pictures};
-use feeler_sim::optics_config::OpticsConfig;
+use feeler_report::run::make::create_folder;
+use feeler_sim::bench::{CalibrationBenchConfig, take_pictures};
+use feeler_sim::optics::OpticsConfig;
 use glam::{DVec2, DVec3};
 use image::{ExtendedColorType, ImageFormat};
 use std::path::Path;

@@ -2,7 +2,7 @@
 
 use super::wrench_table::named;
 use feeler::sensor::wrench::WrenchFit;
-use feeler_report::wrench_page::{AxisPoints, PredictedPoint, WrenchPage, wrench_page as render};
+use feeler_report::pages::{AxisPoints, PredictedPoint, WrenchPage, wrench_page as render};
 
 /// Renders the report of a fit to the named `recordings` from `source`, as HTML.
 pub fn wrench_page(fitted: &WrenchFit, recordings: &[String], source: &str) -> String {

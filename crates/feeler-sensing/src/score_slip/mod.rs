@@ -15,7 +15,7 @@ mod videos;
 
 use feeler_console::{CommandError, Outcome};
 use feeler_lab::config::BUILT_IN;
-use feeler_report::make::create_folder;
+use feeler_report::run::make::create_folder;
 pub use recorded::RecordedOptions;
 use std::io::Write;
 use std::path::{Path, PathBuf};

@@ -9,11 +9,9 @@ use feeler_console::Outputs;
 use feeler_console::print_json;
 use feeler_console::{CommandError, Outcome};
 use feeler_lab::grasps::{Confusion, DETECTORS, Detector, transfer};
-use feeler_lab::sweep::interval::Estimate;
-use feeler_report::grasp_slip_page::{
-    GraspDetector, GraspSlipPage, GraspTransfer, grasp_slip_page,
-};
-use feeler_report::slip_page::Roc;
+use feeler_lab::sweep::analysis::Estimate;
+use feeler_report::pages::Roc;
+use feeler_report::pages::{GraspDetector, GraspSlipPage, GraspTransfer, grasp_slip_page};
 use serde_json::json;
 use std::io::Write;
 use std::path::{Path, PathBuf};

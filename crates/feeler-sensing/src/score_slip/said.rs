@@ -1,7 +1,7 @@
 //! Scores as text.
 
 use super::scores::Scored;
-use feeler_report::grasp_slip_page::{
+use feeler_report::pages::{
     GRASP_COLUMNS, GraspSlipPage, GraspTransfer, TRANSFER_COLUMNS, base_rate,
 };
 use std::collections::BTreeMap;

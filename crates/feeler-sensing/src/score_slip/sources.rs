@@ -2,7 +2,7 @@
 
 use super::notes::Notes;
 use feeler_console::CommandError;
-use feeler_sources::video_file::is_video_name;
+use feeler_sources::is_video_name;
 use std::ffi::OsStr;
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -5,7 +5,7 @@ use super::notes::Notes;
 use super::recorded::RecordedOptions;
 use super::sources::Source;
 use crate::sense::taxel_layout_text;
-use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
+use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
 use feeler::sensor::taxel::{TaxelLayout, TaxelSensor};
 use feeler_console::CommandError;
 use feeler_console::open_table;

@@ -4,7 +4,7 @@ use super::collected::Read;
 use super::notes::Notes;
 use super::recorded::RecordedOptions;
 use super::sources::Source;
-use feeler::sensor::located_layout::{LocatedLayout, MAX_LOCATED_ELEMENTS};
+use feeler::sensor::fingertip::{LocatedLayout, MAX_LOCATED_ELEMENTS};
 use feeler::sensor::table::{NumberColumn, Quantity, Table, TableError};
 use feeler_console::CommandError;
 use feeler_console::open_table;

@@ -8,12 +8,12 @@ use super::collected::Read;
 use super::notes::Notes;
 use super::recorded::RecordedOptions;
 use super::sources::Source;
-use feeler::sensor::camera::{Camera, CameraError};
-use feeler::sensor::frame::{Frame, Picture as Grey};
+use feeler::sensor::image::{Camera, CameraError};
+use feeler::sensor::image::{Frame, Picture as Grey};
 use feeler::sensor::locate::{LocateConfig, Located, ReferencePicture, locate, locate_again};
 use feeler_console::CommandError;
 use feeler_lab::grasps::{GraspFrame, GraspRecording, Picture, Untouched};
-use feeler_sources::video_file::{Ffmpeg, VideoFile};
+use feeler_sources::{Ffmpeg, VideoFile};
 use glam::DVec2;
 
 /// Rate at which markers are located (Hz): several times within the half second after which a loss is reported.

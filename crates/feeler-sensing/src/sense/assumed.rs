@@ -2,10 +2,10 @@
 
 use super::SenseOptions;
 use feeler::sensor::calibration::Calibration;
-use feeler::sensor::frame::Picture;
-use feeler::sensor::likeness::Likeness;
+use feeler::sensor::forces::Likeness;
+use feeler::sensor::image::Picture;
+use feeler::sensor::image::WeightedPixel;
 use feeler::sensor::moments::ElementMoments;
-use feeler::sensor::subregion::WeightedPixel;
 use feeler_console::CommandError;
 use feeler_lab::config::Experiment;
 use feeler_lab::sensor::SensorGeometry;

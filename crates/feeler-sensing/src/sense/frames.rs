@@ -7,11 +7,11 @@ use super::source::Source;
 use super::tally::Tally;
 use super::wrench::OfWrench;
 use super::{SenseOptions, close};
-use feeler::sensor::camera::CameraError;
-use feeler::sensor::frame::Frame;
-use feeler::sensor::sensing::{ElementReading, Reference, SensingChain};
+use feeler::sensor::forces::{ElementReading, Reference, SensingChain};
+use feeler::sensor::image::CameraError;
+use feeler::sensor::image::Frame;
 use feeler_console::{CommandError, is_raised};
-use feeler_sources::pump::FramePump;
+use feeler_sources::FramePump;
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
 

@@ -20,7 +20,7 @@ mod wrench;
 use crate::camera::CameraOptions;
 use feeler_console::{CommandError, Outcome, Outputs, is_raised, watch_for_interrupt};
 use feeler_lab::config::Experiment;
-use feeler_report::make::RECORDING;
+use feeler_report::run::make::RECORDING;
 use feeler_rig::LinkOptions;
 use output::{Format, OfPictures, Output};
 use queued::{Full, Queued};

@@ -1,7 +1,7 @@
 //! Limits the time for which an output buffers rows.
 
 use super::output::{FrameReadings, Output};
-use feeler::sensor::frame::Frame;
+use feeler::sensor::image::Frame;
 use feeler_console::CommandError;
 use std::path::PathBuf;
 use std::time::{Duration, Instant};

@@ -1,8 +1,8 @@
 //! Writes an output on a background thread, so that the caller is not blocked.
 
 use super::output::{FrameReadings, Output, partial};
-use feeler::sensor::frame::{Frame, Picture};
-use feeler::sensor::sensing::ElementReading;
+use feeler::sensor::forces::ElementReading;
+use feeler::sensor::image::{Frame, Picture};
 use feeler_console::CommandError;
 use std::path::PathBuf;
 use std::sync::mpsc::{Receiver, SyncSender, TryRecvError, TrySendError, channel, sync_channel};

@@ -3,8 +3,8 @@
 use super::output::{FrameReadings, Output};
 use super::tally::Tally;
 use super::{SenseOptions, close};
-use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
-use feeler::sensor::sensing::ElementReading;
+use feeler::sensor::forces::ElementReading;
+use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
 use feeler_console::{CommandError, is_raised};
 use feeler_record::{RecordedSensor, Recording};
 use std::path::Path;

@@ -2,13 +2,13 @@
 
 use super::SenseOptions;
 use feeler::sensor::calibration::Calibration;
-use feeler::sensor::drift::DriftConfig;
-use feeler::sensor::sensing::{ElementReading, Reference, SensingChain};
+use feeler::sensor::forces::DriftConfig;
+use feeler::sensor::forces::{ElementReading, Reference, SensingChain};
 use feeler::sensor::wrench::WrenchEstimator;
 use feeler_console::CommandError;
 use feeler_lab::config::Experiment;
 use feeler_lab::sensor::SensorGeometry;
-use feeler_sources::picture::read_picture;
+use feeler_sources::read_picture;
 use std::fmt::Display;
 use std::path::Path;
 

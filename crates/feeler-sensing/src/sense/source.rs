@@ -2,14 +2,14 @@
 
 use super::SenseOptions;
 use crate::camera::CameraName;
-use feeler::sensor::camera::Camera;
+use feeler::sensor::image::Camera;
 use feeler_console::CommandError;
 use feeler_record::SensedPictures;
-use feeler_record::sensed_pictures::is_sensed;
-use feeler_report::make::RECORDING;
-use feeler_sources::files::PictureFiles;
-use feeler_sources::raw::RawFrames;
-use feeler_sources::video_file::{VideoFile, is_video_name};
+use feeler_record::sensed::is_sensed;
+use feeler_report::run::make::RECORDING;
+use feeler_sources::PictureFiles;
+use feeler_sources::RawFrames;
+use feeler_sources::{VideoFile, is_video_name};
 use std::io::stdin;
 use std::path::{Path, PathBuf};
 

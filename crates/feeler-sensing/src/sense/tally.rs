@@ -1,8 +1,8 @@
 //! Counts sensed, skipped and dropped frames and reports them on standard error.
 
 use super::beside::{Beside, INTERVAL};
-use feeler::sensor::exposure::Exposure;
-use feeler::sensor::sensing::ElementReading;
+use feeler::sensor::forces::ElementReading;
+use feeler::sensor::image::Exposure;
 use std::collections::BTreeMap;
 use std::time::{Duration, Instant};
 

@@ -2,7 +2,7 @@
 
 use super::output::{Format, FrameReadings, Output, Pictures, RowWriter, moments};
 use super::row_file::RowFile;
-use feeler::sensor::frame::Frame;
+use feeler::sensor::image::Frame;
 use feeler::sensor::wrench::{WrenchAxis, WrenchEstimate, WrenchEstimator};
 use feeler_console::CommandError;
 use feeler_record::ros::{Header, Time, Wrench, WrenchStamped};

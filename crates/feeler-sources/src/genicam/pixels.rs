@@ -1,6 +1,6 @@
 //! Grey pixel formats of GenICam cameras. Independent of hardware.
 
-use feeler::sensor::frame::Picture;
+use feeler::sensor::image::Picture;
 
 /// Pixel format of a camera's images. Names and codes are those of the Pixel Format Naming Convention.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]

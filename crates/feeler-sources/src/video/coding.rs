@@ -2,7 +2,7 @@
 
 use crate::fit::{AreaAverage, Fit};
 use crate::motion_jpeg::MotionJpeg;
-use feeler::sensor::frame::Picture;
+use feeler::sensor::image::Picture;
 use linuxvideo::format::PixelFormat;
 
 /// Pixel format of a camera's images.

@@ -2,7 +2,7 @@
 
 use super::MAX_SIDE;
 use super::ffmpeg::VARIABLE;
-use feeler::sensor::camera::CameraError;
+use feeler::sensor::image::CameraError;
 use std::path::PathBuf;
 
 /// Error of reading a video file.

@@ -2,7 +2,7 @@
 
 use axum::http::header::{HOST, ORIGIN};
 use axum::http::{HeaderMap, HeaderName, Method, Uri};
-use feeler_report::make::RECORDING;
+use feeler_report::run::make::RECORDING;
 use subtle::ConstantTimeEq;
 
 /// Length of a token in bytes.

@@ -6,7 +6,7 @@ use super::source::say_where;
 use feeler_console::Reading;
 use feeler_console::watch_for_interrupt;
 use feeler_console::{CommandError, Outcome};
-use feeler_report::make::page_of_file;
+use feeler_report::run::make::page_of_file;
 use std::io::Write;
 use std::path::Path;
 use std::sync::atomic::Ordering;

@@ -1,7 +1,7 @@
 //! Writes one row of a page in the order of its columns.
 
 use super::feed::Moment;
-use feeler::control::flags::FingerFlags;
+use feeler::control::FingerFlags;
 use feeler_report::page_data::flag_bits;
 use glam::{DQuat, DVec3};
 use std::iter;

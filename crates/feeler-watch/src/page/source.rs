@@ -7,7 +7,7 @@ use feeler_console::CommandError;
 use feeler_lab::config::ExperimentConfig;
 use feeler_lab::experiment::run_facts;
 use feeler_record::{RunFacts, SolidFrame};
-use feeler_report::live_page::{Live, LiveRig, live_page};
+use feeler_report::pages::{Live, LiveRig, live_page};
 use std::io::Write;
 use std::sync::Arc;
 

@@ -2,12 +2,12 @@
 
 use super::programs::warnings;
 use crate::snapshot::{Fault, UNKNOWN};
-use feeler::control::flags::FingerFlags;
-use feeler_link::inbox::Inbox;
-use feeler_link::message::{
+use feeler::control::FingerFlags;
+use feeler_link::inboxes::Inbox;
+use feeler_link::inboxes::WatchInbox;
+use feeler_link::messages::message::{
     HandMode, InstrumentsMessage, NO_FINGER, ProgramKind, StateMessage, TactileUpdate,
 };
-use feeler_link::watch_inbox::WatchInbox;
 use glam::DVec3;
 
 /// Latest data from programs that are still alive; data from others is outdated.

@@ -1,9 +1,9 @@
 //! Programs of a rig and their problems, from heartbeats.
 
 use crate::snapshot::{Program, ProgramState, UNKNOWN};
-use feeler_link::message::{NO_FINGER, ProgramKind};
-use feeler_link::mismatch::Mismatch;
-use feeler_link::peers::{Peer, Peers};
+use feeler_link::inboxes::{Peer, Peers};
+use feeler_link::messages::Mismatch;
+use feeler_link::messages::message::{NO_FINGER, ProgramKind};
 
 /// Lists the programs of a hand with `fingers` fingers: the expected ones first, then the rejected ones.
 pub fn programs(peers: &Peers, fingers: usize, now: f64) -> Vec<Program> {
@@ -96,8 +96,8 @@ fn finger(number: u32) -> Option<usize> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use feeler_link::message::{Heartbeat, PROTOCOL};
-    use feeler_link::peers::Expected;
+    use feeler_link::inboxes::Expected;
+    use feeler_link::messages::message::{Heartbeat, PROTOCOL};
     use feeler_record::wire::cdr;
 
     fn hear(peers: &mut Peers, program: &str, instance: u64, experiment: &str, now: f64) {

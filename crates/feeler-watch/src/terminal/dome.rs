@@ -5,8 +5,8 @@
 
 use super::palette::{ARROW, BAD, FRAME, QUIET, SLIPPING, heat};
 use super::snapshot::Finger;
-use feeler::control::flags::FlagThresholds;
-use feeler::sensor::layout::SensingElement;
+use feeler::control::FlagThresholds;
+use feeler::sensor::fingertip::SensingElement;
 use glam::{DVec2, Vec3Swizzles};
 use ratatui::Frame;
 use ratatui::layout::Rect;

@@ -5,10 +5,10 @@ use crate::terminal::{
     Action, Fault, Finger, History, Program, ProgramState, Snapshot, TaskState, TimeBase, Torque,
     UNKNOWN, View,
 };
-use feeler::control::stop_reason::StopReason;
-use feeler::control::touch::FingerTouch;
+use feeler::control::FingerTouch;
+use feeler::control::StopReason;
 use feeler::pace::Tick;
-use feeler::sensor::layout::ElementLayout;
+use feeler::sensor::fingertip::ElementLayout;
 use feeler_console::CommandError;
 use feeler_lab::config::{Experiment, ExperimentConfig, Sensing};
 use feeler_lab::experiment::{Instruments, SimulatedLoop, layouts};

@@ -6,7 +6,7 @@ use crate::snapshot::Snapshot;
 use feeler_console::watch_for_interrupt;
 use feeler_console::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
-use feeler_link::network::Network;
+use feeler_link::transport::Network;
 use std::io::Write;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

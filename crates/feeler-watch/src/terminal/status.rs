@@ -3,7 +3,7 @@
 use super::palette::{BAD, GOOD, QUANTITY, QUIET, TITLE, WARNING, badge};
 use super::snapshot::{Fault, Snapshot, TaskState, TimeBase};
 use super::words::{clipped, degrees, number, speed};
-use feeler::control::phase::Phase;
+use feeler::control::Phase;
 use ratatui::Frame;
 use ratatui::layout::Rect;
 use ratatui::style::{Modifier, Style};

@@ -1,13 +1,13 @@
 //! Configuration of the controller.
 
 use super::flags::FlagThresholds;
-use super::law::tri_axial::Reflex;
-use super::law::{HandLaw, LawConfig, LawError};
 use super::limits::LimitsConfig;
 use super::monitor_config::MonitorConfig;
-use super::task::TaskConfig;
 use crate::check::{Checker, MAX};
-use crate::sensor::layout::ElementLayout;
+use crate::control::law::tri_axial::Reflex;
+use crate::control::law::{HandLaw, LawConfig, LawError};
+use crate::control::task::TaskConfig;
+use crate::sensor::fingertip::layout::ElementLayout;
 use serde::{Deserialize, Serialize};
 
 /// Parameters of the controller, the table `[control]` of an experiment file.

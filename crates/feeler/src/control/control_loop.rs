@@ -6,7 +6,7 @@ use super::stop_reason::StopReason;
 use super::touch::{FingerTouch, TouchSource};
 use crate::hand::{Hand, HandCommand, HandError, HandState};
 use crate::pace::{Schedule, Tick};
-use crate::sensor::reading::SensorError;
+use crate::sensor::forces::reading::SensorError;
 use glam::DVec3;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;

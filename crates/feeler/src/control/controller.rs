@@ -3,19 +3,19 @@
 pub use super::config::{ControlConfig, RecordingFailure, ResumePolicy};
 
 use super::input_check::{check_count, check_input, check_load};
-use super::law::{FingerLaws, HandLaw, Law, LawError};
 use super::limits::{Admitted, Request};
 use super::monitor::FingerMonitor;
 use super::phase::Phase;
 use super::plan::Plan;
 use super::sense::{FingertipPose, HandSense};
 use super::stop_reason::StopReason;
-use super::task::{Task, TaskConfig};
 use super::touch::FingerTouch;
+use crate::control::law::{FingerLaws, HandLaw, Law, LawError};
+use crate::control::task::{Task, TaskConfig};
 use crate::hand::finger::FingerGeometry;
 use crate::hand::kinematics::fingertip_pose;
 use crate::hand::{HandCommand, HandState};
-use crate::sensor::layout::ElementLayout;
+use crate::sensor::fingertip::layout::ElementLayout;
 use glam::DVec3;
 
 /// State of one finger in the controller.

@@ -1,6 +1,6 @@
 //! The flag analyzer (paper, Fig. 4): computes TOUCH, SLIP and OVER from tri-axial forces.
 
-use crate::sensor::reading::TactileFrame;
+use crate::sensor::forces::reading::TactileFrame;
 use glam::DVec3;
 use multiversion::multiversion;
 

@@ -3,7 +3,7 @@
 use super::flags::FlagThresholds;
 use super::touch::{AnalyzedSensor, FingerTouch, TouchSource};
 use crate::pace::{Arrivals, Clock, Monotonic};
-use crate::sensor::reading::{SensorError, TactileSensor};
+use crate::sensor::forces::reading::{SensorError, TactileSensor};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};

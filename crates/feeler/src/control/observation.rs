@@ -152,7 +152,7 @@ mod tests {
     use crate::control::sense::FingertipPose;
     use crate::control::touch::FingerTouch;
     use crate::hand::JointState;
-    use crate::sensor::layout::{ElementLayout, LayoutConfig, RingConfig};
+    use crate::sensor::fingertip::layout::{ElementLayout, LayoutConfig, RingConfig};
     use glam::DMat3;
 
     fn layout() -> ElementLayout {

@@ -3,7 +3,7 @@
 use super::flags::FingerFlags;
 use super::touch::FingerTouch;
 use crate::hand::{HandState, JointState};
-use crate::sensor::layout::ElementLayout;
+use crate::sensor::fingertip::layout::ElementLayout;
 use glam::{DMat3, DVec3};
 
 /// Pose of a fingertip, from its encoders.
@@ -60,7 +60,7 @@ impl FingerSense<'_> {
     }
 
     /// Resultant force on the fingertip by the object (N, in W); see
-    /// [`TactileFrame::resultant`](crate::sensor::reading::TactileFrame::resultant).
+    /// [`TactileFrame::resultant`](crate::sensor::forces::reading::TactileFrame::resultant).
     pub fn resultant(&self) -> DVec3 {
         self.pose.rotation * self.touch.frame.resultant(self.layout)
     }

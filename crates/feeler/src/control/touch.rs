@@ -1,8 +1,8 @@
 //! Tactile readings of a finger, and the sources that provide them.
 
 use super::flags::{FingerFlags, FlagAnalyzer, FlagThresholds};
-use crate::sensor::frame::Frame;
-use crate::sensor::reading::{SensorError, TactileFrame, TactileSensor};
+use crate::sensor::forces::reading::{SensorError, TactileFrame, TactileSensor};
+use crate::sensor::image::frame::Frame;
 
 /// A tactile reading of one finger: its latest forces, and the flags of all frames since the last control step.
 ///

@@ -25,14 +25,20 @@
 //!
 //! `J` is singular if the finger is straight or folded (`sin(theta3) = 0`), or if its tip is on the axis of joint 1.
 
-pub mod finger;
-mod interface;
-pub mod inverse_kinematics;
+pub(crate) mod finger;
+pub(crate) mod interface;
+pub(crate) mod inverse_kinematics;
 pub mod kinematics;
-mod kinematics_error;
-mod postures;
-pub mod resolved_rate;
-pub mod sin_cos;
+pub(crate) mod kinematics_error;
+pub(crate) mod postures;
+pub(crate) mod resolved_rate;
+pub(crate) mod sin_cos;
+
+pub use finger::{FingerConfig, FingerError, FingerGeometry};
+pub use inverse_kinematics::{KinematicsError, POSITION_TOLERANCE, inverse_kinematics};
+pub use kinematics::{fingertip_pose, jacobian};
+pub use resolved_rate::{damping_threshold, resolved_rate};
+pub use sin_cos::sin_cos_of;
 
 pub use interface::{
     Hand, HandCommand, HandError, HandState, JointState, MAX_FINGERS, check_finger_count,

@@ -19,13 +19,13 @@
 //! # }
 //! ```
 
-mod clock;
-mod error;
-mod following;
-mod punctuality;
+pub(crate) mod clock;
+pub(crate) mod error;
+pub(crate) mod following;
+pub(crate) mod punctuality;
 pub mod real_time;
-mod schedule;
-mod timer;
+pub(crate) mod schedule;
+pub(crate) mod timer;
 
 pub use clock::{Clock, Monotonic};
 pub use error::PaceError;

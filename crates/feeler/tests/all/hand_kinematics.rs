@@ -2,10 +2,10 @@
 //! finite differences, and a general linear solver.
 
 use assert_no_alloc::assert_no_alloc;
-use feeler::hand::finger::{FingerConfig, FingerGeometry};
-use feeler::hand::inverse_kinematics::{KinematicsError, POSITION_TOLERANCE, inverse_kinematics};
 use feeler::hand::kinematics::{fingertip_pose, jacobian};
-use feeler::hand::resolved_rate::{damping_threshold, resolved_rate};
+use feeler::hand::{FingerConfig, FingerGeometry};
+use feeler::hand::{KinematicsError, POSITION_TOLERANCE, inverse_kinematics};
+use feeler::hand::{damping_threshold, resolved_rate};
 use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use proptest::prelude::*;

@@ -4,8 +4,8 @@
 #[path = "../../examples/own_hand.rs"]
 mod example;
 
-use feeler::control::phase::Phase;
-use feeler::control::stop_reason::StopReason;
+use feeler::control::Phase;
+use feeler::control::StopReason;
 use feeler::hand::HandCommand;
 use feeler::pace::{Clock, Pace};
 use std::cell::Cell;

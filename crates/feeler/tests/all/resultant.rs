@@ -1,11 +1,11 @@
 //! The resultant force of a tactile frame, against a case calculated by hand.
 
-use feeler::control::sense::{FingerSense, FingertipPose};
-use feeler::control::touch::FingerTouch;
+use feeler::control::FingerTouch;
+use feeler::control::{FingerSense, FingertipPose};
 use feeler::glam::{DMat3, DVec3};
 use feeler::hand::JointState;
-use feeler::sensor::layout::{ElementLayout, LayoutConfig, RingConfig};
-use feeler::sensor::reading::NO_FORCE;
+use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, RingConfig};
+use feeler::sensor::forces::NO_FORCE;
 
 /// One element at the apex, and one on the equator towards y of `T`.
 fn layout() -> ElementLayout {

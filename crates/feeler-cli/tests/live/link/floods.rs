@@ -2,12 +2,12 @@
 
 use super::faults::{GOES_ON, NO_HURRY, check};
 use crate::rig::{Rig, Setup, connect};
-use feeler_link::inbox::read;
-use feeler_link::message::{CommandMessage, PROTOCOL, ResumeMessage};
-use feeler_link::network::Network;
-use feeler_link::outlet::{Outlet, draw_instance, send};
-use feeler_link::stop_call::call_stop;
-use feeler_link::topic::Topic;
+use feeler_link::inboxes::read;
+use feeler_link::messages::message::{CommandMessage, PROTOCOL, ResumeMessage};
+use feeler_link::stop_door::call_stop;
+use feeler_link::transport::Network;
+use feeler_link::transport::Topic;
+use feeler_link::transport::{Outlet, draw_instance, send};
 use std::io::Write;
 use std::net::TcpStream;
 use std::sync::atomic::{AtomicBool, Ordering};

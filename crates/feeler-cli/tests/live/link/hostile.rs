@@ -2,14 +2,14 @@
 
 use super::faults::{NO_HURRY, check};
 use crate::rig::{QUARTER, Setup, connect, within_reason};
-use feeler_link::message::{
+use feeler_link::messages::message::{
     CommandMessage, HandMode, Heartbeat, MessageHeader, NO_FINGER, PROTOCOL, ProgramKind,
     ResumeMessage, StateMessage, StopMessage, TactileUpdate,
 };
-use feeler_link::network::{Heard, Network};
-use feeler_link::outlet::{Outlet, draw_instance, send};
-use feeler_link::topic::Topic;
 use feeler_link::transport::Link;
+use feeler_link::transport::Topic;
+use feeler_link::transport::{Heard, Network};
+use feeler_link::transport::{Outlet, draw_instance, send};
 use feeler_record::wire::{Vector3, cdr};
 use std::collections::HashMap;
 use std::fs;

@@ -2,7 +2,7 @@
 
 use super::faults::{NO_HURRY, check};
 use crate::rig::{Rig, Running, Setup};
-use feeler::sensor::layout::{ElementLayout, LayoutConfig};
+use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
 use glam::DVec3;
 use std::fmt::Write as _;
 use std::fs;

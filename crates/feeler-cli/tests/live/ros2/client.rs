@@ -3,10 +3,10 @@
 use super::peers::{Running, Words, pyzeros, script};
 use crate::ports::unused_endpoint;
 use feeler::hand::{Hand, HandCommand, HandState};
-use feeler_ros2::freshness::GraphClock;
-use feeler_ros2::name::NodeName;
-use feeler_ros2::node::{Node, NodeConfig};
-use feeler_ros2::ros_hand::{RosHand, RosHandConfig};
+use feeler_ros2::GraphClock;
+use feeler_ros2::NodeName;
+use feeler_ros2::{Node, NodeConfig};
+use feeler_ros2::{RosHand, RosHandConfig};
 use glam::DVec3;
 use serde_json::json;
 use std::io::Write;

@@ -4,7 +4,7 @@ use super::peers::{self, Words, pyzeros, script};
 use crate::ports::unused_endpoint;
 use crate::program::{feeler, folder, run};
 use crate::rig::{Running, alone, reasons, within_reason};
-use feeler::sensor::layout::{ElementLayout, LayoutConfig};
+use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::fingers_at_home;
 use feeler_record::Recording;

@@ -3,12 +3,12 @@
 use super::client::until;
 use super::peers::{Running, Words, pyzeros, script};
 use crate::ports::unused_endpoint;
-use feeler::sensor::reading::{TactileFrame, TactileSensor};
+use feeler::sensor::forces::{TactileFrame, TactileSensor};
 use feeler_record::ros::{PointCloud2, PointField};
-use feeler_ros2::freshness::GraphClock;
-use feeler_ros2::name::NodeName;
-use feeler_ros2::node::{Node, NodeConfig};
-use feeler_ros2::ros_sensor::{RosSensor, SensorAge};
+use feeler_ros2::GraphClock;
+use feeler_ros2::NodeName;
+use feeler_ros2::{Node, NodeConfig};
+use feeler_ros2::{RosSensor, SensorAge};
 use glam::DVec3;
 use serde_json::{Value, json};
 use std::io::Write;

@@ -1,9 +1,9 @@
 //! No size and no number breaks the screen.
 
 use super::scenes::{finger, idle, program, screen, slipping, stopped};
-use feeler::control::flags::{FingerFlags, FlagThresholds};
-use feeler::control::phase::Phase;
-use feeler::sensor::layout::SensingElement;
+use feeler::control::Phase;
+use feeler::control::{FingerFlags, FlagThresholds};
+use feeler::sensor::fingertip::SensingElement;
 use feeler_watch::{Fault, Finger, Program, ProgramState, Snapshot, TaskState, TimeBase, Torque};
 use glam::{DMat3, DVec3};
 use proptest::collection::vec;

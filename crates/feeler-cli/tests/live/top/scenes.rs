@@ -1,8 +1,8 @@
 //! Snapshots to be drawn, and the drawing of them.
 
-use feeler::control::flags::{FingerFlags, FlagThresholds};
-use feeler::control::phase::Phase;
-use feeler::sensor::layout::{ElementLayout, LayoutConfig};
+use feeler::control::Phase;
+use feeler::control::{FingerFlags, FlagThresholds};
+use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
 pub use feeler_watch::text as screen;
 use feeler_watch::{Fault, Finger, Program, ProgramState, Snapshot, TaskState, TimeBase, Torque};
 use glam::DVec3;

@@ -61,7 +61,9 @@ fn a_rig_is_seen_and_ordered_from_its_page() {
     let rig = Setup::new("view-rig").with(&SETTINGS).at(QUARTER).start();
     let viewed = viewed(&rig.setup);
     let mut socket = viewed.socket();
-    wait_for(&mut socket, |state| says(state, "No messages received from a hand"));
+    wait_for(&mut socket, |state| {
+        says(state, "No messages received from a hand")
+    });
     let _hand = rig.moving_hand(&[]);
     wait_for(&mut socket, |state| says(state, "of stroke 1 of 4"));
     let (first, second) = (next_row(&mut socket), next_row(&mut socket));

@@ -1,9 +1,9 @@
 //! Runs of the reference experiment with faults.
 
-use feeler::sensor::reading::TactileFrame;
+use feeler::sensor::forces::TactileFrame;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::Session;
-use feeler_sim::state::State;
+use feeler_sim::world::State;
 
 pub const PERIOD: f64 = 0.01;
 

@@ -1,7 +1,7 @@
 //! Faults of drives, joints and surfaces.
 
 use super::bench::{session, step_at, watch};
-use feeler_sim::servo::{Joints, ServoConfig};
+use feeler_sim::rig::{Joints, ServoConfig};
 use glam::DVec3;
 
 #[test]
@@ -131,7 +131,7 @@ fn the_fingertip_follows_the_link_and_the_encoder_the_motor() {
     // The approach turns the joint one way, so that the link is half the band behind.
     assert!((lag.abs() - 0.002).abs() < 1e-12, "{lag}");
     let geometry = &session.rig().world().model().fingers[0].geometry.clone();
-    let by = |theta| feeler::hand::kinematics::fingertip_pose(geometry, theta).0;
+    let by = |theta| feeler::hand::fingertip_pose(geometry, theta).0;
     assert_eq!(end.tip.position, by(end.joints.link));
     assert!(end.tip.position.distance(by(end.joints.position)) > 1e-4);
     let read = session.control_loop().state().joints[0].position.y;

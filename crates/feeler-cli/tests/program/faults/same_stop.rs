@@ -2,32 +2,32 @@
 //! the picture reaches it: in a run, from a recording, over the link.
 
 use super::bench::{load, step_at};
-use feeler::control::control_loop::ControlLoop;
-use feeler::control::controller::Controller;
-use feeler::control::flags::FlagAnalyzer;
-use feeler::control::stop_reason::StopReason;
-use feeler::control::touch::FingerTouch;
+use feeler::control::ControlLoop;
+use feeler::control::Controller;
+use feeler::control::FingerTouch;
+use feeler::control::FlagAnalyzer;
+use feeler::control::StopReason;
 use feeler::hand::HandState;
-use feeler::sensor::reading::NO_FORCE;
-use feeler::sensor::sensing::SensingChain;
+use feeler::sensor::forces::NO_FORCE;
+use feeler::sensor::forces::SensingChain;
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::played_rig::PlayedRig;
+use feeler_lab::experiment::PlayedRig;
 use feeler_lab::experiment::replay::{Replay, ReplayFrom, recorded_experiment};
 use feeler_lab::experiment::{Session, controller, fingers_at_home, layouts, run_facts};
-use feeler_link::endpoints::LinkError;
-use feeler_link::freshness::Echo;
-use feeler_link::hand_inbox::HandInbox;
-use feeler_link::inbox::Inbox;
-use feeler_link::message::{
+use feeler_link::hand::RunClock;
+use feeler_link::hand::{RemoteFinger, RemoteHand};
+use feeler_link::inboxes::Expected;
+use feeler_link::inboxes::HandInbox;
+use feeler_link::inboxes::Inbox;
+use feeler_link::messages::Echo;
+use feeler_link::messages::message::{
     Heartbeat, MessageHeader, NO_FINGER, PROTOCOL, StateMessage, TactileUpdate,
 };
-use feeler_link::outlet::{Outlet, header, monotonic};
-use feeler_link::peers::Expected;
 use feeler_link::programs::{Rig, RigSpeed, SensorOutput};
-use feeler_link::remote::{RemoteFinger, RemoteHand};
-use feeler_link::run_clock::RunClock;
-use feeler_link::shared::Shared;
-use feeler_link::topic::Topic;
+use feeler_link::transport::LinkError;
+use feeler_link::transport::Shared;
+use feeler_link::transport::Topic;
+use feeler_link::transport::{Outlet, header, monotonic};
 use feeler_record::wire::{Message, Vector3, cdr};
 use feeler_record::{RecordOptions, Recorder, Recording, RunLog};
 use std::fs;

@@ -2,15 +2,15 @@
 
 use super::bench::{PERIOD, load, session, step_at, watch};
 use assert_no_alloc::assert_no_alloc;
-use feeler::control::stop_reason::StopReason;
-use feeler::sensor::camera::Camera;
+use feeler::control::StopReason;
 use feeler::sensor::fingertip::Fingertip;
-use feeler::sensor::frame::Frame;
-use feeler::sensor::reading::TactileFrame;
+use feeler::sensor::forces::TactileFrame;
+use feeler::sensor::image::Camera;
+use feeler::sensor::image::Frame;
 use feeler_lab::experiment::Session;
+use feeler_sim::optics::SimCamera;
+use feeler_sim::rig::SensorFaults;
 use feeler_sim::rig::SimRig;
-use feeler_sim::sensor_faults::SensorFaults;
-use feeler_sim::sim_camera::SimCamera;
 use glam::DVec3;
 
 /// The fingers turn the cap from about 1.5 s on.

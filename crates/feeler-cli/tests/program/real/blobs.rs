@@ -1,7 +1,7 @@
 //! Finds round spots by a way of its own, to compare with what `locate` finds: what stands out of the picture after a morphological
 //! closing (dark spots) or opening (bright ones), in connected components.
 
-use feeler::sensor::frame::Picture;
+use feeler::sensor::image::Picture;
 
 /// One connected component.
 #[derive(Debug, Clone)]

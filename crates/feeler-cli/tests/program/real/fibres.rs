@@ -3,9 +3,9 @@
 use super::blobs::{blobs, median_area};
 use crate::program::{folder, rows, run};
 use crate::recordings::recordings;
-use feeler::sensor::located_layout::LocatedLayout;
+use feeler::sensor::fingertip::LocatedLayout;
 use feeler::sensor::wrench::{WrenchAxis, WrenchCalibration};
-use feeler_sources::picture::read_picture;
+use feeler_sources::read_picture;
 use std::collections::{BTreeMap, HashMap};
 use std::fs;
 use std::path::{Path, PathBuf};

@@ -1,7 +1,7 @@
 //! Fits a spot to a picture, by least squares: an elliptical one, flat on top or Gaussian, on a sloping ground.
 
 use super::blobs::Blob;
-use feeler::sensor::frame::Picture;
+use feeler::sensor::image::Picture;
 use nalgebra::{SMatrix, SVector};
 
 /// Centre (column, row), ground and its two slopes, depth, logarithms of two inverse widths, and correlation.

@@ -1,8 +1,8 @@
 //! Frames of videos, by ffmpeg.
 
 use crate::recordings::cannot;
-use feeler::sensor::frame::Picture;
-use feeler_sources::picture::decode_picture;
+use feeler::sensor::image::Picture;
+use feeler_sources::decode_picture;
 use std::ffi::OsString;
 use std::fs;
 use std::path::{Path, PathBuf};

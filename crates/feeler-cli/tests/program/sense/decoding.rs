@@ -1,6 +1,6 @@
 //! Decoding pictures from hostile bytes: never a panic, and never half a picture for a whole one.
 
-use feeler_sources::picture::decode_picture;
+use feeler_sources::decode_picture;
 use image::{DynamicImage, GrayImage, ImageFormat, Luma};
 use proptest::prelude::*;
 use std::io::Cursor;
@@ -76,9 +76,9 @@ proptest! {
 #[cfg(all(feature = "camera", target_os = "linux"))]
 #[test]
 fn damaged_motion_jpeg() {
-    use feeler::sensor::frame::Picture;
-    use feeler_sources::fit::Fit;
-    use feeler_sources::motion_jpeg::MotionJpeg;
+    use feeler::sensor::image::Picture;
+    use feeler_sources::Fit;
+    use feeler_sources::MotionJpeg;
     use rand::{RngExt, SeedableRng};
     let frames: Vec<&Vec<u8>> = FILES
         .iter()

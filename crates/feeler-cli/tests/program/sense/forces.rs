@@ -328,7 +328,7 @@ fn what_cannot_be_felt_is_left_out_and_named() {
         .project(fingertip.layout.tip(5))
         .unwrap();
     let (column, row) = (seen.x as usize, seen.y as usize);
-    let paint = |picture: &mut feeler::sensor::frame::Picture, half: usize, gray: u8| {
+    let paint = |picture: &mut feeler::sensor::image::Picture, half: usize, gray: u8| {
         for r in row - half..row + half {
             let start = r * picture.width + column;
             picture.pixels[start - half..start + half].fill(gray);

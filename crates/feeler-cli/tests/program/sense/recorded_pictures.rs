@@ -76,7 +76,7 @@ fn pictures_are_where_viewers_look_for_them() {
             assert_eq!(schema.name, "sensor_msgs/msg/CompressedImage");
             let image: feeler_record::ros::CompressedImage =
                 feeler_record::wire::cdr::decode(&image.data).unwrap();
-            let decoded = feeler_sources::picture::decode_picture(&image.data).unwrap();
+            let decoded = feeler_sources::decode_picture(&image.data).unwrap();
             assert_eq!((image.format.as_str(), &decoded), ("png", &loaded.picture));
         }
         assert_eq!(

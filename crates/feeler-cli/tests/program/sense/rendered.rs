@@ -1,10 +1,10 @@
 //! Pictures of the reference fingertip under known loads.
 
 use feeler::sensor::fingertip::Fingertip;
-use feeler::sensor::frame::Picture;
+use feeler::sensor::image::Picture;
 use feeler_lab::config::Experiment;
+use feeler_sim::optics::OpticsModel;
 use feeler_sim::optics::{OpticsScratch, render};
-use feeler_sim::optics_model::OpticsModel;
 use glam::{DVec2, DVec3};
 use image::{DynamicImage, GrayImage};
 use rand::{RngExt, SeedableRng};

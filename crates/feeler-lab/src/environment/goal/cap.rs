@@ -15,9 +15,9 @@ use crate::config::Experiment;
 use crate::environment::EnvironmentError;
 use crate::experiment::cap_facts;
 use feeler::control::task::TaskConfig;
-use feeler_report::cap::TIGHT;
 use feeler_report::claims::DAMAGE_FORCE;
-use feeler_sim::object::Motion;
+use feeler_report::measures::TIGHT;
+use feeler_sim::objects::Motion;
 
 /// Reward per radian towards the seat (mN·m).
 const TURN: f64 = 1.0;

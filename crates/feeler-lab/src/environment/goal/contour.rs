@@ -11,7 +11,7 @@ use crate::config::Experiment;
 use crate::environment::EnvironmentError;
 use crate::experiment::true_section;
 use feeler::control::task::TaskConfig;
-use feeler_sim::object::ObjectConfig;
+use feeler_sim::objects::ObjectConfig;
 use feeler_sim::world::World;
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;

@@ -2,7 +2,7 @@
 
 use crate::config::ConfigError;
 use crate::experiment::ExperimentError;
-use feeler::control::control_loop::ControlError;
+use feeler::control::ControlError;
 use feeler_record::RecordError;
 
 /// Error of a recording that cannot be replayed.

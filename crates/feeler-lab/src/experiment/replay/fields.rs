@@ -1,6 +1,6 @@
 //! Messages as lists of named values, for comparison one by one.
 
-use feeler::control::phase::Phase;
+use feeler::control::Phase;
 use feeler_record::wire::Vector3;
 use feeler_record::{Command, Findings, Flags, Tactile, Task, TaskOutcome};
 use std::fmt;

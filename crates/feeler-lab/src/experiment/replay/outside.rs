@@ -6,10 +6,10 @@
 
 use super::{ReplayError, control_loop, recorded_forces, steps};
 use crate::config::Experiment;
-use feeler::control::controller::Controller;
-use feeler::control::phase::Phase;
-use feeler::control::stop_reason::StopReason;
-use feeler::control::touch::FingerTouch;
+use feeler::control::Controller;
+use feeler::control::FingerTouch;
+use feeler::control::Phase;
+use feeler::control::StopReason;
 use feeler::hand::{HandCommand, HandState};
 use feeler_record::Recording;
 

@@ -1,8 +1,8 @@
 //! Recorded tactile readings, with flags computed from the forces if possible.
 
-use feeler::control::flags::{FingerFlags, FlagAnalyzer, FlagThresholds};
-use feeler::control::touch::{FingerTouch, TouchSource};
-use feeler::sensor::reading::{SensorError, TactileSensor};
+use feeler::control::{FingerFlags, FlagAnalyzer, FlagThresholds};
+use feeler::control::{FingerTouch, TouchSource};
+use feeler::sensor::forces::{SensorError, TactileSensor};
 use feeler_record::{FingerRecord, Flags, NO_ELEMENT, RecordedSensor, Recording};
 
 /// Recorded readings of one finger. A hand with sensors in other programs evaluates the flags of all frames but

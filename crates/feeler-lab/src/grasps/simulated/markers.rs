@@ -1,8 +1,8 @@
 //! Markers of a gel, and their positions in the image of a camera behind it.
 
 use super::scenario::Gel;
-use feeler::sensor::layout::{ElementLayout, SensingElement};
-use feeler_sim::gel::GelLayer;
+use feeler::sensor::fingertip::{ElementLayout, SensingElement};
+use feeler_sim::optics::GelLayer;
 use feeler_sim::random::normal;
 use glam::{DMat3, DVec2, DVec3};
 use rand_pcg::Pcg64;
@@ -92,7 +92,7 @@ impl Markers {
     }
 
     /// Returns the displacement of each marker from its untouched position (px), `interval` (s) after the previous
-    /// frame, under `forces` (N) in the convention of [`TactileFrame`](feeler::sensor::reading::TactileFrame).
+    /// frame, under `forces` (N) in the convention of [`TactileFrame`](feeler::sensor::forces::TactileFrame).
     pub fn displaced(&mut self, forces: &[DVec3], interval: f64, random: &mut Pcg64) -> Vec<DVec2> {
         let loads: Vec<_> = (self.places.iter().zip(forces))
             .filter(|(_, force)| **force != DVec3::ZERO)

@@ -13,11 +13,11 @@ pub use scenario::{Gel, Scenario, Shake};
 
 use crate::config::Experiment;
 use crate::experiment::{ExperimentError, fingers_at_home};
-use feeler_sim::columnar_feeler::FeelerConfig;
-use feeler_sim::config::{SimConfig, VariationConfig};
-use feeler_sim::object::{MotionConfig, ObjectConfig};
-use feeler_sim::shape::ShapeConfig;
+use feeler_sim::contact::FeelerConfig;
+use feeler_sim::objects::{MotionConfig, ObjectConfig};
+use feeler_sim::shapes::ShapeConfig;
 use feeler_sim::world::World;
+use feeler_sim::world::{SimConfig, VariationConfig};
 use glam::{DVec2, DVec3};
 use markers::Markers;
 use motion::Hand;

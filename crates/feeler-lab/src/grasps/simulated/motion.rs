@@ -1,7 +1,7 @@
 //! Motion of two fingers that grasp an object: close, lift, shake and, in some grasps, open.
 
 use super::scenario::Scenario;
-use feeler_sim::pose::Pose;
+use feeler_sim::objects::Pose;
 use feeler_sim::world::World;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::{PI, TAU};

@@ -1,9 +1,9 @@
 //! Random parameters of a simulated grasp.
 
-use feeler_sim::columnar_feeler::Friction;
-use feeler_sim::gel::GelLayer;
-use feeler_sim::object::{FreeConfig, MotionConfig, ObjectConfig};
-use feeler_sim::shape::ShapeConfig;
+use feeler_sim::contact::Friction;
+use feeler_sim::objects::{FreeConfig, MotionConfig, ObjectConfig};
+use feeler_sim::optics::GelLayer;
+use feeler_sim::shapes::ShapeConfig;
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;

@@ -3,15 +3,15 @@
 
 use super::hand::IdealHand;
 use assert_no_alloc::assert_no_alloc;
-use feeler::control::control_loop::ControlLoop;
-use feeler::control::phase::Phase;
-use feeler::control::touch::AnalyzedSensor;
+use feeler::control::AnalyzedSensor;
+use feeler::control::ControlLoop;
+use feeler::control::Phase;
 use feeler::hand::HandCommand;
 use feeler::sensor::calibration::Calibration;
-use feeler::sensor::camera::{Camera, CameraError};
-use feeler::sensor::frame::Frame;
-use feeler::sensor::optical::OpticalSensor;
-use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
+use feeler::sensor::forces::OpticalSensor;
+use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
+use feeler::sensor::image::Frame;
+use feeler::sensor::image::{Camera, CameraError};
 use feeler_lab::config::{BUILT_IN, Experiment};
 use feeler_lab::experiment::{self, Session, fingers_at_home, layouts};
 

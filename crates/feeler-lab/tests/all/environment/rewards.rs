@@ -2,7 +2,7 @@
 
 use super::support::{environment, follow, told};
 use feeler_lab::environment::Environment;
-use feeler_lab::experiment::truth::Truth;
+use feeler_lab::experiment::Truth;
 
 /// Sums of up to 5000 rewards of about 1.
 const ROUNDING: f64 = 1e-9;

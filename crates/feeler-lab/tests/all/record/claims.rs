@@ -3,7 +3,7 @@
 use crate::support;
 use feeler_record::Recording;
 use feeler_report::claims::of_any_hand;
-use feeler_report::stroke_pattern::Peaks;
+use feeler_report::measures::Peaks;
 use feeler_report::{RunData, Summary};
 use glam::DVec3;
 use std::path::PathBuf;

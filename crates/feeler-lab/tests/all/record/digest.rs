@@ -1,6 +1,6 @@
 //! The digest of a recording: what makes two of them the same.
 
-use feeler_record::digest::Digester;
+use feeler_record::reading::Digester;
 
 /// The digest of one block and of messages (topic, log time in ns, bytes).
 fn digest(block: &[u8], messages: &[(&str, u64, &[u8])]) -> String {

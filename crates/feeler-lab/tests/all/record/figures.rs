@@ -3,7 +3,7 @@
 use crate::support;
 use feeler_record::Recording;
 use feeler_report::figures::{Figure, paths, radius, time};
-use feeler_report::run_data::RunData;
+use feeler_report::run::RunData;
 use glam::DVec3;
 use std::fs;
 use std::path::PathBuf;

@@ -6,7 +6,7 @@
 
 use super::python::read_by;
 use crate::support;
-use feeler::sensor::frame::Frame;
+use feeler::sensor::image::Frame;
 use feeler_record::wire::Message;
 use feeler_record::{Image, MessageSink, RecordOptions, Recorder, Recording, topics};
 use serde_json::{Value, json};

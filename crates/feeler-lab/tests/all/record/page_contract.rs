@@ -3,10 +3,10 @@
 
 use crate::support;
 use feeler_record::{Recording, Solid, SolidFrame, SolidShape};
-use feeler_report::live_page::{Live, LiveRig, live_page};
-use feeler_report::make::page_of;
-use feeler_report::slip_page::{OperatingPoint, Roc, SlipPage, slip_page};
-use feeler_report::sweep_page::{Measured, SweepPage, TrialMeasure, Varied, sweep_page};
+use feeler_report::pages::{Live, LiveRig, live_page};
+use feeler_report::pages::{Measured, SweepPage, TrialMeasure, Varied, sweep_page};
+use feeler_report::pages::{OperatingPoint, Roc, SlipPage, slip_page};
+use feeler_report::run::page_of;
 use serde_json::Value;
 use std::env;
 use std::fs;

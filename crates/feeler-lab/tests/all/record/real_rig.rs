@@ -2,7 +2,8 @@
 
 use crate::support::{self, REAL, Rig};
 use feeler_record::{FindingName, Findings, Recording, TaskKind, TaskOutcome};
-use feeler_report::{ReportOutcome, RunData, Summary, Verdict, make, tasks};
+use feeler_report::run::make;
+use feeler_report::{ReportOutcome, RunData, Summary, Verdict, tasks};
 use std::fs;
 use std::path::{Path, PathBuf};
 
@@ -218,11 +219,7 @@ fn what_the_hand_felt_of_a_cap_is_reported_without_anything_to_hold_it_against()
     ] {
         assert!(page.contains(text), "no {text:?}");
     }
-    for text in [
-        "of the paper",
-        "Peak torque, measured (mN·m)",
-        "true angle",
-    ] {
+    for text in ["of the paper", "Peak torque, measured (mN·m)", "true angle"] {
         assert!(!page.contains(text), "{text:?}");
     }
     let texts = texts(&directory, "fig-01");

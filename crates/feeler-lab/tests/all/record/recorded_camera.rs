@@ -3,8 +3,8 @@
 // Of the made-up run, only its constants are of use here.
 #[allow(dead_code)]
 use crate::support;
-use feeler::sensor::camera::{Camera, CameraError};
-use feeler::sensor::frame::Frame;
+use feeler::sensor::image::Frame;
+use feeler::sensor::image::{Camera, CameraError};
 use feeler_record::{
     Image, MessageSink, RecordOptions, RecordedCamera, Recorder, Recording, Tactile, topics,
 };

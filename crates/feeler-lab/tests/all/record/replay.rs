@@ -1,9 +1,9 @@
 //! A recording put through the same sensor and control stages gives the same, bit for bit.
 
-use feeler::control::control_loop::{ControlError, ControlLoop};
-use feeler::control::phase::Phase;
-use feeler::control::stop_reason::StopReason;
-use feeler::control::touch::AnalyzedSensor;
+use feeler::control::AnalyzedSensor;
+use feeler::control::Phase;
+use feeler::control::StopReason;
+use feeler::control::{ControlError, ControlLoop};
 use feeler::hand::HandError;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::replay::{Comparison, Kind, Replay, ReplayFrom, recorded_experiment};

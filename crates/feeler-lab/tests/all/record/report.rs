@@ -1,7 +1,8 @@
 //! The report of a made-up run: whole, self-contained, and honest about what is missing.
 
 use crate::support;
-use feeler_report::{ReportError, make};
+use feeler_report::ReportError;
+use feeler_report::run::make;
 use std::fs;
 use std::path::{Path, PathBuf};
 

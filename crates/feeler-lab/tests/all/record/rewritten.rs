@@ -3,13 +3,13 @@
 use super::python;
 use crate::support;
 use crate::whole_runs::run;
-use feeler::sensor::camera::Camera;
-use feeler::sensor::frame::Frame;
+use feeler::sensor::image::Camera;
+use feeler::sensor::image::Frame;
 use feeler_lab::experiment::Pictures;
 use feeler_record::{
     Image, MessageSink, RecordOptions, RecordedCamera, Recorder, Recording, Tactile, topics,
 };
-use feeler_report::make::RECORDING;
+use feeler_report::run::make::RECORDING;
 use mcap::read::ChunkFlattener;
 use mcap::records::{MessageHeader, Metadata, Record};
 use mcap::{Attachment, WriteOptions, Writer};

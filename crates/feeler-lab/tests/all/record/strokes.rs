@@ -3,7 +3,7 @@
 use crate::support;
 use feeler_record::Phase;
 use feeler_report::StrokeMeasures;
-use feeler_report::run_data::{FingerColumns, RunData, Stroke};
+use feeler_report::run::{FingerColumns, RunData, Stroke};
 use glam::{DQuat, DVec3};
 use std::collections::BTreeMap;
 

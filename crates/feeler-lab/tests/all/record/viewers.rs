@@ -7,7 +7,7 @@ use super::python::read_by;
 use crate::whole_runs::{folder, run};
 use feeler_lab::experiment::Pictures;
 use feeler_record::{Recording, Stamped, Tactile};
-use feeler_report::make::RECORDING;
+use feeler_report::run::make::RECORDING;
 use glam::{DMat4, DQuat, DVec3};
 use serde_json::{Value, json};
 

@@ -2,7 +2,7 @@
 
 use crate::whole_runs::{folder, run};
 use feeler_lab::experiment::Pictures;
-use feeler_report::make::make;
+use feeler_report::run::make::make;
 
 /// What does not hold of the run with `seed`.
 fn broken_claims(sensing: &str, seed: u64) -> Vec<String> {

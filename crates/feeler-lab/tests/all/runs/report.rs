@@ -3,7 +3,7 @@
 use feeler::pace::Unpaced;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::recorded_run::RecordedRun;
-use feeler_report::make;
+use feeler_report::run::make;
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};

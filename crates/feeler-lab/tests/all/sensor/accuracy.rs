@@ -1,23 +1,13 @@
 //! What the simulated 41-element sensor promises with the coupled calibration: 640x480, noise as in
 //! the reference experiment, full scale 2 N of compression and 1 N of shear.
 
-use feeler::sensor::{
-    calibration::{Calibration, ForceValidity},
-    calibration_fit::ModelChoice,
-    camera::{Camera, CameraError},
-    drift::DriftConfig,
-    fingertip::{Fingertip, FingertipConfig},
-    frame::Frame,
-    optical::OpticalSensor,
-    reading::{TactileFrame, TactileSensor},
-};
+use feeler::sensor::calibration::{Calibration, ForceValidity, ModelChoice};
+use feeler::sensor::fingertip::{Fingertip, FingertipConfig};
+use feeler::sensor::forces::{DriftConfig, OpticalSensor, TactileFrame, TactileSensor};
+use feeler::sensor::image::{Camera, CameraError, Frame};
 use feeler_lab::config::Experiment;
-use feeler_sim::{
-    calibration_bench::{CalibrationBenchConfig, calibrate_simulated},
-    optics::{OpticsScratch, render},
-    optics_config::OpticsConfig,
-    optics_model::OpticsModel,
-};
+use feeler_sim::bench::{CalibrationBenchConfig, calibrate_simulated};
+use feeler_sim::optics::{OpticsConfig, OpticsModel, OpticsScratch, render};
 use glam::{DVec2, DVec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -283,7 +273,7 @@ fn what_cannot_be_trusted_is_marked() {
     let validity = |gray: u8| {
         let mut moments = vec![Default::default(); ELEMENTS];
         let fingertip = Fingertip::new(&reference().0).unwrap();
-        let mut picture = feeler::sensor::frame::Picture::black(640, 480);
+        let mut picture = feeler::sensor::image::Picture::black(640, 480);
         picture.pixels.fill(gray);
         fingertip.kernel.measure(&picture, &mut moments).unwrap();
         let mut validity = vec![ForceValidity::Calibrated; ELEMENTS];

@@ -1,27 +1,17 @@
 //! The calibration of a simulated fingertip: how right it is, and what it refuses.
 
-use feeler::sensor::{
-    calibration::{
-        Calibration, CalibrationError, ForceCurve, ForceMap, FullScale, Inputs, LengthUnit,
-        MadeFor, SeparableMap,
-    },
-    calibration_fit::{ElementRecord, LoadSample, ModelChoice, fit},
-    calibration_report::CalibrationReport,
-    camera::{Camera, CameraError},
-    fingertip::{Fingertip, FingertipConfig},
-    frame::{Frame, Picture},
-    layout::{LayoutConfig, RingConfig},
-    moments::ElementMoments,
-    optical::OpticalSensor,
-    reading::{SensorError, TactileFrame, TactileSensor},
-    sensing::SensingError,
+use feeler::sensor::calibration::{
+    Calibration, CalibrationError, CalibrationReport, ElementRecord, ForceCurve, ForceMap,
+    FullScale, Inputs, LengthUnit, LoadSample, MadeFor, ModelChoice, SeparableMap, fit,
 };
-use feeler_sim::{
-    calibration_bench::{CalibrationBenchConfig, calibrate_simulated},
-    optics::{OpticsScratch, render},
-    optics_config::OpticsConfig,
-    optics_model::OpticsModel,
+use feeler::sensor::fingertip::{Fingertip, FingertipConfig, LayoutConfig, RingConfig};
+use feeler::sensor::forces::{
+    OpticalSensor, SensingError, SensorError, TactileFrame, TactileSensor,
 };
+use feeler::sensor::image::{Camera, CameraError, Frame, Picture};
+use feeler::sensor::moments::ElementMoments;
+use feeler_sim::bench::{CalibrationBenchConfig, calibrate_simulated};
+use feeler_sim::optics::{OpticsConfig, OpticsModel, OpticsScratch, render};
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use rand::{Rng, SeedableRng};

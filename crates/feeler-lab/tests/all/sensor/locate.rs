@@ -1,17 +1,12 @@
 //! Elements found in rendered pictures, whose elements are known.
 
-use feeler::sensor::{
-    fingertip::{Fingertip, FingertipConfig},
-    frame::Picture,
-    locate::{LocateConfig, LocateError, Located, ReferencePicture, locate},
-    located_layout::{DomeGeometry, LayoutError, LocatedLayout},
-    moments::ElementMoments,
+use feeler::sensor::fingertip::{
+    DomeGeometry, Fingertip, FingertipConfig, LayoutError, LocatedLayout,
 };
-use feeler_sim::{
-    optics::{OpticsScratch, render},
-    optics_config::OpticsConfig,
-    optics_model::OpticsModel,
-};
+use feeler::sensor::image::Picture;
+use feeler::sensor::locate::{LocateConfig, LocateError, Located, ReferencePicture, locate};
+use feeler::sensor::moments::ElementMoments;
+use feeler_sim::optics::{OpticsConfig, OpticsModel, OpticsScratch, render};
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use rand::SeedableRng;

@@ -5,11 +5,11 @@ use feeler::sensor::fingertip::Fingertip;
 use feeler::sensor::locate::{LocateConfig, Polarity, ReferencePicture, locate};
 use feeler::sensor::moments::ElementMoments;
 use feeler_lab::config::Experiment;
-use feeler_sim::calibration_bench::CalibrationBenchError;
-use feeler_sim::calibration_bench::{CalibrationBenchConfig, Load, load_simulated, take_pictures};
-use feeler_sim::markers::MarkerConfig;
-use feeler_sim::optics_config::{OpticsConfig, OpticsError};
-use feeler_sim::optics_model::OpticsModel;
+use feeler_sim::bench::CalibrationBenchError;
+use feeler_sim::bench::{CalibrationBenchConfig, Load, load_simulated, take_pictures};
+use feeler_sim::optics::MarkerConfig;
+use feeler_sim::optics::OpticsModel;
+use feeler_sim::optics::{OpticsConfig, OpticsError};
 use glam::{DVec2, DVec3};
 
 const FINGERTIPS: [&str; 3] = ["cap-closing-pins", "cap-closing-fibres", "cap-closing-gel"];
@@ -273,11 +273,10 @@ fn the_calibrations_can_be_made_again() {
         let committed = experiment.calibration(0).unwrap();
         let bench = CalibrationBenchConfig::of_fingertip(fingertip, optics, 150);
         let records = load_simulated(fingertip, optics, &bench).unwrap();
-        let made_for = feeler::sensor::made_for::MadeFor::fingertip(fingertip).unwrap();
-        let model = feeler::sensor::calibration_fit::ModelChoice::Auto;
+        let made_for = feeler::sensor::fingertip::MadeFor::fingertip(fingertip).unwrap();
+        let model = feeler::sensor::calibration::ModelChoice::Auto;
         let made =
-            feeler::sensor::calibration_fit::fit(made_for, &records, model, bench.full_scale)
-                .unwrap();
+            feeler::sensor::calibration::fit(made_for, &records, model, bench.full_scale).unwrap();
         assert_eq!(committed.made_for, made.made_for, "{}", config.name);
         for (element, record) in records.iter().enumerate() {
             for sample in record.held_out.iter().take(20) {

@@ -1,15 +1,9 @@
 //! The simulated picture against what its physics says of it.
 
-use feeler::sensor::{
-    fingertip::{Fingertip, FingertipConfig},
-    frame::Picture,
-    moments::ElementMoments,
-};
-use feeler_sim::{
-    optics::{OpticsScratch, render},
-    optics_config::{OpticsConfig, OpticsError},
-    optics_model::{CONES, OpticsModel},
-};
+use feeler::sensor::fingertip::{Fingertip, FingertipConfig};
+use feeler::sensor::image::Picture;
+use feeler::sensor::moments::ElementMoments;
+use feeler_sim::optics::{CONES, OpticsConfig, OpticsError, OpticsModel, OpticsScratch, render};
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use rand::SeedableRng;

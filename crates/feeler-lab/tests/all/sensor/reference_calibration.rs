@@ -2,7 +2,7 @@
 
 use feeler::sensor::calibration::{ForceCurve, ForceMap};
 use feeler_lab::config::Experiment;
-use feeler_sim::calibration_bench::{CalibrationBenchConfig, calibrate_simulated};
+use feeler_sim::bench::{CalibrationBenchConfig, calibrate_simulated};
 
 /// A calibration is fitted to pictures whose noise is drawn with integers, but its geometry goes
 /// through sine and cosine, which differ in the last bit between machines; the fit's condition

@@ -1,6 +1,6 @@
 //! Meshes from files: a cube in every format, and what is no mesh.
 
-use feeler_sim::mesh_file::{MeshError, TriangleMesh, read_mesh};
+use feeler_sim::shapes::{MeshError, TriangleMesh, read_mesh};
 use glam::DVec3;
 use proptest::prelude::*;
 use std::fmt::Write;

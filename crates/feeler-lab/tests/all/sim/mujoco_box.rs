@@ -3,8 +3,8 @@
 //! `references/mujoco_box.json` is MuJoCo's part; `references/mujoco_box.py` makes it anew.
 
 use feeler_lab::config::Experiment;
-use feeler_sim::object::{FreeConfig, MotionConfig, ObjectConfig};
-use feeler_sim::shape::ShapeConfig;
+use feeler_sim::objects::{FreeConfig, MotionConfig, ObjectConfig};
+use feeler_sim::shapes::ShapeConfig;
 use feeler_sim::world::World;
 use glam::DVec3;
 use serde::Deserialize;

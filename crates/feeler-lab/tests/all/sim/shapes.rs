@@ -1,7 +1,7 @@
 //! Shapes of objects, held against brute force, the geometry library and finite differences.
 
-use feeler_sim::knurled_cylinder::KnurledCylinder;
-use feeler_sim::shape;
+use feeler_sim::shapes::KnurledCylinder;
+use feeler_sim::shapes::shape;
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use std::f64::consts::TAU;

@@ -1,10 +1,10 @@
 //! Energy over closed cycles of load.
 
 use super::scene::{empty, fixed, world_with_fingers};
-use feeler_sim::config::SimConfig;
-use feeler_sim::pose::Pose;
-use feeler_sim::relaxation::RelaxationConfig;
-use feeler_sim::shape::ShapeConfig;
+use feeler_sim::contact::RelaxationConfig;
+use feeler_sim::objects::Pose;
+use feeler_sim::shapes::shape::ShapeConfig;
+use feeler_sim::world::SimConfig;
 use feeler_sim::world::World;
 use glam::{DMat3, DVec3, EulerRot};
 use std::f64::consts::TAU;

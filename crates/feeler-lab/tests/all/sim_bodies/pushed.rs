@@ -1,9 +1,9 @@
 //! A free box and the feelers that push and squeeze it.
 
 use super::scene::{GRAVITY, cuboid, empty, fixed, free, world_with_fingers};
-use feeler_sim::config::SimConfig;
-use feeler_sim::pose::Pose;
-use feeler_sim::shape::ShapeConfig;
+use feeler_sim::objects::Pose;
+use feeler_sim::shapes::shape::ShapeConfig;
+use feeler_sim::world::SimConfig;
 use feeler_sim::world::World;
 use glam::{DMat3, DVec3};
 

@@ -1,11 +1,11 @@
 //! Worlds with free bodies.
 
-use feeler::hand::finger::FingerGeometry;
-use feeler::sensor::layout::ElementLayout;
+use feeler::hand::FingerGeometry;
+use feeler::sensor::fingertip::ElementLayout;
 use feeler_lab::config::Experiment;
-use feeler_sim::config::SimConfig;
-use feeler_sim::object::{FreeConfig, MotionConfig, ObjectConfig};
-use feeler_sim::shape::ShapeConfig;
+use feeler_sim::objects::{FreeConfig, MotionConfig, ObjectConfig};
+use feeler_sim::shapes::shape::ShapeConfig;
+use feeler_sim::world::SimConfig;
 use feeler_sim::world::World;
 use glam::DVec3;
 use std::path::Path;

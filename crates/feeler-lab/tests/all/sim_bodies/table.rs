@@ -1,7 +1,7 @@
 //! Bodies by themselves: they fall, rest, and stick or slide on an incline.
 
 use super::scene::{GRAVITY, cuboid, empty, fixed, free, run, world};
-use feeler_sim::shape::ShapeConfig;
+use feeler_sim::shapes::shape::ShapeConfig;
 use glam::DVec3;
 
 #[test]

@@ -1,10 +1,10 @@
 //! The cap on its thread: descent, and turning it loose again.
 
 use super::reference::{commands, experiment, replay, world};
-use feeler_sim::holder::PlaySpring;
-use feeler_sim::object::Motion;
-use feeler_sim::pose::Pose;
-use feeler_sim::thread::{FingerLoad, Hinge, ThreadConfig, Turn};
+use feeler_sim::objects::Motion;
+use feeler_sim::objects::PlaySpring;
+use feeler_sim::objects::Pose;
+use feeler_sim::objects::{FingerLoad, Hinge, ThreadConfig, Turn};
 use glam::{DMat3, DVec3};
 use std::f64::consts::TAU;
 

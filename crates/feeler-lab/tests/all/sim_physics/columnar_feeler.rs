@@ -1,9 +1,9 @@
 //! One feeler on a flat face, by calling the contact law itself: stick, slip, hold.
 
 use crate::sim_bodies::scene::fixed;
-use feeler_sim::columnar_feeler::{Anchor, FeelerConfig, Overload, Tip};
-use feeler_sim::object::Object;
-use feeler_sim::shape::ShapeConfig;
+use feeler_sim::contact::{Anchor, FeelerConfig, Overload, Tip};
+use feeler_sim::objects::Object;
+use feeler_sim::shapes::shape::ShapeConfig;
 use glam::DVec3;
 use std::path::Path;
 

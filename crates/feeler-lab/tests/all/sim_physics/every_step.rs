@@ -1,9 +1,9 @@
 //! What must hold at every physics step of the reference run.
 
 use super::reference::{commands, experiment, replay, world};
-use feeler_sim::object::Motion;
-use feeler_sim::state::Contact;
-use feeler_sim::thread::ThreadConfig;
+use feeler_sim::objects::Motion;
+use feeler_sim::objects::ThreadConfig;
+use feeler_sim::world::Contact;
 use feeler_sim::world::World;
 use glam::DVec3;
 

@@ -2,9 +2,9 @@
 
 use super::one_feeler::OneFeeler;
 use super::reference::{commands, experiment, replay, world};
-use feeler_sim::holder::{HolderConfig, LateralConfig, PlaySpring};
-use feeler_sim::state::State;
-use feeler_sim::thread::{FingerLoad, Hinge, ThreadConfig, Turn};
+use feeler_sim::objects::{FingerLoad, Hinge, ThreadConfig, Turn};
+use feeler_sim::objects::{HolderConfig, LateralConfig, PlaySpring};
+use feeler_sim::world::State;
 use glam::DVec3;
 
 const RADIUS: f64 = 0.014;

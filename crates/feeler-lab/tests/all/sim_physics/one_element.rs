@@ -1,10 +1,10 @@
 //! A fingertip with a single element on a held cap: the contact law through the whole world.
 
-use feeler::hand::finger::{FingerConfig, FingerGeometry};
-use feeler::hand::resolved_rate::resolved_rate;
-use feeler::sensor::layout::{ElementLayout, LayoutConfig, RingConfig};
-use feeler_sim::object::MotionConfig;
-use feeler_sim::shape::ShapeConfig;
+use feeler::hand::resolved_rate;
+use feeler::hand::{FingerConfig, FingerGeometry};
+use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, RingConfig};
+use feeler_sim::objects::MotionConfig;
+use feeler_sim::shapes::shape::ShapeConfig;
 use feeler_sim::world::World;
 use glam::DVec3;
 use std::path::Path;

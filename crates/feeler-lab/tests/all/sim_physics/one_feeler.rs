@@ -1,10 +1,10 @@
 //! A fingertip with a single feeler, held from outside before a flat face.
 
-use feeler::hand::finger::FingerGeometry;
-use feeler::sensor::layout::{ElementLayout, LayoutConfig, RingConfig};
-use feeler_sim::columnar_feeler::FeelerConfig;
-use feeler_sim::config::SimConfig;
-use feeler_sim::pose::Pose;
+use feeler::hand::FingerGeometry;
+use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, RingConfig};
+use feeler_sim::contact::FeelerConfig;
+use feeler_sim::objects::Pose;
+use feeler_sim::world::SimConfig;
 use feeler_sim::world::World;
 use glam::{DMat3, DVec3};
 use std::path::Path;

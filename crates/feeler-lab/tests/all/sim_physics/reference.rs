@@ -1,7 +1,7 @@
 //! The reference run, and its commands again on a world that can be watched at every step.
 
-use feeler::hand::finger::FingerGeometry;
-use feeler::sensor::layout::ElementLayout;
+use feeler::hand::FingerGeometry;
+use feeler::sensor::fingertip::ElementLayout;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::Session;
 use feeler_sim::world::World;

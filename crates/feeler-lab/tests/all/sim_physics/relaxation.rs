@@ -1,9 +1,9 @@
 //! Feelers that relax, against the closed forms of the standard linear solid.
 
 use super::one_feeler::{OneFeeler, STEP};
-use feeler_sim::object::MotionConfig;
-use feeler_sim::relaxation::RelaxationConfig;
-use feeler_sim::shape::ShapeConfig;
+use feeler_sim::contact::RelaxationConfig;
+use feeler_sim::objects::MotionConfig;
+use feeler_sim::shapes::shape::ShapeConfig;
 use glam::DVec3;
 use std::f64::consts::{PI, TAU};
 

@@ -1,7 +1,7 @@
 //! A feeler over the rim of a cylinder, where side and top meet.
 
 use super::columnar_feeler::{FEELER, cylinder, hold, settle};
-use feeler_sim::columnar_feeler::{FeelerConfig, Overload, Tip};
+use feeler_sim::contact::{FeelerConfig, Overload, Tip};
 use glam::DVec3;
 
 const RADIUS: f64 = 0.014;

@@ -2,7 +2,7 @@
 
 use super::reference::{Commands, commands, experiment, replay, world};
 use feeler_lab::config::Experiment;
-use feeler_sim::element::ElementConfig;
+use feeler_sim::bench::ElementConfig;
 use feeler_sim::world::World;
 
 /// All that there is to see of a world, to the bit: numbers are written so that they can be read back.

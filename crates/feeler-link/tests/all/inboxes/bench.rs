@@ -1,19 +1,19 @@
 //! Sound messages to be spoiled, and inboxes that know a hand, a world and a sensor program.
 
-use feeler_link::freshness::{Echo, SentSteps};
-use feeler_link::hand_inbox::HandInbox;
-use feeler_link::inbox::Inbox;
-use feeler_link::message::{
+use feeler_link::hand::{RigSpeed, RunClock};
+use feeler_link::inboxes::Expected;
+use feeler_link::inboxes::HandInbox;
+use feeler_link::inboxes::Inbox;
+use feeler_link::inboxes::RigInbox;
+use feeler_link::inboxes::SenseInbox;
+use feeler_link::messages::Rejection;
+use feeler_link::messages::message::{
     CommandMessage, HandMode, Heartbeat, MessageHeader, NO_ELEMENT, NO_FINGER, PROTOCOL,
     StateMessage, TactileUpdate,
 };
-use feeler_link::outlet::{encode, header};
-use feeler_link::peers::Expected;
-use feeler_link::rejection::Rejection;
-use feeler_link::rig_inbox::RigInbox;
-use feeler_link::run_clock::{RigSpeed, RunClock};
-use feeler_link::sense_inbox::SenseInbox;
-use feeler_link::topic::Topic;
+use feeler_link::messages::{Echo, SentSteps};
+use feeler_link::transport::Topic;
+use feeler_link::transport::{encode, header};
 use feeler_record::wire::{Message, Vector3};
 
 /// Instances of the programs.

@@ -3,17 +3,17 @@
 use super::bench::{
     ELEMENTS, NOBODY, SENSE, STALE, WORLD, echoing, hand, hear, heartbeat, put, state, update,
 };
-use feeler::control::stop_reason::StopReason;
-use feeler_link::hand_inbox::HandInbox;
-use feeler_link::hand_verdict::Verdict;
-use feeler_link::inbox::Inbox;
-use feeler_link::message::{
+use feeler::control::StopReason;
+use feeler_link::hand::Verdict;
+use feeler_link::inboxes::HandInbox;
+use feeler_link::inboxes::Inbox;
+use feeler_link::messages::Rejection;
+use feeler_link::messages::message::{
     InstrumentsMessage, MessageHeader, PROTOCOL, ResumeMessage, StateMessage, StopMessage,
     TactileUpdate,
 };
-use feeler_link::outlet::encode;
-use feeler_link::rejection::Rejection;
-use feeler_link::topic::Topic;
+use feeler_link::transport::Topic;
+use feeler_link::transport::encode;
 use feeler_record::wire::Vector3;
 use glam::DQuat;
 

@@ -1,13 +1,13 @@
 //! Which programs are taken for what.
 
 use super::bench::{NOBODY, SENSE, WORLD, expected, hand, hear, heartbeat, put};
-use feeler_link::inbox::Inbox;
-use feeler_link::message::Heartbeat;
-use feeler_link::mismatch::Mismatch;
-use feeler_link::outlet::encode;
-use feeler_link::peers::Peers;
-use feeler_link::rejection::Rejection;
-use feeler_link::topic::{Place, Topic};
+use feeler_link::inboxes::Inbox;
+use feeler_link::inboxes::Peers;
+use feeler_link::messages::Mismatch;
+use feeler_link::messages::Rejection;
+use feeler_link::messages::message::Heartbeat;
+use feeler_link::transport::encode;
+use feeler_link::transport::{Place, Topic};
 
 /// Why a program of this heartbeat is refused.
 fn refused(heartbeat: &Heartbeat) -> Option<Mismatch> {
@@ -102,7 +102,7 @@ fn what_is_said_is_fit_for_a_screen() {
 fn a_place_is_free_when_its_program_was_silent_for_a_second() {
     let mut hand = hand();
     hear(&mut hand, &heartbeat("world", 20), 0.9).unwrap();
-    let refusal = |hand: &feeler_link::hand_inbox::HandInbox| {
+    let refusal = |hand: &feeler_link::inboxes::HandInbox| {
         let mut peers = hand.peers().all().iter();
         peers
             .find(|peer| peer.heartbeat.instance == 20)

@@ -1,9 +1,9 @@
 //! What a rig obeys.
 
 use super::bench::{HAND, NOBODY, SENSE, STALE, command, hear, heartbeat, mode, put, rig};
-use feeler_link::message::CommandMessage;
-use feeler_link::rejection::Rejection;
-use feeler_link::topic::Topic;
+use feeler_link::messages::Rejection;
+use feeler_link::messages::message::CommandMessage;
+use feeler_link::transport::Topic;
 use feeler_record::wire::Vector3;
 use glam::DVec3;
 

@@ -1,10 +1,10 @@
 //! What the sensor program of a finger senses, and what it echoes.
 
 use super::bench::{ELEMENTS, HAND, NOBODY, WORLD, hear, heartbeat, mode, put, sense};
-use feeler_link::message::{DirectForces, PictureMessage};
-use feeler_link::outlet::header;
-use feeler_link::rejection::Rejection;
-use feeler_link::topic::Topic;
+use feeler_link::messages::Rejection;
+use feeler_link::messages::message::{DirectForces, PictureMessage};
+use feeler_link::transport::Topic;
+use feeler_link::transport::header;
 use feeler_record::wire::Vector3;
 
 fn picture(sequence: u64) -> PictureMessage {

@@ -1,19 +1,19 @@
 //! A rig of one finger whose programs do what the real ones do in a control period.
 
 use super::periods::{Channel, Fate, Happening, Period};
-use feeler_link::hand_inbox::HandInbox;
-use feeler_link::hand_verdict::Verdict;
-use feeler_link::inbox::Inbox;
-use feeler_link::message::{
+use feeler_link::hand::Verdict;
+use feeler_link::hand::{RigSpeed, RunClock};
+use feeler_link::inboxes::Expected;
+use feeler_link::inboxes::HandInbox;
+use feeler_link::inboxes::Inbox;
+use feeler_link::inboxes::RigInbox;
+use feeler_link::inboxes::SenseInbox;
+use feeler_link::messages::message::{
     CommandMessage, HandMode, Heartbeat, MessageHeader, NO_ELEMENT, NO_FINGER, PROTOCOL,
     ResumeMessage, StateMessage, StopMessage, TactileUpdate,
 };
-use feeler_link::outlet::{encode, header};
-use feeler_link::peers::Expected;
-use feeler_link::rig_inbox::RigInbox;
-use feeler_link::run_clock::{RigSpeed, RunClock};
-use feeler_link::sense_inbox::SenseInbox;
-use feeler_link::topic::Topic;
+use feeler_link::transport::Topic;
+use feeler_link::transport::{encode, header};
 use feeler_record::wire::{Message, Vector3};
 
 /// The control period, s.
@@ -452,18 +452,18 @@ impl Rig {
 
 impl HandProgram {
     /// What a stop or a resume among the messages means, told apart from how the hand keeps it.
-    fn note_orders(&mut self, sent: &Sent, before: &[feeler_link::holds::Hold]) {
-        use feeler_link::holds::Cause;
+    fn note_orders(&mut self, sent: &Sent, before: &[feeler_link::hand::Hold]) {
+        use feeler_link::hand::Cause;
         match sent.topic {
             Topic::Stop => {
-                let stop: StopMessage = feeler_link::inbox::read(&sent.bytes).unwrap();
+                let stop: StopMessage = feeler_link::inboxes::read(&sent.bytes).unwrap();
                 let known = [&self.stopped_by, &self.resumed];
                 if !known.iter().any(|known| known.contains(&stop.id)) {
                     self.stopped_by.push(stop.id);
                 }
             }
             Topic::Resume => {
-                let resume: ResumeMessage = feeler_link::inbox::read(&sent.bytes).unwrap();
+                let resume: ResumeMessage = feeler_link::inboxes::read(&sent.bytes).unwrap();
                 let resumed = before.iter().find(|hold| hold.number == resume.number);
                 if let Some(Cause::Order(id)) = resumed.map(|hold| hold.cause) {
                     self.stopped_by.retain(|stop| *stop != id);

@@ -4,7 +4,7 @@ use feeler_console::CommandError;
 use feeler_rig::WrenchAddress;
 #[cfg(feature = "ros2")]
 use feeler_rig::WrenchTopic;
-use feeler_sources::netft::{ForceSample, NetFt, NetFtAddress};
+use feeler_sources::{ForceSample, NetFt, NetFtAddress};
 use std::str::FromStr;
 
 /// Prefix of a ROS 2 topic's address.

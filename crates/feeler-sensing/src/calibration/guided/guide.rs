@@ -1,9 +1,9 @@
 //! Display for the operator while loading one element after another.
 
 use super::screen::{Screen, missing_before_loads};
+use feeler::sensor::calibration::{ElementRecord, LoadSample, ModelChoice, fit};
 use feeler::sensor::calibration::{FullScale, MadeFor};
-use feeler::sensor::calibration_fit::{ElementRecord, LoadSample, ModelChoice, fit};
-use feeler::sensor::live_calibration::{LiveCalibration, Seen, Stage};
+use feeler::sensor::calibration::{LiveCalibration, Seen, Stage};
 use feeler::sensor::moments::ElementMoments;
 use feeler_lab::sensor::SensorGeometry;
 use glam::DVec3;

@@ -1,6 +1,6 @@
 //! Display for the operator: a few lines that are updated on a terminal, otherwise one line per completed step.
 
-use feeler::sensor::live_calibration::{Delay, Stage};
+use feeler::sensor::calibration::{Delay, Stage};
 use indicatif::{ProgressBar, ProgressStyle};
 use std::io::{IsTerminal, Write as _, stderr};
 use std::time::{Duration, Instant};

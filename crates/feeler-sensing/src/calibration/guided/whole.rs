@@ -4,10 +4,8 @@
 use super::folder::Folder;
 use super::screen::{Screen, missing_before_loads};
 use super::{FORCES, Work};
-use feeler::sensor::frame::Picture;
-use feeler::sensor::live_calibration::{
-    Goal, LiveWrench, SeenWrench, Stage, Wrench, WrenchCoverage,
-};
+use feeler::sensor::calibration::{Goal, LiveWrench, SeenWrench, Stage, Wrench, WrenchCoverage};
+use feeler::sensor::image::Picture;
 use feeler::sensor::moments::ElementMoments;
 use feeler::sensor::wrench::{WrenchSample, fit};
 use feeler_console::CommandError;

@@ -1,7 +1,7 @@
 //! Output to a file.
 
 use super::{FrameReadings, Output, partial};
-use feeler::sensor::frame::Frame;
+use feeler::sensor::image::Frame;
 use feeler_console::CommandError;
 use feeler_console::PartFile;
 use std::path::PathBuf;

@@ -1,8 +1,8 @@
 //! ROS 2 messages in an MCAP file.
 
 use super::{FrameReadings, OfPictures, Output};
-use feeler::sensor::frame::Frame;
-use feeler::sensor::sensing::ElementReading;
+use feeler::sensor::forces::ElementReading;
+use feeler::sensor::image::Frame;
 use feeler_console::CommandError;
 use feeler_record::sensed::{MOMENTS, TACTILE};
 use feeler_record::wire::Vector3;

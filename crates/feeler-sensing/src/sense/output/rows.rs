@@ -2,7 +2,7 @@
 
 use super::{FrameReadings, Output};
 use crate::sense::row_file::RowFile;
-use feeler::sensor::sensing::ElementReading;
+use feeler::sensor::forces::ElementReading;
 use feeler_console::CommandError;
 use serde::Serialize;
 

@@ -2,7 +2,7 @@
 
 use super::super::output::{ForceRow, Format, FrameReadings, Output, RowWriter};
 use super::super::row_file::RowFile;
-use feeler::sensor::reading::{NO_FORCE, TactileFrame};
+use feeler::sensor::forces::{NO_FORCE, TactileFrame};
 use feeler::sensor::taxel::{TaxelLayout, TaxelUnit};
 use feeler_console::CommandError;
 use feeler_record::{TaxelFacts, TaxelWriter};

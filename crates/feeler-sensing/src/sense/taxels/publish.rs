@@ -1,15 +1,15 @@
 //! Publishes the forces of a taxel array for the hand program.
 
 use super::super::SenseOptions;
-use feeler::sensor::layout::{ElementLayout, SensingElement};
-use feeler::sensor::made_for::MadeFor;
-use feeler::sensor::reading::TactileFrame;
+use feeler::sensor::fingertip::MadeFor;
+use feeler::sensor::fingertip::{ElementLayout, SensingElement};
+use feeler::sensor::forces::TactileFrame;
 use feeler::sensor::taxel::{TaxelLayout, TaxelUnit};
 use feeler_console::CommandError;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::linked::expected;
 use feeler_link::programs::{SensorConfig, SensorProgram};
-use feeler_link::right::Right;
+use feeler_link::security::Right;
 use glam::DVec3;
 use std::time::Instant;
 

@@ -1,6 +1,6 @@
 //! Reads rows on a background thread, so that the caller can time out.
 
-use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
+use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
 use feeler::sensor::taxel::{Seen, TaxelLayout, TaxelSensor};
 use feeler_console::CommandError;
 use std::io::BufRead;

@@ -10,7 +10,7 @@ use super::tri_axial::{FingerSpeedEstimator, Reflex};
 use super::{FingerLaws, HandLaw, Law};
 use crate::check::Checker;
 use crate::control::flags::FlagThresholds;
-use crate::sensor::layout::ElementLayout;
+use crate::sensor::fingertip::layout::ElementLayout;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, Visitor};
 use serde::{Deserialize, Deserializer, Serialize};

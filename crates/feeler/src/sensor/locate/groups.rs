@@ -1,7 +1,7 @@
 //! Groups spots into elements.
 
 use super::{median, nearest, spots::Spot, tree::Tree};
-use crate::sensor::cells::Cells;
+use crate::sensor::image::cells::Cells;
 use glam::DVec2;
 use std::collections::BTreeMap;
 

@@ -25,7 +25,7 @@ mod strays;
 mod tree;
 mod warning;
 
-pub use super::polarity::Polarity;
+pub use crate::sensor::image::polarity::Polarity;
 pub use error::LocateError;
 pub use pattern::Unlike;
 pub(super) use quick::blobs_of_size;
@@ -37,7 +37,7 @@ use self::{
     scale_space::ScaleSpace,
     spots::{FoundSpots, Search},
 };
-use super::cells::Cells;
+use crate::sensor::image::cells::Cells;
 use glam::DVec2;
 use std::borrow::Cow;
 

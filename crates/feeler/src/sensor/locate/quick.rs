@@ -5,7 +5,7 @@ use super::{
     scale_space::{ScaleSpace, blurred_response},
     spots::refined,
 };
-use crate::sensor::frame::Picture;
+use crate::sensor::image::frame::Picture;
 use glam::DVec2;
 use std::f64::consts::SQRT_2;
 

@@ -1,7 +1,7 @@
 //! Reference image in which elements are located: the mean of images of the unloaded sensor.
 
 use super::{LocateError, Polarity};
-use crate::sensor::frame::Picture;
+use crate::sensor::image::frame::Picture;
 use std::borrow::Cow;
 
 /// The mean of several images, with the information needed to estimate its noise.

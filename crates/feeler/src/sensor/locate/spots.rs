@@ -8,7 +8,7 @@ use super::{
     scale_space::{Layer, ScaleSpace},
     strays::{as_strong_as_their_neighbours, without_crowding, without_overlaps, without_strays},
 };
-use crate::sensor::cells::Cells;
+use crate::sensor::image::cells::Cells;
 use glam::{DMat2, DVec2};
 use std::f64::consts::SQRT_2;
 use std::ops::Range;

@@ -1,7 +1,7 @@
 //! Separates the spots of the pattern from specks, reflections and strays.
 
 use super::{median, nearest, quantile, spots::Spot};
-use crate::sensor::cells::Cells;
+use crate::sensor::image::cells::Cells;
 use glam::DVec2;
 
 /// Keeps the strongest of overlapping spots.

@@ -2,7 +2,7 @@
 
 use super::zero::Zeros;
 use super::{Axes, TaxelError, TaxelLayout};
-use crate::sensor::reading::NO_FORCE;
+use crate::sensor::forces::reading::NO_FORCE;
 use glam::{DVec2, DVec3};
 
 /// Converts the values in a taxel array's columns to forces. Allocates only during construction.
@@ -47,7 +47,7 @@ impl TaxelChain {
 
     /// Computes the forces at `stamp` (s) from the `values` in the columns x, y, z of each taxel, NaN if missing.
     ///
-    /// Forces are in each element's frame `E_i`, in N as in a [`TactileFrame`](crate::sensor::reading::TactileFrame),
+    /// Forces are in each element's frame `E_i`, in N as in a [`TactileFrame`](crate::sensor::forces::reading::TactileFrame),
     /// or in counts ([`TaxelLayout::force_unit`]). A taxel without a value or without a zero gets [`NO_FORCE`]. Neither
     /// allocates nor panics.
     pub fn sense(&mut self, stamp: f64, values: &[DVec3], forces: &mut [DVec3]) {

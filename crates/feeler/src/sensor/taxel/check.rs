@@ -2,7 +2,7 @@
 
 use super::{Taxel, TaxelError, TaxelLayout, TaxelUnit};
 use crate::check::Checker;
-use crate::sensor::layout::MAX_ELEMENTS;
+use crate::sensor::fingertip::layout::MAX_ELEMENTS;
 use std::collections::HashSet;
 
 /// Maximum number of columns of a table without a header, and maximum length of a name in characters.

@@ -1,7 +1,7 @@
 //! Layout file of a taxel array.
 
 use super::{Axes, TaxelError, TaxelUnit, TimeUnit};
-use crate::sensor::layout::{ElementLayout, SensingElement};
+use crate::sensor::fingertip::layout::{ElementLayout, SensingElement};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 

@@ -2,7 +2,7 @@
 //!
 //! Readings come as a table with one row per sample, from a file or a live stream. A [`TaxelLayout`] (TOML) defines the
 //! columns of each taxel, the positions and axes of the taxels, and the unit. [`TaxelSensor`] reads the rows and
-//! implements [`TactileSensor`](super::reading::TactileSensor). [`TaxelChain`] does the conversion only, for drivers
+//! implements [`TactileSensor`](crate::sensor::forces::reading::TactileSensor). [`TaxelChain`] does the conversion only, for drivers
 //! that already have the numbers.
 //!
 //! Forces are computed from a row for each taxel in three steps:
@@ -13,7 +13,7 @@
 //! 3. The vector is rotated to the element's frame `E_i`: x and y tangential, z compression, positive when pressed.
 //!
 //! Invalid values do not stop the sensor. Every row is a frame; a taxel with an invalid value has
-//! [`NO_FORCE`](super::reading::NO_FORCE) in that frame. Only lines without any number are skipped. [`Troubles`] counts
+//! [`NO_FORCE`](crate::sensor::forces::reading::NO_FORCE) in that frame. Only lines without any number are skipped. [`Troubles`] counts
 //! all problems and stores the first position of each kind.
 
 mod built_in;

@@ -3,7 +3,7 @@
 use super::{
     Place, TaxelChain, TaxelError, TaxelLayout, TaxelRow, TaxelRows, TaxelUnit, Trouble, Troubles,
 };
-use crate::sensor::reading::{SensorError, TactileFrame, TactileSensor};
+use crate::sensor::forces::reading::{SensorError, TactileFrame, TactileSensor};
 use std::io::BufRead;
 
 /// Reads a taxel array's table; each row is a tactile frame. See [the module](super).

@@ -1,6 +1,6 @@
 //! Smooth displacement field, to predict a marker's displacement from its neighbours.
 
-use crate::sensor::least_squares::outer;
+use crate::sensor::calibration::least_squares::outer;
 use crate::sensor::locate::nearest;
 use glam::{DMat3, DVec2, DVec3};
 

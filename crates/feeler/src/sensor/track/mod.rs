@@ -23,12 +23,10 @@ use self::{
     matching::Matched,
     window::{Look, Seen, Window},
 };
-use super::{
-    frame::Picture,
-    locate::{LocateConfig, MeanPicture, blobs_of_size, locate},
-    located_layout::LocatedLayout,
-    polarity::Polarity,
-};
+use super::locate::{LocateConfig, MeanPicture, blobs_of_size, locate};
+use crate::sensor::fingertip::located_layout::LocatedLayout;
+use crate::sensor::image::frame::Picture;
+use crate::sensor::image::polarity::Polarity;
 use glam::DVec2;
 
 /// Deviation from the field, over the spacing, above which a measurement is not the marker searched for.

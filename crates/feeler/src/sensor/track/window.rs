@@ -1,6 +1,6 @@
 //! Measures a marker from the pixels around a position.
 
-use crate::sensor::polarity::Polarity;
+use crate::sensor::image::polarity::Polarity;
 use glam::DVec2;
 use multiversion::multiversion;
 

@@ -5,8 +5,8 @@ use super::features::{ElementStandard, PER_ELEMENT, Terms};
 use super::novelty::{MOST_DIRECTIONS, Novelty};
 use super::quality::AxisQuality;
 use super::{AXES, WrenchAxis};
-use crate::sensor::load_check::FINGERTIP_RANGE;
-use crate::sensor::made_for::MadeFor;
+use crate::sensor::calibration::load_check::FINGERTIP_RANGE;
+use crate::sensor::fingertip::made_for::MadeFor;
 use crate::sensor::table::Quantity;
 use serde::{Deserialize, Serialize};
 

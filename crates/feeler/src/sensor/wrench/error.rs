@@ -1,8 +1,8 @@
 //! Errors of wrench calibrations.
 
 use super::calibration::{KIND, VERSION};
-use crate::sensor::calibration_error::CalibrationError;
-use crate::sensor::load_check::FINGERTIP_RANGE;
+use crate::sensor::calibration::error::CalibrationError;
+use crate::sensor::calibration::load_check::FINGERTIP_RANGE;
 
 /// Error of creating, reading or using a wrench calibration.
 #[derive(Debug, thiserror::Error)]

@@ -5,8 +5,8 @@ use super::error::WrenchError;
 use super::features::{PER_ELEMENT, standardise, usable};
 use super::fit::MOST_MISSING;
 use super::{AXES, WrenchAxis};
-use crate::sensor::moments::ElementMoments;
-use crate::sensor::sensing::{ElementReading, Reference};
+use crate::sensor::forces::sensing::{ElementReading, Reference};
+use crate::sensor::moments::kernel::ElementMoments;
 use glam::DVec3;
 
 /// The wrench in one frame.

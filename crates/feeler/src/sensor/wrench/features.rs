@@ -11,9 +11,9 @@
 //!
 //! A dimming lamp changes `m` but not the growth, because a global gain is not a force. Only plain growth is affected.
 
-use crate::sensor::exposure::Exposure;
-use crate::sensor::moments::ElementMoments;
-use crate::sensor::sensing::ElementReading;
+use crate::sensor::forces::sensing::ElementReading;
+use crate::sensor::image::exposure::Exposure;
+use crate::sensor::moments::kernel::ElementMoments;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 

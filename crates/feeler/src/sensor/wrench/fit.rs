@@ -10,8 +10,8 @@ use super::quality::{AxisQuality, HeldOut};
 use super::ridge::regress;
 use super::validation::validate;
 use super::{MeasuredWrench, WrenchAxis};
-use crate::sensor::made_for::MadeFor;
-use crate::sensor::moments::ElementMoments;
+use crate::sensor::fingertip::made_for::MadeFor;
+use crate::sensor::moments::kernel::ElementMoments;
 
 /// Minimum number of images to fit a component.
 pub const LEAST_ROWS: usize = 10;

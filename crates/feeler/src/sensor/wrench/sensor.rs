@@ -3,10 +3,10 @@
 use super::WrenchAxis;
 use super::error::WrenchError;
 use super::estimator::{WrenchEstimate, WrenchEstimator};
-use crate::sensor::camera::{Camera, CameraError};
-use crate::sensor::frame::Frame;
-use crate::sensor::reading::{NO_FORCE, SensorError, TactileFrame, TactileSensor};
-use crate::sensor::sensing::{ElementReading, SensingChain, SensingError};
+use crate::sensor::forces::reading::{NO_FORCE, SensorError, TactileFrame, TactileSensor};
+use crate::sensor::forces::sensing::{ElementReading, SensingChain, SensingError};
+use crate::sensor::image::camera::{Camera, CameraError};
+use crate::sensor::image::frame::Frame;
 use glam::{DMat3, DVec3};
 
 /// Novelty above which no force is reported, which stops the hand.

@@ -1,9 +1,9 @@
 //! The coupled model: what its coefficients stand for, how many it takes, and which model is the better one.
 
 use super::element::{RANGES, fitted, inputs, places, record};
+use feeler::sensor::calibration::ModelChoice;
 use feeler::sensor::calibration::{CalibrationModel, CoupledMap, ForceMap, Inputs};
-use feeler::sensor::calibration_fit::ModelChoice;
-use feeler::sensor::coupled::{NORMAL_ORDERS, SHEAR_ORDERS};
+use feeler::sensor::calibration::{NORMAL_ORDERS, SHEAR_ORDERS};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;

@@ -3,7 +3,7 @@
 use feeler::sensor::calibration::{
     Calibration, CalibrationError, FullScale, Inputs, LengthUnit, MadeFor,
 };
-use feeler::sensor::calibration_fit::{ElementRecord, LoadSample, ModelChoice, fit};
+use feeler::sensor::calibration::{ElementRecord, LoadSample, ModelChoice, fit};
 use feeler::sensor::moments::ElementMoments;
 use glam::{DVec2, DVec3};
 use rand::{RngExt, SeedableRng};

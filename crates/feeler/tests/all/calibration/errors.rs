@@ -1,9 +1,9 @@
 //! Loads that determine no calibration, and what is said of them.
 
 use super::element::{fitted, inputs, made_for, moments, places, record};
+use feeler::sensor::calibration::RecordBuilder;
+use feeler::sensor::calibration::{ElementRecord, ModelChoice, fit};
 use feeler::sensor::calibration::{FullScale, Inputs};
-use feeler::sensor::calibration_fit::{ElementRecord, ModelChoice, fit};
-use feeler::sensor::loads::RecordBuilder;
 use glam::DVec3;
 
 fn good() -> ElementRecord {

@@ -1,10 +1,10 @@
 //! The calibration's file: what it holds, and what is refused in it.
 
 use super::element::{fitted, made_for, places, record};
+use feeler::sensor::calibration::ModelChoice;
 use feeler::sensor::calibration::{Calibration, ForceMap, LengthUnit, MadeFor};
-use feeler::sensor::calibration_fit::ModelChoice;
 use feeler::sensor::fingertip::FingertipConfig;
-use feeler::sensor::made_for::sha256;
+use feeler::sensor::fingertip::sha256;
 use glam::DVec3;
 
 fn calibration(choice: ModelChoice) -> Calibration {

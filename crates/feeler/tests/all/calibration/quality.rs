@@ -4,9 +4,9 @@ use super::element::{CENTROID, GRAY, fitted, inputs, moments, places, record};
 use feeler::sensor::calibration::{
     Calibration, ElementQuality, FullScale, HeldOutError, Inputs, MadeFor,
 };
-use feeler::sensor::calibration_fit::{LoadSample, ModelChoice};
-use feeler::sensor::calibration_quality::{CycledReading, repeatability_and_hysteresis};
-use feeler::sensor::calibration_report::{CalibrationReport, Errors};
+use feeler::sensor::calibration::{CalibrationReport, Errors};
+use feeler::sensor::calibration::{CycledReading, repeatability_and_hysteresis};
+use feeler::sensor::calibration::{LoadSample, ModelChoice};
 use feeler::sensor::fingertip::FingertipConfig;
 use glam::DVec3;
 

@@ -1,10 +1,10 @@
 //! The separable model: three cubic curves, and straight lines beyond them.
 
 use super::element::{RANGES, fitted, inputs, moments, places, record};
+use feeler::sensor::calibration::ModelChoice;
 use feeler::sensor::calibration::{
     Calibration, CalibrationModel, ForceCurve, ForceMap, ForceValidity, Inputs,
 };
-use feeler::sensor::calibration_fit::ModelChoice;
 use feeler::sensor::moments::ElementMoments;
 use glam::{DVec2, DVec3};
 

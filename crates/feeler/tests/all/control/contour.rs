@@ -1,12 +1,12 @@
 //! The outline that the contour task draws of a plane surface, from forces that follow Coulomb's law.
 
 use super::rig::layout;
-use feeler::control::feeler_shape::FeelerShape;
-use feeler::control::phase::Phase;
-use feeler::control::sense::{FingertipPose, HandSense};
+use feeler::control::FeelerShape;
+use feeler::control::FingerTouch;
+use feeler::control::Phase;
 use feeler::control::task::Task;
 use feeler::control::task::contour::{Contour, ContourConfig};
-use feeler::control::touch::FingerTouch;
+use feeler::control::{FingertipPose, HandSense};
 use feeler::hand::JointState;
 use glam::{DMat3, DVec2, DVec3};
 

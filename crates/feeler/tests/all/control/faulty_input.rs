@@ -1,8 +1,8 @@
 //! Input that is no number stops the hand, wherever it stands.
 
 use super::rig::{controller, state, touch};
-use feeler::control::stop_reason::StopReason;
-use feeler::control::touch::FingerTouch;
+use feeler::control::FingerTouch;
+use feeler::control::StopReason;
 use feeler::hand::{HandCommand, HandState};
 use glam::DVec3;
 

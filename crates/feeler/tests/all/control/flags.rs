@@ -1,8 +1,8 @@
 //! The flag analyzer against its definitions (paper, Fig. 4; design, section 7) on frames made by
 //! hand.
 
-use feeler::control::flags::{FingerFlags, FlagAnalyzer, FlagThresholds};
-use feeler::sensor::reading::{NO_FORCE, TactileFrame};
+use feeler::control::{FingerFlags, FlagAnalyzer, FlagThresholds};
+use feeler::sensor::forces::{NO_FORCE, TactileFrame};
 use glam::DVec3;
 
 /// F1 and F2 are sums of powers of two, so a force can equal them exactly.

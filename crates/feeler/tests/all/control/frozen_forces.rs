@@ -1,9 +1,9 @@
 //! New pictures that go on giving the same forces stop the hand.
 
 use super::rig::{controller_with, state, touch};
-use feeler::control::controller::Controller;
-use feeler::control::monitor_config::MonitorConfig;
-use feeler::control::stop_reason::StopReason;
+use feeler::control::Controller;
+use feeler::control::MonitorConfig;
+use feeler::control::StopReason;
 use feeler::hand::HandCommand;
 use glam::DVec3;
 

@@ -1,8 +1,8 @@
 //! The one door to the hand: each limit with numbers, by itself and over whole motions.
 
 use super::rig::{control, geometry, home};
-use feeler::control::limits::{Admitted, LimitsConfig, Request};
-use feeler::hand::finger::FingerGeometry;
+use feeler::control::{Admitted, LimitsConfig, Request};
+use feeler::hand::FingerGeometry;
 use feeler::hand::kinematics::{fingertip_pose, jacobian};
 use glam::DVec3;
 

@@ -1,17 +1,17 @@
 //! One finger with three elements, a task that only moves, and what they are tuned by.
 
-use feeler::control::controller::{ControlConfig, Controller};
-use feeler::control::monitor_config::MonitorConfig;
-use feeler::control::phase::Phase;
-use feeler::control::plan::Plan;
-use feeler::control::sense::HandSense;
-use feeler::control::stop_reason::StopReason;
+use feeler::control::FingerTouch;
+use feeler::control::HandSense;
+use feeler::control::MonitorConfig;
+use feeler::control::Phase;
+use feeler::control::Plan;
+use feeler::control::StopReason;
 use feeler::control::task::Task;
-use feeler::control::touch::FingerTouch;
-use feeler::hand::finger::{FingerConfig, FingerGeometry};
-use feeler::hand::inverse_kinematics::inverse_kinematics;
+use feeler::control::{ControlConfig, Controller};
+use feeler::hand::inverse_kinematics;
+use feeler::hand::{FingerConfig, FingerGeometry};
 use feeler::hand::{HandState, JointState};
-use feeler::sensor::layout::{ElementLayout, LayoutConfig, RingConfig};
+use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, RingConfig};
 use glam::DVec3;
 
 const CONTROL: &str = "

@@ -1,9 +1,9 @@
 //! A hand that was stopped: which reason is kept, and what goes on meanwhile.
 
 use super::rig::{controller, state, touch};
-use feeler::control::phase::Phase;
-use feeler::control::plan::Plan;
-use feeler::control::stop_reason::StopReason;
+use feeler::control::Phase;
+use feeler::control::Plan;
+use feeler::control::StopReason;
 use feeler::hand::HandCommand;
 use glam::DVec3;
 

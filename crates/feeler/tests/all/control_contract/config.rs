@@ -1,10 +1,10 @@
 //! What files say of laws and tasks.
 
 use super::rig::{Config, config};
+use feeler::control::Phase;
+use feeler::control::StopReason;
 use feeler::control::law::LawConfig;
 use feeler::control::law::best::BestConfig;
-use feeler::control::phase::Phase;
-use feeler::control::stop_reason::StopReason;
 use feeler::control::task::TaskConfig;
 use feeler::control::task::cap_config::Until;
 use serde::Deserialize;

@@ -1,9 +1,9 @@
 //! Whatever arrives, the controller does not panic, and what it commands is finite and allowed.
 
 use super::rig::{Analyzers, ELEMENTS, config, controller, geometries, home};
-use feeler::control::phase::Phase;
+use feeler::control::Phase;
 use feeler::hand::{HandCommand, HandState, JointState};
-use feeler::sensor::reading::TactileFrame;
+use feeler::sensor::forces::TactileFrame;
 use glam::DVec3;
 use proptest::prelude::*;
 

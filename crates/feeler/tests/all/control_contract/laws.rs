@@ -2,12 +2,12 @@
 
 use super::rig::{Analyzers, ELEMENTS, config, controller, hand_at_home, layout, pressed, state};
 use assert_no_alloc::assert_no_alloc;
+use feeler::control::FingerTouch;
+use feeler::control::Plan;
 use feeler::control::law::LawConfig;
 use feeler::control::law::best::{Best, BestConfig};
 use feeler::control::law::{Law, normal_only::NormalOnlyConfig};
-use feeler::control::plan::Plan;
-use feeler::control::sense::{FingerSense, FingertipPose};
-use feeler::control::touch::FingerTouch;
+use feeler::control::{FingerSense, FingertipPose};
 use feeler::hand::{Hand, HandCommand, JointState};
 use glam::DVec3;
 

@@ -2,12 +2,12 @@
 
 use super::hand::IdealHand;
 use super::rig::{Analyzers, ELEMENTS, config, controller, hand_at_home, pressed, state};
-use feeler::control::control_loop::{ControlError, ControlLoop};
-use feeler::control::phase::Phase;
-use feeler::control::stop_reason::StopReason;
-use feeler::control::touch::AnalyzedSensor;
+use feeler::control::AnalyzedSensor;
+use feeler::control::Phase;
+use feeler::control::StopReason;
+use feeler::control::{ControlError, ControlLoop};
 use feeler::hand::{HandCommand, HandState};
-use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
+use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
 use glam::DVec3;
 
 #[derive(Clone, Copy)]

@@ -1,12 +1,12 @@
 //! Slip by missing shear: what sticks, what slips and what goes along with the fingertip.
 
 use super::rig::{ELEMENTS, config, layout};
-use feeler::control::feeler_shape::FeelerShape;
+use feeler::control::FeelerShape;
+use feeler::control::FingerTouch;
+use feeler::control::Plan;
+use feeler::control::SlipDetector;
 use feeler::control::law::LawConfig;
-use feeler::control::plan::Plan;
-use feeler::control::sense::{FingerSense, FingertipPose};
-use feeler::control::slip_detector::SlipDetector;
-use feeler::control::touch::FingerTouch;
+use feeler::control::{FingerSense, FingertipPose};
 use feeler::hand::JointState;
 use glam::{DMat3, DVec3};
 

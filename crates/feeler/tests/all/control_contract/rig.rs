@@ -1,16 +1,16 @@
 //! A hand of two fingers, its controller, and sensors to try them on.
 
 use super::hand::IdealHand;
-use feeler::control::controller::{ControlConfig, Controller};
-use feeler::control::flags::FlagAnalyzer;
+use feeler::control::FingerTouch;
+use feeler::control::FlagAnalyzer;
 use feeler::control::task::TaskConfig;
 use feeler::control::task::screw::ScrewConfig;
-use feeler::control::touch::FingerTouch;
+use feeler::control::{ControlConfig, Controller};
 use feeler::hand::HandState;
-use feeler::hand::finger::{FingerConfig, FingerGeometry};
-use feeler::hand::inverse_kinematics::inverse_kinematics;
-use feeler::sensor::layout::{ElementLayout, LayoutConfig};
-use feeler::sensor::reading::TactileFrame;
+use feeler::hand::inverse_kinematics;
+use feeler::hand::{FingerConfig, FingerGeometry};
+use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
+use feeler::sensor::forces::TactileFrame;
 use glam::DVec3;
 use serde::Deserialize;
 

@@ -1,8 +1,8 @@
 //! The finger speed estimator (paper, Fig. 5) over every combination of mode and flags.
 
-use feeler::control::flags::FingerFlags;
+use feeler::control::FingerFlags;
+use feeler::control::Plan;
 use feeler::control::law::tri_axial::{FingerSpeedEstimator, Reflex};
-use feeler::control::plan::Plan;
 use glam::DVec3;
 
 const REFLEX: Reflex = Reflex {

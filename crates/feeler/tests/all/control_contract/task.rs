@@ -4,9 +4,9 @@ use super::hand::IdealHand;
 use super::rig::{
     Analyzers, Config, config, controller, geometries, hand_at_home, pressed, screw, state,
 };
-use feeler::control::controller::Controller;
-use feeler::control::phase::Phase;
-use feeler::control::stop_reason::StopReason;
+use feeler::control::Controller;
+use feeler::control::Phase;
+use feeler::control::StopReason;
 use feeler::control::task::screw::ScrewConfig;
 use feeler::hand::kinematics::fingertip_pose;
 use feeler::hand::{Hand, HandCommand};

@@ -1,6 +1,6 @@
 //! Sub-regions by their definition, and the mean of several pictures.
 
-use feeler::sensor::frame::Picture;
+use feeler::sensor::image::Picture;
 use feeler::sensor::locate::{
     LocateConfig, LocateError, MeanPicture, ReferencePicture, locate, sub_regions,
 };

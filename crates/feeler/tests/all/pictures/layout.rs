@@ -1,10 +1,10 @@
 //! Layouts of elements that are where a test puts them.
 
-use feeler::sensor::dome::{CameraConfig, DomeProjection};
-use feeler::sensor::frame::Picture;
-use feeler::sensor::layout::{ElementLayout, LayoutConfig, SensingElement};
+use feeler::sensor::fingertip::{CameraConfig, DomeProjection};
+use feeler::sensor::fingertip::{DomeGeometry, LayoutError, LocatedLayout};
+use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, SensingElement};
+use feeler::sensor::image::Picture;
 use feeler::sensor::locate::{Located, LocatedElement, Polarity};
-use feeler::sensor::located_layout::{DomeGeometry, LayoutError, LocatedLayout};
 use feeler::sensor::moments::ElementMoments;
 use glam::{DVec2, DVec3};
 
@@ -167,7 +167,7 @@ fn a_layout_survives_its_file_and_its_hash_tells_it_from_others() {
     let layout = LocatedLayout::from_toml(&text()).expect("a layout");
     assert_eq!(layout.to_toml().expect("text"), text());
     let hash = layout.hash().expect("a hash");
-    assert_eq!(hash, feeler::sensor::made_for::sha256(&text()));
+    assert_eq!(hash, feeler::sensor::fingertip::sha256(&text()));
     let mut other = layout.clone();
     other.dark_level += 1;
     assert_ne!(other.hash().expect("a hash"), hash);

@@ -4,16 +4,16 @@ use feeler::sensor::calibration::{
     CALIBRATION_VERSION, Calibration, ElementCalibration, ElementQuality, ForceCurve, ForceMap,
     ForceUnit, ForceValidity, FullScale, LengthUnit, MadeFor, SeparableMap,
 };
-use feeler::sensor::camera::{Camera, CameraError, check_frame_size};
-use feeler::sensor::drift::DriftConfig;
-use feeler::sensor::exposure::Exposure;
 use feeler::sensor::fingertip::FingertipConfig;
-use feeler::sensor::frame::{Frame, Picture};
+use feeler::sensor::forces::DriftConfig;
+use feeler::sensor::forces::OpticalSensor;
+use feeler::sensor::forces::{ElementReading, Reference, SensingChain, SensingError};
+use feeler::sensor::forces::{TactileFrame, TactileSensor};
+use feeler::sensor::image::Exposure;
+use feeler::sensor::image::WeightedPixel;
+use feeler::sensor::image::{Camera, CameraError, check_frame_size};
+use feeler::sensor::image::{Frame, Picture};
 use feeler::sensor::moments::{ElementMoments, MomentsKernel};
-use feeler::sensor::optical::OpticalSensor;
-use feeler::sensor::reading::{TactileFrame, TactileSensor};
-use feeler::sensor::sensing::{ElementReading, Reference, SensingChain, SensingError};
-use feeler::sensor::subregion::WeightedPixel;
 use glam::{DVec2, DVec3};
 
 const SIZE: (usize, usize) = (20, 8);
@@ -270,7 +270,7 @@ fn an_optical_sensor_reads_what_its_camera_sees() {
         assert_eq!(sensor.frame().picture.pixels[0], 100 + 10 * n as u8);
         assert_eq!(TactileSensor::frame(&sensor).expect("a frame").sequence, n);
     }
-    frame.forces[7] = feeler::sensor::reading::NO_FORCE;
+    frame.forces[7] = feeler::sensor::forces::NO_FORCE;
     assert_eq!((frame.first_invalid(), frame.is_valid(7)), (Some(7), false));
     assert!(sensor.read(&mut TactileFrame::unloaded(40)).is_err());
     calibration.elements.pop();

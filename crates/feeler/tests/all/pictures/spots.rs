@@ -1,6 +1,6 @@
 //! Pictures of round spots, as smooth as a lens makes them.
 
-use feeler::sensor::frame::Picture;
+use feeler::sensor::image::Picture;
 use feeler::sensor::locate::{
     LocateConfig, LocateError, LocateWarning, Located, ReferencePicture, locate,
 };

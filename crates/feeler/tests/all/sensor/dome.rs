@@ -1,8 +1,7 @@
 //! The projection of the dome against itself: there and back, and areas that add up.
 
-use feeler::sensor::{
-    dome::{CameraConfig, DomeError, DomeProjection},
-    layout::{ElementLayout, LayoutConfig},
+use feeler::sensor::fingertip::{
+    CameraConfig, DomeError, DomeProjection, ElementLayout, LayoutConfig,
 };
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;

@@ -4,7 +4,7 @@ use feeler::sensor::calibration::{
     CALIBRATION_VERSION, Calibration, CoupledMap, ElementCalibration, ElementQuality, ForceMap,
     ForceUnit, FullScale, LengthUnit, MadeFor,
 };
-use feeler::sensor::drift::{DriftConfig, DriftCorrection};
+use feeler::sensor::forces::{DriftConfig, DriftCorrection};
 use feeler::sensor::moments::ElementMoments;
 use glam::DVec2;
 

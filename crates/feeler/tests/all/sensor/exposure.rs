@@ -1,8 +1,8 @@
 //! How many saturated pixels an element may have.
 
-use feeler::sensor::exposure::{SATURATED, SaturationCheck};
-use feeler::sensor::frame::Picture;
-use feeler::sensor::subregion::WeightedPixel;
+use feeler::sensor::image::Picture;
+use feeler::sensor::image::WeightedPixel;
+use feeler::sensor::image::{SATURATED, SaturationCheck};
 use glam::DVec2;
 
 #[test]

@@ -1,6 +1,6 @@
 //! A person loads a fingertip of two elements on a force sensor: played, with a camera that is late and noise in all that is measured.
 
-use feeler::sensor::live_calibration::{Coverage, Goal, LiveCalibration, Seen, Stage};
+use feeler::sensor::calibration::{Coverage, Goal, LiveCalibration, Seen, Stage};
 use feeler::sensor::moments::ElementMoments;
 use glam::{DMat3, DVec2, DVec3};
 use rand::{RngExt, SeedableRng};

@@ -1,11 +1,9 @@
 //! Elements found in pictures of discs, whose centres are known.
 
-use feeler::sensor::{
-    frame::Picture,
-    locate::{
-        LocateConfig, LocateError, LocateWarning, Located, ReferencePicture, locate, sub_regions,
-    },
-    located_layout::LocatedLayout,
+use feeler::sensor::fingertip::LocatedLayout;
+use feeler::sensor::image::Picture;
+use feeler::sensor::locate::{
+    LocateConfig, LocateError, LocateWarning, Located, ReferencePicture, locate, sub_regions,
 };
 use glam::DVec2;
 use proptest::prelude::*;

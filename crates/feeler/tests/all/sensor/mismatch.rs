@@ -5,10 +5,10 @@ use feeler::sensor::calibration::{
     ForceUnit, FullScale, MadeFor,
 };
 use feeler::sensor::fingertip::FingertipConfig;
-use feeler::sensor::frame::Picture;
-use feeler::sensor::mismatch::Mismatch;
-use feeler::sensor::reading::TactileFrame;
-use feeler::sensor::sensing::SensingChain;
+use feeler::sensor::forces::Mismatch;
+use feeler::sensor::forces::SensingChain;
+use feeler::sensor::forces::TactileFrame;
+use feeler::sensor::image::Picture;
 
 const ELEMENTS: usize = 41;
 

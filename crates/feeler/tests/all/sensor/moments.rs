@@ -1,11 +1,8 @@
 //! Moments against closed forms and against a slow, plain way of taking them.
 
-use feeler::sensor::{
-    fingertip::{Fingertip, FingertipConfig},
-    frame::Picture,
-    moments::ElementMoments,
-    moments_config::MomentsError,
-};
+use feeler::sensor::fingertip::{Fingertip, FingertipConfig};
+use feeler::sensor::image::Picture;
+use feeler::sensor::moments::{ElementMoments, MomentsError};
 use glam::DVec2;
 use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;

@@ -1,12 +1,9 @@
 //! Whichever instructions moments are taken with, and however crooked the sub-region: the same sums,
 //! and those of the definition.
 
-use feeler::sensor::{
-    fingertip::{Fingertip, FingertipConfig},
-    frame::Picture,
-    moments::{ElementMoments, Instructions, MomentsKernel},
-    subregion::{WeightedPixel, subregion},
-};
+use feeler::sensor::fingertip::{Fingertip, FingertipConfig};
+use feeler::sensor::image::{Picture, WeightedPixel, subregion};
+use feeler::sensor::moments::{ElementMoments, Instructions, MomentsKernel};
 use glam::DVec2;
 use proptest::prelude::*;
 use rand::{Rng, RngExt, SeedableRng};

@@ -1,6 +1,6 @@
 //! Layout files of taxel arrays: the built-in ones, and what anyone may have written.
 
-use feeler::sensor::layout::MAX_ELEMENTS;
+use feeler::sensor::fingertip::MAX_ELEMENTS;
 use feeler::sensor::taxel::{BUILT_IN_TAXELS, BuiltInTaxels, TaxelLayout, TaxelUnit};
 use proptest::prelude::*;
 

@@ -1,7 +1,7 @@
 //! Tables of taxel arrays, as messy as they come.
 
 use super::taxels::layout;
-use feeler::sensor::reading::{SensorError, TactileFrame, TactileSensor};
+use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
 use feeler::sensor::taxel::{
     BuiltInTaxels, MAX_LINE, TaxelError, TaxelLayout, TaxelSensor, TimeColumn, TimeUnit, Trouble,
 };

@@ -1,7 +1,7 @@
 //! From the numbers in a taxel array's columns to forces.
 
-use feeler::control::flags::{FlagAnalyzer, FlagThresholds};
-use feeler::sensor::reading::{TactileFrame, TactileSensor};
+use feeler::control::{FlagAnalyzer, FlagThresholds};
+use feeler::sensor::forces::{TactileFrame, TactileSensor};
 use feeler::sensor::taxel::{TaxelChain, TaxelLayout, TaxelSensor, TaxelUnit};
 use glam::DVec3;
 

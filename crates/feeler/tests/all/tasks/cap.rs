@@ -1,7 +1,7 @@
 //! A cap between two fingers, that turns freely, meets a seat, or does not turn.
 
 use super::fingers::{DOME, FEELER, Finger, PERIOD, Run};
-use feeler::control::phase::Phase;
+use feeler::control::Phase;
 use feeler::control::task::Task;
 use feeler::control::task::cap::CapTask;
 use feeler::control::task::cap_config::{CapConfig, Until};

@@ -1,8 +1,8 @@
 //! A box between two fingers that lift it, and one under a finger that slides it.
 
 use super::fingers::{DOME, FEELER, Finger, PERIOD, PHASES, Run};
-use feeler::control::phase::Phase;
-use feeler::control::stop_reason::StopReason;
+use feeler::control::Phase;
+use feeler::control::StopReason;
 use feeler::control::task::Task;
 use feeler::control::task::carry::{Carry, CarryConfig, CarryFinger, Waypoint};
 use glam::{DMat3, DVec3};

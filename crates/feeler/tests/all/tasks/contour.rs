@@ -1,8 +1,8 @@
 //! Round an upright cylinder with friction.
 
 use super::fingers::{FEELER, Finger, PERIOD, PHASES, Run};
-use feeler::control::phase::Phase;
-use feeler::control::stop_reason::StopReason;
+use feeler::control::Phase;
+use feeler::control::StopReason;
 use feeler::control::task::Task;
 use feeler::control::task::contour::{Contour, ContourConfig};
 use glam::{DVec2, DVec3};

@@ -1,15 +1,15 @@
 //! Fingers that go exactly where a task wants them, with one feeler each that a test presses.
 
-use feeler::control::feeler_shape::FeelerShape;
-use feeler::control::flags::{FlagAnalyzer, FlagThresholds};
-use feeler::control::phase::Phase;
-use feeler::control::plan::Plan;
-use feeler::control::sense::{FingertipPose, HandSense};
-use feeler::control::stop_reason::StopReason;
+use feeler::control::FeelerShape;
+use feeler::control::FingerTouch;
+use feeler::control::Phase;
+use feeler::control::Plan;
+use feeler::control::StopReason;
 use feeler::control::task::Task;
-use feeler::control::touch::FingerTouch;
+use feeler::control::{FingertipPose, HandSense};
+use feeler::control::{FlagAnalyzer, FlagThresholds};
 use feeler::hand::JointState;
-use feeler::sensor::layout::{ElementLayout, LayoutConfig, RingConfig};
+use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, RingConfig};
 use glam::{DMat3, DVec3};
 
 /// Control period, s.

@@ -1,8 +1,8 @@
 //! A specimen on which a feeler sticks and slips.
 
 use super::fingers::{Finger, PERIOD, PHASES, Run};
-use feeler::control::phase::Phase;
-use feeler::control::stop_reason::StopReason;
+use feeler::control::Phase;
+use feeler::control::StopReason;
 use feeler::control::task::Task;
 use feeler::control::task::friction_scan::{FrictionScan, FrictionScanConfig};
 use glam::DVec3;

@@ -1,8 +1,8 @@
 //! Pictures of markers that a smooth field displaces.
 
-use feeler::sensor::frame::Picture;
+use feeler::sensor::fingertip::LocatedLayout;
+use feeler::sensor::image::Picture;
 use feeler::sensor::locate::{LocateConfig, Polarity, ReferencePicture, locate};
-use feeler::sensor::located_layout::LocatedLayout;
 use feeler::sensor::track::{MarkerTracker, TrackedMarker};
 use glam::DVec2;
 use rand::SeedableRng;

@@ -1,7 +1,7 @@
 //! Markers in single pictures, by the reference alone.
 
 use super::scene::{SPACING, displaced, picture, tracker, worst};
-use feeler::sensor::frame::Picture;
+use feeler::sensor::image::Picture;
 use feeler::sensor::locate::Polarity;
 use glam::DVec2;
 use proptest::prelude::*;

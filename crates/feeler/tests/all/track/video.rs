@@ -1,7 +1,7 @@
 //! Markers in a video.
 
 use super::scene::{SPACING, displaced, picture, tracker, worst};
-use feeler::sensor::frame::Picture;
+use feeler::sensor::image::Picture;
 use feeler::sensor::locate::Polarity;
 use feeler::sensor::track::TrackError;
 use glam::DVec2;

@@ -1,20 +1,20 @@
 //! A hand that is controlled by a wrench: a fingertip of one element touches a wall, strokes it and comes home.
 
 use super::world::{chain, made_for, picture, samples};
-use feeler::control::control_loop::ControlLoop;
-use feeler::control::controller::{ControlConfig, Controller};
-use feeler::control::phase::Phase;
+use feeler::control::AnalyzedSensor;
+use feeler::control::ControlLoop;
+use feeler::control::Phase;
 use feeler::control::task::TaskConfig;
-use feeler::control::touch::AnalyzedSensor;
-use feeler::hand::finger::{FingerConfig, FingerGeometry};
-use feeler::hand::inverse_kinematics::inverse_kinematics;
+use feeler::control::{ControlConfig, Controller};
+use feeler::hand::inverse_kinematics;
 use feeler::hand::kinematics::fingertip_pose;
+use feeler::hand::{FingerConfig, FingerGeometry};
 use feeler::hand::{Hand, HandCommand, HandError, HandState, JointState};
 use feeler::pace::Unpaced;
-use feeler::sensor::camera::{Camera, CameraError};
-use feeler::sensor::frame::Frame;
-use feeler::sensor::layout::{ElementLayout, LayoutConfig};
-use feeler::sensor::reading::{TactileFrame, TactileSensor};
+use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
+use feeler::sensor::forces::{TactileFrame, TactileSensor};
+use feeler::sensor::image::Frame;
+use feeler::sensor::image::{Camera, CameraError};
 use feeler::sensor::wrench::{WrenchError, WrenchEstimator, WrenchSensor, fit};
 use glam::{DMat3, DVec3};
 use rand::SeedableRng;

@@ -1,7 +1,7 @@
 //! The file of a wrench calibration: read back as it was written, or refused.
 
 use super::world::{ELEMENTS, made_for, samples};
-use feeler::sensor::made_for::{LengthUnit, MadeFor};
+use feeler::sensor::fingertip::{LengthUnit, MadeFor};
 use feeler::sensor::moments::ElementMoments;
 use feeler::sensor::wrench::{WrenchCalibration, WrenchEstimator, fit};
 use glam::DVec2;

@@ -2,7 +2,7 @@
 
 use super::world::{ELEMENTS, chain, layout, made_for, picture, read, samples};
 use assert_no_alloc::assert_no_alloc;
-use feeler::sensor::exposure::Exposure;
+use feeler::sensor::image::Exposure;
 use feeler::sensor::wrench::{WrenchAxis, WrenchError, WrenchEstimator, WrenchSample, fit};
 use glam::{DVec2, DVec3};
 use rand::{RngExt, SeedableRng};

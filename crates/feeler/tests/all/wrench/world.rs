@@ -1,10 +1,10 @@
 //! Spots that brighten and move by a law: a fingertip of which everything is known.
 
-use feeler::sensor::frame::Picture;
-use feeler::sensor::located_layout::{ElementPlace, LAYOUT_VERSION, LocatedLayout};
-use feeler::sensor::made_for::{LengthUnit, MadeFor};
-use feeler::sensor::polarity::Polarity;
-use feeler::sensor::sensing::{ElementReading, SensingChain};
+use feeler::sensor::fingertip::{ElementPlace, LAYOUT_VERSION, LocatedLayout};
+use feeler::sensor::fingertip::{LengthUnit, MadeFor};
+use feeler::sensor::forces::{ElementReading, SensingChain};
+use feeler::sensor::image::Picture;
+use feeler::sensor::image::Polarity;
 use feeler::sensor::wrench::features::usable;
 use feeler::sensor::wrench::{MeasuredWrench, WrenchSample};
 use glam::{DVec2, DVec3};

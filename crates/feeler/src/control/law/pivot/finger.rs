@@ -11,7 +11,7 @@ use super::{Grip, PivotConfig};
 use crate::control::feeler_shape::Stiffness;
 use crate::control::plan::Plan;
 use crate::control::sense::FingerSense;
-use crate::sensor::layout::ElementLayout;
+use crate::sensor::fingertip::layout::ElementLayout;
 use glam::{DVec2, DVec3};
 
 /// Compression below which an element's force is treated as noise (N).

@@ -22,7 +22,7 @@ use crate::check::Checker;
 use crate::control::flags::FlagThresholds;
 use crate::control::plan::Plan;
 use crate::control::sense::HandSense;
-use crate::sensor::layout::ElementLayout;
+use crate::sensor::fingertip::layout::ElementLayout;
 use circle::{Circle, CircleFit};
 use finger::{Finger, Motion};
 use glam::{DVec2, DVec3};

@@ -3,7 +3,7 @@
 use super::PolicyModel;
 use super::network::{Activation, LARGEST, Layer, Network};
 use crate::control::observation::ObservationLayout;
-use crate::sensor::layout::MAX_ELEMENTS;
+use crate::sensor::fingertip::layout::MAX_ELEMENTS;
 use safetensors::SafeTensors;
 use safetensors::tensor::{Dtype, Metadata, SafeTensorError};
 

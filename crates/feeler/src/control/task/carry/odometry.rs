@@ -3,7 +3,7 @@
 use crate::control::feeler_shape::FeelerShape;
 use crate::control::sense::HandSense;
 use crate::hand::MAX_FINGERS;
-use crate::sensor::layout::MAX_ELEMENTS;
+use crate::sensor::fingertip::layout::MAX_ELEMENTS;
 use glam::DVec3;
 
 /// Minimum mean squared distance of the tips from their centre (m²) for measuring a rotation.

@@ -2,7 +2,7 @@ use super::*;
 use crate::control::sense::FingertipPose;
 use crate::control::touch::FingerTouch;
 use crate::hand::JointState;
-use crate::sensor::layout::{ElementLayout, LayoutConfig, RingConfig};
+use crate::sensor::fingertip::layout::{ElementLayout, LayoutConfig, RingConfig};
 
 const STIFFNESS: Stiffness = Stiffness {
     normal: 200.0,

@@ -1,0 +1,12 @@
+//! What the trials of a sweep vary, and how values are drawn.
+
+pub(crate) mod design;
+pub(crate) mod distribution;
+pub(crate) mod multiplier;
+pub(crate) mod parameter;
+pub(crate) mod plan_file;
+pub(crate) mod plausible;
+pub mod ranges;
+
+pub use design::{Design, MAX_ROWS};
+pub use plan_file::{PLAN, Plan};

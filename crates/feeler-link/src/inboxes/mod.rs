@@ -1,0 +1,17 @@
+//! Latest messages of each program of a rig, as each kind of program stores them.
+
+pub(crate) mod beacon;
+pub(crate) mod hand_inbox;
+pub(crate) mod inbox;
+pub(crate) mod peers;
+pub(crate) mod rig_inbox;
+pub(crate) mod sense_inbox;
+pub(crate) mod watch_inbox;
+
+pub use beacon::Beacon;
+pub use hand_inbox::HandInbox;
+pub use inbox::{Inbox, listen, read};
+pub use peers::{Expected, MOST_PEERS, Peer, Peers};
+pub use rig_inbox::RigInbox;
+pub use sense_inbox::{Exposed, SenseInbox};
+pub use watch_inbox::WatchInbox;

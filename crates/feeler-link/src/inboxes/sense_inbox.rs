@@ -1,0 +1,180 @@
+//! Messages received by the sensor program of one finger: the hand's steps, and images of a remote rig.
+
+use super::inbox::{Inbox, read};
+use super::peers::{Expected, Peers};
+use crate::messages::freshness::Echo;
+use crate::messages::message::{
+    DirectForces, HandMode, MessageHeader, NO_FINGER, PictureMessage, ProgramKind,
+};
+use crate::messages::plausible::{check_forces, check_protocol};
+use crate::messages::rejection::{Rejection, Rejections};
+use crate::messages::sequence::Sequence;
+use crate::transport::topic::Topic;
+use std::collections::VecDeque;
+
+/// Maximum number of queued images. Older ones would be stale before they are processed.
+const MOST_WAITING: usize = 8;
+
+/// Number of the hand's steps kept, to find the latest one before an image.
+const REMEMBERED: usize = 16;
+
+/// Data of one exposure, received from the rig.
+#[derive(Debug, Clone, PartialEq)]
+pub enum Exposed {
+    /// Camera image.
+    Picture(PictureMessage),
+    /// Forces, from a rig that renders no images.
+    Forces(DirectForces),
+}
+
+impl Exposed {
+    /// Returns the header and the frame sequence number.
+    pub fn header(&self) -> (MessageHeader, u64) {
+        match self {
+            Self::Picture(picture) => (picture.header, picture.frame),
+            Self::Forces(forces) => (forces.header, forces.frame),
+        }
+    }
+}
+
+/// Inbox of one finger's sensor program.
+#[derive(Debug, Clone)]
+pub struct SenseInbox {
+    finger: u32,
+    elements: usize,
+    size: (usize, usize),
+    steps: Sequence,
+    echoes: VecDeque<Echo>,
+    exposed: Sequence,
+    waiting: VecDeque<Exposed>,
+    /// Number of images lost in transit or dropped from the full queue.
+    pub lost: u64,
+    peers: Peers,
+    /// Counters of rejected messages.
+    pub rejected: Rejections,
+}
+
+impl Inbox for SenseInbox {
+    fn take_in(&mut self, topic: Topic, bytes: &[u8], now: f64) -> Result<(), Rejection> {
+        match topic {
+            Topic::Heartbeat(place) => self.peers.heard(place, bytes, now).map(|_| ()),
+            Topic::Mode => read(bytes).and_then(|mode| self.take_step(&mode, now)),
+            Topic::Picture(_) => read(bytes).and_then(|picture| self.take_picture(picture, now)),
+            Topic::DirectForces(_) => read(bytes).and_then(|forces| self.take_forces(forces, now)),
+            _ => Err(Rejection::Stranger),
+        }
+    }
+
+    fn peers(&self) -> &Peers {
+        &self.peers
+    }
+
+    fn rejected(&mut self) -> &mut Rejections {
+        &mut self.rejected
+    }
+}
+
+impl SenseInbox {
+    /// Creates an empty inbox for `finger` with its number of elements and images of `size` (width, height in px).
+    /// Other programs must match `expected`.
+    pub fn new(
+        (finger, elements): (usize, usize),
+        size: (usize, usize),
+        expected: Expected,
+    ) -> Self {
+        Self {
+            finger: finger as u32,
+            elements,
+            size,
+            steps: Sequence::default(),
+            echoes: VecDeque::with_capacity(REMEMBERED),
+            exposed: Sequence::default(),
+            waiting: VecDeque::with_capacity(MOST_WAITING),
+            lost: 0,
+            peers: Peers::new(expected),
+            rejected: Rejections::default(),
+        }
+    }
+
+    fn take_step(&mut self, mode: &HandMode, now: f64) -> Result<(), Rejection> {
+        let header = mode.header;
+        check_protocol(header.protocol)?;
+        self.peers
+            .check(header.instance, &ProgramKind::Hand, NO_FINGER)?;
+        let number = (header.instance, header.sequence);
+        self.steps.missing(number, now)?;
+        if self
+            .steps
+            .newest()
+            .is_some_and(|(hand, _)| hand != header.instance)
+        {
+            self.echoes.clear();
+        }
+        self.steps.take(number, now);
+        if self.echoes.len() == REMEMBERED {
+            self.echoes.pop_front();
+        }
+        self.echoes.push_back(Echo {
+            step: header.sequence,
+            token: mode.token,
+            arrived: now,
+        });
+        Ok(())
+    }
+
+    fn take_picture(&mut self, picture: PictureMessage, now: f64) -> Result<(), Rejection> {
+        check_protocol(picture.header.protocol)?;
+        let (width, height) = self.size;
+        let size = (picture.width as usize, picture.height as usize);
+        if size != self.size || picture.pixels.len() != width * height {
+            return Err(Rejection::Size);
+        }
+        self.queue(picture.header, picture.finger, now)?;
+        self.waiting.push_back(Exposed::Picture(picture));
+        Ok(())
+    }
+
+    fn take_forces(&mut self, forces: DirectForces, now: f64) -> Result<(), Rejection> {
+        check_protocol(forces.header.protocol)?;
+        check_forces(self.elements, &forces.forces)?;
+        self.queue(forces.header, forces.finger, now)?;
+        self.waiting.push_back(Exposed::Forces(forces));
+        Ok(())
+    }
+
+    /// Checks a header and makes room in the queue for its message.
+    fn queue(&mut self, header: MessageHeader, finger: u32, now: f64) -> Result<(), Rejection> {
+        if finger != self.finger {
+            return Err(Rejection::Size);
+        }
+        if !header.stamp.is_finite() {
+            return Err(Rejection::NotFinite);
+        }
+        self.peers
+            .check(header.instance, &ProgramKind::World, NO_FINGER)?;
+        let number = (header.instance, header.sequence);
+        // A repetition is accepted: in lockstep, the rig resends because the answer may have been lost.
+        if self.exposed.newest() != Some(number) {
+            let lost = self.exposed.missing(number, now)?;
+            self.lost = self.lost.saturating_add(lost);
+            self.exposed.take(number, now);
+        }
+        if self.waiting.len() == MOST_WAITING {
+            self.waiting.pop_front();
+            self.lost = self.lost.saturating_add(1);
+        }
+        Ok(())
+    }
+
+    /// Removes and returns the oldest queued exposure.
+    pub fn take_next(&mut self) -> Option<Exposed> {
+        self.waiting.pop_front()
+    }
+
+    /// Returns the latest step of the hand received by `at` (s, on the program's clock), which an image of that time
+    /// echoes.
+    pub fn echo_at(&self, at: f64) -> Echo {
+        let before = self.echoes.iter().rev().find(|echo| echo.arrived <= at);
+        before.copied().unwrap_or_default()
+    }
+}

@@ -1,0 +1,17 @@
+//! Messages of the link and their validation.
+
+pub(crate) mod freshness;
+pub(crate) mod heartbeat;
+pub(crate) mod instruments;
+pub mod message;
+pub(crate) mod mismatch;
+pub(crate) mod plausible;
+pub(crate) mod printable;
+pub(crate) mod rejection;
+pub(crate) mod sequence;
+pub(crate) mod tactile;
+
+pub use freshness::{Echo, SentSteps};
+pub use message::{HandMode, StopInForce};
+pub use mismatch::Mismatch;
+pub use rejection::Rejection;

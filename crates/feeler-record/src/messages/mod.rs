@@ -1,0 +1,11 @@
+//! Messages of a recording and the facts in its header.
+
+pub(crate) mod channels;
+pub(crate) mod facts;
+pub(crate) mod image;
+pub(crate) mod model;
+pub(crate) mod names;
+pub(crate) mod run_end;
+pub(crate) mod topic;
+
+pub use model::{FingerModel, FingerPart, Frame, WORLD_FRAME, frame, joint_names};

@@ -1,0 +1,280 @@
+//! Constants of a rig: the geometry of its fingers and the solids around them.
+
+use crate::error::RecordError;
+use feeler::hand::{FingerConfig, FingerGeometry};
+use feeler::sensor::fingertip::{MAX_ELEMENTS, SensingElement};
+use glam::{DAffine3, DMat3, DVec3};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::FRAC_PI_2;
+
+/// Name of the root frame, `W`.
+pub const WORLD_FRAME: &str = "world";
+
+/// Ratio of a drawn link's radius to the dome's.
+const LINK_OVER_DOME: f64 = 0.3;
+
+/// Maximum number of solids around a hand and of corners of an outline. Guards against damaged files.
+const MAX_SOLIDS: usize = 64;
+const MAX_CORNERS: usize = 20_000;
+
+/// Geometry of a finger.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct FingerModel {
+    /// Base, links and limits.
+    pub geometry: FingerConfig,
+    /// Radius of the sphere through the unloaded tips of the elements (m).
+    pub dome_radius: f64,
+    /// Undeformed tip of each element's feeler, in the fingertip frame `T` (m).
+    pub element_tips: Vec<[f64; 3]>,
+}
+
+/// A frame of a finger, given by its pose in the parent frame: a rotation by `rpy` (rad) about the parent's x, y and z
+/// axes, then a translation by `xyz` (m). If it belongs to a joint, it also rotates about its z axis by the joint's
+/// angle.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Frame {
+    /// Name of the frame.
+    pub name: String,
+    /// Name of the parent frame.
+    pub parent: String,
+    /// Origin in the parent frame (m).
+    pub xyz: [f64; 3],
+    /// Roll, pitch and yaw (rad).
+    pub rpy: [f64; 3],
+    /// Index of its joint, 0 to 2, or `None` if the frame is fixed in its parent.
+    pub joint: Option<usize>,
+    /// Part drawn in this frame, if any.
+    pub part: Option<FingerPart>,
+}
+
+/// A drawn part of a finger, in its frame.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum FingerPart {
+    /// A rod along x that starts at the origin.
+    Link {
+        /// Radius (m).
+        radius: f64,
+        /// Length (m), greater than 0.
+        length: f64,
+    },
+    /// A sphere centred at the origin.
+    Dome {
+        /// Radius (m).
+        radius: f64,
+    },
+}
+
+impl Frame {
+    /// Pose in the parent frame at the joint angle `angle` (rad).
+    pub fn in_parent(&self, angle: f64) -> DAffine3 {
+        let [roll, pitch, yaw] = self.rpy;
+        let turned = DMat3::from_rotation_z(yaw)
+            * DMat3::from_rotation_y(pitch)
+            * DMat3::from_rotation_x(roll)
+            * DMat3::from_rotation_z(angle);
+        DAffine3::from_mat3_translation(turned, DVec3::from_array(self.xyz))
+    }
+}
+
+/// Name of the frame of a `part` of `finger`, from 0. Parts are `base`, `link_1` to `link_3` and `dome`.
+pub fn frame(finger: usize, part: &str) -> String {
+    format!("finger_{finger}_{part}")
+}
+
+/// Names of the joints theta1 to theta3 of `finger`, from 0.
+pub fn joint_names(finger: usize) -> [String; 3] {
+    [1, 2, 3].map(|joint| format!("finger_{finger}_joint_{joint}"))
+}
+
+impl FingerModel {
+    /// The frames of this finger from its base to its dome (the fingertip frame `T`), in the conventions of
+    /// [`feeler::hand::kinematics`]. `finger` is the number used in their names.
+    ///
+    /// # Errors
+    /// If a value of its geometry is out of range.
+    pub fn frames(&self, finger: usize) -> Result<[Frame; 5], RecordError> {
+        let geometry = FingerGeometry::new(&self.geometry);
+        let geometry = geometry.map_err(|error| RecordError::Facts {
+            field: "hand",
+            expected: "fingers with valid geometry".into(),
+            actual: error.to_string(),
+        })?;
+        let (phi1, phi2) = geometry.base_angles();
+        let links = geometry.links();
+        let along_x = |length| [length, 0.0, 0.0];
+        // Joint 1 rotates the plane of joints 2 and 3: their axes are perpendicular to its axis.
+        let across = [FRAC_PI_2, 0.0, 0.0];
+        let base = (geometry.base_position().to_array(), [phi2, phi1, 0.0]);
+        let radius = LINK_OVER_DOME * self.dome_radius;
+        let link = |joint: usize| {
+            let length = links[joint];
+            (length > 0.0).then_some(FingerPart::Link { radius, length })
+        };
+        let dome = FingerPart::Dome {
+            radius: self.dome_radius,
+        };
+        let places = [
+            ("base", base, None, None),
+            ("link_1", ([0.0; 3], [0.0; 3]), Some(0), link(0)),
+            ("link_2", (along_x(links[0]), across), Some(1), link(1)),
+            ("link_3", (along_x(links[1]), [0.0; 3]), Some(2), link(2)),
+            ("dome", (along_x(links[2]), [0.0; 3]), None, Some(dome)),
+        ];
+        let mut parent = WORLD_FRAME.to_string();
+        Ok(places.map(|(name, (xyz, rpy), joint, part)| {
+            let name = frame(finger, name);
+            let parent = std::mem::replace(&mut parent, name.clone());
+            Frame {
+                name,
+                parent,
+                xyz,
+                rpy,
+                joint,
+                part,
+            }
+        }))
+    }
+
+    /// The elements, each with its undeformed tip in `T` (m).
+    pub fn elements(&self) -> impl Iterator<Item = (SensingElement, DVec3)> + '_ {
+        let tips = self.element_tips.iter().map(|&tip| DVec3::from_array(tip));
+        tips.map(|tip| (SensingElement::facing(tip.normalize_or_zero()), tip))
+    }
+
+    /// Checks the invariants that readers rely on.
+    pub(crate) fn validate(&self) -> Result<(), RecordError> {
+        self.frames(0)?;
+        let mut numbers = self
+            .element_tips
+            .iter()
+            .flatten()
+            .chain([&self.dome_radius]);
+        let sound = self.element_tips.len() <= MAX_ELEMENTS && self.dome_radius > 0.0;
+        if sound && numbers.all(|number| number.is_finite()) {
+            return Ok(());
+        }
+        Err(RecordError::Facts {
+            field: "hand",
+            expected: format!("domes with at most {MAX_ELEMENTS} elements and finite sizes"),
+            actual: format!(
+                "{} elements, {} m",
+                self.element_tips.len(),
+                self.dome_radius
+            ),
+        })
+    }
+}
+
+/// The frame to which a solid is fixed.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum SolidFrame {
+    /// `W`: the solid does not move.
+    World,
+    /// The cap.
+    Cap,
+    /// The carried object.
+    Object,
+}
+
+impl SolidFrame {
+    /// Frames that move.
+    pub const MOVING: [Self; 2] = [Self::Cap, Self::Object];
+
+    /// Name of the frame.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::World => WORLD_FRAME,
+            Self::Cap => "cap",
+            Self::Object => "object",
+        }
+    }
+}
+
+/// A solid near a hand.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+pub struct Solid {
+    /// Name in the experiment.
+    pub name: String,
+    /// Frame to which it is fixed.
+    pub frame: SolidFrame,
+    /// Centre in that frame (m).
+    pub position: [f64; 3],
+    /// Rotation in that frame, as a quaternion x, y, z, w.
+    pub orientation: [f64; 4],
+    /// Its shape.
+    pub shape: SolidShape,
+}
+
+/// Shape of a solid, centred at the origin; lengths in m.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(tag = "kind", rename_all = "snake_case")]
+pub enum SolidShape {
+    /// A box.
+    Box {
+        /// Lengths along x, y and z.
+        size: [f64; 3],
+    },
+    /// A sphere.
+    Sphere {
+        /// Radius.
+        radius: f64,
+    },
+    /// A cylinder along z.
+    Cylinder {
+        /// Radius.
+        radius: f64,
+        /// Length.
+        length: f64,
+    },
+    /// An outline in x and y, extruded along z.
+    Prism {
+        /// The outline, counterclockwise.
+        outline: Vec<[f64; 2]>,
+        /// Length.
+        length: f64,
+    },
+}
+
+impl SolidShape {
+    /// Size of the bounding box along x, y and z (m), assuming that the outline is centred at the origin.
+    pub fn size(&self) -> [f64; 3] {
+        match self {
+            Self::Box { size } => *size,
+            Self::Sphere { radius } => [2.0 * radius; 3],
+            Self::Cylinder { radius, length } => [2.0 * radius, 2.0 * radius, *length],
+            Self::Prism { outline, length } => {
+                let reach = |axis: usize| {
+                    let coordinates = outline.iter().map(|corner| corner[axis].abs());
+                    2.0 * coordinates.fold(0.0, f64::max)
+                };
+                [reach(0), reach(1), *length]
+            }
+        }
+    }
+}
+
+/// Checks the invariants that readers rely on.
+pub(crate) fn validate_solids(solids: &[Solid]) -> Result<(), RecordError> {
+    let sound = |solid: &Solid| {
+        let corners = match &solid.shape {
+            SolidShape::Prism { outline, .. } => outline.as_slice(),
+            _ => &[],
+        };
+        let size = solid.shape.size();
+        let mut numbers = size.iter().chain(&solid.position).chain(&solid.orientation);
+        let turns = solid.orientation.iter().map(|x| x * x).sum::<f64>();
+        corners.len() <= MAX_CORNERS
+            && corners.iter().flatten().all(|number| number.is_finite())
+            && numbers.all(|number| number.is_finite())
+            && (turns - 1.0).abs() < 1e-3
+    };
+    if solids.len() <= MAX_SOLIDS && solids.iter().all(sound) {
+        return Ok(());
+    }
+    Err(RecordError::Facts {
+        field: "solids",
+        expected: format!("at most {MAX_SOLIDS} solids with finite sizes"),
+        actual: format!("{} solids", solids.len()),
+    })
+}

@@ -1,0 +1,373 @@
+//! Topics of a recording. Each carries messages of one type.
+
+use super::channels::{
+    Cap, Command, Findings, Fingertip, Flags, Joints, Moments, ObjectPose, RecordingGap, Stamped,
+    Tactile, Task, TorqueSensor, TrueSlip,
+};
+use super::facts::RunFacts;
+use super::image::{Image, compress, size};
+use crate::error::RecordError;
+use crate::reading::recording::{Gap, PictureAt, Recording};
+use crate::ros::{
+    CompressedImage, JointState, MarkerArray, PointCloud2, TFMessage, Text, WrenchStamped,
+};
+use crate::wire::cdr;
+use std::any::Any;
+use std::fmt;
+use std::marker::PhantomData;
+
+/// A topic of a recording that carries messages of type `M`.
+pub struct RecordedTopic<M> {
+    name: &'static str,
+    finger: Option<usize>,
+    message: PhantomData<fn() -> M>,
+}
+
+impl<M> RecordedTopic<M> {
+    /// Creates the topic `name` of the whole rig.
+    pub(crate) const fn of_rig(name: &'static str) -> Self {
+        Self {
+            name,
+            finger: None,
+            message: PhantomData,
+        }
+    }
+
+    const fn of_finger(finger: usize, name: &'static str) -> Self {
+        Self {
+            name,
+            finger: Some(finger),
+            message: PhantomData,
+        }
+    }
+
+    /// Index of the finger that the messages describe, or `None` for the whole rig.
+    pub fn finger(self) -> Option<usize> {
+        self.finger
+    }
+
+    /// Name of the topic in the recording.
+    pub fn name(self) -> String {
+        name(self.name, self.finger)
+    }
+
+    /// Checks that the topic exists in a rig with `fingers` fingers.
+    pub(crate) fn check_finger(self, fingers: usize) -> Result<(), RecordError> {
+        match self.finger {
+            Some(actual) if actual >= fingers => Err(RecordError::Finger { fingers, actual }),
+            _ => Ok(()),
+        }
+    }
+}
+
+impl<M> Clone for RecordedTopic<M> {
+    fn clone(&self) -> Self {
+        *self
+    }
+}
+
+impl<M> Copy for RecordedTopic<M> {}
+
+impl<M> fmt::Debug for RecordedTopic<M> {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "Topic({})", self.name())
+    }
+}
+
+fn name(topic: &str, finger: Option<usize>) -> String {
+    match finger {
+        Some(finger) => format!("/finger/{finger}/{topic}"),
+        None => format!("/{topic}"),
+    }
+}
+
+/// The topics of a run's recording.
+pub mod topics {
+    use super::*;
+
+    /// Tri-axial forces of a finger.
+    pub const fn tactile(finger: usize) -> RecordedTopic<Tactile> {
+        RecordedTopic::of_finger(finger, "tactile")
+    }
+
+    /// Flags of a finger.
+    pub const fn flags(finger: usize) -> RecordedTopic<Flags> {
+        RecordedTopic::of_finger(finger, "flags")
+    }
+
+    /// Encoder readings of a finger.
+    pub const fn joints(finger: usize) -> RecordedTopic<Joints> {
+        RecordedTopic::of_finger(finger, "joints")
+    }
+
+    /// Commands to a finger.
+    pub const fn command(finger: usize) -> RecordedTopic<Command> {
+        RecordedTopic::of_finger(finger, "command")
+    }
+
+    /// Poses of a fingertip.
+    pub const fn fingertip(finger: usize) -> RecordedTopic<Fingertip> {
+        RecordedTopic::of_finger(finger, "fingertip")
+    }
+
+    /// Images of the camera in a finger's fingertip. Only written if images are recorded.
+    pub const fn image(finger: usize) -> RecordedTopic<Image> {
+        RecordedTopic::of_finger(finger, "image")
+    }
+
+    /// Samples of the torque sensor.
+    pub const TORQUE_SENSOR: RecordedTopic<TorqueSensor> = RecordedTopic::of_rig("torque_sensor");
+    /// True states of the cap.
+    pub const CAP: RecordedTopic<Cap> = RecordedTopic::of_rig("cap");
+    /// State of the task.
+    pub const TASK: RecordedTopic<Task> = RecordedTopic::of_rig("task");
+    /// Findings of the task.
+    pub const FINDINGS: RecordedTopic<Findings> = RecordedTopic::of_rig("findings");
+    /// True poses of the carried object. Empty if no object is free.
+    pub const OBJECT: RecordedTopic<ObjectPose> = RecordedTopic::of_rig("object");
+    /// True slip of the feelers. Only written by simulated worlds.
+    pub const TRUE_SLIP: RecordedTopic<TrueSlip> = RecordedTopic::of_rig("true_slip");
+    /// Gaps in the recording. Only written if messages were dropped.
+    pub const RECORDING_GAP: RecordedTopic<RecordingGap> = RecordedTopic::of_rig("recording_gap");
+
+    // For viewers: derived from the other messages.
+
+    /// Transforms of moving frames.
+    pub const TF: RecordedTopic<TFMessage> = RecordedTopic::of_rig("tf");
+    /// Transforms of fixed frames. Written once.
+    pub const TF_STATIC: RecordedTopic<TFMessage> = RecordedTopic::of_rig("tf_static");
+    /// URDF of the hand and the solids around it. Written once.
+    pub const ROBOT_DESCRIPTION: RecordedTopic<Text> = RecordedTopic::of_rig("robot_description");
+    /// Angles and velocities of all joints.
+    pub const JOINT_STATES: RecordedTopic<JointState> = RecordedTopic::of_rig("joint_states");
+    /// Markers of the scene: solids once, forces repeatedly.
+    pub const SCENE: RecordedTopic<MarkerArray> = RecordedTopic::of_rig("scene");
+
+    /// Wrench on a finger's fingertip, in the dome's frame.
+    pub const fn wrench(finger: usize) -> RecordedTopic<WrenchStamped> {
+        RecordedTopic::of_finger(finger, "wrench")
+    }
+
+    /// Position of each element of a finger and the force on it, in the dome's frame.
+    pub const fn taxels(finger: usize) -> RecordedTopic<PointCloud2> {
+        RecordedTopic::of_finger(finger, "taxels")
+    }
+}
+
+/// A message type that can be recorded.
+pub trait RecordedMessage: Stamped + Clone + Any {
+    /// `true` if messages are derived from others: they are for viewers, not part of the digest, and not read back.
+    const DERIVED: bool = false;
+    /// Converts an encoded message to its recorded form, on the recorder's thread. `None` if the message is recorded as
+    /// is.
+    const CONVERSION: Option<Conversion> = None;
+
+    /// The list of `recording` that stores messages of this type: of `finger`, or of the rig. `None` if there is no
+    /// such finger, or if messages of this type are not kept in memory.
+    fn list(recording: &mut Recording, finger: Option<usize>) -> Option<&mut Vec<Self>>;
+
+    /// Decodes a message and appends it to its list. `at` is the position of its bytes in the file.
+    ///
+    /// # Errors
+    /// If `bytes` is invalid. Returns a description.
+    fn read_into(
+        recording: &mut Recording,
+        finger: Option<usize>,
+        bytes: &[u8],
+        at: PictureAt,
+    ) -> Result<(), String> {
+        let _ = at;
+        let message: Self = cdr::decode(bytes).map_err(|e| e.to_string())?;
+        let stamp = message.stamp();
+        if !stamp.is_finite() {
+            return Err(format!("expected a finite stamp, got {stamp}"));
+        }
+        if let Some(list) = Self::list(recording, finger) {
+            list.push(message);
+        }
+        Ok(())
+    }
+}
+
+/// Implements [`RecordedMessage`] for message types of a finger and of the rig, each with its list.
+macro_rules! recorded {
+    (finger: $($of_finger:ident in $finger_list:ident),+; rig: $($of_rig:ident in $rig_list:ident),+ $(,)?) => {
+        $(impl RecordedMessage for $of_finger {
+            fn list(recording: &mut Recording, finger: Option<usize>) -> Option<&mut Vec<Self>> {
+                Some(&mut recording.fingers.get_mut(finger?)?.$finger_list)
+            }
+        })+
+        $(impl RecordedMessage for $of_rig {
+            fn list(recording: &mut Recording, _: Option<usize>) -> Option<&mut Vec<Self>> {
+                Some(&mut recording.$rig_list)
+            }
+        })+
+    };
+}
+
+recorded!(
+    finger: Tactile in tactile,
+    Flags in flags,
+    Joints in joints,
+    Command in command,
+    Fingertip in fingertip;
+    rig: TorqueSensor in torque_sensor,
+    Cap in cap,
+    Task in task,
+    Findings in findings,
+    ObjectPose in object,
+    TrueSlip in true_slip,
+);
+
+/// Only written to sensor files, which contain no run.
+impl RecordedMessage for Moments {
+    fn list(_: &mut Recording, _: Option<usize>) -> Option<&mut Vec<Self>> {
+        None
+    }
+}
+
+/// Left in the file; a recording in memory only stores the position of each image.
+impl RecordedMessage for Image {
+    const CONVERSION: Option<Conversion> = Some(compress);
+
+    fn list(_: &mut Recording, _: Option<usize>) -> Option<&mut Vec<Self>> {
+        None
+    }
+
+    fn read_into(
+        recording: &mut Recording,
+        finger: Option<usize>,
+        bytes: &[u8],
+        at: PictureAt,
+    ) -> Result<(), String> {
+        let image: CompressedImage = cdr::decode(bytes).map_err(|e| e.to_string())?;
+        size(&image)?;
+        if let Some(finger) = finger.and_then(|finger| recording.fingers.get_mut(finger)) {
+            finger.pictures.push(at);
+        }
+        Ok(())
+    }
+}
+
+/// Written by the recorder itself if it dropped messages.
+impl RecordedMessage for RecordingGap {
+    fn list(_: &mut Recording, _: Option<usize>) -> Option<&mut Vec<Self>> {
+        None
+    }
+
+    fn read_into(
+        recording: &mut Recording,
+        _: Option<usize>,
+        bytes: &[u8],
+        _: PictureAt,
+    ) -> Result<(), String> {
+        let gap: Self = cdr::decode(bytes).map_err(|e| e.to_string())?;
+        if !(gap.start.is_finite() && gap.end.is_finite()) {
+            let (start, end) = (gap.start, gap.end);
+            return Err(format!("expected finite times, got {start} and {end}"));
+        }
+        recording.gaps.push(Gap {
+            missing: gap,
+            steps_before: recording.steps_read(),
+        });
+        Ok(())
+    }
+}
+
+/// [`RecordedMessage::CONVERSION`] of a topic's messages.
+pub type Conversion = fn(&[u8]) -> Result<Vec<u8>, RecordError>;
+
+/// [`RecordedMessage::read_into`] of a topic's messages.
+pub(crate) type ReadInto =
+    fn(&mut Recording, Option<usize>, &[u8], PictureAt) -> Result<(), String>;
+
+/// A topic whose message type is only known at run time.
+#[derive(Clone, Copy)]
+pub(crate) struct Channel {
+    name: &'static str,
+    pub finger: Option<usize>,
+    /// Name and text of the schema.
+    pub schema: (&'static str, &'static str),
+    pub read_into: ReadInto,
+    pub derived: bool,
+    pub stored: Option<Conversion>,
+}
+
+impl Channel {
+    /// The channels of a run with these constants, in the order of the recording. Channels for viewers are included if
+    /// the hand's geometry is known; channels of images, if `pictures` is set, are last.
+    pub fn of_run(facts: &RunFacts, pictures: bool) -> Vec<Self> {
+        let fingers = facts.fingers;
+        let mut channels = Vec::new();
+        for finger in 0..fingers {
+            channels.extend([
+                Self::from(topics::tactile(finger)),
+                topics::flags(finger).into(),
+                topics::joints(finger).into(),
+                topics::command(finger).into(),
+                topics::fingertip(finger).into(),
+            ]);
+        }
+        channels.extend([
+            Self::from(topics::TORQUE_SENSOR),
+            topics::CAP.into(),
+            topics::TASK.into(),
+            topics::FINDINGS.into(),
+            topics::OBJECT.into(),
+            topics::TRUE_SLIP.into(),
+        ]);
+        if !facts.hand.is_empty() {
+            channels.extend([
+                Self::from(topics::TF),
+                topics::TF_STATIC.into(),
+                topics::ROBOT_DESCRIPTION.into(),
+                topics::JOINT_STATES.into(),
+                topics::SCENE.into(),
+            ]);
+            for finger in 0..fingers {
+                channels.extend([
+                    Self::from(topics::wrench(finger)),
+                    topics::taxels(finger).into(),
+                ]);
+            }
+        }
+        if pictures {
+            channels.extend((0..fingers).map(|finger| Self::from(topics::image(finger))));
+        }
+        channels
+    }
+
+    /// All channels that a recording with these constants can have.
+    pub fn known(facts: &RunFacts) -> impl Iterator<Item = Self> + use<> {
+        let gaps = Self::from(topics::RECORDING_GAP);
+        Self::of_run(facts, true).into_iter().chain([gaps])
+    }
+
+    /// Name of the topic in the recording.
+    pub fn topic(self) -> String {
+        name(self.name, self.finger)
+    }
+
+    /// Returns `true` if its messages are written once and remain valid.
+    pub fn is_latched(self) -> bool {
+        self.is_of(topics::TF_STATIC) || self.is_of(topics::ROBOT_DESCRIPTION)
+    }
+
+    /// Returns `true` if this is the channel of `topic`.
+    pub fn is_of<M>(self, topic: RecordedTopic<M>) -> bool {
+        self.finger == topic.finger && self.name == topic.name
+    }
+}
+
+impl<M: RecordedMessage> From<RecordedTopic<M>> for Channel {
+    fn from(topic: RecordedTopic<M>) -> Self {
+        Self {
+            name: topic.name,
+            finger: topic.finger,
+            schema: (M::SCHEMA_NAME, M::SCHEMA),
+            read_into: M::read_into,
+            derived: M::DERIVED,
+            stored: M::CONVERSION,
+        }
+    }
+}

@@ -1,0 +1,10 @@
+//! Recordings of a single sensor.
+
+pub(crate) mod images;
+pub(crate) mod readings;
+pub(crate) mod taxel_writer;
+pub(crate) mod taxels;
+
+pub use images::is_sensed;
+pub use readings::{MOMENTS, TACTILE, WRENCH};
+pub use taxels::{Elements, taxels};

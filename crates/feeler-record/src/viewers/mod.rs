@@ -1,0 +1,7 @@
+//! What viewers draw of a recording: scene, markers, robot description.
+
+pub(crate) mod scene;
+pub(crate) mod urdf;
+pub(crate) mod viewer_log;
+
+pub use urdf::urdf;

@@ -1,0 +1,259 @@
+//! Messages from which viewers draw a run without knowing feeler's messages.
+//!
+//! They are derived from the rest of the recording. Joints and wrenches are written at every control step, for plots;
+//! the scene is written at 30 Hz.
+
+use crate::error::RecordError;
+use crate::messages::facts::RunFacts;
+use crate::messages::model::{Frame, SolidFrame, WORLD_FRAME, joint_names};
+use crate::messages::topic::topics;
+use crate::ros::{
+    Header, JointState, MarkerArray, PointCloud2, TFMessage, Text, Time, TransformStamped,
+    WrenchStamped,
+};
+use crate::sensed::taxels::{Elements, taxels};
+use crate::viewers::scene::{ForceArrows, scene};
+use crate::viewers::urdf::urdf;
+use crate::writing::memory::MessageSink;
+use crate::writing::run_log::InstrumentRecord;
+use feeler::control::ControlLoop;
+use feeler::control::{FingerTouch, TouchSource};
+use feeler::hand::Hand;
+use glam::DVec3;
+
+/// Time between two updates of the scene (s).
+const FRAME_TIME: f64 = 1.0 / 30.0;
+
+/// Writes messages for viewers. The messages' memory is reused.
+pub struct ViewerLog {
+    fingers: Vec<Finger>,
+    still: Still,
+    joints: JointState,
+    /// Transforms of the frames that move with joints.
+    transforms: TFMessage,
+    /// Transforms of the solids that move around the hand. Each is a separate message, because its pose may be unknown.
+    moving: Vec<(SolidFrame, TFMessage)>,
+    arrows: MarkerArray,
+    /// Time of the latest scene update (s), or `None` before the first.
+    drawn: Option<f64>,
+}
+
+/// Messages that do not change during a run.
+struct Still {
+    description: Text,
+    transforms: TFMessage,
+    scene: MarkerArray,
+}
+
+struct Finger {
+    elements: Elements,
+    /// Frames that move with joints.
+    frames: Vec<Frame>,
+    wrench: WrenchStamped,
+    taxels: PointCloud2,
+    arrows: ForceArrows,
+}
+
+impl ViewerLog {
+    /// Creates a log for a run with these constants, or returns `None` if they lack the geometry of the fingers.
+    ///
+    /// # Errors
+    /// If the constants are invalid.
+    pub fn new(facts: &RunFacts) -> Result<Option<Self>, RecordError> {
+        if facts.hand.is_empty() {
+            return Ok(None);
+        }
+        let mut still = Still {
+            description: Text {
+                data: urdf(&facts.experiment, &facts.hand, &facts.solids)?,
+                stamp: 0.0,
+            },
+            transforms: TFMessage::default(),
+            scene: scene(&facts.hand, &facts.solids),
+        };
+        let mut joints = JointState::default();
+        let mut transforms = TFMessage::default();
+        let mut arrows = MarkerArray::default();
+        let mut fingers = Vec::new();
+        for (number, model) in facts.hand.iter().enumerate() {
+            joints.name.extend(joint_names(number));
+            let frames = model.frames(number)?;
+            let (fixed, moving): (Vec<_>, Vec<_>) =
+                frames.into_iter().partition(|frame| frame.joint.is_none());
+            let fixed = fixed.iter().map(transform);
+            still.transforms.transforms.extend(fixed);
+            transforms.transforms.extend(moving.iter().map(transform));
+            let elements = Elements::of(model);
+            let (taxels, arrow) = (taxels(number, &elements), ForceArrows::new(number, facts));
+            arrows.markers.push(arrow.marker());
+            fingers.push(Finger {
+                wrench: WrenchStamped {
+                    header: taxels.header.clone(),
+                    ..WrenchStamped::default()
+                },
+                elements,
+                frames: moving,
+                taxels,
+                arrows: arrow,
+            });
+        }
+        let is_there = |frame: &SolidFrame| facts.solids.iter().any(|s| s.frame == *frame);
+        let moving = SolidFrame::MOVING.into_iter().filter(is_there);
+        let place = |frame: SolidFrame| {
+            let place = TransformStamped {
+                header: Header::of(WORLD_FRAME),
+                child_frame_id: frame.name().into(),
+                ..TransformStamped::default()
+            };
+            let transforms = vec![place];
+            (frame, TFMessage { transforms })
+        };
+        let moving = moving.map(place).collect();
+        Ok(Some(Self {
+            fingers,
+            still,
+            joints,
+            transforms,
+            moving,
+            arrows,
+            drawn: None,
+        }))
+    }
+
+    /// Requests that the static messages are written again, because they may have been dropped.
+    pub fn forget_written(&mut self) {
+        self.drawn = None;
+    }
+
+    /// Writes the latest step of `control_loop` and the solids moved in `instruments`.
+    ///
+    /// # Errors
+    /// If the recording cannot be written.
+    pub fn write<R: MessageSink, S: TouchSource, H: Hand>(
+        &mut self,
+        recorder: &mut R,
+        control_loop: &ControlLoop<S, H>,
+        instruments: InstrumentRecord<'_>,
+    ) -> Result<(), RecordError> {
+        let state = control_loop.state();
+        // An invalid time is reported when the other messages are written.
+        let Some(now) = Time::of(state.stamp) else {
+            return Ok(());
+        };
+        if self.drawn.is_none() {
+            self.write_still(recorder, now, state.stamp)?;
+        }
+        self.joints.header.stamp = now;
+        self.joints.position.clear();
+        self.joints.velocity.clear();
+        for joints in &state.joints {
+            self.joints.position.extend(joints.position.to_array());
+            self.joints.velocity.extend(joints.velocity.to_array());
+        }
+        recorder.write(topics::JOINT_STATES, &self.joints)?;
+        let due = self
+            .drawn
+            .is_none_or(|drawn| state.stamp - drawn >= FRAME_TIME);
+        for (index, touch) in control_loop.touches().iter().enumerate() {
+            self.write_felt(recorder, index, touch, due)?;
+        }
+        if due {
+            self.drawn = Some(state.stamp);
+            let angles = state.joints.iter().map(|joints| joints.position);
+            self.write_transforms(recorder, now, angles, instruments)?;
+            for marker in &mut self.arrows.markers {
+                marker.header.stamp = now;
+            }
+            recorder.write(topics::SCENE, &self.arrows)?;
+        }
+        Ok(())
+    }
+
+    fn write_still<R: MessageSink>(
+        &mut self,
+        recorder: &mut R,
+        now: Time,
+        stamp: f64,
+    ) -> Result<(), RecordError> {
+        self.still.description.stamp = stamp;
+        recorder.write(topics::ROBOT_DESCRIPTION, &self.still.description)?;
+        for transform in &mut self.still.transforms.transforms {
+            transform.header.stamp = now;
+        }
+        recorder.write(topics::TF_STATIC, &self.still.transforms)?;
+        for marker in &mut self.still.scene.markers {
+            marker.header.stamp = now;
+        }
+        recorder.write(topics::SCENE, &self.still.scene)
+    }
+
+    /// Writes the wrench on a finger and, if a scene update is `due`, its elements.
+    fn write_felt<R: MessageSink>(
+        &mut self,
+        recorder: &mut R,
+        index: usize,
+        touch: &FingerTouch,
+        due: bool,
+    ) -> Result<(), RecordError> {
+        let Some(finger) = self.fingers.get_mut(index) else {
+            return Ok(());
+        };
+        let Some(stamp) = Time::of(touch.frame.stamp) else {
+            return Ok(());
+        };
+        finger.elements.take_forces(&touch.frame.forces);
+        finger.wrench.header.stamp = stamp;
+        finger.wrench.wrench = finger.elements.wrench();
+        recorder.write(topics::wrench(index), &finger.wrench)?;
+        if due {
+            finger.taxels.header.stamp = stamp;
+            let slips = |element: usize| finger.arrows.slips(touch, element);
+            finger.elements.fill(&mut finger.taxels, slips);
+            recorder.write(topics::taxels(index), &finger.taxels)?;
+            if let Some(marker) = self.arrows.markers.get_mut(index) {
+                finger.arrows.fill(marker, &finger.elements, touch);
+            }
+        }
+        Ok(())
+    }
+
+    fn write_transforms<R: MessageSink>(
+        &mut self,
+        recorder: &mut R,
+        now: Time,
+        angles: impl Iterator<Item = DVec3>,
+        instruments: InstrumentRecord<'_>,
+    ) -> Result<(), RecordError> {
+        let fingers = self.fingers.iter().zip(angles);
+        let frames = fingers.flat_map(|(finger, angles)| {
+            let angle = move |frame: &Frame| frame.joint.map_or(0.0, |joint| angles[joint]);
+            let frames = finger.frames.iter();
+            frames.map(move |frame| frame.in_parent(angle(frame)))
+        });
+        for (transform, pose) in self.transforms.transforms.iter_mut().zip(frames) {
+            transform.header.stamp = now;
+            transform.transform = pose.into();
+        }
+        recorder.write(topics::TF, &self.transforms)?;
+        for (frame, message) in &mut self.moving {
+            let Some(pose) = instruments.pose(*frame) else {
+                continue;
+            };
+            for transform in &mut message.transforms {
+                transform.header.stamp = now;
+                transform.transform = pose.into();
+            }
+            recorder.write(topics::TF, message)?;
+        }
+        Ok(())
+    }
+}
+
+/// Transform of `frame` at joint angle 0.
+fn transform(frame: &Frame) -> TransformStamped {
+    TransformStamped {
+        header: Header::of(frame.parent.as_str()),
+        child_frame_id: frame.name.clone(),
+        transform: frame.in_parent(0.0).into(),
+    }
+}

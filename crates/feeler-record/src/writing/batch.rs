@@ -1,0 +1,68 @@
+//! Batches of encoded messages that wait to be written to the file.
+
+use crate::messages::channels::RecordingGap;
+
+/// Encoded messages that wait to be written to the file.
+#[derive(Debug, Default)]
+pub struct Batch {
+    /// Gap before the first message, if any.
+    pub gap: Option<RecordingGap>,
+    /// Concatenated bytes of the messages.
+    pub bytes: Vec<u8>,
+    /// End and type of each message.
+    pub messages: Vec<Entry>,
+}
+
+/// One message of a [`Batch`].
+#[derive(Debug)]
+pub struct Entry {
+    /// Index of its channel, in order of registration.
+    pub channel: usize,
+    /// Log time (ns).
+    pub log_time: u64,
+    /// End of its bytes in the batch.
+    pub end: usize,
+}
+
+impl Batch {
+    /// Creates an empty batch with room for `messages` messages of `bytes` bytes in total.
+    pub fn with_capacity(bytes: usize, messages: usize) -> Self {
+        Self {
+            gap: None,
+            bytes: Vec::with_capacity(bytes),
+            messages: Vec::with_capacity(messages),
+        }
+    }
+
+    /// Removes all messages and keeps the allocated memory.
+    pub fn clear(&mut self) {
+        self.gap = None;
+        self.bytes.clear();
+        self.messages.clear();
+    }
+
+    /// Run time between the first and the last message (ns).
+    pub fn span(&self) -> u64 {
+        let time = |entry: Option<&Entry>| entry.map_or(0, |entry| entry.log_time);
+        time(self.messages.last()).saturating_sub(time(self.messages.first()))
+    }
+
+    /// Extends `gap`, if any, by this batch's messages.
+    pub fn lost(&self, gap: Option<RecordingGap>) -> Option<RecordingGap> {
+        let times = || self.messages.iter().map(|entry| entry.log_time);
+        let (Some(first), Some(last)) = (times().min(), times().max()) else {
+            return gap;
+        };
+        let (first, last) = (first as f64 * 1e-9, last as f64 * 1e-9);
+        let before = gap.unwrap_or(RecordingGap {
+            start: first,
+            end: last,
+            messages: 0,
+        });
+        Some(RecordingGap {
+            start: before.start.min(first),
+            end: before.end.max(last),
+            messages: before.messages + self.messages.len() as u64,
+        })
+    }
+}

@@ -1,0 +1,139 @@
+//! Success criteria of runs, depending on task, hand and law.
+
+use super::claim::Claim;
+use super::strokes::{StrokeMeasures, found_closed, turned};
+use super::summary::Summary;
+use crate::claims::{CLOSES_CAP, NO_DAMAGE, OVERLOADS_NOTHING};
+use crate::tasks;
+use crate::tasks::PAPERS_STROKES;
+use feeler_record::{RunFacts, RunState, TaskKind};
+use serde::{Serialize, Serializer};
+
+/// Criterion that a completed run must meet to be a success.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub enum Criterion {
+    /// All claims of the task; the paper's claims if its hand screws a cap under its law.
+    Claims,
+    /// All claims of any hand: a cap is screwed under another law.
+    AnyHand,
+    /// The cap is closed and no element was overloaded: another hand under the paper's law.
+    Closed,
+    /// The cap was turned and no element was damaged: too few strokes for the claims about a closed cap.
+    Turned,
+    /// The cap was detected closed by touch, is tight, and no element was damaged.
+    ClosedWell,
+    /// The cap was detected open by touch, turned as far as measured by touch, and no element was damaged.
+    OpenedWell,
+    /// Completing the task suffices.
+    Done,
+}
+
+impl Criterion {
+    /// Criterion for runs with these facts. Set `laws_differ` if runs under different control laws are judged alike.
+    pub fn of(facts: &RunFacts, laws_differ: bool) -> Self {
+        match (&facts.task, facts.cap) {
+            (TaskKind::Contour | TaskKind::Carry | TaskKind::FrictionScan, _) => Self::Claims,
+            (TaskKind::Screw, Some(cap)) if cap.sense > 0.0 => Self::ClosedWell,
+            (TaskKind::Screw, Some(_)) => Self::OpenedWell,
+            (TaskKind::Screw, None) if facts.stroke_count < PAPERS_STROKES => Self::Turned,
+            (TaskKind::Screw, None) if laws_differ || !tasks::claims_apply(facts) => Self::AnyHand,
+            (TaskKind::Screw, None) if tasks::is_papers_hand(facts) => Self::Claims,
+            (TaskKind::Screw, None) => Self::Closed,
+            (TaskKind::Probe | TaskKind::Other(_), _) => Self::Done,
+        }
+    }
+
+    /// Criterion in words.
+    pub fn words(self) -> &'static str {
+        match self {
+            Self::Claims => "the task was completed and all its claims pass",
+            Self::AnyHand => "the task was completed and all five claims of any hand pass",
+            Self::Closed => {
+                "the task was completed, the cap was closed at the last stroke, and no element was overloaded"
+            }
+            Self::Turned => {
+                "the task was completed, every stroke turned the cap or the cap is closed, and no element was damaged"
+            }
+            Self::ClosedWell => "the cap was detected closed, is tight, and no element was damaged",
+            Self::OpenedWell => {
+                "the cap was detected open, turned as far as measured by touch, and no element was damaged"
+            }
+            Self::Done => "the task was completed",
+        }
+    }
+
+    /// `true` if the criterion includes the claim with this id. `of_any_hand` selects claims of any hand instead of the
+    /// task's claims.
+    pub fn requires(self, id: &str, of_any_hand: bool) -> bool {
+        match self {
+            Self::Claims => !of_any_hand,
+            Self::AnyHand => of_any_hand,
+            Self::Closed => [CLOSES_CAP, OVERLOADS_NOTHING].contains(&id),
+            Self::Turned => id == NO_DAMAGE,
+            Self::ClosedWell | Self::OpenedWell | Self::Done => false,
+        }
+    }
+
+    /// Claims that the criterion includes; may be empty.
+    pub fn claims(self, summary: &Summary) -> Vec<&Claim> {
+        let required = |of_any_hand| move |claim: &&Claim| self.requires(claim.id, of_any_hand);
+        let own = summary.claims.iter().filter(required(false));
+        own.chain(summary.hand_claims.iter().filter(required(true)))
+            .collect()
+    }
+
+    /// `true` if a completed run meets the criterion.
+    pub fn holds(self, summary: &Summary) -> bool {
+        let outcome = summary.outcome.as_ref();
+        let cap = summary.cap.as_ref();
+        let apart_from_claims = match self {
+            Self::Turned => turns_or_closes(&summary.strokes),
+            Self::ClosedWell => cap.is_some_and(|cap| cap.closed_well(outcome)),
+            Self::OpenedWell => cap.is_some_and(|cap| cap.opened_well(outcome)),
+            Self::Claims | Self::AnyHand | Self::Closed | Self::Done => true,
+        };
+        apart_from_claims && self.claims(summary).iter().all(|claim| claim.holds)
+    }
+}
+
+impl Serialize for Criterion {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.serialize_str(self.words())
+    }
+}
+
+fn turns_or_closes(strokes: &[StrokeMeasures]) -> bool {
+    let turns: Vec<_> = strokes.iter().map(|stroke| stroke.cap_turn).collect();
+    turned(&turns) || found_closed(&turns)
+}
+
+/// Judgement of a run by its criterion.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
+pub struct Success {
+    /// `true` if the task was completed and the criterion holds.
+    pub met: bool,
+    /// Applied criterion.
+    pub criterion: Criterion,
+}
+
+impl Success {
+    /// Judges a simulated run with these facts; `None` if it screwed a cap whose motion is unknown.
+    pub fn of(facts: &RunFacts, summary: &Summary) -> Option<Self> {
+        if facts.task == TaskKind::Screw && facts.cap_radius == 0.0 {
+            return None;
+        }
+        let criterion = Criterion::of(facts, false);
+        let met = summary.state == RunState::Done && criterion.holds(summary);
+        Some(Self { met, criterion })
+    }
+
+    /// Sentence about the criterion; `None` if the report's claims already cover it.
+    pub fn beyond_claims(self) -> Option<String> {
+        let words = self.criterion.words();
+        match (self.criterion, self.met) {
+            (Criterion::Claims | Criterion::AnyHand, _) => None,
+            (_, true) => Some(format!("success: yes ({words})")),
+            (_, false) => Some(format!("success: no (expected: {words})")),
+        }
+    }
+}

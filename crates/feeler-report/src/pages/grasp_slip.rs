@@ -1,0 +1,237 @@
+//! `slip.html` of recordings: slip detectors evaluated on labelled grasps, on a self-contained page.
+
+use super::compare::number;
+use super::document::{Tile, document, tiles};
+use super::slip::Roc;
+use super::text::significant;
+use crate::figures::slip::grasp_roc_figure;
+use crate::page_data::PageData;
+use maud::html;
+use serde::Serialize;
+
+/// Content of the slip detector page for recordings.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GraspSlipPage {
+    /// Name of the set of recordings.
+    pub name: String,
+    /// Labeled units: `recordings` or `frames`.
+    pub of: &'static str,
+    /// Grouping for cross-validation: a column of the labels, or `recording`.
+    pub grouped_by: String,
+    /// Number of labelled units, of slips among them, and of groups.
+    pub counts: (usize, usize, usize),
+    /// Results of the detectors.
+    pub detectors: Vec<GraspDetector>,
+    /// Other recordings used to choose thresholds, if any: name, number of units, number of slips.
+    pub others: Option<(String, usize, usize)>,
+    /// Notes on unusual or unlabelled data.
+    pub notes: Vec<String>,
+}
+
+/// Result of a detector. Estimates are `[low, estimate, high]` with the 95 % confidence interval, whose ends are NaN if
+/// there is only one group.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct GraspDetector {
+    /// Name of the detector.
+    pub name: &'static str,
+    /// Meaning and unit of its score.
+    pub meaning: String,
+    /// Area under the ROC curve; `None` if all or no units are slips, or if the detector has no scores.
+    pub auc: Option<[f64; 3]>,
+    /// Fraction classified correctly with thresholds chosen on all other groups.
+    pub accuracy: Option<[f64; 3]>,
+    /// Threshold chosen on all groups; `None` if the detector has no scores.
+    pub threshold: Option<f64>,
+    /// Detected slips, missed slips, false alarms and correct rejections.
+    pub confusion: [usize; 4],
+    /// Number of units without a score.
+    pub unknown: usize,
+    /// ROC curve.
+    #[serde(skip)]
+    pub curve: Roc,
+    /// Misclassified recordings, with their number of misclassified frames if frames are labelled.
+    pub wrong: Vec<String>,
+    /// Result with thresholds from other recordings, if scores are comparable between the sets.
+    pub transfer: Option<GraspTransfer>,
+}
+
+/// Result of a detector with thresholds from other recordings.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct GraspTransfer {
+    /// Threshold chosen on the other recordings only.
+    pub threshold: f64,
+    /// Fraction classified correctly with this threshold.
+    pub alone: Option<[f64; 3]>,
+    /// Detected slips, missed slips, false alarms and correct rejections with this threshold.
+    pub confusion: [usize; 4],
+    /// Fraction classified correctly with thresholds chosen on the other recordings and all other groups together.
+    pub added: Option<[f64; 3]>,
+}
+
+/// Column headings of a transfer result.
+pub const TRANSFER_COLUMNS: [&str; 7] = [
+    "transfer threshold",
+    "transfer accuracy (%)",
+    "transfer detected",
+    "transfer missed",
+    "transfer false alarms",
+    "transfer rejections",
+    "combined accuracy (%)",
+];
+
+impl GraspTransfer {
+    /// Formatted values in the order of [`TRANSFER_COLUMNS`].
+    pub fn fields(&self) -> [String; 7] {
+        let [noticed, missed, alarms, quiet] = self.confusion.map(|count| count.to_string());
+        let (alone, added) = (percent(self.alone), percent(self.added));
+        let threshold = in_words(self.threshold);
+        [threshold, alone, noticed, missed, alarms, quiet, added]
+    }
+}
+
+/// Column headings of a detector's result.
+pub const GRASP_COLUMNS: [&str; 9] = [
+    "AUC",
+    "accuracy (%)",
+    "threshold",
+    "slips detected",
+    "slips missed",
+    "false alarms",
+    "correct rejections",
+    "unknown",
+    "score",
+];
+
+impl GraspDetector {
+    /// Formatted values in the order of [`GRASP_COLUMNS`].
+    pub fn fields(&self) -> [String; 9] {
+        let dash = || "-".to_string();
+        let [noticed, missed, alarms, quiet] = self.confusion.map(|count| count.to_string());
+        [
+            self.auc.map_or_else(dash, area),
+            percent(self.accuracy),
+            self.threshold.map_or_else(dash, in_words),
+            noticed,
+            missed,
+            alarms,
+            quiet,
+            self.unknown.to_string(),
+            self.meaning.clone(),
+        ]
+    }
+}
+
+/// Formats a threshold; infinite thresholds mean that the detector always or never fires.
+fn in_words(threshold: f64) -> String {
+    match threshold.is_finite() {
+        true => significant(threshold),
+        false if threshold < 0.0 => "always".into(),
+        false => "never".into(),
+    }
+}
+
+/// Formats a fraction with its interval, in percent.
+fn percent(share: Option<[f64; 3]>) -> String {
+    let percent = |share: [f64; 3]| number(share.map(|part| 100.0 * part));
+    share.map_or_else(|| "-".into(), percent)
+}
+
+/// Formats an area with its interval, to three decimals.
+fn area([low, mean, high]: [f64; 3]) -> String {
+    match low.is_nan() || high.is_nan() {
+        true => format!("{mean:.3} (no interval)"),
+        false => format!("{mean:.3} [{low:.3}, {high:.3}]"),
+    }
+}
+
+/// Accuracy of the constant answer: the fraction of the more frequent class, given the number of units and of slips.
+pub fn base_rate(all: usize, slips: usize) -> f64 {
+    slips.max(all - slips) as f64 / all.max(1) as f64
+}
+
+/// Renders the page as HTML.
+pub fn grasp_slip_page(page: &GraspSlipPage) -> String {
+    let (all, slips, groups) = page.counts;
+    let roc = grasp_roc_figure(page, 1);
+    let base = significant(100.0 * base_rate(all, slips));
+    let body = html! {
+        h1 { "Slip detectors: " (page.name) }
+        (tiles(&tiles_of(page)))
+        p {
+            (all) " labelled " (page.of) " in " (groups) " groups (" (page.grouped_by) "), " (slips) " of them slips. A constant answer has an "
+            "accuracy of " (base) " %. Each threshold was chosen on all groups except the one it is tested on."
+        }
+        div.figures { (roc.markup()) }
+        div.scroll {
+            table {
+                thead { tr { th { "Detector" } @for column in GRASP_COLUMNS { th.number { (column) } } } }
+                tbody {
+                    @for detector in &page.detectors {
+                        tr {
+                            td { (detector.name) }
+                            @for field in detector.fields() { td.number { (field) } }
+                        }
+                    }
+                }
+            }
+        }
+        p.note {
+            "Brackets show 95 % confidence intervals (bootstrap over groups)."
+            @if groups == 1 { " A single group has no interval." }
+            @else if groups < 10 { " With only " (groups) " groups, the intervals are unreliable." }
+            " AUC is the area under the curve: the probability that a slip has a higher score than a non-slip. The threshold is chosen on all "
+            "groups, for use on other recordings. Missing shear requires the fingertip's pose, which recordings do not contain. "
+            "Contact loss indicates that the object is gone, drag that it moves in the grip; labels may mean either. No detector predicts slip."
+        }
+        @if let Some((name, all, slips)) = &page.others {
+            h2 { "With thresholds of other recordings" }
+            p {
+                (name) ": " (all) " labelled " (page.of) ", " (slips) " of them slips. Results with the threshold chosen on these alone, "
+                "and with thresholds chosen on these and all other groups, both sets weighted equally."
+            }
+            div.scroll {
+                table {
+                    thead { tr { th { "Detector" } @for column in TRANSFER_COLUMNS { th.number { (column) } } } }
+                    tbody {
+                        @for (detector, transfer) in transferred(page) {
+                            tr {
+                                td { (detector.name) }
+                                @for field in transfer.fields() { td.number { (field) } }
+                            }
+                        }
+                    }
+                }
+            }
+            p.note { "Only detectors whose scores are comparable between both sets." }
+        }
+        @for detector in page.detectors.iter().filter(|detector| !detector.wrong.is_empty()) {
+            details {
+                summary { (detector.wrong.len()) " misclassified by " (detector.name) }
+                ul { @for wrong in &detector.wrong { li { (wrong) } } }
+            }
+        }
+        @if !page.notes.is_empty() {
+            h2 { "Notes" }
+            ul { @for note in &page.notes { li { (note) } } }
+        }
+    };
+    let title = format!("Slip detectors: {}", page.name);
+    document(&title, body, &PageData::of_figures(&title, &[roc]))
+}
+
+/// Detectors with thresholds from other recordings.
+fn transferred(page: &GraspSlipPage) -> impl Iterator<Item = (&GraspDetector, &GraspTransfer)> {
+    let detectors = page.detectors.iter();
+    detectors.filter_map(|detector| Some((detector, detector.transfer.as_ref()?)))
+}
+
+/// Key figures: accuracy of each detector.
+fn tiles_of(page: &GraspSlipPage) -> Vec<Tile> {
+    let known = page.detectors.iter().filter_map(|detector| {
+        let [_, right, _] = detector.accuracy?;
+        let auc = detector.auc.map(|[_, auc, _]| format!(", AUC {auc:.3}"));
+        let label = format!("accuracy of {}{}", detector.name, auc.unwrap_or_default());
+        Some(Tile::new(significant(100.0 * right), "%", label))
+    });
+    known.collect()
+}

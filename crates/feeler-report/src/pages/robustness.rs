@@ -1,0 +1,310 @@
+//! `robustness.html`: fraction of plausible hands on which each claim passes, and the parameters that decide it.
+
+use super::document::{Tile, document, tiles};
+use super::ranges_table::{RangeRow, ranges_table};
+use super::sweep::Varied;
+use super::text::significant;
+use crate::figures::Figure;
+use crate::figures::robustness::{indices_figure, shares_figure, traces_figure};
+use crate::measures::claim::DecidedBy;
+use crate::page_data::PageData;
+use maud::{Markup, html};
+use serde::Serialize;
+
+/// Name of the share in which only the run's seed varies.
+pub const NOTHING: &str = "nothing varied";
+/// Name of the measure that combines all claims decided by the hand.
+pub const ALL_OF_HAND: &str = "all about the hand";
+
+/// Content of the robustness page, serialized as `robustness.json`.
+#[derive(Debug, Clone, PartialEq, Default, Serialize)]
+pub struct RobustnessPage {
+    /// Name of the experiment.
+    pub name: String,
+    /// Seed of all random draws.
+    pub seed: u64,
+    /// Number of completed trials of all kinds.
+    pub finished: u64,
+    /// Number of planned trials of all kinds.
+    pub planned: u64,
+    /// Number of design points at which everything varies.
+    pub rows: u64,
+    /// Number of hands among them: points with a valid experiment.
+    pub hands: u64,
+    /// Number of point pairs from which the indices are estimated.
+    pub pairs: u64,
+    /// Factors of the indices: each parameter, the run's seed, each group.
+    pub factors: Vec<String>,
+    /// Number of factors that are parameters; these come first.
+    pub parameters: usize,
+    /// Each claim, and all claims together.
+    pub measures: Vec<Measure>,
+    /// Outcomes of the trials in which everything varies.
+    pub endings: Vec<Ending>,
+    /// Varied parameters.
+    pub ranges: Vec<RangeRow>,
+    /// The experiment without varied values (TOML).
+    #[serde(skip)]
+    pub experiment: String,
+}
+
+/// A claim, or all claims together.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Measure {
+    /// Name of the claim or combination.
+    pub name: String,
+    /// Part of the apparatus that decides the claim; `None` (JSON null) for combinations and for claims of other tasks.
+    pub decided_by: Option<DecidedBy>,
+    /// Fraction of hands that pass: with everything varied, with each group varied alone, and with only the seed
+    /// varied.
+    pub shares: Vec<Share>,
+    /// Sensitivity of the result (pass or fail) to each factor.
+    pub holds: Vec<Index>,
+    /// Sensitivity of the margin (-1 to 1) to each factor; empty if the measure has no margin.
+    pub margin: Vec<Index>,
+    /// Parameters with the largest total effect.
+    #[serde(skip)]
+    pub traces: Vec<Trace>,
+}
+
+/// A fraction of hands.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Share {
+    /// Set of hands.
+    pub of: String,
+    /// Number of hands in the set.
+    pub hands: u64,
+    /// Number of hands that pass.
+    pub holding: u64,
+    /// Fraction (0 to 1) with Wilson's 95 % interval: `[low, fraction, high]`.
+    pub share: [f64; 3],
+}
+
+/// Sensitivity indices of one factor with their 95 % intervals (`[low, index, high]`); `None` if the measure does not
+/// vary.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Index {
+    /// Name of the factor.
+    pub factor: String,
+    /// First-order index.
+    pub first: Option<[f64; 3]>,
+    /// Total-effect index.
+    pub total: Option<[f64; 3]>,
+}
+
+/// Values of a parameter in all hands, with the claim's result.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trace {
+    /// Values and results.
+    pub varied: Varied,
+    /// Total-effect index of the parameter.
+    pub total: f64,
+    /// Nominal value in the experiment.
+    pub nominal: Option<f64>,
+}
+
+/// Trials with the same outcome.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Ending {
+    /// Outcome.
+    pub outcome: String,
+    /// Number of trials.
+    pub trials: u64,
+    /// Reason given by one of the trials.
+    pub reason: String,
+}
+
+impl Measure {
+    /// Parameters that influence the result, by decreasing total effect. Excludes those whose interval includes 0.
+    pub fn deciding(&self, parameters: usize) -> Vec<(&str, f64)> {
+        let alone = self.holds.iter().take(parameters);
+        let known = alone.filter_map(|index| Some((index.factor.as_str(), index.total?)));
+        let clear = known.filter(|(_, total)| total[0] > 0.0);
+        let mut ranked: Vec<_> = clear.map(|(factor, total)| (factor, total[1])).collect();
+        ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
+        ranked
+    }
+}
+
+impl RobustnessPage {
+    /// Measure with this name.
+    fn measure(&self, name: &str) -> Option<&Measure> {
+        self.measures.iter().find(|measure| measure.name == name)
+    }
+
+    /// Fraction of hands that pass all claims, as a sentence.
+    pub fn verdict(&self) -> Option<String> {
+        let all = self.measures.last()?;
+        let share = all.shares.first()?;
+        let mut text = format!(
+            "{}: {} of plausible hands pass",
+            all.name,
+            percent(share.share)
+        );
+        if let Some(share) = self.measure(ALL_OF_HAND).and_then(|m| m.shares.first()) {
+            text += &format!("; {ALL_OF_HAND}: {}", percent(share.share));
+        }
+        let nothing = all.shares.last().filter(|share| share.of == NOTHING);
+        if let Some(nominal) = nothing {
+            text += &format!("; with only the seed varied: {}", percent(nominal.share));
+        }
+        Some(text)
+    }
+}
+
+/// Renders the page as HTML.
+pub fn robustness_page(page: &RobustnessPage) -> String {
+    let shares = shares_figure(page, 1);
+    let indices = match page.pairs > 0 {
+        true => indices_of(page),
+        false => Vec::new(),
+    };
+    let traced = page.measures.iter().filter(|m| !m.traces.is_empty());
+    let numbered = traced.zip(2 + indices.len() as u32..);
+    let traces: Vec<_> = numbered
+        .map(|(m, number)| traces_figure(m, number))
+        .collect();
+    let body = html! {
+        @if page.finished < page.planned {
+            div.incomplete role="alert" {
+                "INCOMPLETE: " (page.finished) " of " (page.planned) " trials are completed."
+            }
+        }
+        h1 { "Robustness to unknown parameters: " (page.name) }
+        @if let Some(verdict) = page.verdict() { p.verdict { (verdict) "." } }
+        (tiles(&tiles_of(page)))
+        p {
+            (page.ranges.len()) " unknown values were varied over plausible ranges, at " (page.rows)
+            " points of a scrambled Sobol' sequence (seed " (page.seed) "), each with a separate seed for quantities that differ between runs. "
+            (page.hands) " points are valid hands; at " (page.rows - page.hands)
+            " the experiment is invalid, and they are excluded from all fractions. Hands that stop or fail are included in all fractions."
+        }
+        h2 { "Fraction of plausible hands that pass each claim" }
+        div.figures { (shares.markup()) }
+        (shares_table(page))
+        p.note { "Brackets show Wilson's 95 % interval. If a group is varied alone, all other values are nominal." }
+        @if page.pairs > 0 { (decided(page, &indices, &traces)) }
+        h2 { "Outcomes" }
+        (endings_table(page))
+        h2 { "Varied parameters and their ranges" }
+        (ranges_table(&page.ranges))
+        h2 { "Repeating a trial" }
+        p { "To repeat a trial with its recording and report: " code { "feeler run --trial FOLDER TRIAL" }
+            ". The trials are listed in " code { "trials.csv" } ", all values of this page in " code { "robustness.json" } "." }
+        details {
+            summary { "Experiment, without varied values" }
+            pre { (page.experiment) }
+        }
+    };
+    let title = format!("Robustness: {}", page.name);
+    let figures = [vec![shares], indices, traces].concat();
+    document(&title, body, &PageData::of_figures(&title, &figures))
+}
+
+/// Key figures of the study.
+fn tiles_of(page: &RobustnessPage) -> Vec<Tile> {
+    let share = |share: &Share| significant(100.0 * share.share[1]);
+    let all = page.measures.last().map_or(&[][..], |all| &all.shares);
+    let plausible = all
+        .first()
+        .map(|s| (share(s), "of plausible hands pass all claims"));
+    let hand = page.measure(ALL_OF_HAND).and_then(|m| m.shares.first());
+    let hand = hand.map(|s| (share(s), "pass all claims about the hand"));
+    let nothing = all.iter().rfind(|share| share.of == NOTHING);
+    let nominal = nothing.map(|s| (share(s), "with only the seed varied"));
+    let shares = plausible.into_iter().chain(hand).chain(nominal);
+    let mut tiles: Vec<_> = shares
+        .map(|(value, label)| Tile::new(value, "%", label))
+        .collect();
+    tiles.push(Tile::new(page.hands.to_string(), "", "hands"));
+    tiles.push(Tile::new(
+        page.ranges.len().to_string(),
+        "",
+        "values varied",
+    ));
+    tiles
+}
+
+/// Heat maps of the sensitivity of results and margins.
+fn indices_of(page: &RobustnessPage) -> Vec<Figure> {
+    const HOLDS: (&str, &str) = (
+        "result",
+        "Total-effect index (%): how often changing this parameter alone changes the result of the claim, \
+        relative to how often changing the whole hand does.",
+    );
+    const MARGIN: (&str, &str) = (
+        "margin",
+        "Total-effect index (%) of the distance from the bound, relative to the bound and clipped to -1 to 1; unmeasured claims count as -1.",
+    );
+    vec![
+        indices_figure(page, HOLDS, |m| &m.holds, 2),
+        indices_figure(page, MARGIN, |m| &m.margin, 3),
+    ]
+}
+
+/// Section on sensitivity: heat maps, and claims against the most influential parameters.
+fn decided(page: &RobustnessPage, indices: &[Figure], traces: &[Figure]) -> Markup {
+    html! {
+        h2 { "Influence of parameters" }
+        div.figures { @for figure in indices { (figure.markup()) } }
+        p.note {
+            "Jansen's estimator over " (page.pairs) " pairs of points. First-order indices (Saltelli 2010) and the 95 % intervals of all indices (bootstrap over pairs) are in "
+            code { "robustness.json" } ". Pale values are not significantly different from 0. Total effects count interactions once for each parameter involved, so their sum may exceed 100 %."
+        }
+        h2 { "Claims against the most influential parameters" }
+        div.figures { @for figure in traces { (figure.markup()) } }
+    }
+}
+
+fn shares_table(page: &RobustnessPage) -> Markup {
+    let of = page.measures.first().map_or(&[][..], |m| &m.shares);
+    html! {
+        div.scroll {
+            table {
+                thead { tr { th { "passes in (%)" } th { "decided by" } @for share in of { th.number { (share.of) " (" (share.hands) ")" } } } }
+                tbody {
+                    @for measure in &page.measures {
+                        tr {
+                            td { (measure.name) }
+                            td { (measure.decided_by.map_or("", decided_by)) }
+                            @for share in &measure.shares { td.number { (percent(share.share)) } }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Table text for the part of the apparatus that decides a claim.
+pub fn decided_by(decided_by: DecidedBy) -> &'static str {
+    match decided_by {
+        DecidedBy::Hand => "hand",
+        DecidedBy::HandAndBottle => "hand and bottle",
+    }
+}
+
+fn endings_table(page: &RobustnessPage) -> Markup {
+    html! {
+        div.scroll {
+            table {
+                thead { tr { th { "Outcome" } th.number { "Points" } th { "Example reason" } } }
+                tbody {
+                    @for ending in &page.endings {
+                        tr {
+                            td { (ending.outcome) @if ending.outcome == "invalid" { " (not a valid hand)" } }
+                            td.number { (ending.trials) }
+                            td { (ending.reason) }
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Formats a fraction with its interval, in percent.
+pub fn percent(share: [f64; 3]) -> String {
+    let [low, share, high] = share.map(|part| 100.0 * part);
+    format!("{share:.1} [{low:.1}, {high:.1}] %")
+}

@@ -1,0 +1,188 @@
+//! Columns of one finger.
+
+use super::Stroke;
+use crate::measures::series::maximum;
+use crate::run::rows::Rows;
+use feeler::sensor::fingertip::SensingElement;
+use feeler_record::{
+    FingerRecord, Fingertip, Flags, Joints, NO_ELEMENT, Newest, Recording, Tactile,
+};
+use glam::{DQuat, DVec3};
+
+/// Initial capacity in rows, so that a run of ordinary length (20 s at 100 Hz) does not reallocate.
+const ROWS: usize = 2048;
+
+/// Columns of one finger, with as many rows as [`RunData::time`](super::RunData::time).
+#[derive(Debug, Clone, Default, PartialEq)]
+pub struct FingerColumns {
+    /// Sum of the positive F_z (N).
+    pub grasp_force: Vec<f64>,
+    /// TOUCH flag.
+    pub touch: Vec<bool>,
+    /// SLIP flag.
+    pub slip: Vec<bool>,
+    /// OVER flag.
+    pub over: Vec<bool>,
+    /// Longest distance that the anchor of a feeler slid since the previous row (m); ground truth.
+    pub slipped: Vec<Option<f64>>,
+    /// Touching element with the largest F_z, if any.
+    pub largest_element: Vec<Option<usize>>,
+    /// Shear rate of that element (N/s); 0 if no element touches.
+    pub shear_rate: Vec<f64>,
+    /// Force on each element in its frame (N); z is compression.
+    pub forces: Rows<DVec3>,
+    /// Largest F_z (N); NaN if any is not finite, -∞ if there are no elements.
+    pub largest_force: Vec<f64>,
+    /// Centre of the dome in `W` (m).
+    pub position: Vec<DVec3>,
+    /// Rotation from the fingertip frame `T` to `W`.
+    pub rotation: Vec<DQuat>,
+    /// Joint angles (rad); NaN before the first measurement.
+    pub joints: Vec<[f64; 3]>,
+    /// Undeformed tip of each element's feeler in `T` (m).
+    pub tips: Vec<DVec3>,
+}
+
+impl FingerColumns {
+    /// Path of the leading element's undeformed tip over MOVE, in `W` (m). The leading element is the touching element
+    /// with the largest F_z when MOVE starts.
+    pub fn leading_path(&self, stroke: &Stroke) -> Option<Vec<DVec3>> {
+        let moving = stroke.moving.clone();
+        let leading = moving.clone().find_map(|row| self.largest_element[row])?;
+        moving.map(|row| self.tip(row, leading)).collect()
+    }
+
+    /// Undeformed tip of the feeler of `element` at a row, in `W` (m).
+    pub fn tip(&self, row: usize, element: usize) -> Option<DVec3> {
+        let (centre, rotation) = (self.position.get(row)?, self.rotation.get(row)?);
+        Some(*centre + *rotation * *self.tips.get(element)?)
+    }
+
+    /// Force on the feeler of `element` by the touched object at a row, in `W` (N).
+    pub fn force_in_world(&self, row: usize, element: usize) -> Option<DVec3> {
+        let force = self.forces.get(row)?.get(element)?;
+        let outward = self.tips.get(element)?.normalize_or_zero();
+        let force = SensingElement::facing(outward).force_on_fingertip(*force);
+        Some(*self.rotation.get(row)? * force)
+    }
+
+    /// Reserves capacity for the first rows.
+    pub(super) fn reserve(&mut self) {
+        self.grasp_force.reserve(ROWS);
+        self.touch.reserve(ROWS);
+        self.slip.reserve(ROWS);
+        self.over.reserve(ROWS);
+        self.slipped.reserve(ROWS);
+        self.largest_element.reserve(ROWS);
+        self.shear_rate.reserve(ROWS);
+        self.forces.reserve(ROWS, ROWS * self.tips.len());
+        self.largest_force.reserve(ROWS);
+        self.position.reserve(ROWS);
+        self.rotation.reserve(ROWS);
+        self.joints.reserve(ROWS);
+    }
+
+    pub(super) fn push(&mut self, newest: &FingerRow<'_>) {
+        let FingerRow {
+            tactile,
+            flags,
+            fingertip,
+            joints,
+        } = newest;
+        let largest = (flags.largest_element != NO_ELEMENT)
+            .then_some(flags.largest_element as usize)
+            .filter(|&element| element < flags.shear_rate.len());
+        self.grasp_force.push(flags.grasp_force);
+        self.touch.push(flags.touch);
+        self.slip.push(flags.slip);
+        self.over.push(flags.over);
+        self.largest_element.push(largest);
+        let shear_rate = largest.map_or(0.0, |element| flags.shear_rate[element]);
+        self.shear_rate.push(shear_rate);
+        self.forces
+            .push(tactile.forces.iter().map(|&force| force.into()));
+        let largest = match tactile.forces.as_slice() {
+            [] => f64::NEG_INFINITY,
+            forces => maximum(forces.iter().map(|force| force.z)).unwrap_or(f64::NAN),
+        };
+        self.largest_force.push(largest);
+        self.position.push(fingertip.position.into());
+        self.rotation.push(fingertip.orientation.into());
+        let angles = joints.map_or([f64::NAN; 3], |joints| joints.position);
+        self.joints.push(angles);
+    }
+
+    /// Retains only the rows with these ascending indices.
+    pub(super) fn keep(&mut self, rows: &[usize]) {
+        keep(&mut self.grasp_force, rows);
+        keep(&mut self.touch, rows);
+        keep(&mut self.slip, rows);
+        keep(&mut self.over, rows);
+        keep(&mut self.slipped, rows);
+        keep(&mut self.largest_element, rows);
+        keep(&mut self.shear_rate, rows);
+        self.forces.keep(rows);
+        keep(&mut self.largest_force, rows);
+        keep(&mut self.position, rows);
+        keep(&mut self.rotation, rows);
+        keep(&mut self.joints, rows);
+    }
+}
+
+/// Retains only the entries with these ascending indices.
+pub(crate) fn keep<T>(column: &mut Vec<T>, rows: &[usize]) {
+    for (place, &row) in rows.iter().enumerate() {
+        column.swap(place, row);
+    }
+    column.truncate(rows.len());
+}
+
+/// Columns of each finger, without rows.
+pub(super) fn fingers(recording: &Recording) -> Vec<FingerColumns> {
+    let mut fingers = vec![FingerColumns::default(); recording.fingers.len()];
+    for (columns, model) in fingers.iter_mut().zip(&recording.facts.hand) {
+        let tips = model.element_tips.iter();
+        columns.tips = tips.map(|&tip| DVec3::from_array(tip)).collect();
+    }
+    fingers
+}
+
+/// Channels of one finger that become columns.
+pub(super) struct FingerNewest<'a> {
+    tactile: Newest<'a, Tactile>,
+    flags: Newest<'a, Flags>,
+    fingertip: Newest<'a, Fingertip>,
+    joints: Newest<'a, Joints>,
+}
+
+/// Latest messages of one finger; joint angles are optional.
+pub(super) struct FingerRow<'a> {
+    tactile: &'a Tactile,
+    flags: &'a Flags,
+    fingertip: &'a Fingertip,
+    joints: Option<&'a Joints>,
+}
+
+impl<'a> FingerNewest<'a> {
+    pub fn new(finger: &'a FingerRecord) -> Self {
+        Self {
+            tactile: Newest::new(&finger.tactile),
+            flags: Newest::new(&finger.flags),
+            fingertip: Newest::new(&finger.fingertip),
+            joints: Newest::new(&finger.joints),
+        }
+    }
+
+    pub fn at(&mut self, time: f64) -> Option<FingerRow<'a>> {
+        let tactile = self.tactile.at(time);
+        let flags = self.flags.at(time);
+        let fingertip = self.fingertip.at(time);
+        let joints = self.joints.at(time);
+        Some(FingerRow {
+            tactile: tactile?,
+            flags: flags?,
+            fingertip: fingertip?,
+            joints,
+        })
+    }
+}

@@ -1,0 +1,12 @@
+//! The simulated world: fixed model, state, and one time step.
+
+pub(crate) mod config;
+pub(crate) mod model;
+pub(crate) mod simulation;
+pub(crate) mod start;
+pub(crate) mod state;
+pub(crate) mod step;
+
+pub use config::{DirectSensingConfig, SimConfig, VariationConfig};
+pub use simulation::World;
+pub use state::{Contact, FingerState, State};

@@ -1,0 +1,187 @@
+//! The part of the world that is constant in a run: geometry and materials of the rig, varied by the run's seed.
+
+use super::config::SimConfig;
+use crate::contact::columnar_feeler::FeelerConfig;
+use crate::error::SimError;
+use crate::objects::holder::PlaySpring;
+use crate::objects::object::Object;
+use crate::random::{Purpose, generator, uniform};
+use crate::rig::servo::ServoConfig;
+use crate::rig::torque_sensor::TorqueSensorConfig;
+use feeler::hand::FingerGeometry;
+use feeler::sensor::fingertip::ElementLayout;
+use glam::{DMat3, DVec3};
+use std::f64::consts::TAU;
+use std::path::Path;
+
+/// Constant parameters of the rig in one run.
+pub struct WorldModel {
+    /// Time step (s).
+    pub step: f64,
+    /// Gravitational acceleration of free bodies in W (m/s²).
+    pub gravity: DVec3,
+    /// The objects.
+    pub objects: Vec<Object>,
+    /// The torque sensor.
+    pub torque_sensor: TorqueSensorConfig,
+    /// Torsion spring with play that holds objects on a thread: the bottle's play and the torque sensor's shaft.
+    pub shaft: PlaySpring,
+    /// Springs with play that hold them along W's x and y, or `None` if they cannot shift.
+    pub sides: Option<[PlaySpring; 2]>,
+    /// The drives.
+    pub servo: ServoConfig,
+    /// The fingers.
+    pub fingers: Vec<Finger>,
+    /// `true` if any contact force depends on speed, by damping or Stribeck friction.
+    pub depends_on_speed: bool,
+    /// `true` if any feeler relaxes.
+    pub relaxes: bool,
+    /// Fraction of a joint's velocity error that remains after one step.
+    pub servo_remaining_error: f64,
+    /// Gain of the torque sensor's low-pass filter for one step: fraction of the difference to the input.
+    pub torque_low_pass_gain: f64,
+}
+
+/// A finger and its fingertip.
+pub struct Finger {
+    /// Its links and joints.
+    pub geometry: FingerGeometry,
+    /// Radius of the dome at the centres of the undeformed tips (m).
+    pub dome_radius: f64,
+    /// Outward normals of the elements in the fingertip frame `T`.
+    pub normals: Vec<DVec3>,
+    /// Rotations from each element's frame `E_i` to the fingertip frame.
+    pub element_rotations: Vec<DMat3>,
+    /// The feelers, one per element.
+    pub feelers: Vec<FeelerConfig>,
+    /// Encoder readings minus joint angles (rad).
+    pub encoder_offset: DVec3,
+    /// The feeler that represents all, if they are identical and pure springs.
+    pub(crate) springs: Option<FeelerConfig>,
+    /// Maximum distance of any point of the dome from the axis of each joint (m).
+    pub(crate) reach: DVec3,
+}
+
+impl WorldModel {
+    /// Creates the rig of `config` with one finger per entry of `fingers`, varied by `seed`. Paths in `config` are
+    /// relative to `folder`.
+    ///
+    /// # Errors
+    /// If a shape cannot be created, or an override names an element that does not exist.
+    pub fn new(
+        config: &SimConfig,
+        fingers: &[(FingerGeometry, ElementLayout)],
+        folder: &Path,
+        seed: u64,
+    ) -> Result<Self, SimError> {
+        let mut config = config.clone();
+        let cap_angle = vary(&mut config, seed);
+        let objects = config.object.iter().map(|(name, object)| {
+            let angle = object.thread().map_or(0.0, |_| cap_angle);
+            Object::new(name, object, angle, folder).map_err(|source| SimError::Shape {
+                object: name.clone(),
+                source,
+            })
+        });
+        let objects = objects.collect::<Result<Vec<_>, _>>()?;
+        let mut fingers: Vec<Finger> = fingers
+            .iter()
+            .map(|(geometry, layout)| Finger::new(geometry, layout, &config.feeler))
+            .collect();
+        offset_encoders(&mut fingers, config.variation.encoder_offset, seed);
+        for exception in &config.element {
+            exception.apply(&mut fingers)?;
+        }
+        for finger in &mut fingers {
+            let first = finger.feelers.first().filter(|first| first.is_spring());
+            let alike = first.filter(|first| finger.feelers.iter().all(|other| other == *first));
+            finger.springs = alike.cloned();
+        }
+        let feelers = || fingers.iter().flat_map(|finger| &finger.feelers);
+        let damped = feelers().any(FeelerConfig::is_damped);
+        let frictions = feelers().map(FeelerConfig::friction);
+        let stribeck = frictions
+            .chain(objects.iter().filter_map(|object| object.friction))
+            .any(|friction| friction.stribeck_speed > 0.0);
+        let holder = config.holder.unwrap_or_default();
+        Ok(Self {
+            depends_on_speed: damped || stribeck,
+            relaxes: feelers().any(|feeler| feeler.relaxation.is_some()),
+            step: config.step,
+            gravity: config.gravity.into(),
+            objects,
+            servo_remaining_error: config.servo.remaining_error(config.step),
+            torque_low_pass_gain: config.torque_sensor.low_pass_gain(config.step),
+            shaft: PlaySpring::new(config.torque_sensor.stiffness, holder.turn_play),
+            sides: holder.sides(),
+            torque_sensor: config.torque_sensor,
+            servo: config.servo,
+            fingers,
+        })
+    }
+
+    /// Index of the object called `name` in the experiment file; valid for all lists with one entry per object.
+    pub fn object(&self, name: &str) -> Option<usize> {
+        self.objects.iter().position(|object| object.name == name)
+    }
+}
+
+impl Finger {
+    /// The feeler of `element`; if all are identical, always the same reference.
+    #[inline(always)]
+    pub(crate) fn feeler(&self, element: usize) -> &FeelerConfig {
+        self.springs.as_ref().unwrap_or(&self.feelers[element])
+    }
+
+    fn new(geometry: &FingerGeometry, layout: &ElementLayout, feeler: &FeelerConfig) -> Self {
+        let elements = &layout.elements;
+        let [l2, l3, l4] = geometry.links();
+        let last = l4 + layout.dome_radius;
+        Self {
+            springs: None,
+            reach: DVec3::new(l2 + l3 + last, l3 + last, last),
+            geometry: geometry.clone(),
+            dome_radius: layout.dome_radius,
+            normals: elements.iter().map(|e| e.normal()).collect(),
+            element_rotations: elements.iter().map(|e| e.rotation).collect(),
+            feelers: vec![feeler.clone(); elements.len()],
+            encoder_offset: DVec3::ZERO,
+        }
+    }
+}
+
+/// Draws the zero offset of every encoder (rad), uniform within ±`most`.
+fn offset_encoders(fingers: &mut [Finger], most: f64, seed: u64) {
+    let mut random = generator(seed, Purpose::EncoderOffset);
+    for finger in fingers {
+        finger.encoder_offset = DVec3::from_array([(); 3].map(|()| uniform(&mut random, most)));
+    }
+}
+
+/// Draws the quantities that vary with the seed. Returns the caps' initial angle (rad).
+fn vary(config: &mut SimConfig, seed: u64) -> f64 {
+    let mut random = generator(seed, Purpose::Variation);
+    let variation = &config.variation;
+    let x = uniform(&mut random, variation.bottle_position);
+    let y = uniform(&mut random, variation.bottle_position);
+    let friction = 1.0 + uniform(&mut random, variation.friction);
+    let seat_angle = 1.0 + uniform(&mut random, variation.seat_angle);
+    let cap_angle = uniform(&mut random, variation.cap_angle).rem_euclid(TAU);
+    let kinetic = 1.0 + uniform(&mut random, variation.kinetic_friction);
+    let feeler = &mut config.feeler;
+    feeler.static_friction *= friction;
+    feeler.kinetic_friction *= friction * kinetic;
+    feeler.kinetic_friction = feeler.kinetic_friction.min(feeler.static_friction);
+    for object in config.object.values_mut() {
+        if let Some(own) = &mut object.friction {
+            *own = own.scaled(friction);
+            own.kinetic_friction = (kinetic * own.kinetic_friction).min(own.static_friction);
+        }
+        if let Some(thread) = object.thread_mut() {
+            thread.seat_angle *= seat_angle;
+            object.position[0] += x;
+            object.position[1] += y;
+        }
+    }
+    cap_angle
+}

@@ -1,0 +1,193 @@
+//! Synchronizes images and loads: tare of the force sensor, statistics of the untouched fingertip, and latency of the
+//! images.
+
+use super::contact::{Contact, Untouched};
+use super::delay::{Delay, Timed, between, delay};
+use super::{Stage, Wrench};
+use crate::sensor::moments::kernel::ElementMoments;
+use glam::DVec3;
+use std::collections::VecDeque;
+
+/// Number of unloaded images for the statistics of the untouched fingertip.
+const UNTOUCHED_PICTURES: usize = 16;
+/// Duration for which loads are kept, s.
+const KEPT: f64 = 20.0;
+/// Minimum correlation of images and forces for a delay to be accepted.
+const CORRELATED: f64 = 0.9;
+/// Minimum number of complete presses for estimating the delay. The response of images is not proportional to the
+/// force, which would look like a delay if only one flank of a press were known.
+const PRESSES: u32 = 3;
+/// Maximum rate of change of a sample's force, full scales per second, and the time over which it is measured, s.
+const FASTEST: f64 = 2.0;
+const CHANGE_TIME: f64 = 0.02;
+/// Time constant with which the tare follows the untouched sensor, s.
+const TARE_TIME: f64 = 2.0;
+
+/// Use of an image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Of {
+    /// The untouched fingertip, during the first stage.
+    Untouched,
+    /// Presses, while the delay is estimated.
+    Presses,
+    /// Contact, once loads are collected.
+    Loads(Contact),
+}
+
+/// State shared by images and loads.
+#[derive(Debug)]
+pub(super) struct InStep {
+    /// Maximum force of the loads, N.
+    full_scale: f64,
+    untouched_pictures: Vec<Vec<ElementMoments>>,
+    untouched: Option<Untouched>,
+    /// Time and load on the fingertip, in its frame, including the tare.
+    loads: VecDeque<(f64, Wrench)>,
+    /// Mean of the loads while nothing is touched, and their number.
+    tare: Wrench,
+    tared: u32,
+    /// Deviation of each image, while the delay is estimated.
+    changes: Vec<Timed>,
+    delay: Option<Delay>,
+    /// Number of completed presses.
+    presses: u32,
+    /// `true` if nothing was touched in the latest image.
+    is_free: bool,
+}
+
+impl InStep {
+    /// Creates the state for loads up to `full_scale`, N.
+    pub(super) fn new(full_scale: f64) -> Self {
+        Self {
+            full_scale,
+            untouched_pictures: Vec::new(),
+            untouched: None,
+            loads: VecDeque::new(),
+            tare: Wrench::default(),
+            tared: 0,
+            changes: Vec::new(),
+            delay: None,
+            presses: 0,
+            is_free: true,
+        }
+    }
+
+    /// Current stage.
+    pub(super) fn stage(&self) -> Stage {
+        match (&self.untouched, self.delay) {
+            (None, _) => Stage::Untouched {
+                missing: UNTOUCHED_PICTURES.saturating_sub(self.untouched_pictures.len()),
+            },
+            (_, Some(delay)) if delay.correlation >= CORRELATED => Stage::Loads,
+            (_, found) => Stage::Presses {
+                missing: PRESSES.saturating_sub(self.presses),
+                found,
+            },
+        }
+    }
+
+    /// Latency of images relative to forces, once it is known.
+    pub(super) fn delay(&self) -> Option<Delay> {
+        self.delay
+    }
+
+    /// Adds a load (fingertip's frame) that was measured at the time `at`, s.
+    pub(super) fn load(&mut self, at: f64, load: Wrench) {
+        // Ignores loads that are not finite or out of order.
+        let newest = self.loads.back().map(|&(newest, _)| newest);
+        if !load.is_finite() || newest.is_some_and(|newest| at < newest) {
+            return;
+        }
+        let since = newest.map_or(0.0, |newest| at - newest);
+        if self.untouched.is_none() {
+            self.tared += 1;
+            self.tare = self.tare.towards(load, 1.0 / f64::from(self.tared));
+        } else if self.is_free && self.delay.is_some() {
+            self.tare = self.tare.towards(load, (since / TARE_TIME).min(1.0));
+        }
+        self.loads.push_back((at, load));
+        while self
+            .loads
+            .front()
+            .is_some_and(|&(oldest, _)| at - oldest > KEPT)
+        {
+            self.loads.pop_front();
+        }
+    }
+
+    /// Adds the moments of an image taken at the time `at` (s) and returns its use.
+    pub(super) fn picture(&mut self, at: f64, moments: &[ElementMoments]) -> Of {
+        let Some(untouched) = &self.untouched else {
+            self.untouched_pictures.push(moments.to_vec());
+            if self.untouched_pictures.len() >= UNTOUCHED_PICTURES && self.tared > 0 {
+                self.untouched = Untouched::of(&self.untouched_pictures);
+            }
+            return Of::Untouched;
+        };
+        let (contact, change) = untouched.contact(moments);
+        let was_free = std::mem::replace(&mut self.is_free, contact == Contact::None);
+        if self.stage() == Stage::Loads {
+            return Of::Loads(contact);
+        }
+        self.changes.push((at, change));
+        if self.is_free && !was_free {
+            self.presses += 1;
+            self.look_for_delay(at);
+        }
+        Of::Presses
+    }
+
+    /// Returns whether the loads needed for an image of the time `at` (s) have arrived.
+    pub(super) fn is_ready(&self, at: f64) -> bool {
+        let needed = self.time_of_picture(at) + 0.5 * CHANGE_TIME;
+        let newest = self.loads.back().map(|&(newest, _)| newest);
+        self.stage() != Stage::Loads || newest.is_some_and(|newest| newest >= needed)
+    }
+
+    /// Time of the load that is visible in an image of the time `at`, s.
+    fn time_of_picture(&self, at: f64) -> f64 {
+        at - self.delay.map_or(0.0, |delay| delay.seconds)
+    }
+
+    /// Load without the tare that is visible in an image of the time `at` (s). `None` if it is unknown, or changes so
+    /// fast that the error of the delay matters.
+    pub(super) fn load_of_picture(&self, at: f64) -> Option<Wrench> {
+        let time = self.time_of_picture(at);
+        let half = 0.5 * CHANGE_TIME;
+        let before = self.load_at(time - half)?.force;
+        let load = self.load_at(time)?;
+        let after = self.load_at(time + half)?.force;
+        let is_slow = (after - before).length() <= FASTEST * CHANGE_TIME * self.full_scale;
+        is_slow.then(|| load.without(self.tare))
+    }
+
+    /// Load at `time`, if loads before and after it are known.
+    fn load_at(&self, time: f64) -> Option<Wrench> {
+        let after = self.loads.partition_point(|&(at, _)| at < time);
+        let (from, start) = *self.loads.get(after.checked_sub(1)?)?;
+        let (to, end) = *self.loads.get(after)?;
+        let part = |of: fn(&Wrench) -> DVec3, axis: usize| {
+            between(&(from, of(&start)[axis]), &(to, of(&end)[axis]), time)
+        };
+        let all = |of| DVec3::new(part(of, 0), part(of, 1), part(of, 2));
+        Some(Wrench {
+            force: all(|load| load.force),
+            torque: all(|load| load.torque),
+        })
+    }
+
+    fn look_for_delay(&mut self, at: f64) {
+        if self.presses < PRESSES {
+            return;
+        }
+        let oldest = self.loads.front().map_or(at, |&(oldest, _)| oldest);
+        self.changes.retain(|&(at, _)| at >= oldest);
+        let magnitude = |&(at, load): &(f64, Wrench)| (at, load.without(self.tare).force.length());
+        let forces: Vec<Timed> = self.loads.iter().map(magnitude).collect();
+        // Noise alone may correlate by chance, so a minimum force is required.
+        let pressed = forces
+            .iter()
+            .any(|&(_, force)| force > 0.2 * self.full_scale);
+        self.delay = delay(&self.changes, &forces).filter(|_| pressed);
+    }
+}

@@ -1,0 +1,152 @@
+//! Guides the user through loading a fingertip mounted on a six-axis force sensor, and turns incoming images and
+//! forces into the samples for fitting a calibration ([`fit`](super::fit::fit)).
+//!
+//! 1. **Untouched**: measures forces and images without load.
+//! 2. **Presses**: estimates the latency of images relative to forces from their correlation.
+//! 3. **Loads**: collects samples. An image in which only one element is touched becomes a sample of that element, if
+//!   forces of its kind are still missing and the force does not change so fast that the error of the latency
+//!   matters.
+//!
+//! If elements cannot be loaded individually, [`LiveWrench`] guides through loading the whole fingertip, in rounds.
+//!
+//! Times are arrival times, or exposure times if the camera reports them, on one clock. Forces are those on the
+//! fingertip by the object.
+
+mod axes;
+mod contact;
+mod coverage;
+mod delay;
+mod in_step;
+mod wrench;
+
+pub use axes::{AxesError, ForceAxes};
+pub use coverage::{Coverage, Goal, Missing};
+pub use delay::Delay;
+pub use wrench::{LiveWrench, SeenWrench, Wrench, WrenchCoverage, WrenchMissing};
+
+use crate::sensor::moments::kernel::ElementMoments;
+use contact::Contact;
+use glam::{DMat3, DVec3};
+use in_step::{InStep, Of};
+
+/// Stage of a live calibration.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Stage {
+    /// Images without load are collected.
+    Untouched {
+        /// Number of missing images.
+        missing: usize,
+    },
+    /// Presses, each followed by a release, to determine the latency.
+    Presses {
+        /// Number of missing presses; 0 if all are done but images and forces do not correlate.
+        missing: u32,
+        /// Result so far, if any.
+        found: Option<Delay>,
+    },
+    /// Elements are loaded.
+    Loads,
+}
+
+/// Result of processing an image.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub enum Seen {
+    /// An image of the untouched fingertip, used for its statistics.
+    Untouched,
+    /// An image during the presses, or without contact.
+    Nothing,
+    /// Several elements are touched, or the force changes too fast or is unknown at the image's time.
+    Unclear,
+    /// The force exceeds the goal, or enough samples of its kind are kept.
+    Enough {
+        /// The touched element.
+        element: usize,
+        /// Force on it in its frame, N.
+        force: DVec3,
+    },
+    /// A new sample.
+    Sample {
+        /// The touched element.
+        element: usize,
+        /// Force on it in its frame, N.
+        force: DVec3,
+    },
+}
+
+/// State of a live calibration.
+#[derive(Debug)]
+pub struct LiveCalibration {
+    /// Rotation of each element's frame relative to the fingertip's.
+    frames: Vec<DMat3>,
+    goal: Goal,
+    coverage: Vec<Coverage>,
+    in_step: InStep,
+}
+
+impl LiveCalibration {
+    /// Creates a calibration of a fingertip with elements rotated by `frames` relative to the fingertip's frame. It
+    /// continues from `coverage`, the samples already known of each element.
+    pub fn new(frames: Vec<DMat3>, goal: Goal, coverage: Vec<Coverage>) -> Self {
+        Self {
+            frames,
+            goal,
+            coverage,
+            in_step: InStep::new(goal.normal),
+        }
+    }
+
+    /// Current stage.
+    pub fn stage(&self) -> Stage {
+        self.in_step.stage()
+    }
+
+    /// Samples known of each element.
+    pub fn coverage(&self) -> &[Coverage] {
+        &self.coverage
+    }
+
+    /// Full scale of the loads to collect.
+    pub fn goal(&self) -> &Goal {
+        &self.goal
+    }
+
+    /// Latency of images relative to forces, once it is known.
+    pub fn delay(&self) -> Option<Delay> {
+        self.in_step.delay()
+    }
+
+    /// Adds a force (N, fingertip's frame) measured at the time `at`, s.
+    pub fn force(&mut self, at: f64, force: DVec3) {
+        let torque = DVec3::ZERO;
+        self.in_step.load(at, Wrench { force, torque });
+    }
+
+    /// Returns whether the forces needed for an image of the time `at` (s) have arrived. They may arrive after the
+    /// image if the camera is as fast as the force sensor.
+    pub fn is_ready(&self, at: f64) -> bool {
+        self.in_step.is_ready(at)
+    }
+
+    /// Adds the moments of an image taken at the time `at` (s).
+    pub fn picture(&mut self, at: f64, moments: &[ElementMoments]) -> Seen {
+        match self.in_step.picture(at, moments) {
+            Of::Untouched => Seen::Untouched,
+            Of::Presses | Of::Loads(Contact::None) => Seen::Nothing,
+            Of::Loads(Contact::Unclear) => Seen::Unclear,
+            Of::Loads(Contact::Element(element)) => match self.in_step.load_of_picture(at) {
+                None => Seen::Unclear,
+                Some(load) => self.sample(element, load.force),
+            },
+        }
+    }
+
+    fn sample(&mut self, element: usize, force: DVec3) -> Seen {
+        let inward = self.frames[element].transpose() * force;
+        // Compression is the force against the outward normal.
+        let force = inward.with_z(-inward.z);
+        match self.coverage[element].count(force, &self.goal) {
+            true => Seen::Sample { element, force },
+            false => Seen::Enough { element, force },
+        }
+    }
+}

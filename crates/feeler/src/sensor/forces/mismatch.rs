@@ -1,0 +1,65 @@
+//! Checks that the first images are of the fingertip for which the calibration was made.
+
+use crate::sensor::calibration::model::{ElementCalibration, Inputs};
+use crate::sensor::moments::kernel::ElementMoments;
+
+/// Maximum deviation of an unloaded element, as a fraction of the range of the calibration's loads: equivalent to a
+/// twentieth of full scale.
+const TOLERANCE: f64 = 0.05;
+
+/// The first images do not match the calibration.
+#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
+#[error(
+    "the images do not match the calibration: {off} of {lit} elements differ from their unloaded state. Expected the calibrated fingertip, untouched at the start; this may be another fingertip, or its camera is swapped with another"
+)]
+pub struct Mismatch {
+    /// Number of elements that differ.
+    pub off: usize,
+    /// Number of elements that are neither dark nor saturated.
+    pub lit: usize,
+}
+
+/// Checks images until the first conclusive one.
+///
+/// An object touches at most half of a dome's elements. If more differ in position or brightness, the image is of
+/// another fingertip. Starting while a finger grasps an object is therefore possible.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
+pub(in crate::sensor) struct FirstPicture {
+    seen: bool,
+}
+
+impl FirstPicture {
+    /// Checks the `moments` of the well-exposed elements, each with its calibration, out of `elements` in total. An
+    /// image with fewer than half of them is inconclusive; then the next image is checked.
+    pub fn check<'a>(
+        &mut self,
+        elements: usize,
+        lit: impl Iterator<Item = (&'a ElementCalibration, &'a ElementMoments)>,
+    ) -> Result<(), Mismatch> {
+        if self.seen {
+            return Ok(());
+        }
+        let (lit, off) = lit.fold((0, 0), |(lit, off), (element, moments)| {
+            (lit + 1, off + usize::from(is_off(element, moments)))
+        });
+        self.seen = 2 * lit >= elements;
+        if self.seen && 2 * off > lit {
+            self.seen = false;
+            return Err(Mismatch { off, lit });
+        }
+        Ok(())
+    }
+}
+
+fn is_off(element: &ElementCalibration, moments: &ElementMoments) -> bool {
+    let Inputs {
+        growth,
+        displacement,
+    } = element.inputs(moments);
+    let inputs = [growth, displacement.x, displacement.y];
+    let mut inputs = inputs.into_iter().zip(element.map.ranges());
+    inputs.any(|(input, [low, high])| {
+        let good = input.abs() <= TOLERANCE * (high - low);
+        !good
+    })
+}
