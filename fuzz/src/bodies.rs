@@ -3,11 +3,11 @@
 //! Shared by the targets and by the tests `fuzz_corpus` of `feeler-cli`, so that every test run goes through the
 //! corpora. A target says whether its bytes were sound.
 
-use feeler::control::FingerTouch;
 use feeler::control::Plan;
+use feeler::control::TactileReading;
 use feeler::control::law::Law;
 use feeler::control::law::policy::{Policy, PolicyModel};
-use feeler::control::sense::{FingerSense, FingertipPose};
+use feeler::control::sense::{FingerReadings, FingertipPose};
 use feeler::hand::{Hand, HandState, JointState};
 use feeler::sensor::calibration::Calibration;
 use feeler::sensor::calibration::ForceAxes;
@@ -16,7 +16,7 @@ use feeler::sensor::fingertip::ElementLayout;
 use feeler::sensor::fingertip::LocatedLayout;
 use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
 use feeler::sensor::image::Frame;
-use feeler::sensor::image::SeenElement;
+use feeler::sensor::image::ProjectedElement;
 use feeler::sensor::image::{Camera, CameraError};
 use feeler::sensor::moments::ElementMoments;
 use feeler::sensor::taxel::{TaxelLayout, TaxelSensor};
@@ -31,7 +31,7 @@ use feeler_link::inboxes::HandInbox;
 use feeler_link::inboxes::Inbox;
 use feeler_link::inboxes::RigInbox;
 use feeler_link::inboxes::SenseInbox;
-use feeler_link::inboxes::{Expected, MOST_PEERS};
+use feeler_link::inboxes::{Expected, MAX_PEERS};
 use feeler_link::messages::Echo;
 use feeler_link::messages::message::{
     Heartbeat, MessageHeader, NO_FINGER, PROTOCOL, ResumeMessage, StateMessage, StopMessage,
@@ -204,7 +204,7 @@ pub fn policy(bytes: &[u8]) -> bool {
     let Ok(model) = PolicyModel::from_bytes(bytes) else {
         return false;
     };
-    let mut touch = FingerTouch::none(model.elements());
+    let mut touch = TactileReading::none(model.elements());
     let mut policy = Policy::new(Arc::new(model));
     let layout = ElementLayout {
         dome_radius: 0.018,
@@ -216,7 +216,7 @@ pub fn policy(bytes: &[u8]) -> bool {
     };
     for size in [0.0, 1e-3, 1.0, -1e9, f64::MAX] {
         touch.frame.forces.fill(DVec3::splat(size));
-        let sense = FingerSense {
+        let sense = FingerReadings {
             pose: FingertipPose::default(),
             joints: JointState {
                 position: DVec3::splat(size),
@@ -234,7 +234,7 @@ pub fn policy(bytes: &[u8]) -> bool {
 /// Sound loads are finite, on as many elements as there are.
 pub fn loads(bytes: &[u8]) -> bool {
     const ELEMENTS: usize = 3;
-    let seen = [0.0, 10.0, 20.0].map(|column| SeenElement {
+    let seen = [0.0, 10.0, 20.0].map(|column| ProjectedElement {
         centre_px: DVec2::new(column, 0.0),
         x_angle: column,
     });
@@ -366,7 +366,7 @@ pub fn link(bytes: &[u8]) -> bool {
         fill_in_token(&hand, &mut message);
         for inbox in [&mut hand as &mut dyn Inbox, &mut rig, &mut sense] {
             sound |= inbox.take(topic, &message, now).is_ok();
-            assert!(inbox.peers().all().len() <= MOST_PEERS);
+            assert!(inbox.peers().all().len() <= MAX_PEERS);
         }
         check_hand(&mut hand, now);
         rig.time = now;

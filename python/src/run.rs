@@ -2,7 +2,7 @@
 
 use crate::errors::{failed, refused};
 use crate::interrupt::interruptible;
-use feeler::pace::Unpaced;
+use feeler::pace::FreeRunning;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::recorded_run::{FinishedRun, RecordedRun, RunError};
 use feeler_lab::experiment::run_folder;
@@ -45,7 +45,7 @@ pub fn run(
     let nanoseconds = AtomicU64::new(0);
     let work = |stop: &AtomicBool| -> Result<Option<FinishedRun>, RunError> {
         let run = RecordedRun::new(&experiment, record_frames, &folder)?;
-        let closed = run.record(&mut Unpaced::default(), stop, |control_loop, _, _| {
+        let closed = run.record(&mut FreeRunning::default(), stop, |control_loop, _, _| {
             let stamp = 1e9 * control_loop.state().stamp;
             nanoseconds.store(stamp as u64, Ordering::Relaxed);
         });

@@ -68,7 +68,7 @@ impl Sensor {
         let mut chain = chain.map_err(refused)?;
         if let Some(Calibration(calibration)) = calibration {
             made_for
-                .check_same(&calibration.made_for)
+                .verify_same(&calibration.made_for)
                 .map_err(refused)?;
             chain = chain
                 .with_calibration(calibration.clone())
@@ -140,7 +140,7 @@ impl Sensor {
             chain.sense(&picture, &mut sensed).map_err(refused)?;
             readings.push(sensed);
         }
-        self.counting_from(Reference::mean(readings.iter().map(Vec::as_slice)))
+        self.counting_from(Reference::from_readings(readings.iter().map(Vec::as_slice)))
     }
 
     /// Column and row of each element's reference centroid, or `None` if no reference was set. The entry of an
@@ -377,7 +377,7 @@ impl Chunk<'_> {
                 height: frames.height,
                 pixels,
             };
-            chain.sense_ahead(&picture, next, readings)?;
+            chain.sense_with_prefetch(&picture, next, readings)?;
             let outputs = force.chunks_exact_mut(3).zip(valid).zip(gray);
             let outputs = outputs.zip(displacement.chunks_exact_mut(2));
             for (reading, (((force, valid), gray), moved)) in readings.iter().zip(outputs) {

@@ -8,7 +8,7 @@
 
 use feeler::glam::DVec3;
 use feeler::hand::{Hand, HandCommand, HandError, HandState, JointState, fingertip_pose};
-use feeler::pace::{Pace, Schedule};
+use feeler::pace::{FixedRate, Schedule};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::linked::{expected, rig_config};
 use feeler_lab::experiment::{fingers_at_home, layouts};
@@ -99,7 +99,7 @@ fn sense(
         expected,
     };
     let mut program = SensorProgram::new(&config, network.clone())?;
-    let mut pace = Pace::new(period)?;
+    let mut pace = FixedRate::new(period)?;
     while let Some(tick) = pace.next_tick(interrupted) {
         let (theta, stamp) = *joints.lock().unwrap_or_else(PoisonError::into_inner);
         let (centre, rotation) = fingertip_pose(&fingers[0], theta);

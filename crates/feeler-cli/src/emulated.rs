@@ -6,10 +6,13 @@ use feeler_lab::config::Experiment;
 use feeler_lab::experiment::Session;
 use feeler_lab::experiment::driven;
 
-pub use feeler_lab::experiment::driven::DrivenBus;
+pub use feeler_lab::experiment::driven::EmulatedBus;
 
 /// Creates a session of `experiment` on an emulated servo bus whose clock runs at `speed`; returns both.
-pub fn session(experiment: &Experiment, speed: f64) -> Result<(Session, DrivenBus), CommandError> {
+pub fn session(
+    experiment: &Experiment,
+    speed: f64,
+) -> Result<(Session, EmulatedBus), CommandError> {
     let (session, bus) = driven::session(experiment, speed)?;
     if bus.is_paced() {
         // A control period is short compared with the timer's default slack. If the system refuses a finer timer,

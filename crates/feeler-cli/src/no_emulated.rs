@@ -6,9 +6,9 @@ use feeler_lab::config::Experiment;
 use feeler_lab::experiment::Session;
 
 /// Uninhabited.
-pub enum DrivenBus {}
+pub enum EmulatedBus {}
 
-impl DrivenBus {
+impl EmulatedBus {
     pub fn schedule(&self, _: f64) -> Result<Box<dyn Schedule>, PaceError> {
         match *self {}
     }
@@ -19,7 +19,7 @@ impl DrivenBus {
 }
 
 /// Returns an error: this build has no servos.
-pub fn session(_: &Experiment, _: f64) -> Result<(Session, DrivenBus), CommandError> {
+pub fn session(_: &Experiment, _: f64) -> Result<(Session, EmulatedBus), CommandError> {
     Err(
         "--drives: this program was built without servos; build it on Linux with --features drives"
             .into(),

@@ -71,7 +71,7 @@ pub fn replay(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     }
     if let Some(problem) = &recording.problem {
         let path = path.display();
-        let until = match recording.task.get(recording.steps_in_a_row()) {
+        let until = match recording.task.get(recording.leading_complete_steps()) {
             Some(next) => format!("{:.2} s, because a gap follows", next.stamp),
             None => format!("{:.2} s", recording.readable_until),
         };

@@ -1,6 +1,6 @@
 //! The `feeler run` subcommand.
 
-use super::emulated::DrivenBus;
+use super::emulated::EmulatedBus;
 #[cfg(not(feature = "top"))]
 use super::no_screen::Screen;
 use super::sweep::one_trial;
@@ -121,7 +121,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
 /// Runs, records and reports a session, with or without a servo bus.
 fn watched_run(
     arguments: &Arguments,
-    (experiment, (session, bus)): (&Experiment, (Session, Option<DrivenBus>)),
+    (experiment, (session, bus)): (&Experiment, (Session, Option<EmulatedBus>)),
     options: &RecordOptions,
     page: Option<&mut LiveRun>,
     out: &mut dyn Write,
@@ -163,7 +163,7 @@ fn watched_run(
         out,
         "{sim_time:.2} s simulated in {wall_time:.2} s, {factor:.0} x real time"
     )?;
-    if bus.as_ref().is_some_and(DrivenBus::is_paced) {
+    if bus.as_ref().is_some_and(EmulatedBus::is_paced) {
         writeln!(out, "{}", punctuality.summary())?;
     }
     print_outcome(&ran.report, out)?;

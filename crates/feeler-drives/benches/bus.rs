@@ -14,7 +14,7 @@ fn main() {
     use feeler::glam::DVec3;
     use feeler::hand::Hand;
     use feeler::hand::{HandCommand, HandState};
-    use feeler::pace::Pace;
+    use feeler::pace::FixedRate;
     use feeler_drives::RigClock;
     use feeler_drives::emulator::{Emulator, EmulatorConfig};
     use feeler_drives::hand::DriveHand;
@@ -30,10 +30,10 @@ fn main() {
             Emulator::start(&bus, support::plant(&config), clock.clone()).expect("a terminal");
         config.port = emulator.path().into();
         let geometry = vec![support::finger(); fingers];
-        let hand = DriveHand::open(&config, &geometry, support::MOST_AGE, clock);
+        let hand = DriveHand::open(&config, &geometry, support::MAX_AGE, clock);
         let mut hand = hand.unwrap_or_else(|error| panic!("{error}"));
         let (mut state, mut command) = (HandState::zero(fingers), HandCommand::stop(fingers));
-        let mut pace = Pace::new(1.0 / rate).expect("a period");
+        let mut pace = FixedRate::new(1.0 / rate).expect("a period");
         let mut stamps = Vec::new();
         let begin = emulator.servos().log().entries().count();
         for step in 0..(3.0 * rate) as u32 {

@@ -2,13 +2,13 @@
 
 use divan::{Bencher, black_box};
 use feeler::control::Controller;
-use feeler::control::FingerTouch;
 use feeler::control::FlagAnalyzer;
 use feeler::control::Plan;
+use feeler::control::TactileReading;
 use feeler::control::grasp_slip::{ContactLoss, ContactLossConfig, GraspDrag, GraspDragConfig};
 use feeler::control::law::LawConfig;
 use feeler::control::law::policy::{PolicyConfig, PolicyModel};
-use feeler::control::{FingertipPose, HandSense};
+use feeler::control::{FingertipPose, HandReadings};
 use feeler::hand::FingerGeometry;
 use feeler::hand::inverse_kinematics;
 use feeler::hand::{HandCommand, HandState, JointState};
@@ -90,7 +90,7 @@ fn decide_in_contact(bencher: Bencher, config: &ExperimentConfig) {
         let middle = (geometry.joint_lower() + geometry.joint_upper()) / 2.0;
         joints.position = inverse_kinematics(geometry, home.into(), middle).expect("home");
     }
-    let mut touches = vec![FingerTouch::none(ELEMENTS); fingers.len()];
+    let mut touches = vec![TactileReading::none(ELEMENTS); fingers.len()];
     let analyzer = FlagAnalyzer::new(config.control.thresholds(), ELEMENTS);
     let mut analyzers = vec![analyzer; fingers.len()];
     for touch in &mut touches {
@@ -119,7 +119,10 @@ fn law_in_contact(bencher: Bencher, name: &str) {
     let layouts = [layout.clone(), layout];
     let mut law =
         (law(name).hand_law(control.reflex(), &control.thresholds(), &layouts)).expect("a law");
-    let mut touches = [FingerTouch::none(ELEMENTS), FingerTouch::none(ELEMENTS)];
+    let mut touches = [
+        TactileReading::none(ELEMENTS),
+        TactileReading::none(ELEMENTS),
+    ];
     let mut analyzer = FlagAnalyzer::new(control.thresholds(), ELEMENTS);
     for touch in &mut touches {
         touch.frame = in_contact();
@@ -144,7 +147,7 @@ fn law_in_contact(bencher: Bencher, name: &str) {
             touch.frame.stamp += control.period;
             pose.position.x -= way * pose.position.x.signum();
         }
-        let hand = HandSense {
+        let hand = HandReadings {
             stamp: 0.0,
             poses: &poses,
             joints: &joints,

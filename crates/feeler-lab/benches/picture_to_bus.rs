@@ -50,9 +50,9 @@ mod rig {
     use super::{Cameras, Steps};
     use feeler::control::ControlLoop;
     use feeler::control::Phase;
-    use feeler::control::{LiveArrivals, LiveTouch, live};
+    use feeler::control::{BackgroundSensor, NewDataSignal, live};
     use feeler::pace::real_time::fine_timer;
-    use feeler::pace::{Following, Pace, Punctuality, Schedule};
+    use feeler::pace::{DataDriven, FixedRate, Punctuality, Schedule};
     use feeler::sensor::fingertip::Fingertip;
     use feeler::sensor::forces::OpticalSensor;
     use feeler::sensor::image::Frame;
@@ -86,8 +86,8 @@ mod rig {
 
     /// Sensors of the fingertips, each on a separate thread.
     struct Sensing {
-        touches: Vec<LiveTouch>,
-        arrivals: LiveArrivals,
+        touches: Vec<BackgroundSensor>,
+        arrivals: NewDataSignal,
         /// Exposures of each camera.
         pictures: Vec<Pictures>,
     }
@@ -95,7 +95,7 @@ mod rig {
     /// Camera of a fingertip that takes an image in each period.
     struct LiveCamera {
         camera: SimCamera,
-        pace: Pace,
+        pace: FixedRate,
         /// Delay relative to the pace.
         offset: Duration,
         clock: RigClock,
@@ -132,7 +132,7 @@ mod rig {
         let (mut sensors, mut pictures) = (Vec::new(), Vec::new());
         let fingers = config.hand.finger.len();
         // All cameras have the same deadlines.
-        let pace = Pace::new(config.control.period)?;
+        let pace = FixedRate::new(config.control.period)?;
         for finger in 0..fingers {
             let fingertip = config.sensor.fingertip(finger);
             let made = Fingertip::new(fingertip)?;
@@ -195,8 +195,8 @@ mod rig {
         let hand = DriveHand::open(&drives, &fingers, stale * period, clock.clone())?;
         let mut control_loop = ControlLoop::new(touches, hand, controller);
         let mut schedule: Box<dyn Schedule> = match steps {
-            Steps::Follow => Box::new(Following::new(arrivals, period)?),
-            Steps::OwnClock => Box::new(Pace::new(period)?),
+            Steps::Follow => Box::new(DataDriven::new(arrivals, period)?),
+            Steps::OwnClock => Box::new(FixedRate::new(period)?),
         };
         // After the other threads have started, because they would inherit it.
         let _ = fine_timer();

@@ -40,7 +40,7 @@ const MORE_GRIP: f64 = 1.03;
 /// Commanded inward velocity that counts as a reaction (m/s).
 const INWARD: f64 = 1e-3;
 /// Minimum load on a finger for measuring the excess (N).
-const LEAST_LOAD: f64 = 0.05;
+const MIN_LOAD: f64 = 0.05;
 
 /// Command-line arguments.
 pub struct Arguments {
@@ -187,7 +187,7 @@ impl Finger {
         }
         self.quiet = f64::from(u8::from(!contact.slips)) * (self.quiet + PERIOD);
         let load = contact.tangential.abs();
-        if turns && load > LEAST_LOAD {
+        if turns && load > MIN_LOAD {
             let holding = load / static_friction;
             self.excess.push(contact.normal / holding - 1.0);
         }

@@ -5,7 +5,7 @@
 //! cargo run --release --example own_task
 //! ```
 
-use feeler::control::HandSense;
+use feeler::control::HandReadings;
 use feeler::control::Phase;
 use feeler::control::Plan;
 use feeler::control::StopReason;
@@ -30,7 +30,7 @@ struct Squeeze {
 }
 
 impl Task for Squeeze {
-    fn advance(&mut self, hand: &HandSense<'_>) -> Result<(), StopReason> {
+    fn advance(&mut self, hand: &HandReadings<'_>) -> Result<(), StopReason> {
         let (Some(one), Some(other)) = (hand.finger(0), hand.finger(1)) else {
             return Ok(());
         };
@@ -54,7 +54,7 @@ impl Task for Squeeze {
         Ok(())
     }
 
-    fn plan(&self, finger: usize, hand: &HandSense<'_>) -> Plan {
+    fn plan(&self, finger: usize, hand: &HandReadings<'_>) -> Plan {
         let approach = self.approach[finger];
         let touches = hand.finger(finger).is_some_and(|f| f.flags().touch);
         let velocity = match self.phase {

@@ -33,7 +33,7 @@ fn main() -> Result<(), Box<dyn Error>> {
                 height,
                 pixels,
             };
-            chain.sense_ahead(&picture, next, black_box(&mut readings))?;
+            chain.sense_with_prefetch(&picture, next, black_box(&mut readings))?;
             rest = next;
         }
         let count = frames.len() / (width * height);

@@ -6,7 +6,7 @@
 //! ```
 
 use feeler::control::FeelerShape;
-use feeler::control::FingerSense;
+use feeler::control::FingerReadings;
 use feeler::control::Phase;
 use feeler::control::SlipDetector;
 use feeler::control::law::missing_shear::MissingShearConfig;
@@ -76,7 +76,7 @@ impl Finger {
         Self {
             detectors: [
                 SlipDetector::new(feeler, elements),
-                SlipDetector::on_what_may_move(feeler, touch_force, elements),
+                SlipDetector::for_movable_object(feeler, touch_force, elements),
             ],
             pressed: vec![false; elements],
             way: vec![0.0; elements],
@@ -84,7 +84,7 @@ impl Finger {
     }
 
     /// Returns whether each detector reports slip in the latest frame.
-    fn say(&mut self, sense: &FingerSense<'_>, touch_force: f64) -> [bool; 3] {
+    fn say(&mut self, sense: &FingerReadings<'_>, touch_force: f64) -> [bool; 3] {
         let threshold = MissingShearConfig::default().threshold;
         let (forces, pressed) = (&sense.touch.frame.forces, &self.pressed);
         let missing = self.detectors.each_mut().map(|detector| {

@@ -1,6 +1,6 @@
 //! Whatever stands in an experiment, it is refused or it runs: no panic, no hang, no flood of memory.
 
-use feeler::sensor::calibration::MadeFor;
+use feeler::sensor::calibration::CalibrationTarget;
 use feeler_lab::config::{Experiment, Sensing};
 use feeler_lab::experiment::Session;
 use proptest::prelude::*;
@@ -12,13 +12,13 @@ use toml_edit::{DocumentMut, Item, Value};
 /// Refuses, and so aborts the test, what no experiment should ask for at once.
 struct Bounded;
 
-const MOST_AT_ONCE: usize = 256 << 20;
+const MAX_AT_ONCE: usize = 256 << 20;
 
 // SAFETY: every request is handed on to the system's allocator, or refused with a null pointer.
 #[allow(unsafe_code)]
 unsafe impl GlobalAlloc for Bounded {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
-        if layout.size() > MOST_AT_ONCE {
+        if layout.size() > MAX_AT_ONCE {
             return std::ptr::null_mut();
         }
         // SAFETY: the caller keeps the contract of `alloc`.
@@ -93,7 +93,7 @@ fn make_up_calibration(experiment: &Experiment, folder: &Path) {
     let built_in = Experiment::load("cap-closing", &[]).expect("the reference experiment");
     let mut calibration = built_in.calibration(0).expect("its own");
     let fingertip = &experiment.config.sensor.fingertip;
-    calibration.made_for = MadeFor::fingertip(fingertip).expect("its hash");
+    calibration.made_for = CalibrationTarget::fingertip(fingertip).expect("its hash");
     let elements = fingertip.layout.element_count();
     let any = calibration.elements[0].clone();
     calibration.elements.resize(elements.min(1000), any);

@@ -8,7 +8,8 @@ use feeler_lab::config::Experiment;
 use feeler_lab::experiment::run_facts;
 use feeler_link::programs::{RemoteLoop, RigSpeed};
 use feeler_record::{
-    CLOSE_LIMIT, InstrumentRecord, Patience, RecordError, RecordOptions, Recorder, RunEnd, RunLog,
+    Backpressure, CLOSE_TIMEOUT, InstrumentRecord, RecordError, RecordOptions, Recorder, RunEnd,
+    RunLog,
 };
 use feeler_report::run::make::{RECORDING, ReportOutcome};
 use std::io::Write;
@@ -20,8 +21,8 @@ use std::time::Duration;
 const LOCKSTEP_PATIENCE: Duration = Duration::from_secs(1);
 
 /// Returns the time that a hand may wait for its recording: zero unless the rig waits for the hand.
-pub fn patience(speed: RigSpeed) -> Patience {
-    Patience::Limited(match speed {
+pub fn patience(speed: RigSpeed) -> Backpressure {
+    Backpressure::Limited(match speed {
         RigSpeed::Lockstep => LOCKSTEP_PATIENCE,
         RigSpeed::Times(_) => Duration::ZERO,
     })
@@ -53,7 +54,7 @@ impl HandRecord {
     /// If a fingertip is invalid or the file cannot be written.
     pub fn create(
         (folder, experiment): (PathBuf, &Experiment),
-        (patience, flush_interval): (Patience, f64),
+        (patience, flush_interval): (Backpressure, f64),
         warnings: Warnings,
     ) -> Result<Self, CommandError> {
         let config = &experiment.config;
@@ -137,12 +138,12 @@ impl HandRecord {
         let mut recorder = log.into_recorder();
         recorder.set_end(end.clone());
         let slow = || {
-            let left = CLOSE_LIMIT.as_secs() - 1;
+            let left = CLOSE_TIMEOUT.as_secs() - 1;
             warnings.queue(&format!(
                 "recording: the disk accepts no data; waiting up to {left} s more"
             ));
         };
-        let closed = recorder.finish_within(Some(wall_time), CLOSE_LIMIT, slow);
+        let closed = recorder.finish_within(Some(wall_time), CLOSE_TIMEOUT, slow);
         let report = match &closed {
             // A report would block on the same disk.
             Err(RecordError::NotClosed { .. }) => None,

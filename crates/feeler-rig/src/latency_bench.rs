@@ -1,7 +1,7 @@
 //! The `feeler bench link` subcommand: latency from a tactile update to the command made from it.
 
 use crate::link_options::{LinkOptions, ListenOptions};
-use feeler::pace::{Clock, Monotonic, Pace};
+use feeler::pace::{Clock, FixedRate, Monotonic};
 use feeler_console::watch_for_interrupt;
 use feeler_console::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
@@ -192,11 +192,11 @@ impl Sensors {
 
     /// Sends a set of updates in each period.
     fn send(&self, rate: u32, stop: &AtomicBool) -> Result<Outcome, CommandError> {
-        let mut pace = Pace::new(1.0 / f64::from(rate))?;
+        let mut pace = FixedRate::new(1.0 / f64::from(rate))?;
         let (elements, fingers) = (self.elements, self.fingers.len());
         let still = vec![Vector3::default(); fingers];
         for sequence in 1.. {
-            if stop.load(Ordering::Relaxed) || pace.wait_unless(stop).is_none() {
+            if stop.load(Ordering::Relaxed) || pace.wait_interruptible(stop).is_none() {
                 break;
             }
             let (echo, stamp) = (self.inbox.lock().echo, sequence as f64 * self.period);

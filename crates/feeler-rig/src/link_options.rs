@@ -3,7 +3,7 @@
 use feeler_console::CommandError;
 use feeler_link::security::Right;
 use feeler_link::transport::{HAND_ENDPOINT, LinkConfig};
-use feeler_link::transport::{Network, Rehearsal, RehearsedNetwork};
+use feeler_link::transport::{ImpairedNetwork, Impairment, Network};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
@@ -15,7 +15,7 @@ pub struct LinkOptions {
     /// Folder of this computer's certificates, or `None` without TLS.
     pub certificates: Option<PathBuf>,
     /// Simulated network impairment, or `None` to use the network as it is.
-    pub impairment: Option<Rehearsal>,
+    pub impairment: Option<Impairment>,
 }
 
 /// Endpoints on which a hand listens.
@@ -114,7 +114,7 @@ impl LinkOptions {
             ..config
         })?;
         Ok(match self.impairment {
-            Some(impairment) => Arc::new(RehearsedNetwork::new(network, impairment)),
+            Some(impairment) => Arc::new(ImpairedNetwork::new(network, impairment)),
             None => network,
         })
     }

@@ -12,7 +12,7 @@ use feeler_drives::config::DrivesConfig;
 use feeler_drives::emulator::Emulator;
 use feeler_drives::setup::named_joints;
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::DrivenRig;
+use feeler_lab::experiment::BusRig;
 use feeler_lab::experiment::driven::{drives, emulated_bus};
 use feeler_lab::experiment::linked::rig_config;
 use feeler_lab::experiment::world;
@@ -101,15 +101,15 @@ fn open(
     options: &DrivesOptions,
     experiment: &Experiment,
     clock: RigClock,
-) -> Result<(Option<Emulator>, DrivenRig, String), CommandError> {
+) -> Result<(Option<Emulator>, BusRig, String), CommandError> {
     if options.emulated {
-        let (rig, bus) = DrivenRig::emulated(experiment, clock)?;
+        let (rig, bus) = BusRig::emulated(experiment, clock)?;
         let port = format!("an emulated bus, {}", bus.path());
         return Ok((Some(bus), rig, port));
     }
     let config = ServoRig::new(experiment.clone(), options.port.as_deref())?.config;
     let port = config.port.clone();
-    Ok((None, DrivenRig::open(experiment, config, clock)?, port))
+    Ok((None, BusRig::open(experiment, config, clock)?, port))
 }
 
 /// Prints the planned writes without executing them.

@@ -15,7 +15,7 @@ pub fn open_stop_door(
     rig: &str,
     stopper: Stopper,
     warnings: &Warnings,
-) -> Option<feeler_link::stop_door::StopDoor> {
+) -> Option<feeler_link::stop_door::StopServer> {
     let answering = move |id, from: &str| {
         let (order, stands_still) = stopper.stop(id, from);
         let stopped = match stands_still {
@@ -25,7 +25,7 @@ pub fn open_stop_door(
         StopAnswer { order, stopped }
     };
     let (endpoints, certificates) = (listening.endpoints(), link.certificates.as_deref());
-    let opened = feeler_link::stop_door::StopDoor::open(&endpoints, certificates, rig, answering);
+    let opened = feeler_link::stop_door::StopServer::open(&endpoints, certificates, rig, answering);
     opened
         .map_err(|error| warnings.queue(&format!("warning: {error}")))
         .ok()

@@ -3,9 +3,9 @@
 use std::fmt;
 
 /// Most bytes of a name.
-const MOST_BYTES: usize = 255;
+const MAX_BYTES: usize = 255;
 /// The highest domain that DDS can have; Zenoh has no limit, but tools check this one.
-pub const MOST_DOMAIN: u32 = 232;
+pub const MAX_DOMAIN: u32 = 232;
 
 /// Why a name cannot be used.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -23,7 +23,7 @@ pub enum NameError {
         part: String,
     },
     /// It is too long.
-    #[error("{what}: at most {MOST_BYTES} bytes expected, found {bytes}")]
+    #[error("{what}: at most {MAX_BYTES} bytes expected, found {bytes}")]
     Long {
         /// What it is the name of.
         what: &'static str,
@@ -31,7 +31,7 @@ pub enum NameError {
         bytes: usize,
     },
     /// There is no such domain.
-    #[error("domain id: 0 to {MOST_DOMAIN} expected, found {0}")]
+    #[error("domain id: 0 to {MAX_DOMAIN} expected, found {0}")]
     Domain(u32),
 }
 
@@ -50,7 +50,7 @@ impl NodeName {
     /// # Errors
     /// When one of these is no such thing.
     pub fn new(domain: u32, namespace: &str, name: &str) -> Result<Self, NameError> {
-        if domain > MOST_DOMAIN {
+        if domain > MAX_DOMAIN {
             return Err(NameError::Domain(domain));
         }
         check_length("namespace", namespace)?;
@@ -107,7 +107,7 @@ impl fmt::Display for NodeName {
 
 fn check_length(what: &'static str, name: &str) -> Result<(), NameError> {
     match name.len() {
-        bytes if bytes > MOST_BYTES => Err(NameError::Long { what, bytes }),
+        bytes if bytes > MAX_BYTES => Err(NameError::Long { what, bytes }),
         _ => Ok(()),
     }
 }

@@ -12,7 +12,7 @@ use zenoh::query::{Query, Queryable};
 use zenoh::{Session, Wait};
 
 /// Requests that wait for the ones before them; more are refused.
-const MOST_WAITING: usize = 16;
+const MAX_WAITING: usize = 16;
 
 /// What answers requests.
 pub trait Answer<S: Service>: FnMut(S::Request) -> S::Response + Send + 'static {}
@@ -32,7 +32,7 @@ impl Server {
         token: &Token,
         mut answer: impl Answer<S>,
     ) -> Result<Self, NodeError> {
-        let (waiting, requests) = sync_channel::<Query>(MOST_WAITING);
+        let (waiting, requests) = sync_channel::<Query>(MAX_WAITING);
         // It ends when the queryable does, which has the other side.
         let work = move || {
             for query in requests {

@@ -49,7 +49,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     };
     let found = sheared_contact(&data, &reference)?;
     let pictures = data.pictures.len();
-    let SeenPins { pins, lost } = found.seen;
+    let ProjectedPins { pins, lost } = found.seen;
     println!(
         "{pictures} images, {pins} pins, {:.2} % of them lost",
         100.0 * lost
@@ -64,7 +64,7 @@ fn main() -> Result<(), Box<dyn Error>> {
 
 /// Statistics of the tracked pins.
 #[derive(Debug, Clone, Copy)]
-pub struct SeenPins {
+pub struct ProjectedPins {
     pub pins: usize,
     /// Fraction of pins lost, over all images.
     pub lost: f64,
@@ -72,7 +72,7 @@ pub struct SeenPins {
 
 /// Result of the example.
 pub struct ShearedContact {
-    pub seen: SeenPins,
+    pub seen: ProjectedPins,
     /// Cross-validated mean absolute error for each of [`TARGETS`]: with displacements and their products, and with
     /// displacements alone.
     pub errors: Vec<[f64; 2]>,
@@ -106,7 +106,7 @@ pub fn sheared_contact(
 fn displacements(
     pictures: &[Picture],
     reference: &Picture,
-) -> Result<(SeenPins, Vec<f64>), Box<dyn Error>> {
+) -> Result<(ProjectedPins, Vec<f64>), Box<dyn Error>> {
     let located = locate(
         &ReferencePicture::mean([reference])?,
         &LocateConfig::default(),
@@ -121,7 +121,7 @@ fn displacements(
     }
     let pins = located.elements.len();
     let lost = lost as f64 / (pictures.len() * pins) as f64;
-    Ok((SeenPins { pins, lost }, displacements))
+    Ok((ProjectedPins { pins, lost }, displacements))
 }
 
 /// Smallest mean absolute error over ridge parameters up to `largest`.

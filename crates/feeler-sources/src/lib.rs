@@ -34,7 +34,7 @@ pub use picture::PictureError;
 pub use picture::{decode_picture, read_picture};
 pub use pump::{Captured, FramePump};
 pub use raw::RawFrames;
-pub use settings::TriggerError;
+pub use settings::ParseTriggerError;
 pub use settings::{CameraSettings, Trigger};
 pub use video_file::VideoFileError;
 pub use video_file::{Ffmpeg, VideoFile, VideoFrames, is_video_name};

@@ -123,7 +123,7 @@ fn pump(
     loop {
         let mut frame = (unused.try_recv()).unwrap_or_else(|_| Frame::black(width, height));
         let frame = camera.capture(&mut frame).map(|()| frame);
-        let goes_on = frame.as_ref().err().is_none_or(CameraError::may_pass);
+        let goes_on = frame.as_ref().err().is_none_or(CameraError::is_recoverable);
         let captured = Captured {
             frame,
             at: Instant::now(),
@@ -167,7 +167,7 @@ mod tests {
             assert_eq!(next().frame.unwrap().sequence, 1);
             let error = next().frame.unwrap_err();
             assert!(
-                !error.may_pass() && error.to_string().contains(words),
+                !error.is_recoverable() && error.to_string().contains(words),
                 "{error}"
             );
         }

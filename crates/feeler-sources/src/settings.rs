@@ -60,19 +60,19 @@ impl fmt::Display for Trigger {
 /// Error of parsing a [`Trigger`].
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("expected free, software, or the name of a camera input such as Line0")]
-pub struct TriggerError;
+pub struct ParseTriggerError;
 
 impl FromStr for Trigger {
-    type Err = TriggerError;
+    type Err = ParseTriggerError;
 
-    fn from_str(text: &str) -> Result<Self, TriggerError> {
+    fn from_str(text: &str) -> Result<Self, ParseTriggerError> {
         match text {
             "free" => Ok(Self::Free),
             "software" => Ok(Self::Software),
             line if !line.is_empty() && line.chars().all(|c| c.is_ascii_alphanumeric()) => {
                 Ok(Self::Line(line.into()))
             }
-            _ => Err(TriggerError),
+            _ => Err(ParseTriggerError),
         }
     }
 }
@@ -87,7 +87,7 @@ mod tests {
             assert_eq!(text.parse::<Trigger>().unwrap().to_string(), text);
         }
         for text in ["", "Line 0", "../Line0"] {
-            assert_eq!(text.parse::<Trigger>(), Err(TriggerError));
+            assert_eq!(text.parse::<Trigger>(), Err(ParseTriggerError));
         }
     }
 }

@@ -12,7 +12,7 @@ mod error;
 mod list;
 
 pub use error::VideoError;
-pub use list::{VideoControl, VideoFormat, VideoInfo, VideoListed, VideoSize, list};
+pub use list::{ListedDevice, VideoControl, VideoFormat, VideoInfo, VideoSize, list};
 
 use crate::fit::Fit;
 use crate::settings::{CameraSettings, Trigger};

@@ -303,7 +303,7 @@ fn a_network_camera_is_configured_loses_packets_and_disappears() {
                 pictures += 1;
             }
             // A busy computer also loses packets.
-            Err(error) => assert!(error.may_pass(), "{error}"),
+            Err(error) => assert!(error.is_recoverable(), "{error}"),
         }
     }
     // The camera accepts only one controlling process.
@@ -328,7 +328,7 @@ fn a_network_camera_is_configured_loses_packets_and_disappears() {
     peer.kill();
     let error = loop {
         if let Err(error) = camera.capture(&mut small)
-            && !error.may_pass()
+            && !error.is_recoverable()
         {
             break error;
         }

@@ -12,7 +12,7 @@ mod terminal;
 pub use history::History;
 #[cfg(feature = "page")]
 pub use page::{LiveRun, ServerOptions, serve_recording, serve_rig};
-pub use rig::{Heard, Watched};
+pub use rig::{RigMessages, WatchedRig};
 pub use snapshot::{
     Fault, Finger, Program, ProgramState, Snapshot, TaskState, TimeBase, Torque, UNKNOWN,
 };

@@ -3,7 +3,7 @@
 //! The jitter is that of the machine, so run this on an idle one.
 
 use feeler::pace::real_time::{self, Refusal};
-use feeler::pace::{Pace, PaceError, Punctuality, PunctualitySummary};
+use feeler::pace::{FixedRate, PaceError, Punctuality, PunctualitySummary};
 use std::thread;
 
 /// Control period (s).
@@ -48,7 +48,7 @@ fn measure(name: &str, requests: Requests) {
 
 fn run() -> Result<PunctualitySummary, PaceError> {
     let mut punctuality = Punctuality::new()?;
-    let mut pace = Pace::new(PERIOD)?;
+    let mut pace = FixedRate::new(PERIOD)?;
     loop {
         let tick = pace.wait();
         punctuality.record(&tick);

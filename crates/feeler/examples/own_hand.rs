@@ -2,8 +2,8 @@
 //! commands instantly, and the feelers are springs that touch a wall, which the finger approaches, strokes and
 //! leaves.
 
-use feeler::control::AnalyzedSensor;
 use feeler::control::ControlLoop;
+use feeler::control::FlaggedSensor;
 use feeler::control::Phase;
 use feeler::control::task::TaskConfig;
 use feeler::control::{ControlConfig, Controller};
@@ -12,7 +12,7 @@ use feeler::hand::inverse_kinematics;
 use feeler::hand::kinematics::fingertip_pose;
 use feeler::hand::{FingerConfig, FingerGeometry};
 use feeler::hand::{Hand, HandCommand, HandError, HandState, JointState};
-use feeler::pace::Pace;
+use feeler::pace::FixedRate;
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
 use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
 use std::{cell::Cell, ops::ControlFlow, rc::Rc, sync::atomic::AtomicBool};
@@ -89,7 +89,7 @@ impl TactileSensor for MyTouch {
 type Failure = Box<dyn std::error::Error>;
 
 /// Creates the loop, with the finger at home.
-pub fn control_loop() -> Result<ControlLoop<AnalyzedSensor<MyTouch>, MyHand>, Failure> {
+pub fn control_loop() -> Result<ControlLoop<FlaggedSensor<MyTouch>, MyHand>, Failure> {
     let config: Config = toml::from_str(include_str!("own_hand.toml"))?;
     let (period, thresholds) = (config.control.period, config.control.thresholds());
     let finger = FingerGeometry::new(&config.finger)?;
@@ -110,7 +110,7 @@ pub fn control_loop() -> Result<ControlLoop<AnalyzedSensor<MyTouch>, MyHand>, Fa
         velocity: DVec3::ZERO,
         period,
     };
-    let sensors = vec![AnalyzedSensor::new(touch, thresholds)];
+    let sensors = vec![FlaggedSensor::new(touch, thresholds)];
     Ok(ControlLoop::new(sensors, hand, controller))
 }
 
@@ -119,13 +119,18 @@ pub fn touch_and_stroke() -> Result<(Phase, f64), Failure> {
     let mut control_loop = control_loop()?;
     let interrupted = AtomicBool::new(false); // replace: set on Ctrl-C
     let mut greatest = 0.0_f64;
-    control_loop.run(&mut Pace::new(0.01)?, 100, &interrupted, |after, _tick| {
-        greatest = greatest.max(after.touches()[0].flags.grasp_force);
-        match after.controller().phase() {
-            Phase::Done | Phase::Stopped => ControlFlow::Break(()),
-            _ => ControlFlow::Continue(()),
-        }
-    })?;
+    control_loop.run(
+        &mut FixedRate::new(0.01)?,
+        100,
+        &interrupted,
+        |after, _tick| {
+            greatest = greatest.max(after.touches()[0].flags.grasp_force);
+            match after.controller().phase() {
+                Phase::Done | Phase::Stopped => ControlFlow::Break(()),
+                _ => ControlFlow::Continue(()),
+            }
+        },
+    )?;
     Ok((control_loop.controller().phase(), greatest))
 }
 

@@ -44,7 +44,7 @@ impl OwnLaw {
 }
 
 impl Law for OwnLaw {
-    fn velocity(&mut self, plan: &plan::Plan, finger: &sense::FingerSense<'_>) -> DVec3 {
+    fn velocity(&mut self, plan: &plan::Plan, finger: &sense::FingerReadings<'_>) -> DVec3 {
         let velocity = Python::attach(|py| {
             let arguments = (Plan(*plan), FingerSense::of(finger));
             let velocity = self.law.call_method1(py, "velocity", arguments)?;
@@ -105,7 +105,7 @@ impl OwnTask {
 }
 
 impl Task for OwnTask {
-    fn advance(&mut self, hand: &sense::HandSense<'_>) -> Result<(), StopReason> {
+    fn advance(&mut self, hand: &sense::HandReadings<'_>) -> Result<(), StopReason> {
         let advanced = Python::attach(|py| {
             let hand = HandSense::of(py, hand)?;
             self.task.call_method1(py, "advance", (hand,))?;
@@ -118,7 +118,7 @@ impl Task for OwnTask {
         })
     }
 
-    fn plan(&self, finger: usize, hand: &sense::HandSense<'_>) -> plan::Plan {
+    fn plan(&self, finger: usize, hand: &sense::HandReadings<'_>) -> plan::Plan {
         let plan = Python::attach(|py| {
             let hand = HandSense::of(py, hand)?;
             let plan = self.task.call_method1(py, "plan", (finger, hand))?;

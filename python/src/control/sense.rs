@@ -84,7 +84,7 @@ pub struct FingerSense {
 
 impl FingerSense {
     /// Copies the readings of `finger`.
-    pub fn of(finger: &sense::FingerSense<'_>) -> Self {
+    pub fn of(finger: &sense::FingerReadings<'_>) -> Self {
         let elements = 0..finger.touch.frame.forces.len();
         let normal = |element| finger.normal(element).unwrap_or(DVec3::NAN);
         Self {
@@ -203,7 +203,7 @@ pub struct HandSense {
 
 impl HandSense {
     /// Copies the readings of `hand`.
-    pub fn of(py: Python<'_>, hand: &sense::HandSense<'_>) -> PyResult<Self> {
+    pub fn of(py: Python<'_>, hand: &sense::HandReadings<'_>) -> PyResult<Self> {
         let fingers = hand
             .fingers()
             .map(|finger| Py::new(py, FingerSense::of(&finger)));

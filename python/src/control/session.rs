@@ -117,7 +117,7 @@ impl Session {
             ));
         };
         match velocity {
-            None => stepped.session.obey(),
+            None => stepped.session.act_with_laws(),
             Some(velocity) => {
                 let velocity = velocity.as_slice()?.chunks_exact(3).map(DVec3::from_slice);
                 let velocity: Vec<_> = velocity.take(self.fingers).collect();

@@ -34,7 +34,7 @@ pub struct LiveArguments {
 
 impl LiveArguments {
     /// Rejects camera options that would have no effect.
-    pub fn refuse_without_effect(&self) -> Result<(), CommandError> {
+    pub fn check_options(&self) -> Result<(), CommandError> {
         let Some(option) = CameraOptions::from(&self.camera).given() else {
             return Ok(());
         };

@@ -140,7 +140,7 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    arguments.live.refuse_without_effect()?;
+    arguments.live.check_options()?;
     if arguments.wrench {
         return wrench::calibrate(arguments, out);
     }

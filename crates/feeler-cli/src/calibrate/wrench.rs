@@ -59,7 +59,7 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
         arguments.force_fit,
     );
     drop(fitting);
-    let mut fitted = fitted.map_err(|e| format!("{}: {e}{}", csv.display(), way_out(&e)))?;
+    let mut fitted = fitted.map_err(|e| format!("{}: {e}{}", csv.display(), advice(&e)))?;
     fitted.calibration.loads_confirmed = arguments.confirm_loads;
     warn_of_fit(&fitted, &measured, forces.recordings());
     let source = forces.name();
@@ -98,7 +98,7 @@ fn measured(arguments: &Arguments) -> Result<PathBuf, CommandError> {
 }
 
 /// Returns the advice for an error.
-fn way_out(error: &feeler::sensor::wrench::WrenchError) -> &'static str {
+fn advice(error: &feeler::sensor::wrench::WrenchError) -> &'static str {
     use feeler::sensor::wrench::WrenchError;
     match error {
         WrenchError::ExplainsNothing { .. } => "; --force-fit accepts it anyway",

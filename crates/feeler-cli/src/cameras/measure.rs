@@ -111,7 +111,7 @@ impl Counted {
                     }
                     pump.give_back(frame);
                 }
-                Err(error) if error.may_pass() => warn(&error.to_string()),
+                Err(error) if error.is_recoverable() => warn(&error.to_string()),
                 Err(error) => {
                     let frames = self.frames;
                     return Err(format!("{error} (after {frames} frames)").into());
@@ -125,7 +125,7 @@ impl Counted {
         if let Some(warning) = &captured.report.warning {
             warn(warning);
         }
-        if matches!(&captured.frame, Err(error) if !error.may_pass()) {
+        if matches!(&captured.frame, Err(error) if !error.is_recoverable()) {
             return;
         }
         let bytes = captured.report.bytes.map(|bytes| bytes as u64);

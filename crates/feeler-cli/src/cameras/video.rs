@@ -1,7 +1,7 @@
 //! Video4Linux cameras as text and JSON.
 
 use super::{Kind, Listed};
-use feeler_sources::video::{VideoFormat, VideoInfo, VideoListed, VideoSize, list as found};
+use feeler_sources::video::{ListedDevice, VideoFormat, VideoInfo, VideoSize, list as found};
 use serde_json::{Value, json};
 use std::io;
 use std::os::unix::fs::MetadataExt;
@@ -15,7 +15,7 @@ pub fn list() -> Kind {
     };
     match found() {
         Ok(devices) => {
-            for VideoListed {
+            for ListedDevice {
                 device,
                 by_id,
                 info,

@@ -7,7 +7,7 @@ use feeler::control::law::policy::PolicyConfig;
 use std::path::{Path, PathBuf};
 
 /// Maximum number of laws and policies, for distinguishable curves.
-const MOST_LAWS: usize = 10;
+const MAX_LAWS: usize = 10;
 
 /// Returns the requested laws and policies with their names.
 pub fn laws(
@@ -34,9 +34,9 @@ pub fn laws(
         }
         laws.push(policy);
     }
-    if laws.len() > MOST_LAWS {
+    if laws.len() > MAX_LAWS {
         let count = laws.len();
-        return Err(format!("expected at most {MOST_LAWS} laws and policies, got {count}").into());
+        return Err(format!("expected at most {MAX_LAWS} laws and policies, got {count}").into());
     }
     Ok(laws)
 }

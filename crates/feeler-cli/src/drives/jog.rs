@@ -3,7 +3,7 @@
 use super::JogArguments;
 use crate::{CommandError, Outcome};
 use feeler::hand::{Hand, HandState};
-use feeler::pace::{Pace, Schedule};
+use feeler::pace::{FixedRate, Schedule};
 use feeler_console::watch_for_interrupt;
 use feeler_drives::DriveError;
 use feeler_drives::RigClock;
@@ -87,7 +87,7 @@ fn turn(
         )
         .into());
     }
-    let mut pace = Pace::new(period)?;
+    let mut pace = FixedRate::new(period)?;
     let patience = by.abs() / speed + GRACE;
     let mut left = patience;
     while let Some(tick) = pace.next_tick(&interrupted) {

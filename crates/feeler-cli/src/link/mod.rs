@@ -10,7 +10,7 @@ pub mod world;
 
 use super::CommandError;
 use feeler_lab::config::Experiment;
-use feeler_link::transport::Rehearsal;
+use feeler_link::transport::Impairment;
 use feeler_rig::{LinkOptions, ListenOptions, RigSession};
 use std::path::{Path, PathBuf};
 
@@ -28,7 +28,7 @@ pub struct LinkArguments {
     certificates: Option<PathBuf>,
     /// Simulate an impaired network: loss, duplicate (0 to 1), delay, jitter (s), seed, e.g. loss=0.2,jitter=0.05
     #[arg(long, value_name = "FAULTS")]
-    rehearse: Option<Rehearsal>,
+    rehearse: Option<Impairment>,
 }
 
 /// Endpoints at which the hand listens.

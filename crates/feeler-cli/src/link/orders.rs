@@ -14,7 +14,7 @@ use serde::Serialize;
 use std::io::Write;
 use std::time::{Duration, Instant};
 
-/// Time to look for a hand, and for the hand to obey; it obeys between two control steps, which may be long.
+/// Time to look for a hand, and for the hand to act_with_laws; it obeys between two control steps, which may be long.
 const LONGEST: Duration = Duration::from_secs(5);
 
 /// Time to send a stop over the connections before the answer of the stop server counts.

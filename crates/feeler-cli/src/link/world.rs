@@ -4,7 +4,7 @@ use super::{ExperimentArguments, LinkArguments};
 use crate::{CommandError, Outcome};
 use feeler_console::Warnings;
 use feeler_console::watch_for_interrupt;
-use feeler_lab::experiment::PlayedRig;
+use feeler_lab::experiment::SimRigServer;
 use feeler_lab::experiment::linked::rig_config;
 use feeler_link::programs::{RigProgram, RigSpeed};
 use feeler_link::security::Right;
@@ -31,7 +31,7 @@ pub fn world(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comm
         .values
         .session(&arguments.experiment, &arguments.link)?;
     let experiment = &session.experiment;
-    let rig = PlayedRig::new(experiment)?;
+    let rig = SimRigServer::new(experiment)?;
     let config = rig_config(experiment, arguments.speed)?;
     let network = session.connect(&[Right::Rig])?;
     let interrupted = watch_for_interrupt()?;

@@ -2,7 +2,7 @@
 
 use crate::program::{folder, run, whole_run};
 use feeler_record::{
-    MessageSink, Patience, RecordError, RecordOptions, Recorder, Recording, topics,
+    Backpressure, MessageSink, RecordError, RecordOptions, Recorder, Recording, topics,
 };
 use std::fs::{self, File};
 use std::io::Read;
@@ -44,7 +44,7 @@ fn with_gap(from: &Recording, path: &Path) {
         std::thread::spawn(move || read_late(&pipe, &going))
     };
     let options = RecordOptions {
-        patience: Patience::Limited(Duration::ZERO),
+        patience: Backpressure::Limited(Duration::ZERO),
         flush_interval: 0.05,
         ..RecordOptions::default()
     };

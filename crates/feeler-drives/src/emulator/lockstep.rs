@@ -13,7 +13,7 @@ use std::sync::{Arc, Mutex, MutexGuard};
 use std::time::Duration;
 
 /// An emulated bus without a terminal or a thread. The master's computations take no time. Time advances only while the
-/// master waits for a response, or for the next step of its schedule (a [`Pace`](feeler::pace::Pace) with this bus as
+/// master waits for a response, or for the next step of its schedule (a [`FixedRate`](feeler::pace::FixedRate) with this bus as
 /// its clock). Clones share the same bus.
 #[derive(Clone)]
 pub struct Lockstep {

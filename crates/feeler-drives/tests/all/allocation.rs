@@ -2,7 +2,7 @@
 
 #![cfg(target_os = "linux")]
 
-use crate::support::{MOST_AGE, PERIOD, bus, config, finger};
+use crate::support::{MAX_AGE, PERIOD, bus, config, finger};
 use assert_no_alloc::{assert_no_alloc, permit_alloc};
 use feeler::glam::DVec3;
 use feeler::hand::{Hand, HandCommand, HandState};
@@ -43,7 +43,7 @@ fn a_period_does_not_allocate() {
             let how = (protocol, config.baud_rate);
             let port = Box::new(Elsewhere(bus.clone()));
             let master = Bus::on(port, how, config.reply_timeout, bus.clock());
-            let hand = DriveHand::on(master, &config, &[finger(), finger()], MOST_AGE);
+            let hand = DriveHand::on(master, &config, &[finger(), finger()], MAX_AGE);
             let mut hand = hand.unwrap_or_else(|error| panic!("{error}"));
             let (mut state, mut command) = (HandState::zero(2), HandCommand::stop(2));
             command.relay(&[DVec3::splat(0.05); 2]);

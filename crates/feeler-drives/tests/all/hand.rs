@@ -2,9 +2,7 @@
 
 #![cfg(target_os = "linux")]
 
-use crate::support::{
-    MOST_AGE, PERIOD, Rig, ages_of_commands, bus, config, finger, hand_on, plant,
-};
+use crate::support::{MAX_AGE, PERIOD, Rig, ages_of_commands, bus, config, finger, hand_on, plant};
 use feeler::glam::DVec3;
 use feeler::hand::Hand;
 use feeler_drives::Port;
@@ -145,10 +143,7 @@ fn stops(protocol: Protocol, fault: BusFault, words: &[&str]) {
     }
     let stopped = ages_of_commands(&rig.emulator.servos(), protocol);
     for (time, age) in &stopped {
-        assert!(
-            *age <= MOST_AGE + 1e-3,
-            "{fault:?}: {age} s old at {time} s"
-        );
+        assert!(*age <= MAX_AGE + 1e-3, "{fault:?}: {age} s old at {time} s");
     }
     // The hand remains stopped for any command.
     assert!(rig.period(0.02).is_err());
@@ -287,7 +282,7 @@ fn a_slow_computer_stops_all() {
     rig.period(0.02).unwrap();
     rig.hand.read(&mut rig.state).unwrap();
     // The transmission time of the command itself does not count.
-    rig.emulator.wait(1.001 * MOST_AGE);
+    rig.emulator.wait(1.001 * MAX_AGE);
     let error = rig.command(0.02).unwrap_err().to_string();
     assert!(
         error.contains("s old: expected at most 0.0350 s"),
@@ -436,7 +431,7 @@ fn reports_firmware_too_old_for_fast_sync_reads() {
 fn reports_a_missing_port() {
     let mut config = config(Protocol::Dynamixel, 1);
     config.port = "/dev/not-there".into();
-    let opened = DriveHand::open(&config, &[finger()], MOST_AGE, RigClock::real());
+    let opened = DriveHand::open(&config, &[finger()], MAX_AGE, RigClock::real());
     let error = opened.err().expect("an error").to_string();
     assert!(
         error.contains("/dev/not-there") && error.contains("serial port"),

@@ -17,7 +17,7 @@ use feeler_drives::registers::{COUNTS_PER_TURN, Registers};
 use std::f64::consts::TAU;
 
 /// Maximum age of the joint angles that a command is based on, s.
-pub const MOST_AGE: f64 = 0.035;
+pub const MAX_AGE: f64 = 0.035;
 /// Control period, s.
 pub const PERIOD: f64 = 0.01;
 
@@ -83,7 +83,7 @@ pub fn hand_on(bus: &Lockstep, config: &DrivesConfig) -> Result<DriveHand, Drive
         bus.clock(),
     );
     let fingers = vec![finger(); config.finger.len()];
-    DriveHand::on(master, config, &fingers, MOST_AGE)
+    DriveHand::on(master, config, &fingers, MAX_AGE)
 }
 
 /// A hand and its emulated bus.

@@ -7,7 +7,7 @@ use feeler::control::StopReason;
 use feeler::control::law::Law;
 use feeler::control::task::screw::ScrewConfig;
 use feeler::control::task::{Task, TaskConfig};
-use feeler::control::{FingerSense, HandSense};
+use feeler::control::{FingerReadings, HandReadings};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{Pictures, Session};
 use glam::DVec3;
@@ -64,7 +64,7 @@ fn on_circle(experiment: &Experiment, radius: f64) -> Result<Outcome, AnyError> 
 struct AsPlanned;
 
 impl Law for AsPlanned {
-    fn velocity(&mut self, plan: &Plan, _: &FingerSense<'_>) -> DVec3 {
+    fn velocity(&mut self, plan: &Plan, _: &FingerReadings<'_>) -> DVec3 {
         plan.velocity
     }
 }
@@ -85,7 +85,7 @@ impl Circle {
         (position - self.axis).with_z(0.0)
     }
 
-    fn all(&self, hand: &HandSense<'_>, holds: impl Fn(usize, DVec3) -> bool) -> bool {
+    fn all(&self, hand: &HandReadings<'_>, holds: impl Fn(usize, DVec3) -> bool) -> bool {
         let fingers = hand.poses.iter().enumerate();
         fingers
             .into_iter()
@@ -94,7 +94,7 @@ impl Circle {
 }
 
 impl Task for Circle {
-    fn advance(&mut self, hand: &HandSense<'_>) -> Result<(), StopReason> {
+    fn advance(&mut self, hand: &HandReadings<'_>) -> Result<(), StopReason> {
         let config = &self.config;
         let (home, approach, stroke) = (
             |finger: usize| DVec3::from(config.finger[finger].home),
@@ -124,7 +124,7 @@ impl Task for Circle {
         Ok(())
     }
 
-    fn plan(&self, finger: usize, hand: &HandSense<'_>) -> Plan {
+    fn plan(&self, finger: usize, hand: &HandReadings<'_>) -> Plan {
         let path = &self.config.finger[finger];
         let (approach, stroke) = (DVec3::from(path.approach), DVec3::from(path.stroke));
         let position = hand.poses[finger].position;

@@ -9,7 +9,7 @@ use super::words::in_words;
 use toml_edit::DocumentMut;
 
 /// Diagnosis of settings that make a valid experiment invalid.
-pub(super) enum Blamed {
+pub(super) enum Diagnosis {
     /// The settings with the first abbreviated key replaced by its full path.
     Meant(Vec<String>),
     /// The first invalid setting and its error.
@@ -17,19 +17,19 @@ pub(super) enum Blamed {
 }
 
 /// Finds the first of `settings` that makes a valid `text` invalid. Returns `None` if the text itself is invalid.
-pub(super) fn to_blame(text: &str, settings: &[String]) -> Option<Blamed> {
+pub(super) fn diagnose_settings(text: &str, settings: &[String]) -> Option<Diagnosis> {
     let config = toml::from_str::<ExperimentConfig>(text).ok()?;
     let mut document: DocumentMut = text.parse().ok()?;
     let full = with_defaults(text, settings);
     settings.iter().enumerate().find_map(|(place, setting)| {
         if let Err(error) = put(&mut document, full.as_ref(), setting) {
-            return Some(Blamed::Wrong(error));
+            return Some(Diagnosis::Wrong(error));
         }
         let read = toml::from_str::<ExperimentConfig>(&document.to_string());
         let message = in_words(read.err()?.message());
         let wrong = |message| {
             let setting = setting.clone();
-            Some(Blamed::Wrong(ConfigError::Setting { setting, message }))
+            Some(Diagnosis::Wrong(ConfigError::Setting { setting, message }))
         };
         let (name, value) = setting.split_once('=')?;
         let name = name.trim();
@@ -43,7 +43,7 @@ pub(super) fn to_blame(text: &str, settings: &[String]) -> Option<Blamed> {
             Ok((key, _)) if is_part => {
                 let mut meant = settings.to_vec();
                 meant[place] = format!("{key}={value}");
-                Some(Blamed::Meant(meant))
+                Some(Diagnosis::Meant(meant))
             }
             Ok((key, _)) => wrong(format!("{message}; {key} is a key")),
             Err(suggestion) => wrong(format!("{message}; {suggestion}")),

@@ -11,7 +11,7 @@ const REFERENCE: &str = "cap-closing";
 
 /// Description of one value.
 #[derive(Debug, Clone, Default, PartialEq)]
-pub struct Described {
+pub struct ValueDescription {
     /// Unit and meaning, from the comment at the end of its line. Empty if there is no comment.
     pub comment: String,
     /// Requirement on the value, as text. Empty if there is no requirement.
@@ -22,8 +22,8 @@ pub struct Described {
 
 impl Experiment {
     /// Returns the descriptions of all values by dotted key, as in `task.screw.finger.0.home`.
-    pub fn described(&self) -> BTreeMap<String, Described> {
-        let mut all = BTreeMap::<String, Described>::new();
+    pub fn described(&self) -> BTreeMap<String, ValueDescription> {
+        let mut all = BTreeMap::<String, ValueDescription>::new();
         let reference = BUILT_IN.iter().find(|built_in| built_in.name == REFERENCE);
         let texts = reference.map(|reference| reference.toml);
         for text in texts.into_iter().chain([self.toml.as_str()]) {

@@ -1,6 +1,6 @@
 //! Loads an experiment from a built-in name or a file and applies settings from the command line.
 
-use super::blame::{Blamed, to_blame};
+use super::blame::{Diagnosis, diagnose_settings};
 use super::built_in::BUILT_IN;
 use super::check::check;
 use super::error::ConfigError;
@@ -81,9 +81,11 @@ impl Experiment {
         let config: ExperimentConfig = match toml::from_str(&toml) {
             Ok(config) => config,
             Err(e) => {
-                return match to_blame(text, settings) {
-                    Some(Blamed::Meant(settings)) => Self::parse(text, origin, &settings, folder),
-                    Some(Blamed::Wrong(error)) => Err(error),
+                return match diagnose_settings(text, settings) {
+                    Some(Diagnosis::Meant(settings)) => {
+                        Self::parse(text, origin, &settings, folder)
+                    }
+                    Some(Diagnosis::Wrong(error)) => Err(error),
                     None => Err(match missing_keys(&toml, &e) {
                         keys if keys.is_empty() => syntax(in_words(&e.to_string())),
                         keys => ConfigError::Missing {

@@ -21,7 +21,7 @@ mod words;
 
 pub use built_in::{BUILT_IN, BuiltIn};
 pub use calibrations::built_in_calibration;
-pub use describe::Described;
+pub use describe::ValueDescription;
 pub use error::ConfigError;
 pub use experiment_config::{
     ExperimentConfig, FingerSensorConfig, HandConfig, Sensing, SensorConfig,

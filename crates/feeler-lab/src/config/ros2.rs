@@ -6,7 +6,7 @@ use serde::{Deserialize, Serialize};
 use std::collections::BTreeSet;
 
 /// Maximum length of the name of a topic or joint.
-const MOST_NAME: usize = 255;
+const MAX_NAME: usize = 255;
 
 /// Robot whose joints are the joints of the hand.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -100,7 +100,7 @@ impl RosFingerConfig {
 
 /// Requires a valid name of a topic or joint.
 fn name(field: &str, value: &str, checker: &mut Checker) {
-    let good = (1..=MOST_NAME).contains(&value.len()) && !value.chars().any(char::is_whitespace);
-    let expected = format!("1 to {MOST_NAME} characters without a space");
+    let good = (1..=MAX_NAME).contains(&value.len()) && !value.chars().any(char::is_whitespace);
+    let expected = format!("1 to {MAX_NAME} characters without a space");
     checker.require(field, format!("{value:?}"), good, &expected);
 }

@@ -1,7 +1,7 @@
 //! Interpretation of actions.
 
 use super::EnvironmentError;
-use feeler::control::FingerSense;
+use feeler::control::FingerReadings;
 use feeler::control::LimitsConfig;
 use feeler::hand::FingerGeometry;
 use feeler::hand::jacobian;
@@ -48,7 +48,7 @@ impl ActionKind {
         self,
         action: DVec3,
         finger: &FingerGeometry,
-        sense: &FingerSense<'_>,
+        sense: &FingerReadings<'_>,
     ) -> DVec3 {
         let action = action.clamp(DVec3::splat(-MOST), DVec3::splat(MOST));
         match self {
@@ -63,7 +63,7 @@ impl ActionKind {
         self,
         velocity: DVec3,
         finger: &FingerGeometry,
-        sense: &FingerSense<'_>,
+        sense: &FingerReadings<'_>,
     ) -> DVec3 {
         match self {
             Self::World => velocity,

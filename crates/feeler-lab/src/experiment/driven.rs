@@ -3,7 +3,7 @@
 
 use super::{ExperimentError, Session, fingers_at_home};
 use crate::config::Experiment;
-use feeler::pace::{Pace, PaceError, Schedule};
+use feeler::pace::{FixedRate, PaceError, Schedule};
 use feeler_drives::DriveError;
 use feeler_drives::RigClock;
 use feeler_drives::bus::Bus;
@@ -133,22 +133,22 @@ fn servos(experiment: &Experiment, rig: &SimRig) -> (EmulatorConfig, Box<dyn Pla
 }
 
 /// The emulated bus of a run, which must live as long as the run.
-pub enum DrivenBus {
+pub enum EmulatedBus {
     /// On a pseudo-terminal. The factor is the speed relative to real time.
     Terminal(Emulator, f64),
     /// In the simulated time of the run.
     Lockstep(Lockstep),
 }
 
-impl DrivenBus {
+impl EmulatedBus {
     /// Creates a schedule with steps every `period` seconds of the bus's time, starting now.
     ///
     /// # Errors
     /// If the period is invalid.
     pub fn schedule(&self, period: f64) -> Result<Box<dyn Schedule>, PaceError> {
         Ok(match self {
-            Self::Terminal(_, speed) => Box::new(Pace::new(period / speed)?),
-            Self::Lockstep(bus) => Box::new(Pace::with_clock(period, bus.clone())?),
+            Self::Terminal(_, speed) => Box::new(FixedRate::new(period / speed)?),
+            Self::Lockstep(bus) => Box::new(FixedRate::with_clock(period, bus.clone())?),
         })
     }
 
@@ -163,7 +163,7 @@ impl DrivenBus {
 ///
 /// # Errors
 /// If a part of the experiment is invalid, or its servos cannot be used.
-pub fn session(experiment: &Experiment, speed: f64) -> Result<(Session, DrivenBus), DrivenError> {
+pub fn session(experiment: &Experiment, speed: f64) -> Result<(Session, EmulatedBus), DrivenError> {
     let config = &experiment.config;
     let (fingers, _) = fingers_at_home(config)?;
     let session = Session::new(experiment)?;
@@ -174,13 +174,13 @@ pub fn session(experiment: &Experiment, speed: f64) -> Result<(Session, DrivenBu
         let emulator = emulated_bus(experiment, session.rig(), clock.clone())?;
         let master = Bus::open(emulator.path(), how, drives.reply_timeout, clock);
         let master = master.map_err(DriveError::from)?;
-        (DrivenBus::Terminal(emulator, speed), master)
+        (EmulatedBus::Terminal(emulator, speed), master)
     } else {
         let (bus, plant) = servos(experiment, session.rig());
         let bus = Lockstep::new(&bus, plant);
         let port = Box::new(bus.clone());
         let master = Bus::on(port, how, drives.reply_timeout, bus.clock());
-        (DrivenBus::Lockstep(bus), master)
+        (EmulatedBus::Lockstep(bus), master)
     };
     let control = &config.control;
     let most_age = control.stale_periods * control.period;

@@ -2,7 +2,7 @@
 
 use super::truth::SlipMeter;
 use feeler::control::ControlLoop;
-use feeler::control::TouchSource;
+use feeler::control::TactileSource;
 use feeler::hand::{Hand, MAX_FINGERS};
 use feeler_link::messages::message::InstrumentsMessage;
 use feeler_record::{MessageSink, RecordError, RunLog};
@@ -54,7 +54,7 @@ impl Instruments {
     ///
     /// # Errors
     /// If the recording cannot be written.
-    pub fn record<R: MessageSink, S: TouchSource, H: Hand>(
+    pub fn record<R: MessageSink, S: TactileSource, H: Hand>(
         &self,
         control_loop: &ControlLoop<S, H>,
         log: &mut RunLog<R>,

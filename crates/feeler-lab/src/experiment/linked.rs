@@ -2,7 +2,7 @@
 
 use super::{ExperimentError, controller, fingers_at_home, layouts};
 use crate::config::Experiment;
-use feeler::sensor::fingertip::MadeFor;
+use feeler::sensor::fingertip::CalibrationTarget;
 use feeler_link::inboxes::Expected;
 use feeler_link::programs::{HandConfig, HandProgram, ProgramError, RigConfig, RigSpeed};
 use feeler_link::transport::Network;
@@ -26,7 +26,7 @@ pub enum LinkedError {
 pub fn expected(experiment: &Experiment) -> Result<Expected, ExperimentError> {
     let config = &experiment.config;
     let hash = |finger| {
-        let made_for = MadeFor::fingertip(config.sensor.fingertip(finger));
+        let made_for = CalibrationTarget::fingertip(config.sensor.fingertip(finger));
         made_for
             .map(|made_for| made_for.sha256)
             .map_err(|source| ExperimentError::Sensor {

@@ -1,31 +1,31 @@
 //! Runs in one process: connects the simulated rig, its sensors, the control loop and the recorder.
 
 #[cfg(target_os = "linux")]
-pub mod driven;
+pub(crate) mod bus_rig;
 #[cfg(target_os = "linux")]
-pub(crate) mod driven_rig;
+pub mod driven;
 pub(crate) mod facts;
-pub(crate) mod held_touch;
 mod in_memory;
 pub(crate) mod instruments;
 pub mod linked;
-pub(crate) mod played_rig;
+pub(crate) mod prefetching_sensor;
 pub mod recorded_run;
 pub mod replay;
 pub(crate) mod reported_recorder;
 pub mod run_folder;
+pub(crate) mod sample_and_hold;
 pub(crate) mod sensors;
+pub(crate) mod sim_rig_server;
 pub mod slip_bench;
 pub(crate) mod solids;
 pub(crate) mod specimen;
 pub(crate) mod supervised;
-pub(crate) mod threaded_touch;
 pub(crate) mod truth;
 pub(crate) mod warnings;
 
 #[cfg(target_os = "linux")]
-pub use driven_rig::DrivenRig;
-pub use played_rig::PlayedRig;
+pub use bus_rig::BusRig;
+pub use sim_rig_server::SimRigServer;
 pub use truth::Truth;
 pub use warnings::warnings;
 
@@ -37,7 +37,7 @@ pub use instruments::Instruments;
 use facts::simulated_facts;
 use feeler::control::Phase;
 use feeler::control::StopReason;
-use feeler::control::TouchSource;
+use feeler::control::TactileSource;
 use feeler::control::law::{Law, LawError};
 use feeler::control::task::Task;
 use feeler::control::{ControlConfig, Controller};
@@ -55,14 +55,14 @@ use feeler_sim::optics::OpticsError;
 use feeler_sim::rig::{SimHand, SimRig};
 use feeler_sim::world::World;
 use glam::DVec3;
-use held_touch::FramesTaken;
+use prefetching_sensor::PrefetchingSensor;
+use sample_and_hold::FrameCounter;
 use specimen::{SpecimenError, check_specimen};
 use std::io;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
 use std::thread;
 use supervised::InstrumentedRun;
-use threaded_touch::ThreadedTouch;
 use truth::SlipMeter;
 
 /// Error in the setup or a step of a run.
@@ -139,7 +139,7 @@ pub enum ExperimentError {
 }
 
 /// Source of tactile readings for one finger, of any kind.
-pub type Sensor = Box<dyn TouchSource + Send>;
+pub type Sensor = Box<dyn TactileSource + Send>;
 
 /// The simulated hand, or drives with the simulated world behind them.
 pub type AnyHand = Box<dyn Hand + Send>;
@@ -166,9 +166,9 @@ pub struct Session {
     slip: SlipMeter,
     time_limit: f64,
     /// Maximum number of consecutive missed periods.
-    most_missed: u64,
+    max_missed: u64,
     /// Number of frames taken by finger 0, if the frame rate is lower than the control rate.
-    taken: FramesTaken,
+    taken: FrameCounter,
     /// `true` if the world advances independently of the steps.
     is_driven: bool,
 }
@@ -220,7 +220,7 @@ impl Session {
         let controller = Controller::with_task(control(experiment)?, task, &fingers, &layouts)?;
         let (rig, cap) = rig(experiment, &joints)?;
         check_specimen(config, &fingers, &rig.world())?;
-        let taken = FramesTaken::default();
+        let taken = FrameCounter::default();
         let sensors = sensors::sensors(experiment, &rig, &layouts, pictures, &taken)?;
         let slip = SlipMeter::new(rig.world().state(), config.simulation()?.frame_period);
         let hand = SimHand::new(rig.clone(), steps_per_command(config)?);
@@ -233,7 +233,7 @@ impl Session {
             slip,
             time_limit: config.time_limit,
             // Simulated time waits for the steps, so missed periods do not matter.
-            most_missed: u64::MAX,
+            max_missed: u64::MAX,
             taken,
             is_driven: false,
         })
@@ -252,7 +252,8 @@ impl Session {
         let control_loop = self.control_loop.try_map_sensors(|sensors| {
             let mut sensors = sensors.into_iter();
             let first = sensors.next().map(Ok);
-            let others = sensors.map(|sensor| Ok(Box::new(ThreadedTouch::new(sensor)?) as Sensor));
+            let others =
+                sensors.map(|sensor| Ok(Box::new(PrefetchingSensor::new(sensor)?) as Sensor));
             first.into_iter().chain(others).collect::<io::Result<_>>()
         });
         Ok(Self {
@@ -261,14 +262,14 @@ impl Session {
         })
     }
 
-    /// Replaces the simulated hand by one with an independent clock. The hand is stopped after more than `most_missed`
+    /// Replaces the simulated hand by one with an independent clock. The hand is stopped after more than `max_missed`
     /// consecutive missed periods.
     #[cfg(target_os = "linux")]
-    fn with_hand(self, hand: AnyHand, most_missed: u64) -> Self {
+    fn with_hand(self, hand: AnyHand, max_missed: u64) -> Self {
         Self {
             control_loop: self.control_loop.with_hand(hand),
             slip: self.slip.by_count(self.taken.clone()),
-            most_missed,
+            max_missed,
             is_driven: true,
             ..self
         }
@@ -293,8 +294,8 @@ impl Session {
     ///
     /// # Errors
     /// If the hand fails.
-    pub fn obey(&mut self) -> Result<(), ExperimentError> {
-        Ok(self.control_loop.obey()?)
+    pub fn act_with_laws(&mut self) -> Result<(), ExperimentError> {
+        Ok(self.control_loop.act_with_laws()?)
     }
 
     /// Replaces the control law of each finger by `law(finger)`.
@@ -330,7 +331,7 @@ impl Session {
     pub fn stop(&mut self, by: &str) {
         let by = by.to_string();
         let controller = self.control_loop.controller_mut();
-        controller.stop(StopReason::Told { by });
+        controller.stop(StopReason::Requested { by });
     }
 
     /// Resumes a stopped hand.
@@ -363,13 +364,10 @@ impl Session {
             time_limit: self.time_limit,
             each_step,
         };
-        let most_missed = self.most_missed;
-        let broke = self.control_loop.run_supervised(
-            schedule,
-            most_missed,
-            interrupted,
-            &mut supervisor,
-        )?;
+        let max_missed = self.max_missed;
+        let broke =
+            self.control_loop
+                .run_supervised(schedule, max_missed, interrupted, &mut supervisor)?;
         Ok(broke.flatten())
     }
 
@@ -403,7 +401,7 @@ fn is_finished(control_loop: &SimulatedLoop, time_limit: f64) -> bool {
     let controller = control_loop.controller();
     let over = match controller.phase() {
         Phase::Done => true,
-        Phase::Stopped => !matches!(controller.stop_reason(), Some(StopReason::Told { .. })),
+        Phase::Stopped => !matches!(controller.stop_reason(), Some(StopReason::Requested { .. })),
         _ => false,
     };
     over || control_loop.state().stamp >= time_limit
@@ -505,7 +503,7 @@ pub fn check_rig(experiment: &Experiment) -> Result<Vec<ElementLayout>, Experime
     controller(experiment, &fingers, &layouts)?;
     for finger in 0..layouts.len() {
         let calibration = experiment.calibration(finger)?;
-        let made_for_it = calibration.check_made_for(config.sensor.fingertip(finger));
+        let made_for_it = calibration.verify_target(config.sensor.fingertip(finger));
         made_for_it.map_err(|source| ExperimentError::Sensor {
             finger,
             source: Box::new(source.into()),

@@ -1,6 +1,6 @@
 //! Simulated runs that are recorded in a folder and reported there.
 
-use super::reported_recorder::{Recorded, ReportedRecorder};
+use super::reported_recorder::{Recorded, ReportingRecorder};
 use super::{ExperimentError, Instruments, Pictures, Session, SimulatedLoop};
 use crate::config::{ConfigError, Experiment, Sensing};
 use feeler::control::Controller;
@@ -36,7 +36,7 @@ pub enum RunError {
 /// A run with its recording.
 pub struct RecordedRun {
     session: Session,
-    log: RunLog<ReportedRecorder>,
+    log: RunLog<ReportingRecorder>,
     folder: PathBuf,
 }
 
@@ -65,7 +65,7 @@ impl RecordedRun {
         let facts = session.facts(&experiment.config);
         let file = folder.join(RECORDING);
         let recorder = Recorder::create_with(file, &facts, &experiment.toml, options)?;
-        let recorder = ReportedRecorder::new(recorder, &facts, &experiment.toml, options)?;
+        let recorder = ReportingRecorder::new(recorder, &facts, &experiment.toml, options)?;
         let log = RunLog::new(recorder, &facts)?;
         Ok(Self {
             log: match options.pictures {

@@ -8,7 +8,7 @@ use feeler_report::RunData;
 use feeler_report::run::RunRecorder;
 
 /// Records a run in a file and collects the columns of its report, so that the file need not be read again.
-pub(super) struct ReportedRecorder {
+pub(super) struct ReportingRecorder {
     recorder: Recorder,
     /// `None` if the report is made from the file: if it contains images, or messages were dropped.
     columns: Option<RunRecorder>,
@@ -17,7 +17,7 @@ pub(super) struct ReportedRecorder {
 /// A recording and its columns, identical to those read from the file.
 pub(super) type Recorded = (Recording, RunData);
 
-impl ReportedRecorder {
+impl ReportingRecorder {
     /// Records a run with these constants with `recorder`.
     ///
     /// # Errors
@@ -67,7 +67,7 @@ impl ReportedRecorder {
     }
 }
 
-impl MessageSink for ReportedRecorder {
+impl MessageSink for ReportingRecorder {
     fn write<M: RecordedMessage>(
         &mut self,
         topic: RecordedTopic<M>,

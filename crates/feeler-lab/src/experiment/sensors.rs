@@ -1,9 +1,9 @@
 //! Construction of the fingertip sensors of a run.
 
-use super::held_touch::{FramesTaken, HeldTouch};
+use super::sample_and_hold::{FrameCounter, SampleAndHold};
 use crate::config::{Experiment, Sensing};
 use crate::experiment::{ExperimentError, Pictures, Sensor};
-use feeler::control::AnalyzedSensor;
+use feeler::control::FlaggedSensor;
 use feeler::sensor::fingertip::ElementLayout;
 use feeler::sensor::fingertip::Fingertip;
 use feeler::sensor::forces::OpticalSensor;
@@ -29,7 +29,7 @@ pub(super) fn sensors(
     rig: &SimRig,
     layouts: &[ElementLayout],
     pictures: Pictures,
-    taken: &FramesTaken,
+    taken: &FrameCounter,
 ) -> Result<Vec<Sensor>, ExperimentError> {
     let config = &experiment.config;
     let thresholds = config.control.thresholds();
@@ -38,16 +38,16 @@ pub(super) fn sensors(
     fingers
         .map(|(finger, sensor)| -> Result<Sensor, ExperimentError> {
             let sensor: Sensor = match sensor {
-                RigSensor::Direct(sensor) => Box::new(AnalyzedSensor::new(*sensor, thresholds)),
+                RigSensor::Direct(sensor) => Box::new(FlaggedSensor::new(*sensor, thresholds)),
                 RigSensor::Camera(camera) => optical_sensor(experiment, finger, *camera)?,
             };
             Ok(match config.simulation()?.frame_period {
                 Some(period) => {
                     let taken = match finger {
                         0 => taken.clone(),
-                        _ => FramesTaken::default(),
+                        _ => FrameCounter::default(),
                     };
-                    Box::new(HeldTouch::new(sensor, rig.clone(), period, taken))
+                    Box::new(SampleAndHold::new(sensor, rig.clone(), period, taken))
                 }
                 None => sensor,
             })
@@ -74,7 +74,7 @@ pub(super) fn optical_sensor<C: Camera + Send + 'static>(
         None => sensor,
     };
     let thresholds = config.control.thresholds();
-    Ok(Box::new(AnalyzedSensor::new(sensor, thresholds)))
+    Ok(Box::new(FlaggedSensor::new(sensor, thresholds)))
 }
 
 /// Creates the simulated sensor of each finger.

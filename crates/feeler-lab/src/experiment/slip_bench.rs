@@ -4,10 +4,10 @@
 use super::{ExperimentError, fingers_at_home, layouts, steps_per_command};
 use crate::config::{Experiment, ExperimentConfig};
 use feeler::control::FeelerShape;
-use feeler::control::FingerTouch;
 use feeler::control::FlagAnalyzer;
 use feeler::control::SlipDetector;
-use feeler::control::{FingerSense, FingertipPose};
+use feeler::control::TactileReading;
+use feeler::control::{FingerReadings, FingertipPose};
 use feeler::hand::JointState;
 use feeler::sensor::fingertip::ElementLayout;
 use feeler_sim::contact::Friction;
@@ -109,7 +109,7 @@ struct Judge {
     analyzer: FlagAnalyzer,
     /// One detector for specimens that may move, and one for fixed specimens.
     detectors: [SlipDetector; 2],
-    touch: FingerTouch,
+    touch: TactileReading,
     /// True forces on the elements (N).
     truth: Vec<DVec3>,
     /// `true` if each element was pressed with more than F1 in the previous frame.
@@ -134,10 +134,10 @@ impl Judge {
             touch_force,
             analyzer: FlagAnalyzer::new(config.control.thresholds(), elements),
             detectors: [
-                SlipDetector::on_what_may_move(feeler, touch_force, elements),
+                SlipDetector::for_movable_object(feeler, touch_force, elements),
                 SlipDetector::new(feeler, elements),
             ],
-            touch: FingerTouch::none(elements),
+            touch: TactileReading::none(elements),
             truth: vec![DVec3::ZERO; elements],
             pressed: vec![false; elements],
             way: vec![0.0; elements],
@@ -161,7 +161,7 @@ impl Judge {
 
     /// Evaluates the detectors on the latest frame, and reads the ground truth.
     fn judge(&mut self, world: &World, pose: &Pose) {
-        let finger = FingerSense {
+        let finger = FingerReadings {
             pose: FingertipPose {
                 position: pose.position,
                 rotation: pose.rotation,

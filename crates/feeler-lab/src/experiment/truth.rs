@@ -1,6 +1,6 @@
 //! Ground truth of a run, for evaluation only. It never reaches the hand.
 
-use super::held_touch::{FrameTimes, FramesTaken};
+use super::sample_and_hold::{FrameCounter, FrameTimes};
 use crate::experiment::Session;
 use feeler::hand::MAX_FINGERS;
 use feeler_sim::objects::Motion;
@@ -55,7 +55,7 @@ pub(super) struct SlipMeter {
     frames: Option<FrameTimes>,
     /// Number of frames at the last reading and the frame counter, used instead of times if the world advances
     /// independently.
-    taken: Option<(u64, FramesTaken)>,
+    taken: Option<(u64, FrameCounter)>,
 }
 
 impl SlipMeter {
@@ -72,7 +72,7 @@ impl SlipMeter {
 
     /// Uses the frame counter `taken` instead of times if the frame rate is lower than the control rate.
     #[cfg(target_os = "linux")]
-    pub fn by_count(self, taken: FramesTaken) -> Self {
+    pub fn by_count(self, taken: FrameCounter) -> Self {
         let taken = self.frames.is_some().then_some((0, taken));
         Self { taken, ..self }
     }

@@ -99,7 +99,7 @@ impl Detector {
 
 /// Knowledge of the elements without contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Untouched {
+pub enum ContactReference {
     /// Nothing is known.
     Unknown,
     /// The vectors of the elements are 0 without contact.
@@ -108,7 +108,7 @@ pub enum Untouched {
     Pattern(Option<Picture>),
     /// The elements form a regular pattern in this image and are not tracked between frames: the vectors are positions
     /// (px) in any order and number.
-    Afresh(Picture),
+    LocatedPattern(Picture),
 }
 
 /// One frame of a recording.
@@ -135,7 +135,7 @@ impl GraspFrame {
 #[derive(Debug, Clone, PartialEq)]
 pub struct GraspRecording {
     /// Knowledge of the elements without contact.
-    pub untouched: Untouched,
+    pub untouched: ContactReference,
     /// Image position of each element where its vector is 0 (px). Empty if there are no images.
     pub origins: Vec<DVec2>,
     /// The frames in chronological order.
@@ -161,11 +161,11 @@ impl GraspRecording {
     fn contact_loss(&self) -> Result<ContactLoss, GraspSlipError> {
         let config = ContactLossConfig::default();
         match self.untouched {
-            Untouched::Unknown => Ok(ContactLoss::without_reference()),
+            ContactReference::Unknown => Ok(ContactLoss::without_reference()),
             // A single element, whose load is computed from each frame.
-            Untouched::Afresh(_) => ContactLoss::from_untouched(1, 1.0, config),
-            Untouched::Zero => ContactLoss::from_untouched(self.elements(), 1.0, config),
-            Untouched::Pattern(picture) => {
+            ContactReference::LocatedPattern(_) => ContactLoss::from_untouched(1, 1.0, config),
+            ContactReference::Zero => ContactLoss::from_untouched(self.elements(), 1.0, config),
+            ContactReference::Pattern(picture) => {
                 let count = |frame: &GraspFrame| {
                     self.places(frame).filter(|place| place.is_finite()).count()
                 };
@@ -232,8 +232,8 @@ impl DetectorTrace {
             }
             flags.analyze(&tactile);
             match recording.untouched {
-                Untouched::Pattern(_) => loss.update(interval, recording.places(frame)),
-                Untouched::Afresh(picture) => {
+                ContactReference::Pattern(_) => loss.update(interval, recording.places(frame)),
+                ContactReference::LocatedPattern(picture) => {
                     let newest = load_afresh(&frame.shear, picture).unwrap_or_else(|error| {
                         no_pattern.get_or_insert(error);
                         f64::NAN
@@ -256,7 +256,7 @@ impl DetectorTrace {
         Ok(Self {
             frames,
             noise: match recording.untouched {
-                Untouched::Afresh(_) => None,
+                ContactReference::LocatedPattern(_) => None,
                 _ => recording.noise(),
             },
             no_pattern,

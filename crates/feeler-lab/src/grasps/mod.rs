@@ -10,7 +10,9 @@ mod outcome;
 pub mod simulated;
 mod transfer;
 
-pub use detectors::{DETECTORS, Detector, DetectorTrace, GraspFrame, GraspRecording, Untouched};
+pub use detectors::{
+    ContactReference, DETECTORS, Detector, DetectorTrace, GraspFrame, GraspRecording,
+};
 pub use feeler::control::grasp_slip::Picture;
 pub use outcome::{Confusion, Judged, Labelled, Outcome, Verdict, score};
 pub use transfer::{Transfer, transfer};

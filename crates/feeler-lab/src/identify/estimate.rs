@@ -15,7 +15,7 @@ use feeler::control::Stiffness;
 const NORMAL: f64 = 1.96;
 /// Threshold of a touching element's force: a multiple of the noise in standard deviations, and a minimum (N).
 const TOUCHES: f64 = 6.0;
-const LEAST_TOUCH: f64 = 0.06;
+const MIN_TOUCH: f64 = 0.06;
 
 /// Number of alignments of forces and poses. They are iterated because the fit is accurate to first order in the delay.
 const ALIGNMENTS: usize = 3;
@@ -108,7 +108,7 @@ pub fn estimate(
 
 /// Force above which an element counts as touching (N), from the standard deviation of the `noise` (N).
 pub fn least_touch(noise: f64) -> f64 {
-    (TOUCHES * noise).max(LEAST_TOUCH)
+    (TOUCHES * noise).max(MIN_TOUCH)
 }
 
 /// Results of one finger that do not depend on the others.

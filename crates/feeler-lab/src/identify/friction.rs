@@ -18,7 +18,7 @@ pub struct Friction {
 /// Threshold at which a decrease of the ratio counts as a slip, in standard deviations of one sample.
 const FALL: f64 = 5.0 * std::f64::consts::SQRT_2;
 /// Minimum number of samples before and after the first slip.
-const LEAST_SAMPLES: usize = 8;
+const MIN_SAMPLES: usize = 8;
 
 /// Ratio of shear to normal force of one sliding element over time.
 #[derive(Debug, Clone, Default)]
@@ -99,9 +99,9 @@ fn onset(ratio: &[f64]) -> Option<usize> {
     // The ratio first decreases while the shear left from pressing relaxes.
     let begin = (0..ratio.len()).min_by(|&a, &b| f64::total_cmp(&ratio[a], &ratio[b]))?;
     let rising = &ratio[begin..];
-    let latest = rising.len().checked_sub(LEAST_SAMPLES)?;
+    let latest = rising.len().checked_sub(MIN_SAMPLES)?;
     let cost = |at: usize| misfit(&rising[..at], true) + misfit(&rising[at..], false);
-    let best = (LEAST_SAMPLES..=latest).map(|at| (cost(at), at));
+    let best = (MIN_SAMPLES..=latest).map(|at| (cost(at), at));
     let (_, at) = best.min_by(|a, b| a.0.total_cmp(&b.0))?;
     (at < latest).then_some(begin + at)
 }
@@ -169,7 +169,7 @@ fn by_spread(slides: &[Slide]) -> Option<Friction> {
         count += sliding.len() as f64;
         own += slide.noise.powi(2) * sliding.len() as f64;
     }
-    if count < 2.0 * LEAST_SAMPLES as f64 {
+    if count < 2.0 * MIN_SAMPLES as f64 {
         return None;
     }
     let mean = sum / count;

@@ -8,9 +8,9 @@ use glam::DVec3;
 /// drive.
 const STRETCH: f64 = 1.0;
 /// Maximum lag and delay considered (s).
-const MOST_LAG: f64 = 0.2;
-const MOST_DELAY: f64 = 0.1;
-const LEAST_LAG: f64 = 1e-4;
+const MAX_LAG: f64 = 0.2;
+const MAX_DELAY: f64 = 0.1;
+const MIN_LAG: f64 = 1e-4;
 /// Accuracy of the minimisation (s).
 const ACCURACY: f64 = 5e-5;
 
@@ -84,8 +84,8 @@ pub fn drive_lag(trace: &FingerTrace) -> Option<DriveLag> {
         return None;
     }
     let cost = |lag: f64, delay: f64| squares(&residuals(trace, lag, delay));
-    let lag_at = |delay: f64| least_of((LEAST_LAG, MOST_LAG), |lag| cost(lag, delay));
-    let delay = least_of((0.0, MOST_DELAY), |delay| cost(lag_at(delay), delay));
+    let lag_at = |delay: f64| least_of((MIN_LAG, MAX_LAG), |lag| cost(lag, delay));
+    let delay = least_of((0.0, MAX_DELAY), |delay| cost(lag_at(delay), delay));
     let best = (lag_at(delay), delay);
     let curvature = Curvature::at(trace, best);
     let (lag, delay) = best;

@@ -8,9 +8,9 @@ use glam::{DMat3, DVec2, DVec3};
 use std::collections::BTreeMap;
 
 /// Minimum number of contacts for fitting a circle.
-const LEAST_CONTACTS: usize = 5;
+const MIN_CONTACTS: usize = 5;
 /// Minimum assumed standard deviation of a contact's position (m).
-const LEAST_DEVIATION: f64 = 2e-5;
+const MIN_DEVIATION: f64 = 2e-5;
 
 /// Circle through the centres of the rounded tips, in the plane perpendicular to the object's axis.
 #[derive(Debug, Clone, PartialEq)]
@@ -79,7 +79,7 @@ pub fn circle(fingers: &[(&FingerTrace, Stiffness, f64)]) -> Option<Circle> {
 
 /// Fits a circle to `points`, each with the index of its finger; see [`circle`].
 pub fn fit_circle(points: Vec<(usize, DVec2)>) -> Option<Circle> {
-    if points.len() < LEAST_CONTACTS {
+    if points.len() < MIN_CONTACTS {
         return None;
     }
     let count = points.len() as f64;
@@ -111,7 +111,7 @@ pub fn fit_circle(points: Vec<(usize, DVec2)>) -> Option<Circle> {
     let misses = points
         .iter()
         .map(|(_, p)| (p.distance(origin + centre) - radius).powi(2));
-    let variance = misses.sum::<f64>() / (count - 3.0).max(1.0) + LEAST_DEVIATION.powi(2);
+    let variance = misses.sum::<f64>() / (count - 3.0).max(1.0) + MIN_DEVIATION.powi(2);
     let measured = |value: f64, unit: f64| Measured {
         value,
         deviation: (variance * unit).max(0.0).sqrt(),

@@ -3,7 +3,7 @@
 use feeler::control::ControlConfig;
 use feeler::control::ControlLoop;
 use feeler::control::FingertipPose;
-use feeler::control::TouchSource;
+use feeler::control::TactileSource;
 use feeler::control::task::probe::{ProbeConfig, Step};
 use feeler::hand::Hand;
 use feeler::sensor::fingertip::ElementLayout;
@@ -128,7 +128,7 @@ impl Trace {
     }
 
     /// Appends the latest control step of `control_loop`.
-    pub fn push<S: TouchSource, H: Hand>(&mut self, control_loop: &ControlLoop<S, H>) {
+    pub fn push<S: TactileSource, H: Hand>(&mut self, control_loop: &ControlLoop<S, H>) {
         let controller = control_loop.controller();
         let task = controller.task();
         let number = task.findings().first().map_or(0.0, |step| step.value);

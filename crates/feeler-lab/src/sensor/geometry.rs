@@ -1,11 +1,11 @@
 //! Geometry of a sensor, from the fingertip of an experiment or from a located layout.
 
 use crate::config::{ConfigError, Experiment};
-use feeler::sensor::calibration::{Calibration, CalibrationError, LengthUnit, MadeFor};
+use feeler::sensor::calibration::{Calibration, CalibrationError, CalibrationTarget, LengthUnit};
 use feeler::sensor::fingertip::{Fingertip, FingertipConfig, FingertipError};
 use feeler::sensor::fingertip::{LayoutError, LocatedLayout};
 use feeler::sensor::image::DEFAULT_MAX_SATURATED;
-use feeler::sensor::image::SeenElement;
+use feeler::sensor::image::ProjectedElement;
 use feeler::sensor::image::WeightedPixel;
 use feeler::sensor::moments::MomentsError;
 use feeler::sensor::moments::MomentsKernel;
@@ -54,13 +54,13 @@ pub struct SensorGeometry {
     /// Pixels of each element, with weights.
     pub regions: Vec<Vec<WeightedPixel>>,
     /// Projection of each element into the image.
-    pub seen: Vec<SeenElement>,
+    pub seen: Vec<ProjectedElement>,
     /// Rotation from each element's frame to the fingertip frame. Empty if lengths are in pixels.
     pub frames: Vec<DMat3>,
     /// Default for the maximum fraction of an element's pixels that may be saturated.
     pub max_saturated: f64,
     /// Identification of the sensor for which a calibration is made.
-    pub made_for: MadeFor,
+    pub made_for: CalibrationTarget,
 }
 
 impl SensorGeometry {
@@ -97,7 +97,7 @@ impl SensorGeometry {
             seen: layout.seen_elements()?,
             frames: layout.element_frames(),
             max_saturated: layout.max_saturated(),
-            made_for: MadeFor::layout(&layout.to_toml()?, layout.elements.len(), unit),
+            made_for: CalibrationTarget::layout(&layout.to_toml()?, layout.elements.len(), unit),
         })
     }
 
@@ -115,7 +115,7 @@ impl SensorGeometry {
             seen: Fingertip::seen_elements(config)?,
             frames: layout.elements.iter().map(|e| e.rotation).collect(),
             max_saturated: DEFAULT_MAX_SATURATED,
-            made_for: MadeFor::fingertip(config)?,
+            made_for: CalibrationTarget::fingertip(config)?,
         })
     }
 
@@ -125,7 +125,7 @@ impl SensorGeometry {
     /// If the file cannot be read, is invalid, or was made for another sensor.
     pub fn read_calibration(&self, path: &Path) -> Result<Calibration, GeometryError> {
         let calibration = Calibration::from_toml(&read_text(path)?)?;
-        self.made_for.check_same(&calibration.made_for)?;
+        self.made_for.verify_same(&calibration.made_for)?;
         Ok(calibration)
     }
 }

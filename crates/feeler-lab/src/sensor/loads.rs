@@ -4,12 +4,12 @@ use super::SensorGeometry;
 use super::recorded::{NamedFrame, NamedFrames, files_of};
 use feeler::sensor::calibration::Calibration;
 use feeler::sensor::calibration::ForceAxes;
-use feeler::sensor::calibration::{COLUMNS, LoadedPicture, LoadsError, RecordBuilder, read_loads};
+use feeler::sensor::calibration::{COLUMNS, LoadedImage, LoadsError, RecordBuilder, read_loads};
 use feeler::sensor::calibration::{
     ELEMENT_RANGE, LoadCheckError, check_axes_of_recordings, check_magnitude, check_numbers,
     check_offsets, check_outliers, check_unloaded,
 };
-use feeler::sensor::image::SeenElement;
+use feeler::sensor::image::ProjectedElement;
 use feeler::sensor::moments::ElementMoments;
 use glam::DVec3;
 use std::fs::File;
@@ -59,7 +59,7 @@ pub enum LoadsFileError {
 /// A file of loads: the forces on the elements in each image.
 pub struct LoadsFile {
     csv: PathBuf,
-    pictures: Vec<LoadedPicture>,
+    pictures: Vec<LoadedImage>,
 }
 
 impl LoadsFile {
@@ -68,7 +68,11 @@ impl LoadsFile {
     ///
     /// # Errors
     /// If the file cannot be read or is invalid.
-    pub fn read(csv: &Path, seen: &[SeenElement], axes: ForceAxes) -> Result<Self, LoadsFileError> {
+    pub fn read(
+        csv: &Path,
+        seen: &[ProjectedElement],
+        axes: ForceAxes,
+    ) -> Result<Self, LoadsFileError> {
         let csv = csv.to_path_buf();
         let file = match File::open(&csv) {
             Ok(file) => file,

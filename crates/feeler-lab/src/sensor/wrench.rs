@@ -213,7 +213,7 @@ impl SensorGeometry {
             return Ok(None);
         }
         let calibration = WrenchCalibration::from_toml(&text)?;
-        calibration.check_made_for(&self.made_for)?;
+        calibration.verify_target(&self.made_for)?;
         Ok(Some(calibration))
     }
 }

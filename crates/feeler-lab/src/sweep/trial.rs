@@ -11,7 +11,7 @@ use crate::sweep::results::claim_columns::ClaimColumns;
 use crate::sweep::results::stroke_columns::{MEASURES, PATTERN, PATTERN_STROKES};
 use feeler::control::Phase;
 use feeler::control::task::TaskConfig;
-use feeler::pace::Unpaced;
+use feeler::pace::FreeRunning;
 use feeler_record::{FindingName, MemoryRecorder, PolicyFile, Recording, RunFacts, RunLog};
 use feeler_report::measures::Criterion;
 use feeler_report::run::RunRecorder;
@@ -47,7 +47,7 @@ pub struct Trials {
 
 /// Random values of a trial.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Drawn {
+pub struct TrialParameters {
     /// Seed of the run.
     pub seed: u64,
     /// Value of each parameter, as text.
@@ -168,7 +168,7 @@ impl Trials {
     }
 
     /// Draws the values of a trial: each from a separate random stream, or according to the design.
-    pub fn draw(&self, trial: u64) -> Drawn {
+    pub fn draw(&self, trial: u64) -> TrialParameters {
         let stream = |trial: u64, purpose: &str| generator(self.plan.seed, trial, purpose);
         // TOML integers are signed, so the seed must fit into 63 bits.
         let run_seed = |trial| stream(trial, "").random::<u64>() >> 1;
@@ -176,7 +176,7 @@ impl Trials {
         let Some(scheme) = &self.scheme else {
             let draw = |p: &Parameter| p.distribution.draw(&mut stream(trial, &p.name), p.whole);
             let values = parameters.map(draw).collect();
-            return Drawn {
+            return TrialParameters {
                 seed: run_seed(trial),
                 values,
             };
@@ -188,7 +188,7 @@ impl Trials {
             Some(row) => (p.distribution).quantile(scheme.coordinate(row, index, key), p.whole),
         };
         let values = parameters.enumerate().zip(sources).map(value).collect();
-        Drawn {
+        TrialParameters {
             seed: run_seed(seed),
             values,
         }
@@ -219,7 +219,7 @@ impl Trials {
         let mut row = vec![trial.to_string(), drawn.seed.to_string()];
         row.extend(drawn.values);
         row.extend([ran.outcome.to_string(), one_line(&ran.reason)]);
-        match &ran.came_of_it {
+        match &ran.result {
             Some(((recording, data), truth)) => {
                 row.extend(self.results(ran.outcome, recording, data));
                 row.extend([number(truth.cap_torque), number(Some(truth.slip_work))]);
@@ -248,7 +248,7 @@ impl Trials {
             Err(error) => return Ran::failed("invalid", error.to_string()),
         };
         let ran = session.run(
-            &mut Unpaced::default(),
+            &mut FreeRunning::default(),
             stop,
             |control_loop, at, _| match at.record(control_loop, &mut log) {
                 Ok(()) => ControlFlow::Continue(()),
@@ -266,7 +266,7 @@ impl Trials {
         Ran {
             outcome,
             reason,
-            came_of_it: Some((log.into_recorder().finish(), Truth::of(&session))),
+            result: Some((log.into_recorder().finish(), Truth::of(&session))),
         }
     }
 
@@ -349,7 +349,7 @@ struct Ran {
     outcome: &'static str,
     reason: String,
     /// The recording of the hand, and ground truth from the simulator.
-    came_of_it: Option<((Recording, RunData), Truth)>,
+    result: Option<((Recording, RunData), Truth)>,
 }
 
 impl Ran {
@@ -357,7 +357,7 @@ impl Ran {
         Self {
             outcome,
             reason,
-            came_of_it: None,
+            result: None,
         }
     }
 }

@@ -12,8 +12,8 @@ const REMEMBERED: usize = 64;
 
 /// List of active stops.
 #[derive(Debug, Clone, Default)]
-pub struct Holds {
-    in_force: Vec<Hold>,
+pub struct ActiveStops {
+    in_force: Vec<ActiveStop>,
     /// Number of the latest stop.
     newest: u64,
     /// Ids of resumed orders, as a ring buffer.
@@ -23,7 +23,7 @@ pub struct Holds {
 
 /// Active stop.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Hold {
+pub struct ActiveStop {
     /// Number of the stop.
     pub number: u64,
     /// Cause of the stop.
@@ -43,7 +43,7 @@ pub enum Cause {
     Fault,
 }
 
-impl Hold {
+impl ActiveStop {
     /// Returns `true` if the hand stopped itself.
     fn is_own(&self) -> bool {
         !matches!(self.cause, Cause::Order(_))
@@ -61,9 +61,9 @@ impl Hold {
     }
 }
 
-impl Holds {
+impl ActiveStops {
     /// Returns the active stops, oldest first.
-    pub fn in_force(&self) -> &[Hold] {
+    pub fn in_force(&self) -> &[ActiveStop] {
         &self.in_force
     }
 
@@ -77,7 +77,7 @@ impl Holds {
     pub fn order(&mut self, id: u64, from: &str) -> Option<u64> {
         let from = if from.is_empty() { "unknown" } else { from };
         let (cause, by) = (Cause::Order(id), printable(from));
-        let same = |hold: &&Hold| hold.cause == cause && (id != 0 || hold.by == by);
+        let same = |hold: &&ActiveStop| hold.cause == cause && (id != 0 || hold.by == by);
         if let Some(hold) = self.in_force.iter().find(same) {
             return Some(hold.number);
         }
@@ -87,7 +87,7 @@ impl Holds {
 
     /// Adds a stop by the hand itself, unless one is already active.
     pub fn fault(&mut self, why: &StopReason) {
-        if self.in_force.iter().any(Hold::is_own) {
+        if self.in_force.iter().any(ActiveStop::is_own) {
             return;
         }
         let cause = match why.is_stale() {
@@ -116,7 +116,7 @@ impl Holds {
 
     /// Returns the sender of the oldest active order.
     pub fn ordered_by(&self) -> Option<&str> {
-        let ordered = |hold: &&Hold| !hold.is_own();
+        let ordered = |hold: &&ActiveStop| !hold.is_own();
         Some(&self.in_force.iter().find(ordered)?.by)
     }
 
@@ -126,7 +126,7 @@ impl Holds {
             self.in_force.pop();
         }
         let number = self.newest;
-        self.in_force.push(Hold { number, cause, by });
+        self.in_force.push(ActiveStop { number, cause, by });
         number
     }
 
@@ -145,7 +145,7 @@ mod tests {
 
     #[test]
     fn each_stop_needs_its_own_resume() {
-        let mut holds = Holds::default();
+        let mut holds = ActiveStops::default();
         assert_eq!(holds.order(7, "a"), Some(1));
         assert_eq!(holds.order(8, "b"), Some(2));
         assert_eq!(holds.order(7, "a"), Some(1), "repeated");
@@ -158,7 +158,7 @@ mod tests {
 
     #[test]
     fn a_late_duplicate_of_a_resumed_order_is_ignored() {
-        let mut holds = Holds::default();
+        let mut holds = ActiveStops::default();
         holds.order(7, "a");
         holds.resume(1);
         assert_eq!(holds.order(7, "a"), None);
@@ -173,7 +173,7 @@ mod tests {
 
     #[test]
     fn the_hands_own_stop_is_separate_from_orders() {
-        let mut holds = Holds::default();
+        let mut holds = ActiveStops::default();
         let stale = |age| StopReason::StaleState { age, limit: 0.035 };
         holds.fault(&stale(0.04));
         holds.fault(&stale(0.05));
@@ -190,7 +190,7 @@ mod tests {
 
     #[test]
     fn a_flood_of_stops_is_bounded() {
-        let mut holds = Holds::default();
+        let mut holds = ActiveStops::default();
         for id in 1..=100 {
             holds.order(id, "flood");
         }

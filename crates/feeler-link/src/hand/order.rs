@@ -9,7 +9,7 @@ use crate::transport::topic::Topic;
 
 /// Order to a hand. Sending it repeatedly has the effect of sending it once.
 pub enum Order {
-    /// Hold still.
+    /// ActiveStop still.
     Stop(StopMessage),
     /// Resume, if no other stop is active.
     Resume(ResumeMessage),

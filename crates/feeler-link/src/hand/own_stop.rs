@@ -7,7 +7,7 @@ use crate::transport::outlet::draw_instance;
 
 /// Stop ordered by the rig itself.
 #[derive(Debug, Clone, PartialEq)]
-pub struct OwnStop {
+pub struct RigStop {
     id: u64,
     why: String,
     /// Instance of the hand that last reported this stop as active.
@@ -15,7 +15,7 @@ pub struct OwnStop {
     is_resumed: bool,
 }
 
-impl OwnStop {
+impl RigStop {
     /// Creates a stop that no hand has received yet.
     pub fn new(why: &str) -> Self {
         Self {
@@ -66,7 +66,7 @@ mod tests {
 
     #[test]
     fn resumed_when_the_same_hand_no_longer_reports_it() {
-        let mut own = OwnStop::new("servo 3 is silent");
+        let mut own = RigStop::new("servo 3 is silent");
         let order = own.order().expect("an order");
         assert_eq!(order.from, "the rig: servo 3 is silent");
         own.hear(7, &in_force([]));
@@ -79,7 +79,7 @@ mod tests {
 
     #[test]
     fn another_hand_receives_the_order_again() {
-        let mut own = OwnStop::new("servo 3 is silent");
+        let mut own = RigStop::new("servo 3 is silent");
         own.hear(7, &in_force([own.id]));
         own.hear(8, &in_force([]));
         assert!(own.order().is_some() && !own.is_resumed());
@@ -90,7 +90,7 @@ mod tests {
 
     #[test]
     fn dropping_out_of_a_full_list_does_not_resume_it() {
-        let mut own = OwnStop::new("servo 3 is silent");
+        let mut own = RigStop::new("servo 3 is silent");
         own.hear(7, &in_force([own.id]));
         own.hear(7, &in_force(1..=MOST as u64));
         assert!(!own.is_resumed());

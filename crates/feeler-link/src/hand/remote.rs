@@ -1,6 +1,6 @@
 //! Fingers and a hand in other programs, as implementations of the control loop's traits.
 
-use super::holds::Hold;
+use super::holds::ActiveStop;
 use crate::inboxes::hand_inbox::HandInbox;
 use crate::messages::message::{CommandMessage, HandMode, MessageHeader, StopInForce};
 use crate::transport::outlet::{Outlet, TimeSource, header, send};
@@ -8,7 +8,7 @@ use crate::transport::shared::Shared;
 use crate::transport::topic::Topic;
 use feeler::control::Controller;
 use feeler::control::Phase;
-use feeler::control::{FingerTouch, TouchSource};
+use feeler::control::{TactileReading, TactileSource};
 use feeler::hand::{Hand, HandCommand, HandError, HandState, check_finger_count};
 use feeler::sensor::forces::SensorError;
 use feeler_record::wire::Vector3;
@@ -32,12 +32,12 @@ impl RemoteFinger {
     }
 }
 
-impl TouchSource for RemoteFinger {
+impl TactileSource for RemoteFinger {
     fn element_count(&self) -> usize {
         self.elements
     }
 
-    fn touch(&mut self, touch: &mut FingerTouch) -> Result<(), SensorError> {
+    fn touch(&mut self, touch: &mut TactileReading) -> Result<(), SensorError> {
         let mut inbox = self.inbox.lock();
         let time = inbox.time_of(self.finger);
         let Some(finger) = inbox.finger_mut(self.finger) else {
@@ -175,7 +175,7 @@ pub fn mode_of(inbox: &HandInbox, controller: &Controller, instance: u64, stamp:
 
 fn stops(inbox: &HandInbox) -> Vec<StopInForce> {
     let in_force = inbox.holds.in_force().iter();
-    in_force.map(Hold::to_message).collect()
+    in_force.map(ActiveStop::to_message).collect()
 }
 
 /// Starts a step without a command, while the hand waits for other programs, and returns its mode message.

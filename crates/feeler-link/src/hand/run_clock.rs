@@ -9,10 +9,10 @@ use crate::messages::sequence::FORGOTTEN_AFTER;
 use std::str::FromStr;
 
 /// Maximum accepted stamp (s), three hundred years. Larger stamps lose precision in differences.
-const MOST_STAMP: f64 = 1e10;
+const MAX_STAMP: f64 = 1e10;
 
 /// Maximum relative drift of the rig's clock over the hand's.
-const MOST_DRIFT: f64 = 0.1;
+const MAX_DRIFT: f64 = 0.1;
 
 /// Speed of a rig's time relative to real time. Parsed from text such as `1`, `0.25` or `max`.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -104,7 +104,7 @@ impl RunClock {
             sequence,
             ..
         } = header;
-        if stamp.is_nan() || stamp.abs() > MOST_STAMP {
+        if stamp.is_nan() || stamp.abs() > MAX_STAMP {
             return Err(Rejection::Implausible);
         }
         let offset = match self.rig {
@@ -134,9 +134,7 @@ impl RunClock {
     /// Returns `true` if a state with this header can follow the latest one.
     fn can_follow(&self, rig: &RigClock, header: MessageHeader, now: f64) -> bool {
         let most = match self.speed {
-            RigSpeed::Times(speed) => {
-                (now - rig.earliest) * speed * (1.0 + MOST_DRIFT) + self.slack
-            }
+            RigSpeed::Times(speed) => (now - rig.earliest) * speed * (1.0 + MAX_DRIFT) + self.slack,
             RigSpeed::Lockstep => self.lockstep_time(header.sequence, rig.sequence),
         };
         (0.0..=most).contains(&(header.stamp - rig.stamp))
@@ -171,7 +169,7 @@ impl RunClock {
             RigSpeed::Lockstep => self.lockstep_time(sequence, rig.sequence),
         };
         // Old data is not rejected here, because it stops the hand.
-        let plausible = ahead <= most && stamp.abs() <= MOST_STAMP;
+        let plausible = ahead <= most && stamp.abs() <= MAX_STAMP;
         plausible
             .then_some(stamp + rig.offset)
             .ok_or(Rejection::Implausible)
@@ -189,7 +187,7 @@ impl RunClock {
 
     /// Returns the maximum rig time between the states numbered `before` and `sequence` (s).
     fn lockstep_time(&self, sequence: u64, before: u64) -> f64 {
-        sequence.saturating_sub(before) as f64 * self.period * (1.0 + MOST_DRIFT)
+        sequence.saturating_sub(before) as f64 * self.period * (1.0 + MAX_DRIFT)
     }
 }
 

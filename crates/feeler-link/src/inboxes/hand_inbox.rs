@@ -2,7 +2,7 @@
 
 use super::inbox::{Inbox, read};
 use super::peers::{Expected, Peers};
-use crate::hand::holds::Holds;
+use crate::hand::holds::ActiveStops;
 use crate::hand::run_clock::RunClock;
 use crate::messages::freshness::SentSteps;
 use crate::messages::message::{
@@ -27,7 +27,7 @@ pub struct HandInbox {
     /// Send times of the control steps.
     pub sent: SentSteps,
     /// Active stops.
-    pub holds: Holds,
+    pub holds: ActiveStops,
     /// In lockstep, the number of the last answered state. The hand is woken only when the next state and the forces of
     /// all fingers have arrived.
     pub(crate) answered: Option<u64>,
@@ -152,7 +152,7 @@ impl HandInbox {
             peers: Peers::new(expected),
             rejected: Rejections::default(),
             sent: SentSteps::default(),
-            holds: Holds::default(),
+            holds: ActiveStops::default(),
             answered: None,
         }
     }

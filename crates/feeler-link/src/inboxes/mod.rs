@@ -11,7 +11,7 @@ pub(crate) mod watch_inbox;
 pub use beacon::Beacon;
 pub use hand_inbox::HandInbox;
 pub use inbox::{Inbox, listen, read};
-pub use peers::{Expected, MOST_PEERS, Peer, Peers};
+pub use peers::{Expected, MAX_PEERS, Peer, Peers};
 pub use rig_inbox::RigInbox;
 pub use sense_inbox::{Exposed, SenseInbox};
 pub use watch_inbox::WatchInbox;

@@ -11,7 +11,7 @@ use crate::transport::topic::Place;
 pub const SILENT_AFTER: f64 = 1.0;
 
 /// Maximum number of known programs, as protection against floods.
-pub const MOST_PEERS: usize = 64;
+pub const MAX_PEERS: usize = 64;
 
 /// Programs that operate the rig. All others only observe or send orders.
 const WORKING: [ProgramKind; 3] = [ProgramKind::Sense, ProgramKind::Hand, ProgramKind::World];
@@ -169,7 +169,7 @@ impl Peers {
     fn make_room(&mut self, now: f64) -> Result<(), Rejection> {
         self.peers
             .retain(|peer| !peer.is_silent(now) || (peer.refused.is_none() && peer.works()));
-        if self.peers.len() < MOST_PEERS {
+        if self.peers.len() < MAX_PEERS {
             return Ok(());
         }
         let worth = |peer: &Peer| (peer.worth(now), peer.heard);

@@ -2,7 +2,7 @@
 
 use super::inbox::{Inbox, read};
 use super::peers::{Expected, Peers};
-use crate::hand::own_stop::OwnStop;
+use crate::hand::own_stop::RigStop;
 use crate::messages::freshness::Echo;
 use crate::messages::message::{CommandMessage, HandMode, MessageHeader, NO_FINGER, ProgramKind};
 use crate::messages::plausible::{check_protocol, check_velocities};
@@ -28,7 +28,7 @@ pub struct RigInbox {
     pub echo: Echo,
     peers: Peers,
     /// Stop ordered by the rig itself because its drives failed.
-    pub(crate) own_stop: Option<OwnStop>,
+    pub(crate) own_stop: Option<RigStop>,
     /// Counters of rejected messages.
     pub rejected: Rejections,
     /// Number of motion commands rejected because they were based on stale data.

@@ -13,7 +13,7 @@ use crate::transport::topic::Topic;
 use std::collections::VecDeque;
 
 /// Maximum number of queued images. Older ones would be stale before they are processed.
-const MOST_WAITING: usize = 8;
+const MAX_WAITING: usize = 8;
 
 /// Number of the hand's steps kept, to find the latest one before an image.
 const REMEMBERED: usize = 16;
@@ -89,7 +89,7 @@ impl SenseInbox {
             steps: Sequence::default(),
             echoes: VecDeque::with_capacity(REMEMBERED),
             exposed: Sequence::default(),
-            waiting: VecDeque::with_capacity(MOST_WAITING),
+            waiting: VecDeque::with_capacity(MAX_WAITING),
             lost: 0,
             peers: Peers::new(expected),
             rejected: Rejections::default(),
@@ -159,7 +159,7 @@ impl SenseInbox {
             self.lost = self.lost.saturating_add(lost);
             self.exposed.take(number, now);
         }
-        if self.waiting.len() == MOST_WAITING {
+        if self.waiting.len() == MAX_WAITING {
             self.waiting.pop_front();
             self.lost = self.lost.saturating_add(1);
         }

@@ -37,7 +37,7 @@ pub(crate) fn read_heartbeat(bytes: &[u8]) -> Result<Heartbeat, Rejection> {
             fingertip,
             fault,
         ];
-        if texts.iter().any(|text| text.len() > printable::MOST_BYTES) {
+        if texts.iter().any(|text| text.len() > printable::MAX_BYTES) {
             return Err(Rejection::Oversized);
         }
         for shown in [&mut heartbeat.version, &mut heartbeat.fault] {

@@ -9,15 +9,15 @@ use feeler_record::wire::Vector3;
 use glam::{DQuat, DVec3};
 
 /// Maximum joint angle (rad).
-const MOST_ANGLE: f64 = 100.0;
+const MAX_ANGLE: f64 = 100.0;
 /// Maximum joint velocity (rad/s).
-const MOST_JOINT_VELOCITY: f64 = 1000.0;
+const MAX_JOINT_VELOCITY: f64 = 1000.0;
 /// Maximum force on an element or a finger (N).
-const MOST_FORCE: f64 = 1e4;
+const MAX_FORCE: f64 = 1e4;
 /// Maximum shear rate of an element (N/s).
-const MOST_SHEAR_RATE: f64 = 1e8;
+const MAX_SHEAR_RATE: f64 = 1e8;
 /// Maximum instrument reading, in its unit.
-const MOST_READING: f64 = 1e9;
+const MAX_READING: f64 = 1e9;
 /// Tolerance of the norm of a unit quaternion, far above rounding errors.
 const UNIT: f64 = 1e-6;
 
@@ -43,9 +43,9 @@ pub(crate) fn check_update(
     if !sizes {
         return Err(Rejection::Size);
     }
-    check(update.forces.iter().map(greatest), MOST_FORCE)?;
-    check([update.grasp_force], MOST_FORCE)?;
-    check(update.shear_rate.iter().copied(), MOST_SHEAR_RATE)
+    check(update.forces.iter().map(greatest), MAX_FORCE)?;
+    check([update.grasp_force], MAX_FORCE)?;
+    check(update.shear_rate.iter().copied(), MAX_SHEAR_RATE)
 }
 
 /// Checks version, sizes and values of a state of a hand with the given number of fingers.
@@ -55,8 +55,8 @@ pub(crate) fn check_state(fingers: usize, state: &StateMessage) -> Result<(), Re
     if joints != [fingers; 2] || state.instruments.len() > 1 {
         return Err(Rejection::Size);
     }
-    check(state.position.iter().map(greatest), MOST_ANGLE)?;
-    check(state.velocity.iter().map(greatest), MOST_JOINT_VELOCITY)?;
+    check(state.position.iter().map(greatest), MAX_ANGLE)?;
+    check(state.velocity.iter().map(greatest), MAX_JOINT_VELOCITY)?;
     let readings = state.instruments.iter().flat_map(|i| {
         let others = [
             i.torque,
@@ -68,7 +68,7 @@ pub(crate) fn check_state(fingers: usize, state: &StateMessage) -> Result<(), Re
         ];
         others.into_iter().chain(i.slipped)
     });
-    check(readings, MOST_READING)?;
+    check(readings, MAX_READING)?;
     let orientations = state.instruments.iter().map(|i| i.object_orientation);
     for orientation in orientations.map(DQuat::from) {
         check(orientation.to_array(), 1.0 + UNIT)?;
@@ -84,7 +84,7 @@ pub(crate) fn check_velocities(fingers: usize, velocities: &[Vector3]) -> Result
     if velocities.len() != fingers {
         return Err(Rejection::Size);
     }
-    check(velocities.iter().map(greatest), MOST_JOINT_VELOCITY)
+    check(velocities.iter().map(greatest), MAX_JOINT_VELOCITY)
 }
 
 /// Checks number and values of element forces (N).
@@ -92,7 +92,7 @@ pub(crate) fn check_forces(elements: usize, forces: &[Vector3]) -> Result<(), Re
     if forces.len() != elements {
         return Err(Rejection::Size);
     }
-    check(forces.iter().map(greatest), MOST_FORCE)
+    check(forces.iter().map(greatest), MAX_FORCE)
 }
 
 /// Returns the largest absolute component, or NaN if a component is not finite.

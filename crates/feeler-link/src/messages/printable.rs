@@ -1,12 +1,12 @@
 //! Sanitizing of texts from other programs for display and recording.
 
 /// Maximum length of a sanitized text, in bytes.
-pub const MOST_BYTES: usize = 256;
+pub const MAX_BYTES: usize = 256;
 
-/// Returns `text` on one line, truncated to [`MOST_BYTES`]. Control characters, escape sequences and changes of text
+/// Returns `text` on one line, truncated to [`MAX_BYTES`]. Control characters, escape sequences and changes of text
 /// direction are escaped, as in `\n` or `\u{1b}`.
 pub fn printable(text: &str) -> String {
-    let mut shown = String::with_capacity(text.len().min(MOST_BYTES));
+    let mut shown = String::with_capacity(text.len().min(MAX_BYTES));
     for character in text.chars() {
         let length = shown.len();
         match character {
@@ -14,7 +14,7 @@ pub fn printable(text: &str) -> String {
             '"' | '\'' | '\\' => shown.push(character),
             other => shown.extend(other.escape_debug()),
         }
-        if shown.len() > MOST_BYTES {
+        if shown.len() > MAX_BYTES {
             shown.truncate(length);
             break;
         }
@@ -32,14 +32,14 @@ mod tests {
         assert_eq!(printable("the door's \"switch\""), "the door's \"switch\"");
         assert_eq!(printable("a\nb\u{1b}[2J"), "a\\nb\\u{1b}[2J");
         assert_eq!(printable("\u{202e}µm\u{7f}"), "\\u{202e}µm\\u{7f}");
-        assert_eq!(printable(&"x".repeat(65_519)), "x".repeat(MOST_BYTES));
+        assert_eq!(printable(&"x".repeat(65_519)), "x".repeat(MAX_BYTES));
     }
 
     proptest! {
         #[test]
         fn any_text_is_short_and_on_one_line(text in any::<String>(), times in 1..64_usize) {
             let shown = printable(&text.repeat(times));
-            prop_assert!(shown.len() <= MOST_BYTES);
+            prop_assert!(shown.len() <= MAX_BYTES);
             prop_assert!(!shown.chars().any(char::is_control));
             prop_assert_eq!(printable(&shown), shown);
         }

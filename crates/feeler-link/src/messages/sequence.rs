@@ -6,10 +6,10 @@
 use super::rejection::Rejection;
 
 /// Maximum rate of a message kind from one program (1/s).
-const MOST_RATE: f64 = 10_000.0;
+const MAX_RATE: f64 = 10_000.0;
 
 /// Maximum gap regardless of time, for messages lost in a burst.
-const MOST_AHEAD: f64 = 1000.0;
+const MAX_AHEAD: f64 = 1000.0;
 
 /// Time without an accepted message (s) after which the next one is accepted with any number. This readmits a sender
 /// after a false number. It does not admit old data, because ages are proven separately.
@@ -69,7 +69,7 @@ impl Sequence {
 
 /// Returns the maximum gap after `waited` (s).
 fn most_ahead(waited: f64) -> u64 {
-    (MOST_AHEAD + MOST_RATE * waited.max(0.0)) as u64
+    (MAX_AHEAD + MAX_RATE * waited.max(0.0)) as u64
 }
 
 #[cfg(test)]

@@ -1,7 +1,7 @@
 //! Conversion between tactile readings and messages.
 
 use super::message::{MessageHeader, NO_ELEMENT, TactileUpdate};
-use feeler::control::FingerTouch;
+use feeler::control::TactileReading;
 use feeler::sensor::forces::NO_FORCE;
 use feeler_record::wire::Vector3;
 use glam::DVec3;
@@ -12,7 +12,7 @@ impl TactileUpdate {
     pub fn of_touch(
         header: MessageHeader,
         finger: usize,
-        touch: &FingerTouch,
+        touch: &TactileReading,
         slip_threshold: f64,
     ) -> Self {
         let (frame, flags) = (&touch.frame, touch.flags);

@@ -24,7 +24,7 @@ pub enum ProgramError {
     Control(#[from] ControlError),
     /// Invalid control period.
     #[error(transparent)]
-    Pace(#[from] PaceError),
+    FixedRate(#[from] PaceError),
     /// The rig's drives or encoders failed.
     #[error(transparent)]
     Hand(#[from] HandError),

@@ -16,7 +16,7 @@ use crate::transport::shared::Shared;
 use crate::transport::topic::Topic;
 use feeler::control::ControlLoop;
 use feeler::control::{ControlConfig, Controller};
-use feeler::pace::Pace;
+use feeler::pace::FixedRate;
 use feeler_record::InstrumentRecord;
 use std::ops::ControlFlow;
 use std::sync::Arc;
@@ -152,7 +152,7 @@ impl HandProgram {
     fn schedule(&self, period: Option<f64>) -> Result<HandSchedule, ProgramError> {
         let node = &self.status.node;
         Ok(match period {
-            Some(period) => HandSchedule::Paced(Pace::new(period)?),
+            Some(period) => HandSchedule::Paced(FixedRate::new(period)?),
             None => HandSchedule::Lockstep(Lockstep {
                 inbox: node.inbox.clone(),
                 clock: node.clock.clone(),

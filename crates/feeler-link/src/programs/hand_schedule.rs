@@ -6,7 +6,7 @@ use crate::transport::network::Network;
 use crate::transport::outlet::{TimeSource, send};
 use crate::transport::shared::Shared;
 use crate::transport::topic::Topic;
-use feeler::pace::{Pace, Schedule, Tick};
+use feeler::pace::{FixedRate, Schedule, Tick};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Duration;
@@ -20,7 +20,7 @@ pub(super) const HANGS_AFTER: f64 = 20.0;
 /// Schedule of control steps.
 pub(super) enum HandSchedule {
     /// Fixed control period.
-    Paced(Pace),
+    Paced(FixedRate),
     /// A step starts when the rig's next state and the matching updates of all fingers have arrived.
     Lockstep(Lockstep),
 }
@@ -39,7 +39,7 @@ pub(super) struct Lockstep {
 impl Schedule for HandSchedule {
     fn next_tick(&mut self, interrupted: &AtomicBool) -> Option<Tick> {
         match self {
-            Self::Paced(pace) => pace.wait_unless(interrupted),
+            Self::Paced(pace) => pace.wait_interruptible(interrupted),
             Self::Lockstep(lockstep) => lockstep.next_tick(interrupted),
         }
     }

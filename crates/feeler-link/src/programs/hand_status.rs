@@ -3,7 +3,7 @@
 use super::error::ProgramError;
 use super::hand_config::{HandConfig, HandReport, RemoteLoop};
 use super::node::Node;
-use crate::hand::hand_verdict::Verdict;
+use crate::hand::permission::Permission;
 use crate::hand::run_clock::RigSpeed;
 use crate::inboxes::hand_inbox::HandInbox;
 use crate::inboxes::peers::Peer;
@@ -123,18 +123,20 @@ impl HandStatus {
             let (mut inbox, now) = (self.node.inbox.lock(), self.node.now());
             inbox.verdict(now, self.limits.stale, by_itself)
         };
-        let may_pass = controller.stop_reason().is_some_and(StopReason::may_pass);
+        let is_recoverable = controller
+            .stop_reason()
+            .is_some_and(StopReason::is_recoverable);
         match verdict {
-            Verdict::Go if may_pass => {
+            Permission::Move if is_recoverable => {
                 controller.resume();
                 self.warn(control_loop, "resuming");
                 true
             }
-            Verdict::Stand(Some(reason)) => {
+            Permission::Hold(Some(reason)) => {
                 controller.stop(reason);
                 false
             }
-            Verdict::Go | Verdict::Stand(None) => false,
+            Permission::Move | Permission::Hold(None) => false,
         }
     }
 
@@ -207,7 +209,7 @@ impl HandStatus {
         let controller = control_loop.controller();
         let given_up = controller
             .stop_reason()
-            .is_some_and(|reason| !reason.may_pass());
+            .is_some_and(|reason| !reason.is_recoverable());
         controller.phase() == Phase::Done
             || given_up
             || control_loop.state().stamp - self.began >= self.time_limit

@@ -12,7 +12,7 @@ use crate::messages::rejection::Rejections;
 use crate::transport::network::Network;
 use crate::transport::topic::Topic;
 use feeler::hand::{HandCommand, HandState};
-use feeler::pace::Pace;
+use feeler::pace::FixedRate;
 use std::fmt;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -126,12 +126,12 @@ impl<R: Rig> RigProgram<R> {
     fn run_in_time(&mut self, speed: f64, interrupted: &AtomicBool) -> Result<(), ProgramError> {
         let watchdog = (self.config.stale_periods + 1.0) * self.config.period / speed;
         let steps = self.rig.steps_per_period();
-        let mut pace = Pace::new(self.config.period / steps as f64 / speed)?;
+        let mut pace = FixedRate::new(self.config.period / steps as f64 / speed)?;
         while !interrupted.load(Ordering::Relaxed) {
             self.publish_or_fail()?;
             self.rig.begin_period();
             for _ in 0..steps {
-                let Some(tick) = pace.wait_unless(interrupted) else {
+                let Some(tick) = pace.wait_interruptible(interrupted) else {
                     return Ok(());
                 };
                 // Every step is executed: a late rig falls behind real time by the missed periods.

@@ -3,7 +3,7 @@
 use super::error::ProgramError;
 use super::rig::RigProgram;
 use super::rig_config::Rig;
-use crate::hand::own_stop::OwnStop;
+use crate::hand::own_stop::RigStop;
 use crate::hand::run_clock::RigSpeed;
 use crate::transport::outlet::send;
 use crate::transport::topic::Topic;
@@ -53,7 +53,7 @@ impl<R: Rig> RigProgram<R> {
         }
         self.faults = (self.faults.0 + 1, f64::NEG_INFINITY);
         self.warning = error.to_string();
-        self.node.inbox.lock().own_stop = Some(OwnStop::new(&self.warning));
+        self.node.inbox.lock().own_stop = Some(RigStop::new(&self.warning));
         self.node.warn(&format!(
             "{error}; the drives stay stopped until the stop is resumed"
         ));

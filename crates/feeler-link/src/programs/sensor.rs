@@ -8,7 +8,7 @@ use crate::messages::message::{MessageHeader, ProgramKind, TactileUpdate};
 use crate::transport::network::Network;
 use crate::transport::outlet::header;
 use crate::transport::topic::Topic;
-use feeler::control::FingerTouch;
+use feeler::control::TactileReading;
 use feeler::control::{FlagAnalyzer, FlagThresholds};
 use feeler::sensor::forces::NO_FORCE;
 use glam::DVec3;
@@ -38,7 +38,7 @@ pub struct SensorConfig {
 /// Program that publishes the tactile updates of one finger.
 pub struct SensorProgram {
     finger: usize,
-    touch: FingerTouch,
+    touch: TactileReading,
     analyzer: FlagAnalyzer,
     slip_threshold: f64,
     node: Node<SenseInbox>,
@@ -66,7 +66,7 @@ impl SensorProgram {
         ];
         Ok(Self {
             finger,
-            touch: FingerTouch::none(elements),
+            touch: TactileReading::none(elements),
             analyzer: FlagAnalyzer::new(config.thresholds, elements),
             slip_threshold: config.thresholds.slip_threshold,
             node: Node::start(network, heartbeat, inbox, &topics)?,

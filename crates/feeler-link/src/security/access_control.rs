@@ -2,7 +2,7 @@
 //!
 //! All messages pass through the hand, whose rules decide. The other programs accept messages from the hand only.
 
-use super::right::{CertificateName, MOST_SERIAL, Right};
+use super::right::{CertificateName, MAX_SERIAL, Right};
 use super::withdrawn::{self, WithdrawnError};
 use crate::transport::endpoints::LinkConfig;
 use serde_json::{Value, json};
@@ -83,7 +83,7 @@ fn names(
     right: Right,
     withdrawn: &BTreeSet<CertificateName>,
 ) -> impl Iterator<Item = String> + use<'_> {
-    let all = (1..=MOST_SERIAL).map(move |serial| CertificateName { right, serial });
+    let all = (1..=MAX_SERIAL).map(move |serial| CertificateName { right, serial });
     all.filter(|name| !withdrawn.contains(name))
         .map(|name| name.to_string())
 }
@@ -235,7 +235,7 @@ mod tests {
         let withdrawn = BTreeSet::from(["sense-0.17".parse().unwrap()]);
         let hand = rules("bench", Role::Hand, &withdrawn, false);
         let names = names_of(&hand, "sense-0");
-        assert_eq!(names.len(), MOST_SERIAL as usize - 1);
+        assert_eq!(names.len(), MAX_SERIAL as usize - 1);
         assert!(!names.contains(&"sense-0.17") && names.contains(&"sense-0.18"));
         let member = rules("bench", Role::Member, &withdrawn, false);
         assert_eq!(member["subjects"].as_array().unwrap().len(), 1);

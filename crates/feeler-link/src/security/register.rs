@@ -1,6 +1,6 @@
 //! File that lists the certificates issued by a lab: one per line, oldest first.
 
-use super::right::{CertificateName, MOST_SERIAL, Right, RightError};
+use super::right::{CertificateName, MAX_SERIAL, Right, RightError};
 use std::fs::{self, OpenOptions};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
@@ -47,7 +47,7 @@ pub enum RegisterError {
     },
     /// All serial numbers of a right are in use.
     #[error(
-        "{right} already has {MOST_SERIAL} certificates, the maximum of a lab; create a new lab folder with new \
+        "{right} already has {MAX_SERIAL} certificates, the maximum of a lab; create a new lab folder with new \
          certificates for all computers"
     )]
     Full {
@@ -120,7 +120,7 @@ impl Register {
     ) -> Result<CertificateName, RegisterError> {
         let of_right = self.entries.iter().filter(|e| e.name.right == right);
         let serial = 1 + of_right.map(|e| e.name.serial).max().unwrap_or(0);
-        if serial > MOST_SERIAL {
+        if serial > MAX_SERIAL {
             return Err(RegisterError::Full { right });
         }
         let name = CertificateName { right, serial };

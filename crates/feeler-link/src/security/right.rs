@@ -7,7 +7,7 @@ use std::str::FromStr;
 
 /// Largest serial number of a certificate. It is bounded because a program's access rules list the names of all
 /// certificates that it accepts.
-pub const MOST_SERIAL: u32 = 999;
+pub const MAX_SERIAL: u32 = 999;
 
 /// Right of a program, granted by its certificate.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Hash, PartialOrd, Ord)]
@@ -40,7 +40,7 @@ pub enum RightError {
     },
     /// Invalid certificate name.
     #[error(
-        "invalid certificate name {given:?}: expected a right and a number from 1 to {MOST_SERIAL}, as in sense-0.17"
+        "invalid certificate name {given:?}: expected a right and a number from 1 to {MAX_SERIAL}, as in sense-0.17"
     )]
     Name {
         /// The invalid name.
@@ -93,7 +93,7 @@ impl FromStr for Right {
 pub struct CertificateName {
     /// Right of the holder.
     pub right: Right,
-    /// Serial number among the lab's certificates for this right, from 1 to [`MOST_SERIAL`]. Never reused.
+    /// Serial number among the lab's certificates for this right, from 1 to [`MAX_SERIAL`]. Never reused.
     pub serial: u32,
 }
 
@@ -112,7 +112,7 @@ impl FromStr for CertificateName {
             let (right, serial) = (right.parse().ok()?, serial.parse().ok()?);
             let name = Self { right, serial };
             // Only the canonical spelling is accepted: sense-0.07 is not sense-0.7.
-            let sound = (1..=MOST_SERIAL).contains(&serial) && name.to_string() == text;
+            let sound = (1..=MAX_SERIAL).contains(&serial) && name.to_string() == text;
             sound.then_some(name)
         };
         read().ok_or_else(|| RightError::Name { given: text.into() })

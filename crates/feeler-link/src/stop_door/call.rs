@@ -1,7 +1,7 @@
 //! Client of the stop door.
 
 use super::proof::{Credentials, CredentialsError, Denial};
-use super::wire::{Cookie, Datagram, MOST_BYTES, Nonce, StopAnswer, Verdict, parse};
+use super::wire::{Cookie, Datagram, MAX_BYTES, Nonce, StopAnswer, Verdict, parse};
 use crate::messages::printable::printable;
 use crate::security::right::Right;
 use crate::transport::endpoints::{LinkError, address};
@@ -38,7 +38,7 @@ pub enum StopCallError {
     Random,
     /// The call does not fit into a datagram.
     #[error(
-        "stop door: the call has {length} bytes with rig and certificate; expected at most {MOST_BYTES}"
+        "stop door: the call has {length} bytes with rig and certificate; expected at most {MAX_BYTES}"
     )]
     TooLong {
         /// Size of the call in bytes.
@@ -151,7 +151,7 @@ impl Call {
 
     /// Answers challenges until a verdict or an untrusted answer arrives, or until the time `until`.
     fn listen(&self, until: Instant) -> Result<Option<Result<Verdict, Denial>>, StopCallError> {
-        let mut bytes = [0; MOST_BYTES + 1];
+        let mut bytes = [0; MAX_BYTES + 1];
         loop {
             let left = until.saturating_duration_since(Instant::now());
             // A zero timeout is an error.
@@ -190,7 +190,7 @@ impl Call {
         }
         let bytes = call.bytes();
         match bytes.len() {
-            length if length > MOST_BYTES => Err(StopCallError::TooLong { length }),
+            length if length > MAX_BYTES => Err(StopCallError::TooLong { length }),
             _ => Ok(bytes),
         }
     }

@@ -2,7 +2,7 @@
 //! signature checks per second.
 
 use super::proof::{Credentials, Denial};
-use super::wire::{Cookie, Datagram, MOST_BYTES, Nonce, StopAnswer, Verdict, id_of, parse};
+use super::wire::{Cookie, Datagram, MAX_BYTES, Nonce, StopAnswer, Verdict, id_of, parse};
 use crate::messages::printable::printable;
 use crate::security::right::Right;
 use ring::hmac;
@@ -26,14 +26,14 @@ const CHECKS_OF_ONE: u32 = 20;
 const KEPT: usize = 64;
 
 /// Stops the hand, given the order's id and the sender's name, and returns the answer.
-pub type Answering = Arc<dyn Fn(u64, &str) -> StopAnswer + Send + Sync>;
+pub type StopHandler = Arc<dyn Fn(u64, &str) -> StopAnswer + Send + Sync>;
 
 /// Request handler of one socket.
-pub struct Guard {
+pub struct StopGuard {
     secret: hmac::Key,
     rig: String,
     credentials: Option<Arc<Credentials>>,
-    answering: Answering,
+    answering: StopHandler,
     budget: Budget,
     kept: VecDeque<Kept>,
 }
@@ -46,14 +46,14 @@ struct Kept {
     bytes: Vec<u8>,
 }
 
-impl Guard {
+impl StopGuard {
     /// Creates the handler for the hand of `rig`, with a separate secret per socket. Without `credentials`, any caller
     /// may stop the hand.
     pub fn new(
         secret: hmac::Key,
         rig: &str,
         credentials: Option<Arc<Credentials>>,
-        answering: Answering,
+        answering: StopHandler,
     ) -> Self {
         Self {
             secret,
@@ -160,7 +160,7 @@ impl Guard {
             }
         }
         let bytes = answer.bytes();
-        (bytes.len() <= MOST_BYTES).then_some(bytes)
+        (bytes.len() <= MAX_BYTES).then_some(bytes)
     }
 
     fn keep(&mut self, to: SocketAddr, nonce: Nonce, at: Duration, bytes: &[u8]) {

@@ -13,12 +13,12 @@ pub mod wire;
 #[cfg(feature = "zenoh")]
 pub use call::{StopCallError, call_stop};
 #[cfg(feature = "zenoh")]
-pub use guard::Guard;
+pub use guard::StopGuard;
 #[cfg(feature = "zenoh")]
 pub use proof::Credentials;
 #[cfg(feature = "zenoh")]
 pub use proof::CredentialsError;
 #[cfg(feature = "zenoh")]
-pub use server::StopDoorError;
+pub use server::StopServerError;
 #[cfg(feature = "zenoh")]
-pub use server::{StopAnswer, StopDoor};
+pub use server::{StopAnswer, StopServer};

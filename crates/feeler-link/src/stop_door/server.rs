@@ -5,9 +5,9 @@
 //! address is verified, the server keeps no state about the caller and never answers with more bytes than it received.
 //! It checks a bounded number of signatures per second. Saturating the network still blocks it.
 
-use super::guard::{Answering, Guard};
+use super::guard::{StopGuard, StopHandler};
 use super::proof::{Credentials, CredentialsError};
-use super::wire::MOST_BYTES;
+use super::wire::MAX_BYTES;
 pub use super::wire::StopAnswer;
 use crate::transport::endpoints::{LinkError, address};
 use ring::rand::SystemRandom;
@@ -25,7 +25,7 @@ const CLOSING: Duration = Duration::from_millis(200);
 
 /// Error of opening the stop door.
 #[derive(Debug, thiserror::Error)]
-pub enum StopDoorError {
+pub enum StopServerError {
     /// Invalid endpoint, or missing certificates.
     #[error(transparent)]
     Endpoint(#[from] LinkError),
@@ -46,13 +46,13 @@ pub enum StopDoorError {
 }
 
 /// Server for stop orders. Closes when dropped.
-pub struct StopDoor {
+pub struct StopServer {
     addresses: Vec<SocketAddr>,
     closing: Arc<AtomicBool>,
     threads: Vec<JoinHandle<()>>,
 }
 
-impl StopDoor {
+impl StopServer {
     /// Starts a server at each `tcp/` and `tls/` endpoint of `listen`, for the hand of `rig`. Callers at `tls/`
     /// endpoints must present a certificate, which is checked against the hand's folder `certificates`.
     ///
@@ -66,8 +66,8 @@ impl StopDoor {
         certificates: Option<&Path>,
         rig: &str,
         answering: impl Fn(u64, &str) -> StopAnswer + Send + Sync + 'static,
-    ) -> Result<Self, StopDoorError> {
-        let answering: Answering = Arc::new(answering);
+    ) -> Result<Self, StopServerError> {
+        let answering: StopHandler = Arc::new(answering);
         let mut door = Self {
             addresses: Vec::new(),
             closing: Arc::default(),
@@ -88,10 +88,10 @@ impl StopDoor {
                 _ => None,
             };
             let secret = hmac::Key::generate(hmac::HMAC_SHA256, &SystemRandom::new());
-            let secret = secret.map_err(|Unspecified| StopDoorError::Random)?;
-            let guard = Guard::new(secret, rig, credentials, Arc::clone(&answering));
+            let secret = secret.map_err(|Unspecified| StopServerError::Random)?;
+            let guard = StopGuard::new(secret, rig, credentials, Arc::clone(&answering));
             let opened = door.serve(address, guard);
-            opened.map_err(|source| StopDoorError::Socket {
+            opened.map_err(|source| StopServerError::Socket {
                 endpoint: endpoint.clone(),
                 source,
             })?;
@@ -104,7 +104,7 @@ impl StopDoor {
         &self.addresses
     }
 
-    fn serve(&mut self, address: &str, mut guard: Guard) -> io::Result<()> {
+    fn serve(&mut self, address: &str, mut guard: StopGuard) -> io::Result<()> {
         let addresses: Vec<SocketAddr> = address.to_socket_addrs()?.collect();
         let socket = UdpSocket::bind(&addresses[..])?;
         socket.set_read_timeout(Some(CLOSING))?;
@@ -112,7 +112,7 @@ impl StopDoor {
         let (closing, start) = (Arc::clone(&self.closing), Instant::now());
         let work = move || {
             // One byte more than the maximum, to detect datagrams that are too long.
-            let mut bytes = [0; MOST_BYTES + 1];
+            let mut bytes = [0; MAX_BYTES + 1];
             while !closing.load(Ordering::Relaxed) {
                 // Errors are timeouts, or belong to earlier answers.
                 let Ok((length, caller)) = socket.recv_from(&mut bytes) else {
@@ -132,7 +132,7 @@ impl StopDoor {
     }
 }
 
-impl Drop for StopDoor {
+impl Drop for StopServer {
     fn drop(&mut self) {
         self.closing.store(true, Ordering::Relaxed);
         for thread in self.threads.drain(..) {

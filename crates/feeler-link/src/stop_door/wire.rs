@@ -8,10 +8,10 @@ const MAGIC: [u8; 8] = *b"feelstop";
 const VERSION: u8 = 1;
 
 /// Maximum size of a datagram in bytes, small enough to avoid fragmentation.
-pub const MOST_BYTES: usize = 1400;
+pub const MAX_BYTES: usize = 1400;
 
 /// Maximum length of a text in bytes.
-pub const MOST_TEXT: usize = 256;
+pub const MAX_TEXT: usize = 256;
 
 /// Size of a [`Datagram::Hello`] in bytes. Larger than a challenge, to prevent traffic amplification.
 const HELLO_BYTES: usize = 64;
@@ -146,7 +146,7 @@ impl Datagram {
 
 /// Parses a datagram. Returns `None` if `bytes` is not a valid one.
 pub fn parse(bytes: &[u8]) -> Option<Datagram> {
-    if bytes.len() > MOST_BYTES {
+    if bytes.len() > MAX_BYTES {
         return None;
     }
     let rest = &mut bytes.strip_prefix(&MAGIC)?.strip_prefix(&[VERSION])?;
@@ -206,7 +206,7 @@ fn take_part<'a>(rest: &mut &'a [u8]) -> Option<&'a [u8]> {
 }
 
 fn take_text(rest: &mut &[u8]) -> Option<String> {
-    let part = take_part(rest).filter(|part| part.len() <= MOST_TEXT)?;
+    let part = take_part(rest).filter(|part| part.len() <= MAX_TEXT)?;
     String::from_utf8(part.to_vec()).ok()
 }
 

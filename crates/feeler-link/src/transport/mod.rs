@@ -13,7 +13,7 @@ pub(crate) mod zenoh_link;
 pub(crate) mod zenoh_settings;
 
 pub use endpoints::{HAND_ENDPOINT, LinkConfig, LinkError};
-pub use network::{Heard, Network, Rehearsal, RehearsedNetwork};
+pub use network::{ImpairedNetwork, Impairment, MessageHandler, Network};
 pub use outlet::{Outlet, TimeSource, draw_instance, encode, header, monotonic, send};
 pub use shared::Shared;
 pub use topic::{Place, Topic};

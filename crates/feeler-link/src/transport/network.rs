@@ -14,7 +14,7 @@ use std::thread;
 use std::time::{Duration, Instant};
 
 /// Callback for received messages.
-pub type Heard = Arc<dyn Fn(Topic, &[u8]) + Send + Sync>;
+pub type MessageHandler = Arc<dyn Fn(Topic, &[u8]) + Send + Sync>;
 
 /// Sends and receives messages.
 pub trait Network: Outlet {
@@ -22,12 +22,12 @@ pub trait Network: Outlet {
     ///
     /// # Errors
     /// If the subscription fails.
-    fn listen(&self, topic: Topic, heard: Heard) -> Result<(), LinkError>;
+    fn listen(&self, topic: Topic, heard: MessageHandler) -> Result<(), LinkError>;
 }
 
 /// Impairment applied to received messages, parsed from text such as `loss=0.2,jitter=0.05`.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct Rehearsal {
+pub struct Impairment {
     /// Probability that a message is lost.
     pub loss: f64,
     /// Probability that a message is duplicated.
@@ -40,7 +40,7 @@ pub struct Rehearsal {
     pub seed: u64,
 }
 
-impl FromStr for Rehearsal {
+impl FromStr for Impairment {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
@@ -66,15 +66,15 @@ impl FromStr for Rehearsal {
 }
 
 /// Wraps a network and injects loss, delay, duplication and reordering of received messages.
-pub struct RehearsedNetwork {
+pub struct ImpairedNetwork {
     network: Arc<dyn Network>,
-    rehearsal: Rehearsal,
+    rehearsal: Impairment,
     random: Arc<Mutex<Pcg64>>,
 }
 
-impl RehearsedNetwork {
+impl ImpairedNetwork {
     /// Creates an impaired view of `network`.
-    pub fn new(network: Arc<dyn Network>, rehearsal: Rehearsal) -> Self {
+    pub fn new(network: Arc<dyn Network>, rehearsal: Impairment) -> Self {
         let random = Pcg64::seed_from_u64(rehearsal.seed);
         Self {
             network,
@@ -84,14 +84,14 @@ impl RehearsedNetwork {
     }
 }
 
-impl Outlet for RehearsedNetwork {
+impl Outlet for ImpairedNetwork {
     fn send(&self, topic: Topic, bytes: Vec<u8>) -> Result<(), LinkError> {
         self.network.send(topic, bytes)
     }
 }
 
-impl Network for RehearsedNetwork {
-    fn listen(&self, topic: Topic, heard: Heard) -> Result<(), LinkError> {
+impl Network for ImpairedNetwork {
+    fn listen(&self, topic: Topic, heard: MessageHandler) -> Result<(), LinkError> {
         let (sender, receiver) = channel();
         let work = move || deliver(&receiver, topic, &heard);
         thread::Builder::new()
@@ -107,7 +107,7 @@ impl Network for RehearsedNetwork {
     }
 }
 
-impl Rehearsal {
+impl Impairment {
     /// Forwards the surviving copies of a message to `sender`.
     fn strike(&self, random: &mut Pcg64, bytes: &[u8], sender: &Sender<Delayed>) {
         let copies = 1 + usize::from(random.random::<f64>() < self.duplicate);
@@ -144,7 +144,7 @@ impl PartialOrd for Delayed {
 }
 
 /// Delivers each message when it is due, until the channel is closed.
-fn deliver(receiver: &Receiver<Delayed>, topic: Topic, heard: &Heard) {
+fn deliver(receiver: &Receiver<Delayed>, topic: Topic, heard: &MessageHandler) {
     let mut waiting = BinaryHeap::new();
     loop {
         let next = waiting.peek().map(|next: &Delayed| next.due);
@@ -169,10 +169,10 @@ mod tests {
 
     #[test]
     fn rehearsal_is_parsed() {
-        let read: Rehearsal = "loss=0.2, jitter=0.05,duplicate=0.1,delay=1,seed=7"
+        let read: Impairment = "loss=0.2, jitter=0.05,duplicate=0.1,delay=1,seed=7"
             .parse()
             .unwrap();
-        let expected = Rehearsal {
+        let expected = Impairment {
             loss: 0.2,
             duplicate: 0.1,
             delay: 1.0,
@@ -189,17 +189,17 @@ mod tests {
             "cut=1",
             "seed=x",
         ] {
-            assert!(wrong.parse::<Rehearsal>().is_err(), "{wrong}");
+            assert!(wrong.parse::<Impairment>().is_err(), "{wrong}");
         }
     }
 
     #[test]
     fn messages_are_lost_repeated_and_reordered_at_the_given_rates() {
-        let rehearsal = Rehearsal {
+        let rehearsal = Impairment {
             loss: 0.2,
             duplicate: 0.1,
             jitter: 1.0,
-            ..Rehearsal::default()
+            ..Impairment::default()
         };
         let (sender, receiver) = channel();
         let mut random = Pcg64::seed_from_u64(1);

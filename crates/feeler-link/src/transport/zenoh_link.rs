@@ -2,7 +2,7 @@
 
 use super::endpoints::{LinkConfig, LinkError};
 use super::linger::{self, Connection};
-use super::network::{Heard, Network};
+use super::network::{MessageHandler, Network};
 use super::outlet::Outlet;
 use super::topic::Topic;
 use super::zenoh_settings::settings;
@@ -24,7 +24,7 @@ pub struct Link {
 
 enum State {
     /// Waiting for the hand, with the subscriptions to make once connected.
-    Opening(Vec<(Topic, Heard)>),
+    Opening(Vec<(Topic, MessageHandler)>),
     Open(Box<Open>),
     /// The link could not be opened; contains the reason.
     Failed(String),
@@ -117,7 +117,12 @@ impl Open {
         Ok(())
     }
 
-    fn listen(&mut self, key: String, topic: Topic, heard: Heard) -> Result<(), LinkError> {
+    fn listen(
+        &mut self,
+        key: String,
+        topic: Topic,
+        heard: MessageHandler,
+    ) -> Result<(), LinkError> {
         let subscriber = self
             .session
             .declare_subscriber(key)
@@ -170,7 +175,7 @@ impl Outlet for Link {
 }
 
 impl Network for Link {
-    fn listen(&self, topic: Topic, heard: Heard) -> Result<(), LinkError> {
+    fn listen(&self, topic: Topic, heard: MessageHandler) -> Result<(), LinkError> {
         match &mut *self.lock() {
             State::Opening(wanted) => {
                 wanted.push((topic, heard));

@@ -1,7 +1,7 @@
 //! Hand, rig and sensor programs over a network in memory: the same run as in one control loop.
 
-use feeler::control::AnalyzedSensor;
 use feeler::control::ControlLoop;
+use feeler::control::FlaggedSensor;
 use feeler::control::Phase;
 use feeler::control::StopReason;
 use feeler::control::task::TaskConfig;
@@ -9,7 +9,7 @@ use feeler::control::{ControlConfig, Controller};
 use feeler::hand::{FingerConfig, FingerGeometry};
 use feeler::hand::{Hand, HandCommand, HandError, HandState, JointState};
 use feeler::hand::{fingertip_pose, inverse_kinematics};
-use feeler::pace::Unpaced;
+use feeler::pace::FreeRunning;
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
 use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
 use feeler_link::inboxes::Expected;
@@ -24,7 +24,7 @@ use feeler_link::programs::{
     SensorOutput, SensorProgram,
 };
 use feeler_link::transport::LinkError;
-use feeler_link::transport::{Heard, Network};
+use feeler_link::transport::{MessageHandler, Network};
 use feeler_link::transport::{Outlet, encode, header};
 use feeler_link::transport::{Place, Topic};
 use feeler_record::InstrumentRecord;
@@ -164,15 +164,12 @@ type Trace = Vec<(DVec3, f64, Phase)>;
 
 fn in_one_process(config: &Config) -> Trace {
     let toy = Shared(std::rc::Rc::new(std::cell::RefCell::new(Toy::new(config))));
-    let sensors = vec![AnalyzedSensor::new(
-        toy.clone(),
-        config.control.thresholds(),
-    )];
+    let sensors = vec![FlaggedSensor::new(toy.clone(), config.control.thresholds())];
     let mut control_loop = ControlLoop::new(sensors, toy, config.controller());
     let mut trace = Trace::new();
     let never = AtomicBool::new(false);
     control_loop
-        .run(&mut Unpaced::default(), 0, &never, |after, _| {
+        .run(&mut FreeRunning::default(), 0, &never, |after, _| {
             let force = after.touches()[0].flags.grasp_force;
             let phase = after.controller().phase();
             trace.push((after.state().joints[0].position, force, phase));
@@ -187,7 +184,7 @@ fn in_one_process(config: &Config) -> Trace {
 
 /// Carries messages between threads of this process, at once.
 #[derive(Clone, Default)]
-struct Hub(Arc<Mutex<Vec<(usize, Topic, Heard)>>>);
+struct Hub(Arc<Mutex<Vec<(usize, Topic, MessageHandler)>>>);
 
 /// A program's way to the others: what it sends does not come back to it.
 struct Port {
@@ -208,7 +205,7 @@ impl Outlet for Port {
         let others = listeners
             .iter()
             .filter(|l| l.0 != self.number && l.1 == topic);
-        let others: Vec<Heard> = others.map(|l| l.2.clone()).collect();
+        let others: Vec<MessageHandler> = others.map(|l| l.2.clone()).collect();
         drop(listeners);
         for heard in others {
             heard(topic, &bytes);
@@ -218,7 +215,7 @@ impl Outlet for Port {
 }
 
 impl Network for Port {
-    fn listen(&self, topic: Topic, heard: Heard) -> Result<(), LinkError> {
+    fn listen(&self, topic: Topic, heard: MessageHandler) -> Result<(), LinkError> {
         self.hub.0.lock().unwrap().push((self.number, topic, heard));
         Ok(())
     }
@@ -242,7 +239,7 @@ impl Outlet for Lossy {
 }
 
 impl Network for Lossy {
-    fn listen(&self, topic: Topic, heard: Heard) -> Result<(), LinkError> {
+    fn listen(&self, topic: Topic, heard: MessageHandler) -> Result<(), LinkError> {
         self.port.listen(topic, heard)
     }
 }
@@ -454,7 +451,7 @@ fn a_stop_that_is_resumed_within_a_step_is_over() {
     let commands = Arc::new(AtomicUsize::new(0));
     let counted = commands.clone();
     // Commands leave in the middle of a step, and each port hears at once what another sends.
-    let resume_in_time: Heard = Arc::new(move |_, _| {
+    let resume_in_time: MessageHandler = Arc::new(move |_, _| {
         if counted.fetch_add(1, Ordering::Relaxed) == 30 {
             let resume = ResumeMessage {
                 protocol: PROTOCOL,

@@ -7,9 +7,9 @@ use feeler_link::security::Authority;
 use feeler_link::security::Right;
 use feeler_link::security::Validity;
 use feeler_link::stop_door::Credentials;
-use feeler_link::stop_door::Guard;
+use feeler_link::stop_door::StopGuard;
 use feeler_link::stop_door::wire::{Datagram, Verdict, parse};
-use feeler_link::stop_door::{StopAnswer, StopDoor};
+use feeler_link::stop_door::{StopAnswer, StopServer};
 use feeler_link::stop_door::{StopCallError, call_stop};
 use ring::hmac;
 use std::fs;
@@ -30,9 +30,9 @@ fn counting() -> impl Fn(u64, &str) -> StopAnswer + Send + Sync + 'static {
 }
 
 /// A door at a new port by the certificate in `folder`, and its endpoint.
-fn door(folder: &Path) -> (StopDoor, [String; 1]) {
+fn door(folder: &Path) -> (StopServer, [String; 1]) {
     let endpoints = [unused_endpoint().replace("tcp", "tls")];
-    let door = StopDoor::open(&endpoints, Some(folder), "bench", counting());
+    let door = StopServer::open(&endpoints, Some(folder), "bench", counting());
     (door.expect("a door"), endpoints)
 }
 
@@ -46,7 +46,7 @@ fn refused(called: Result<StopAnswer, StopCallError>) -> String {
 #[test]
 fn a_call_is_one_order_and_is_told_what_the_hand_is_about() {
     let endpoints = [unused_endpoint()];
-    let _door = StopDoor::open(&endpoints, None, "bench", counting()).expect("a door");
+    let _door = StopServer::open(&endpoints, None, "bench", counting()).expect("a door");
     let first = call_stop(&endpoints, None, "bench", (1, "the \x1b[31mswitch")).expect("an answer");
     assert_eq!(first.order, 1);
     assert_eq!(first.stopped, "stop requested by the \\u{1b}[31mswitch");
@@ -116,7 +116,7 @@ fn a_call_gets_through_a_flood_and_past_connections_that_say_nothing() {
     let (_hand, endpoint) = listening(&of(&lab, "hand"));
     let endpoints = [endpoint];
     let folder = of(&lab, "hand");
-    let door = StopDoor::open(&endpoints, Some(&folder), "bench", counting()).expect("a door");
+    let door = StopServer::open(&endpoints, Some(&folder), "bench", counting()).expect("a door");
     let address = door.addresses()[0];
     let silent: Vec<TcpStream> = (0..120)
         .map(|_| TcpStream::connect(address).expect("a connection"))
@@ -154,7 +154,7 @@ fn a_call_gets_through_a_flood_and_past_connections_that_say_nothing() {
 }
 
 /// A guard with `secret`, and the callers that it was told of.
-fn guard(folder: &Path, secret: u8) -> (Guard, Arc<Mutex<Vec<String>>>) {
+fn guard(folder: &Path, secret: u8) -> (StopGuard, Arc<Mutex<Vec<String>>>) {
     let callers = Arc::new(Mutex::new(Vec::new()));
     let told = Arc::clone(&callers);
     let answering = move |_, from: &str| {
@@ -164,12 +164,18 @@ fn guard(folder: &Path, secret: u8) -> (Guard, Arc<Mutex<Vec<String>>>) {
     let credentials = Credentials::read(folder).expect("credentials");
     let secret = hmac::Key::new(hmac::HMAC_SHA256, &[secret; 32]);
     let credentials = Some(Arc::new(credentials));
-    let guard = Guard::new(secret, "bench", credentials, Arc::new(answering));
+    let guard = StopGuard::new(secret, "bench", credentials, Arc::new(answering));
     (guard, callers)
 }
 
 /// The call of `caller`, as it answers the challenge of `guard` at the time `now`.
-fn call(guard: &mut Guard, certificate: &Path, caller: SocketAddr, nonce: u8, now: u64) -> Vec<u8> {
+fn call(
+    guard: &mut StopGuard,
+    certificate: &Path,
+    caller: SocketAddr,
+    nonce: u8,
+    now: u64,
+) -> Vec<u8> {
     let nonce = [nonce; 16];
     let hello = Datagram::Hello { nonce }.bytes();
     let challenge = guard.answer(caller, &hello, Duration::from_secs(now));

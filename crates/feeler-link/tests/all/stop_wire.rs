@@ -1,6 +1,6 @@
 //! The datagrams of the stop door, sound and hostile.
 
-use feeler_link::stop_door::wire::{Datagram, MOST_BYTES, Proof, StopAnswer, Verdict, parse};
+use feeler_link::stop_door::wire::{Datagram, MAX_BYTES, Proof, StopAnswer, Verdict, parse};
 use proptest::prelude::*;
 
 fn proof() -> impl Strategy<Value = Option<Proof>> {
@@ -46,7 +46,7 @@ proptest! {
     #[test]
     fn what_is_sent_arrives(datagram in datagram()) {
         let bytes = datagram.bytes();
-        prop_assert!(bytes.len() <= MOST_BYTES);
+        prop_assert!(bytes.len() <= MAX_BYTES);
         prop_assert_eq!(parse(&bytes), Some(datagram));
     }
 

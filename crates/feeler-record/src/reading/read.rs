@@ -24,7 +24,7 @@ impl Recording {
 
     /// Reads a recording of any length in parts. After every [`PART`] messages, `part` is called with the recording so
     /// far and the fraction of the file that was read, 0 to 1. It may copy the data that it needs and [discard the
-    /// rest](Self::forget_until). The result contains everything that was not discarded; its digest, end, gaps and
+    /// rest](Self::discard_until). The result contains everything that was not discarded; its digest, end, gaps and
     /// problem refer to the whole file.
     ///
     /// # Errors

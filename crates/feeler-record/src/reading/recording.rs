@@ -8,7 +8,7 @@ use crate::messages::channels::{
 };
 use crate::messages::facts::RunFacts;
 use crate::messages::run_end::{RunEnd, RunState};
-use crate::writing::newest::older_than_newest;
+use crate::writing::newest::count_before_latest;
 use crate::writing::options::PolicyFile;
 use std::collections::BTreeMap;
 
@@ -117,8 +117,8 @@ pub struct Recording {
     pub gaps: Vec<Gap>,
     /// First damaged part of the file that is followed by readable parts.
     pub damage: Option<Damage>,
-    /// Number of control steps discarded by [`forget_until`](Self::forget_until).
-    pub(crate) steps_forgotten: usize,
+    /// Number of control steps discarded by [`discard_until`](Self::discard_until).
+    pub(crate) discarded_steps: usize,
 }
 
 impl Recording {
@@ -143,19 +143,19 @@ impl Recording {
             true_slip: Vec::new(),
             gaps: Vec::new(),
             damage: None,
-            steps_forgotten: 0,
+            discarded_steps: 0,
         }
     }
 
     /// Number of recorded control steps, including discarded ones.
     pub(crate) fn steps_read(&self) -> usize {
-        self.steps_forgotten + self.task.len()
+        self.discarded_steps + self.task.len()
     }
 
     /// Discards all messages that no step later than `time` (s) needs, to limit the memory of a long recording: in each
     /// list, those older than the latest message at `time`. Findings and poses of the carried object are kept, because
     /// they are needed for the whole run.
-    pub fn forget_until(&mut self, time: f64) {
+    pub fn discard_until(&mut self, time: f64) {
         for finger in &mut self.fingers {
             forget(&mut finger.tactile, time);
             forget(&mut finger.flags, time);
@@ -167,11 +167,11 @@ impl Recording {
         forget(&mut self.torque_sensor, time);
         forget(&mut self.cap, time);
         forget(&mut self.true_slip, time);
-        self.steps_forgotten += forget(&mut self.task, time);
+        self.discarded_steps += forget(&mut self.task, time);
     }
 
     /// Number of control steps from the start without a gap or damage.
-    pub fn steps_in_a_row(&self) -> usize {
+    pub fn leading_complete_steps(&self) -> usize {
         let gap = self.gaps.first().map(|gap| gap.steps_before);
         let damage = self.damage.as_ref().map(|damage| damage.steps_before);
         let first = gap.into_iter().chain(damage).min();
@@ -199,7 +199,7 @@ impl Recording {
 
 /// Removes messages older than the latest message at `time` (s). Returns their number.
 fn forget<M: Stamped>(messages: &mut Vec<M>, time: f64) -> usize {
-    let count = older_than_newest(messages, time);
+    let count = count_before_latest(messages, time);
     messages.drain(..count);
     count
 }

@@ -4,7 +4,7 @@ use super::recording::{FingerRecord, Recording};
 use crate::messages::channels::{
     Cap, Command, Fingertip, Flags, Joints, ObjectPose, Tactile, Task, TorqueSensor, TrueSlip,
 };
-use crate::writing::newest::Newest;
+use crate::writing::newest::LatestAt;
 
 /// Latest messages at a control step. `None` if no message had been recorded by then.
 #[derive(Debug, Clone)]
@@ -50,10 +50,10 @@ pub struct FingerStep<'a> {
 pub struct Steps<'a> {
     tasks: std::slice::Iter<'a, Task>,
     fingers: Vec<FingerNewest<'a>>,
-    torque: Newest<'a, TorqueSensor>,
-    cap: Newest<'a, Cap>,
-    object: Newest<'a, ObjectPose>,
-    true_slip: Newest<'a, TrueSlip>,
+    torque: LatestAt<'a, TorqueSensor>,
+    cap: LatestAt<'a, Cap>,
+    object: LatestAt<'a, ObjectPose>,
+    true_slip: LatestAt<'a, TrueSlip>,
 }
 
 impl<'a> Steps<'a> {
@@ -62,10 +62,10 @@ impl<'a> Steps<'a> {
         Self {
             tasks: recording.task.iter(),
             fingers: recording.fingers.iter().map(FingerNewest::new).collect(),
-            torque: Newest::new(&recording.torque_sensor),
-            cap: Newest::new(&recording.cap),
-            object: Newest::new(&recording.object),
-            true_slip: Newest::new(&recording.true_slip),
+            torque: LatestAt::new(&recording.torque_sensor),
+            cap: LatestAt::new(&recording.cap),
+            object: LatestAt::new(&recording.object),
+            true_slip: LatestAt::new(&recording.true_slip),
         }
     }
 }
@@ -89,21 +89,21 @@ impl<'a> Iterator for Steps<'a> {
 
 #[derive(Debug, Clone)]
 struct FingerNewest<'a> {
-    tactile: Newest<'a, Tactile>,
-    flags: Newest<'a, Flags>,
-    joints: Newest<'a, Joints>,
-    command: Newest<'a, Command>,
-    fingertip: Newest<'a, Fingertip>,
+    tactile: LatestAt<'a, Tactile>,
+    flags: LatestAt<'a, Flags>,
+    joints: LatestAt<'a, Joints>,
+    command: LatestAt<'a, Command>,
+    fingertip: LatestAt<'a, Fingertip>,
 }
 
 impl<'a> FingerNewest<'a> {
     fn new(finger: &'a FingerRecord) -> Self {
         Self {
-            tactile: Newest::new(&finger.tactile),
-            flags: Newest::new(&finger.flags),
-            joints: Newest::new(&finger.joints),
-            command: Newest::new(&finger.command),
-            fingertip: Newest::new(&finger.fingertip),
+            tactile: LatestAt::new(&finger.tactile),
+            flags: LatestAt::new(&finger.flags),
+            joints: LatestAt::new(&finger.joints),
+            command: LatestAt::new(&finger.command),
+            fingertip: LatestAt::new(&finger.fingertip),
         }
     }
 

@@ -5,7 +5,7 @@ use crate::messages::model::{FingerModel, Solid, SolidShape, WORLD_FRAME, frame}
 use crate::ros::{ColorRGBA, Marker, MarkerArray, MarkerType};
 use crate::sensed::taxels::Elements;
 use crate::wire::Vector3;
-use feeler::control::FingerTouch;
+use feeler::control::TactileReading;
 use glam::DVec3;
 
 /// Length of a force arrow (m/N).
@@ -122,7 +122,7 @@ impl ForceArrows {
     }
 
     /// Returns `true` if an element slips, that is, its shear rate exceeds the threshold.
-    pub fn slips(&self, touch: &FingerTouch, element: usize) -> bool {
+    pub fn slips(&self, touch: &TactileReading, element: usize) -> bool {
         (touch.shear_rate.get(element)).is_some_and(|rate| *rate > self.slip_rate)
     }
 
@@ -137,7 +137,7 @@ impl ForceArrows {
 
     /// Fills `marker` with one arrow per touching element: a line from its tip along the force, and two barbs at the
     /// end.
-    pub fn fill(&self, marker: &mut Marker, elements: &Elements, touch: &FingerTouch) {
+    pub fn fill(&self, marker: &mut Marker, elements: &Elements, touch: &TactileReading) {
         marker.points.clear();
         marker.colors.clear();
         let felt = elements

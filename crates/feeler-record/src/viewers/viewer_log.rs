@@ -17,7 +17,7 @@ use crate::viewers::urdf::urdf;
 use crate::writing::memory::MessageSink;
 use crate::writing::run_log::InstrumentRecord;
 use feeler::control::ControlLoop;
-use feeler::control::{FingerTouch, TouchSource};
+use feeler::control::{TactileReading, TactileSource};
 use feeler::hand::Hand;
 use glam::DVec3;
 
@@ -129,7 +129,7 @@ impl ViewerLog {
     ///
     /// # Errors
     /// If the recording cannot be written.
-    pub fn write<R: MessageSink, S: TouchSource, H: Hand>(
+    pub fn write<R: MessageSink, S: TactileSource, H: Hand>(
         &mut self,
         recorder: &mut R,
         control_loop: &ControlLoop<S, H>,
@@ -192,7 +192,7 @@ impl ViewerLog {
         &mut self,
         recorder: &mut R,
         index: usize,
-        touch: &FingerTouch,
+        touch: &TactileReading,
         due: bool,
     ) -> Result<(), RecordError> {
         let Some(finger) = self.fingers.get_mut(index) else {

@@ -1,23 +1,23 @@
 //! Time limits for closing a recording.
 
-use super::options::Patience;
+use super::options::Backpressure;
 use std::time::{Duration, Instant};
 
 /// Maximum time to close the file of a run with limited patience.
-pub const CLOSE_LIMIT: Duration = Duration::from_secs(5);
+pub const CLOSE_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Time after which `on_slow` is called.
 const SLOW: Duration = Duration::from_secs(1);
 
 /// Progress of closing a recording.
-pub struct Closing<'a> {
+pub struct CloseDeadline<'a> {
     start: Instant,
     limit: Option<Duration>,
     /// Called once if closing is slow.
     on_slow: Option<Box<dyn FnOnce() + 'a>>,
 }
 
-impl<'a> Closing<'a> {
+impl<'a> CloseDeadline<'a> {
     /// Starts closing with a time limit. Calls `on_slow` after one second.
     pub fn within(limit: Duration, on_slow: impl FnOnce() + 'a) -> Self {
         Self {
@@ -28,12 +28,12 @@ impl<'a> Closing<'a> {
     }
 
     /// Starts closing with the time limit of a recording with this patience.
-    pub fn of(patience: Patience) -> Self {
+    pub fn of(patience: Backpressure) -> Self {
         Self {
             start: Instant::now(),
             limit: match patience {
-                Patience::Unlimited => None,
-                Patience::Limited(_) => Some(CLOSE_LIMIT),
+                Backpressure::Unlimited => None,
+                Backpressure::Limited(_) => Some(CLOSE_TIMEOUT),
             },
             on_slow: None,
         }

@@ -50,7 +50,7 @@ impl MemoryRecorder {
         Ok(Self { recording })
     }
 
-    /// Returns the recording so far. Parts that are no longer needed may be [discarded](Recording::forget_until).
+    /// Returns the recording so far. Parts that are no longer needed may be [discarded](Recording::discard_until).
     pub fn recording_mut(&mut self) -> &mut Recording {
         &mut self.recording
     }

@@ -6,7 +6,7 @@ use crate::messages::channels::Stamped;
 pub const SAME_TIME: f64 = 1e-9;
 
 /// Number of messages older than the latest message at `time` (s).
-pub(crate) fn older_than_newest<M: Stamped>(messages: &[M], time: f64) -> usize {
+pub(crate) fn count_before_latest<M: Stamped>(messages: &[M], time: f64) -> usize {
     let known = messages
         .iter()
         .take_while(|m| m.stamp() <= time + SAME_TIME);
@@ -15,12 +15,12 @@ pub(crate) fn older_than_newest<M: Stamped>(messages: &[M], time: f64) -> usize 
 
 /// Iterates over one channel to find the latest message at increasing times.
 #[derive(Debug, Clone)]
-pub struct Newest<'a, M> {
+pub struct LatestAt<'a, M> {
     messages: &'a [M],
     next: usize,
 }
 
-impl<'a, M: Stamped> Newest<'a, M> {
+impl<'a, M: Stamped> LatestAt<'a, M> {
     /// Creates an iterator over these messages, which must be in order of time.
     pub fn new(messages: &'a [M]) -> Self {
         Self { messages, next: 0 }
@@ -48,7 +48,7 @@ mod tests {
             ..Cap::default()
         };
         let messages = [cap(0.1), cap(0.2), cap(0.2 + 5e-10)];
-        let mut newest = Newest::new(&messages);
+        let mut newest = LatestAt::new(&messages);
         assert_eq!(newest.at(0.0), None);
         assert_eq!(newest.at(0.1), Some(&messages[0]));
         assert_eq!(newest.at(0.15), Some(&messages[0]));
@@ -62,7 +62,7 @@ mod tests {
             stamp,
             ..Cap::default()
         });
-        let older = |time| older_than_newest(&messages, time);
+        let older = |time| count_before_latest(&messages, time);
         assert_eq!([0.0, 0.1, 0.2, 0.25, 9.0].map(older), [0, 0, 1, 1, 2]);
     }
 }

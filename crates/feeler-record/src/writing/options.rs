@@ -19,7 +19,7 @@ pub struct RecordOptions {
     /// `true` if images will be recorded.
     pub pictures: bool,
     /// Behaviour of writes while the file accepts no data.
-    pub patience: Patience,
+    pub patience: Backpressure,
     /// Maximum age of a message before it is passed to the operating system, in seconds of run time. A program that is
     /// killed loses at most this, or 512 KiB if that is less. Each time costs 0.6 KB of the file.
     pub flush_interval: f64,
@@ -31,7 +31,7 @@ impl Default for RecordOptions {
             calibrations: BTreeMap::new(),
             policy: None,
             pictures: false,
-            patience: Patience::default(),
+            patience: Backpressure::default(),
             flush_interval: FLUSH_INTERVAL,
         }
     }
@@ -48,7 +48,7 @@ pub struct PolicyFile {
 
 /// Behaviour of a write while the file accepts no data and the queue is full.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Patience {
+pub enum Backpressure {
     /// Wait indefinitely. A write returns the file's error. For simulated runs: no message is lost.
     #[default]
     Unlimited,

@@ -1,9 +1,9 @@
 //! Writes a recording during a run.
 
 use super::batch::Entry;
-use super::closing::Closing;
+use super::closing::CloseDeadline;
 use super::memory::MessageSink;
-use super::options::{Patience, RecordOptions};
+use super::options::{Backpressure, RecordOptions};
 use super::sink::Sink;
 use super::writer::{CHUNK_BYTES, End, Store, Writer};
 use crate::error::RecordError;
@@ -24,12 +24,12 @@ use std::time::Duration;
 /// that is less, so the file of an interrupted run is readable up to its last chunk. A recorder that is dropped without
 /// [`finish`](Self::finish) leaves a file that contains every message and is marked as not closed.
 ///
-/// [`Patience`] determines what happens if the file accepts no data.
+/// [`Backpressure`] determines what happens if the file accepts no data.
 pub struct Recorder {
     channels: Vec<Channel>,
     fingers: usize,
     pub(crate) writer: Writer,
-    patience: Patience,
+    patience: Backpressure,
     /// Run time after which a chunk is written (ns).
     flush_interval: u64,
     /// `true` once [`MessageSink::step_ends`] was called. Chunks and gaps then consist of whole steps.
@@ -101,7 +101,7 @@ impl Recorder {
         self.writer.gap()
     }
 
-    /// Error of the file, for a recorder of [limited patience](Patience::Limited). The file contains everything written
+    /// Error of the file, for a recorder of [limited patience](Backpressure::Limited). The file contains everything written
     /// before the error.
     pub fn failure(&self) -> Option<&RecordError> {
         self.writer.failure()
@@ -113,7 +113,7 @@ impl Recorder {
     /// # Errors
     /// If the file cannot be written, or an earlier write failed.
     pub fn finish(self, wall_time: Option<f64>) -> Result<Digest, RecordError> {
-        let mut closing = Closing::of(self.patience);
+        let mut closing = CloseDeadline::of(self.patience);
         self.close(wall_time, &mut closing)
     }
 
@@ -129,13 +129,13 @@ impl Recorder {
         limit: Duration,
         on_slow: impl FnOnce(),
     ) -> Result<Digest, RecordError> {
-        self.close(wall_time, &mut Closing::within(limit, on_slow))
+        self.close(wall_time, &mut CloseDeadline::within(limit, on_slow))
     }
 
     fn close(
         mut self,
         wall_time: Option<f64>,
-        closing: &mut Closing<'_>,
+        closing: &mut CloseDeadline<'_>,
     ) -> Result<Digest, RecordError> {
         let end = End {
             wall_time,

@@ -19,7 +19,7 @@ use feeler::control::FingertipPose;
 use feeler::control::StopReason;
 use feeler::control::task::Task as ControlTask;
 use feeler::control::{Controller, FingerControl};
-use feeler::control::{FingerTouch, TouchSource};
+use feeler::control::{TactileReading, TactileSource};
 use feeler::hand::{Hand, JointState};
 use feeler::sensor::image::Frame;
 use glam::{DAffine3, DQuat};
@@ -117,7 +117,7 @@ impl<R: MessageSink> RunLog<R> {
     ///
     /// # Errors
     /// If the recording cannot be written.
-    pub fn write<S: TouchSource, H: Hand>(
+    pub fn write<S: TactileSource, H: Hand>(
         &mut self,
         control_loop: &ControlLoop<S, H>,
         instruments: InstrumentRecord<'_>,
@@ -183,7 +183,7 @@ impl<R: MessageSink> RunLog<R> {
         self.recorder.write(topics::image(index), &picture.image)
     }
 
-    fn write_felt(&mut self, index: usize, touch: &FingerTouch) -> Result<(), RecordError> {
+    fn write_felt(&mut self, index: usize, touch: &TactileReading) -> Result<(), RecordError> {
         let (tactile, flags) = (&touch.frame, touch.flags);
         self.tactile.sequence = tactile.sequence;
         self.tactile.stamp = tactile.stamp;

@@ -1,8 +1,8 @@
 //! Background thread that writes a recording's file, and the queue in front of it.
 
 use super::batch::Batch;
-use super::closing::Closing;
-use super::options::Patience;
+use super::closing::CloseDeadline;
+use super::options::Backpressure;
 use crate::error::RecordError;
 use crate::messages::channels::RecordingGap;
 use crate::messages::run_end::RunEnd;
@@ -67,7 +67,7 @@ enum Refused {
 /// The current batch and the thread that writes batches to the store.
 pub struct Writer {
     path: PathBuf,
-    patience: Patience,
+    patience: Backpressure,
     /// Batch being filled.
     pub batch: Batch,
     /// Queue of the thread. `None` once the thread has ended or the recording is closed.
@@ -93,7 +93,7 @@ impl Writer {
     pub fn start(
         path: &Path,
         mut store: impl Store,
-        patience: Patience,
+        patience: Backpressure,
     ) -> Result<Self, RecordError> {
         let (queue, works) = sync_channel::<Work>(WAITING_BATCHES);
         let (give_back, written) = channel();
@@ -126,9 +126,11 @@ impl Writer {
             queue: Some(queue),
             written,
             spares: match patience {
-                Patience::Unlimited => Vec::new(),
+                Backpressure::Unlimited => Vec::new(),
                 // A moving hand must not allocate: one batch is being written while the others wait.
-                Patience::Limited(_) => (0..=WAITING_BATCHES).map(|_| resident_batch()).collect(),
+                Backpressure::Limited(_) => {
+                    (0..=WAITING_BATCHES).map(|_| resident_batch()).collect()
+                }
             },
             done,
             gap: None,
@@ -159,8 +161,8 @@ impl Writer {
     /// If the file fails, for a writer of unlimited patience.
     pub fn send(&mut self) -> Result<bool, RecordError> {
         match self.patience {
-            Patience::Unlimited => self.offer(None),
-            Patience::Limited(limit) => {
+            Backpressure::Unlimited => self.offer(None),
+            Backpressure::Limited(limit) => {
                 let limit = if self.waited { Duration::ZERO } else { limit };
                 let sent = self.offer(Some(limit)).unwrap_or_else(|error| {
                     self.failure.get_or_insert(error);
@@ -217,7 +219,7 @@ impl Writer {
     pub fn finish(
         &mut self,
         end: Option<End>,
-        closing: &mut Closing<'_>,
+        closing: &mut CloseDeadline<'_>,
     ) -> Result<Option<Digest>, RecordError> {
         if let Some(failure) = self.failure.take() {
             self.queue = None;
@@ -249,7 +251,7 @@ impl Writer {
     }
 
     /// Waits briefly, or gives up if the time limit is exceeded.
-    fn wait(&mut self, closing: &mut Closing<'_>) -> Result<(), RecordError> {
+    fn wait(&mut self, closing: &mut CloseDeadline<'_>) -> Result<(), RecordError> {
         if closing.goes_on() {
             thread::sleep(POLL);
             return Ok(());
@@ -322,7 +324,7 @@ impl Drop for Writer {
     fn drop(&mut self) {
         if self.queue.is_some() {
             // The result is ignored: readers report that the recording was not closed.
-            let mut closing = Closing::of(self.patience);
+            let mut closing = CloseDeadline::of(self.patience);
             let _ = self.finish(None, &mut closing);
         }
     }

@@ -2,7 +2,7 @@
 
 use super::Figure;
 use crate::figures::drawing::canvas::{
-    CAP, MOST_SHADED, Pen, REFERENCE, SHADE, finger_colour, line, panel, range, thin,
+    CAP, MAX_SHADED, Pen, REFERENCE, SHADE, finger_colour, line, panel, range, thin,
 };
 use crate::figures::drawing::sheet::{Drawing, column};
 use crate::measures::cap::{CapMeasures, Felt};
@@ -129,7 +129,7 @@ fn with_strokes(layout: Layout, data: &RunData, time: (f64, f64)) -> Layout {
         .with_x_axis_max(time.1)
         .with_force_margins(MARGINS.0, MARGINS.1);
     let strokes = data.strokes.iter().filter(|s| !s.moving.is_empty());
-    if strokes.clone().count() > MOST_SHADED {
+    if strokes.clone().count() > MAX_SHADED {
         return layout;
     }
     for stroke in strokes {

@@ -10,7 +10,7 @@ use crate::figures::drawing::sheet::{Drawing, tiled};
 use crate::pages::compare::{Curves, PairedMeasure, Pairs};
 
 /// Maximum number of trials drawn in the static figure.
-const MOST_DOTS: usize = 300;
+const MAX_DOTS: usize = 300;
 /// Line on which both laws are equal.
 const ALIKE: Pen = Pen::dashed(REFERENCE, 1.2);
 
@@ -62,7 +62,7 @@ fn pair_panel(trials: &[(u64, f64, f64)], along: &str, upright: &str) -> grid::P
     let both = range(points.iter().flat_map(|&(x, y)| [x, y])).unwrap_or((0.0, 1.0));
     let plots = vec![
         line([(both.0, both.0), (both.1, both.1)], ALIKE),
-        dots(&points, MOST_DOTS, finger_colour(1), 2.4),
+        dots(&points, MAX_DOTS, finger_colour(1), 2.4),
     ];
     let axis = airy(both);
     (plots, panel(axis, axis, along, upright).with_ticks(4))

@@ -4,7 +4,7 @@
 use super::Figure;
 use super::friction_samples::{Sample, strokes};
 use crate::figures::drawing::canvas::{
-    CAP, MOST_SHADED, Pen, REFERENCE, SHADE, Style, finger_colour, line, panel, range, thin,
+    CAP, MAX_SHADED, Pen, REFERENCE, SHADE, Style, finger_colour, line, panel, range, thin,
 };
 use crate::figures::drawing::sheet::{Drawing, column};
 use crate::measures::series::mean;
@@ -204,7 +204,7 @@ fn time_panel(
         .strokes
         .iter()
         .filter(|s| s.index > 1 && !s.moving.is_empty());
-    if counting.clone().count() > MOST_SHADED {
+    if counting.clone().count() > MAX_SHADED {
         return layout;
     }
     counting.fold(layout, |layout, stroke| {

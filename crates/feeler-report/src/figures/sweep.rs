@@ -16,8 +16,8 @@ const BINS: usize = 12;
 /// Number of bins of a histogram.
 const BARS: usize = 24;
 /// Maximum number of trials in an interactive panel, and in a static figure.
-const MOST_TRIALS: usize = 5000;
-const MOST_DOTS: usize = 300;
+const MAX_TRIALS: usize = 5000;
+const MAX_DOTS: usize = 300;
 const SUCCESS: &str = "success";
 const FAILURE: &str = "failure";
 /// Number of standard deviations of a 95 % confidence interval.
@@ -143,7 +143,7 @@ type Dot = (u64, f64, f64);
 
 impl<'a> Scatter<'a> {
     fn new(varied: &Varied, measured: &'a TrialMeasure) -> Self {
-        let step = varied.trials.len().div_ceil(MOST_TRIALS).max(1);
+        let step = varied.trials.len().div_ceil(MAX_TRIALS).max(1);
         let mut groups = [Vec::new(), Vec::new()];
         let trials = varied.trials.iter().zip(&measured.trials).step_by(step);
         for (&(x, success), &(trial, value)) in trials {
@@ -160,7 +160,7 @@ impl<'a> Scatter<'a> {
         let layout = parameter_panel(varied, &varied.name, upright, &self.measured.name);
         let plots = self.groups.iter().enumerate().map(|(group, trials)| {
             let points: Vec<_> = trials.iter().map(|&(_, x, y)| (x, y)).collect();
-            dots(&points, MOST_DOTS, finger_colour(group), 2.4)
+            dots(&points, MAX_DOTS, finger_colour(group), 2.4)
         });
         (plots.collect(), layout)
     }

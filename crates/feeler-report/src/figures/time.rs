@@ -5,7 +5,7 @@ use super::super::page_data::panels::{Axis, Colour, Panel as AnsweringPanel, Ser
 use super::Figure;
 use super::slip_strip::slip_strip;
 use crate::figures::drawing::canvas::{
-    CAP, MOST_SHADED, Pen, REFERENCE, SHADE, finger_colour, finger_legend, frame, line, panel,
+    CAP, MAX_SHADED, Pen, REFERENCE, SHADE, finger_colour, finger_legend, frame, line, panel,
     range, thin,
 };
 use crate::figures::drawing::grid::{Panel, Row, stack};
@@ -322,7 +322,7 @@ fn with_strokes(layout: Layout, data: &RunData, time: (f64, f64), top: Option<f6
             shown.push((stroke.index, start, end));
         }
     }
-    if shown.len() > MOST_SHADED {
+    if shown.len() > MAX_SHADED {
         return layout;
     }
     for (index, start, end) in shown {

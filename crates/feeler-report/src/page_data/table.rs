@@ -13,7 +13,7 @@ use std::io::Write;
 
 /// Maximum number of rows per second and per page, so that a browser draws the page within two seconds.
 const RATE: f64 = 100.0;
-const MOST_ROWS: usize = 30_000;
+const MAX_ROWS: usize = 30_000;
 /// Minimum resolution of forces (N): a quarter of a sensor's noise.
 const FORCE_STEP: f64 = 5e-4;
 /// Unknown value in 16-bit columns.
@@ -61,7 +61,7 @@ impl Rows {
             None => (1.0 / (RATE * data.facts.control_period)).round() as usize,
         };
         Self {
-            every: every.max(count.div_ceil(MOST_ROWS)).max(1),
+            every: every.max(count.div_ceil(MAX_ROWS)).max(1),
             count,
         }
     }

@@ -10,7 +10,7 @@ use crate::measures::strokes::StrokeMeasures;
 use crate::measures::summary::Summary;
 use crate::page_data::{PageData, Rows, RunTable};
 use crate::run::data::RunData;
-use crate::run::thinned::Thinned;
+use crate::run::thinned::DecimatedRun;
 use crate::tasks;
 use crate::tasks::TaskReport;
 use feeler_record::{Phase, Recording, RunFacts, RunState, TaskKind};
@@ -75,7 +75,7 @@ pub(crate) fn page(
 }
 
 /// Note about the data that the page of a long run omits.
-fn left_out(thinned: &Thinned, data: &RunData) -> Markup {
+fn left_out(thinned: &DecimatedRun, data: &RunData) -> Markup {
     let (all, kept) = (thinned.rows, data.time.len());
     let numbers = thinned.too_long.iter().take(10).map(u32::to_string);
     let too_long = numbers.collect::<Vec<_>>().join(", ");

@@ -8,11 +8,11 @@ pub(crate) use finger_columns::keep;
 pub use stroke::Stroke;
 pub(crate) use stroke::split_strokes;
 
-use super::thinned::Thinned;
+use super::thinned::DecimatedRun;
 use crate::measures::contact::Contact;
 use crate::measures::strokes::StrokeMeasures;
 use feeler_record::{
-    Cap, FindingName, Newest, ObjectPose, Phase, Recording, RunFacts, TorqueSensor, TrueSlip,
+    Cap, FindingName, LatestAt, ObjectPose, Phase, Recording, RunFacts, TorqueSensor, TrueSlip,
 };
 use finger_columns::{FingerNewest, fingers};
 use glam::{DQuat, DVec3};
@@ -55,7 +55,7 @@ pub struct RunData {
     /// are no such frames.
     pub longest_loss: Option<usize>,
     /// Measures of all rows, if only some rows were kept ([`super::long_run`]).
-    pub thinned: Option<Box<Thinned>>,
+    pub thinned: Option<Box<DecimatedRun>>,
 }
 
 impl RunData {
@@ -101,10 +101,10 @@ impl RunData {
         if self.time.is_empty() {
             self.fingers.iter_mut().for_each(FingerColumns::reserve);
         }
-        let mut torque = Newest::new(&recording.torque_sensor);
-        let mut cap = Newest::new(&recording.cap);
-        let mut slip = Newest::new(&recording.true_slip);
-        let mut object = Newest::new(&recording.object);
+        let mut torque = LatestAt::new(&recording.torque_sensor);
+        let mut cap = LatestAt::new(&recording.cap);
+        let mut slip = LatestAt::new(&recording.true_slip);
+        let mut object = LatestAt::new(&recording.object);
         let mut fingers: Vec<_> = recording.fingers.iter().map(FingerNewest::new).collect();
         for task in recording.task.get(steps).into_iter().flatten() {
             let at = task.stamp;

@@ -13,7 +13,7 @@ mod recorder;
 pub use recorder::RunRecorder;
 
 use super::data::{RunData, Stroke, findings, keep, split_strokes};
-use super::thinned::Thinned;
+use super::thinned::DecimatedRun;
 use crate::measures::cap::{Felt, FeltStroke};
 use crate::measures::contact::Contact;
 use crate::measures::strokes::StrokeMeasures;
@@ -131,7 +131,7 @@ impl LongRun {
             self.align(recording, known);
         }
         self.contact.take(recording, until);
-        recording.forget_until(until);
+        recording.discard_until(until);
         // The last converted step is still in the recording.
         self.aligned = known.min(1);
         if has_many_messages(recording) {
@@ -274,7 +274,7 @@ impl LongRun {
         let mut moves = self.strokes.iter().filter(|s| !s.moving.is_empty());
         let first_move = moves.next().map(|stroke| stroke.moving.start);
         let [grasp_force_peaks, torque_peaks] = self.over_all.peaks(first_move);
-        self.data.thinned = Some(Box::new(Thinned {
+        self.data.thinned = Some(Box::new(DecimatedRun {
             rows: self.count,
             strokes: self.measures,
             felt: self.felt,

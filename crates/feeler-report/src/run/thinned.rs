@@ -8,7 +8,7 @@ use std::ops::Range;
 
 /// Measures of all rows of a run whose rows were only partly kept.
 #[derive(Debug, Clone, PartialEq)]
-pub struct Thinned {
+pub struct DecimatedRun {
     /// Number of rows of the whole run.
     pub rows: usize,
     /// Measures of every stroke, from all of its rows; only the maxima for strokes that were too long
@@ -26,7 +26,7 @@ pub struct Thinned {
     pub(crate) pressed: Vec<Pressed>,
 }
 
-impl Thinned {
+impl DecimatedRun {
     /// Longest stretch of rows in which an element exceeds `limit` (N). `None` if no forces are known or this limit was
     /// not accumulated.
     pub fn longest_above(&self, limit: f64) -> Option<usize> {

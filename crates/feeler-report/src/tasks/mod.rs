@@ -47,18 +47,18 @@ pub trait TaskReport: Sync {
 }
 
 /// Maximum number of strokes in a table.
-const MOST_SHOWN: usize = 100;
+const MAX_SHOWN: usize = 100;
 
 /// Strokes to show in a table (the first and the last, if there are many), and a note about the omitted ones.
 fn shown<S>(strokes: &[S]) -> (Vec<&S>, Markup) {
-    let left_out = strokes.len().saturating_sub(MOST_SHOWN);
+    let left_out = strokes.len().saturating_sub(MAX_SHOWN);
     let shown = if left_out > 0 {
-        MOST_SHOWN / 2
+        MAX_SHOWN / 2
     } else {
         strokes.len()
     };
     let (first, rest) = strokes.split_at(shown);
-    let last = &rest[rest.len().saturating_sub(MOST_SHOWN / 2)..];
+    let last = &rest[rest.len().saturating_sub(MAX_SHOWN / 2)..];
     let note = html! {
         @if left_out > 0 {
             p.note {

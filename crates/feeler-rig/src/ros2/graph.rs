@@ -95,14 +95,14 @@ pub fn check_ports(graph: &NodeConfig, hands: &[String]) -> Result<(), CommandEr
 }
 
 /// Warns while a node has no peers, e.g. because no router is running.
-pub struct Company {
+pub struct PeerWatch {
     places: String,
     since: Instant,
     is_told: bool,
     warnings: Warnings,
 }
 
-impl Company {
+impl PeerWatch {
     /// Creates the warning for a node that connects as `graph` specifies.
     pub fn new(graph: &NodeConfig) -> Self {
         Self {

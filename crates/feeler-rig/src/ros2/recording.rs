@@ -1,7 +1,7 @@
 //! `feeler ros2 RECORDING`: replays a recording in real time.
 
 use super::diagnostics::status;
-use super::graph::{Company, GraphOptions, NODE_NAME, config, serve_settings};
+use super::graph::{GraphOptions, NODE_NAME, PeerWatch, config, serve_settings};
 use super::stamps::time_of_day;
 use feeler::control::FingerFlags;
 use feeler_console::watch_for_interrupt;
@@ -46,7 +46,7 @@ pub fn publish_recording(
     let experiment =
         Experiment::parse(&recording.experiment, "the recorded experiment", &[], None)?;
     let interrupted = watch_for_interrupt()?;
-    let company = Company::new(&graph);
+    let company = PeerWatch::new(&graph);
     let mut node = Node::open(graph)?;
     let publishers = HandPublishers::new(&mut node, messages.fingers.len(), use_sim_time)?;
     serve_settings(&mut node, &experiment, use_sim_time)?;
@@ -96,7 +96,7 @@ impl Times {
 /// State of a replay.
 struct Replay {
     node: Node,
-    company: Company,
+    company: PeerWatch,
     messages: HandMessages,
     publishers: HandPublishers,
     times: Times,

@@ -1,7 +1,7 @@
 //! `feeler ros2 RIG`: publishes a running networked rig.
 
 use super::diagnostics::diagnostics;
-use super::graph::{Company, GraphOptions, NODE_NAME, check_ports, config, serve_settings};
+use super::graph::{GraphOptions, NODE_NAME, PeerWatch, check_ports, config, serve_settings};
 use super::orders::serve_orders;
 use super::stamps::{Stamps, time_of_day};
 use crate::session::RigSession;
@@ -15,7 +15,7 @@ use feeler_record::ros::Time;
 use feeler_ros2::HandPublishers;
 use feeler_ros2::{HandMessages, Touch};
 use feeler_ros2::{Node, NodeError};
-use feeler_watch::Watched;
+use feeler_watch::WatchedRig;
 use glam::DVec3;
 use std::io::Write;
 use std::sync::atomic::Ordering;
@@ -42,9 +42,9 @@ pub fn publish_rig(
     let facts = run_facts(&experiment.config)?;
     let messages = HandMessages::new(&facts)?;
     let network = session.connect(&[Right::Order, Right::Watch])?;
-    let watched = Watched::new(experiment, rig, network.clone())?;
+    let watched = WatchedRig::new(experiment, rig, network.clone())?;
     let interrupted = watch_for_interrupt()?;
-    let company = Company::new(&graph);
+    let company = PeerWatch::new(&graph);
     let mut node = Node::open(graph)?;
     let publishers = HandPublishers::new(&mut node, messages.fingers.len(), use_sim_time)?;
     serve_settings(&mut node, experiment, use_sim_time)?;
@@ -70,7 +70,7 @@ pub fn publish_rig(
 /// State of a published rig.
 struct RigNode {
     node: Node,
-    company: Company,
+    company: PeerWatch,
     messages: HandMessages,
     publishers: HandPublishers,
     stamps: Stamps,
@@ -88,7 +88,7 @@ struct RigNode {
 impl RigNode {
     fn publish_until(
         &mut self,
-        mut watched: Watched,
+        mut watched: WatchedRig,
         is_over: impl Fn() -> bool,
     ) -> Result<(), NodeError> {
         let mut told = Instant::now();
@@ -118,7 +118,7 @@ impl RigNode {
     }
 
     /// Publishes the data that are new since the last call.
-    fn take(&mut self, heard: &feeler_watch::Heard) -> Result<(), NodeError> {
+    fn take(&mut self, heard: &feeler_watch::RigMessages) -> Result<(), NodeError> {
         let arrived = time_of_day();
         let number = |header: MessageHeader| Some((header.instance, header.sequence));
         if let Some(state) = heard

@@ -7,7 +7,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 const LONGEST_BEHIND: f64 = 0.1;
 
 /// Maximum number of clocks in a rig, one per program. Beyond, the oldest is dropped.
-const MOST_CLOCKS: usize = 16;
+const MAX_CLOCKS: usize = 16;
 
 /// Converter of a run's stamps to the graph's.
 pub enum Stamps {
@@ -42,7 +42,7 @@ impl Stamps {
                 *offset
             }
             None => {
-                if clocks.len() == MOST_CLOCKS {
+                if clocks.len() == MAX_CLOCKS {
                     clocks.remove(0);
                 }
                 clocks.push((clock, seen));

@@ -19,7 +19,7 @@ const SEPARATOR: char = '.';
 /// Parameters that can be read, and not set.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Parameters {
-    all: Vec<Described>,
+    all: Vec<ValueDescription>,
     /// Why they cannot be set.
     reason: String,
 }
@@ -36,7 +36,7 @@ pub struct Meaning {
 }
 
 #[derive(Debug, Clone, PartialEq)]
-struct Described {
+struct ValueDescription {
     parameter: Parameter,
     meaning: Meaning,
 }
@@ -66,7 +66,7 @@ impl Parameters {
             }
             value => {
                 let value = parameter_value(value);
-                self.all.extend(value.map(|value| Described {
+                self.all.extend(value.map(|value| ValueDescription {
                     parameter: Parameter {
                         name: name.into(),
                         value,
@@ -84,7 +84,7 @@ impl Parameters {
         }
     }
 
-    fn find(&self, name: &str) -> Option<&Described> {
+    fn find(&self, name: &str) -> Option<&ValueDescription> {
         self.all.iter().find(|one| one.parameter.name == name)
     }
 
@@ -151,7 +151,10 @@ impl Parameters {
         }
     }
 
-    fn descriptor(&self, Described { parameter, meaning }: &Described) -> ParameterDescriptor {
+    fn descriptor(
+        &self,
+        ValueDescription { parameter, meaning }: &ValueDescription,
+    ) -> ParameterDescriptor {
         let mut descriptor = ParameterDescriptor {
             name: parameter.name.clone(),
             r#type: parameter.value.r#type,

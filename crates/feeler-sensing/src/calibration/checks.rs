@@ -26,8 +26,8 @@ pub fn before_fitting(
     axes: ForceAxes,
 ) -> Result<(), CommandError> {
     loads.check(measured).map_err(|error| {
-        let way_out = way_out(&error, axes);
-        format!("{error}{way_out}").into()
+        let advice = advice(&error, axes);
+        format!("{error}{advice}").into()
     })
 }
 
@@ -49,7 +49,7 @@ pub fn after_fitting(
 }
 
 /// Returns the advice for an error.
-fn way_out(error: &LoadsFileError, axes: ForceAxes) -> String {
+fn advice(error: &LoadsFileError, axes: ForceAxes) -> String {
     let LoadsFileError::Contradicted {
         source: LoadCheckError::Axes {
             axes: Some(seen), ..

@@ -2,7 +2,7 @@
 
 use feeler::sensor::calibration::ElementRecord;
 use feeler::sensor::calibration::{
-    Calibration, CalibrationModel, ElementCalibration, ForceMap, Inputs, LengthUnit,
+    Calibration, CalibrationModel, ElementCalibration, ForceMap, LengthUnit, RelativeMoments,
 };
 use feeler_report::pages::{CalibrationPage, ElementErrors, ElementLoads, calibration_page};
 use glam::{DVec2, DVec3};
@@ -81,7 +81,7 @@ fn element_loads(element: &ElementCalibration, record: &ElementRecord, scale: f6
         some => some,
     };
     for sample in samples {
-        let Inputs {
+        let RelativeMoments {
             growth,
             displacement,
         } = element.inputs(&sample.moments);
@@ -99,7 +99,7 @@ fn element_loads(element: &ElementCalibration, record: &ElementRecord, scale: f6
         ForceMap::Coupled(_) => &[0.0, 0.5, 1.0][..],
     };
     let force = |growth, displacement| {
-        element.map.force(Inputs {
+        element.map.force(RelativeMoments {
             growth,
             displacement,
         })

@@ -11,7 +11,9 @@ use super::tracks::{TrackTables, is_tracks};
 use super::videos::Videos;
 use feeler_console::CommandError;
 use feeler_console::Steps;
-use feeler_lab::grasps::{DETECTORS, Detector, DetectorTrace, GraspRecording, Labelled, Untouched};
+use feeler_lab::grasps::{
+    ContactReference, DETECTORS, Detector, DetectorTrace, GraspRecording, Labelled,
+};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -256,7 +258,9 @@ impl Collected {
         if let Some(why) = &trace.no_pattern {
             let known = trace.sums().iter().any(Option::is_some);
             let what = match read.recording.untouched {
-                Untouched::Afresh(_) if known => "a frame shows no pattern; its contact is unknown",
+                ContactReference::LocatedPattern(_) if known => {
+                    "a frame shows no pattern; its contact is unknown"
+                }
                 _ => "its contact is unknown",
             };
             notes.add("pattern", || format!("{name}: {why}; {what}"));
@@ -264,7 +268,7 @@ impl Collected {
         self.noise.extend(trace.noise);
         self.in_spacings &= matches!(
             read.recording.untouched,
-            Untouched::Pattern(_) | Untouched::Afresh(_)
+            ContactReference::Pattern(_) | ContactReference::LocatedPattern(_)
         );
         let next = self.groups.len();
         let group = *self.groups.entry(group).or_insert(next);

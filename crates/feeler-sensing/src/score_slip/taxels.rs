@@ -9,7 +9,7 @@ use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
 use feeler::sensor::taxel::{TaxelLayout, TaxelSensor};
 use feeler_console::CommandError;
 use feeler_console::open_table;
-use feeler_lab::grasps::{GraspFrame, GraspRecording, Untouched};
+use feeler_lab::grasps::{ContactReference, GraspFrame, GraspRecording};
 use glam::DVec2;
 use std::path::Path;
 
@@ -98,8 +98,8 @@ impl TaxelTables {
                 },
                 recording: GraspRecording {
                     untouched: match self.untouched {
-                        true => Untouched::Zero,
-                        false => Untouched::Unknown,
+                        true => ContactReference::Zero,
+                        false => ContactReference::Unknown,
                     },
                     origins: Vec::new(),
                     frames: side_by_side(&own, recording, notes),

@@ -8,7 +8,7 @@ use feeler::sensor::fingertip::{LocatedLayout, MAX_LOCATED_ELEMENTS};
 use feeler::sensor::table::{NumberColumn, Quantity, Table, TableError};
 use feeler_console::CommandError;
 use feeler_console::open_table;
-use feeler_lab::grasps::{GraspFrame, GraspRecording, Picture, Untouched};
+use feeler_lab::grasps::{ContactReference, GraspFrame, GraspRecording, Picture};
 use glam::DVec2;
 use std::fs;
 use std::io::BufRead;
@@ -49,12 +49,12 @@ impl TrackTables {
         };
         let (frames, on_places) = self.read_frames(table, notes)?;
         let layout = self.layout_of(source, table)?;
-        let (mut untouched, mut origins) = (Untouched::Unknown, Vec::new());
+        let (mut untouched, mut origins) = (ContactReference::Unknown, Vec::new());
         match layout {
-            _ if self.untouched => untouched = Untouched::Zero,
+            _ if self.untouched => untouched = ContactReference::Zero,
             Some(layout) if layout.dome.is_none() && on_places => {
                 let picture = Picture::of_size(layout.width, layout.height);
-                untouched = Untouched::Pattern(Some(picture));
+                untouched = ContactReference::Pattern(Some(picture));
                 origins = layout.elements.iter().map(|element| element.centre_px).collect();
             }
             Some(_) => notes.add("dome", || format!("{}: positions on a dome and forces form no pattern in an image; contact is unknown", source.name)),

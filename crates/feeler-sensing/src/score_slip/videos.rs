@@ -12,7 +12,7 @@ use feeler::sensor::image::{Camera, CameraError};
 use feeler::sensor::image::{Frame, Picture as Grey};
 use feeler::sensor::locate::{LocateConfig, Located, ReferencePicture, locate, locate_again};
 use feeler_console::CommandError;
-use feeler_lab::grasps::{GraspFrame, GraspRecording, Picture, Untouched};
+use feeler_lab::grasps::{ContactReference, GraspFrame, GraspRecording, Picture};
 use feeler_sources::{Ffmpeg, VideoFile};
 use glam::DVec2;
 
@@ -88,7 +88,7 @@ impl Videos {
         Ok(vec![Read {
             names: vec![source.stem().to_owned(), source.name.clone()],
             recording: GraspRecording {
-                untouched: Untouched::Afresh(Picture::of_size(width, height)),
+                untouched: ContactReference::LocatedPattern(Picture::of_size(width, height)),
                 origins: Vec::new(),
                 frames,
             },

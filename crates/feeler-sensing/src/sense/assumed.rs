@@ -11,7 +11,7 @@ use feeler_lab::config::Experiment;
 use feeler_lab::sensor::SensorGeometry;
 
 /// Advice appended to errors.
-const WAY_OUT: &str = "Find its elements with `feeler locate PICTURE -o layout.toml` and pass `--layout layout.toml`, or name the \
+const ADVICE: &str = "Find its elements with `feeler locate PICTURE -o layout.toml` and pass `--layout layout.toml`, or name the \
                        experiment of the fingertip with `--experiment`";
 
 /// An experiment's fingertip that is assumed by default.
@@ -62,7 +62,7 @@ impl AssumedFingertip {
         let likeness = Likeness::of(picture, moments, calibration, regions, *dark_level);
         if !likeness.is_enough() {
             return Err(format!(
-                "the image does not show the assumed fingertip of {experiment}: {likeness}. {WAY_OUT}"
+                "the image does not show the assumed fingertip of {experiment}: {likeness}. {ADVICE}"
             )
             .into());
         }
@@ -80,7 +80,7 @@ impl AssumedFingertip {
         let (experiment, (columns, rows)) = (&self.experiment, self.size);
         format!(
             "{name}: a {width}x{height} px image does not show the assumed fingertip of {experiment}; expected {columns}x{rows} \
-             px. {WAY_OUT}"
+             px. {ADVICE}"
         )
     }
 }

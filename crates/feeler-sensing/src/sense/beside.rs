@@ -15,15 +15,15 @@ pub const INTERVAL: Duration = Duration::from_millis(100);
 const LAST: Duration = Duration::from_secs(1);
 
 /// Printer of progress and warnings.
-pub enum Beside {
+pub enum ConsoleReporter {
     /// Prints synchronously; may block.
     Waiting(ProgressBar),
     /// Prints on background threads, because a hand depends on the readings.
-    Aside(Aside),
+    BackgroundReporter(BackgroundReporter),
 }
 
 /// Printer of progress and warnings that never blocks the caller.
-pub struct Aside {
+pub struct BackgroundReporter {
     progress: Arc<Mutex<String>>,
     /// Dropped to remove the progress line.
     stop: Mutex<Option<Sender<()>>>,
@@ -32,7 +32,7 @@ pub struct Aside {
     warnings: Warnings,
 }
 
-impl Beside {
+impl ConsoleReporter {
     /// Creates a printer. The progress is hidden unless standard error is a terminal.
     pub fn new(waits: bool) -> Self {
         let bar = ProgressBar::new_spinner();
@@ -40,7 +40,7 @@ impl Beside {
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
         match waits {
             true => Self::Waiting(bar),
-            false => Self::Aside(Aside::new(&bar)),
+            false => Self::BackgroundReporter(BackgroundReporter::new(&bar)),
         }
     }
 
@@ -51,26 +51,26 @@ impl Beside {
                 bar.set_message(line);
                 bar.tick();
             }
-            Self::Aside(aside) => *lock(&aside.progress) = line,
+            Self::BackgroundReporter(aside) => *lock(&aside.progress) = line,
         }
     }
 
     /// Prints a line.
     pub fn say(&self, line: &str) {
         match self {
-            Self::Waiting(bar) => say_beside(bar, line),
-            Self::Aside(aside) => aside.warnings.queue(line),
+            Self::Waiting(bar) => print_line(bar, line),
+            Self::BackgroundReporter(aside) => aside.warnings.queue(line),
         }
     }
 
     /// Returns a function that prints lines from another thread.
-    pub fn sayer(&self) -> Box<dyn FnMut(&str) + Send> {
+    pub fn printer(&self) -> Box<dyn FnMut(&str) + Send> {
         match self {
             Self::Waiting(bar) => {
                 let bar = bar.clone();
-                Box::new(move |line| say_beside(&bar, line))
+                Box::new(move |line| print_line(&bar, line))
             }
-            Self::Aside(aside) => aside.warnings.warn(),
+            Self::BackgroundReporter(aside) => aside.warnings.warn(),
         }
     }
 
@@ -78,7 +78,7 @@ impl Beside {
     pub fn clear(&self) {
         match self {
             Self::Waiting(bar) => bar.finish_and_clear(),
-            Self::Aside(aside) => {
+            Self::BackgroundReporter(aside) => {
                 drop(lock(&aside.stop).take());
                 // Nothing is ever sent: this returns when the line is removed, or after the time limit.
                 let _ = lock(&aside.ended).recv_timeout(LAST);
@@ -87,7 +87,7 @@ impl Beside {
     }
 }
 
-impl Aside {
+impl BackgroundReporter {
     fn new(bar: &ProgressBar) -> Self {
         let progress = Arc::new(Mutex::new(String::new()));
         let (stop, stopped) = channel();
@@ -107,7 +107,7 @@ impl Aside {
             progress,
             stop: Mutex::new(Some(stop)),
             ended: Mutex::new(ended),
-            warnings: Warnings::shown_by(move |line| say_beside(&bar, line)),
+            warnings: Warnings::shown_by(move |line| print_line(&bar, line)),
         }
     }
 }
@@ -120,7 +120,7 @@ fn draw_until(stopped: &Receiver<()>, progress: &Mutex<String>, bar: &ProgressBa
     }
 }
 
-fn say_beside(bar: &ProgressBar, line: &str) {
+fn print_line(bar: &ProgressBar, line: &str) {
     // Ignore a closed standard error.
     bar.suspend(|| {
         let _ = writeln!(stderr(), "{line}");

@@ -2,10 +2,10 @@
 
 use super::assumed::AssumedFingertip;
 use super::output::{FrameReadings, Output};
-use super::sensor::{asked_sensor, sensing_of};
+use super::sensor::{sensing_chain, sensor_geometry};
 use super::source::Source;
-use super::tally::Tally;
-use super::wrench::OfWrench;
+use super::tally::SensingStats;
+use super::wrench::WrenchFormat;
 use super::{SenseOptions, close};
 use feeler::sensor::forces::{ElementReading, Reference, SensingChain};
 use feeler::sensor::image::CameraError;
@@ -22,17 +22,17 @@ pub const WAIT: Duration = Duration::from_millis(50);
 pub fn sense(
     options: &SenseOptions,
     source: &Source,
-    tally: &mut Tally,
+    tally: &mut SensingStats,
     interrupted: &AtomicBool,
 ) -> Result<(), CommandError> {
-    let geometry = asked_sensor(options)?;
+    let geometry = sensor_geometry(options)?;
     let assumed = AssumedFingertip::of(options, &geometry)?;
-    let (sensing, estimator) = sensing_of(geometry, options)?;
+    let (sensing, estimator) = sensing_chain(geometry, options)?;
     let size = sensing.picture_size();
     let camera = source.camera(options, size)?;
     let pictures = options.recorded_finger();
     let output = match estimator {
-        Some(estimator) => options.open_output_as(&OfWrench {
+        Some(estimator) => options.open_output_as(&WrenchFormat {
             estimator,
             pictures,
         })?,
@@ -76,7 +76,7 @@ fn sense_all(
                 stage.sense(&frame, captured.at)?;
                 pump.give_back(frame);
             }
-            Err(error) if error.may_pass() => {
+            Err(error) if error.is_recoverable() => {
                 stage.check_size(&error)?;
                 stage.tally.skip(&error.to_string());
             }
@@ -98,7 +98,7 @@ struct Stage<'a> {
     /// Fingertip that the first image must show, if none was named.
     assumed: Option<AssumedFingertip>,
     output: Box<dyn Output>,
-    tally: &'a mut Tally,
+    tally: &'a mut SensingStats,
 }
 
 impl Stage<'_> {
@@ -158,7 +158,7 @@ impl Stage<'_> {
             let warning = format!("u is measured from {count} unloaded frames; expected {wanted}");
             self.tally.warn(&warning);
         }
-        let reference = Reference::mean(waiting.iter().map(|(_, _, r)| r.as_slice()));
+        let reference = Reference::from_readings(waiting.iter().map(|(_, _, r)| r.as_slice()));
         for (sequence, stamp, mut readings) in waiting {
             reference.apply(&mut readings);
             self.output.write(&FrameReadings {

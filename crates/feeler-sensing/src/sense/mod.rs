@@ -22,14 +22,14 @@ use feeler_console::{CommandError, Outcome, Outputs, is_raised, watch_for_interr
 use feeler_lab::config::Experiment;
 use feeler_report::run::make::RECORDING;
 use feeler_rig::LinkOptions;
-use output::{Format, OfPictures, Output};
-use queued::{Full, Queued};
+use output::{Format, ImageFormat, Output};
+use queued::{BackgroundOutput, Backpressure};
 pub use sensor::named_sensor;
 use source::Source;
 use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
-use tally::Tally;
+use tally::SensingStats;
 pub use taxels::{TaxelOptions, taxel_layout_text};
 pub use track::Track;
 
@@ -92,7 +92,7 @@ pub struct SenseOptions {
 
 impl SenseOptions {
     /// Rejects options that have no effect.
-    fn refuse_without_effect(&self) -> Result<(), CommandError> {
+    fn check_options(&self) -> Result<(), CommandError> {
         if let Some(option) = self.publishing_option.filter(|_| !self.publish) {
             return Err(format!(
                 "{option}: has no effect without --publish; add --publish, or edit the experiment file \
@@ -143,7 +143,7 @@ impl SenseOptions {
     }
 
     /// Rejects `--record-frames` if the output is not MCAP.
-    fn refuse_pictures_elsewhere(&self) -> Result<(), CommandError> {
+    fn check_record_frames(&self) -> Result<(), CommandError> {
         let is_mcap = |path: &Path| path.extension().is_some_and(|e| e == "mcap");
         if !self.record_frames || self.output.as_deref().is_some_and(is_mcap) {
             return Ok(());
@@ -161,7 +161,7 @@ impl SenseOptions {
     /// Opens the output for readings of images.
     fn open_output(&self, forces: bool) -> Result<Box<dyn Output>, CommandError> {
         let pictures = self.recorded_finger();
-        self.open_output_as(&OfPictures { forces, pictures })
+        self.open_output_as(&ImageFormat { forces, pictures })
     }
 
     /// Moves `output` to a background thread if images are recorded, so that writing them does not block sensing.
@@ -169,16 +169,21 @@ impl SenseOptions {
         &self,
         output: Box<dyn Output>,
         source: &Source,
-        tally: &Tally,
+        tally: &SensingStats,
     ) -> Result<Box<dyn Output>, CommandError> {
         if !self.record_frames {
             return Ok(output);
         }
         let full = match source {
-            Source::Camera(_) => Full::Drop,
-            _ => Full::Wait,
+            Source::Camera(_) => Backpressure::Drop,
+            _ => Backpressure::Block,
         };
-        Ok(Box::new(Queued::start(output, full, true, tally.warner())?))
+        Ok(Box::new(BackgroundOutput::start(
+            output,
+            full,
+            true,
+            tally.warner(),
+        )?))
     }
 
     /// Opens the output for rows or messages of this format.
@@ -203,12 +208,12 @@ impl SenseOptions {
 /// # Errors
 /// If options contradict each other, or a source, the calibration or the output fails.
 pub fn sense(options: &SenseOptions) -> Result<Outcome, CommandError> {
-    options.refuse_pictures_elsewhere()?;
-    let mut tally = Tally::new(!options.publish);
+    options.check_record_frames()?;
+    let mut tally = SensingStats::new(!options.publish);
     let interrupted = watch_for_interrupt()?;
     match &options.taxels.taxels {
         Some(layout) => {
-            options.refuse_without_effect()?;
+            options.check_options()?;
             if options.record_frames {
                 return Err("--record-frames: taxels have no images".into());
             }
@@ -228,11 +233,11 @@ pub fn sense(options: &SenseOptions) -> Result<Outcome, CommandError> {
 /// Senses a source other than a taxel table.
 fn sense_source(
     options: &SenseOptions,
-    tally: &mut Tally,
+    tally: &mut SensingStats,
     interrupted: &AtomicBool,
 ) -> Result<(), CommandError> {
     let source = Source::of(options)?;
-    options.refuse_without_effect()?;
+    options.check_options()?;
     match source {
         Source::Recording(_) if options.publish => {
             let message = "--publish: expected images, a camera or rig:, got a recorded run";
@@ -255,7 +260,7 @@ fn sense_source(
 /// The file remains a partial file unless it is `whole`. A closed pipe (a reader that stops early) is not an error.
 fn close(
     output: Box<dyn Output>,
-    tally: &Tally,
+    tally: &SensingStats,
     ended: Result<(), CommandError>,
     whole: bool,
 ) -> Result<(), CommandError> {

@@ -7,8 +7,8 @@ mod rows;
 pub use self::mcap::{Pictures, moments};
 pub use self::rows::ForceRow;
 
-use self::{filed::Filed, mcap::Mcap, rows::Rows};
-use super::prompt::Prompt;
+use self::{filed::FileOutput, mcap::Mcap, rows::Rows};
+use super::prompt::MaxAgeFlush;
 use super::row_file::RowFile;
 use feeler::sensor::forces::ElementReading;
 use feeler::sensor::image::Frame;
@@ -73,14 +73,14 @@ pub trait Format {
 }
 
 /// Output format for images: moments and, if calibrated, forces.
-pub struct OfPictures {
+pub struct ImageFormat {
     /// `true` if forces are written.
     pub forces: bool,
     /// Finger whose images are recorded, or `None` if images are not recorded.
     pub pictures: Option<usize>,
 }
 
-impl Format for OfPictures {
+impl Format for ImageFormat {
     fn csv(&self, writer: RowWriter) -> Result<Box<dyn Output>, CommandError> {
         let moments = ["frame", "stamp", "element", "integrated_gray", "u_x", "u_y"];
         let forces: &[&str] = if self.forces {
@@ -116,7 +116,7 @@ pub fn open(
 ) -> Result<Box<dyn Output>, CommandError> {
     let Some(path) = path else {
         let table = format.csv(Box::new(io::stdout()))?;
-        return Ok(Box::new(Prompt::new(table)));
+        return Ok(Box::new(MaxAgeFlush::new(table)));
     };
     let extension = path.extension().and_then(|e| e.to_str()).unwrap_or("");
     if !["csv", "jsonl", "mcap"].contains(&extension) {
@@ -132,8 +132,8 @@ pub fn open(
         _ => format.mcap(part.part())?,
     };
     let name = path.display().to_string();
-    let filed = Filed::new(name, output, part, extension != "mcap");
-    Ok(Box::new(Prompt::new(Box::new(filed))))
+    let filed = FileOutput::new(name, output, part, extension != "mcap");
+    Ok(Box::new(MaxAgeFlush::new(Box::new(filed))))
 }
 
 /// Adds the path of the remaining partial file to an error.

@@ -10,12 +10,12 @@ use std::time::{Duration, Instant};
 const PROMPT: Duration = Duration::from_secs(1);
 
 /// Passes on all rows older than [`PROMPT`], to limit the loss if the program is killed.
-pub struct Prompt {
+pub struct MaxAgeFlush {
     output: Box<dyn Output>,
     settled: Instant,
 }
 
-impl Prompt {
+impl MaxAgeFlush {
     /// Wraps `output`.
     pub fn new(output: Box<dyn Output>) -> Self {
         let settled = Instant::now();
@@ -23,7 +23,7 @@ impl Prompt {
     }
 }
 
-impl Output for Prompt {
+impl Output for MaxAgeFlush {
     fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError> {
         self.output.write(frame)?;
         if self.settled.elapsed() < PROMPT {

@@ -1,10 +1,10 @@
 //! `feeler sense --publish`: publishes one finger's readings for the hand program.
 
 use super::output::{FrameReadings, Output};
-use super::queued::{Full, Queued};
+use super::queued::{BackgroundOutput, Backpressure};
 use super::sensor::{self, SensorOf};
 use super::source::Source;
-use super::tally::Tally;
+use super::tally::SensingStats;
 use super::{SenseOptions, close};
 use feeler::sensor::forces::{ElementReading, SensingChain};
 use feeler::sensor::image::CameraError;
@@ -31,14 +31,14 @@ struct Publisher<'a> {
     output: Option<Box<dyn Output>>,
     /// `true` once a warning was given that the images show another fingertip.
     is_mismatched: bool,
-    tally: &'a mut Tally,
+    tally: &'a mut SensingStats,
 }
 
 /// Senses and publishes the images of `source` until it ends or `stop` is raised.
 pub fn publish(
     options: &SenseOptions,
     source: &Source,
-    tally: &mut Tally,
+    tally: &mut SensingStats,
     stop: &AtomicBool,
 ) -> Result<(), CommandError> {
     let settings = options.settings.clone();
@@ -65,9 +65,9 @@ impl<'a> Publisher<'a> {
         options: &SenseOptions,
         experiment: &Experiment,
         finger: usize,
-        tally: &'a mut Tally,
+        tally: &'a mut SensingStats,
     ) -> Result<Self, CommandError> {
-        let SensorOf { sensing, sha256 } = sensor::for_the_hand(options, experiment, finger)?;
+        let SensorOf { sensing, sha256 } = sensor::hand_sensor(options, experiment, finger)?;
         let elements = sensing.element_count();
         let config = SensorConfig {
             finger,
@@ -80,9 +80,9 @@ impl<'a> Publisher<'a> {
         let output: Option<Box<dyn Output>> = match options.output {
             Some(_) => {
                 let output = options.open_output(true)?;
-                let queued = Queued::start(
+                let queued = BackgroundOutput::start(
                     output,
-                    Full::DropForAHand,
+                    Backpressure::DropAndIgnoreErrors,
                     options.record_frames,
                     tally.warner(),
                 )?;
@@ -177,7 +177,7 @@ impl<'a> Publisher<'a> {
                     pump.give_back(frame);
                 }
                 // While a rig is running, an unusable image is treated like a missing one.
-                Err(error) if error.may_pass() => self.tally.skip(&error.to_string()),
+                Err(error) if error.is_recoverable() => self.tally.skip(&error.to_string()),
                 Err(CameraError::Ended { .. }) => return Ok(()),
                 Err(error) => return Err(error.into()),
             }

@@ -26,19 +26,19 @@ pub type Say = Box<dyn FnMut(&str) + Send>;
 
 /// Policy for frames that do not fit into the queue.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
-pub enum Full {
-    /// Wait for space, for files and streams.
-    Wait,
+pub enum Backpressure {
+    /// Block for space, for files and streams.
+    Block,
     /// Drop and count them, for a camera. An error of the output ends sensing.
     Drop,
     /// Like [`Drop`](Self::Drop), but an error of the output does not end sensing, because a hand needs the readings.
-    DropForAHand,
+    DropAndIgnoreErrors,
 }
 
 /// Writes frames to another output on a background thread.
-pub struct Queued {
+pub struct BackgroundOutput {
     works: Option<SyncSender<Work>>,
-    full: Full,
+    full: Backpressure,
     spare: Receiver<Sensed>,
     spare_pictures: Receiver<Frame>,
     /// Result of the thread: the path of the partial file that remains, if any.
@@ -65,7 +65,7 @@ enum Work {
     Finish(bool),
 }
 
-impl Queued {
+impl BackgroundOutput {
     /// Starts a thread that writes to `output`. Dropped frames are reported to `say`. Set `pictures` if frames may have
     /// images.
     ///
@@ -73,7 +73,7 @@ impl Queued {
     /// If the thread cannot be started.
     pub fn start(
         output: Box<dyn Output>,
-        full: Full,
+        full: Backpressure,
         pictures: bool,
         say: Say,
     ) -> Result<Self, CommandError> {
@@ -139,10 +139,10 @@ impl Queued {
             return Ok(());
         };
         let sent = match self.full {
-            Full::Wait => works
+            Backpressure::Block => works
                 .send(work)
                 .map_err(|back| TrySendError::Disconnected(back.0)),
-            Full::Drop | Full::DropForAHand => works.try_send(work),
+            Backpressure::Drop | Backpressure::DropAndIgnoreErrors => works.try_send(work),
         };
         let is_picture = matches!(
             sent,
@@ -163,7 +163,7 @@ impl Queued {
             }
             Err(TrySendError::Disconnected(_)) => {
                 let error = self.why_ended();
-                if self.full != Full::DropForAHand {
+                if self.full != Backpressure::DropAndIgnoreErrors {
                     return Err(error.into());
                 }
                 (self.say)(&format!("{error}; publishing continues without a file"));
@@ -217,7 +217,7 @@ fn write_all(
     }
 }
 
-impl Output for Queued {
+impl Output for BackgroundOutput {
     fn write(&mut self, readings: &FrameReadings) -> Result<(), CommandError> {
         let mut sensed = self.spare.try_recv().unwrap_or_default();
         (sensed.sequence, sensed.stamp) = (readings.sequence, readings.stamp);
@@ -250,7 +250,7 @@ impl Output for Queued {
         let Some(works) = self.works.take() else {
             return Err("output: not written completely".into());
         };
-        if self.full == Full::Wait {
+        if self.full == Backpressure::Block {
             // If the thread has ended, its result is received below.
             let _ = works.send(Work::Finish(whole));
             let ended = self.ended.recv();

@@ -1,7 +1,7 @@
 //! Reads the forces of a recorded run.
 
 use super::output::{FrameReadings, Output};
-use super::tally::Tally;
+use super::tally::SensingStats;
 use super::{SenseOptions, close};
 use feeler::sensor::forces::ElementReading;
 use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
@@ -15,7 +15,7 @@ use std::time::Instant;
 pub fn sense(
     options: &SenseOptions,
     path: &Path,
-    tally: &mut Tally,
+    tally: &mut SensingStats,
     interrupted: &AtomicBool,
 ) -> Result<(), CommandError> {
     let recording = Recording::read(path)?;
@@ -45,7 +45,7 @@ pub fn sense(
 fn give_out(
     sensor: &mut RecordedSensor,
     output: &mut dyn Output,
-    tally: &mut Tally,
+    tally: &mut SensingStats,
     interrupted: &AtomicBool,
 ) -> Result<(), CommandError> {
     let elements = sensor.element_count();

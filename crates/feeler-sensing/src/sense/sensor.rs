@@ -13,14 +13,14 @@ use std::fmt::Display;
 use std::path::Path;
 
 /// Returns the located layout if `--layout` is given, otherwise the experiment's fingertip.
-pub fn asked_sensor(options: &SenseOptions) -> Result<SensorGeometry, CommandError> {
+pub fn sensor_geometry(options: &SenseOptions) -> Result<SensorGeometry, CommandError> {
     let layout = options.layout.as_deref();
     named_sensor(options.experiment(), options.finger, layout)
 }
 
 /// Creates the sensing chain of a sensor with its calibration or reference, if any, and the wrench estimator if the
 /// calibration is one of wrenches.
-pub fn sensing_of(
+pub fn sensing_chain(
     geometry: SensorGeometry,
     options: &SenseOptions,
 ) -> Result<(SensingChain, Option<WrenchEstimator>), CommandError> {
@@ -71,7 +71,7 @@ pub struct SensorOf {
 
 /// Creates the sensor of `finger` of `experiment` with the layout and calibration in `options`, or else those of the
 /// experiment.
-pub fn for_the_hand(
+pub fn hand_sensor(
     options: &SenseOptions,
     experiment: &Experiment,
     finger: usize,
@@ -84,7 +84,7 @@ pub fn for_the_hand(
         Some(path) => named_calibration(&geometry, path)?,
         None => {
             let calibration = experiment.calibration(finger)?;
-            geometry.made_for.check_same(&calibration.made_for)?;
+            geometry.made_for.verify_same(&calibration.made_for)?;
             calibration
         }
     };
@@ -143,5 +143,5 @@ fn reference(path: &Path, sensing: &mut SensingChain) -> Result<Reference, Comma
     let picture = read_picture(path)?;
     let mut readings = vec![ElementReading::default(); sensing.element_count()];
     sensing.sense(&picture, &mut readings)?;
-    Ok(Reference::mean([readings.as_slice()]))
+    Ok(Reference::from_readings([readings.as_slice()]))
 }

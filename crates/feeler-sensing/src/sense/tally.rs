@@ -1,6 +1,6 @@
 //! Counts sensed, skipped and dropped frames and reports them on standard error.
 
-use super::beside::{Beside, INTERVAL};
+use super::beside::{ConsoleReporter, INTERVAL};
 use feeler::sensor::forces::ElementReading;
 use feeler::sensor::image::Exposure;
 use std::collections::BTreeMap;
@@ -10,8 +10,8 @@ use std::time::{Duration, Instant};
 const NAMED: usize = 12;
 
 /// Statistics of the frames so far.
-pub struct Tally {
-    beside: Beside,
+pub struct SensingStats {
+    beside: ConsoleReporter,
     shown: Instant,
     start: Instant,
     frames: u64,
@@ -48,12 +48,12 @@ impl Uniform {
     }
 }
 
-impl Tally {
+impl SensingStats {
     /// Creates empty statistics. If `waits` is `false`, messages are printed by background threads and never block.
     pub fn new(waits: bool) -> Self {
         let now = Instant::now();
         Self {
-            beside: Beside::new(waits),
+            beside: ConsoleReporter::new(waits),
             shown: now,
             start: now,
             frames: 0,
@@ -159,7 +159,7 @@ impl Tally {
 
     /// Returns a function that prints warnings from another thread.
     pub fn warner(&self) -> Box<dyn FnMut(&str) + Send> {
-        let mut say = self.beside.sayer();
+        let mut say = self.beside.printer();
         Box::new(move |warning| say(&format!("warning: {warning}")))
     }
 

@@ -1,10 +1,10 @@
 //! `feeler sense --track`: tracks the identity of markers and writes displacements with their confidence.
 
 use super::frames::WAIT;
-use super::output::{Format, FrameReadings, OfPictures, Output, RowWriter};
+use super::output::{Format, FrameReadings, ImageFormat, Output, RowWriter};
 use super::row_file::RowFile;
 use super::source::Source;
-use super::tally::Tally;
+use super::tally::SensingStats;
 use super::{SenseOptions, close};
 use feeler::sensor::fingertip::LocatedLayout;
 use feeler::sensor::forces::ElementReading;
@@ -34,7 +34,7 @@ pub fn sense(
     options: &SenseOptions,
     track: Track,
     source: &Source,
-    tally: &mut Tally,
+    tally: &mut SensingStats,
     interrupted: &AtomicBool,
 ) -> Result<(), CommandError> {
     let Some(path) = &options.layout else {
@@ -45,7 +45,7 @@ pub fn sense(
     let size = (layout.width, layout.height);
     let camera = source.camera(options, size)?;
     let pictures = options.recorded_finger();
-    let output = options.open_output_as(&OfMarkers { pictures })?;
+    let output = options.open_output_as(&MarkerFormat { pictures })?;
     let mut output = options.beside_the_sensor(output, source, tally)?;
     let pump = FramePump::start(camera, size)?;
     let ended = stage.follow(&pump, output.as_mut(), tally, interrupted);
@@ -79,7 +79,7 @@ impl Stage {
         &mut self,
         pump: &FramePump,
         output: &mut dyn Output,
-        tally: &mut Tally,
+        tally: &mut SensingStats,
         interrupted: &AtomicBool,
     ) -> Result<(), CommandError> {
         while !is_raised(interrupted) {
@@ -106,7 +106,7 @@ impl Stage {
                     tally.picture(frame.sequence, captured.at, &self.readings);
                     pump.give_back(frame);
                 }
-                Err(error) if error.may_pass() => tally.skip(&error.to_string()),
+                Err(error) if error.is_recoverable() => tally.skip(&error.to_string()),
                 Err(CameraError::Ended { .. }) => return Ok(()),
                 Err(error) => return Err(error.into()),
             }
@@ -144,7 +144,7 @@ impl Stage {
         Ok(())
     }
 
-    fn say(&self, tally: &Tally) {
+    fn say(&self, tally: &SensingStats) {
         if self.found_again > 0 {
             let count = self.found_again;
             tally.warn(&format!(
@@ -160,7 +160,7 @@ impl Stage {
 }
 
 /// Output format for tracked markers.
-struct OfMarkers {
+struct MarkerFormat {
     /// Finger whose images are recorded, or `None` if images are not recorded.
     pictures: Option<usize>,
 }
@@ -190,7 +190,7 @@ fn rows<'a>(frame: &'a FrameReadings) -> impl Iterator<Item = Row> + 'a {
     frame.markers.iter().enumerate().map(row)
 }
 
-impl Format for OfMarkers {
+impl Format for MarkerFormat {
     fn csv(&self, writer: RowWriter) -> Result<Box<dyn Output>, CommandError> {
         let columns = ["frame", "stamp", "element", "integrated_gray", "u_x", "u_y"];
         let columns = columns.into_iter().chain(["confidence"]);
@@ -203,7 +203,7 @@ impl Format for OfMarkers {
 
     fn mcap(&self, path: &Path) -> Result<Box<dyn Output>, CommandError> {
         // Moments as without tracking; a lost marker has no displacement.
-        OfPictures {
+        ImageFormat {
             forces: false,
             pictures: self.pictures,
         }

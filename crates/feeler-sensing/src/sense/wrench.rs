@@ -16,13 +16,13 @@ use std::path::{Path, PathBuf};
 const FRAME: &str = "wrench_sensor";
 
 /// Output format for the wrench that the estimator predicts from each image.
-pub struct OfWrench {
+pub struct WrenchFormat {
     pub estimator: WrenchEstimator,
     /// Finger whose images are recorded, or `None` if images are not recorded.
     pub pictures: Option<usize>,
 }
 
-impl OfWrench {
+impl WrenchFormat {
     fn into(&self, sink: Box<dyn Sink>) -> Box<dyn Output> {
         Box::new(Estimated {
             estimator: self.estimator.clone(),
@@ -33,7 +33,7 @@ impl OfWrench {
     }
 }
 
-impl Format for OfWrench {
+impl Format for WrenchFormat {
     fn csv(&self, writer: RowWriter) -> Result<Box<dyn Output>, CommandError> {
         let axes = WrenchAxis::ALL.map(WrenchAxis::name);
         let columns = ["frame", "stamp"].into_iter().chain(axes);

@@ -7,7 +7,8 @@ use crate::optics::config::{OpticsConfig, OpticsError};
 use crate::optics::model::OpticsModel;
 use crate::optics::renderer::{OpticsScratch, render};
 use feeler::sensor::calibration::{
-    Calibration, CalibrationError, ElementRecord, FullScale, LoadSample, MadeFor, ModelChoice, fit,
+    Calibration, CalibrationError, CalibrationTarget, ElementRecord, FullScale, LoadSample,
+    ModelChoice, fit,
 };
 use feeler::sensor::fingertip::{Fingertip, FingertipConfig, FingertipError};
 use feeler::sensor::image::Picture;
@@ -148,7 +149,7 @@ pub fn calibrate_simulated(
     bench: &CalibrationBenchConfig,
 ) -> Result<Calibration, CalibrationBenchError> {
     let records = load_simulated(fingertip, optics, bench)?;
-    let made_for = MadeFor::fingertip(fingertip)?;
+    let made_for = CalibrationTarget::fingertip(fingertip)?;
     Ok(fit(made_for, &records, bench.model, bench.full_scale)?)
 }
 

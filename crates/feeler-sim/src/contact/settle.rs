@@ -20,7 +20,7 @@ pub(crate) fn friction(feeler: &FeelerConfig, object: &Object, state: &ObjectSta
 }
 
 /// Contacts of one finger with an object.
-struct Meeting<'a> {
+struct FingerContacts<'a> {
     finger: &'a Finger,
     object: &'a Object,
     state: &'a ObjectState,
@@ -66,7 +66,7 @@ pub(crate) fn settle(
         let turned = seen.turn_since(&state.rolled[index]);
         state.rolled[index] = seen.rotation;
         state.seen[index] = seen;
-        let meeting = Meeting {
+        let meeting = FingerContacts {
             finger,
             object,
             state: own,
@@ -115,7 +115,7 @@ pub(crate) fn settle(
     slips
 }
 
-impl Meeting<'_> {
+impl FingerContacts<'_> {
     /// Rolls a block's tips and computes the trial forces of contacts that stick.
     #[inline(always)]
     fn hold(&self, share: Share, block: &mut Block) -> Held {

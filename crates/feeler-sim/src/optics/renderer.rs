@@ -10,7 +10,7 @@ pub(crate) use self::{exposed_block::ExposedBlock, exposure::exposed_at_rest, li
 use self::{
     exposure::{LitRow, expose},
     light::Light,
-    seen_spot::SeenSpot,
+    seen_spot::ProjectedSpot,
 };
 use super::camera_noise::{NOISE_LANES, PictureNoise};
 use super::config::OpticsError;
@@ -59,7 +59,7 @@ impl OpticsScratch {
         self.by_band.resize_with(bands, Vec::new);
         self.by_band.iter_mut().for_each(Vec::clear);
         self.lights.clear();
-        let seen = |element, spot| SeenSpot::new(model, element, &spot).map(Light::Spot);
+        let seen = |element, spot| ProjectedSpot::new(model, element, &spot).map(Light::Spot);
         if let Some(markers) = &model.markers {
             let spots = markers.spots(forces);
             let lights = spots.filter_map(|(element, spot)| seen(element, spot));

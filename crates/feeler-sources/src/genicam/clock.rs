@@ -4,7 +4,7 @@
 /// ppm, a quarter of a millisecond in that time.
 const WINDOW: f64 = 5.0;
 /// Minimum increment of a stamp, as a fraction of the device's own interval.
-const LEAST_STEP: f64 = 0.5;
+const MIN_STEP: f64 = 0.5;
 
 /// Maps a device's clock onto the host's.
 ///
@@ -47,7 +47,7 @@ impl DeviceClock {
                     known.offset = known.offset.min(offset);
                 }
                 let time = seconds(device - known.origin) + known.offset.min(known.before);
-                (time, LEAST_STEP * step)
+                (time, MIN_STEP * step)
             }
             // First image, or a clock that was set back or has stopped.
             None => {

@@ -8,7 +8,7 @@ use std::path::{Path, PathBuf};
 
 /// A device with the name of a video device.
 #[derive(Debug)]
-pub struct VideoListed {
+pub struct ListedDevice {
     /// Path of the device, as in `/dev/video0`.
     pub device: PathBuf,
     /// Link in `/dev/v4l/by-id`, which does not depend on the port.
@@ -71,7 +71,7 @@ pub struct VideoControl {
 ///
 /// # Errors
 /// If `/dev` cannot be read.
-pub fn list() -> io::Result<Vec<VideoListed>> {
+pub fn list() -> io::Result<Vec<ListedDevice>> {
     let mut devices = Vec::new();
     for entry in fs::read_dir("/dev")? {
         let path = entry?.path();
@@ -85,7 +85,7 @@ pub fn list() -> io::Result<Vec<VideoListed>> {
     let listed = devices.into_iter().filter_map(|(_, device)| {
         let info = info(&device).transpose()?;
         let by_id = by_id(&device);
-        Some(VideoListed {
+        Some(ListedDevice {
             device,
             by_id,
             info,

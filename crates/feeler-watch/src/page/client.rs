@@ -86,11 +86,11 @@ struct Outlet<'a> {
 }
 
 /// Error for a page that no longer receives.
-struct Gone;
+struct Disconnected;
 
 impl Outlet<'_> {
     /// Sends updates until the sender is dropped, and then the last update.
-    async fn keep_sending(mut self, mut updates: Receiver<Update>) -> Result<(), Gone> {
+    async fn keep_sending(mut self, mut updates: Receiver<Update>) -> Result<(), Disconnected> {
         let mut pings = interval(PING);
         pings.set_missed_tick_behavior(MissedTickBehavior::Delay);
         loop {
@@ -121,9 +121,9 @@ impl Outlet<'_> {
         self.asked.saturating_sub(answered)
     }
 
-    async fn ping(&mut self) -> Result<(), Gone> {
+    async fn ping(&mut self) -> Result<(), Disconnected> {
         if self.waiting() >= GONE {
-            return Err(Gone);
+            return Err(Disconnected);
         }
         self.asked += 1;
         let number = Bytes::copy_from_slice(&self.asked.to_le_bytes());
@@ -131,7 +131,7 @@ impl Outlet<'_> {
     }
 
     /// Sends the parts of `update` that changed.
-    async fn show(&mut self, update: Update) -> Result<(), Gone> {
+    async fn show(&mut self, update: Update) -> Result<(), Disconnected> {
         if update.number != self.number {
             self.number = update.number;
             self.send(Message::Binary(update.row)).await?;
@@ -143,10 +143,10 @@ impl Outlet<'_> {
         Ok(())
     }
 
-    async fn send(&mut self, message: Message) -> Result<(), Gone> {
+    async fn send(&mut self, message: Message) -> Result<(), Disconnected> {
         match timeout(PATIENCE, self.sink.send(message)).await {
             Ok(Ok(())) => Ok(()),
-            Ok(Err(_)) | Err(_) => Err(Gone),
+            Ok(Err(_)) | Err(_) => Err(Disconnected),
         }
     }
 }

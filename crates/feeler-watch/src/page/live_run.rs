@@ -67,7 +67,9 @@ impl LiveRun {
         }
         // A stop takes precedence over a resume.
         if let Some(by) = stop {
-            control_loop.controller_mut().stop(StopReason::Told { by });
+            control_loop
+                .controller_mut()
+                .stop(StopReason::Requested { by });
         }
         let run = &self.run;
         self.feed
@@ -82,7 +84,7 @@ impl LiveRun {
             }
             moment.words.clear();
             // Text that does not fit is cut off.
-            let _ = say_end(moment, end);
+            let _ = write_end(moment, end);
         });
     }
 
@@ -110,7 +112,7 @@ impl Run {
         // Text that does not fit is cut off.
         let _ = match stopped {
             Some(reason) => write!(moment.words, "The hand is stopped: {reason}."),
-            None => say_phase(moment, phase, stroke, self.strokes),
+            None => write_phase(moment, phase, stroke, self.strokes),
         };
         let mut row = Row::begin(moment, state.stamp);
         row.push(f64::from(u8::from(phase)));
@@ -140,7 +142,7 @@ impl Run {
 }
 
 /// Writes how a run ended.
-fn say_end(moment: &mut Moment, end: &RunEnd) -> std::fmt::Result {
+fn write_end(moment: &mut Moment, end: &RunEnd) -> std::fmt::Result {
     match (end.state, &end.reason) {
         (RunState::Done, _) => write!(moment.words, "The task is done."),
         (state, None) => write!(moment.words, "The run was {state}."),
@@ -149,7 +151,12 @@ fn say_end(moment: &mut Moment, end: &RunEnd) -> std::fmt::Result {
 }
 
 /// Writes the phase and stroke of a hand that works normally.
-pub fn say_phase(moment: &mut Moment, phase: Phase, stroke: u32, strokes: u32) -> std::fmt::Result {
+pub fn write_phase(
+    moment: &mut Moment,
+    phase: Phase,
+    stroke: u32,
+    strokes: u32,
+) -> std::fmt::Result {
     match (stroke, strokes) {
         (0, _) => write!(moment.words, "{phase}."),
         (stroke, 0) => write!(moment.words, "{phase} of stroke {stroke}."),
@@ -161,7 +168,7 @@ pub fn say_phase(moment: &mut Moment, phase: Phase, stroke: u32, strokes: u32) -
 mod tests {
     use super::*;
     use assert_no_alloc::assert_no_alloc;
-    use feeler::pace::Unpaced;
+    use feeler::pace::FreeRunning;
     use feeler_lab::config::BUILT_IN;
     use feeler_lab::experiment::Session;
     use std::convert::Infallible;
@@ -185,7 +192,7 @@ mod tests {
             let feed = Arc::clone(&page.feed);
             let (mut step, mut whole, mut stopped) = (0, 0, 0);
             let ran = session.run(
-                &mut Unpaced::default(),
+                &mut FreeRunning::default(),
                 &AtomicBool::new(false),
                 |control_loop, at, _| {
                     step += 1;

@@ -2,7 +2,7 @@
 
 use super::client::Update;
 use super::feed::{Feed, Moment};
-use super::state::{Told, state};
+use super::state::{PendingOrder, state};
 use axum::body::Bytes;
 use std::sync::{Mutex, PoisonError};
 use std::time::Duration;
@@ -15,7 +15,7 @@ const INTERVAL: Duration = Duration::from_nanos(1_000_000_000 / 30);
 const LOOK: Duration = Duration::from_millis(3);
 
 /// Sends the moments of `feed` to pages until the last one. `told` is the pages' latest order.
-pub async fn pump(feed: &Feed, told: &Mutex<Option<Told>>, updates: &Sender<Update>) {
+pub async fn pump(feed: &Feed, told: &Mutex<Option<PendingOrder>>, updates: &Sender<Update>) {
     let mut ticks = interval(INTERVAL);
     ticks.set_missed_tick_behavior(MissedTickBehavior::Delay);
     let mut newest = f64::NAN;

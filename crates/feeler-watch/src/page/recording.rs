@@ -1,8 +1,8 @@
 //! `feeler view RUN`: shows the report of a recording.
 
 use super::ServerOptions;
-use super::server::Door;
-use super::source::say_where;
+use super::server::PageListener;
+use super::source::print_url;
 use feeler_console::Reading;
 use feeler_console::watch_for_interrupt;
 use feeler_console::{CommandError, Outcome};
@@ -26,10 +26,10 @@ pub fn serve_recording(
     let page = page_of_file(path, &mut |share| reading.show(share))?;
     drop(reading);
     let interrupted = watch_for_interrupt()?;
-    let door = Door::open(options.port)?;
+    let door = PageListener::open(options.port)?;
     let url = door.address.url();
     let _server = door.serve_recording(page, path.into())?;
-    say_where(&url, options, out)?;
+    print_url(&url, options, out)?;
     while !interrupted.load(Ordering::Relaxed) {
         thread::sleep(PATIENCE);
     }

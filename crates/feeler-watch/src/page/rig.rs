@@ -2,10 +2,10 @@
 
 use super::ServerOptions;
 use super::feed::{Feed, Moment, Orders};
-use super::live_run::say_phase;
+use super::live_run::write_phase;
 use super::row::{FingerRow, Row};
 use super::source::{Source, serve};
-use crate::rig::Watched;
+use crate::rig::WatchedRig;
 use crate::snapshot::{Snapshot, UNKNOWN};
 use feeler_console::watch_for_interrupt;
 use feeler_console::{CommandError, Outcome};
@@ -38,7 +38,7 @@ pub fn serve_rig(
 ) -> Result<Outcome, CommandError> {
     let source = Source::new(&experiment.config)?;
     let interrupted = watch_for_interrupt()?;
-    let mut watched = Watched::new(experiment, rig, network)?;
+    let mut watched = WatchedRig::new(experiment, rig, network)?;
     let title = format!("rig {rig}");
     let (feed, server) = serve(&title, &source, BY, options, out)?;
     let watching = watch(&mut watched, &source, &feed, &interrupted);
@@ -58,7 +58,7 @@ pub fn serve_rig(
 
 /// Shows received messages and sends orders until `interrupted`.
 fn watch(
-    watched: &mut Watched,
+    watched: &mut WatchedRig,
     source: &Source,
     feed: &Feed,
     interrupted: &AtomicBool,
@@ -79,7 +79,7 @@ fn watch(
     Ok(())
 }
 
-fn fill(moment: &mut Moment, source: &Source, watched: &Watched) {
+fn fill(moment: &mut Moment, source: &Source, watched: &WatchedRig) {
     let snapshot = watched.snapshot();
     moment.stopped = watched.is_stopped();
     moment.words.clear();
@@ -120,7 +120,7 @@ fn say(moment: &mut Moment, snapshot: &Snapshot) -> std::fmt::Result {
         (Some(fault), _) => write!(moment.words, "{}.", fault.words),
         (None, _) if !snapshot.notice.is_empty() => write!(moment.words, "{}.", snapshot.notice),
         (None, None) => write!(moment.words, "No messages received from a hand."),
-        (None, Some(task)) => say_phase(
+        (None, Some(task)) => write_phase(
             moment,
             task.phase,
             task.stroke,

@@ -5,7 +5,7 @@ use super::client::Update;
 use super::download::Progress;
 use super::feed::Feed;
 use super::pump::pump;
-use super::site::{Live, MOST_PAGES, Site, Subject, answer};
+use super::site::{Live, MAX_PAGES, Site, Subject, answer};
 use axum::{Extension, Router};
 use hyper::server::conn::http1;
 use hyper_util::rt::{TokioIo, TokioTimer};
@@ -23,7 +23,7 @@ use tokio::sync::{Semaphore, oneshot, watch};
 use tokio::time::{sleep, timeout};
 
 /// Maximum number of open connections without a WebSocket.
-const MOST_ASKING: usize = 16;
+const MAX_ASKING: usize = 16;
 /// Maximum number of connections that wait to be accepted.
 const BACKLOG: u32 = 16;
 /// Size of a connection's send buffer in bytes. A page that does not read receives no more than this.
@@ -57,14 +57,14 @@ pub enum ServerError {
 }
 
 /// A listening socket with the address of its page.
-pub struct Door {
+pub struct PageListener {
     runtime: Runtime,
     listener: TcpListener,
     /// Address of the page.
     pub address: Address,
 }
 
-impl Door {
+impl PageListener {
     /// Listens on `port` of the loopback interface; 0 selects a free port.
     ///
     /// # Errors
@@ -122,7 +122,7 @@ impl Door {
             address: self.address,
             page: page.into(),
             subject,
-            pages: Arc::new(Semaphore::new(MOST_PAGES as usize)),
+            pages: Arc::new(Semaphore::new(MAX_PAGES as usize)),
         });
         let (closing, closed) = oneshot::channel();
         let (runtime, listener) = (self.runtime, self.listener);
@@ -181,12 +181,12 @@ async fn keep_serving(
     }
     // Pages end when the sender is dropped.
     drop(updates);
-    let _ = timeout(FAREWELL, site.pages.acquire_many(MOST_PAGES)).await;
+    let _ = timeout(FAREWELL, site.pages.acquire_many(MAX_PAGES)).await;
 }
 
 async fn accept(listener: TcpListener, site: &Arc<Site>) {
     let router = Router::new().fallback(answer).with_state(Arc::clone(site));
-    let asking = Arc::new(Semaphore::new(MOST_ASKING));
+    let asking = Arc::new(Semaphore::new(MAX_ASKING));
     loop {
         let Ok((stream, peer)) = listener.accept().await else {
             sleep(REST).await;

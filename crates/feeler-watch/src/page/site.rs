@@ -4,7 +4,7 @@ use super::access::{Address, Wanted};
 use super::client::{self, Update};
 use super::download::{Progress, download};
 use super::feed::Feed;
-use super::state::{Request as Order, Told};
+use super::state::{PendingOrder, Request as Order};
 use axum::body::Bytes;
 use axum::extract::{FromRequestParts, Request, State, WebSocketUpgrade};
 use axum::http::header::{
@@ -18,7 +18,7 @@ use std::sync::{Arc, Mutex, PoisonError};
 use tokio::sync::{Semaphore, watch};
 
 /// Maximum number of open pages.
-pub const MOST_PAGES: u32 = 8;
+pub const MAX_PAGES: u32 = 8;
 /// Maximum size of a page's message in bytes.
 const LONGEST_MESSAGE: usize = 1024;
 /// Maximum number of bytes that wait to be sent.
@@ -51,7 +51,7 @@ pub struct Live {
     /// Name to which orders of the pages are attributed.
     pub by: &'static str,
     /// Latest order of the pages.
-    pub told: Mutex<Option<Told>>,
+    pub told: Mutex<Option<PendingOrder>>,
     /// Updates for the pages.
     pub updates: watch::Receiver<Update>,
 }
@@ -63,7 +63,7 @@ impl Live {
             Order::Resume => self.feed.resume(),
         }
         let mut told = self.told.lock().unwrap_or_else(PoisonError::into_inner);
-        *told = Some(Told::now(order));
+        *told = Some(PendingOrder::now(order));
     }
 }
 
@@ -110,7 +110,7 @@ async fn socket(site: Arc<Site>, request: Request) -> Response {
         return nothing("This page shows a recording and has no live data.");
     }
     let Ok(place) = Arc::clone(&site.pages).try_acquire_owned() else {
-        let said = format!("At most {MOST_PAGES} pages can be open. Close one of them.\n");
+        let said = format!("At most {MAX_PAGES} pages can be open. Close one of them.\n");
         return (StatusCode::SERVICE_UNAVAILABLE, said).into_response();
     };
     upgrade

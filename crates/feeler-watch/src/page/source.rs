@@ -2,7 +2,7 @@
 
 use super::ServerOptions;
 use super::feed::Feed;
-use super::server::{Door, Server};
+use super::server::{PageListener, Server};
 use feeler_console::CommandError;
 use feeler_lab::config::ExperimentConfig;
 use feeler_lab::experiment::run_facts;
@@ -63,7 +63,7 @@ pub fn serve(
     let numbers: usize = rig.columns().iter().map(|(_, width)| width).sum();
     // The time is not among these values.
     let feed = Arc::new(Feed::new(numbers - 1));
-    let door = Door::open(options.port)?;
+    let door = PageListener::open(options.port)?;
     let live = Live {
         socket: door.address.socket(),
         keep: KEEP,
@@ -71,12 +71,12 @@ pub fn serve(
     };
     let url = door.address.url();
     let server = door.serve_live(live_page(title, &rig, live), Arc::clone(&feed), by)?;
-    say_where(&url, options, out)?;
+    print_url(&url, options, out)?;
     Ok((feed, server))
 }
 
 /// Prints the address of a page, and opens it unless `--no-open` is given.
-pub fn say_where(
+pub fn print_url(
     url: &str,
     options: ServerOptions,
     out: &mut dyn Write,

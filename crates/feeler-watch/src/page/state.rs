@@ -42,13 +42,13 @@ struct LiveState<'a> {
 
 /// The latest order and its effect.
 #[derive(Debug, Clone, Copy)]
-pub struct Told {
+pub struct PendingOrder {
     request: Request,
     at: Instant,
     heeded: bool,
 }
 
-impl Told {
+impl PendingOrder {
     /// Creates the record of an order received now.
     pub fn now(request: Request) -> Self {
         Self {
@@ -76,7 +76,7 @@ impl Told {
 }
 
 /// Encodes `moment` and the effect of the latest order as a state message (JSON).
-pub fn state(moment: &Moment, told: Option<&mut Told>) -> String {
+pub fn state(moment: &Moment, told: Option<&mut PendingOrder>) -> String {
     let state = LiveState {
         state: moment.words.as_str(),
         stopped: moment.stopped,
@@ -113,7 +113,7 @@ mod tests {
 
     #[test]
     fn an_answer_reports_the_effect_of_the_order() {
-        let mut told = Told::now(Request::Resume);
+        let mut told = PendingOrder::now(Request::Resume);
         assert_eq!(told.answer(true), "Resume: order sent.");
         assert_eq!(told.answer(false), "Resume: the hand has resumed.");
         // A later stop does not change the answer.

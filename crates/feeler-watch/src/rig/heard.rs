@@ -11,7 +11,7 @@ use feeler_link::messages::message::{
 use glam::DVec3;
 
 /// Latest data from programs that are still alive; data from others is outdated.
-pub struct Heard<'a> {
+pub struct RigMessages<'a> {
     /// Messages received from the rig.
     pub inbox: &'a WatchInbox,
     now: f64,
@@ -21,7 +21,7 @@ pub struct Heard<'a> {
     pub state: Option<&'a StateMessage>,
 }
 
-impl<'a> Heard<'a> {
+impl<'a> RigMessages<'a> {
     /// Selects the valid contents of `inbox` at `now` (s).
     pub fn new(inbox: &'a WatchInbox, now: f64) -> Self {
         let mode = inbox.mode();

@@ -4,5 +4,5 @@ mod heard;
 mod programs;
 mod watched;
 
-pub use heard::Heard;
-pub use watched::Watched;
+pub use heard::RigMessages;
+pub use watched::WatchedRig;

@@ -1,6 +1,6 @@
 //! Received data of a rig as a [`Snapshot`] to render.
 
-use super::heard::{Heard, forces, nothing_felt};
+use super::heard::{RigMessages, forces, nothing_felt};
 use super::programs::programs;
 use crate::history::History;
 use crate::snapshot::{Fault, Finger, Snapshot, TaskState, TimeBase, Torque, UNKNOWN};
@@ -31,7 +31,7 @@ const REPEATS: usize = 3;
 const INTERVAL: Duration = Duration::from_millis(10);
 
 /// A rig that is being watched.
-pub struct Watched {
+pub struct WatchedRig {
     rig: String,
     config: ExperimentConfig,
     /// SHA-256 of the experiment that defines thresholds and layouts.
@@ -48,7 +48,7 @@ pub struct Watched {
     fault: Option<Fault>,
 }
 
-impl Watched {
+impl WatchedRig {
     /// Subscribes to the `rig` of `experiment`. Sends nothing.
     pub fn new(
         experiment: &Experiment,
@@ -119,14 +119,14 @@ impl Watched {
     /// Returns `true` if the hand reports that it is stopped.
     pub fn is_stopped(&self) -> bool {
         let inbox = self.inbox.lock();
-        let heard = Heard::new(&inbox, (self.clock)());
+        let heard = RigMessages::new(&inbox, (self.clock)());
         heard.mode.is_some_and(|mode| !mode.stopped.is_empty())
     }
 
     /// Returns the readings of the rig's instruments.
     pub fn instruments(&self) -> Option<InstrumentsMessage> {
         let inbox = self.inbox.lock();
-        Heard::new(&inbox, (self.clock)()).instruments()
+        RigMessages::new(&inbox, (self.clock)()).instruments()
     }
 
     /// Returns `true` if any program of the rig has been found.
@@ -146,15 +146,15 @@ impl Watched {
     }
 
     /// Calls `look` with the latest data from live programs.
-    pub fn heard<T>(&self, look: impl FnOnce(&Heard) -> T) -> T {
+    pub fn heard<T>(&self, look: impl FnOnce(&RigMessages) -> T) -> T {
         let inbox = self.inbox.lock();
-        look(&Heard::new(&inbox, (self.clock)()))
+        look(&RigMessages::new(&inbox, (self.clock)()))
     }
 
     /// Updates the torque history and the fault.
     pub fn look(&mut self) {
         let inbox = self.inbox.lock();
-        let heard = Heard::new(&inbox, (self.clock)());
+        let heard = RigMessages::new(&inbox, (self.clock)());
         let time = heard.state.map_or(UNKNOWN, |state| state.header.stamp);
         if let (Some(state), Some(instruments)) = (heard.state, heard.instruments()) {
             if self.torque_of != Some(state.header.instance) {
@@ -173,7 +173,7 @@ impl Watched {
     /// Returns a snapshot of the current state.
     pub fn snapshot(&self) -> Snapshot {
         let (inbox, now) = (self.inbox.lock(), (self.clock)());
-        let heard = Heard::new(&inbox, now);
+        let heard = RigMessages::new(&inbox, now);
         let instruments = heard.instruments();
         let has_cap = self.config.cap().is_some();
         Snapshot {
@@ -204,7 +204,7 @@ impl Watched {
         })
     }
 
-    fn fingers(&self, heard: &Heard) -> Vec<Finger> {
+    fn fingers(&self, heard: &RigMessages) -> Vec<Finger> {
         let layouts = self.layouts.iter().enumerate();
         let joints = |finger: usize| Some(heard.state?.position.get(finger).copied()?.into());
         layouts
@@ -227,7 +227,7 @@ impl Watched {
             .collect()
     }
 
-    fn notice(&self, heard: &Heard) -> String {
+    fn notice(&self, heard: &RigMessages) -> String {
         let theirs = heard.inbox.experiment();
         if heard.mode.is_some_and(HandMode::is_waiting) {
             "the hand is waiting for other programs".into()

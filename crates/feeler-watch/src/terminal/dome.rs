@@ -20,9 +20,9 @@ use std::f64::consts::{FRAC_PI_4, TAU};
 /// Radius of the outermost elements, as a fraction of the rim's.
 const OUTERMOST: f64 = 0.87;
 /// Compression below which an element is drawn as unloaded (N).
-const LEAST_COMPRESSION: f64 = 0.02;
+const MIN_COMPRESSION: f64 = 0.02;
 /// Tangential force below which no arrow is drawn (N).
-const LEAST_SHEAR: f64 = 0.03;
+const MIN_SHEAR: f64 = 0.03;
 /// Maximum arrow length, as a fraction of the rim's radius: about the distance between rings.
 const LONGEST_ARROW: f64 = 0.4;
 /// Minimum arrow length, as a fraction of the maximum: the head must be outside the element's cell on most screens.
@@ -48,7 +48,7 @@ struct Mark {
 
 impl Mark {
     fn is_pressed(&self) -> bool {
-        self.compression > LEAST_COMPRESSION
+        self.compression > MIN_COMPRESSION
     }
 }
 
@@ -98,7 +98,7 @@ pub fn arrow_head(direction: DVec2) -> &'static str {
 /// dome, so that it is not foreshortened far from the apex. Returns zero if it is too small to be shown.
 pub fn seen_shear(element: &SensingElement, force: glam::DVec3) -> DVec2 {
     let shear = force.xy();
-    if !shear.is_finite() || shear.length() < LEAST_SHEAR {
+    if !shear.is_finite() || shear.length() < MIN_SHEAR {
         return DVec2::ZERO;
     }
     let x = element.rotation.x_axis.yz().normalize_or_zero();
@@ -201,7 +201,7 @@ fn draw_element(
         }
         _ if mark.is_largest => print(context, at, "◉", hot),
         _ if force > thresholds.touch_force => print(context, at, "●", hot),
-        _ if force > LEAST_COMPRESSION => print(context, at, "∘", heat(0.0)),
+        _ if force > MIN_COMPRESSION => print(context, at, "∘", heat(0.0)),
         _ => print(context, at, "·", QUIET),
     }
 }

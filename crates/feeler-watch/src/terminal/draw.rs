@@ -11,9 +11,9 @@ use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::text::Line;
 
 /// Minimum height of a screen that shows torque and programs.
-const LEAST_HEIGHT_OF_BAND: u16 = 16;
+const MIN_HEIGHT_OF_BAND: u16 = 16;
 /// Minimum width of a screen that shows torque next to the programs.
-const LEAST_WIDTH_OF_TORQUE: u16 = 70;
+const MIN_WIDTH_OF_TORQUE: u16 = 70;
 
 /// Draws `snapshot` on the whole of `frame`. Any size works; the layout is designed for 80 columns and 24 rows or
 /// more.
@@ -41,7 +41,7 @@ pub fn draw(frame: &mut Frame, snapshot: &Snapshot) {
 
 /// Returns the height of the panels below the fingers: one row for each of `programs`, up to a third of the screen.
 fn band_height(height: u16, programs: usize) -> u16 {
-    if height < LEAST_HEIGHT_OF_BAND {
+    if height < MIN_HEIGHT_OF_BAND {
         return 0;
     }
     let frame_and_titles = 3;
@@ -61,7 +61,7 @@ fn draw_fingers(frame: &mut Frame, area: Rect, snapshot: &Snapshot) {
 }
 
 fn draw_band(frame: &mut Frame, area: Rect, snapshot: &Snapshot) {
-    if area.width < LEAST_WIDTH_OF_TORQUE {
+    if area.width < MIN_WIDTH_OF_TORQUE {
         draw_programs(frame, area, snapshot);
         return;
     }

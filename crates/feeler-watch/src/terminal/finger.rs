@@ -12,11 +12,11 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, BorderType};
 
 /// Minimum width of a panel with labels.
-const LEAST_WIDTH_OF_WORDS: u16 = 36;
+const MIN_WIDTH_OF_WORDS: u16 = 36;
 
 /// Draws `finger` into `area`.
 pub fn draw_finger(frame: &mut Frame, area: Rect, finger: &Finger) {
-    let narrow = area.width < LEAST_WIDTH_OF_WORDS;
+    let narrow = area.width < MIN_WIDTH_OF_WORDS;
     let name = if narrow { "" } else { "finger " };
     let block = Block::bordered()
         .border_type(BorderType::Rounded)

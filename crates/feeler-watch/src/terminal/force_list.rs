@@ -15,7 +15,7 @@ pub const WIDTH: u16 = 18;
 /// Minimum width that shows all three components.
 const WIDTH_OF_COMPONENTS: u16 = 29;
 /// Minimum compression of listed elements (N).
-const LEAST_COMPRESSION: f64 = 0.02;
+const MIN_COMPRESSION: f64 = 0.02;
 /// Minimum height that shows the legend.
 const HEIGHT_OF_LEGEND: u16 = 14;
 
@@ -77,7 +77,7 @@ fn hardest_pressed(finger: &Finger, count: usize) -> Vec<usize> {
     let force = |&element: &usize| finger.forces[element].z;
     let elements = 0..finger.forces.len();
     let mut pressed: Vec<usize> = elements
-        .filter(|e| force(e).is_finite() && force(e) > LEAST_COMPRESSION)
+        .filter(|e| force(e).is_finite() && force(e) > MIN_COMPRESSION)
         .collect();
     pressed.sort_by(|a, b| force(b).total_cmp(&force(a)));
     pressed.truncate(count);

@@ -4,7 +4,6 @@
 //! one on a screen of any size; [`View`] owns the terminal and its keys.
 
 mod action;
-mod arrivals;
 mod dome;
 mod draw;
 mod finger;
@@ -12,6 +11,7 @@ mod force_list;
 mod gauge;
 mod palette;
 mod programs;
+mod rate_meter;
 mod screen;
 mod show;
 mod status;

@@ -1,12 +1,12 @@
 //! Terminal view of a run: display and key actions.
 
-use super::arrivals::Arrivals;
+use super::rate_meter::RateMeter;
 use crate::terminal::{
     Action, Fault, Finger, History, Program, ProgramState, Snapshot, TaskState, TimeBase, Torque,
     UNKNOWN, View,
 };
-use feeler::control::FingerTouch;
 use feeler::control::StopReason;
+use feeler::control::TactileReading;
 use feeler::pace::Tick;
 use feeler::sensor::fingertip::ElementLayout;
 use feeler_console::CommandError;
@@ -31,9 +31,9 @@ struct RunState {
     layouts: Vec<ElementLayout>,
     title: String,
     /// Frames of each finger, or their equivalent with direct sensing.
-    frames: Vec<Arrivals>,
+    frames: Vec<RateMeter>,
     /// Control steps.
-    steps: Arrivals,
+    steps: RateMeter,
     torque: History,
     fault: Option<Fault>,
     speed: Speedometer,
@@ -75,7 +75,7 @@ impl Screen {
             match action {
                 Action::Stop => control_loop
                     .controller_mut()
-                    .stop(StopReason::Told { by: BY.into() }),
+                    .stop(StopReason::Requested { by: BY.into() }),
                 Action::Resume => control_loop.controller_mut().resume(),
                 // The view sets the interrupt flag itself.
                 Action::Quit => {}
@@ -103,8 +103,8 @@ impl RunState {
         Ok(Self {
             layouts: layouts(config)?,
             title: format!("{}, {sensing}, seed {}", config.name, config.seed),
-            frames: vec![Arrivals::default(); config.hand.finger.len()],
-            steps: Arrivals::default(),
+            frames: vec![RateMeter::default(); config.hand.finger.len()],
+            steps: RateMeter::default(),
             torque: History::default(),
             fault: None,
             speed: Speedometer::new(),
@@ -208,7 +208,13 @@ impl RunState {
         programs
     }
 
-    fn sensor(&self, finger: usize, frames: &Arrivals, touch: &FingerTouch, now: f64) -> Program {
+    fn sensor(
+        &self,
+        finger: usize,
+        frames: &RateMeter,
+        touch: &TactileReading,
+        now: f64,
+    ) -> Program {
         let age = now - touch.stamp;
         let limit = self.config.control.stale_periods * self.config.control.period;
         let state = if age > limit {
@@ -224,15 +230,15 @@ impl RunState {
     }
 }
 
-fn program(name: &str, arrivals: &Arrivals, age: f64) -> Program {
+fn program(name: &str, rate_meter: &RateMeter, age: f64) -> Program {
     Program {
         name: name.into(),
         finger: None,
         version: env!("CARGO_PKG_VERSION").into(),
-        rate: arrivals.rate(),
+        rate: rate_meter.rate(),
         age,
-        received: Some(arrivals.received()),
-        lost: arrivals.lost(),
+        received: Some(rate_meter.received()),
+        lost: rate_meter.lost(),
         late: None,
         state: ProgramState::Alive,
     }

@@ -1,7 +1,7 @@
 //! Shows a rig until the user quits, or once, and sends the orders of key presses.
 
 use super::{Action, View, text};
-use crate::rig::Watched;
+use crate::rig::WatchedRig;
 use crate::snapshot::Snapshot;
 use feeler_console::watch_for_interrupt;
 use feeler_console::{CommandError, Outcome};
@@ -37,7 +37,7 @@ pub fn show_rig(
     out: &mut dyn Write,
 ) -> Result<Outcome, CommandError> {
     let interrupted = watch_for_interrupt()?;
-    let watched = Watched::new(experiment, rig, network)?;
+    let watched = WatchedRig::new(experiment, rig, network)?;
     if once {
         print(watched, &interrupted, out)
     } else {
@@ -48,7 +48,7 @@ pub fn show_rig(
 }
 
 fn keep_showing(
-    mut watched: Watched,
+    mut watched: WatchedRig,
     mut view: View,
     leaving: &AtomicBool,
 ) -> Result<Outcome, CommandError> {
@@ -69,7 +69,7 @@ fn keep_showing(
 }
 
 fn print(
-    mut watched: Watched,
+    mut watched: WatchedRig,
     interrupted: &AtomicBool,
     out: &mut dyn Write,
 ) -> Result<Outcome, CommandError> {

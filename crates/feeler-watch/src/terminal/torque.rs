@@ -9,7 +9,7 @@ use ratatui::text::{Line, Span};
 use ratatui::widgets::{Block, BorderType, RenderDirection, Sparkline, SparklineBar};
 
 /// Minimum full scale (N·m); smaller torques are sensor noise.
-const LEAST_SCALE: f64 = 2e-3;
+const MIN_SCALE: f64 = 2e-3;
 /// Height of the highest bar, in the sparkline's units.
 const FULL_HEIGHT: f64 = 1e4;
 
@@ -38,7 +38,7 @@ pub fn draw_torque(frame: &mut Frame, area: Rect, torque: Option<&Torque>) {
         .title_bottom(
             Line::styled(format!(" up to {} ", number(highest, 4)), QUIET).right_aligned(),
         );
-    let scale = highest.max(LEAST_SCALE);
+    let scale = highest.max(MIN_SCALE);
     let bars = shown.iter().rev().map(|&torque| bar(torque, scale));
     let sparkline = Sparkline::default()
         .block(block)

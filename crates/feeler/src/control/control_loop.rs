@@ -1,9 +1,9 @@
 //! The control loop: sense, decide, command.
 
 use super::controller::Controller;
-use super::sense::HandSense;
+use super::sense::HandReadings;
 use super::stop_reason::StopReason;
-use super::touch::{FingerTouch, TouchSource};
+use super::touch::{TactileReading, TactileSource};
 use crate::hand::{Hand, HandCommand, HandError, HandState};
 use crate::pace::{Schedule, Tick};
 use crate::sensor::forces::reading::SensorError;
@@ -32,7 +32,7 @@ pub struct ControlLoop<S, H> {
     sensors: Vec<S>,
     hand: H,
     controller: Controller,
-    touches: Vec<FingerTouch>,
+    touches: Vec<TactileReading>,
     state: HandState,
     command: HandCommand,
 }
@@ -69,11 +69,11 @@ where
     }
 }
 
-impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
+impl<S: TactileSource, H: Hand> ControlLoop<S, H> {
     /// Creates a loop from `hand`, one sensor per finger and a controller.
     pub fn new(sensors: Vec<S>, hand: H, controller: Controller) -> Self {
         let fingers = hand.finger_count();
-        let nothing = |s: &S| FingerTouch::none(s.element_count());
+        let nothing = |s: &S| TactileReading::none(s.element_count());
         Self {
             touches: sensors.iter().map(nothing).collect(),
             state: HandState::zero(fingers),
@@ -137,9 +137,9 @@ impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
     ///
     /// # Errors
     /// If the hand fails.
-    pub fn obey(&mut self) -> Result<(), ControlError> {
+    pub fn act_with_laws(&mut self) -> Result<(), ControlError> {
         self.controller
-            .obey(&self.touches, &self.state, &mut self.command);
+            .act_with_laws(&self.touches, &self.state, &mut self.command);
         Ok(self.hand.command(&self.command)?)
     }
 
@@ -158,7 +158,7 @@ impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
     /// the hand. `each_step` is called after every step with the loop and the tick. Returns the value with which
     /// `each_step` broke, if any.
     ///
-    /// Missed periods are not made up for. More than `most_missed` missed periods in a row stop the hand with
+    /// Missed periods are not made up for. More than `max_missed` missed periods in a row stop the hand with
     /// [`StopReason::MissedPeriods`], because the drives were executing a stale command.
     ///
     /// # Errors
@@ -166,16 +166,11 @@ impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
     pub fn run<B>(
         &mut self,
         schedule: &mut impl Schedule,
-        most_missed: u64,
+        max_missed: u64,
         interrupted: &AtomicBool,
         each_step: impl FnMut(&mut Self, &Tick) -> ControlFlow<B>,
     ) -> Result<Option<B>, ControlError> {
-        self.run_supervised(
-            schedule,
-            most_missed,
-            interrupted,
-            &mut AfterStep(each_step),
-        )
+        self.run_supervised(schedule, max_missed, interrupted, &mut AfterStep(each_step))
     }
 
     /// Like [`run`](Self::run), but with hooks before and after each step.
@@ -185,14 +180,14 @@ impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
     pub fn run_supervised<V: Supervisor<S, H>>(
         &mut self,
         schedule: &mut impl Schedule,
-        most_missed: u64,
+        max_missed: u64,
         interrupted: &AtomicBool,
         supervisor: &mut V,
     ) -> Result<Option<V::Break>, ControlError> {
         let mut broke = None;
         while let Some(tick) = schedule.next_tick(interrupted) {
-            if tick.missed > most_missed {
-                let (missed, limit) = (tick.missed, most_missed);
+            if tick.missed > max_missed {
+                let (missed, limit) = (tick.missed, max_missed);
                 let reason = StopReason::MissedPeriods { missed, limit };
                 self.controller.stop(reason);
             }
@@ -229,7 +224,7 @@ impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
     ///
     /// # Errors
     /// Those of `change`.
-    pub fn try_map_sensors<T: TouchSource, E>(
+    pub fn try_map_sensors<T: TactileSource, E>(
         self,
         change: impl FnOnce(Vec<S>) -> Result<Vec<T>, E>,
     ) -> Result<ControlLoop<T, H>, E> {
@@ -243,12 +238,12 @@ impl<S: TouchSource, H: Hand> ControlLoop<S, H> {
     }
 
     /// Latest tactile reading of each finger.
-    pub fn touches(&self) -> &[FingerTouch] {
+    pub fn touches(&self) -> &[TactileReading] {
         &self.touches
     }
 
     /// Latest tactile readings with the fingertip poses of the latest step.
-    pub fn hand_sense(&self) -> HandSense<'_> {
+    pub fn hand_sense(&self) -> HandReadings<'_> {
         self.controller.hand_sense(&self.touches, &self.state)
     }
 

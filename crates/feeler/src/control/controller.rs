@@ -3,13 +3,13 @@
 pub use super::config::{ControlConfig, RecordingFailure, ResumePolicy};
 
 use super::input_check::{check_count, check_input, check_load};
-use super::limits::{Admitted, Request};
+use super::limits::{LimitedCommand, Request};
 use super::monitor::FingerMonitor;
 use super::phase::Phase;
 use super::plan::Plan;
-use super::sense::{FingertipPose, HandSense};
+use super::sense::{FingertipPose, HandReadings};
 use super::stop_reason::StopReason;
-use super::touch::FingerTouch;
+use super::touch::TactileReading;
 use crate::control::law::{FingerLaws, HandLaw, Law, LawError};
 use crate::control::task::{Task, TaskConfig};
 use crate::hand::finger::FingerGeometry;
@@ -25,7 +25,7 @@ pub struct FingerControl {
     /// Fingertip velocity requested by the law or an external policy (m/s, in W).
     pub velocity: DVec3,
     /// The request after limiting.
-    pub admitted: Admitted,
+    pub admitted: LimitedCommand,
     monitor: FingerMonitor,
 }
 
@@ -45,7 +45,7 @@ pub struct Controller {
     layouts: Vec<ElementLayout>,
     task: Box<dyn Task>,
     law: Box<dyn HandLaw>,
-    /// `true` if the law considers the finger closed; see [`HandSense::closed`].
+    /// `true` if the law considers the finger closed; see [`HandReadings::closed`].
     closed: Vec<Option<bool>>,
     /// Fingertip velocities by the law (m/s, in W).
     velocities: Vec<DVec3>,
@@ -86,7 +86,7 @@ impl Controller {
             FingerControl {
                 geometry: geometry.clone(),
                 velocity: DVec3::ZERO,
-                admitted: Admitted::default(),
+                admitted: LimitedCommand::default(),
                 monitor: FingerMonitor::new(config.monitor, elements, most_gap),
             }
         };
@@ -149,12 +149,12 @@ impl Controller {
     /// Combines the given readings with the poses and layouts of the latest decision.
     pub fn hand_sense<'a>(
         &'a self,
-        touches: &'a [FingerTouch],
+        touches: &'a [TactileReading],
         state: &'a HandState,
-    ) -> HandSense<'a> {
-        HandSense {
+    ) -> HandReadings<'a> {
+        HandReadings {
             closed: &self.closed,
-            ..HandSense::new(state, touches, &self.poses, &self.layouts)
+            ..HandReadings::new(state, touches, &self.poses, &self.layouts)
         }
     }
 
@@ -162,17 +162,17 @@ impl Controller {
     /// state. Does not allocate. A fault in the input stops all fingers with a [`StopReason`].
     pub fn decide(
         &mut self,
-        touches: &[FingerTouch],
+        touches: &[TactileReading],
         state: &HandState,
         command: &mut HandCommand,
     ) {
         self.plan(touches, state);
-        self.obey(touches, state, command);
+        self.act_with_laws(touches, state, command);
     }
 
     /// First half of [`decide`](Self::decide): checks the input and updates the task's [`plans`](Self::plans).
-    /// Complete it with [`obey`](Self::obey), or with [`follow`](Self::follow) to replace the laws.
-    pub fn plan(&mut self, touches: &[FingerTouch], state: &HandState) {
+    /// Complete it with [`act_with_laws`](Self::act_with_laws), or with [`follow`](Self::follow) to replace the laws.
+    pub fn plan(&mut self, touches: &[TactileReading], state: &HandState) {
         let planned = self
             .feel(touches, state)
             .and_then(|()| self.watch(touches, state))
@@ -184,11 +184,16 @@ impl Controller {
     }
 
     /// Second half of [`decide`](Self::decide), after [`plan`](Self::plan): applies the control laws.
-    pub fn obey(&mut self, touches: &[FingerTouch], state: &HandState, command: &mut HandCommand) {
+    pub fn act_with_laws(
+        &mut self,
+        touches: &[TactileReading],
+        state: &HandState,
+        command: &mut HandCommand,
+    ) {
         if self.planned {
             self.obey_laws(touches, state);
         }
-        self.admit(state, command);
+        self.apply_limits(state, command);
     }
 
     /// Second half of [`decide`](Self::decide), after [`plan`](Self::plan), with the given fingertip velocities (m/s,
@@ -204,14 +209,14 @@ impl Controller {
                 finger.velocity = velocity;
             }
         }
-        self.admit(state, command);
+        self.apply_limits(state, command);
     }
 
     /// Stops all fingers at once, until [`resume`](Self::resume) is called. The first reason is kept, with one
     /// exception: a requested stop replaces a stop caused by stale data, because such a stop may end automatically
     /// and a requested one must not.
     pub fn stop(&mut self, reason: StopReason) {
-        let told = matches!(reason, StopReason::Told { .. });
+        let told = matches!(reason, StopReason::Requested { .. });
         match &self.stop_reason {
             Some(first) if !(told && first.is_stale()) => {}
             _ => self.stop_reason = Some(reason),
@@ -223,7 +228,7 @@ impl Controller {
     fn rest(&mut self) {
         for finger in &mut self.fingers {
             finger.velocity = DVec3::ZERO;
-            finger.admitted = Admitted::default();
+            finger.admitted = LimitedCommand::default();
         }
     }
 
@@ -238,7 +243,7 @@ impl Controller {
     }
 
     /// Checks the input and updates the fingertip poses.
-    fn feel(&mut self, touches: &[FingerTouch], state: &HandState) -> Result<(), StopReason> {
+    fn feel(&mut self, touches: &[TactileReading], state: &HandState) -> Result<(), StopReason> {
         let expected = self.fingers.len();
         check_count("tactile frames", expected, touches.len())?;
         check_count("joint states", expected, state.joints.len())?;
@@ -262,7 +267,7 @@ impl Controller {
     }
 
     /// Checks the plausibility of the sensor readings while the hand moves.
-    fn watch(&mut self, touches: &[FingerTouch], state: &HandState) -> Result<(), StopReason> {
+    fn watch(&mut self, touches: &[TactileReading], state: &HandState) -> Result<(), StopReason> {
         if self.stop_reason.is_some() {
             return Ok(());
         }
@@ -277,13 +282,17 @@ impl Controller {
     }
 
     /// Advances the task and updates the plan of each finger.
-    fn ask_task(&mut self, touches: &[FingerTouch], state: &HandState) -> Result<(), StopReason> {
+    fn ask_task(
+        &mut self,
+        touches: &[TactileReading],
+        state: &HandState,
+    ) -> Result<(), StopReason> {
         if self.stop_reason.is_some() {
             return Ok(());
         }
-        let hand = HandSense::new(state, touches, &self.poses, &self.layouts);
+        let hand = HandReadings::new(state, touches, &self.poses, &self.layouts);
         self.law.observe(&hand, &mut self.closed);
-        let hand = HandSense {
+        let hand = HandReadings {
             closed: &self.closed,
             ..hand
         };
@@ -295,8 +304,8 @@ impl Controller {
     }
 
     /// Computes the velocity of each finger by the control law.
-    fn obey_laws(&mut self, touches: &[FingerTouch], state: &HandState) {
-        let hand = HandSense::new(state, touches, &self.poses, &self.layouts);
+    fn obey_laws(&mut self, touches: &[TactileReading], state: &HandState) {
+        let hand = HandReadings::new(state, touches, &self.poses, &self.layouts);
         self.law
             .velocities(&self.plans, &hand, &mut self.velocities);
         for (finger, &velocity) in self.fingers.iter_mut().zip(&self.velocities) {
@@ -305,7 +314,7 @@ impl Controller {
     }
 
     /// Creates the command by limiting the velocity of each finger, once per plan.
-    fn admit(&mut self, state: &HandState, command: &mut HandCommand) {
+    fn apply_limits(&mut self, state: &HandState, command: &mut HandCommand) {
         command.set_to_stop();
         match std::mem::take(&mut self.planned) {
             false => self.rest(),
@@ -328,7 +337,7 @@ impl Controller {
             finger.admitted = self
                 .config
                 .limits
-                .admit(&finger.geometry, &request, self.config.period)
+                .apply_limits(&finger.geometry, &request, self.config.period)
                 .ok_or(StopReason::NotFinite {
                     finger: index,
                     what: "command",

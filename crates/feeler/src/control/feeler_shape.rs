@@ -1,6 +1,6 @@
 //! Stiffness and tip radius of feelers, and the tip position under load.
 
-use super::sense::FingerSense;
+use super::sense::FingerReadings;
 use crate::check::Checker;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -70,7 +70,7 @@ impl FeelerShape {
 
     /// Centre of the tip of `element` under load (m, in W): the rest position plus the displacement by `force` (N, in
     /// W). `None` if there is no such element.
-    pub fn tip(&self, finger: &FingerSense<'_>, element: usize, force: DVec3) -> Option<DVec3> {
+    pub fn tip(&self, finger: &FingerReadings<'_>, element: usize, force: DVec3) -> Option<DVec3> {
         let axis = finger.normal(element)?;
         let along = force.dot(axis) * axis;
         let yielded = along / self.normal_stiffness + (force - along) / self.shear_stiffness;

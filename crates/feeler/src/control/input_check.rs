@@ -1,7 +1,7 @@
 //! Validity checks of the controller's input.
 
 use super::stop_reason::StopReason;
-use super::touch::FingerTouch;
+use super::touch::TactileReading;
 use crate::hand::JointState;
 use glam::DVec3;
 
@@ -26,7 +26,7 @@ pub(super) fn check_count(
 pub(super) fn check_input(
     finger: usize,
     elements: usize,
-    touch: &FingerTouch,
+    touch: &TactileReading,
     joints: &JointState,
 ) -> Result<(), StopReason> {
     let forces = &touch.frame.forces;
@@ -55,7 +55,7 @@ pub(super) fn check_input(
 /// Checks that no element is pressed harder than `limit` (N), if a limit is given.
 pub(super) fn check_load(
     finger: usize,
-    touch: &FingerTouch,
+    touch: &TactileReading,
     limit: Option<f64>,
 ) -> Result<(), StopReason> {
     let Some(limit) = limit else { return Ok(()) };

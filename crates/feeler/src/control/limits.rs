@@ -56,7 +56,7 @@ pub struct Request {
 
 /// Joint velocities of one finger after limiting.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Admitted {
+pub struct LimitedCommand {
     /// Joint velocities (rad/s).
     pub joint_velocity: DVec3,
     /// `true` if a limit changed the request.
@@ -94,12 +94,12 @@ impl LimitsConfig {
 
     /// Converts a requested fingertip velocity into joint velocities for a control period of `period` seconds, such
     /// that the finger can always brake before a limit. Returns `None` if the request or the result is not finite.
-    pub fn admit(
+    pub fn apply_limits(
         &self,
         geometry: &FingerGeometry,
         request: &Request,
         period: f64,
-    ) -> Option<Admitted> {
+    ) -> Option<LimitedCommand> {
         let numbers = [
             request.velocity,
             request.position,
@@ -123,7 +123,7 @@ impl LimitsConfig {
         let most_change = DVec3::splat(self.joint_acceleration * period);
         let change = (speed - request.previous).clamp(-most_change, most_change);
         let joint_velocity = request.previous + change;
-        joint_velocity.is_finite().then_some(Admitted {
+        joint_velocity.is_finite().then_some(LimitedCommand {
             joint_velocity,
             limited: slow != request.velocity || joint_velocity != rate.joint_velocity,
             damping: rate.damping,

@@ -1,10 +1,10 @@
 //! Plausibility checks of the hand's sensors.
 
-use super::frozen_forces::FrozenForces;
 use super::joint_monitor::JointMonitor;
 use super::monitor_config::MonitorConfig;
 use super::stop_reason::StopReason;
-use super::touch::FingerTouch;
+use super::stuck_sensor::StuckSensorDetector;
+use super::touch::TactileReading;
 use crate::hand::finger::FingerGeometry;
 use glam::DVec3;
 
@@ -12,7 +12,7 @@ use glam::DVec3;
 #[derive(Debug, Clone)]
 pub struct FingerMonitor {
     joints: JointMonitor,
-    forces: FrozenForces,
+    forces: StuckSensorDetector,
 }
 
 impl FingerMonitor {
@@ -21,7 +21,7 @@ impl FingerMonitor {
     pub fn new(config: MonitorConfig, elements: usize, most_gap: f64) -> Self {
         Self {
             joints: JointMonitor::new(config, most_gap),
-            forces: FrozenForces::new(config.frozen_frames, elements),
+            forces: StuckSensorDetector::new(config.frozen_frames, elements),
         }
     }
 
@@ -39,7 +39,7 @@ impl FingerMonitor {
     pub fn watch(
         &mut self,
         (finger, geometry): (usize, &FingerGeometry),
-        touch: &FingerTouch,
+        touch: &TactileReading,
         joints: (f64, DVec3),
         command: DVec3,
     ) -> Result<(), StopReason> {

@@ -4,7 +4,7 @@
 //! other. Forces are in the element frame `E_i`, as sensors deliver them.
 
 use super::plan::Plan;
-use super::sense::FingerSense;
+use super::sense::FingerReadings;
 use glam::DVec3;
 use std::ops::Range;
 
@@ -100,7 +100,7 @@ impl ObservationLayout {
     pub fn write(
         &self,
         plan: &Plan,
-        sense: &FingerSense<'_>,
+        sense: &FingerReadings<'_>,
         last_action: DVec3,
         observation: &mut [f32],
     ) -> Result<(), ObservationError> {
@@ -150,7 +150,7 @@ mod tests {
     use super::*;
     use crate::control::flags::FingerFlags;
     use crate::control::sense::FingertipPose;
-    use crate::control::touch::FingerTouch;
+    use crate::control::touch::TactileReading;
     use crate::hand::JointState;
     use crate::sensor::fingertip::layout::{ElementLayout, LayoutConfig, RingConfig};
     use glam::DMat3;
@@ -170,7 +170,7 @@ mod tests {
     #[test]
     fn numbers_are_in_their_parts_and_vectors_in_the_fingertip_frame() {
         let layout = layout();
-        let mut touch = FingerTouch::none(2);
+        let mut touch = TactileReading::none(2);
         touch.frame.forces = vec![DVec3::new(0.1, 0.2, 0.3), DVec3::new(-0.4, 0.5, -0.6)];
         touch.flags = FingerFlags {
             touch: true,
@@ -178,7 +178,7 @@ mod tests {
             grasp_force: 0.3,
             ..FingerFlags::default()
         };
-        let sense = FingerSense {
+        let sense = FingerReadings {
             pose: FingertipPose {
                 rotation: DMat3::from_cols(DVec3::Y, -DVec3::X, DVec3::Z),
                 ..FingertipPose::default()

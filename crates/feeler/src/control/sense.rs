@@ -1,7 +1,7 @@
 //! Sensor readings of a hand in one control step, the input of tasks and control laws.
 
 use super::flags::FingerFlags;
-use super::touch::FingerTouch;
+use super::touch::TactileReading;
 use crate::hand::{HandState, JointState};
 use crate::sensor::fingertip::layout::ElementLayout;
 use glam::{DMat3, DVec3};
@@ -26,18 +26,18 @@ impl Default for FingertipPose {
 
 /// Readings and pose of one finger.
 #[derive(Debug, Clone, Copy)]
-pub struct FingerSense<'a> {
+pub struct FingerReadings<'a> {
     /// Pose of the fingertip.
     pub pose: FingertipPose,
     /// Joint angles and velocities from the encoders.
     pub joints: JointState,
     /// Forces on all elements, their shear rates and the flags.
-    pub touch: &'a FingerTouch,
+    pub touch: &'a TactileReading,
     /// Positions of the elements on the dome.
     pub layout: &'a ElementLayout,
 }
 
-impl FingerSense<'_> {
+impl FingerReadings<'_> {
     /// TOUCH, SLIP, OVER and the grasp force.
     pub fn flags(&self) -> &FingerFlags {
         &self.touch.flags
@@ -68,7 +68,7 @@ impl FingerSense<'_> {
 
 /// Readings of the whole hand in one control step.
 #[derive(Debug, Clone, Copy)]
-pub struct HandSense<'a> {
+pub struct HandReadings<'a> {
     /// Time of the control step (s).
     pub stamp: f64,
     /// Pose of each fingertip.
@@ -76,7 +76,7 @@ pub struct HandSense<'a> {
     /// Joint angles and velocities of each finger.
     pub joints: &'a [JointState],
     /// Tactile readings of each finger since the last control step.
-    pub touches: &'a [FingerTouch],
+    pub touches: &'a [TactileReading],
     /// Element layout of each finger.
     pub layouts: &'a [ElementLayout],
     /// `true` for each finger that the control law considers closed on the object; `None` or a missing entry leaves
@@ -84,12 +84,12 @@ pub struct HandSense<'a> {
     pub closed: &'a [Option<bool>],
 }
 
-impl<'a> HandSense<'a> {
+impl<'a> HandReadings<'a> {
     /// Combines the encoder readings `state` with the tactile readings, fingertip poses and element layouts of all
     /// fingers.
     pub fn new(
         state: &'a HandState,
-        touches: &'a [FingerTouch],
+        touches: &'a [TactileReading],
         poses: &'a [FingertipPose],
         layouts: &'a [ElementLayout],
     ) -> Self {
@@ -115,8 +115,8 @@ impl<'a> HandSense<'a> {
     }
 
     /// Readings of one finger, or `None` if there is no such finger.
-    pub fn finger(&self, finger: usize) -> Option<FingerSense<'a>> {
-        Some(FingerSense {
+    pub fn finger(&self, finger: usize) -> Option<FingerReadings<'a>> {
+        Some(FingerReadings {
             pose: *self.poses.get(finger)?,
             joints: *self.joints.get(finger)?,
             touch: self.touches.get(finger)?,
@@ -125,10 +125,10 @@ impl<'a> HandSense<'a> {
     }
 
     /// Iterates over the fingers.
-    pub fn fingers(&self) -> impl Iterator<Item = FingerSense<'a>> + use<'a> {
+    pub fn fingers(&self) -> impl Iterator<Item = FingerReadings<'a>> + use<'a> {
         let stand = self.poses.iter().zip(self.joints);
         let fingers = stand.zip(self.touches).zip(self.layouts);
-        fingers.map(|(((&pose, &joints), touch), layout)| FingerSense {
+        fingers.map(|(((&pose, &joints), touch), layout)| FingerReadings {
             pose,
             joints,
             touch,

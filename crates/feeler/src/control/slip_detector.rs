@@ -7,12 +7,12 @@
 //!
 //! On an object that moves along with the fingertip, all sticking elements miss the same share of the predicted
 //! change, because their springs are stretched by only a part of the fingertip's motion.
-//! [`SlipDetector::on_what_may_move`] attributes the share that every touching element misses to the object's motion.
+//! [`SlipDetector::for_movable_object`] attributes the share that every touching element misses to the object's motion.
 //! A dragged object moves no farther than the fingertip, so an element that misses more than the whole predicted
 //! change has slipped. If all touching elements slip alike by less than that, the slip is not detected.
 
 use super::feeler_shape::{FeelerShape, Stiffness};
-use super::sense::{FingerSense, FingertipPose};
+use super::sense::{FingerReadings, FingertipPose};
 use glam::DVec3;
 
 /// Share of the predicted shear change that may be missing because the stiffness is uncertain.
@@ -20,7 +20,7 @@ const DOUBT: f64 = 0.08;
 /// Share of the shear missing at the previous frame that is carried over to the next frame.
 const PERSISTENCE: f64 = 0.8;
 /// Maximum shear that is carried over (N), too small to count as slip by itself.
-const MOST_CARRIED: f64 = 0.004;
+const MAX_CARRIED: f64 = 0.004;
 
 /// Predicts the shear of each element from frame to frame and reports the missing part.
 #[derive(Debug, Clone)]
@@ -36,7 +36,7 @@ pub struct SlipDetector {
     /// Forces at the previous frame (N).
     forces: Vec<DVec3>,
     /// Predicted shear on an object at rest (N), or `None` for elements that are not evaluated.
-    foretold: Vec<Option<DVec3>>,
+    predicted: Vec<Option<DVec3>>,
     /// Shear lost by slipping since the previous frame (N).
     missing: Vec<f64>,
 }
@@ -50,7 +50,7 @@ impl SlipDetector {
             may_move: false,
             before: None,
             forces: vec![DVec3::ZERO; elements],
-            foretold: vec![None; elements],
+            predicted: vec![None; elements],
             missing: vec![0.0; elements],
         }
     }
@@ -58,7 +58,7 @@ impl SlipDetector {
     /// Creates a detector for an object that may move along with the fingertip. Only elements that are pressed harder
     /// than `touch_force` (F1, N) are evaluated, because looser elements carry no information about the object's
     /// motion.
-    pub fn on_what_may_move(feeler: FeelerShape, touch_force: f64, elements: usize) -> Self {
+    pub fn for_movable_object(feeler: FeelerShape, touch_force: f64, elements: usize) -> Self {
         Self {
             touch_force,
             may_move: true,
@@ -75,31 +75,31 @@ impl SlipDetector {
     /// Returns the shear (N) that each element has lost by slipping, less a margin for the uncertain stiffness, plus
     /// a part of its earlier loss, because a slipping element tends to keep slipping. It is about 0 or negative for
     /// elements that stick, do not touch, or have just begun to touch. Must be called once per frame.
-    pub fn detect(&mut self, finger: &FingerSense<'_>) -> &[f64] {
-        let along = self.foretell(finger);
+    pub fn detect(&mut self, finger: &FingerReadings<'_>) -> &[f64] {
+        let along = self.predict_shear(finger);
         self.detect_on(finger, along)
     }
 
     /// Predicts the shear of this frame. Returns the share of the fingertip's motion that the touched object may have
     /// followed, 0 to 1, judged by this finger alone. Must be called once per frame, before
     /// [`detect_on`](Self::detect_on).
-    pub fn foretell(&mut self, finger: &FingerSense<'_>) -> f64 {
+    pub fn predict_shear(&mut self, finger: &FingerReadings<'_>) -> f64 {
         self.predict(finger);
         self.gone_along(&finger.touch.frame.forces)
     }
 
     /// Like [`detect`](Self::detect), but for an object that has followed the share `along` of the fingertip's
     /// motion, 0 to 1.
-    pub fn detect_on(&mut self, finger: &FingerSense<'_>, along: f64) -> &[f64] {
+    pub fn detect_on(&mut self, finger: &FingerReadings<'_>, along: f64) -> &[f64] {
         let forces = &finger.touch.frame.forces;
         let own = self.forces.iter_mut().zip(&mut self.missing);
-        for ((force, foretold), (last, missing)) in forces.iter().zip(&self.foretold).zip(own) {
-            let carried = (PERSISTENCE * *missing).clamp(0.0, MOST_CARRIED);
+        for ((force, predicted), (last, missing)) in forces.iter().zip(&self.predicted).zip(own) {
+            let carried = (PERSISTENCE * *missing).clamp(0.0, MAX_CARRIED);
             *missing = 0.0;
-            if let Some(still) = foretold {
+            if let Some(still) = predicted {
                 let change = *still - last.with_z(0.0);
-                let foretold = *still - along * change;
-                let lost = (foretold - force.with_z(0.0)).dot(foretold.normalize_or_zero());
+                let predicted = *still - along * change;
+                let lost = (predicted - force.with_z(0.0)).dot(predicted.normalize_or_zero());
                 *missing = lost - DOUBT * change.length() + carried;
             }
             *last = *force;
@@ -108,15 +108,15 @@ impl SlipDetector {
     }
 
     /// Predicts the shear of every element that touches in both the previous and the current frame.
-    fn predict(&mut self, finger: &FingerSense<'_>) {
+    fn predict(&mut self, finger: &FingerReadings<'_>) {
         let now = finger.pose;
         let before = self.before.replace(now).unwrap_or(now);
         let elements = finger.layout.elements.iter();
         let forces = finger.touch.frame.forces.iter().zip(&self.forces);
-        let elements = elements.zip(forces).zip(&mut self.foretold);
-        for (index, ((element, (force, last)), foretold)) in elements.enumerate() {
+        let elements = elements.zip(forces).zip(&mut self.predicted);
+        for (index, ((element, (force, last)), predicted)) in elements.enumerate() {
             let touches = last.z.min(force.z) > self.touch_force;
-            *foretold = touches.then(|| {
+            *predicted = touches.then(|| {
                 let tip = finger.layout.tip(index);
                 let poses = [before, now].map(|pose| FingertipPose {
                     position: pose.position + pose.rotation * tip,
@@ -133,11 +133,11 @@ impl SlipDetector {
         if !self.may_move {
             return 0.0;
         }
-        let elements = forces.iter().zip(&self.forces).zip(&self.foretold);
-        let parts = elements.filter_map(|((force, last), foretold)| {
-            let foretold = (*foretold)?;
-            let change = foretold - last.with_z(0.0);
-            let missing = (foretold - force.with_z(0.0)).dot(change);
+        let elements = forces.iter().zip(&self.forces).zip(&self.predicted);
+        let parts = elements.filter_map(|((force, last), predicted)| {
+            let predicted = (*predicted)?;
+            let change = predicted - last.with_z(0.0);
+            let missing = (predicted - force.with_z(0.0)).dot(change);
             let whole = change.length_squared();
             (whole > 0.0).then(|| (missing / whole).clamp(0.0, 1.0))
         });

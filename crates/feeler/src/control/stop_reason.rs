@@ -79,7 +79,7 @@ pub enum StopReason {
     #[error(
         "the last {frames} images of finger {finger} gave forces identical to those before: its camera is frozen (for a sensor without noise, set control.monitor.frozen_frames = 0)"
     )]
-    FrozenForces {
+    StuckSensorDetector {
         /// Index of the finger.
         finger: usize,
         /// Number of consecutive repetitions.
@@ -153,7 +153,7 @@ pub enum StopReason {
     },
     /// An operator or a program requested the stop.
     #[error("stop requested by {by}")]
-    Told {
+    Requested {
         /// Source of the request.
         by: String,
     },
@@ -167,7 +167,7 @@ pub enum StopReason {
     },
     /// In a replay: the recorded hand was stopped at this step by an external request.
     #[error("the recorded hand was stopped by an external request")]
-    OnRecord,
+    Recorded,
     /// A force, a joint angle or a command is not a finite number.
     #[error("finger {finger} has a {what} that is not a finite number")]
     NotFinite {
@@ -188,7 +188,7 @@ impl StopReason {
     pub fn is_sensor_fault(&self) -> bool {
         matches!(
             self,
-            Self::FrozenForces { .. }
+            Self::StuckSensorDetector { .. }
                 | Self::JointOutOfRange { .. }
                 | Self::JointJump { .. }
                 | Self::JointDeviation { .. }
@@ -197,9 +197,9 @@ impl StopReason {
 
     /// Returns whether the cause may go away while the hand waits, so that it can resume. After a sensor fault, an
     /// operator must check the hand and request that.
-    pub fn may_pass(&self) -> bool {
+    pub fn is_recoverable(&self) -> bool {
         self.is_stale()
             || self.is_sensor_fault()
-            || matches!(self, Self::NoForce { .. } | Self::Told { .. })
+            || matches!(self, Self::NoForce { .. } | Self::Requested { .. })
     }
 }

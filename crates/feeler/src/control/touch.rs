@@ -6,9 +6,9 @@ use crate::sensor::image::frame::Frame;
 
 /// A tactile reading of one finger: its latest forces, and the flags of all frames since the last control step.
 ///
-/// Allocate it once with [`FingerTouch::none`] and reuse it.
+/// Allocate it once with [`TactileReading::none`] and reuse it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct FingerTouch {
+pub struct TactileReading {
     /// The latest forces.
     pub frame: TactileFrame,
     /// Time of the latest distinct image (s), or NaN before the first. Repetitions of an image do not update it, so
@@ -20,7 +20,7 @@ pub struct FingerTouch {
     pub shear_rate: Vec<f64>,
 }
 
-impl FingerTouch {
+impl TactileReading {
     /// Creates an empty reading for a finger of `elements` elements.
     pub fn none(elements: usize) -> Self {
         Self {
@@ -50,7 +50,7 @@ impl FingerTouch {
 }
 
 /// A source of tactile readings for one finger.
-pub trait TouchSource {
+pub trait TactileSource {
     /// Number of sensing elements.
     fn element_count(&self) -> usize;
 
@@ -62,7 +62,7 @@ pub trait TouchSource {
     ///
     /// # Errors
     /// If `touch` has a different number of elements, or the sensor failed.
-    fn touch(&mut self, touch: &mut FingerTouch) -> Result<(), SensorError>;
+    fn touch(&mut self, touch: &mut TactileReading) -> Result<(), SensorError>;
 
     /// The camera frame from which the latest forces were measured, if available.
     fn frame(&self) -> Option<&Frame> {
@@ -72,12 +72,12 @@ pub trait TouchSource {
 
 /// A tactile sensor with a flag analyzer.
 #[derive(Debug, Clone)]
-pub struct AnalyzedSensor<S> {
+pub struct FlaggedSensor<S> {
     sensor: S,
     analyzer: FlagAnalyzer,
 }
 
-impl<S: TactileSensor> AnalyzedSensor<S> {
+impl<S: TactileSensor> FlaggedSensor<S> {
     /// Computes flags by `thresholds` from the measurements of `sensor`.
     pub fn new(sensor: S, thresholds: FlagThresholds) -> Self {
         let analyzer = FlagAnalyzer::new(thresholds, sensor.element_count());
@@ -85,12 +85,12 @@ impl<S: TactileSensor> AnalyzedSensor<S> {
     }
 }
 
-impl<S: TactileSensor> TouchSource for AnalyzedSensor<S> {
+impl<S: TactileSensor> TactileSource for FlaggedSensor<S> {
     fn element_count(&self) -> usize {
         self.sensor.element_count()
     }
 
-    fn touch(&mut self, touch: &mut FingerTouch) -> Result<(), SensorError> {
+    fn touch(&mut self, touch: &mut TactileReading) -> Result<(), SensorError> {
         self.sensor.read(&mut touch.frame)?;
         touch.analyze(&mut self.analyzer);
         Ok(())
@@ -101,7 +101,7 @@ impl<S: TactileSensor> TouchSource for AnalyzedSensor<S> {
     }
 }
 
-impl<T: TouchSource + ?Sized> TouchSource for Box<T> {
+impl<T: TactileSource + ?Sized> TactileSource for Box<T> {
     fn element_count(&self) -> usize {
         (**self).element_count()
     }
@@ -110,7 +110,7 @@ impl<T: TouchSource + ?Sized> TouchSource for Box<T> {
         (**self).begin();
     }
 
-    fn touch(&mut self, touch: &mut FingerTouch) -> Result<(), SensorError> {
+    fn touch(&mut self, touch: &mut TactileReading) -> Result<(), SensorError> {
         (**self).touch(touch)
     }
 

@@ -14,7 +14,7 @@ const GRACE: f64 = 0.25;
 const SHORTEST: f64 = 0.5;
 
 /// A set of data sources whose data triggers steps.
-pub trait Arrivals {
+pub trait StepTrigger {
     /// Blocks until every source has data that no step has used yet, for at most `longest`. Returns the arrival time
     /// of the last of that data on the schedule's clock, or `None` after the timeout. A step uses all data that is
     /// available when it starts.
@@ -26,7 +26,7 @@ pub trait Arrivals {
 /// once a period; its data then becomes stale and stops the hand, as under any schedule. Steps are at least half a
 /// period apart.
 #[derive(Clone, Debug)]
-pub struct Following<A, C = Monotonic> {
+pub struct DataDriven<A, C = Monotonic> {
     arrivals: A,
     clock: C,
     period: Duration,
@@ -37,7 +37,7 @@ pub struct Following<A, C = Monotonic> {
     latest: Duration,
 }
 
-impl<A: Arrivals> Following<A> {
+impl<A: StepTrigger> DataDriven<A> {
     /// Creates a schedule that starts now and follows `arrivals`, which are expected once each `period` (s), on the
     /// system's monotonic clock.
     ///
@@ -48,7 +48,7 @@ impl<A: Arrivals> Following<A> {
     }
 }
 
-impl<A: Arrivals, C: Clock> Following<A, C> {
+impl<A: StepTrigger, C: Clock> DataDriven<A, C> {
     /// Like [`new`](Self::new), but on `clock`.
     ///
     /// # Errors
@@ -90,7 +90,7 @@ impl<A: Arrivals, C: Clock> Following<A, C> {
     }
 }
 
-impl<A: Arrivals, C: Clock> Schedule for Following<A, C> {
+impl<A: StepTrigger, C: Clock> Schedule for DataDriven<A, C> {
     fn next_tick(&mut self, interrupted: &AtomicBool) -> Option<Tick> {
         let asked = self.clock.now();
         let arrived = self.wait(interrupted)?;
@@ -148,7 +148,7 @@ mod tests {
         Duration::from_secs_f64(time * 1e-3)
     }
 
-    impl Arrivals for Planned {
+    impl StepTrigger for Planned {
         fn wait_for(&mut self, longest: Duration) -> Option<Duration> {
             let stepped = self.stepped.now();
             let first = |times: &Vec<f64>| times.iter().map(|&t| ms(t)).find(|&t| t > stepped);
@@ -170,7 +170,7 @@ mod tests {
             times: times.iter().map(|times| times.to_vec()).collect(),
             stepped: stepped.clone(),
         };
-        let mut following = Following::with_clock(arrivals, 0.01, clock.clone()).unwrap();
+        let mut following = DataDriven::with_clock(arrivals, 0.01, clock.clone()).unwrap();
         let step = |_| {
             let tick = following.next_tick(&GO_ON).expect("a step");
             let now = clock.now();
@@ -243,7 +243,7 @@ mod tests {
             times: vec![vec![1.0]],
             stepped: Slept::default(),
         };
-        let mut following = Following::with_clock(arrivals, 0.01, clock).unwrap();
+        let mut following = DataDriven::with_clock(arrivals, 0.01, clock).unwrap();
         assert_eq!(following.next_tick(&AtomicBool::new(true)), None);
     }
 }

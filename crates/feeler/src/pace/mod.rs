@@ -3,14 +3,14 @@
 //! The control loop itself never reads a clock. A program that runs it on a real hand waits between its steps:
 //!
 //! ```no_run
-//! use feeler::pace::{Pace, Punctuality};
+//! use feeler::pace::{FixedRate, Punctuality};
 //! # use std::sync::atomic::AtomicBool;
 //! # fn main() -> Result<(), feeler::pace::PaceError> {
 //! # let interrupted = AtomicBool::new(false);
 //! # let step = |_| ();
 //! let mut punctuality = Punctuality::new()?;
-//! let mut pace = Pace::new(0.01)?;
-//! while let Some(tick) = pace.wait_unless(&interrupted) {
+//! let mut pace = FixedRate::new(0.01)?;
+//! while let Some(tick) = pace.wait_interruptible(&interrupted) {
 //!     punctuality.record(&tick);
 //!     step(tick.missed);
 //! }
@@ -29,7 +29,7 @@ pub(crate) mod timer;
 
 pub use clock::{Clock, Monotonic};
 pub use error::PaceError;
-pub use following::{Arrivals, Following};
+pub use following::{DataDriven, StepTrigger};
 pub use punctuality::{Punctuality, PunctualitySummary};
-pub use schedule::{Schedule, Unpaced};
-pub use timer::{Pace, Tick};
+pub use schedule::{FreeRunning, Schedule};
+pub use timer::{FixedRate, Tick};

@@ -1,7 +1,7 @@
 //! Schedules of steps, in real time or as fast as possible.
 
 use super::clock::Clock;
-use super::timer::{Pace, Tick};
+use super::timer::{FixedRate, Tick};
 use std::sync::atomic::{AtomicBool, Ordering};
 
 /// Determines when each step of a loop starts.
@@ -10,9 +10,9 @@ pub trait Schedule {
     fn next_tick(&mut self, interrupted: &AtomicBool) -> Option<Tick>;
 }
 
-impl<C: Clock> Schedule for Pace<C> {
+impl<C: Clock> Schedule for FixedRate<C> {
     fn next_tick(&mut self, interrupted: &AtomicBool) -> Option<Tick> {
-        self.wait_unless(interrupted)
+        self.wait_interruptible(interrupted)
     }
 }
 
@@ -24,11 +24,11 @@ impl<S: Schedule + ?Sized> Schedule for Box<S> {
 
 /// Schedule without waiting, for simulations.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Unpaced {
+pub struct FreeRunning {
     steps: u64,
 }
 
-impl Schedule for Unpaced {
+impl Schedule for FreeRunning {
     fn next_tick(&mut self, interrupted: &AtomicBool) -> Option<Tick> {
         self.steps += 1;
         (!interrupted.load(Ordering::Relaxed)).then_some(Tick::on_time(self.steps))
@@ -42,7 +42,7 @@ mod tests {
     #[test]
     fn unpaced_steps_are_counted_on_time_until_interrupted() {
         let interrupted = AtomicBool::new(false);
-        let mut unpaced = Unpaced::default();
+        let mut unpaced = FreeRunning::default();
         assert_eq!(unpaced.next_tick(&interrupted), Some(Tick::on_time(1)));
         assert_eq!(unpaced.next_tick(&interrupted), Some(Tick::on_time(2)));
         interrupted.store(true, Ordering::Relaxed);

@@ -38,7 +38,7 @@ impl Tick {
 /// Timer with absolute deadlines: they are the multiples of the period since the start, independent of the lateness
 /// of steps.
 #[derive(Clone, Debug)]
-pub struct Pace<C = Monotonic> {
+pub struct FixedRate<C = Monotonic> {
     clock: C,
     /// Period (s).
     period: f64,
@@ -47,7 +47,7 @@ pub struct Pace<C = Monotonic> {
     next: u64,
 }
 
-impl Pace {
+impl FixedRate {
     /// Creates a timer of `period` (s) that starts now, on the system's monotonic clock. The first deadline is one
     /// period from now.
     ///
@@ -58,7 +58,7 @@ impl Pace {
     }
 }
 
-impl<C: Clock> Pace<C> {
+impl<C: Clock> FixedRate<C> {
     /// Creates a timer of `period` (s) that starts now, on `clock`.
     ///
     /// # Errors
@@ -105,7 +105,7 @@ impl<C: Clock> Pace<C> {
     }
 
     /// Sleeps until the next step is due. Returns `None` if `stop` is set, within 50 ms.
-    pub fn wait_unless(&mut self, stop: &AtomicBool) -> Option<Tick> {
+    pub fn wait_interruptible(&mut self, stop: &AtomicBool) -> Option<Tick> {
         let deadline = self.due();
         let asked = self.clock.now();
         let mut now = asked;

@@ -1,4 +1,4 @@
-//! Only the controller makes a command that moves anything, of what the limits admit.
+//! Only the controller makes a command that moves anything, of what the limits apply_limits.
 
 use std::fs;
 use std::path::{Path, PathBuf};

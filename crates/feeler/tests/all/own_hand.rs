@@ -7,7 +7,7 @@ mod example;
 use feeler::control::Phase;
 use feeler::control::StopReason;
 use feeler::hand::HandCommand;
-use feeler::pace::{Clock, Pace};
+use feeler::pace::{Clock, FixedRate};
 use std::cell::Cell;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
@@ -53,7 +53,7 @@ fn ten_steps(by: u64) -> (Option<StopReason>, bool) {
         late: 5,
         by,
     };
-    let mut pace = Pace::with_clock(0.01, clock).expect("a pace");
+    let mut pace = FixedRate::with_clock(0.01, clock).expect("a pace");
     let mut control_loop = example::control_loop().expect("a loop");
     let (mut steps, mut moved) = (0, false);
     let interrupted = AtomicBool::new(false);

@@ -2,7 +2,7 @@
 //! here depends on how fast the machine is.
 
 use assert_no_alloc::assert_no_alloc;
-use feeler::pace::{Clock, Monotonic, Pace, PaceError, Punctuality, Tick};
+use feeler::pace::{Clock, FixedRate, Monotonic, PaceError, Punctuality, Tick};
 use std::cell::{Cell, RefCell};
 use std::rc::Rc;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -73,7 +73,7 @@ fn deadlines_are_multiples_of_the_period_however_late_a_step_is() {
     // A third is not a whole number of nanoseconds; added up, the rounding would be seen.
     let period = 0.01 / 3.0;
     let clock = TestClock::at(1234.5);
-    let mut pace = Pace::with_clock(period, clock.clone()).unwrap();
+    let mut pace = FixedRate::with_clock(period, clock.clone()).unwrap();
     for step in 1..=100_000_u64 {
         assert_close(pace.deadline(), step as f64 * period);
         let late = (step * 7919 % 1000) as f64 * 3e-6;
@@ -88,7 +88,7 @@ fn deadlines_are_multiples_of_the_period_however_late_a_step_is() {
 #[test]
 fn periods_missed_whole_are_counted_and_skipped() {
     let clock = TestClock::at(0.0);
-    let mut pace = Pace::with_clock(0.01, clock.clone()).unwrap();
+    let mut pace = FixedRate::with_clock(0.01, clock.clone()).unwrap();
     clock.work(0.034);
     let tick = pace.wait();
     assert_eq!((tick.number, tick.missed, tick.overran), (3, 2, true));
@@ -103,7 +103,7 @@ fn periods_missed_whole_are_counted_and_skipped() {
 #[test]
 fn a_sleep_that_is_too_long_misses_periods_without_an_overrun() {
     let clock = TestClock::at(7.0);
-    let mut pace = Pace::with_clock(0.01, clock.clone()).unwrap();
+    let mut pace = FixedRate::with_clock(0.01, clock.clone()).unwrap();
     clock.next_sleep_is_late(0.05);
     let tick = pace.wait();
     assert_eq!((tick.number, tick.missed, tick.overran), (6, 5, false));
@@ -113,7 +113,7 @@ fn a_sleep_that_is_too_long_misses_periods_without_an_overrun() {
 #[test]
 fn a_step_that_ends_in_the_next_period_overran_and_missed_none() {
     let clock = TestClock::at(0.0);
-    let mut pace = Pace::with_clock(0.01, clock.clone()).unwrap();
+    let mut pace = FixedRate::with_clock(0.01, clock.clone()).unwrap();
     clock.work(0.013);
     let tick = pace.wait();
     assert_eq!((tick.number, tick.missed, tick.overran), (1, 0, true));
@@ -125,7 +125,7 @@ fn a_step_that_ends_in_the_next_period_overran_and_missed_none() {
 fn every_period_is_a_step_or_missed() {
     for period in [1e-6, 0.001, 0.01 / 3.0, 0.7] {
         let clock = TestClock::at(3.0e6);
-        let mut pace = Pace::with_clock(period, clock.clone()).unwrap();
+        let mut pace = FixedRate::with_clock(period, clock.clone()).unwrap();
         let mut missed = 0;
         for step in 1..=10_000_u64 {
             // From none to three periods, often to a deadline exactly.
@@ -142,7 +142,7 @@ fn every_period_is_a_step_or_missed() {
 #[test]
 fn restarting_forgets_the_past() {
     let clock = TestClock::at(0.0);
-    let mut pace = Pace::with_clock(0.01, clock.clone()).unwrap();
+    let mut pace = FixedRate::with_clock(0.01, clock.clone()).unwrap();
     clock.work(5.005);
     pace.restart();
     let tick = pace.wait();
@@ -153,15 +153,15 @@ fn restarting_forgets_the_past() {
 #[test]
 fn a_raised_stop_ends_a_long_wait_within_a_nap() {
     let clock = TestClock::at(0.0);
-    let mut pace = Pace::with_clock(10.0, clock.clone()).unwrap();
+    let mut pace = FixedRate::with_clock(10.0, clock.clone()).unwrap();
     clock.0.stop_at.set(Some(Duration::from_secs_f64(3.01)));
-    assert_eq!(pace.wait_unless(&clock.0.stop), None);
+    assert_eq!(pace.wait_interruptible(&clock.0.stop), None);
     assert!(
         clock.now() <= Duration::from_millis(3060),
         "{:?}",
         clock.now()
     );
-    assert_eq!(pace.wait_unless(&clock.0.stop), None);
+    assert_eq!(pace.wait_interruptible(&clock.0.stop), None);
 }
 
 #[test]
@@ -169,9 +169,9 @@ fn a_wait_that_may_be_stopped_keeps_the_same_deadlines() {
     let clock = TestClock::at(0.0);
     let stop = AtomicBool::new(false);
     for (period, sleeps) in [(0.01, 1), (0.05, 1), (0.12, 3)] {
-        let mut pace = Pace::with_clock(period, clock.clone()).unwrap();
+        let mut pace = FixedRate::with_clock(period, clock.clone()).unwrap();
         clock.0.sleeps.set(0);
-        let tick = pace.wait_unless(&stop).unwrap();
+        let tick = pace.wait_interruptible(&stop).unwrap();
         assert_eq!((tick.number, tick.missed, tick.overran), (1, 0, false));
         assert_close(tick.lateness, 0.0);
         assert_eq!(clock.0.sleeps.get(), sleeps, "period {period}");
@@ -181,7 +181,7 @@ fn a_wait_that_may_be_stopped_keeps_the_same_deadlines() {
 #[test]
 fn a_period_that_no_timer_keeps_is_refused() {
     for period in [0.0, -0.01, 1e-7, 3601.0, f64::NAN, f64::INFINITY] {
-        let error = Pace::new(period).unwrap_err();
+        let error = FixedRate::new(period).unwrap_err();
         assert!(matches!(error, PaceError::Period { .. }), "{error}");
     }
 }
@@ -192,7 +192,7 @@ fn the_systems_clock_is_slept_to() {
     let clock = Monotonic::new();
     let past = clock.now();
     clock.sleep_until(past);
-    let mut pace = Pace::new(1e-3).unwrap();
+    let mut pace = FixedRate::new(1e-3).unwrap();
     let tick = pace.wait();
     assert!(clock.now() >= past + Duration::from_millis(1));
     assert_eq!(tick.number, 1 + tick.missed);
@@ -254,13 +254,13 @@ fn lateness_beyond_the_histogram_is_still_the_largest() {
 
 #[test]
 fn a_step_on_time_allocates_nothing() {
-    let mut pace = Pace::new(1e-6).unwrap();
+    let mut pace = FixedRate::new(1e-6).unwrap();
     let mut punctuality = Punctuality::new().unwrap();
     let stop = AtomicBool::new(false);
     assert_no_alloc(|| {
         for _ in 0..100 {
             punctuality.record(&pace.wait());
-            punctuality.record(&pace.wait_unless(&stop).unwrap());
+            punctuality.record(&pace.wait_interruptible(&stop).unwrap());
         }
     });
     assert_eq!(punctuality.summary().steps, 200);

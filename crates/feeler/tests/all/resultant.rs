@@ -1,7 +1,7 @@
 //! The resultant force of a tactile frame, against a case calculated by hand.
 
-use feeler::control::FingerTouch;
-use feeler::control::{FingerSense, FingertipPose};
+use feeler::control::TactileReading;
+use feeler::control::{FingerReadings, FingertipPose};
 use feeler::glam::{DMat3, DVec3};
 use feeler::hand::JointState;
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, RingConfig};
@@ -25,7 +25,7 @@ fn layout() -> ElementLayout {
 #[test]
 fn the_resultant_is_the_sum_of_what_the_object_does_to_the_fingertip() {
     let layout = layout();
-    let mut touch = FingerTouch::none(2);
+    let mut touch = TactileReading::none(2);
     touch.frame.forces = vec![DVec3::new(0.3, -0.1, 2.0), DVec3::new(0.2, 0.4, 1.0)];
     let close = |force: DVec3, expected: DVec3| {
         assert!(force.distance(expected) < 1e-12, "{force}");
@@ -36,7 +36,7 @@ fn the_resultant_is_the_sum_of_what_the_object_does_to_the_fingertip() {
         position: DVec3::ONE,
         rotation: DMat3::from_cols(DVec3::Y, -DVec3::X, DVec3::Z),
     };
-    let sense = |touch| FingerSense {
+    let sense = |touch| FingerReadings {
         pose,
         joints: JointState::default(),
         touch,

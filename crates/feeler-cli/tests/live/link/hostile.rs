@@ -8,7 +8,7 @@ use feeler_link::messages::message::{
 };
 use feeler_link::transport::Link;
 use feeler_link::transport::Topic;
-use feeler_link::transport::{Heard, Network};
+use feeler_link::transport::{MessageHandler, Network};
 use feeler_link::transport::{Outlet, draw_instance, send};
 use feeler_record::wire::{Vector3, cdr};
 use std::collections::HashMap;
@@ -66,7 +66,7 @@ fn a_session_that_is_replayed_to_another_hand_moves_nothing() {
     let peer = connect(&rig.setup.endpoint);
     let session = Arc::new(Mutex::new(Vec::new()));
     let tape = session.clone();
-    let note: Heard = Arc::new(move |topic: Topic, bytes: &[u8]| {
+    let note: MessageHandler = Arc::new(move |topic: Topic, bytes: &[u8]| {
         tape.lock().expect("the tape").push((topic, bytes.to_vec()));
     });
     let topics = [Topic::State, Topic::Tactile(0), Topic::Tactile(1)];
@@ -108,7 +108,7 @@ fn spy(peer: &Link) -> HashMap<String, u64> {
         let mut notes = notes.lock().expect("the notes");
         notes.insert(heartbeat.program.to_string(), heartbeat.instance);
     };
-    let note: Heard = Arc::new(note);
+    let note: MessageHandler = Arc::new(note);
     for topic in Topic::heartbeats() {
         let listening = peer.listen(topic, note.clone());
         listening.expect("the others' heartbeats");

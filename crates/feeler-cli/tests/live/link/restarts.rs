@@ -7,7 +7,7 @@ use crate::program::{folder, run};
 use crate::rig::{Rig, Running, Setup};
 use feeler::sensor::image::Picture;
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::PlayedRig;
+use feeler_lab::experiment::SimRigServer;
 use feeler_link::programs::{Rig as _, SensorOutput};
 use image::GrayImage;
 use rand::{RngExt, SeedableRng};
@@ -81,7 +81,7 @@ fn a_hand_may_start_again_beside_its_rig() {
 /// A picture of an unloaded fingertip of the reference rig.
 fn unloaded(finger: usize) -> Picture {
     let experiment = Experiment::load("cap-closing", &["sensing=image".into()]).expect("a rig");
-    let mut played = PlayedRig::new(&experiment).expect("a rig");
+    let mut played = SimRigServer::new(&experiment).expect("a rig");
     match played.expose(finger) {
         Ok(Some(SensorOutput::Picture(frame))) => frame.picture.clone(),
         other => panic!("a picture expected, {other:?}"),

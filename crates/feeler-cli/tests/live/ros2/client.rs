@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 /// After this a robot is taken to hang: far longer than any needs on a busy machine.
 const PATIENCE: Duration = Duration::from_secs(400);
 /// Joint states are refused when they are older, s: a busy computer holds the robot up.
-const MOST_AGE: f64 = 2.0;
+const MAX_AGE: f64 = 2.0;
 
 /// Calls `attempt` until it has something.
 pub fn until<T>(what: &str, mut attempt: impl FnMut() -> Option<T>) -> T {
@@ -45,7 +45,7 @@ fn a_robot_of_ros2_control_is_a_hand() {
         joints: vec![["first", "second", "third"].map(String::from)],
         joint_states: "/joint_states".into(),
         commands: "/forward_velocity_controller/commands".into(),
-        most_age: MOST_AGE,
+        most_age: MAX_AGE,
         speed: 1.0,
     };
     let mut hand = RosHand::new(&mut node, config, GraphClock::TimeOfDay).expect("a hand");

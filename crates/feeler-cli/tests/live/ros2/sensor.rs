@@ -16,7 +16,7 @@ use std::process::{ChildStdin, Stdio};
 use std::time::Duration;
 
 /// Data are refused when they are older, s: longer than a busy computer holds a message up.
-const MOST_AGE: f64 = 30.0;
+const MAX_AGE: f64 = 30.0;
 
 /// A node that a sensor of another maker's connects to.
 struct Bench {
@@ -75,7 +75,7 @@ impl Bench {
 fn age() -> SensorAge {
     SensorAge {
         clock: GraphClock::TimeOfDay,
-        most: MOST_AGE,
+        most: MAX_AGE,
         speed: 1.0,
     }
 }
@@ -97,7 +97,7 @@ fn a_wrench_is_the_force_on_a_fingertip_of_one_element() {
     // What presses it pushes it inward: against z.
     let pressed = json!({ "force": [0.25, -0.5, -2.0] });
     let old = bench
-        .read(&mut sensor, &pressed, 2.0 * MOST_AGE)
+        .read(&mut sensor, &pressed, 2.0 * MAX_AGE)
         .expect_err("old");
     assert!(old.contains("by their stamp"), "{old}");
     for late in [5.0, 0.0] {
@@ -109,7 +109,7 @@ fn a_wrench_is_the_force_on_a_fingertip_of_one_element() {
     let frame = bench.read(&mut sensor, &unknown, 0.0).expect("a frame");
     assert!(frame.forces[0].is_nan());
     let ahead = bench
-        .read(&mut sensor, &pressed, -2.0 * MOST_AGE)
+        .read(&mut sensor, &pressed, -2.0 * MAX_AGE)
         .expect_err("ahead");
     assert!(ahead.contains("ahead of the clock"), "{ahead}");
     let two = sensor

@@ -4,14 +4,14 @@
 use super::bench::{load, step_at};
 use feeler::control::ControlLoop;
 use feeler::control::Controller;
-use feeler::control::FingerTouch;
 use feeler::control::FlagAnalyzer;
 use feeler::control::StopReason;
+use feeler::control::TactileReading;
 use feeler::hand::HandState;
 use feeler::sensor::forces::NO_FORCE;
 use feeler::sensor::forces::SensingChain;
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::PlayedRig;
+use feeler_lab::experiment::SimRigServer;
 use feeler_lab::experiment::replay::{Replay, ReplayFrom, recorded_experiment};
 use feeler_lab::experiment::{Session, controller, fingers_at_home, layouts, run_facts};
 use feeler_link::hand::RunClock;
@@ -102,8 +102,8 @@ const WORLD: u64 = 1;
 
 /// A hand program without a network: sensor programs and rig put their messages into its inbox.
 struct LinkedHand {
-    rig: PlayedRig,
-    sensors: Vec<(SensingChain, FingerTouch, FlagAnalyzer)>,
+    rig: SimRigServer,
+    sensors: Vec<(SensingChain, TactileReading, FlagAnalyzer)>,
     inbox: Shared<HandInbox>,
     control_loop: ControlLoop<RemoteFinger, RemoteHand>,
     slip_threshold: f64,
@@ -135,12 +135,12 @@ impl LinkedHand {
             let sensing = SensingChain::of_fingertip(config.sensor.fingertip(finger)).unwrap();
             let calibration = experiment.calibration(finger).unwrap();
             let analyzer = FlagAnalyzer::new(thresholds, elements[finger]);
-            let touch = FingerTouch::none(elements[finger]);
+            let touch = TactileReading::none(elements[finger]);
             let sensing = sensing.with_calibration(calibration).unwrap();
             (sensing, touch, analyzer)
         };
         let linked = Self {
-            rig: PlayedRig::new(experiment).unwrap(),
+            rig: SimRigServer::new(experiment).unwrap(),
             sensors: (0..fingers).map(sensor).collect(),
             control_loop: ControlLoop::new(remote, hand, controller),
             slip_threshold: thresholds.slip_threshold,

@@ -9,7 +9,7 @@ type Parameters = SVector<f64, 9>;
 
 /// Radii of the blob within which pixels count. Fewer leave ground and depth undetermined, more reach the next marker.
 const REACH: f64 = 2.2;
-const MOST_STEPS: usize = 40;
+const MAX_STEPS: usize = 40;
 
 /// How deep a spot is at a scaled distance of which `square` is the square.
 #[derive(Clone, Copy)]
@@ -71,7 +71,7 @@ fn least_squares(start: Parameters, residuals: &dyn Fn(&Parameters) -> Vec<f64>)
     let cost = |errors: &[f64]| errors.iter().map(|e| e * e).sum::<f64>();
     let (mut at, mut damping) = (start, 1e-3);
     let mut errors = residuals(&at);
-    for _ in 0..MOST_STEPS {
+    for _ in 0..MAX_STEPS {
         let (mut normal, mut gradient) = (SMatrix::<f64, 9, 9>::zeros(), Parameters::zeros());
         let slopes: Vec<Vec<f64>> = (0..9)
             .map(|k| {

@@ -23,7 +23,7 @@ const OVERLOAD: f64 = 10.0;
 /// Fraction of the outline at which the goal is reached.
 const WHOLE: f64 = 0.99;
 /// Maximum fraction of the outline passed in one step. A larger one is a jump and does not count.
-const MOST_AT_ONCE: f64 = 0.05;
+const MAX_AT_ONCE: f64 = 0.05;
 
 /// The goal of tracing an outline, with its state in the episode.
 #[derive(Debug, Clone, Default)]
@@ -113,7 +113,7 @@ impl ContourGoal {
         } else {
             (to, back)
         };
-        if steps as f64 > MOST_AT_ONCE * count as f64 {
+        if steps as f64 > MAX_AT_ONCE * count as f64 {
             return 0.0;
         }
         let mut new = 0.0;

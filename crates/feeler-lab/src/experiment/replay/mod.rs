@@ -168,7 +168,7 @@ fn steps(recording: &Recording) -> usize {
             finger.command.len(),
         ]
     });
-    fingers.fold(recording.steps_in_a_row(), usize::min)
+    fingers.fold(recording.leading_complete_steps(), usize::min)
 }
 
 /// Rejects settings that a replay cannot change: the numbers of fingers and elements, and the control period.

@@ -7,9 +7,9 @@
 use super::{ReplayError, control_loop, recorded_forces, steps};
 use crate::config::Experiment;
 use feeler::control::Controller;
-use feeler::control::FingerTouch;
 use feeler::control::Phase;
 use feeler::control::StopReason;
+use feeler::control::TactileReading;
 use feeler::hand::{HandCommand, HandState};
 use feeler_record::Recording;
 
@@ -23,7 +23,7 @@ pub enum Outside {
 impl Outside {
     pub fn apply(self, controller: &mut Controller) {
         match self {
-            Self::Stop => controller.stop(StopReason::OnRecord),
+            Self::Stop => controller.stop(StopReason::Recorded),
             Self::Resume => controller.resume(),
         }
     }
@@ -69,7 +69,7 @@ pub fn on_record(
 /// Returns `true` if `controller` stops by itself on this input.
 fn stops(
     mut controller: Controller,
-    touches: &[FingerTouch],
+    touches: &[TactileReading],
     state: &HandState,
     command: &mut HandCommand,
 ) -> bool {

@@ -1,7 +1,7 @@
 //! Recorded tactile readings, with flags computed from the forces if possible.
 
 use feeler::control::{FingerFlags, FlagAnalyzer, FlagThresholds};
-use feeler::control::{FingerTouch, TouchSource};
+use feeler::control::{TactileReading, TactileSource};
 use feeler::sensor::forces::{SensorError, TactileSensor};
 use feeler_record::{FingerRecord, Flags, NO_ELEMENT, RecordedSensor, Recording};
 
@@ -33,12 +33,12 @@ impl RecordedTouch {
     }
 }
 
-impl TouchSource for RecordedTouch {
+impl TactileSource for RecordedTouch {
     fn element_count(&self) -> usize {
         self.sensor.element_count()
     }
 
-    fn touch(&mut self, touch: &mut FingerTouch) -> Result<(), SensorError> {
+    fn touch(&mut self, touch: &mut TactileReading) -> Result<(), SensorError> {
         self.sensor.read(&mut touch.frame)?;
         touch.analyze(&mut self.analyzer);
         let number = touch.frame.sequence;

@@ -3,8 +3,8 @@
 
 use super::hand::IdealHand;
 use assert_no_alloc::assert_no_alloc;
-use feeler::control::AnalyzedSensor;
 use feeler::control::ControlLoop;
+use feeler::control::FlaggedSensor;
 use feeler::control::Phase;
 use feeler::hand::HandCommand;
 use feeler::sensor::calibration::Calibration;
@@ -105,7 +105,7 @@ fn going_round_the_loop_does_not_allocate_nor_does_failing() {
     let controller = controller.expect("a controller");
     let hand = IdealHand::new(home, config.control.period);
     let sensors = [Rising(0), Rising(0)];
-    let sensors = sensors.map(|sensor| AnalyzedSensor::new(sensor, config.control.thresholds()));
+    let sensors = sensors.map(|sensor| FlaggedSensor::new(sensor, config.control.thresholds()));
     let mut control_loop = ControlLoop::new(sensors.into(), hand, controller);
     let failed = assert_no_alloc(|| (0..400).find_map(|_| control_loop.step().err()));
     assert!(failed.is_some());

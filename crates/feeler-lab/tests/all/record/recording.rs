@@ -262,7 +262,7 @@ fn a_damaged_chunk_hides_no_other() {
         let problem = rest.problem.as_ref().unwrap();
         assert!(problem.contains("checksum"), "{problem}");
         assert!(!rest.complete);
-        let before = rest.steps_in_a_row();
+        let before = rest.leading_complete_steps();
         let missing = whole.task.len() - rest.task.len();
         assert_eq!(missing > 0, number > 0, "chunk {number}");
         assert_eq!(rest.task[..before], whole.task[..before]);

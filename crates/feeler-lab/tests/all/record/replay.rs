@@ -1,6 +1,6 @@
 //! A recording put through the same sensor and control stages gives the same, bit for bit.
 
-use feeler::control::AnalyzedSensor;
+use feeler::control::FlaggedSensor;
 use feeler::control::Phase;
 use feeler::control::StopReason;
 use feeler::control::{ControlError, ControlLoop};
@@ -64,7 +64,7 @@ fn replay(recording: &Recording, from: ReplayFrom<'_>, settings: &[String]) -> C
     replay.finish().0
 }
 
-type Loop = ControlLoop<AnalyzedSensor<RecordedSensor>, RecordedHand>;
+type Loop = ControlLoop<FlaggedSensor<RecordedSensor>, RecordedHand>;
 
 /// The loop of a recording's own experiment over what it has on record.
 fn control_loop(recording: &Recording) -> Loop {
@@ -73,7 +73,7 @@ fn control_loop(recording: &Recording) -> Loop {
     let (fingers, _) = fingers_at_home(&experiment.config).unwrap();
     let thresholds = experiment.config.control.thresholds();
     let sensors = (0..fingers.len()).map(|f| RecordedSensor::new(recording, f));
-    let sensors = sensors.map(|sensor| AnalyzedSensor::new(sensor, thresholds));
+    let sensors = sensors.map(|sensor| FlaggedSensor::new(sensor, thresholds));
     ControlLoop::new(
         sensors.collect(),
         RecordedHand::new(recording),
@@ -116,7 +116,7 @@ fn stops_from_outside_are_repeated() {
     let mut log = RunLog::new(recorder, &original.facts).unwrap();
     for step in 0..steps {
         match step {
-            0 | 120 | 250 => control_loop.controller_mut().stop(StopReason::OnRecord),
+            0 | 120 | 250 => control_loop.controller_mut().stop(StopReason::Recorded),
             1 | 180 => control_loop.controller_mut().resume(),
             _ => {}
         }

@@ -1,6 +1,6 @@
 //! The report that a run makes of itself, without reading its recording, is that of the recording.
 
-use feeler::pace::Unpaced;
+use feeler::pace::FreeRunning;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::recorded_run::RecordedRun;
 use feeler_report::run::make;
@@ -36,7 +36,7 @@ fn check(name: &str, settings: &[&str], pictures: bool, interrupted_after: usize
     let folder = folder(&format!("{name}-{}", settings.len()));
     let run = RecordedRun::new(&experiment, pictures, &folder).expect("a run");
     let (interrupted, mut steps) = (AtomicBool::new(false), 0);
-    let finished = run.run(&mut Unpaced::default(), &interrupted, |_, _, _| {
+    let finished = run.run(&mut FreeRunning::default(), &interrupted, |_, _, _| {
         steps += 1;
         interrupted.store(steps == interrupted_after, Ordering::Relaxed);
     });

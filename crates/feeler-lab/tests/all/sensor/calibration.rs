@@ -1,8 +1,8 @@
 //! The calibration of a simulated fingertip: how right it is, and what it refuses.
 
 use feeler::sensor::calibration::{
-    Calibration, CalibrationError, CalibrationReport, ElementRecord, ForceCurve, ForceMap,
-    FullScale, Inputs, LengthUnit, LoadSample, MadeFor, ModelChoice, SeparableMap, fit,
+    Calibration, CalibrationError, CalibrationReport, CalibrationTarget, ElementRecord, ForceCurve,
+    ForceMap, FullScale, LengthUnit, LoadSample, ModelChoice, RelativeMoments, SeparableMap, fit,
 };
 use feeler::sensor::fingertip::{Fingertip, FingertipConfig, LayoutConfig, RingConfig};
 use feeler::sensor::forces::{
@@ -326,7 +326,7 @@ fn a_calibration_for_another_fingertip_is_refused() {
     let mut other_camera = FingertipConfig::default();
     other_camera.camera.width = 648;
     let message = CALIBRATION
-        .check_made_for(&other_camera)
+        .verify_target(&other_camera)
         .unwrap_err()
         .to_string();
     assert!(
@@ -339,7 +339,7 @@ fn fit_separable(
     config: &FingertipConfig,
     records: &[ElementRecord],
 ) -> Result<Calibration, CalibrationError> {
-    let made_for = MadeFor::fingertip(config)?;
+    let made_for = CalibrationTarget::fingertip(config)?;
     fit(
         made_for,
         records,
@@ -403,15 +403,15 @@ fn the_file_holds_a_coupled_calibration_and_refuses_a_wrong_one() {
 
 #[test]
 fn another_layout_is_refused_by_its_hash() {
-    let here = MadeFor::layout("a", 41, LengthUnit::Pixel);
-    let there = MadeFor::layout("b", 41, LengthUnit::Pixel);
-    assert!(here.check_same(&here).is_ok());
-    let message = here.check_same(&there).unwrap_err().to_string();
+    let here = CalibrationTarget::layout("a", 41, LengthUnit::Pixel);
+    let there = CalibrationTarget::layout("b", 41, LengthUnit::Pixel);
+    assert!(here.verify_same(&here).is_ok());
+    let message = here.verify_same(&there).unwrap_err().to_string();
     assert!(
         message.contains("sha256") && message.contains(&here.sha256),
         "{message}"
     );
-    let message = here.check_same(&COUPLED.made_for).unwrap_err().to_string();
+    let message = here.verify_same(&COUPLED.made_for).unwrap_err().to_string();
     assert!(message.contains("another fingertip"), "{message}");
 }
 
@@ -430,7 +430,7 @@ proptest! {
             };
             prop_assert!(element.force(&moments).is_finite());
             let [[_, growth], [_, u], _] = element.map.ranges();
-            let force = |growth, u| element.map.force(Inputs {
+            let force = |growth, u| element.map.force(RelativeMoments {
                 growth,
                 displacement: DVec2::new(u, 0.0),
             });

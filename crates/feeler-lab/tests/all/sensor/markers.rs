@@ -273,7 +273,7 @@ fn the_calibrations_can_be_made_again() {
         let committed = experiment.calibration(0).unwrap();
         let bench = CalibrationBenchConfig::of_fingertip(fingertip, optics, 150);
         let records = load_simulated(fingertip, optics, &bench).unwrap();
-        let made_for = feeler::sensor::fingertip::MadeFor::fingertip(fingertip).unwrap();
+        let made_for = feeler::sensor::fingertip::CalibrationTarget::fingertip(fingertip).unwrap();
         let model = feeler::sensor::calibration::ModelChoice::Auto;
         let made =
             feeler::sensor::calibration::fit(made_for, &records, model, bench.full_scale).unwrap();

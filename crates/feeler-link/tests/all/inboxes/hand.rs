@@ -4,7 +4,7 @@ use super::bench::{
     ELEMENTS, NOBODY, SENSE, STALE, WORLD, echoing, hand, hear, heartbeat, put, state, update,
 };
 use feeler::control::StopReason;
-use feeler_link::hand::Verdict;
+use feeler_link::hand::Permission;
 use feeler_link::inboxes::HandInbox;
 use feeler_link::inboxes::Inbox;
 use feeler_link::messages::Rejection;
@@ -292,25 +292,25 @@ fn a_stop_meanwhile_does_not_keep_a_hand_from_going_on_by_itself() {
     let mut hand = hand_with_state();
     let felt = sound_update(&hand, 1);
     put(&mut hand, Topic::Tactile(0), &felt, NOW).unwrap();
-    assert_eq!(hand.verdict(NOW, STALE, true), Verdict::Go);
+    assert_eq!(hand.verdict(NOW, STALE, true), Permission::Move);
     let late = hand.verdict(NOW + 1.0, STALE, true);
     assert!(matches!(
         late,
-        Verdict::Stand(Some(StopReason::StaleState { .. }))
+        Permission::Hold(Some(StopReason::StaleState { .. }))
     ));
     let number = hand.holds.order(5, "me").unwrap();
     let told = hand.verdict(NOW, STALE, true);
     assert!(matches!(
         told,
-        Verdict::Stand(Some(StopReason::Told { .. }))
+        Permission::Hold(Some(StopReason::Requested { .. }))
     ));
     hand.holds.resume(number);
-    assert_eq!(hand.verdict(NOW, STALE, true), Verdict::Go);
+    assert_eq!(hand.verdict(NOW, STALE, true), Permission::Move);
     // Where it is to be told, both stops are to be resumed.
     hand.verdict(NOW + 1.0, STALE, false);
     hand.holds.order(6, "me");
     hand.holds.resume(hand.holds.newest());
-    assert_eq!(hand.verdict(NOW, STALE, false), Verdict::Stand(None));
+    assert_eq!(hand.verdict(NOW, STALE, false), Permission::Hold(None));
 }
 
 /// Where data are never stale, as their rig waits for the hand, they must have come nevertheless: a hand that began

@@ -77,10 +77,10 @@ impl Model for Protocol {
 }
 
 /// Whether a state is sound.
-type Holds = fn(&Protocol, &Case) -> bool;
+type ActiveStops = fn(&Protocol, &Case) -> bool;
 
 /// What holds always.
-const SOUND: [(&str, Holds); 4] = [
+const SOUND: [(&str, ActiveStops); 4] = [
     ("no hand moves on stale data", |_, case| {
         without(case, Violation::MovedOnStaleData)
     }),

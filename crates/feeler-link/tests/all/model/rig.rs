@@ -1,7 +1,7 @@
 //! A rig of one finger whose programs do what the real ones do in a control period.
 
 use super::periods::{Channel, Fate, Happening, Period};
-use feeler_link::hand::Verdict;
+use feeler_link::hand::Permission;
 use feeler_link::hand::{RigSpeed, RunClock};
 use feeler_link::inboxes::Expected;
 use feeler_link::inboxes::HandInbox;
@@ -409,7 +409,7 @@ impl Rig {
             let step = hand.inbox.sent.newest() + 1;
             hand.inbox.sent.sent(step, now);
             let token = hand.inbox.sent.token(step);
-            hand.moves = hand.began && hand.inbox.verdict(now, STALE, false) == Verdict::Go;
+            hand.moves = hand.began && hand.inbox.verdict(now, STALE, false) == Permission::Move;
             hand.began |= hand.inbox.may_begin(now, STALE);
             self.violations.extend(hand.violations(period));
             let command = hand.command(step, token);
@@ -452,7 +452,7 @@ impl Rig {
 
 impl HandProgram {
     /// What a stop or a resume among the messages means, told apart from how the hand keeps it.
-    fn note_orders(&mut self, sent: &Sent, before: &[feeler_link::hand::Hold]) {
+    fn note_orders(&mut self, sent: &Sent, before: &[feeler_link::hand::ActiveStop]) {
         use feeler_link::hand::Cause;
         match sent.topic {
             Topic::Stop => {

@@ -19,7 +19,7 @@ use std::sync::{Arc, Mutex};
 const FOR_EVER: Duration = Duration::from_secs(3600);
 
 /// Drops messages immediately if the queue is full.
-const HURRY: Patience = Patience::Limited(Duration::ZERO);
+const HURRY: Backpressure = Backpressure::Limited(Duration::ZERO);
 
 /// A store that accepts one batch per permit, and all batches once the permit sender is dropped.
 struct Gated<S> {
@@ -100,7 +100,7 @@ impl Store for Spans {
 }
 
 /// Creates a recorder for two fingers that writes every step to `store` as a chunk.
-fn recorder(store: impl Store, patience: Patience) -> Recorder {
+fn recorder(store: impl Store, patience: Backpressure) -> Recorder {
     let options = RecordOptions {
         patience,
         flush_interval: 0.0,
@@ -110,13 +110,13 @@ fn recorder(store: impl Store, patience: Patience) -> Recorder {
     Recorder::to_store(Path::new("recording.mcap"), store, channels, &options).unwrap()
 }
 
-fn gated<S: Store>(store: S, patience: Patience) -> (Recorder, Sender<()>) {
+fn gated<S: Store>(store: S, patience: Backpressure) -> (Recorder, Sender<()>) {
     let (recorder, permit, _) = gate(store, patience);
     (recorder, permit)
 }
 
 /// Like [`gated`], but returns once step 0 is waiting for its permit, so that the queue's free space is known.
-fn held_up<S: Store>(store: S, patience: Patience) -> (Recorder, Sender<()>) {
+fn held_up<S: Store>(store: S, patience: Backpressure) -> (Recorder, Sender<()>) {
     let (mut recorder, permit, begun) = gate(store, patience);
     write_step(&mut recorder, 0).unwrap();
     while !begun.load(Ordering::Relaxed) {
@@ -126,7 +126,7 @@ fn held_up<S: Store>(store: S, patience: Patience) -> (Recorder, Sender<()>) {
 }
 
 /// Creates a recorder with its permits and the flag of [`Gated::begun`].
-fn gate<S: Store>(store: S, patience: Patience) -> (Recorder, Sender<()>, Arc<AtomicBool>) {
+fn gate<S: Store>(store: S, patience: Backpressure) -> (Recorder, Sender<()>, Arc<AtomicBool>) {
     let (permit, permits) = channel();
     let begun = Arc::<AtomicBool>::default();
     let gated = Gated {
@@ -219,7 +219,7 @@ fn a_stuck_file_does_not_block_writes() {
 
 #[test]
 fn a_write_that_may_wait_waits_once_until_there_is_room() {
-    let (mut recorder, permit) = held_up(Memory::default(), Patience::Limited(FOR_EVER));
+    let (mut recorder, permit) = held_up(Memory::default(), Backpressure::Limited(FOR_EVER));
     for step in 1..OVERFLOW {
         // Simulates a wait in vain when the queue is first full; a second wait would hang the test.
         recorder.writer.waited |= recorder.dropped() == 0;
@@ -245,7 +245,7 @@ fn a_write_that_may_wait_waits_once_until_there_is_room() {
 #[test]
 fn unlimited_patience_loses_nothing() {
     let memory = Memory::default();
-    let (mut recorder, permit) = gated(memory.clone(), Patience::Unlimited);
+    let (mut recorder, permit) = gated(memory.clone(), Backpressure::Unlimited);
     let permits = thread::spawn(move || {
         for _ in 0..OVERFLOW {
             permit.send(()).unwrap();
@@ -282,7 +282,7 @@ fn a_full_disk_does_not_end_a_run_of_limited_patience() {
 
 #[test]
 fn a_full_disk_is_an_error_with_unlimited_patience() {
-    let mut recorder = recorder(Full(3), Patience::Unlimited);
+    let mut recorder = recorder(Full(3), Backpressure::Unlimited);
     let mut steps = 0..;
     let error = loop {
         if let Err(error) = write_step(&mut recorder, steps.next().unwrap()) {
@@ -322,7 +322,7 @@ fn facts() -> RunFacts {
 }
 
 /// Records [`OVERFLOW`] steps to a file that accepts no data meanwhile, then steps until one is accepted.
-fn with_gap(name: &str, patience: Patience) -> Recording {
+fn with_gap(name: &str, patience: Backpressure) -> Recording {
     let path = std::env::temp_dir().join(format!("feeler-{name}-{}", std::process::id()));
     let channels = Channel::of_run(&facts(), false);
     let sink = Sink::create(&path, &facts(), "", &RecordOptions::default(), &channels).unwrap();

@@ -17,7 +17,7 @@ use std::sync::Arc;
 pub const WIDTH: f64 = 480.0;
 
 /// Maximum number of strokes whose MOVE is shaded; shades of more strokes are too narrow to distinguish.
-pub const MOST_SHADED: usize = 100;
+pub const MAX_SHADED: usize = 100;
 
 const LEGEND_HEIGHT: f64 = 30.0;
 const LEGEND_LINE: f64 = 22.0;

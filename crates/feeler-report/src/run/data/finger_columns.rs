@@ -5,7 +5,7 @@ use crate::measures::series::maximum;
 use crate::run::rows::Rows;
 use feeler::sensor::fingertip::SensingElement;
 use feeler_record::{
-    FingerRecord, Fingertip, Flags, Joints, NO_ELEMENT, Newest, Recording, Tactile,
+    FingerRecord, Fingertip, Flags, Joints, LatestAt, NO_ELEMENT, Recording, Tactile,
 };
 use glam::{DQuat, DVec3};
 
@@ -149,10 +149,10 @@ pub(super) fn fingers(recording: &Recording) -> Vec<FingerColumns> {
 
 /// Channels of one finger that become columns.
 pub(super) struct FingerNewest<'a> {
-    tactile: Newest<'a, Tactile>,
-    flags: Newest<'a, Flags>,
-    fingertip: Newest<'a, Fingertip>,
-    joints: Newest<'a, Joints>,
+    tactile: LatestAt<'a, Tactile>,
+    flags: LatestAt<'a, Flags>,
+    fingertip: LatestAt<'a, Fingertip>,
+    joints: LatestAt<'a, Joints>,
 }
 
 /// Latest messages of one finger; joint angles are optional.
@@ -166,10 +166,10 @@ pub(super) struct FingerRow<'a> {
 impl<'a> FingerNewest<'a> {
     pub fn new(finger: &'a FingerRecord) -> Self {
         Self {
-            tactile: Newest::new(&finger.tactile),
-            flags: Newest::new(&finger.flags),
-            fingertip: Newest::new(&finger.fingertip),
-            joints: Newest::new(&finger.joints),
+            tactile: LatestAt::new(&finger.tactile),
+            flags: LatestAt::new(&finger.flags),
+            fingertip: LatestAt::new(&finger.fingertip),
+            joints: LatestAt::new(&finger.joints),
         }
     }
 

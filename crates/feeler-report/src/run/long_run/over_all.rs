@@ -11,7 +11,7 @@ pub struct OverAll {
     torque: PeakCounter,
     /// Index among all rows of the first row with a torque.
     first_torque: Option<usize>,
-    /// See [`Thinned::longest_above`](crate::run::thinned::Thinned::longest_above).
+    /// See [`DecimatedRun::longest_above`](crate::run::thinned::DecimatedRun::longest_above).
     pub pressed: Vec<Pressed>,
 }
 

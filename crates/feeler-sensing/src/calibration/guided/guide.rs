@@ -1,8 +1,8 @@
 //! Display for the operator while loading one element after another.
 
 use super::screen::{Screen, missing_before_loads};
+use feeler::sensor::calibration::{CalibrationTarget, FullScale};
 use feeler::sensor::calibration::{ElementRecord, LoadSample, ModelChoice, fit};
-use feeler::sensor::calibration::{FullScale, MadeFor};
 use feeler::sensor::calibration::{LiveCalibration, Seen, Stage};
 use feeler::sensor::moments::ElementMoments;
 use feeler_lab::sensor::SensorGeometry;
@@ -69,7 +69,7 @@ impl<'a> Guide<'a> {
         if !record.fitted.len().is_multiple_of(SAMPLES) {
             return;
         }
-        let made_for = MadeFor {
+        let made_for = CalibrationTarget {
             elements: 1,
             ..self.sensor.made_for.clone()
         };

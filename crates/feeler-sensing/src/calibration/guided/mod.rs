@@ -190,7 +190,7 @@ impl Guided<'_> {
                 }
                 match frame {
                     Ok(frame) => self.waiting.push_back((self.time_of(&frame, at), frame)),
-                    Err(error) if error.may_pass() => self.work.warn(&error.to_string()),
+                    Err(error) if error.is_recoverable() => self.work.warn(&error.to_string()),
                     Err(CameraError::Ended { .. }) => {
                         return Err("the camera stream has ended".into());
                     }

@@ -7,7 +7,7 @@ use feeler_console::PartFile;
 use std::path::PathBuf;
 
 /// An output to a file that gets its final name only when it is complete.
-pub struct Filed {
+pub struct FileOutput {
     name: String,
     output: Box<dyn Output>,
     part: PartFile,
@@ -17,7 +17,7 @@ pub struct Filed {
     frames: u64,
 }
 
-impl Filed {
+impl FileOutput {
     /// Creates an output that writes to the partial file `part`, which is renamed to `name`. Set `is_text` if the last
     /// line may be incomplete.
     pub fn new(name: String, output: Box<dyn Output>, part: PartFile, is_text: bool) -> Self {
@@ -35,7 +35,7 @@ impl Filed {
     }
 }
 
-impl Output for Filed {
+impl Output for FileOutput {
     fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError> {
         self.frames += 1;
         let written = self.output.write(frame);

@@ -1,6 +1,6 @@
 //! ROS 2 messages in an MCAP file.
 
-use super::{FrameReadings, OfPictures, Output};
+use super::{FrameReadings, ImageFormat, Output};
 use feeler::sensor::forces::ElementReading;
 use feeler::sensor::image::Frame;
 use feeler_console::CommandError;
@@ -38,7 +38,7 @@ pub struct Mcap {
 
 impl Mcap {
     /// Creates a file at `path`.
-    pub fn create(path: &Path, format: &OfPictures) -> Result<Self, CommandError> {
+    pub fn create(path: &Path, format: &ImageFormat) -> Result<Self, CommandError> {
         Ok(Self {
             writer: SensedWriter::create(path, format.pictures)?,
             pictures: Pictures::of(format.pictures),

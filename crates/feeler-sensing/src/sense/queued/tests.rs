@@ -34,11 +34,26 @@ impl Output for Gated {
 
 type Shared<T> = Arc<Mutex<Vec<T>>>;
 
-fn queued(room: usize) -> (Box<Queued>, Sender<()>, Shared<u64>, Shared<String>) {
-    queued_as(Full::DropForAHand, room)
+fn queued(
+    room: usize,
+) -> (
+    Box<BackgroundOutput>,
+    Sender<()>,
+    Shared<u64>,
+    Shared<String>,
+) {
+    queued_as(Backpressure::DropAndIgnoreErrors, room)
 }
 
-fn queued_as(full: Full, room: usize) -> (Box<Queued>, Sender<()>, Shared<u64>, Shared<String>) {
+fn queued_as(
+    full: Backpressure,
+    room: usize,
+) -> (
+    Box<BackgroundOutput>,
+    Sender<()>,
+    Shared<u64>,
+    Shared<String>,
+) {
     let (permit, permits) = channel();
     let (taken, said) = (Shared::default(), Shared::<String>::default());
     let gated = Gated {
@@ -48,11 +63,11 @@ fn queued_as(full: Full, room: usize) -> (Box<Queued>, Sender<()>, Shared<u64>, 
     };
     let heard = Arc::clone(&said);
     let say = Box::new(move |line: &str| heard.lock().unwrap().push(line.into()));
-    let queued = Queued::start(Box::new(gated), full, false, say).unwrap();
+    let queued = BackgroundOutput::start(Box::new(gated), full, false, say).unwrap();
     (Box::new(queued), permit, taken, said)
 }
 
-fn write(queued: &mut Queued, sequence: u64) {
+fn write(queued: &mut BackgroundOutput, sequence: u64) {
     let frame = FrameReadings {
         sequence,
         stamp: 0.0,
@@ -66,7 +81,7 @@ fn write(queued: &mut Queued, sequence: u64) {
 fn a_disk_that_hangs_twice_blocks_no_sensor_and_leaves_a_partial_file() {
     let (mut queued, permit, taken, said) = queued(usize::MAX);
     let mut sequences = 0..;
-    let mut write_while = |queued: &mut Queued, is_dropping| {
+    let mut write_while = |queued: &mut BackgroundOutput, is_dropping| {
         while queued.is_dropping == is_dropping {
             write(queued, sequences.next().unwrap());
         }

@@ -8,15 +8,15 @@ mod pump;
 pub use layout::{TaxelOptions, taxel_layout_text};
 
 use super::output::{FrameReadings, Output};
-use super::queued::{Full, Queued};
-use super::tally::Tally;
+use super::queued::{BackgroundOutput, Backpressure};
+use super::tally::SensingStats;
 use super::{SenseOptions, close};
 use feeler::sensor::forces::ElementReading;
 use feeler::sensor::forces::TactileFrame;
 use feeler::sensor::taxel::{TaxelLayout, TaxelUnit};
 use feeler_console::open_table;
 use feeler_console::{CommandError, is_raised};
-use output::Forms;
+use output::TaxelFormat;
 use publish::Publisher;
 use pump::{Event, RowPump};
 use std::io::{BufRead, BufReader, stdin};
@@ -31,7 +31,7 @@ const WAIT: Duration = Duration::from_millis(50);
 pub fn sense(
     options: &SenseOptions,
     layout: &str,
-    tally: &mut Tally,
+    tally: &mut SensingStats,
     interrupted: &AtomicBool,
 ) -> Result<(), CommandError> {
     if options.finger.is_some() && !options.publish {
@@ -75,16 +75,16 @@ pub fn sense(
 fn open_output(
     options: &SenseOptions,
     layout: &TaxelLayout,
-    tally: &Tally,
+    tally: &SensingStats,
 ) -> Result<Option<Box<dyn Output>>, CommandError> {
     if options.publish && options.output.is_none() {
         return Ok(None);
     }
-    let output = options.open_output_as(&Forms::of(layout)?)?;
+    let output = options.open_output_as(&TaxelFormat::of(layout)?)?;
     match options.publish {
-        true => Ok(Some(Box::new(Queued::start(
+        true => Ok(Some(Box::new(BackgroundOutput::start(
             output,
-            Full::DropForAHand,
+            Backpressure::DropAndIgnoreErrors,
             false,
             tally.warner(),
         )?))),
@@ -134,7 +134,7 @@ struct Stage<'a> {
     readings: Vec<ElementReading>,
     output: Option<Box<dyn Output>>,
     publisher: Option<Publisher>,
-    tally: &'a mut Tally,
+    tally: &'a mut SensingStats,
     /// Name of the source.
     name: String,
     /// `true` if rows arrive live, so that problems are reported immediately.

@@ -10,14 +10,14 @@ use serde::Serialize;
 use std::path::{Path, PathBuf};
 
 /// Output formats of a taxel array.
-pub struct Forms {
+pub struct TaxelFormat {
     facts: TaxelFacts,
     unit: TaxelUnit,
     /// `true` if a column names sequences.
     sequences: bool,
 }
 
-impl Forms {
+impl TaxelFormat {
     /// Creates the formats for `layout`.
     pub fn of(layout: &TaxelLayout) -> Result<Self, CommandError> {
         let unit = layout.force_unit();
@@ -42,7 +42,7 @@ impl Forms {
     }
 }
 
-impl Format for Forms {
+impl Format for TaxelFormat {
     fn csv(&self, writer: RowWriter) -> Result<Box<dyn Output>, CommandError> {
         let forces = match self.unit {
             TaxelUnit::Newton => ["f_x", "f_y", "f_z"],

@@ -1,7 +1,7 @@
 //! Publishes the forces of a taxel array for the hand program.
 
 use super::super::SenseOptions;
-use feeler::sensor::fingertip::MadeFor;
+use feeler::sensor::fingertip::CalibrationTarget;
 use feeler::sensor::fingertip::{ElementLayout, SensingElement};
 use feeler::sensor::forces::TactileFrame;
 use feeler::sensor::taxel::{TaxelLayout, TaxelUnit};
@@ -38,7 +38,7 @@ impl Publisher {
             elements: elements.len(),
             picture_size: (fingertip.camera.width, fingertip.camera.height),
             thresholds: experiment.config.control.thresholds(),
-            fingertip: MadeFor::fingertip(fingertip)?.sha256,
+            fingertip: CalibrationTarget::fingertip(fingertip)?.sha256,
             expected: expected(&experiment)?,
         };
         let rig = options.rig_name(&experiment);

@@ -2,7 +2,7 @@
 
 use super::{
     hull,
-    seen_spot::{SeenSpot, side_by_side},
+    seen_spot::{ProjectedSpot, side_by_side},
 };
 use crate::optics::model::OpticsModel;
 use glam::DVec3;
@@ -11,7 +11,7 @@ use std::ops::Range;
 /// A light source of an image.
 #[derive(Debug, Clone)]
 pub(super) enum Light {
-    Spot(SeenSpot),
+    Spot(ProjectedSpot),
     /// All spots of an unloaded element.
     AtRest(usize),
     /// No light: the region of a loaded element, which differs from the image at rest.
@@ -77,9 +77,9 @@ impl RestLight {
     }
 
     fn new(model: &OpticsModel, element: usize) -> Self {
-        let seen = |spot| SeenSpot::new(model, element, &spot);
+        let seen = |spot| ProjectedSpot::new(model, element, &spot);
         let spots = model.spots(DVec3::ZERO).into_iter().filter_map(seen);
-        let spots: Vec<SeenSpot> = spots.collect();
+        let spots: Vec<ProjectedSpot> = spots.collect();
         let rows = spots.iter().map(|spot| spot.rows.clone()).reduce(hull);
         let columns = spots.iter().map(|spot| spot.columns.clone()).reduce(hull);
         let (rows, columns) = (rows.unwrap_or_default(), columns.unwrap_or_default());

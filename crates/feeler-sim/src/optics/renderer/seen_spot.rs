@@ -10,7 +10,7 @@ pub(super) const SIDE_BY_SIDE: usize = 8;
 /// A spot in the image: a disc on the dome whose intensity falls linearly over twice the blur at the edge. Its height
 /// is chosen such that the integrated light equals the contact's area, however small.
 #[derive(Debug, Clone)]
-pub(super) struct SeenSpot {
+pub(super) struct ProjectedSpot {
     /// Centre in `T` (m).
     centre: Vec3,
     profile: SpotProfile,
@@ -18,7 +18,7 @@ pub(super) struct SeenSpot {
     pub columns: Range<usize>,
 }
 
-impl SeenSpot {
+impl ProjectedSpot {
     /// Projects a spot of an element. `None` if the cone does not touch or is not visible.
     pub fn new(model: &OpticsModel, element: usize, spot: &Spot) -> Option<Self> {
         if spot.radius <= 0.0 {
@@ -137,7 +137,7 @@ mod tests {
         let mut lit = 0;
         for element in 0..layout.elements.len() {
             let spots = loads.map(|load| model.spots(DVec3::from_array(load)));
-            let seen = |spot| SeenSpot::new(&model, element, spot);
+            let seen = |spot| ProjectedSpot::new(&model, element, spot);
             for spot in spots.as_flattened().iter().filter_map(seen) {
                 let rows = spot.rows.start.saturating_sub(12)..spot.rows.end + 12;
                 let columns = spot.columns.start.saturating_sub(12)..spot.columns.end + 12;

@@ -20,7 +20,7 @@ pub(in super::super) enum Quantity {
 }
 
 /// The library functions of one quantity.
-struct OfQuantity {
+struct QuantityFunctions {
     is_available: unsafe extern "C" fn(Object, Failure) -> c_int,
     bounds: unsafe extern "C" fn(Object, *mut f64, *mut f64, Failure),
     set: unsafe extern "C" fn(Object, f64, Failure),
@@ -237,10 +237,10 @@ impl Device {
         asked.map(drop)
     }
 
-    fn of(&self, quantity: Quantity) -> OfQuantity {
+    fn of(&self, quantity: Quantity) -> QuantityFunctions {
         let functions = self.functions();
         match quantity {
-            Quantity::Exposure => OfQuantity {
+            Quantity::Exposure => QuantityFunctions {
                 is_available: functions.arv_camera_is_exposure_time_available,
                 bounds: functions.arv_camera_get_exposure_time_bounds,
                 set: functions.arv_camera_set_exposure_time,
@@ -249,7 +249,7 @@ impl Device {
                     functions.arv_camera_set_exposure_time_auto,
                 )),
             },
-            Quantity::Gain => OfQuantity {
+            Quantity::Gain => QuantityFunctions {
                 is_available: functions.arv_camera_is_gain_available,
                 bounds: functions.arv_camera_get_gain_bounds,
                 set: functions.arv_camera_set_gain,
@@ -258,7 +258,7 @@ impl Device {
                     functions.arv_camera_set_gain_auto,
                 )),
             },
-            Quantity::FrameRate => OfQuantity {
+            Quantity::FrameRate => QuantityFunctions {
                 is_available: functions.arv_camera_is_frame_rate_available,
                 bounds: functions.arv_camera_get_frame_rate_bounds,
                 set: functions.arv_camera_set_frame_rate,

@@ -9,7 +9,7 @@ use super::{FRICTION, Law};
 use crate::check::Checker;
 use crate::control::flags::FlagThresholds;
 use crate::control::plan::Plan;
-use crate::control::sense::FingerSense;
+use crate::control::sense::FingerReadings;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -145,7 +145,7 @@ impl Best {
     }
 
     /// Updates the friction with the latest forces and returns the finger's load.
-    fn feel(&mut self, finger: &FingerSense<'_>, towards_object: DVec3) -> ContactLoad {
+    fn feel(&mut self, finger: &FingerReadings<'_>, towards_object: DVec3) -> ContactLoad {
         let frame = &finger.touch.frame;
         let new = self.newest.replace(frame.sequence) != Some(frame.sequence);
         let inward = inward(finger).unwrap_or(towards_object);
@@ -189,7 +189,7 @@ impl Best {
 }
 
 impl Law for Best {
-    fn velocity(&mut self, plan: &Plan, finger: &FingerSense<'_>) -> DVec3 {
+    fn velocity(&mut self, plan: &Plan, finger: &FingerReadings<'_>) -> DVec3 {
         let grip = self.feel(finger, plan.towards_object);
         match plan.keep_grasp {
             true => plan.velocity + self.pressing(&grip) * grip.inward,
@@ -210,7 +210,7 @@ impl Load {
 }
 
 /// Mean of the touching elements' outward dome normals, weighted by force.
-fn inward(finger: &FingerSense<'_>) -> Option<DVec3> {
+fn inward(finger: &FingerReadings<'_>) -> Option<DVec3> {
     let forces = finger.touch.frame.forces.iter().enumerate();
     let weighted = forces.filter(|(_, force)| force.z > NOISE);
     let sum: DVec3 = weighted

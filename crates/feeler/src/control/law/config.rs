@@ -6,7 +6,7 @@ use super::normal_only::{NormalOnly, NormalOnlyConfig};
 use super::open_loop::{OpenLoop, OpenLoopConfig};
 use super::pivot::{Pivot, PivotConfig};
 use super::policy::{Policy, PolicyConfig};
-use super::tri_axial::{FingerSpeedEstimator, Reflex};
+use super::tri_axial::{Reflex, TriAxialLaw};
 use super::{FingerLaws, HandLaw, Law};
 use crate::check::Checker;
 use crate::control::flags::FlagThresholds;
@@ -180,7 +180,7 @@ impl LawConfig {
         elements: usize,
     ) -> Result<Option<Box<dyn Law>>, LawError> {
         Ok(Some(match self {
-            Self::TriAxial => Box::new(FingerSpeedEstimator::new(reflex)),
+            Self::TriAxial => Box::new(TriAxialLaw::new(reflex)),
             Self::TriAxialMissingShear(config) => {
                 Box::new(MissingShear::new(config, reflex, touch_force, elements))
             }

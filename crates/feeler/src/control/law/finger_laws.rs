@@ -2,7 +2,7 @@
 
 use super::{HandLaw, Law};
 use crate::control::plan::Plan;
-use crate::control::sense::HandSense;
+use crate::control::sense::HandReadings;
 use glam::DVec3;
 
 /// Moves each finger by a separate [`Law`] that receives no data from the other fingers.
@@ -19,7 +19,7 @@ impl FingerLaws {
 }
 
 impl HandLaw for FingerLaws {
-    fn velocities(&mut self, plans: &[Plan], hand: &HandSense<'_>, velocities: &mut [DVec3]) {
+    fn velocities(&mut self, plans: &[Plan], hand: &HandReadings<'_>, velocities: &mut [DVec3]) {
         let fingers = self.laws.iter_mut().zip(plans).zip(hand.fingers());
         for (((law, plan), finger), velocity) in fingers.zip(velocities) {
             *velocity = law.velocity(plan, &finger);

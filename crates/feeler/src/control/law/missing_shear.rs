@@ -5,12 +5,12 @@
 //! SLIP flag that sensors raise, and that is recorded, remains the paper's.
 
 use super::Law;
-use super::tri_axial::{FingerSpeedEstimator, Reflex};
+use super::tri_axial::{Reflex, TriAxialLaw};
 use crate::check::Checker;
 use crate::control::feeler_shape::FeelerShape;
 use crate::control::flags::FingerFlags;
 use crate::control::plan::Plan;
-use crate::control::sense::FingerSense;
+use crate::control::sense::FingerReadings;
 use crate::control::slip_detector::SlipDetector;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -46,7 +46,7 @@ impl MissingShearConfig {
 /// The law's state for one finger, with its slip detector.
 #[derive(Debug, Clone)]
 pub struct MissingShear {
-    estimator: FingerSpeedEstimator,
+    estimator: TriAxialLaw,
     detector: SlipDetector,
     threshold: f64,
     /// Sequence number of the latest evaluated frame.
@@ -64,9 +64,9 @@ impl MissingShear {
         elements: usize,
     ) -> Self {
         Self {
-            estimator: FingerSpeedEstimator::new(reflex),
+            estimator: TriAxialLaw::new(reflex),
             // The cap turns with the fingers until it is closed.
-            detector: SlipDetector::on_what_may_move(config.feeler, touch_force, elements),
+            detector: SlipDetector::for_movable_object(config.feeler, touch_force, elements),
             threshold: config.threshold,
             newest: None,
             slip: false,
@@ -74,7 +74,7 @@ impl MissingShear {
     }
 
     /// Returns whether an element slips in the latest frame. Repeats the last result until there is a newer frame.
-    fn slips(&mut self, finger: &FingerSense<'_>) -> bool {
+    fn slips(&mut self, finger: &FingerReadings<'_>) -> bool {
         let frame = &finger.touch.frame;
         if self.newest.replace(frame.sequence) != Some(frame.sequence) {
             let missing = self.detector.detect(finger);
@@ -85,7 +85,7 @@ impl MissingShear {
 }
 
 impl Law for MissingShear {
-    fn velocity(&mut self, plan: &Plan, finger: &FingerSense<'_>) -> DVec3 {
+    fn velocity(&mut self, plan: &Plan, finger: &FingerReadings<'_>) -> DVec3 {
         let slip = self.slips(finger);
         let flags = finger.flags();
         let flags = FingerFlags {

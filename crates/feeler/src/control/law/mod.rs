@@ -15,7 +15,7 @@ pub use config::{LawConfig, LawError};
 pub use finger_laws::FingerLaws;
 
 use super::plan::Plan;
-use super::sense::{FingerSense, HandSense};
+use super::sense::{FingerReadings, HandReadings};
 use dyn_clone::DynClone;
 use glam::DVec3;
 use std::fmt::Debug;
@@ -28,7 +28,7 @@ const FRICTION: (f64, f64) = (0.01, 10.0);
 /// Laws are part of the control path: they neither allocate nor panic.
 pub trait Law: DynClone + Debug + Send {
     /// Velocity of the fingertip until the next control step (m/s, in W).
-    fn velocity(&mut self, plan: &Plan, finger: &FingerSense<'_>) -> DVec3;
+    fn velocity(&mut self, plan: &Plan, finger: &FingerReadings<'_>) -> DVec3;
 }
 
 dyn_clone::clone_trait_object!(Law);
@@ -39,10 +39,10 @@ dyn_clone::clone_trait_object!(Law);
 pub trait HandLaw: DynClone + Debug + Send {
     /// Updates the law with the hand's state and forces, before the task plans. Writes for each finger whether it has
     /// closed on the object; `None` leaves that decision to the task. The default does nothing.
-    fn observe(&mut self, _hand: &HandSense<'_>, _closed: &mut [Option<bool>]) {}
+    fn observe(&mut self, _hand: &HandReadings<'_>, _closed: &mut [Option<bool>]) {}
 
     /// Writes the velocity of each fingertip until the next control step (m/s, in W), given its plan.
-    fn velocities(&mut self, plans: &[Plan], hand: &HandSense<'_>, velocities: &mut [DVec3]);
+    fn velocities(&mut self, plans: &[Plan], hand: &HandReadings<'_>, velocities: &mut [DVec3]);
 }
 
 dyn_clone::clone_trait_object!(HandLaw);

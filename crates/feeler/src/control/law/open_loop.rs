@@ -7,7 +7,7 @@
 use super::Law;
 use crate::check::Checker;
 use crate::control::plan::Plan;
-use crate::control::sense::FingerSense;
+use crate::control::sense::FingerReadings;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -60,7 +60,7 @@ impl OpenLoop {
 }
 
 impl Law for OpenLoop {
-    fn velocity(&mut self, plan: &Plan, finger: &FingerSense<'_>) -> DVec3 {
+    fn velocity(&mut self, plan: &Plan, finger: &FingerReadings<'_>) -> DVec3 {
         if !plan.keep_grasp {
             self.grasped_at = None;
             return plan.velocity;

@@ -12,7 +12,7 @@ pub use file::{FORMAT, MAX_BYTES, PolicyError};
 use super::Law;
 use crate::control::observation::ObservationLayout;
 use crate::control::plan::Plan;
-use crate::control::sense::FingerSense;
+use crate::control::sense::FingerReadings;
 use glam::DVec3;
 use network::{Network, Scratch};
 use serde::{Deserialize, Serialize};
@@ -90,7 +90,7 @@ impl Policy {
     }
 
     /// Velocity that the network adds to the plan's (m/s, in W).
-    fn residual(&mut self, plan: &Plan, finger: &FingerSense<'_>) -> DVec3 {
+    fn residual(&mut self, plan: &Plan, finger: &FingerReadings<'_>) -> DVec3 {
         let elements = self.model.elements;
         let layout = ObservationLayout { elements };
         let inputs = self.scratch.inputs_mut();
@@ -108,7 +108,7 @@ impl Policy {
 }
 
 impl Law for Policy {
-    fn velocity(&mut self, plan: &Plan, finger: &FingerSense<'_>) -> DVec3 {
+    fn velocity(&mut self, plan: &Plan, finger: &FingerReadings<'_>) -> DVec3 {
         self.last_action = match plan.reflex {
             true => plan.velocity + self.residual(plan, finger),
             false => plan.velocity,

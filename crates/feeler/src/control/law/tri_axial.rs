@@ -3,7 +3,7 @@
 use super::Law;
 use crate::control::flags::FingerFlags;
 use crate::control::plan::Plan;
-use crate::control::sense::FingerSense;
+use crate::control::sense::FingerReadings;
 use glam::DVec3;
 
 /// Parameters of the reflex that presses a slipping or weakly grasping finger into the object.
@@ -17,15 +17,15 @@ pub struct Reflex {
 
 /// Computes one finger's velocity and keeps it while neither plan nor flags change.
 #[derive(Debug, Clone)]
-pub struct FingerSpeedEstimator {
+pub struct TriAxialLaw {
     reflex: Reflex,
-    situation: Option<Situation>,
+    situation: Option<LawInputs>,
     velocity: DVec3,
 }
 
 /// Inputs that determine the velocity.
 #[derive(Debug, Clone, Copy, PartialEq)]
-struct Situation {
+struct LawInputs {
     plan: Plan,
     touch: bool,
     slip: bool,
@@ -33,15 +33,15 @@ struct Situation {
     weak: bool,
 }
 
-impl Law for FingerSpeedEstimator {
-    fn velocity(&mut self, plan: &Plan, finger: &FingerSense<'_>) -> DVec3 {
+impl Law for TriAxialLaw {
+    fn velocity(&mut self, plan: &Plan, finger: &FingerReadings<'_>) -> DVec3 {
         let flags = finger.flags();
         let pressing = flags.largest_element.and_then(|e| finger.normal(e));
         self.estimate(plan, flags, pressing)
     }
 }
 
-impl FingerSpeedEstimator {
+impl TriAxialLaw {
     /// Creates an estimator for a finger at rest.
     pub fn new(reflex: Reflex) -> Self {
         Self {
@@ -54,7 +54,7 @@ impl FingerSpeedEstimator {
     /// Velocity of the fingertip (m/s, in W). `pressing` is the outward dome normal (in W) of the touching element
     /// with the largest F_z, if any: the direction that presses it further into the object.
     pub fn estimate(&mut self, plan: &Plan, flags: &FingerFlags, pressing: Option<DVec3>) -> DVec3 {
-        let situation = Situation {
+        let situation = LawInputs {
             plan: *plan,
             touch: flags.touch,
             slip: flags.slip,
@@ -69,7 +69,7 @@ impl FingerSpeedEstimator {
     }
 
     /// The re-compressive velocity, zero while an element is over its limit.
-    fn recompression(&self, situation: &Situation, pressing: Option<DVec3>) -> DVec3 {
+    fn recompression(&self, situation: &LawInputs, pressing: Option<DVec3>) -> DVec3 {
         let slipping = situation.slip && situation.plan.reflex;
         let direction = match pressing {
             _ if situation.over => DVec3::ZERO,

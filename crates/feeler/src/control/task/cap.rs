@@ -9,13 +9,13 @@
 use super::Finding;
 use super::Task;
 use super::cap_config::{CapConfig, Until};
-use super::cap_touch::CapTouch;
-use super::cap_verdict::ResistanceCurve;
+use super::cap_estimator::CapEstimator;
 use super::homing::homeward;
+use super::resistance_curve::ResistanceCurve;
 use super::screw::{Path, ScrewConfig};
 use crate::control::phase::Phase;
 use crate::control::plan::Plan;
-use crate::control::sense::{FingerSense, HandSense};
+use crate::control::sense::{FingerReadings, HandReadings};
 use crate::control::stop_reason::StopReason;
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
@@ -40,7 +40,7 @@ pub struct CapTask {
     config: ScrewConfig,
     cap: CapConfig,
     paths: Vec<Path>,
-    touch: CapTouch,
+    touch: CapEstimator,
     curve: ResistanceCurve,
     phase: Phase,
     stroke: u32,
@@ -64,7 +64,7 @@ impl CapTask {
             (path.home.truncate() - axis).perp_dot(path.stroke.truncate())
         });
         let mut task = Self {
-            touch: CapTouch::new(axis, cap.feeler, sense, paths.len()),
+            touch: CapEstimator::new(axis, cap.feeler, sense, paths.len()),
             paths,
             config: config.clone(),
             cap: cap.clone(),
@@ -93,7 +93,7 @@ impl CapTask {
         }
     }
 
-    fn search(&mut self, hand: &HandSense<'_>) {
+    fn search(&mut self, hand: &HandReadings<'_>) {
         let limit = self.config.search_limit;
         let mut fingers = self.paths.iter().zip(hand.fingers());
         let lost = fingers.any(|(path, finger)| {
@@ -119,7 +119,7 @@ impl CapTask {
         }
     }
 
-    fn screw(&mut self, hand: &HandSense<'_>) {
+    fn screw(&mut self, hand: &HandReadings<'_>) {
         self.stroke_turn += self.touch.turned();
         let torque = self.touch.torque();
         self.curve.push(torque, self.turned + self.stroke_turn);
@@ -231,9 +231,9 @@ impl CapTask {
 }
 
 impl Task for CapTask {
-    fn advance(&mut self, hand: &HandSense<'_>) -> Result<(), StopReason> {
+    fn advance(&mut self, hand: &HandReadings<'_>) -> Result<(), StopReason> {
         self.touch.feel(hand);
-        let all = |through: &dyn Fn(&Path, &FingerSense<'_>) -> bool| {
+        let all = |through: &dyn Fn(&Path, &FingerReadings<'_>) -> bool| {
             let mut fingers = self.paths.iter().zip(hand.fingers());
             fingers.all(|(path, finger)| through(path, &finger))
         };
@@ -261,7 +261,7 @@ impl Task for CapTask {
         Ok(())
     }
 
-    fn plan(&self, finger: usize, hand: &HandSense<'_>) -> Plan {
+    fn plan(&self, finger: usize, hand: &HandReadings<'_>) -> Plan {
         let (Some(path), Some(sense)) = (self.paths.get(finger), hand.finger(finger)) else {
             return Plan::default();
         };

@@ -17,14 +17,14 @@ macro_rules! defaults {
 
 pub mod cap;
 pub mod cap_config;
-mod cap_touch;
-mod cap_verdict;
+mod cap_estimator;
 pub mod carry;
 mod config;
 pub mod contour;
 pub mod friction_scan;
 mod homing;
 pub mod probe;
+mod resistance_curve;
 pub mod screw;
 mod screw_config;
 mod search;
@@ -34,7 +34,7 @@ pub use config::TaskConfig;
 
 use super::phase::Phase;
 use super::plan::Plan;
-use super::sense::HandSense;
+use super::sense::HandReadings;
 use super::stop_reason::StopReason;
 use dyn_clone::DynClone;
 use std::fmt::Debug;
@@ -49,10 +49,10 @@ pub trait Task: DynClone + Debug + Send {
     ///
     /// # Errors
     /// If the task cannot continue.
-    fn advance(&mut self, hand: &HandSense<'_>) -> Result<(), StopReason>;
+    fn advance(&mut self, hand: &HandReadings<'_>) -> Result<(), StopReason>;
 
     /// Planned motion of finger `finger`.
-    fn plan(&self, finger: usize, hand: &HandSense<'_>) -> Plan;
+    fn plan(&self, finger: usize, hand: &HandReadings<'_>) -> Plan;
 
     /// Current phase; [`Phase::Done`] ends the run.
     fn phase(&self) -> Phase;

@@ -7,7 +7,7 @@ use super::homing::homeward;
 use super::search::check_search;
 use crate::control::phase::Phase;
 use crate::control::plan::Plan;
-use crate::control::sense::{FingerSense, HandSense};
+use crate::control::sense::{FingerReadings, HandReadings};
 use crate::control::stop_reason::StopReason;
 use glam::DVec3;
 
@@ -55,12 +55,16 @@ impl ScrewTask {
         }
     }
 
-    fn all(&self, hand: &HandSense<'_>, through: impl Fn(&Path, &FingerSense<'_>) -> bool) -> bool {
+    fn all(
+        &self,
+        hand: &HandReadings<'_>,
+        through: impl Fn(&Path, &FingerReadings<'_>) -> bool,
+    ) -> bool {
         let mut fingers = self.paths.iter().zip(hand.fingers());
         fingers.all(|(path, finger)| through(path, &finger))
     }
 
-    fn check_search(&self, hand: &HandSense<'_>) -> Result<(), StopReason> {
+    fn check_search(&self, hand: &HandReadings<'_>) -> Result<(), StopReason> {
         for (finger, (path, sense)) in self.paths.iter().zip(hand.fingers()).enumerate() {
             if !hand.has_closed(finger, self.config.grasp_force) {
                 let travel = path.approached(sense.pose.position);
@@ -73,7 +77,7 @@ impl ScrewTask {
 
 impl Task for ScrewTask {
     /// Starts the next phase once every finger has completed the current one.
-    fn advance(&mut self, hand: &HandSense<'_>) -> Result<(), StopReason> {
+    fn advance(&mut self, hand: &HandReadings<'_>) -> Result<(), StopReason> {
         let config = &self.config;
         match self.phase {
             Phase::Search => {
@@ -96,7 +100,7 @@ impl Task for ScrewTask {
                 }
             }
             Phase::Return => {
-                let home = |p: &Path, f: &FingerSense<'_>| {
+                let home = |p: &Path, f: &FingerReadings<'_>| {
                     p.home.distance(f.pose.position) <= config.home_tolerance
                 };
                 if self.all(hand, home) {
@@ -108,7 +112,7 @@ impl Task for ScrewTask {
         Ok(())
     }
 
-    fn plan(&self, finger: usize, hand: &HandSense<'_>) -> Plan {
+    fn plan(&self, finger: usize, hand: &HandReadings<'_>) -> Plan {
         let (Some(path), Some(sense)) = (self.paths.get(finger), hand.finger(finger)) else {
             return Plan::default();
         };

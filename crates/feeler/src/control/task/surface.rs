@@ -1,13 +1,13 @@
 //! Touching elements of a finger.
 
-use crate::control::sense::FingerSense;
+use crate::control::sense::FingerReadings;
 use glam::DVec3;
 
 /// Iterates over the elements with a force above `touch_force` (N), with the force on each (N, in W).
 ///
 /// The magnitude of the force counts, not only compression: a feeler that is caught behind an edge is bent sideways.
 pub fn touching<'a>(
-    finger: &'a FingerSense<'_>,
+    finger: &'a FingerReadings<'_>,
     touch_force: f64,
 ) -> impl Iterator<Item = (usize, DVec3)> + 'a {
     // Compare squares, because there are many elements and few of them touch.

@@ -11,8 +11,8 @@
 
 mod orders;
 
-use super::least_squares::{LEAST_SLOPE_RANGE, beyond, least_squares};
-use super::model::Inputs;
+use super::least_squares::{MIN_SLOPE_RANGE, beyond, least_squares};
+use super::model::RelativeMoments;
 use glam::DVec3;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
@@ -58,7 +58,7 @@ fn polynomial(coefficients: &[f64], terms: &[f64]) -> f64 {
 
 /// Forces on one element as functions of all its moments.
 ///
-/// Inputs beyond the range of the loads are clamped to it. The force that depends most on an input (growth: `F_z`, x:
+/// RelativeMoments beyond the range of the loads are clamped to it. The force that depends most on an input (growth: `F_z`, x:
 /// `F_x`, y: `F_y`) is then extrapolated with its mean slope over that range.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -84,7 +84,7 @@ pub(in crate::sensor) type Orders = [usize; 3];
 
 impl CoupledMap {
     /// Force in `E_i`, N. Finite unless an input is NaN.
-    pub fn force(&self, inputs: Inputs) -> DVec3 {
+    pub fn force(&self, inputs: RelativeMoments) -> DVec3 {
         let ranges = self.ranges();
         let raw = [inputs.growth, inputs.displacement.x, inputs.displacement.y];
         let mut inside = [0.0; 3];
@@ -134,14 +134,14 @@ impl CoupledMap {
 
     /// Fits polynomials with the numbers of terms in `orders`.
     pub(in crate::sensor) fn fit(
-        inputs: &[Inputs],
+        inputs: &[RelativeMoments],
         forces: &[DVec3],
         orders: Orders,
     ) -> Result<Self, String> {
-        let range = |input: fn(&Inputs) -> f64, name: &str| {
+        let range = |input: fn(&RelativeMoments) -> f64, name: &str| {
             let low = inputs.iter().map(input).fold(0.0, f64::min);
             let high = inputs.iter().map(input).fold(0.0, f64::max);
-            if high - low < LEAST_SLOPE_RANGE {
+            if high - low < MIN_SLOPE_RANGE {
                 return Err(format!(
                     "expected loads that change the image, got {name} from {low} to {high}"
                 ));

@@ -6,8 +6,8 @@ pub use outlier::{Outlier, outlier};
 
 use super::coupled::{CoupledMap, Orders, choose_orders};
 use super::model::{
-    CALIBRATION_VERSION, Calibration, CalibrationError, ElementCalibration, ForceMap, ForceUnit,
-    Inputs, MadeFor, SeparableMap,
+    CALIBRATION_VERSION, Calibration, CalibrationError, CalibrationTarget, ElementCalibration,
+    ForceMap, ForceUnit, RelativeMoments, SeparableMap,
 };
 use super::quality::{
     CycledReading, ElementQuality, FullScale, HeldOutError, repeatability_and_hysteresis,
@@ -78,7 +78,7 @@ impl FullScale {
 /// # Errors
 /// If a record is missing or empty, an element is dark, or its loads do not determine a map.
 pub fn fit(
-    made_for: MadeFor,
+    made_for: CalibrationTarget,
     records: &[ElementRecord],
     choice: ModelChoice,
     full_scale: FullScale,
@@ -140,7 +140,7 @@ struct Prepared<'a> {
     record: &'a ElementRecord,
     unloaded_gray: f64,
     unloaded_centroid: DVec2,
-    inputs: Vec<Inputs>,
+    inputs: Vec<RelativeMoments>,
     forces: Vec<DVec3>,
     folds: Folds,
 }
@@ -178,8 +178,8 @@ impl<'a> Prepared<'a> {
         })
     }
 
-    fn relative(&self, moments: &ElementMoments) -> Inputs {
-        Inputs::relative(moments, self.unloaded_gray, self.unloaded_centroid)
+    fn relative(&self, moments: &ElementMoments) -> RelativeMoments {
+        RelativeMoments::relative(moments, self.unloaded_gray, self.unloaded_centroid)
     }
 
     /// Fits one model. Returns the calibration and its mean squared cross-validated error relative to full scale.
@@ -244,7 +244,7 @@ impl<'a> Prepared<'a> {
 }
 
 fn fit_map(
-    inputs: &[Inputs],
+    inputs: &[RelativeMoments],
     forces: &[DVec3],
     orders: Option<Orders>,
 ) -> Result<ForceMap, String> {

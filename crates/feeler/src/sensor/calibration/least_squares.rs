@@ -4,7 +4,7 @@ use glam::{DMat3, DVec3};
 use nalgebra::{DMatrix, DVector};
 
 /// Minimum width of a range of inputs for a meaningful slope.
-pub(in crate::sensor) const LEAST_SLOPE_RANGE: f64 = 1e-12;
+pub(in crate::sensor) const MIN_SLOPE_RANGE: f64 = 1e-12;
 
 /// Maximum extrapolation beyond a range, in widths of the range.
 const FARTHEST: f64 = 1e6;
@@ -44,7 +44,7 @@ pub(in crate::sensor) fn least_squares(
     forces: &[f64],
 ) -> Result<Vec<f64>, String> {
     /// Minimum remainder of a column after projection onto the previous ones, relative to the largest.
-    const LEAST_PART: f64 = 1e-9;
+    const MIN_PART: f64 = 1e-9;
     let (rows, terms) = columns.shape();
     if rows <= terms {
         return Err(format!("expected more than {terms} loads, got {rows}"));
@@ -56,7 +56,7 @@ pub(in crate::sensor) fn least_squares(
     let decomposition = columns.qr();
     let triangle = decomposition.r();
     let (least, largest) = (triangle.diagonal().abs().min(), triangle.amax());
-    if least <= LEAST_PART * largest {
+    if least <= MIN_PART * largest {
         return Err(format!("expected at least {terms} different loads"));
     }
     let mut solution = DVector::from_column_slice(forces);

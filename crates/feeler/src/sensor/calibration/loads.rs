@@ -9,18 +9,18 @@
 //!
 //! If the table has the columns `column` and `row`, the position of the element in the image (px), elements are
 //! identified by position, and `element` is an optional name. `x_angle` is the direction in the image of x of the
-//! force's frame, rad ([`SeenElement::x_angle`]): forces are rotated from this frame to that of the layout's element.
+//! force's frame, rad ([`ProjectedElement::x_angle`]): forces are rotated from this frame to that of the layout's element.
 //! Without `x_angle` they are assumed to be in the latter.
 
 mod place;
 mod records;
 
 use super::live::ForceAxes;
-use crate::sensor::image::seen::SeenElement;
+use crate::sensor::image::seen::ProjectedElement;
 use crate::sensor::table::{NumberColumn, NumberError, Quantity, Table, TableError};
 use glam::{DVec2, DVec3};
 use place::{NamedPlace, Places};
-pub use records::{RecordBuilder, TakenPicture, records};
+pub use records::{CapturedImage, RecordBuilder, records};
 use std::{
     collections::HashMap,
     io::{BufRead, BufReader, Read},
@@ -118,7 +118,7 @@ pub enum LoadsError {
 
 /// One image and the forces on elements in it.
 #[derive(Debug, Clone, PartialEq)]
-pub struct LoadedPicture {
+pub struct LoadedImage {
     /// Path of the image as written in the CSV.
     pub picture: String,
     /// Line of its first row.
@@ -134,14 +134,14 @@ pub struct LoadedPicture {
 /// Returns the line, field, value and expected value of an invalid row, or the error of the table.
 pub fn read_loads(
     text: impl Read,
-    seen: &[SeenElement],
+    seen: &[ProjectedElement],
     axes: ForceAxes,
-) -> Result<Vec<LoadedPicture>, LoadsError> {
+) -> Result<Vec<LoadedImage>, LoadsError> {
     let elements = seen.len();
     let mut table = Table::open(BufReader::new(text))?;
     let columns = Columns::of(&mut table)?;
     let mut by_place = Places::new(seen);
-    let mut pictures: Vec<LoadedPicture> = Vec::new();
+    let mut pictures: Vec<LoadedImage> = Vec::new();
     let mut places = HashMap::new();
     let mut lines = HashMap::new();
     while table.advance()? {
@@ -149,7 +149,7 @@ pub fn read_loads(
         let row = Row::parse(&table, &columns, &mut by_place, axes)?;
         let picture = row.picture;
         let place = *places.entry(picture.clone()).or_insert_with(|| {
-            pictures.push(LoadedPicture {
+            pictures.push(LoadedImage {
                 picture: picture.clone(),
                 line,
                 forces: vec![None; elements],

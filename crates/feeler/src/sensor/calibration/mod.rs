@@ -16,21 +16,21 @@ pub(crate) mod signs;
 pub use coupled::{NORMAL_ORDERS, SHEAR_ORDERS};
 pub use fit::Outlier;
 pub use fit::{ElementRecord, LoadSample, ModelChoice, fit};
-pub use live::{AxesError, Missing, WrenchMissing};
 pub use live::{
     Coverage, Delay, ForceAxes, Goal, LiveCalibration, LiveWrench, Seen, SeenWrench, Stage, Wrench,
     WrenchCoverage,
 };
+pub use live::{Missing, ParseAxesError, WrenchMissing};
 pub use load_check::{
     ELEMENT_RANGE, FINGERTIP_RANGE, LoadCheckError, check_axes, check_axes_of_recordings,
     check_magnitude, check_numbers, check_offsets, check_outliers, check_unloaded,
 };
-pub use loads::TakenPicture;
-pub use loads::{COLUMNS, LoadedPicture, LoadsError, PLACE_COLUMNS, RecordBuilder, read_loads};
+pub use loads::CapturedImage;
+pub use loads::{COLUMNS, LoadedImage, LoadsError, PLACE_COLUMNS, RecordBuilder, read_loads};
 pub use model::{
-    CALIBRATION_VERSION, Calibration, CalibrationError, CalibrationModel, CoupledMap,
-    ElementCalibration, ForceCurve, ForceMap, ForceUnit, ForceValidity, HeldOutError, Inputs,
-    LengthUnit, MadeFor, SeparableMap, explained,
+    CALIBRATION_VERSION, Calibration, CalibrationError, CalibrationModel, CalibrationTarget,
+    CoupledMap, ElementCalibration, ForceCurve, ForceMap, ForceUnit, ForceValidity, HeldOutError,
+    LengthUnit, RelativeMoments, SeparableMap, explained,
 };
 pub use quality::{CycledReading, ElementQuality, FullScale, repeatability_and_hysteresis};
 pub use report::{CalibrationReport, Errors};

@@ -2,7 +2,7 @@
 //!
 //! There are two models: [`separable`](super::separable), the paper's, with one curve for each component of the
 //! force; and [`coupled`](super::coupled), with each component a function of all moments. Both take an element's
-//! moments relative to its unloaded ones ([`Inputs`]). The calibration contains its accuracy ([`ElementQuality`]).
+//! moments relative to its unloaded ones ([`RelativeMoments`]). The calibration contains its accuracy ([`ElementQuality`]).
 
 pub use super::coupled::CoupledMap;
 pub use super::error::CalibrationError;
@@ -10,7 +10,7 @@ use super::load_check::ELEMENT_RANGE;
 pub use super::quality::{ElementQuality, FullScale, HeldOutError, explained};
 pub use super::separable::{CURVE_TERMS, ForceCurve, SeparableMap};
 use super::signs::check_signs;
-pub use crate::sensor::fingertip::made_for::{LengthUnit, MadeFor};
+pub use crate::sensor::fingertip::made_for::{CalibrationTarget, LengthUnit};
 use crate::sensor::fingertip::model::FingertipConfig;
 use crate::sensor::moments::kernel::ElementMoments;
 use glam::{DVec2, DVec3};
@@ -21,14 +21,14 @@ pub const CALIBRATION_VERSION: u32 = 2;
 
 /// An element's moments relative to the unloaded ones.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct Inputs {
+pub struct RelativeMoments {
     /// Relative growth of the integrated gray value, `G / G_0 - 1`.
     pub growth: f64,
     /// Displacement of the centroid, `c - c_0`, m (or px), in x, y of `E_i`.
     pub displacement: DVec2,
 }
 
-impl Inputs {
+impl RelativeMoments {
     /// Computes `moments` relative to the unloaded integrated gray value and centroid.
     pub fn relative(
         moments: &ElementMoments,
@@ -64,7 +64,7 @@ pub enum ForceMap {
 
 impl ForceMap {
     /// Force in `E_i`, N. Finite unless an input is NaN.
-    pub fn force(&self, inputs: Inputs) -> DVec3 {
+    pub fn force(&self, inputs: RelativeMoments) -> DVec3 {
         match self {
             Self::Separable(map) => map.force(inputs),
             Self::Coupled(map) => map.force(inputs),
@@ -80,8 +80,8 @@ impl ForceMap {
     }
 
     /// Returns whether `inputs` are within the ranges of the loads, extended by the fraction `margin` at both ends.
-    pub(in crate::sensor) fn covers(&self, inputs: Inputs, margin: f64) -> bool {
-        let Inputs {
+    pub(in crate::sensor) fn covers(&self, inputs: RelativeMoments, margin: f64) -> bool {
+        let RelativeMoments {
             growth,
             displacement,
         } = inputs;
@@ -131,8 +131,8 @@ pub struct ElementCalibration {
 
 impl ElementCalibration {
     /// Computes `moments` relative to the unloaded ones.
-    pub fn inputs(&self, moments: &ElementMoments) -> Inputs {
-        Inputs::relative(moments, self.unloaded_gray, self.unloaded_centroid)
+    pub fn inputs(&self, moments: &ElementMoments) -> RelativeMoments {
+        RelativeMoments::relative(moments, self.unloaded_gray, self.unloaded_centroid)
     }
 
     /// Force at the element in its frame `E_i`, N (sign: see [`TactileFrame`](crate::sensor::forces::reading::TactileFrame)). Finite
@@ -164,7 +164,7 @@ impl ElementCalibration {
         let moved_y = along_y.map(|y| (0.0, y * DVec2::Y));
         let ends = grown.into_iter().chain(moved_x).chain(moved_y);
         let forces = ends.map(|(growth, displacement)| {
-            let inputs = Inputs {
+            let inputs = RelativeMoments {
                 growth,
                 displacement,
             };
@@ -211,7 +211,7 @@ pub struct Calibration {
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub loads_confirmed: bool,
     /// The fingertip or layout for which the calibration was made.
-    pub made_for: MadeFor,
+    pub made_for: CalibrationTarget,
     /// Calibrations of the elements, in the layout's order.
     pub elements: Vec<ElementCalibration>,
 }
@@ -265,8 +265,8 @@ impl Calibration {
     ///
     /// # Errors
     /// If the layout, the camera or the configuration of the moments differs.
-    pub fn check_made_for(&self, fingertip: &FingertipConfig) -> Result<(), CalibrationError> {
-        MadeFor::fingertip(fingertip)?.check_same(&self.made_for)
+    pub fn verify_target(&self, fingertip: &FingertipConfig) -> Result<(), CalibrationError> {
+        CalibrationTarget::fingertip(fingertip)?.verify_same(&self.made_for)
     }
 
     /// Rejects invalid values.

@@ -1,7 +1,7 @@
 //! Accuracy of a calibration: errors, repeatability, hysteresis, resolution.
 
 use super::fit::ElementRecord;
-use super::model::{Calibration, ForceMap, Inputs};
+use super::model::{Calibration, ForceMap, RelativeMoments};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -116,7 +116,7 @@ pub fn explained(calibration: &Calibration, records: &[ElementRecord]) -> DVec3 
 /// Three standard deviations of the readings of `map` in unloaded images, N.
 pub(in crate::sensor) fn resolution(
     map: &ForceMap,
-    unloaded: impl Iterator<Item = Inputs>,
+    unloaded: impl Iterator<Item = RelativeMoments>,
 ) -> Option<DVec3> {
     let forces: Vec<_> = unloaded.map(|inputs| map.force(inputs)).collect();
     Some(3.0 * deviation(&forces, 2)?)

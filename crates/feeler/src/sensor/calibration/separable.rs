@@ -2,8 +2,8 @@
 //!
 //! It does not model the influence of the normal force on the displacement caused by a shear force.
 
-use super::least_squares::{LEAST_SLOPE_RANGE, beyond, least_squares};
-use super::model::Inputs;
+use super::least_squares::{MIN_SLOPE_RANGE, beyond, least_squares};
+use super::model::RelativeMoments;
 use glam::DVec3;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
@@ -50,12 +50,12 @@ impl ForceCurve {
         // The unloaded state is a known load too: the range includes 0, where the curve is exactly 0.
         let low = inputs.iter().copied().fold(0.0, f64::min);
         let high = inputs.iter().copied().fold(0.0, f64::max);
-        if high - low < LEAST_SLOPE_RANGE {
+        if high - low < MIN_SLOPE_RANGE {
             return Err(format!(
                 "expected loads that change the image, got inputs from {low} to {high}"
             ));
         }
-        // Inputs are scaled to at most 1, so that the columns have similar magnitudes.
+        // RelativeMoments are scaled to at most 1, so that the columns have similar magnitudes.
         let scale = low.abs().max(high.abs());
         let columns = DMatrix::from_fn(inputs.len(), CURVE_TERMS, |row, term| {
             (inputs[row] / scale).powi(term as i32 + 1)
@@ -99,7 +99,7 @@ pub struct SeparableMap {
 
 impl SeparableMap {
     /// Force in `E_i`, N.
-    pub fn force(&self, inputs: Inputs) -> DVec3 {
+    pub fn force(&self, inputs: RelativeMoments) -> DVec3 {
         DVec3::new(
             self.shear_x.force(inputs.displacement.x),
             self.shear_y.force(inputs.displacement.y),
@@ -113,8 +113,11 @@ impl SeparableMap {
     }
 
     /// Fits one curve to each component of the forces.
-    pub(in crate::sensor) fn fit(inputs: &[Inputs], forces: &[DVec3]) -> Result<Self, String> {
-        let curve = |input: fn(&Inputs) -> f64, force: fn(&DVec3) -> f64| {
+    pub(in crate::sensor) fn fit(
+        inputs: &[RelativeMoments],
+        forces: &[DVec3],
+    ) -> Result<Self, String> {
+        let curve = |input: fn(&RelativeMoments) -> f64, force: fn(&DVec3) -> f64| {
             let inputs: Vec<_> = inputs.iter().map(input).collect();
             let forces: Vec<_> = forces.iter().map(force).collect();
             ForceCurve::fit(&inputs, &forces)

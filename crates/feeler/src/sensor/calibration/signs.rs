@@ -1,6 +1,6 @@
 //! Checks that the signs of a calibration's forces agree with the images.
 
-use super::model::{CalibrationError, ElementCalibration, Inputs};
+use super::model::{CalibrationError, ElementCalibration, RelativeMoments};
 use glam::DVec2;
 
 /// Fraction of elements with reversed forces above which loads are considered reversed; in single elements, noise may
@@ -43,7 +43,7 @@ fn is_tension(element: &ElementCalibration) -> bool {
         let displacement = DVec2::ZERO;
         element
             .map
-            .force(Inputs {
+            .force(RelativeMoments {
                 growth,
                 displacement,
             })
@@ -58,7 +58,7 @@ fn shear_slope(element: &ElementCalibration, axis: DVec2) -> f64 {
     let [[_, growth], along_x, along_y] = element.map.ranges();
     let range = if axis == DVec2::X { along_x } else { along_y };
     let [low, high] = range.map(|displacement| {
-        let inputs = Inputs {
+        let inputs = RelativeMoments {
             growth: 0.5 * growth,
             displacement: displacement * axis,
         };

@@ -10,7 +10,7 @@ use super::dome::{CameraConfig, DomeProjection};
 use super::layout::SensingElement;
 use crate::sensor::image::exposure::DEFAULT_MAX_SATURATED;
 use crate::sensor::image::polarity::Polarity;
-use crate::sensor::image::seen::SeenElement;
+use crate::sensor::image::seen::ProjectedElement;
 use crate::sensor::image::subregion::WeightedPixel;
 use crate::sensor::locate::{Located, LocatedElement, sub_regions};
 use crate::sensor::moments::kernel::MomentsKernel;
@@ -202,7 +202,7 @@ impl LocatedLayout {
         let kernel = MomentsKernel::from_subregions(size, self.dark_level, &regions)?;
         let level = |element: &ElementPlace| element.ground_level.unwrap_or(self.dark_level);
         let levels: Vec<u8> = self.elements.iter().map(level).collect();
-        Ok(kernel.with_ground(self.polarity, &levels)?)
+        Ok(kernel.with_background(self.polarity, &levels)?)
     }
 
     /// Position of each element in the image, and orientation of its frame there (along the image's axes if the dome
@@ -210,7 +210,7 @@ impl LocatedLayout {
     ///
     /// # Errors
     /// If the dome is invalid, or the camera does not see an element.
-    pub fn seen_elements(&self) -> Result<Vec<SeenElement>, LayoutError> {
+    pub fn seen_elements(&self) -> Result<Vec<ProjectedElement>, LayoutError> {
         let projection = match &self.dome {
             Some(dome) => Some((DomeProjection::new(&dome.camera, dome.radius)?, dome.radius)),
             None => None,
@@ -220,12 +220,12 @@ impl LocatedLayout {
             let Some(((projection, radius), direction)) = projection.as_ref().zip(place.direction)
             else {
                 let x_angle = 0.0;
-                return Ok(SeenElement { centre_px, x_angle });
+                return Ok(ProjectedElement { centre_px, x_angle });
             };
             let frame = SensingElement::facing(direction);
-            let seen = SeenElement::on_dome(projection, *radius, &frame);
+            let seen = ProjectedElement::on_dome(projection, *radius, &frame);
             let (column, row) = (centre_px.x, centre_px.y);
-            seen.map(|seen| SeenElement { centre_px, ..seen })
+            seen.map(|seen| ProjectedElement { centre_px, ..seen })
                 .ok_or(LayoutError::OffDome {
                     element,
                     column,

@@ -21,7 +21,7 @@ pub enum LengthUnit {
 /// The fingertip or layout for which a calibration was made.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct MadeFor {
+pub struct CalibrationTarget {
     /// SHA-256 of the canonical text, in hexadecimal digits.
     pub sha256: String,
     /// Number of elements.
@@ -39,7 +39,7 @@ struct KnownBy {
     known_by: &'static str,
 }
 
-impl MadeFor {
+impl CalibrationTarget {
     /// Describes a fingertip of known geometry.
     ///
     /// # Errors
@@ -68,7 +68,7 @@ impl MadeFor {
     ///
     /// # Errors
     /// Returns the first value that differs, or both hashes if there are no values to compare.
-    pub fn check_same(&self, there: &Self) -> Result<(), CalibrationError> {
+    pub fn verify_same(&self, there: &Self) -> Result<(), CalibrationError> {
         if self == there {
             return Ok(());
         }

@@ -12,5 +12,5 @@ pub use layout::{ElementLayout, LayoutConfig, MAX_ELEMENTS, RingConfig, SensingE
 pub use located_layout::{
     DomeGeometry, ElementPlace, LAYOUT_VERSION, LayoutError, LocatedLayout, MAX_LOCATED_ELEMENTS,
 };
-pub use made_for::{LengthUnit, MadeFor, sha256};
+pub use made_for::{CalibrationTarget, LengthUnit, sha256};
 pub use model::{Fingertip, FingertipConfig, FingertipError};

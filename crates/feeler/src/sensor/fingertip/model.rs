@@ -3,7 +3,7 @@
 use super::dome::{CameraConfig, DomeError, DomeProjection};
 use super::layout::{ElementLayout, LayoutConfig, MAX_ELEMENTS};
 use crate::check::Checker;
-use crate::sensor::image::seen::SeenElement;
+use crate::sensor::image::seen::ProjectedElement;
 use crate::sensor::image::subregion::{WeightedPixel, subregions};
 use crate::sensor::moments::config::{MomentsConfig, MomentsError};
 use crate::sensor::moments::kernel::MomentsKernel;
@@ -124,10 +124,12 @@ impl Fingertip {
     ///
     /// # Errors
     /// If an element is not visible, or a value is invalid.
-    pub fn seen_elements(config: &FingertipConfig) -> Result<Vec<SeenElement>, FingertipError> {
+    pub fn seen_elements(
+        config: &FingertipConfig,
+    ) -> Result<Vec<ProjectedElement>, FingertipError> {
         let (layout, projection) = Self::layout_and_projection(config)?;
         let seen = |(element, place)| {
-            let seen = SeenElement::on_dome(&projection, layout.dome_radius, place);
+            let seen = ProjectedElement::on_dome(&projection, layout.dome_radius, place);
             seen.ok_or_else(|| {
                 FingertipError::Moments(MomentsError::OutOfPicture {
                     element,

@@ -8,11 +8,11 @@ use std::fmt;
 
 /// Minimum fraction of elements whose moments are within the calibration's range. In images of a fingertip, pressed
 /// or not, nearly all elements are; in other images, only by chance.
-const LEAST_ALIKE: f64 = 0.8;
+const MIN_ALIKE: f64 = 0.8;
 
 /// Maximum mean brightness between the sub-regions relative to that within them. It is about 0 for a fingertip and 1
 /// for a uniform image.
-const MOST_BETWEEN: f64 = 0.25;
+const MAX_BETWEEN: f64 = 0.25;
 
 /// Similarity of an image to the images of a fingertip.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,7 +47,7 @@ impl Likeness {
 
     /// Returns whether the image may be of the fingertip.
     pub fn is_enough(&self) -> bool {
-        self.alike as f64 >= LEAST_ALIKE * self.elements as f64 && self.between <= MOST_BETWEEN
+        self.alike as f64 >= MIN_ALIKE * self.elements as f64 && self.between <= MAX_BETWEEN
     }
 }
 
@@ -61,8 +61,8 @@ impl fmt::Display for Likeness {
         write!(
             f,
             "{alike} of {elements} elements have a plausible position and brightness (expected at least {:.0}), and the brightness between them is {between:.2} \
-             times that of the elements (expected at most {MOST_BETWEEN})",
-            (LEAST_ALIKE * *elements as f64).ceil()
+             times that of the elements (expected at most {MAX_BETWEEN})",
+            (MIN_ALIKE * *elements as f64).ceil()
         )
     }
 }

@@ -1,6 +1,6 @@
 //! Checks that the first images are of the fingertip for which the calibration was made.
 
-use crate::sensor::calibration::model::{ElementCalibration, Inputs};
+use crate::sensor::calibration::model::{ElementCalibration, RelativeMoments};
 use crate::sensor::moments::kernel::ElementMoments;
 
 /// Maximum deviation of an unloaded element, as a fraction of the range of the calibration's loads: equivalent to a
@@ -24,11 +24,11 @@ pub struct Mismatch {
 /// An object touches at most half of a dome's elements. If more differ in position or brightness, the image is of
 /// another fingertip. Starting while a finger grasps an object is therefore possible.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub(in crate::sensor) struct FirstPicture {
+pub(in crate::sensor) struct MountingCheck {
     seen: bool,
 }
 
-impl FirstPicture {
+impl MountingCheck {
     /// Checks the `moments` of the well-exposed elements, each with its calibration, out of `elements` in total. An
     /// image with fewer than half of them is inconclusive; then the next image is checked.
     pub fn check<'a>(
@@ -52,7 +52,7 @@ impl FirstPicture {
 }
 
 fn is_off(element: &ElementCalibration, moments: &ElementMoments) -> bool {
-    let Inputs {
+    let RelativeMoments {
         growth,
         displacement,
     } = element.inputs(moments);

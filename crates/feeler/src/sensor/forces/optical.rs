@@ -31,7 +31,7 @@ impl<C: Camera> OpticalSensor<C> {
     ) -> Result<Self, SensingError> {
         let sensing = SensingChain::of_fingertip(fingertip)?;
         calibration.check()?;
-        calibration.check_made_for(fingertip)?;
+        calibration.verify_target(fingertip)?;
         Ok(Self {
             camera,
             frame: Frame::black(fingertip.camera.width, fingertip.camera.height),

@@ -2,7 +2,7 @@
 //! element, with their validity.
 
 use super::drift::{DriftConfig, DriftCorrection};
-use super::mismatch::{FirstPicture, Mismatch};
+use super::mismatch::{Mismatch, MountingCheck};
 use super::reading::NO_FORCE;
 use crate::sensor::calibration::model::{
     Calibration, CalibrationError, ElementCalibration, ForceValidity,
@@ -66,7 +66,7 @@ pub struct Reference {
 
 impl Reference {
     /// Averages the centroids in several readings of an unloaded sensor, each with all elements.
-    pub fn mean<'a>(readings: impl IntoIterator<Item = &'a [ElementReading]>) -> Self {
+    pub fn from_readings<'a>(readings: impl IntoIterator<Item = &'a [ElementReading]>) -> Self {
         let mut sums: Vec<(DVec2, f64)> = Vec::new();
         for readings in readings {
             sums.resize(sums.len().max(readings.len()), (DVec2::ZERO, 0.0));
@@ -104,7 +104,7 @@ pub struct SensingChain {
     reference: Option<Reference>,
     calibration: Option<Calibration>,
     drift: Option<DriftCorrection>,
-    first_picture: FirstPicture,
+    first_picture: MountingCheck,
 }
 
 impl SensingChain {
@@ -133,7 +133,7 @@ impl SensingChain {
             reference: None,
             calibration: None,
             drift: None,
-            first_picture: FirstPicture::default(),
+            first_picture: MountingCheck::default(),
         })
     }
 
@@ -159,7 +159,7 @@ impl SensingChain {
     }
 
     /// Adds forces by `calibration`, and displacements from its unloaded centroids. The caller must check that the
-    /// calibration was made for this sensor ([`Calibration::check_made_for`]).
+    /// calibration was made for this sensor ([`Calibration::verify_target`]).
     ///
     /// # Errors
     /// If the calibration has another number of elements.
@@ -223,15 +223,15 @@ impl SensingChain {
         picture: &Picture<P>,
         readings: &mut [ElementReading],
     ) -> Result<(), SensingError> {
-        self.sense_ahead(picture, &[], readings)
+        self.sense_with_prefetch(picture, &[], readings)
     }
 
     /// Like [`Self::sense`], but prefetches the pixels of the `next` image into the cache. This is faster if images
-    /// are processed one after the other from memory ([`MomentsKernel::measure_ahead`]).
+    /// are processed one after the other from memory ([`MomentsKernel::measure_with_prefetch`]).
     ///
     /// # Errors
     /// Like [`Self::sense`].
-    pub fn sense_ahead<P: AsRef<[u8]>>(
+    pub fn sense_with_prefetch<P: AsRef<[u8]>>(
         &mut self,
         picture: &Picture<P>,
         next: &[u8],
@@ -315,7 +315,7 @@ impl SensingChain {
         next: &[u8],
     ) -> Result<(), MomentsError> {
         self.kernel
-            .measure_ahead(picture, next, &mut self.moments)?;
+            .measure_with_prefetch(picture, next, &mut self.moments)?;
         if let Some(drift) = &mut self.drift {
             drift.correct(&mut self.moments);
         }

@@ -57,7 +57,7 @@ pub enum CameraError {
 
 impl CameraError {
     /// Returns whether only one image is lost and the next may be valid.
-    pub fn may_pass(&self) -> bool {
+    pub fn is_recoverable(&self) -> bool {
         matches!(self, Self::Unreadable { .. } | Self::PictureSize { .. })
     }
 }

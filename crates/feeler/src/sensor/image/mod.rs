@@ -15,5 +15,5 @@ pub use camera::{Camera, CameraError, CaptureReport, check_frame_size};
 pub use exposure::{DEFAULT_MAX_SATURATED, Exposure, SATURATED, SaturationCheck};
 pub use frame::{Frame, Picture};
 pub use polarity::Polarity;
-pub use seen::SeenElement;
+pub use seen::ProjectedElement;
 pub use subregion::{WeightedPixel, subregion};

@@ -23,15 +23,15 @@ impl Polarity {
 /// Error of parsing a [`Polarity`].
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("expected bright or dark, got {0:?}")]
-pub struct NoPolarity(String);
+pub struct ParsePolarityError(String);
 
 impl std::str::FromStr for Polarity {
-    type Err = NoPolarity;
+    type Err = ParsePolarityError;
 
-    fn from_str(text: &str) -> Result<Self, NoPolarity> {
+    fn from_str(text: &str) -> Result<Self, ParsePolarityError> {
         let all = [Self::Bright, Self::Dark].into_iter();
         let mut named = all.filter(|polarity| polarity.to_string() == text);
-        named.next().ok_or_else(|| NoPolarity(text.into()))
+        named.next().ok_or_else(|| ParsePolarityError(text.into()))
     }
 }
 

@@ -6,7 +6,7 @@ use glam::DVec2;
 
 /// An element in the camera's image.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct SeenElement {
+pub struct ProjectedElement {
     /// Column and row of the centre, px.
     pub centre_px: DVec2,
     /// Direction of x of the element's frame `E_i` in the image, rad, from the columns' direction (right) towards the
@@ -15,7 +15,7 @@ pub struct SeenElement {
     pub x_angle: f64,
 }
 
-impl SeenElement {
+impl ProjectedElement {
     /// Projects an element on a dome; `None` if the camera does not see its tip.
     pub fn on_dome(
         projection: &DomeProjection,

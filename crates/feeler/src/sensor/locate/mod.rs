@@ -114,7 +114,7 @@ pub struct Located {
 }
 
 /// Minimum diameter of a spot of known size after binning, px.
-const LEAST_DIAMETER: f64 = 5.0;
+const MIN_DIAMETER: f64 = 5.0;
 
 /// Locates the elements in `reference`.
 ///
@@ -142,7 +142,7 @@ pub fn locate_again(
         spot_diameter_px: Some(before.spot_diameter_px),
         ..*config
     };
-    let factor = (before.spot_diameter_px / LEAST_DIAMETER) as usize;
+    let factor = (before.spot_diameter_px / MIN_DIAMETER) as usize;
     let factor = factor.max(binning(reference));
     located(reference, config, find_binned(reference, &known, factor)?)
 }
@@ -172,7 +172,7 @@ fn located(
 }
 
 /// Maximum number of pixels searched at full resolution; larger images are binned.
-const MOST_PIXELS: usize = 3_000_000;
+const MAX_PIXELS: usize = 3_000_000;
 
 /// Finds the spots, with the configured polarity or else the one that makes the better pattern.
 fn find(
@@ -190,10 +190,10 @@ fn find(
     }
 }
 
-/// Binning factor: 1 unless the image has more than [`MOST_PIXELS`].
+/// Binning factor: 1 unless the image has more than [`MAX_PIXELS`].
 fn binning(reference: &ReferencePicture) -> usize {
     let pixels = reference.width * reference.height;
-    ((pixels as f64 / MOST_PIXELS as f64).sqrt().ceil() as usize).max(1)
+    ((pixels as f64 / MAX_PIXELS as f64).sqrt().ceil() as usize).max(1)
 }
 
 /// Finds the spots in the image binned by `factor`.

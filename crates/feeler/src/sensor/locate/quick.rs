@@ -10,12 +10,12 @@ use glam::DVec2;
 use std::f64::consts::SQRT_2;
 
 /// Minimum diameter of a blob after binning, px. Images with larger blobs are binned.
-const LEAST_DIAMETER: f64 = 4.0;
+const MIN_DIAMETER: f64 = 4.0;
 /// Minimum response of a blob, relative to the median response of the strongest blobs.
-const LEAST_RESPONSE: f64 = 0.3;
+const MIN_RESPONSE: f64 = 0.3;
 
 /// Returns columns and rows (px) of blobs of about `diameter` px in `picture`, in no particular order. A blob is
-/// returned if its response is at least [`LEAST_RESPONSE`] of the median of the `count` strongest. Unlike
+/// returned if its response is at least [`MIN_RESPONSE`] of the median of the `count` strongest. Unlike
 /// [`locate`](super::locate), does not verify that blobs are spots.
 pub(in crate::sensor) fn blobs_of_size<P: AsRef<[u8]>>(
     picture: &Picture<P>,
@@ -23,7 +23,7 @@ pub(in crate::sensor) fn blobs_of_size<P: AsRef<[u8]>>(
     diameter: f64,
     count: usize,
 ) -> Vec<DVec2> {
-    let factor = ((diameter / LEAST_DIAMETER) as usize).max(1);
+    let factor = ((diameter / MIN_DIAMETER) as usize).max(1);
     let size = (picture.width / factor, picture.height / factor);
     if size.0.min(size.1) < 3 {
         return Vec::new();
@@ -40,7 +40,7 @@ pub(in crate::sensor) fn blobs_of_size<P: AsRef<[u8]>>(
     let mut responses: Vec<f64> = blobs.iter().map(|blob| blob.response).collect();
     responses.sort_unstable_by(|a, b| b.total_cmp(a));
     responses.truncate(count);
-    let least = LEAST_RESPONSE * quantile(&mut responses, 0.5);
+    let least = MIN_RESPONSE * quantile(&mut responses, 0.5);
     let blobs = blobs.into_iter().filter(|blob| blob.response >= least);
     let factor = factor as f64;
     blobs

@@ -64,7 +64,7 @@ pub struct MomentsKernel {
     masks: Vec<u64>,
     /// Background level of each pixel of each row. Pixels outside the sub-region have a level at which they
     /// contribute zero.
-    grounds: Vec<Row>,
+    backgrounds: Vec<Row>,
     /// Tiles of each element.
     elements: Vec<Range<usize>>,
     instructions: Instructions,
@@ -82,7 +82,7 @@ impl MomentsKernel {
     ) -> Result<Self, MomentsError> {
         let kernel = Self::from_subregions(size, config.dark_level, regions)?;
         let levels = kernel.levels.clone();
-        kernel.with_ground(config.polarity, &levels)
+        kernel.with_background(config.polarity, &levels)
     }
 
     /// Creates a kernel of sub-regions, given as one list of pixels per element, for images of `(width, height)` px.
@@ -122,11 +122,11 @@ impl MomentsKernel {
             levels: Vec::new(),
             tiles: tiling.tiles,
             masks: tiling.masks,
-            grounds: Vec::new(),
+            backgrounds: Vec::new(),
             elements,
             instructions: Instructions::fastest(),
         };
-        kernel.with_ground(Polarity::Bright, &levels)
+        kernel.with_background(Polarity::Bright, &levels)
     }
 
     /// Returns the kernel with another `polarity` and a background level for each element. Pixels at or below the
@@ -134,7 +134,7 @@ impl MomentsKernel {
     ///
     /// # Errors
     /// If the number of levels differs from the number of elements.
-    pub fn with_ground(self, polarity: Polarity, levels: &[u8]) -> Result<Self, MomentsError> {
+    pub fn with_background(self, polarity: Polarity, levels: &[u8]) -> Result<Self, MomentsError> {
         let (expected, actual) = (self.element_count(), levels.len());
         if actual != expected {
             return Err(MomentsError::ElementCount { expected, actual });
@@ -143,11 +143,11 @@ impl MomentsKernel {
             Polarity::Bright => u8::MAX,
             Polarity::Dark => 0,
         };
-        let mut grounds = Vec::with_capacity(self.masks.len());
+        let mut backgrounds = Vec::with_capacity(self.masks.len());
         for (element, &level) in self.elements.iter().zip(levels) {
             for tile in &self.tiles[element.clone()] {
                 let masks = &self.masks[tile.first_mask..][..tile.rows];
-                grounds.extend(masks.iter().map(|mask| {
+                backgrounds.extend(masks.iter().map(|mask| {
                     let own = |column| mask >> column & 1 == 1;
                     Row(std::array::from_fn(|column| {
                         if own(column) { level } else { nothing }
@@ -158,7 +158,7 @@ impl MomentsKernel {
         Ok(Self {
             polarity,
             levels: levels.to_vec(),
-            grounds,
+            backgrounds,
             ..self
         })
     }
@@ -206,7 +206,7 @@ impl MomentsKernel {
         picture: &Picture<P>,
         moments: &mut [ElementMoments],
     ) -> Result<(), MomentsError> {
-        self.measure_ahead(picture, &[], moments)
+        self.measure_with_prefetch(picture, &[], moments)
     }
 
     /// Like [`Self::measure`], but prefetches the pixels of the `next` image into the cache. This is faster if images
@@ -214,7 +214,7 @@ impl MomentsKernel {
     ///
     /// # Errors
     /// Like [`Self::measure`].
-    pub fn measure_ahead<P: AsRef<[u8]>>(
+    pub fn measure_with_prefetch<P: AsRef<[u8]>>(
         &self,
         picture: &Picture<P>,
         next: &[u8],

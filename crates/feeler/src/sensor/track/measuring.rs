@@ -1,15 +1,15 @@
 //! Measures markers at their predicted positions, and detects confusion with neighbours.
 
-use super::{MOST_OFF, MarkerTracker, window, window::Look};
+use super::{MAX_OFF, MarkerTracker, window, window::Look};
 use crate::sensor::locate::median;
 use glam::DVec2;
 
-/// Like [`MOST_OFF`], but for a marker that was lost.
-const MOST_OFF_AGAIN: f64 = 0.3;
+/// Like [`MAX_OFF`], but for a marker that was lost.
+const MAX_OFF_AGAIN: f64 = 0.3;
 /// Distance between two markers, over their distance in the reference, below which both measured the same spot.
 const SAME: f64 = 0.4;
 /// Contrast relative to a marker's usual contrast below which it counts as not visible.
-const LEAST_CONTRAST: f64 = 0.3;
+const MIN_CONTRAST: f64 = 0.3;
 
 impl MarkerTracker {
     /// Measures every marker at the displacement predicted in `work`. Updates `work` and `found`. Returns the number of
@@ -33,7 +33,7 @@ impl MarkerTracker {
         let seen = known(self);
         self.one_marker_to_a_spot();
         // A marker that disagrees with its neighbours may do so because one of them is wrong; remove the worst first.
-        for limit in [2.0 * MOST_OFF, MOST_OFF] {
+        for limit in [2.0 * MAX_OFF, MAX_OFF] {
             for own in 0..self.reference.len() {
                 let off = self.field.off(own, &self.work, &self.found);
                 self.found[own] &= off <= limit;
@@ -56,7 +56,7 @@ impl MarkerTracker {
         };
         let look = self.look(pixels, own, foretold);
         self.found[own] = self.take(own, look)
-            && self.field.off(own, &self.work, &self.found) <= MOST_OFF_AGAIN
+            && self.field.off(own, &self.work, &self.found) <= MAX_OFF_AGAIN
             && !self.taken(own);
         if !self.found[own] {
             self.work[own] = foretold;
@@ -87,7 +87,7 @@ impl MarkerTracker {
         } else {
             self.typical
         };
-        contrast >= (LEAST_CONTRAST * usual).max(window::LEAST_CONTRAST)
+        contrast >= (MIN_CONTRAST * usual).max(window::MIN_CONTRAST)
     }
 
     /// Stores a measurement in `work` and `seen` and returns `true` if it is marker `own`.

@@ -18,7 +18,7 @@ const LONGEST: usize = 6;
 /// Maximum number of chains to reverse per image.
 const CHAINS: usize = 12;
 /// Number of unmatched spots above which no chains are followed, because the image shows something else.
-const MOST_LEFT: usize = 12;
+const MAX_LEFT: usize = 12;
 
 /// Reassigns spots, starting with unmatched ones, as long as the field becomes smoother.
 pub(super) fn mend(matching: &mut Matching, reference: &[DVec2], field: &Field, places: &[DVec2]) {
@@ -29,7 +29,7 @@ pub(super) fn mend(matching: &mut Matching, reference: &[DVec2], field: &Field, 
     };
     for _ in 0..CHAINS {
         let left = scene.left_over(matching);
-        if left.is_empty() || left.len() > MOST_LEFT {
+        if left.is_empty() || left.len() > MAX_LEFT {
             return;
         }
         let now = scene.roughness(matching);

@@ -30,7 +30,7 @@ use crate::sensor::image::polarity::Polarity;
 use glam::DVec2;
 
 /// Deviation from the field, over the spacing, above which a measurement is not the marker searched for.
-const MOST_OFF: f64 = 0.45;
+const MAX_OFF: f64 = 0.45;
 /// Fraction of the markers at the pattern's edge which, if lost within one frame, makes all others doubtful: the
 /// pattern may have jumped by a spacing, which leaves one side of its edge empty.
 const JUMPED: f64 = 0.2;
@@ -41,11 +41,11 @@ const DOUBT: f64 = 0.3;
 /// Minimum quality of a fast matching; below it, the full search is used.
 const QUICKLY_MATCHED: f64 = 0.95;
 /// Quality of a matching below which all markers are doubtful.
-const LEAST_MATCHED: f64 = 0.85;
+const MIN_MATCHED: f64 = 0.85;
 /// Weight of a new, lower contrast in a marker's usual contrast, per image.
 const FADES: f64 = 0.02;
 /// Minimum fraction of markers found; with fewer, the image may not show the sensor.
-const LEAST_FOUND: f64 = 0.3;
+const MIN_FOUND: f64 = 0.3;
 
 /// State of one tracked marker.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -154,7 +154,7 @@ impl MarkerTracker {
     /// because many were lost at once. [`match_picture`](Self::match_picture) can recover them; until then, confidence
     /// is low.
     pub fn is_lost(&self) -> bool {
-        self.doubtful || (self.found() as f64) < LEAST_FOUND * self.markers.len() as f64
+        self.doubtful || (self.found() as f64) < MIN_FOUND * self.markers.len() as f64
     }
 
     /// Tracks the markers into the next image of a video. Neither allocates nor panics.
@@ -208,7 +208,7 @@ impl MarkerTracker {
         }
         self.field.fill(&mut self.work, &self.found);
         self.measure(picture.pixels.as_ref());
-        self.doubtful = matched.quality < LEAST_MATCHED;
+        self.doubtful = matched.quality < MIN_MATCHED;
         self.settle();
         self.velocities.fill(DVec2::ZERO);
         Ok(&self.markers)
@@ -282,7 +282,7 @@ impl MarkerTracker {
                 // Increases at once and decreases slowly, so that a fading marker is kept.
                 *usual = contrast.max(*usual + FADES * (contrast - *usual));
                 let off = self.field.off(own, &self.work, &self.found);
-                let agrees = (1.0 - off / MOST_OFF).clamp(0.0, 1.0);
+                let agrees = (1.0 - off / MAX_OFF).clamp(0.0, 1.0);
                 marker.confidence = doubt * agrees * (contrast / *usual).min(1.0);
                 marker.integrated_gray = sum;
             }

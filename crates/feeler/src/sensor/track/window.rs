@@ -5,7 +5,7 @@ use glam::DVec2;
 use multiversion::multiversion;
 
 /// Contrast below which nothing is visible, gray levels.
-pub(super) const LEAST_CONTRAST: f64 = 6.0;
+pub(super) const MIN_CONTRAST: f64 = 6.0;
 /// Maximum width of a window, px.
 const WIDEST: usize = 128;
 /// Maximum number of times a window is recentred on the centroid.

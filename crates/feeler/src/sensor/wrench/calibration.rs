@@ -2,11 +2,11 @@
 
 use super::error::WrenchError;
 use super::features::{ElementStandard, PER_ELEMENT, Terms};
-use super::novelty::{MOST_DIRECTIONS, Novelty};
+use super::novelty::{MAX_DIRECTIONS, Novelty};
 use super::quality::AxisQuality;
 use super::{AXES, WrenchAxis};
 use crate::sensor::calibration::load_check::FINGERTIP_RANGE;
-use crate::sensor::fingertip::made_for::MadeFor;
+use crate::sensor::fingertip::made_for::CalibrationTarget;
 use crate::sensor::table::Quantity;
 use serde::{Deserialize, Serialize};
 
@@ -66,7 +66,7 @@ pub struct WrenchCalibration {
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub loads_confirmed: bool,
     /// Sensor for which the calibration was made.
-    pub made_for: MadeFor,
+    pub made_for: CalibrationTarget,
     /// Errors of each component.
     pub quality: Vec<AxisQuality>,
     /// Prediction model.
@@ -114,9 +114,9 @@ impl WrenchCalibration {
     /// Checks that the calibration was made for the sensor `here`.
     ///
     /// # Errors
-    /// Returns [`WrenchError::MadeFor`] with the difference.
-    pub fn check_made_for(&self, here: &MadeFor) -> Result<(), WrenchError> {
-        Ok(here.check_same(&self.made_for)?)
+    /// Returns [`WrenchError::CalibrationTarget`] with the difference.
+    pub fn verify_target(&self, here: &CalibrationTarget) -> Result<(), WrenchError> {
+        Ok(here.verify_same(&self.made_for)?)
     }
 
     /// Returns the model of a component, or `None` if it is not calibrated.
@@ -178,7 +178,7 @@ impl WrenchCalibration {
         let novelty = &self.model.novelty;
         number("novelty.limit", novelty.limit, 1e-9..=LARGEST)?;
         number("novelty.rest", novelty.rest, 1e-9..=LARGEST)?;
-        if novelty.directions.len() > MOST_DIRECTIONS || novelty.terms.squares {
+        if novelty.directions.len() > MAX_DIRECTIONS || novelty.terms.squares {
             return Err(WrenchError::Value {
                 field: "novelty".into(),
                 value: format!("{} directions", novelty.directions.len()),

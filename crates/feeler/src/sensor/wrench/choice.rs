@@ -2,14 +2,14 @@
 
 use super::WrenchAxis;
 use super::blocks::{Fold, blocks};
-use super::features::{Growth, LEAST_FOR_GAIN, PER_ELEMENT, Terms};
+use super::features::{Growth, MIN_FOR_GAIN, PER_ELEMENT, Terms};
 use super::ridge::Spectrum;
 use nalgebra::DMatrix;
 
 /// Numbers of blocks per recording. Two partitions reduce the influence of where the cuts fall.
 const CUTS: [usize; 2] = [5, 8];
 /// Maximum number of rows used for the choice, evenly spread. The regression uses all rows.
-const MOST_ROWS: usize = 400;
+const MAX_ROWS: usize = 400;
 /// Exponents of candidate penalties `10^(n/2)`. Features have a variance of 1.
 const HALF_DECADES: std::ops::RangeInclusive<i32> = -4..=12;
 /// Minimum decrease of the mean error, in standard errors, for a more complex set of terms to be preferred. Among many
@@ -87,7 +87,7 @@ pub(super) fn choose(
         if !is_first {
             continue;
         }
-        let step = target.rows.len().div_ceil(MOST_ROWS).max(1);
+        let step = target.rows.len().div_ceil(MAX_ROWS).max(1);
         let kept: Vec<_> = (0..target.rows.len()).step_by(step).collect();
         let rows: Vec<_> = kept.iter().map(|&place| target.rows[place]).collect();
         let recordings: Vec<_> = rows.iter().map(|&row| recording_of[row]).collect();
@@ -136,7 +136,7 @@ fn candidates(used: usize) -> impl Iterator<Item = Terms> {
     ];
     let kinds = kinds
         .into_iter()
-        .filter(move |(growth, _)| used >= LEAST_FOR_GAIN || *growth != Growth::GainFree);
+        .filter(move |(growth, _)| used >= MIN_FOR_GAIN || *growth != Growth::GainFree);
     kinds.flat_map(move |(growth, displacement)| {
         [false, true].map(|squares| terms(growth, displacement, squares))
     })

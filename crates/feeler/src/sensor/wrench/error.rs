@@ -25,7 +25,7 @@ pub enum WrenchError {
     },
     /// The calibration was made for another sensor.
     #[error(transparent)]
-    MadeFor(#[from] CalibrationError),
+    CalibrationTarget(#[from] CalibrationError),
     /// The length of a list is wrong.
     #[error("{what}: expected {expected}, got {actual}")]
     Count {

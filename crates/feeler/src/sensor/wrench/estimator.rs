@@ -3,7 +3,7 @@
 use super::calibration::WrenchCalibration;
 use super::error::WrenchError;
 use super::features::{PER_ELEMENT, standardise, usable};
-use super::fit::MOST_MISSING;
+use super::fit::MAX_MISSING;
 use super::{AXES, WrenchAxis};
 use crate::sensor::forces::sensing::{ElementReading, Reference};
 use crate::sensor::moments::kernel::ElementMoments;
@@ -44,7 +44,7 @@ pub struct WrenchEstimator {
 
 impl WrenchEstimator {
     /// Creates an estimator. The caller must check that `calibration` was made for the sensor, with
-    /// [`WrenchCalibration::check_made_for`].
+    /// [`WrenchCalibration::verify_target`].
     ///
     /// # Errors
     /// If a number in the calibration is invalid.
@@ -91,7 +91,7 @@ impl WrenchEstimator {
             valid: false,
             novelty: f64::INFINITY,
         };
-        if missing > MOST_MISSING {
+        if missing > MAX_MISSING {
             return estimate;
         }
         for axis in &model.axes {

@@ -21,7 +21,7 @@ use serde::{Deserialize, Serialize};
 pub const PER_ELEMENT: usize = 4;
 
 /// Minimum number of elements required to separate a common gain from the loads.
-pub const LEAST_FOR_GAIN: usize = 4;
+pub const MIN_FOR_GAIN: usize = 4;
 
 /// Maximum magnitude of a standardised feature, which keeps predictions finite for any input.
 const FARTHEST: f64 = 1e6;

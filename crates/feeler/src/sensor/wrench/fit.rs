@@ -4,19 +4,19 @@ use super::blocks::recording_of;
 use super::calibration::{AxisModel, KIND, VERSION, WrenchCalibration, WrenchModel};
 use super::choice::{Target, choose, matrix};
 use super::error::WrenchError;
-use super::features::{Growth, LEAST_FOR_GAIN, PER_ELEMENT, Terms, standardise, standards};
+use super::features::{Growth, MIN_FOR_GAIN, PER_ELEMENT, Terms, standardise, standards};
 use super::novelty::{MARGIN, Novelty};
 use super::quality::{AxisQuality, HeldOut};
 use super::ridge::regress;
 use super::validation::validate;
 use super::{MeasuredWrench, WrenchAxis};
-use crate::sensor::fingertip::made_for::MadeFor;
+use crate::sensor::fingertip::made_for::CalibrationTarget;
 use crate::sensor::moments::kernel::ElementMoments;
 
 /// Minimum number of images to fit a component.
-pub const LEAST_ROWS: usize = 10;
+pub const MIN_ROWS: usize = 10;
 /// Maximum fraction of elements that may be dark or saturated in an image used for fitting or prediction.
-pub const MOST_MISSING: f64 = 0.1;
+pub const MAX_MISSING: f64 = 0.1;
 
 /// One image and the wrench measured at the same time.
 #[derive(Debug, Clone, PartialEq)]
@@ -49,7 +49,7 @@ pub struct WrenchFit {
 /// # Errors
 /// If there are too few usable samples, if all components are constant, or if no component can be predicted.
 pub fn fit(
-    made_for: MadeFor,
+    made_for: CalibrationTarget,
     recordings: &[String],
     samples: &[WrenchSample],
     keep_all: bool,
@@ -105,7 +105,7 @@ pub fn fit(
 
 /// Rejects samples of another sensor or of a recording without a name.
 fn check(
-    made_for: &MadeFor,
+    made_for: &CalibrationTarget,
     recordings: &[String],
     samples: &[WrenchSample],
 ) -> Result<(), WrenchError> {
@@ -127,13 +127,13 @@ fn check(
     Ok(())
 }
 
-/// Samples in which at most [`MOST_MISSING`] of the elements are missing.
+/// Samples in which at most [`MAX_MISSING`] of the elements are missing.
 fn lit<'a>(elements: usize, samples: &[&'a WrenchSample]) -> Vec<&'a WrenchSample> {
     let standards = standards(elements, samples.iter().map(|sample| &sample.seen[..]));
     let mut features = vec![[0.0; PER_ELEMENT]; elements];
     let mut is_lit = |sample: &&&WrenchSample| {
         let seen = sample.seen.iter().copied();
-        standardise(&standards, seen, &mut features) <= MOST_MISSING
+        standardise(&standards, seen, &mut features) <= MAX_MISSING
     };
     samples.iter().filter(|s| is_lit(s)).copied().collect()
 }
@@ -150,7 +150,7 @@ fn changing(samples: &[&WrenchSample], unusable: usize) -> Result<Vec<WrenchAxis
     let targets = WrenchAxis::ALL.map(|axis| target(samples, axis));
     let most = targets.iter().map(|target| target.rows.len()).max();
     let actual = most.unwrap_or(0);
-    if actual < LEAST_ROWS {
+    if actual < MIN_ROWS {
         let why = match unusable {
             0 => String::new(),
             count => {
@@ -158,7 +158,7 @@ fn changing(samples: &[&WrenchSample], unusable: usize) -> Result<Vec<WrenchAxis
             }
         };
         return Err(WrenchError::TooFew {
-            expected: LEAST_ROWS,
+            expected: MIN_ROWS,
             actual,
             why,
         });
@@ -173,7 +173,7 @@ fn changing(samples: &[&WrenchSample], unusable: usize) -> Result<Vec<WrenchAxis
 
 fn can_be_learned(target: &Target) -> bool {
     let changes = target.measured.windows(2).any(|pair| pair[0] != pair[1]);
-    changes && target.rows.len() >= LEAST_ROWS
+    changes && target.rows.len() >= MIN_ROWS
 }
 
 fn target(samples: &[&WrenchSample], axis: WrenchAxis) -> Target {
@@ -244,7 +244,7 @@ fn watched_of(models: &[AxisModel], used: usize) -> Terms {
         .iter()
         .any(|model| model.terms.growth == Growth::Plain);
     Terms {
-        growth: match plain || used < LEAST_FOR_GAIN {
+        growth: match plain || used < MIN_FOR_GAIN {
             true => Growth::Plain,
             false => Growth::GainFree,
         },

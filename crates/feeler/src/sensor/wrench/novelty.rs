@@ -16,14 +16,14 @@ use serde::{Deserialize, Serialize};
 /// Fraction of the variance explained by the principal directions.
 const PART: f64 = 0.95;
 /// Maximum number of principal directions.
-pub(super) const MOST_DIRECTIONS: usize = 12;
+pub(super) const MAX_DIRECTIONS: usize = 12;
 /// Quantile of the distances between the calibration's images and other blocks of time that counts as near; a few
 /// images are far from all others.
 pub(super) const NEAR: f64 = 0.9;
 /// Factor on that distance up to which an image still counts as near.
 pub(super) const MARGIN: f64 = 1.25;
 /// Minimum variance of a direction, relative to 1 for standardised features; smaller ones are rounding errors.
-const LEAST_VARIANCE: f64 = 1e-6;
+const MIN_VARIANCE: f64 = 1e-6;
 
 /// Distribution of the images of the calibration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -67,7 +67,7 @@ impl Novelty {
         Self {
             terms,
             limit: f64::INFINITY,
-            rest: ((total - principal) / others).max(LEAST_VARIANCE),
+            rest: ((total - principal) / others).max(MIN_VARIANCE),
             directions,
         }
     }
@@ -106,10 +106,10 @@ fn principal(rows: &DMatrix<f64>, total: f64, most: usize) -> Vec<Direction> {
     order.sort_by(|&a, &b| eigenvalues[b].total_cmp(&eigenvalues[a]));
     let mut directions: Vec<Direction> = Vec::new();
     let mut explained = 0.0;
-    for index in order.into_iter().take(most.min(MOST_DIRECTIONS)) {
+    for index in order.into_iter().take(most.min(MAX_DIRECTIONS)) {
         let variance = eigenvalues[index];
         let enough = explained >= PART * total;
-        if enough || variance <= LEAST_VARIANCE {
+        if enough || variance <= MIN_VARIANCE {
             break;
         }
         let vector = eigenvectors.column(index).into_owned();

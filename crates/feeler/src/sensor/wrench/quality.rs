@@ -1,11 +1,11 @@
 //! Quality of a wrench calibration: errors on held-out images.
 
 use super::WrenchAxis;
-use crate::sensor::calibration::fit::outlier::{LEAST_SHARE, MISTYPED, robust_deviation};
+use crate::sensor::calibration::fit::outlier::{MIN_SHARE, MISTYPED, robust_deviation};
 use serde::{Deserialize, Serialize};
 
 /// Minimum number of readings with growing and with falling load to estimate hysteresis.
-const LEAST_CYCLED: usize = 3;
+const MIN_CYCLED: usize = 3;
 
 /// Errors (predicted minus measured) on held-out images, N or N m.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
@@ -105,7 +105,7 @@ pub struct HeldOut {
 /// deviations of the errors and by more than a tenth of the range of the other values.
 pub fn outlier(held_out: &[HeldOut]) -> Option<HeldOut> {
     /// Minimum number of values required to detect an outlier.
-    const LEAST_ROWS: usize = 30;
+    const MIN_ROWS: usize = 30;
     let error = |h: &HeldOut| Some((h.by_blocks? - h.measured).abs());
     let usual = robust_deviation(held_out.iter().filter_map(error));
     let by_error = |&a: &usize, &b: &usize| {
@@ -121,8 +121,8 @@ pub fn outlier(held_out: &[HeldOut]) -> Option<HeldOut> {
         [f64::INFINITY, f64::NEG_INFINITY],
         |[low, high], (_, other)| [low.min(other.measured), high.max(other.measured)],
     );
-    let limit = (MISTYPED * usual).max(LEAST_SHARE * (ends[1] - ends[0]));
-    let is_far = held_out.len() >= LEAST_ROWS && error(&held_out[worst])? > limit;
+    let limit = (MISTYPED * usual).max(MIN_SHARE * (ends[1] - ends[0]));
+    let is_far = held_out.len() >= MIN_ROWS && error(&held_out[worst])? > limit;
     is_far.then_some(held_out[worst])
 }
 
@@ -179,6 +179,6 @@ fn hysteresis(held_out: &[HeldOut]) -> Option<f64> {
         }
     }
     let mean = |errors: &[f64]| errors.iter().sum::<f64>() / errors.len() as f64;
-    let enough = growing.len().min(falling.len()) >= LEAST_CYCLED;
+    let enough = growing.len().min(falling.len()) >= MIN_CYCLED;
     enough.then(|| mean(&growing) - mean(&falling))
 }

@@ -4,7 +4,7 @@ use super::blocks::Fold;
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
 /// Eigenvalues below this fraction of the largest are rounding errors.
-const LEAST_EIGENVALUE: f64 = 1e-12;
+const MIN_EIGENVALUE: f64 = 1e-12;
 
 /// Eigendecomposition of the centred features: `Z Zᵀ = U diag(d) Uᵀ`.
 pub(super) struct Spectrum {
@@ -28,7 +28,7 @@ impl Spectrum {
             eigenvectors,
             eigenvalues,
         } = SymmetricEigen::new(gram);
-        let least = LEAST_EIGENVALUE * eigenvalues.max().max(0.0);
+        let least = MIN_EIGENVALUE * eigenvalues.max().max(0.0);
         let kept: Vec<_> = (0..eigenvalues.len())
             .filter(|&index| eigenvalues[index] > least)
             .collect();

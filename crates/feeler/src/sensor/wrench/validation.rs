@@ -12,7 +12,7 @@ use std::thread;
 /// Number of blocks of time per recording.
 const BLOCKS: usize = 5;
 /// Maximum number of folds of held-out recordings.
-const MOST_RECORDINGS: usize = 10;
+const MAX_RECORDINGS: usize = 10;
 
 /// Validation results of a calibration.
 pub(super) struct Validated {
@@ -47,7 +47,7 @@ pub(super) fn validate(
 ) -> Validated {
     let recording_of = recording_of(samples);
     let by_blocks = held_out(samples, model, &blocks(&recording_of, BLOCKS));
-    let by_recording = held_out(samples, model, &recordings(&recording_of, MOST_RECORDINGS));
+    let by_recording = held_out(samples, model, &recordings(&recording_of, MAX_RECORDINGS));
     let axes = model.axes.iter().enumerate().filter_map(|(place, axis)| {
         let rows = samples.iter().enumerate();
         let held_out = rows.filter_map(|(row, sample)| {

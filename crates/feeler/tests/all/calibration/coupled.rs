@@ -2,7 +2,7 @@
 
 use super::element::{RANGES, fitted, inputs, places, record};
 use feeler::sensor::calibration::ModelChoice;
-use feeler::sensor::calibration::{CalibrationModel, CoupledMap, ForceMap, Inputs};
+use feeler::sensor::calibration::{CalibrationModel, CoupledMap, ForceMap, RelativeMoments};
 use feeler::sensor::calibration::{NORMAL_ORDERS, SHEAR_ORDERS};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
@@ -53,8 +53,8 @@ const SHEAR: [[i32; 3]; 17] = [
     [1, 0, 2],
 ];
 
-/// Inputs over their largest magnitude in `RANGES`: growth, x, y.
-fn scaled(inputs: Inputs) -> [f64; 3] {
+/// RelativeMoments over their largest magnitude in `RANGES`: growth, x, y.
+fn scaled(inputs: RelativeMoments) -> [f64; 3] {
     [
         inputs.growth / 0.8,
         inputs.displacement.x / 3.0,
@@ -72,7 +72,7 @@ fn sum(terms: &[[i32; 3]], coefficients: &[f64], at: [f64; 3]) -> f64 {
 }
 
 /// The force at `inputs` of a map with these coefficients of `F_x`, `F_y`, `F_z`.
-fn force([x, y, z]: &[Vec<f64>; 3], inputs: Inputs) -> DVec3 {
+fn force([x, y, z]: &[Vec<f64>; 3], inputs: RelativeMoments) -> DVec3 {
     let [g, u, v] = scaled(inputs);
     DVec3::new(
         sum(&SHEAR, x, [g, u, v]),
@@ -155,11 +155,11 @@ fn a_force_of_so_many_terms_gets_so_many_and_is_found_again() {
             .map(|_| DVec3::from_array([(); 3].map(|()| rng.random_range(-1e-4..1e-4))))
             .collect();
         let mut noise = noise.into_iter();
-        let noisy: Vec<(Inputs, DVec3)> = places
+        let noisy: Vec<(RelativeMoments, DVec3)> = places
             .iter()
             .map(|&i| (i, force(&own, i) + noise.next().expect("noise")))
             .collect();
-        let of = |inputs: Inputs| {
+        let of = |inputs: RelativeMoments| {
             let found = noisy.iter().find(|(i, _)| *i == inputs);
             found.expect("a place").1
         };
@@ -206,7 +206,7 @@ fn far_beyond_its_loads_a_force_is_finite_and_not_a_number_stays_so() {
 /// The better one of held-out loads; the separable one where loads do not suffice for the other.
 #[test]
 fn the_model_that_predicts_better_is_taken() {
-    let separable = |i: Inputs| {
+    let separable = |i: RelativeMoments| {
         let [g, x, y] = scaled(i);
         // What the coupled model has no terms for.
         DVec3::new(

@@ -1,7 +1,7 @@
 //! One element that answers to a force as a test says.
 
 use feeler::sensor::calibration::{
-    Calibration, CalibrationError, FullScale, Inputs, LengthUnit, MadeFor,
+    Calibration, CalibrationError, CalibrationTarget, FullScale, LengthUnit, RelativeMoments,
 };
 use feeler::sensor::calibration::{ElementRecord, LoadSample, ModelChoice, fit};
 use feeler::sensor::moments::ElementMoments;
@@ -17,23 +17,23 @@ pub const CENTROID: DVec2 = DVec2::new(1.5, -0.25);
 /// farther from zero is another one.
 pub const RANGES: [[f64; 2]; 3] = [[-0.05, 0.8], [-3.0, 2.0], [-1.0, 4.0]];
 
-pub fn inputs([growth, x, y]: [f64; 3]) -> Inputs {
-    Inputs {
+pub fn inputs([growth, x, y]: [f64; 3]) -> RelativeMoments {
+    RelativeMoments {
         growth,
         displacement: DVec2::new(x, y),
     }
 }
 
 /// The moments of the element whose inputs are these.
-pub fn moments(inputs: Inputs) -> ElementMoments {
+pub fn moments(inputs: RelativeMoments) -> ElementMoments {
     ElementMoments {
         integrated_gray: GRAY * (1.0 + inputs.growth),
         centroid: CENTROID + inputs.displacement,
     }
 }
 
-/// Inputs that fill `RANGES`: all their corners, and places between.
-pub fn places(count: usize, seed: u64) -> Vec<Inputs> {
+/// RelativeMoments that fill `RANGES`: all their corners, and places between.
+pub fn places(count: usize, seed: u64) -> Vec<RelativeMoments> {
     let mut rng = Pcg64::seed_from_u64(seed);
     let corner = |n: usize| [0, 1, 2].map(|axis: usize| RANGES[axis][(n >> axis) & 1]);
     let corners = (0..8).map(corner);
@@ -42,21 +42,24 @@ pub fn places(count: usize, seed: u64) -> Vec<Inputs> {
 }
 
 /// What was recorded of an element that takes `force` to be where `inputs` say.
-pub fn record(inputs: &[Inputs], force: impl Fn(Inputs) -> DVec3) -> ElementRecord {
-    let sample = |&inputs: &Inputs| LoadSample {
+pub fn record(
+    inputs: &[RelativeMoments],
+    force: impl Fn(RelativeMoments) -> DVec3,
+) -> ElementRecord {
+    let sample = |&inputs: &RelativeMoments| LoadSample {
         force: force(inputs),
         moments: moments(inputs),
     };
     ElementRecord {
-        unloaded: vec![moments(Inputs::default())],
+        unloaded: vec![moments(RelativeMoments::default())],
         fitted: inputs.iter().map(sample).collect(),
         ..ElementRecord::default()
     }
 }
 
 /// A sensor of `elements` elements that only its text tells from others.
-pub fn made_for(elements: usize) -> MadeFor {
-    MadeFor::layout("a few elements", elements, LengthUnit::Pixel)
+pub fn made_for(elements: usize) -> CalibrationTarget {
+    CalibrationTarget::layout("a few elements", elements, LengthUnit::Pixel)
 }
 
 pub fn fitted(

@@ -3,7 +3,7 @@
 use super::element::{fitted, inputs, made_for, moments, places, record};
 use feeler::sensor::calibration::RecordBuilder;
 use feeler::sensor::calibration::{ElementRecord, ModelChoice, fit};
-use feeler::sensor::calibration::{FullScale, Inputs};
+use feeler::sensor::calibration::{FullScale, RelativeMoments};
 use glam::DVec3;
 
 fn good() -> ElementRecord {
@@ -63,7 +63,7 @@ fn records_that_determine_nothing_are_refused() {
 fn loads_that_change_no_picture_are_refused() {
     let dead = |record: &mut ElementRecord| {
         for sample in &mut record.fitted {
-            sample.moments = moments(Inputs::default());
+            sample.moments = moments(RelativeMoments::default());
         }
     };
     let message = refused(ModelChoice::Separable, dead);
@@ -108,7 +108,7 @@ fn a_record_for_each_element_is_needed() {
 #[test]
 fn records_are_gathered_picture_by_picture() {
     let mut builder = RecordBuilder::new(2);
-    let [rest, pressed] = [Inputs::default(), inputs([0.5, 0.1, 0.0])].map(moments);
+    let [rest, pressed] = [RelativeMoments::default(), inputs([0.5, 0.1, 0.0])].map(moments);
     builder.add(&[Some(DVec3::ZERO), Some(DVec3::Z)], &[rest, pressed]);
     builder.add(&[None, Some(DVec3::ZERO)], &[pressed, rest]);
     let records = builder.records();

@@ -2,7 +2,7 @@
 
 use super::element::{fitted, made_for, places, record};
 use feeler::sensor::calibration::ModelChoice;
-use feeler::sensor::calibration::{Calibration, ForceMap, LengthUnit, MadeFor};
+use feeler::sensor::calibration::{Calibration, CalibrationTarget, ForceMap, LengthUnit};
 use feeler::sensor::fingertip::FingertipConfig;
 use feeler::sensor::fingertip::sha256;
 use glam::DVec3;
@@ -172,9 +172,9 @@ fn coupled_maps_that_cannot_be_used_are_refused() {
 #[test]
 fn a_calibration_is_for_one_sensor() {
     let config = FingertipConfig::default();
-    let here = MadeFor::fingertip(&config).expect("a fingertip");
+    let here = CalibrationTarget::fingertip(&config).expect("a fingertip");
     assert_eq!(here.elements, 41);
-    assert!(here.check_same(&here.clone()).is_ok());
+    assert!(here.verify_same(&here.clone()).is_ok());
     type Change = fn(&mut FingertipConfig);
     let cases: [(Change, &str); 3] = [
         (|c| c.layout.dome_radius = 0.02, "the layout"),
@@ -186,27 +186,27 @@ fn a_calibration_is_for_one_sensor() {
     ];
     let mut calibration = calibration(ModelChoice::Separable);
     calibration.made_for = here.clone();
-    assert!(calibration.check_made_for(&config).is_ok());
+    assert!(calibration.verify_target(&config).is_ok());
     for (change, words) in cases {
         let mut other = config.clone();
         change(&mut other);
         let message = calibration
-            .check_made_for(&other)
+            .verify_target(&other)
             .expect_err("refused")
             .to_string();
         assert!(message.contains(words), "{words}: {message}");
     }
     let message = here
-        .check_same(&made_for(41))
+        .verify_same(&made_for(41))
         .expect_err("refused")
         .to_string();
     assert!(
         message.contains("located layout") && message.contains("geometry"),
         "{message}"
     );
-    let pixels = MadeFor::layout("a text", 41, LengthUnit::Pixel);
+    let pixels = CalibrationTarget::layout("a text", 41, LengthUnit::Pixel);
     let message = pixels
-        .check_same(&made_for(41))
+        .verify_same(&made_for(41))
         .expect_err("refused")
         .to_string();
     assert!(message.contains("sha256"), "{message}");
@@ -214,8 +214,8 @@ fn a_calibration_is_for_one_sensor() {
 
 #[test]
 fn a_fingertip_that_is_not_the_one_of_its_hash_is_refused() {
-    let fingertip = MadeFor::fingertip(&FingertipConfig::default()).expect("a fingertip");
-    let with = |made_for: MadeFor| {
+    let fingertip = CalibrationTarget::fingertip(&FingertipConfig::default()).expect("a fingertip");
+    let with = |made_for: CalibrationTarget| {
         refused(ModelChoice::Separable, move |c| {
             c.made_for = made_for.clone()
         })

@@ -2,7 +2,7 @@
 
 use super::element::{CENTROID, GRAY, fitted, inputs, moments, places, record};
 use feeler::sensor::calibration::{
-    Calibration, ElementQuality, FullScale, HeldOutError, Inputs, MadeFor,
+    Calibration, CalibrationTarget, ElementQuality, FullScale, HeldOutError, RelativeMoments,
 };
 use feeler::sensor::calibration::{CalibrationReport, Errors};
 use feeler::sensor::calibration::{CycledReading, repeatability_and_hysteresis};
@@ -11,7 +11,7 @@ use feeler::sensor::fingertip::FingertipConfig;
 use glam::DVec3;
 
 /// A force that is linear in the inputs.
-fn linear(i: Inputs) -> DVec3 {
+fn linear(i: RelativeMoments) -> DVec3 {
     DVec3::new(
         0.1 * i.displacement.x,
         0.2 * i.displacement.y,
@@ -224,7 +224,8 @@ fn the_report_gives_each_ring_a_line_where_they_are_known() {
         .enumerate()
         .flat_map(of_ring)
         .collect();
-    calibration.made_for = MadeFor::fingertip(&FingertipConfig::default()).expect("a fingertip");
+    calibration.made_for =
+        CalibrationTarget::fingertip(&FingertipConfig::default()).expect("a fingertip");
     let rings = CalibrationReport::new(&calibration).rings();
     assert_eq!(rings.len(), 4);
     for (n, ring) in rings.iter().enumerate() {

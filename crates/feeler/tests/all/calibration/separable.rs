@@ -3,7 +3,7 @@
 use super::element::{RANGES, fitted, inputs, moments, places, record};
 use feeler::sensor::calibration::ModelChoice;
 use feeler::sensor::calibration::{
-    Calibration, CalibrationModel, ForceCurve, ForceMap, ForceValidity, Inputs,
+    Calibration, CalibrationModel, ForceCurve, ForceMap, ForceValidity, RelativeMoments,
 };
 use feeler::sensor::moments::ElementMoments;
 use glam::{DVec2, DVec3};
@@ -15,7 +15,7 @@ fn cubic([a, b, c]: [f64; 3], s: f64) -> f64 {
     a * s + b * s.powi(2) + c * s.powi(3)
 }
 
-fn force(inputs: Inputs) -> DVec3 {
+fn force(inputs: RelativeMoments) -> DVec3 {
     DVec3::new(
         cubic(CURVES[1], inputs.displacement.x),
         cubic(CURVES[2], inputs.displacement.y),
@@ -69,7 +69,9 @@ fn loads_that_were_not_fitted_are_read_as_they_are() {
         assert_eq!(validity, [ForceValidity::Calibrated]);
     }
     assert_eq!(
-        calibration.elements[0].map.force(Inputs::default()),
+        calibration.elements[0]
+            .map
+            .force(RelativeMoments::default()),
         DVec3::ZERO
     );
 }
@@ -77,7 +79,7 @@ fn loads_that_were_not_fitted_are_read_as_they_are() {
 /// Loads that all press one way reach from zero to where they go.
 #[test]
 fn zero_is_a_load_too() {
-    let pressed: Vec<Inputs> = places(60, 3)
+    let pressed: Vec<RelativeMoments> = places(60, 3)
         .into_iter()
         .filter(|i| i.growth > 0.1 && i.displacement.x < -0.1 && i.displacement.y > 0.1)
         .collect();
@@ -155,6 +157,6 @@ fn moments_are_taken_relative_to_those_without_load() {
         integrated_gray: 75.0,
         centroid: DVec2::new(0.75, -1.5),
     };
-    let relative = Inputs::relative(&now, unloaded.integrated_gray, unloaded.centroid);
+    let relative = RelativeMoments::relative(&now, unloaded.integrated_gray, unloaded.centroid);
     assert_eq!(relative, inputs([0.5, 0.25, -0.5]));
 }

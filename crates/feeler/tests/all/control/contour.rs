@@ -2,11 +2,11 @@
 
 use super::rig::layout;
 use feeler::control::FeelerShape;
-use feeler::control::FingerTouch;
 use feeler::control::Phase;
+use feeler::control::TactileReading;
 use feeler::control::task::Task;
 use feeler::control::task::contour::{Contour, ContourConfig};
-use feeler::control::{FingertipPose, HandSense};
+use feeler::control::{FingertipPose, HandReadings};
 use feeler::hand::JointState;
 use glam::{DMat3, DVec2, DVec3};
 
@@ -41,7 +41,7 @@ fn config() -> ContourConfig {
 
 /// A fingertip whose apex touches a surface at `point` with the outward `normal`, both of the plane, and which is pushed
 /// by `force` (N, in W): where it is, and what it feels.
-fn pressed(point: DVec2, normal: DVec2, force: DVec2) -> (FingertipPose, FingerTouch) {
+fn pressed(point: DVec2, normal: DVec2, force: DVec2) -> (FingertipPose, TactileReading) {
     let FeelerShape {
         normal_stiffness,
         shear_stiffness,
@@ -60,7 +60,7 @@ fn pressed(point: DVec2, normal: DVec2, force: DVec2) -> (FingertipPose, FingerT
     };
     let element = layout().elements[0].rotation;
     let own = element.transpose() * (rotation.transpose() * force);
-    let mut touch = FingerTouch::none(layout().elements.len());
+    let mut touch = TactileReading::none(layout().elements.len());
     touch.frame.forces[0] = own.with_z(-own.z);
     (pose, touch)
 }
@@ -75,7 +75,7 @@ fn the_outline_lies_on_the_surface_once_the_friction_is_known() {
             let mut step = 0;
             let mut advance = |task: &mut Contour, point, force| {
                 let (pose, touch) = pressed(point, normal, force);
-                let hand = HandSense {
+                let hand = HandReadings {
                     stamp: PERIOD * f64::from(step),
                     poses: &[pose],
                     joints: &[JointState::default()],

@@ -1,13 +1,13 @@
 //! Input that is no number stops the hand, wherever it stands.
 
 use super::rig::{controller, state, touch};
-use feeler::control::FingerTouch;
 use feeler::control::StopReason;
+use feeler::control::TactileReading;
 use feeler::hand::{HandCommand, HandState};
 use glam::DVec3;
 
 /// Why the hand stops at this input, and what it is told.
-fn decided(touch: &FingerTouch, state: &HandState) -> (Option<StopReason>, DVec3) {
+fn decided(touch: &TactileReading, state: &HandState) -> (Option<StopReason>, DVec3) {
     let mut controller = controller();
     let mut command = HandCommand::stop(1);
     // So that a command that is left as it was does not pass for a stop.

@@ -40,12 +40,12 @@ fn the_tenth_picture_like_the_one_before_stops_the_hand() {
     for sequence in 20..30 {
         assert_eq!(decide(&mut hand, sequence, 0.4), None, "{sequence}");
     }
-    let frozen = StopReason::FrozenForces {
+    let frozen = StopReason::StuckSensorDetector {
         finger: 0,
         frames: 10,
     };
     assert_eq!(decide(&mut hand, 30, 0.4), Some(frozen.clone()));
-    assert!(frozen.may_pass() && !frozen.is_stale());
+    assert!(frozen.is_recoverable() && !frozen.is_stale());
     // Somebody looks and lets it go on: it is counted anew, and stops again.
     hand.resume();
     for sequence in 31..41 {

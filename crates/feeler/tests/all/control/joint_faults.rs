@@ -172,7 +172,7 @@ fn a_joint_that_cannot_be_there_stops_the_hand() {
 fn after_a_stop_the_joints_are_watched_afresh() {
     let mut rig = Rig::new(MonitorConfig::default(), 0.0125);
     assert_eq!(rig.run(100, honest), None);
-    rig.controller.stop(StopReason::Told {
+    rig.controller.stop(StopReason::Requested {
         by: "a test".into(),
     });
     rig.step(1, honest);
@@ -183,7 +183,7 @@ fn after_a_stop_the_joints_are_watched_afresh() {
     assert_eq!(rig.run(20, honest), None);
     let stays: Encoder = |_, start, _| start;
     rig.position = state().joints[0].position;
-    rig.controller.stop(StopReason::Told {
+    rig.controller.stop(StopReason::Requested {
         by: "a test".into(),
     });
     rig.controller.resume();
@@ -194,7 +194,7 @@ fn after_a_stop_the_joints_are_watched_afresh() {
     );
     // By order, but never by itself.
     let reason = reason.expect("a reason");
-    assert!(reason.may_pass() && reason.is_sensor_fault() && !reason.is_stale());
+    assert!(reason.is_recoverable() && reason.is_sensor_fault() && !reason.is_stale());
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! The one door to the hand: each limit with numbers, by itself and over whole motions.
 
 use super::rig::{control, geometry, home};
-use feeler::control::{Admitted, LimitsConfig, Request};
+use feeler::control::{LimitedCommand, LimitsConfig, Request};
 use feeler::hand::FingerGeometry;
 use feeler::hand::kinematics::{fingertip_pose, jacobian};
 use glam::DVec3;
@@ -29,19 +29,19 @@ impl Finger {
         fingertip_pose(&self.geometry, self.theta).0
     }
 
-    fn admit(&self, velocity: DVec3) -> Option<Admitted> {
+    fn apply_limits(&self, velocity: DVec3) -> Option<LimitedCommand> {
         let request = Request {
             velocity,
             position: self.position(),
             theta: self.theta,
             previous: self.previous,
         };
-        self.limits.admit(&self.geometry, &request, PERIOD)
+        self.limits.apply_limits(&self.geometry, &request, PERIOD)
     }
 
     /// Goes on for a period as an ideal drive does.
-    fn advance(&mut self, velocity: DVec3) -> Admitted {
-        let admitted = self.admit(velocity).expect("finite");
+    fn advance(&mut self, velocity: DVec3) -> LimitedCommand {
+        let admitted = self.apply_limits(velocity).expect("finite");
         self.theta += PERIOD * admitted.joint_velocity;
         self.previous = admitted.joint_velocity;
         admitted
@@ -52,7 +52,7 @@ impl Finger {
 fn a_modest_velocity_passes_as_it_is() {
     let finger = Finger::at_home();
     let velocity = DVec3::new(0.002, -0.0015, 0.001);
-    let admitted = finger.admit(velocity).expect("finite");
+    let admitted = finger.apply_limits(velocity).expect("finite");
     assert!(!admitted.limited, "{admitted:?}");
     let back = jacobian(&finger.geometry, finger.theta) * admitted.joint_velocity;
     assert!((back - velocity).length() < 1e-15);
@@ -62,18 +62,18 @@ fn a_modest_velocity_passes_as_it_is() {
 fn what_is_not_finite_does_not_pass() {
     let finger = Finger::at_home();
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
-        assert_eq!(finger.admit(DVec3::new(0.0, bad, 0.0)), None);
+        assert_eq!(finger.apply_limits(DVec3::new(0.0, bad, 0.0)), None);
     }
     let bad = Finger {
         theta: DVec3::NAN,
         ..Finger::at_home()
     };
-    assert_eq!(bad.admit(DVec3::ZERO), None);
+    assert_eq!(bad.apply_limits(DVec3::ZERO), None);
     let bad = Finger {
         previous: DVec3::INFINITY,
         ..Finger::at_home()
     };
-    assert_eq!(bad.admit(DVec3::ZERO), None);
+    assert_eq!(bad.apply_limits(DVec3::ZERO), None);
 }
 
 #[test]
@@ -81,7 +81,7 @@ fn the_fingertip_speed_is_cut_without_a_change_of_direction() {
     let mut finger = Finger::at_home();
     finger.limits.joint_acceleration = 1e6;
     let wanted = DVec3::new(0.3, 0.0, -0.4);
-    let admitted = finger.admit(wanted).expect("finite");
+    let admitted = finger.apply_limits(wanted).expect("finite");
     let actual = jacobian(&finger.geometry, finger.theta) * admitted.joint_velocity;
     // 50 mm/s along (0.6, 0, -0.8).
     assert!(
@@ -97,7 +97,7 @@ fn joint_speeds_are_cut_without_a_change_of_direction() {
     finger.limits.fingertip_speed = 10.0;
     finger.limits.joint_acceleration = 1e6;
     let wanted = DVec3::new(0.0, 0.5, 0.1);
-    let admitted = finger.admit(wanted).expect("finite");
+    let admitted = finger.apply_limits(wanted).expect("finite");
     let speed = admitted.joint_velocity.abs();
     let limit = finger.geometry.joint_speed_limit();
     assert!((speed / limit).max_element() <= 1.0 + 1e-15);

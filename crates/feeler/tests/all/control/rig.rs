@@ -1,11 +1,11 @@
 //! One finger with three elements, a task that only moves, and what they are tuned by.
 
-use feeler::control::FingerTouch;
-use feeler::control::HandSense;
+use feeler::control::HandReadings;
 use feeler::control::MonitorConfig;
 use feeler::control::Phase;
 use feeler::control::Plan;
 use feeler::control::StopReason;
+use feeler::control::TactileReading;
 use feeler::control::task::Task;
 use feeler::control::{ControlConfig, Controller};
 use feeler::hand::inverse_kinematics;
@@ -75,7 +75,7 @@ struct Along {
 }
 
 impl Task for Along {
-    fn advance(&mut self, _: &HandSense<'_>) -> Result<(), StopReason> {
+    fn advance(&mut self, _: &HandReadings<'_>) -> Result<(), StopReason> {
         self.asked += 1;
         Ok(())
     }
@@ -84,7 +84,7 @@ impl Task for Along {
         self.asked
     }
 
-    fn plan(&self, _: usize, _: &HandSense<'_>) -> Plan {
+    fn plan(&self, _: usize, _: &HandReadings<'_>) -> Plan {
         Plan {
             velocity: 0.01 * DVec3::Y,
             ..Plan::default()
@@ -127,8 +127,8 @@ pub fn state() -> HandState {
 }
 
 /// Nothing felt at `stamp`, s.
-pub fn touch(stamp: f64) -> FingerTouch {
-    let mut touch = FingerTouch::none(layout().elements.len());
+pub fn touch(stamp: f64) -> TactileReading {
+    let mut touch = TactileReading::none(layout().elements.len());
     touch.frame.stamp = stamp;
     touch.stamp = stamp;
     touch

@@ -23,7 +23,7 @@ fn broken() -> StopReason {
 }
 
 fn told() -> StopReason {
-    StopReason::Told {
+    StopReason::Requested {
         by: "a test".to_string(),
     }
 }

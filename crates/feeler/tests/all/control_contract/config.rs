@@ -151,15 +151,15 @@ fn stale_and_missing_data_may_come_back_and_an_overload_may_not() {
         age: 1.0,
         limit: 0.5,
     };
-    assert!(stale.is_stale() && stale.may_pass());
+    assert!(stale.is_stale() && stale.is_recoverable());
     let missing = StopReason::NoForce {
         finger: 0,
         element: 1,
     };
-    assert!(!missing.is_stale() && missing.may_pass());
+    assert!(!missing.is_stale() && missing.is_recoverable());
     let infinite = StopReason::NotFinite {
         finger: 0,
         what: "force",
     };
-    assert!(!infinite.is_stale() && !infinite.may_pass());
+    assert!(!infinite.is_stale() && !infinite.is_recoverable());
 }

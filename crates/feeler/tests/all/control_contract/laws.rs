@@ -2,12 +2,12 @@
 
 use super::rig::{Analyzers, ELEMENTS, config, controller, hand_at_home, layout, pressed, state};
 use assert_no_alloc::assert_no_alloc;
-use feeler::control::FingerTouch;
 use feeler::control::Plan;
+use feeler::control::TactileReading;
 use feeler::control::law::LawConfig;
 use feeler::control::law::best::{Best, BestConfig};
 use feeler::control::law::{Law, normal_only::NormalOnlyConfig};
-use feeler::control::{FingerSense, FingertipPose};
+use feeler::control::{FingerReadings, FingertipPose};
 use feeler::hand::{Hand, HandCommand, JointState};
 use glam::DVec3;
 
@@ -19,8 +19,8 @@ const MOVE: Plan = Plan {
 };
 
 /// A finger at the origin of W whose apex element, which looks along x, feels `force`.
-fn touch(sequence: u64, force: DVec3) -> FingerTouch {
-    let mut touch = FingerTouch::none(ELEMENTS);
+fn touch(sequence: u64, force: DVec3) -> TactileReading {
+    let mut touch = TactileReading::none(ELEMENTS);
     touch.frame.sequence = sequence;
     touch.frame.stamp = 0.01 * sequence as f64;
     touch.frame.forces[0] = force;
@@ -33,7 +33,7 @@ fn touch(sequence: u64, force: DVec3) -> FingerTouch {
 fn pressing(law: &mut dyn Law, sequence: u64, force: DVec3) -> f64 {
     let layout = layout();
     let touch = touch(sequence, force);
-    let sense = FingerSense {
+    let sense = FingerReadings {
         pose: FingertipPose::default(),
         joints: JointState::default(),
         touch: &touch,
@@ -131,7 +131,7 @@ fn the_best_learns_the_friction_of_what_slips() {
         for frame in 0..400_u64 {
             let used = 0.7 + 0.3 * (frame % 10) as f64 / 9.0;
             let touch = touch(frame, DVec3::new(friction * used, 0.0, 1.0));
-            let sense = FingerSense {
+            let sense = FingerReadings {
                 pose: FingertipPose::default(),
                 joints: JointState::default(),
                 touch: &touch,
@@ -164,7 +164,7 @@ fn the_best_presses_along_what_it_feels_and_shares_between_elements() {
     touch.frame.forces[1].z = 0.3;
     // Too little to count.
     touch.frame.forces[9].z = 0.019;
-    let sense = FingerSense {
+    let sense = FingerReadings {
         pose: FingertipPose::default(),
         joints: JointState::default(),
         touch: &touch,
@@ -195,7 +195,7 @@ fn believed(before: (f64, f64), now: (f64, f64)) -> f64 {
     // Each frame is seen twice, as by control steps without a new one.
     for (sequence, (shear, normal)) in [(1, before), (1, before), (2, now), (2, now)] {
         let touch = touch(sequence, DVec3::new(shear, 0.0, normal));
-        let sense = FingerSense {
+        let sense = FingerReadings {
             pose: FingertipPose::default(),
             joints: JointState::default(),
             touch: &touch,
@@ -243,7 +243,7 @@ fn the_open_loop_presses_no_farther_than_its_distance_and_anew_in_each_grasp() {
     };
     let touch = touch(1, DVec3::ZERO);
     let mut pressing = |keep_grasp, x: f64| {
-        let sense = FingerSense {
+        let sense = FingerReadings {
             pose: FingertipPose {
                 position: DVec3::new(x, 0.0, 0.0),
                 ..FingertipPose::default()

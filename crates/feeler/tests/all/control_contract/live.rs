@@ -7,9 +7,9 @@ use assert_no_alloc::assert_no_alloc;
 use feeler::control::ControlLoop;
 use feeler::control::FlagThresholds;
 use feeler::control::StopReason;
-use feeler::control::{FingerTouch, TouchSource};
-use feeler::control::{LiveArrivals, LiveTouch, live};
-use feeler::pace::{Arrivals, Following};
+use feeler::control::{BackgroundSensor, NewDataSignal, live};
+use feeler::control::{TactileReading, TactileSource};
+use feeler::pace::{DataDriven, StepTrigger};
 use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
 use feeler::sensor::image::CameraError;
 use std::ops::ControlFlow;
@@ -54,7 +54,7 @@ impl Giver {
     }
 }
 
-fn sensors(thresholds: FlagThresholds) -> (Vec<Giver>, Vec<LiveTouch>, LiveArrivals) {
+fn sensors(thresholds: FlagThresholds) -> (Vec<Giver>, Vec<BackgroundSensor>, NewDataSignal) {
     let (mut givers, mut sensors) = (Vec::new(), Vec::new());
     for _ in 0..2 {
         let ((asks, asked), (give, given)) = (channel(), channel());
@@ -79,7 +79,7 @@ const NOW: Duration = Duration::ZERO;
 fn all_flags_since_the_last_step_are_seen_and_nothing_waits() {
     let thresholds = config().control.thresholds();
     let (givers, mut touches, mut arrivals) = sensors(thresholds);
-    let mut touch = FingerTouch::none(ELEMENTS);
+    let mut touch = TactileReading::none(ELEMENTS);
     touches[0].touch(&mut touch).unwrap();
     assert!(touch.stamp.is_nan());
 
@@ -107,19 +107,19 @@ fn all_flags_since_the_last_step_are_seen_and_nothing_waits() {
     };
     givers[1].give(Err(lost.into()));
     assert_eq!(arrivals.wait_for(NOW), None);
-    let mut again = FingerTouch::none(ELEMENTS);
+    let mut again = TactileReading::none(ELEMENTS);
     touches[1].touch(&mut again).unwrap();
     assert_eq!(again, touch);
 }
 
 /// Steps that follow the pictures of a hand, whose finger 1 has none any more after `pictures` of them, or fails.
-fn run(pictures: u64, fails: bool) -> (Vec<StopReason>, ControlLoop<LiveTouch, IdealHand>) {
+fn run(pictures: u64, fails: bool) -> (Vec<StopReason>, ControlLoop<BackgroundSensor, IdealHand>) {
     let mut config = config();
     config.control.stale_periods = 3.5;
     let (givers, touches, arrivals) = sensors(config.control.thresholds());
     let hand = hand_at_home(&config);
     let mut control_loop = ControlLoop::new(touches, hand, controller(&config));
-    let mut schedule = Following::new(arrivals, 1e-3).expect("a period");
+    let mut schedule = DataDriven::new(arrivals, 1e-3).expect("a period");
     let mut next = 0;
     let mut give = move || {
         givers[0].give(frame(next, 0.0));

@@ -2,7 +2,7 @@
 
 use super::hand::IdealHand;
 use super::rig::{Analyzers, ELEMENTS, config, controller, hand_at_home, pressed, state};
-use feeler::control::AnalyzedSensor;
+use feeler::control::FlaggedSensor;
 use feeler::control::Phase;
 use feeler::control::StopReason;
 use feeler::control::{ControlError, ControlLoop};
@@ -46,7 +46,7 @@ impl TactileSensor for Sensor {
     }
 }
 
-type Loop = ControlLoop<AnalyzedSensor<Sensor>, IdealHand>;
+type Loop = ControlLoop<FlaggedSensor<Sensor>, IdealHand>;
 
 /// A searching hand whose finger 1 has `fault`, after `periods`.
 fn run(fault: Fault, periods: usize) -> (Result<(), ControlError>, Loop) {
@@ -54,7 +54,7 @@ fn run(fault: Fault, periods: usize) -> (Result<(), ControlError>, Loop) {
     // Between two periods, so that rounding does not decide.
     config.control.stale_periods = 3.5;
     let sensors = [Fault::None, fault].map(|fault| Sensor { fault, frames: 0 });
-    let sensors = sensors.map(|s| AnalyzedSensor::new(s, config.control.thresholds()));
+    let sensors = sensors.map(|s| FlaggedSensor::new(s, config.control.thresholds()));
     let hand = hand_at_home(&config);
     let mut control_loop = ControlLoop::new(sensors.into(), hand, controller(&config));
     let result = (0..periods).try_for_each(|_| control_loop.step());

@@ -2,11 +2,11 @@
 
 use super::rig::{ELEMENTS, config, layout};
 use feeler::control::FeelerShape;
-use feeler::control::FingerTouch;
 use feeler::control::Plan;
 use feeler::control::SlipDetector;
+use feeler::control::TactileReading;
 use feeler::control::law::LawConfig;
-use feeler::control::{FingerSense, FingertipPose};
+use feeler::control::{FingerReadings, FingertipPose};
 use feeler::hand::JointState;
 use glam::{DMat3, DVec3};
 
@@ -22,10 +22,10 @@ const PRESSED: f64 = 0.8;
 
 /// Forces of elements that touch something after the fingertip went `WAY`, of which the object went along with the `share`
 /// and element 0 lost `slip` newtons more.
-fn frames(share: f64, slip: f64) -> [FingerTouch; 2] {
+fn frames(share: f64, slip: f64) -> [TactileReading; 2] {
     let (layout, feeler) = (layout(), FeelerShape::default());
     [0.0, 1.0].map(|gone| {
-        let mut touch = FingerTouch::none(ELEMENTS);
+        let mut touch = TactileReading::none(ELEMENTS);
         touch.frame.sequence = 1 + gone as u64;
         for element in TOUCHING {
             // The spring drags behind the fingertip.
@@ -48,7 +48,7 @@ fn missing(mut detector: SlipDetector, share: f64, slip: f64) -> [f64; 2] {
     let layout = layout();
     let mut last = [0.0; 2];
     for (touch, position) in frames(share, slip).iter().zip([DVec3::ZERO, WAY]) {
-        let sense = FingerSense {
+        let sense = FingerReadings {
             pose: FingertipPose {
                 position,
                 ..FingertipPose::default()
@@ -68,7 +68,7 @@ fn still() -> SlipDetector {
 }
 
 fn moving() -> SlipDetector {
-    SlipDetector::on_what_may_move(FeelerShape::default(), 0.1, ELEMENTS)
+    SlipDetector::for_movable_object(FeelerShape::default(), 0.1, ELEMENTS)
 }
 
 #[test]
@@ -102,7 +102,7 @@ fn nothing_goes_farther_along_than_the_fingertip() {
         let mut own = 0.0;
         for (mut touch, position) in frames(1.0, slip).into_iter().zip([DVec3::ZERO, WAY]) {
             touch.frame.forces[1] = DVec3::ZERO;
-            let sense = FingerSense {
+            let sense = FingerReadings {
                 pose: FingertipPose {
                     position,
                     ..FingertipPose::default()
@@ -134,13 +134,13 @@ fn pressing(shear: &[(u64, f64)]) -> Vec<f64> {
         ..Plan::default()
     };
     let speeds = shear.iter().map(|&(sequence, shear)| {
-        let mut touch = FingerTouch::none(ELEMENTS);
+        let mut touch = TactileReading::none(ELEMENTS);
         touch.frame.sequence = sequence;
         touch.frame.forces[0] = DVec3::new(shear, 0.0, PRESSED);
         touch.flags.largest_element = Some(0);
         touch.flags.grasp_force = PRESSED;
         touch.flags.slip = true;
-        let sense = FingerSense {
+        let sense = FingerReadings {
             pose: FingertipPose::default(),
             joints: JointState::default(),
             touch: &touch,
@@ -209,10 +209,10 @@ fn what_sticks_misses_nothing_however_the_fingertip_goes_and_turns() {
                 let mut detector = SlipDetector::new(feeler, ELEMENTS);
                 let mut missing = 0.0;
                 for (sequence, (force, pose)) in (1..).zip([first, second].into_iter().zip(poses)) {
-                    let mut touch = FingerTouch::none(ELEMENTS);
+                    let mut touch = TactileReading::none(ELEMENTS);
                     touch.frame.sequence = sequence;
                     touch.frame.forces[element] = force;
-                    let sense = FingerSense {
+                    let sense = FingerReadings {
                         pose,
                         joints: JointState::default(),
                         touch: &touch,
@@ -240,10 +240,10 @@ fn what_slips_slips_on_but_no_more_than_a_little_is_carried() {
         let mut missing = 0.0;
         for (sequence, lost) in (1..).zip(losses) {
             force.x -= lost;
-            let mut touch = FingerTouch::none(ELEMENTS);
+            let mut touch = TactileReading::none(ELEMENTS);
             touch.frame.sequence = sequence;
             touch.frame.forces[0] = force;
-            let sense = FingerSense {
+            let sense = FingerReadings {
                 pose: FingertipPose::default(),
                 joints: JointState::default(),
                 touch: &touch,

@@ -4,12 +4,12 @@ use super::policy_file::PolicyFile;
 use super::rig::{Analyzers, ELEMENTS, config, controller, hand_at_home, layout, pressed, state};
 use assert_no_alloc::assert_no_alloc;
 use feeler::control::FingerFlags;
-use feeler::control::FingerTouch;
 use feeler::control::ObservationLayout;
 use feeler::control::Plan;
+use feeler::control::TactileReading;
 use feeler::control::law::policy::{Policy, PolicyConfig, PolicyModel};
 use feeler::control::law::{Law, LawConfig, LawError};
-use feeler::control::{FingerSense, FingertipPose};
+use feeler::control::{FingerReadings, FingertipPose};
 use feeler::hand::{Hand, HandCommand, JointState};
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, RingConfig};
 use glam::{DMat3, DVec3};
@@ -82,10 +82,10 @@ fn evaluated(file: &PolicyFile, observation: &[f32]) -> [f64; 3] {
 }
 
 /// A finger in some pose that feels whatever is drawn.
-fn drawn_touch(random: &mut Pcg64, elements: usize) -> (FingerTouch, FingertipPose, JointState) {
+fn drawn_touch(random: &mut Pcg64, elements: usize) -> (TactileReading, FingertipPose, JointState) {
     let mut vector =
         |size: f64| DVec3::from_array([0; 3].map(|_| random.random_range(-size..size)));
-    let mut touch = FingerTouch::none(elements);
+    let mut touch = TactileReading::none(elements);
     touch.frame.forces.fill_with(|| vector(1.0));
     touch.flags.grasp_force = vector(2.0).x.abs();
     let pose = FingertipPose {
@@ -113,7 +113,7 @@ fn its_velocity_is_that_of_plain_loops_in_double_precision() {
             let mut last_action = DVec3::ZERO;
             for step in 0..20 {
                 let (touch, pose, joints) = drawn_touch(&mut random, elements);
-                let sense = FingerSense {
+                let sense = FingerReadings {
                     pose,
                     joints,
                     touch: &touch,
@@ -158,7 +158,7 @@ fn a_policy_that_python_wrote_does_what_numpy_computes() {
     assert_eq!(model.elements(), 2);
     let numbers = &reference.observation;
     let vector = |start: usize| DVec3::from_slice(&numbers[start..]);
-    let mut touch = FingerTouch::none(2);
+    let mut touch = TactileReading::none(2);
     touch.frame.forces = vec![vector(0), vector(3)];
     touch.flags = FingerFlags {
         touch: true,
@@ -167,7 +167,7 @@ fn a_policy_that_python_wrote_does_what_numpy_computes() {
         ..FingerFlags::default()
     };
     // The fingertip's frame is W.
-    let sense = FingerSense {
+    let sense = FingerReadings {
         pose: FingertipPose::default(),
         joints: JointState {
             position: vector(10),
@@ -233,10 +233,10 @@ fn no_finite_input_gives_a_velocity_that_is_not_finite() {
             });
         }
         let mut policy = Policy::new(model(&file));
-        let mut touch = FingerTouch::none(1);
+        let mut touch = TactileReading::none(1);
         for force in [0.0, 1e-300, 1.0, -1e30, 1e300, f64::MAX, f64::MIN] {
             touch.frame.forces[0] = DVec3::new(force, -force, force);
-            let sense = FingerSense {
+            let sense = FingerReadings {
                 pose: FingertipPose::default(),
                 joints: JointState {
                     position: DVec3::splat(force),
@@ -279,8 +279,8 @@ fn it_is_for_fingertips_of_its_own_number_of_elements() {
     assert_eq!(unread, Err(LawError::NotRead { file }));
     // A law that is handed another finger all the same gives the controller a reason to stop.
     let mut policy = Policy::new(model(&PolicyFile::zero(40, &[])));
-    let touch = FingerTouch::none(ELEMENTS);
-    let sense = FingerSense {
+    let touch = TactileReading::none(ELEMENTS);
+    let sense = FingerReadings {
         pose: FingertipPose::default(),
         joints: JointState::default(),
         touch: &touch,

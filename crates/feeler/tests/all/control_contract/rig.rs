@@ -1,8 +1,8 @@
 //! A hand of two fingers, its controller, and sensors to try them on.
 
 use super::hand::IdealHand;
-use feeler::control::FingerTouch;
 use feeler::control::FlagAnalyzer;
+use feeler::control::TactileReading;
 use feeler::control::task::TaskConfig;
 use feeler::control::task::screw::ScrewConfig;
 use feeler::control::{ControlConfig, Controller};
@@ -102,11 +102,11 @@ impl Analyzers {
         Self(vec![analyzer; 4])
     }
 
-    pub fn touches(&mut self, frames: &[TactileFrame]) -> Vec<FingerTouch> {
+    pub fn touches(&mut self, frames: &[TactileFrame]) -> Vec<TactileReading> {
         let pairs = frames.iter().zip(&mut self.0);
         pairs
             .map(|(frame, analyzer)| {
-                let mut touch = FingerTouch::none(frame.forces.len());
+                let mut touch = TactileReading::none(frame.forces.len());
                 touch.frame.clone_from(frame);
                 touch.analyze(analyzer);
                 touch

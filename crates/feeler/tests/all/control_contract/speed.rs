@@ -2,7 +2,7 @@
 
 use feeler::control::FingerFlags;
 use feeler::control::Plan;
-use feeler::control::law::tri_axial::{FingerSpeedEstimator, Reflex};
+use feeler::control::law::tri_axial::{Reflex, TriAxialLaw};
 use glam::DVec3;
 
 const REFLEX: Reflex = Reflex {
@@ -35,7 +35,7 @@ fn flags(slip: bool, over: bool, grasp_force: f64) -> FingerFlags {
 }
 
 fn estimate(plan: &Plan, flags: &FingerFlags, pressing: Option<DVec3>) -> DVec3 {
-    FingerSpeedEstimator::new(REFLEX).estimate(plan, flags, pressing)
+    TriAxialLaw::new(REFLEX).estimate(plan, flags, pressing)
 }
 
 #[test]
@@ -101,7 +101,7 @@ fn a_weak_grasp_is_increased_in_move_only_below_its_threshold() {
 
 #[test]
 fn the_velocity_is_kept_while_the_flags_do_not_change() {
-    let mut estimator = FingerSpeedEstimator::new(REFLEX);
+    let mut estimator = TriAxialLaw::new(REFLEX);
     let first = estimator.estimate(&MOVE, &flags(true, false, 1.0), Some(PRESSING));
     // Another element is the hardest pressed now; as the flags are the same, so is the velocity.
     let other = Some(DVec3::X);

@@ -172,6 +172,8 @@ fn an_element_that_is_pressed_beyond_the_limit_stops_the_hand_for_good() {
     };
     assert_eq!(finger, 0);
     assert!(force > 10.0, "{force} N");
-    assert!(!StopReason::may_pass(run.controller.stop_reason().unwrap()));
+    assert!(!StopReason::is_recoverable(
+        run.controller.stop_reason().unwrap()
+    ));
     assert_eq!(run.commands.last(), Some(&HandCommand::stop(2)));
 }

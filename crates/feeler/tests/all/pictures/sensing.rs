@@ -1,8 +1,8 @@
 //! Readings of two rectangles of a small picture.
 
 use feeler::sensor::calibration::{
-    CALIBRATION_VERSION, Calibration, ElementCalibration, ElementQuality, ForceCurve, ForceMap,
-    ForceUnit, ForceValidity, FullScale, LengthUnit, MadeFor, SeparableMap,
+    CALIBRATION_VERSION, Calibration, CalibrationTarget, ElementCalibration, ElementQuality,
+    ForceCurve, ForceMap, ForceUnit, ForceValidity, FullScale, LengthUnit, SeparableMap,
 };
 use feeler::sensor::fingertip::FingertipConfig;
 use feeler::sensor::forces::DriftConfig;
@@ -81,7 +81,7 @@ fn calibration() -> Calibration {
         force_unit: ForceUnit::Newton,
         full_scale: FullScale::default(),
         loads_confirmed: false,
-        made_for: MadeFor::layout("two halves", 2, LengthUnit::Pixel),
+        made_for: CalibrationTarget::layout("two halves", 2, LengthUnit::Pixel),
         elements: vec![element; 2],
     }
 }
@@ -115,11 +115,11 @@ fn displacements_count_from_the_mean_of_what_was_lit() {
     let mut sensing = sensing();
     let first = sensed(&mut sensing, &picture(30, 30, DARK));
     let second = sensed(&mut sensing, &picture(DARK + 10, DARK + 30, 60));
-    let reference = Reference::mean([&first[..], &second[..]]);
+    let reference = Reference::from_readings([&first[..], &second[..]]);
     let [own, other] = [0, 1].map(|i| reference.centroids[i].expect("a centroid"));
     assert!(own.distance(DVec2::new(0.625, 0.0)) < 1e-6, "{own}");
     assert!(other.length() < 1e-6, "{other}");
-    let never = Reference::mean([&first[..], &first[..]]);
+    let never = Reference::from_readings([&first[..], &first[..]]);
     assert_eq!(never.centroids[1], None);
 
     sensing
@@ -243,7 +243,7 @@ impl Camera for Brightening {
 fn an_optical_sensor_reads_what_its_camera_sees() {
     let config = FingertipConfig::default();
     let mut calibration = calibration();
-    calibration.made_for = MadeFor::fingertip(&config).expect("a fingertip");
+    calibration.made_for = CalibrationTarget::fingertip(&config).expect("a fingertip");
     let mut element = calibration.elements[0].clone();
     // A level of 100 above the dark one of 24, over a disc of 2.6 mm.
     element.unloaded_gray = 76.0 * std::f64::consts::PI * 2.6e-3_f64.powi(2);

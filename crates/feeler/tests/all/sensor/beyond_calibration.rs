@@ -1,6 +1,6 @@
 //! The coupled calibration beyond the range of its loads.
 
-use feeler::sensor::calibration::{CoupledMap, Inputs};
+use feeler::sensor::calibration::{CoupledMap, RelativeMoments};
 use glam::{DVec2, DVec3};
 
 /// Ranges of different widths, none of them symmetrical, so that no two can be mistaken for each other.
@@ -53,7 +53,7 @@ fn each_force_goes_on_with_its_mean_slope_over_the_range_of_its_own_input() {
         for x in reach(X) {
             for y in reach(Y) {
                 let displacement = DVec2::new(x, y);
-                let force = map.force(Inputs {
+                let force = map.force(RelativeMoments {
                     growth,
                     displacement,
                 });

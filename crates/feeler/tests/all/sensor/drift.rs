@@ -1,8 +1,8 @@
 //! How much of what an element shows may be taken for creep.
 
 use feeler::sensor::calibration::{
-    CALIBRATION_VERSION, Calibration, CoupledMap, ElementCalibration, ElementQuality, ForceMap,
-    ForceUnit, FullScale, LengthUnit, MadeFor,
+    CALIBRATION_VERSION, Calibration, CalibrationTarget, CoupledMap, ElementCalibration,
+    ElementQuality, ForceMap, ForceUnit, FullScale, LengthUnit,
 };
 use feeler::sensor::forces::{DriftConfig, DriftCorrection};
 use feeler::sensor::moments::ElementMoments;
@@ -37,7 +37,7 @@ fn calibration() -> Calibration {
         force_unit: ForceUnit::Newton,
         full_scale: FullScale::default(),
         loads_confirmed: false,
-        made_for: MadeFor::layout("twelve elements", ELEMENTS, LengthUnit::Metre),
+        made_for: CalibrationTarget::layout("twelve elements", ELEMENTS, LengthUnit::Metre),
         elements: (0..ELEMENTS).map(element).collect(),
     }
 }

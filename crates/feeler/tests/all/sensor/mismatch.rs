@@ -1,8 +1,8 @@
 //! Pictures of another fingertip than the calibration's are refused at the start.
 
 use feeler::sensor::calibration::{
-    CALIBRATION_VERSION, Calibration, CoupledMap, ElementCalibration, ElementQuality, ForceMap,
-    ForceUnit, FullScale, MadeFor,
+    CALIBRATION_VERSION, Calibration, CalibrationTarget, CoupledMap, ElementCalibration,
+    ElementQuality, ForceMap, ForceUnit, FullScale,
 };
 use feeler::sensor::fingertip::FingertipConfig;
 use feeler::sensor::forces::Mismatch;
@@ -70,7 +70,7 @@ fn sensing() -> SensingChain {
         force_unit: ForceUnit::Newton,
         full_scale: FullScale::default(),
         loads_confirmed: false,
-        made_for: MadeFor::fingertip(&fingertip).expect("a hash"),
+        made_for: CalibrationTarget::fingertip(&fingertip).expect("a hash"),
         elements: elements.collect(),
     };
     let sensing = sensing.with_calibration(calibration);

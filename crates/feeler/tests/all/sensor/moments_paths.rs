@@ -109,7 +109,7 @@ proptest! {
             // What waits in memory behind the picture changes nothing, however much it is.
             let (mut moments, kernel) = (moments, kernel.clone().with_instructions(instructions));
             for next in [&picture.pixels[..], &picture.pixels[..picture.pixels.len() / 2]] {
-                kernel.measure_ahead(&picture, next, &mut moments).unwrap();
+                kernel.measure_with_prefetch(&picture, next, &mut moments).unwrap();
                 prop_assert_eq!(&moments, &portable, "{:?}", instructions);
             }
         }

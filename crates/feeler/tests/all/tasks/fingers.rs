@@ -1,12 +1,12 @@
 //! Fingers that go exactly where a task wants them, with one feeler each that a test presses.
 
 use feeler::control::FeelerShape;
-use feeler::control::FingerTouch;
 use feeler::control::Phase;
 use feeler::control::Plan;
 use feeler::control::StopReason;
+use feeler::control::TactileReading;
 use feeler::control::task::Task;
-use feeler::control::{FingertipPose, HandSense};
+use feeler::control::{FingertipPose, HandReadings};
 use feeler::control::{FlagAnalyzer, FlagThresholds};
 use feeler::hand::JointState;
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, RingConfig};
@@ -83,8 +83,8 @@ impl Finger {
         }
     }
 
-    fn touch(&mut self, layout: &ElementLayout, step: u64) -> FingerTouch {
-        let mut touch = FingerTouch::none(3);
+    fn touch(&mut self, layout: &ElementLayout, step: u64) -> TactileReading {
+        let mut touch = TactileReading::none(3);
         let in_tip = self.pose().rotation.transpose() * self.force;
         let own = layout.elements[0].rotation.transpose() * in_tip;
         touch.frame.forces[0] = own.with_z(-own.z);
@@ -119,7 +119,7 @@ impl<T: Task> Run<T> {
         let touches: Vec<_> = pairs
             .map(|(f, layout)| f.touch(layout, self.steps))
             .collect();
-        let hand = HandSense {
+        let hand = HandReadings {
             stamp: PERIOD * self.steps as f64,
             poses: &poses,
             joints: &vec![JointState::default(); self.fingers.len()],

@@ -1,8 +1,8 @@
 //! A hand that is controlled by a wrench: a fingertip of one element touches a wall, strokes it and comes home.
 
 use super::world::{chain, made_for, picture, samples};
-use feeler::control::AnalyzedSensor;
 use feeler::control::ControlLoop;
+use feeler::control::FlaggedSensor;
 use feeler::control::Phase;
 use feeler::control::task::TaskConfig;
 use feeler::control::{ControlConfig, Controller};
@@ -10,7 +10,7 @@ use feeler::hand::inverse_kinematics;
 use feeler::hand::kinematics::fingertip_pose;
 use feeler::hand::{FingerConfig, FingerGeometry};
 use feeler::hand::{Hand, HandCommand, HandError, HandState, JointState};
-use feeler::pace::Unpaced;
+use feeler::pace::FreeRunning;
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
 use feeler::sensor::forces::{TactileFrame, TactileSensor};
 use feeler::sensor::image::Frame;
@@ -169,12 +169,12 @@ fn a_hand_touches_strokes_and_comes_home_by_it() {
         velocity: DVec3::ZERO,
         period,
     };
-    let sensors = vec![AnalyzedSensor::new(sensor, thresholds)];
+    let sensors = vec![FlaggedSensor::new(sensor, thresholds)];
     let mut control_loop = ControlLoop::new(sensors, hand, controller.unwrap());
     let mut greatest = 0.0_f64;
     let mut steps = 0;
     let interrupted = AtomicBool::new(false);
-    let ran = control_loop.run(&mut Unpaced::default(), 10, &interrupted, |after, _| {
+    let ran = control_loop.run(&mut FreeRunning::default(), 10, &interrupted, |after, _| {
         greatest = greatest.max(after.touches()[0].flags.grasp_force);
         steps += 1;
         match after.controller().phase() {

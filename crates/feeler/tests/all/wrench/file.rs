@@ -1,7 +1,7 @@
 //! The file of a wrench calibration: read back as it was written, or refused.
 
 use super::world::{ELEMENTS, made_for, samples};
-use feeler::sensor::fingertip::{LengthUnit, MadeFor};
+use feeler::sensor::fingertip::{CalibrationTarget, LengthUnit};
 use feeler::sensor::moments::ElementMoments;
 use feeler::sensor::wrench::{WrenchCalibration, WrenchEstimator, fit};
 use glam::DVec2;
@@ -18,9 +18,9 @@ fn it_is_read_as_it_was_written() {
     let calibration = WrenchCalibration::from_toml(&TEXT).unwrap();
     assert_eq!(calibration.to_toml().unwrap(), *TEXT);
     assert!(WrenchCalibration::is_kind(&TEXT) && !WrenchCalibration::is_kind("version = 2"));
-    calibration.check_made_for(&made_for()).unwrap();
-    let other = MadeFor::layout("another", ELEMENTS, LengthUnit::Pixel);
-    assert!(calibration.check_made_for(&other).is_err());
+    calibration.verify_target(&made_for()).unwrap();
+    let other = CalibrationTarget::layout("another", ELEMENTS, LengthUnit::Pixel);
+    assert!(calibration.verify_target(&other).is_err());
 }
 
 #[test]

@@ -1,7 +1,7 @@
 //! Spots that brighten and move by a law: a fingertip of which everything is known.
 
+use feeler::sensor::fingertip::{CalibrationTarget, LengthUnit};
 use feeler::sensor::fingertip::{ElementPlace, LAYOUT_VERSION, LocatedLayout};
-use feeler::sensor::fingertip::{LengthUnit, MadeFor};
 use feeler::sensor::forces::{ElementReading, SensingChain};
 use feeler::sensor::image::Picture;
 use feeler::sensor::image::Polarity;
@@ -54,8 +54,8 @@ pub fn chain() -> SensingChain {
 }
 
 /// What a calibration of the spots was made for.
-pub fn made_for() -> MadeFor {
-    MadeFor::layout(
+pub fn made_for() -> CalibrationTarget {
+    CalibrationTarget::layout(
         &layout().to_toml().expect("text"),
         ELEMENTS,
         LengthUnit::Pixel,

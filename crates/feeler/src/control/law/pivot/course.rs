@@ -8,13 +8,13 @@ const WINDOW: (f64, f64) = (0.25, 0.98);
 
 /// Start and end of a MOVE (m, x and y in W), and its planned direction.
 #[derive(Debug, Clone, Copy, Default)]
-pub(super) struct Course {
+pub(super) struct MovePath {
     pub start: DVec2,
     pub end: DVec2,
     pub direction: DVec2,
 }
 
-impl Course {
+impl MovePath {
     /// Standard deviation of the distance between the planned straight line and the pivot (m), using `R ≈ R_0 +
     /// u²/2R` at the distance u along the line from the foot of the perpendicular through the pivot.
     pub fn line_deviation(&self, circle: &Circle) -> f64 {
@@ -43,7 +43,7 @@ mod tests {
             centre: DVec2::new(0.001, 0.002),
             radius: 0.016,
         };
-        let course = Course {
+        let course = MovePath {
             start: DVec2::new(-0.033, 0.004),
             end: DVec2::new(-0.0325, -0.0045),
             direction: DVec2::NEG_Y,

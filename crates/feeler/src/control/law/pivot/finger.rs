@@ -3,14 +3,14 @@
 mod closing;
 
 use super::circle::{Circle, CircleFit};
-use super::course::Course;
+use super::course::MovePath;
 use super::needed_grip::{NeededGrip, Surface};
 use super::stiffness::StiffnessFit;
-use super::stroke::{Lesson, Sample, StrokeRecord};
+use super::stroke::{Sample, StrokeParameters, StrokeRecord};
 use super::{Grip, PivotConfig};
 use crate::control::feeler_shape::Stiffness;
 use crate::control::plan::Plan;
-use crate::control::sense::FingerSense;
+use crate::control::sense::FingerReadings;
 use crate::sensor::fingertip::layout::ElementLayout;
 use glam::{DVec2, DVec3};
 
@@ -78,12 +78,12 @@ pub(super) struct Finger {
     /// First contacts of the latest and the previous closing motion.
     onset: Option<Onset>,
     onset_before: Option<Onset>,
-    course: Course,
+    course: MovePath,
     record: StrokeRecord,
     needed_grip: NeededGrip,
     /// Number of strokes from which a lesson was computed.
     strokes: u32,
-    lesson: Option<Lesson>,
+    lesson: Option<StrokeParameters>,
 }
 
 impl Finger {
@@ -104,7 +104,7 @@ impl Finger {
             home: None,
             onset: None,
             onset_before: None,
-            course: Course::default(),
+            course: MovePath::default(),
             record: StrokeRecord::new(),
             needed_grip: NeededGrip::new(touch_force, layout.elements.len()),
             strokes: 0,
@@ -134,7 +134,7 @@ impl Finger {
 
     /// Updates the finger with the latest position and forces. Adds touching elements to the stiffness fit while
     /// closing, and to `contacts` while turning.
-    pub fn feel(&mut self, sense: &FingerSense<'_>, mut contacts: Option<&mut CircleFit>) {
+    pub fn feel(&mut self, sense: &FingerReadings<'_>, mut contacts: Option<&mut CircleFit>) {
         self.position = sense.pose.position.truncate();
         let frame = &sense.touch.frame;
         if self.newest.replace(frame.sequence) == Some(frame.sequence) {
@@ -166,13 +166,13 @@ impl Finger {
 
     /// Predicts the shear forces of the latest frame. Returns the share of the fingertip's motion that the object may
     /// have followed, 0 to 1, judged by this finger alone.
-    pub fn foretell_shear(&mut self, sense: &FingerSense<'_>) -> f64 {
-        self.needed_grip.foretell(sense)
+    pub fn foretell_shear(&mut self, sense: &FingerReadings<'_>) -> f64 {
+        self.needed_grip.predict_shear(sense)
     }
 
     /// Updates slip and the required grasp force with the latest frame, for an object that has followed the share
     /// `along` of the fingertip's motion, 0 to 1.
-    pub fn feel_slip(&mut self, sense: &FingerSense<'_>, circle: Option<Circle>, along: f64) {
+    pub fn feel_slip(&mut self, sense: &FingerReadings<'_>, circle: Option<Circle>, along: f64) {
         if let (Some(stiffness), Some(circle)) = (self.stiffness, circle) {
             let surface = Surface {
                 stiffness,
@@ -185,7 +185,7 @@ impl Finger {
 
     fn feel_element(
         &mut self,
-        sense: &FingerSense<'_>,
+        sense: &FingerReadings<'_>,
         index: usize,
         force: DVec3,
         contacts: Option<&mut CircleFit>,
@@ -289,7 +289,7 @@ impl Finger {
         config: &PivotConfig,
         rated_force: f64,
         circle: Circle,
-        sense: &FingerSense<'_>,
+        sense: &FingerReadings<'_>,
     ) -> DVec3 {
         let from_pivot = self.position - circle.centre;
         let (radius, outward) = (from_pivot.length(), from_pivot.normalize_or_zero());

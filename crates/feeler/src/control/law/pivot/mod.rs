@@ -21,7 +21,7 @@ use super::HandLaw;
 use crate::check::Checker;
 use crate::control::flags::FlagThresholds;
 use crate::control::plan::Plan;
-use crate::control::sense::HandSense;
+use crate::control::sense::HandReadings;
 use crate::sensor::fingertip::layout::ElementLayout;
 use circle::{Circle, CircleFit};
 use finger::{Finger, Motion};
@@ -144,7 +144,7 @@ impl Pivot {
 
     /// Updates slip and the required grasp force of each finger. As all fingers turn the same object, the element
     /// that sticks best, of any finger, shows how far the object has followed their motion.
-    fn feel_slip(&mut self, hand: &HandSense<'_>) {
+    fn feel_slip(&mut self, hand: &HandReadings<'_>) {
         let fingers = self.fingers.iter_mut().zip(hand.fingers());
         let along = fingers.map(|(finger, sense)| finger.foretell_shear(&sense));
         let along = along.fold(1.0, f64::min);
@@ -164,7 +164,7 @@ impl Pivot {
 }
 
 impl HandLaw for Pivot {
-    fn observe(&mut self, hand: &HandSense<'_>, closed: &mut [Option<bool>]) {
+    fn observe(&mut self, hand: &HandReadings<'_>, closed: &mut [Option<bool>]) {
         for (finger, sense) in self.fingers.iter_mut().zip(hand.fingers()) {
             finger.feel(&sense, self.contacts.as_mut());
         }
@@ -177,7 +177,7 @@ impl HandLaw for Pivot {
         }
     }
 
-    fn velocities(&mut self, plans: &[Plan], hand: &HandSense<'_>, velocities: &mut [DVec3]) {
+    fn velocities(&mut self, plans: &[Plan], hand: &HandReadings<'_>, velocities: &mut [DVec3]) {
         let all_grasp = !plans.is_empty() && plans.iter().all(|plan| plan.keep_grasp);
         if all_grasp && self.contacts.is_none() {
             self.start_circle(plans);

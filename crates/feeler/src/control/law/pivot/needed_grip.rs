@@ -6,7 +6,7 @@
 
 use super::friction::{Friction, Observation};
 use crate::control::feeler_shape::{FeelerShape, Stiffness};
-use crate::control::sense::FingerSense;
+use crate::control::sense::FingerReadings;
 use crate::control::slip_detector::SlipDetector;
 use glam::{DVec2, DVec3};
 
@@ -17,7 +17,7 @@ const EXTRA_TIME: f64 = 0.1;
 /// Depth of the pulse after a slip, relative to the current depth of the feelers.
 const PULSE: f64 = 0.45;
 /// Minimum grasp force, relative to F1: below F1 an element does not touch, and its slip goes undetected.
-const LEAST_TOUCH: f64 = 1.5;
+const MIN_TOUCH: f64 = 1.5;
 /// Relative change of the grasp force per relative error (1/s).
 const GAIN: f64 = 10.0;
 /// Maximum relative error that the gain applies to.
@@ -69,7 +69,7 @@ pub(super) struct Surface {
 impl Surface {
     /// Force on the feeler of `element` (N): along the surface's normal (positive when pressed), along the surface's
     /// tangent perpendicular to z of W, and along z. `None` if the element does not touch.
-    fn force(&self, sense: &FingerSense<'_>, element: usize) -> Option<DVec3> {
+    fn force(&self, sense: &FingerReadings<'_>, element: usize) -> Option<DVec3> {
         let own = sense.layout.elements.get(element)?;
         let force = *sense.touch.frame.forces.get(element)?;
         if force.z < UNTOUCHED || !force.is_finite() {
@@ -116,7 +116,7 @@ impl NeededGrip {
     pub fn new(touch_force: f64, elements: usize) -> Self {
         let feeler = FeelerShape::default();
         Self {
-            detector: SlipDetector::on_what_may_move(feeler, touch_force, elements),
+            detector: SlipDetector::for_movable_object(feeler, touch_force, elements),
             friction: Friction::new(elements),
             touch_force,
             newest: None,
@@ -137,19 +137,19 @@ impl NeededGrip {
 
     /// Predicts the shear forces of a new frame. Returns the share of the fingertip's motion that the object may have
     /// followed, 0 to 1, judged by this finger alone; 1 if the frame is not new.
-    pub fn foretell(&mut self, sense: &FingerSense<'_>) -> f64 {
+    pub fn predict_shear(&mut self, sense: &FingerReadings<'_>) -> f64 {
         let sequence = Some(sense.touch.frame.sequence);
         self.is_new = std::mem::replace(&mut self.newest, sequence) != sequence;
         if !self.is_new {
             return 1.0;
         }
         self.measure_noise(&sense.touch.frame.forces);
-        self.detector.foretell(sense)
+        self.detector.predict_shear(sense)
     }
 
     /// Updates slip, friction and load with a new frame of a finger that `turns` the object. The object has followed
     /// the share `along` of the fingertip's motion, 0 to 1.
-    pub fn feel(&mut self, sense: &FingerSense<'_>, surface: Surface, turns: bool, along: f64) {
+    pub fn feel(&mut self, sense: &FingerReadings<'_>, surface: Surface, turns: bool, along: f64) {
         if !std::mem::take(&mut self.is_new) {
             return;
         }
@@ -214,7 +214,7 @@ impl NeededGrip {
             return 0.0;
         };
         let needed = (1.0 + self.extra) * self.load.after(LOAD_LEAD).abs() / friction;
-        let least = LEAST_TOUCH * self.touch_force;
+        let least = MIN_TOUCH * self.touch_force;
         let normal = self.normal.after(GRIP_LEAD).max(0.5 * self.normal.force);
         needed.max(least) / normal - 1.0
     }

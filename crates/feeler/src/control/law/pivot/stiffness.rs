@@ -4,7 +4,7 @@ use crate::control::feeler_shape::Stiffness;
 use glam::{DMat3, DVec3};
 
 /// Minimum sum of squared motion that defines a slope (m²).
-const LEAST_MOTION: f64 = 1e-8;
+const MIN_MOTION: f64 = 1e-8;
 /// Shear stiffness relative to the normal stiffness if the closing motion has no shear: typical of incompressible
 /// rubber.
 const USUAL_RATIO: f64 = 0.5;
@@ -123,7 +123,7 @@ impl Slope {
     /// Slope (N/m); `None` without enough motion, or if force does not rise with motion.
     fn slope(self) -> Option<f64> {
         let slope = self.product / self.motion;
-        (self.motion > LEAST_MOTION && slope > 0.0).then_some(slope)
+        (self.motion > MIN_MOTION && slope > 0.0).then_some(slope)
     }
 }
 

@@ -24,7 +24,7 @@ const ITERATIONS: u32 = 8;
 /// Share of the samples at the start of a stroke, where forces still build up, that the variation leaves out.
 const BUILD_UP: f64 = 0.2;
 /// Lower limit of forces that are used as divisors or references (N).
-const LEAST_FORCE: f64 = 0.05;
+const MIN_FORCE: f64 = 0.05;
 /// Tangential force on a fingertip, relative to its grasp force, above which the object resists.
 const RESISTS: f64 = 0.5;
 
@@ -65,7 +65,7 @@ pub(super) struct StrokeRecord {
 
 /// Parameters of a finger's next stroke.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Lesson {
+pub(super) struct StrokeParameters {
     /// Distance of the dome's centre from the pivot (m).
     pub radius: f64,
     /// Expected mean of the grasp force (N).
@@ -77,7 +77,7 @@ pub(super) struct Lesson {
 /// Prediction of a stroke with a given compliance.
 #[derive(Debug, Clone, Copy)]
 struct Forecast {
-    lesson: Lesson,
+    lesson: StrokeParameters,
     /// Standard deviation of the radius (m).
     path_deviation: f64,
     /// Standard deviation of the grasp force relative to its mean.
@@ -102,7 +102,7 @@ impl StrokeRecord {
         sector.grip += (sample.grip - sector.grip) / sector.samples;
         sector.mean_force += (sample.force - sector.mean_force) / sector.samples;
         sector.most_force = sector.most_force.max(sample.force);
-        self.resisted |= sample.tangential > RESISTS * sample.grip.max(LEAST_FORCE);
+        self.resisted |= sample.tangential > RESISTS * sample.grip.max(MIN_FORCE);
     }
 
     /// Returns whether the object resisted being turned in some part of the stroke.
@@ -115,7 +115,12 @@ impl StrokeRecord {
     ///
     /// A stiff finger follows the circle, and its grasp force varies; a compliant one leaves the circle to keep the
     /// force constant. The chosen compliance minimises the larger of both deviations, relative to their tolerances.
-    pub fn lesson(&self, target: f64, stiffness: Stiffness, path_tolerance: f64) -> Option<Lesson> {
+    pub fn lesson(
+        &self,
+        target: f64,
+        stiffness: Stiffness,
+        path_tolerance: f64,
+    ) -> Option<StrokeParameters> {
         if self.sectors().count() < FEWEST_SECTORS {
             return None;
         }
@@ -142,7 +147,7 @@ impl StrokeRecord {
             sector.radius + excess / slope
         };
         let grip = |sector: &Sector, radius: f64, compliance: f64, mean: f64| {
-            let sharing = sector.grip / sector.mean_force.max(LEAST_FORCE);
+            let sharing = sector.grip / sector.mean_force.max(MIN_FORCE);
             let spring = sharing * stiffness.normal;
             let rigid = (sector.grip + spring * (sector.radius - radius)).max(0.0);
             (rigid + spring * compliance * mean) / (1.0 + spring * compliance)
@@ -158,13 +163,13 @@ impl StrokeRecord {
             (mean, deviation) = self.moments(|sector| grip(sector, radius, compliance, mean));
         }
         Forecast {
-            lesson: Lesson {
+            lesson: StrokeParameters {
                 radius,
                 mean_grip: mean,
                 compliance,
             },
             path_deviation: compliance * deviation,
-            grip_variation: deviation / mean.max(LEAST_FORCE),
+            grip_variation: deviation / mean.max(MIN_FORCE),
         }
     }
 
@@ -216,7 +221,7 @@ mod tests {
     }
 
     /// The lesson of a record whose finger may not leave the circle.
-    fn on_circle(record: &StrokeRecord, target: f64) -> Lesson {
+    fn on_circle(record: &StrokeRecord, target: f64) -> StrokeParameters {
         record.lesson(target, STIFFNESS, 0.0).expect("a lesson")
     }
 

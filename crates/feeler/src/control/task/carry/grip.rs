@@ -4,7 +4,7 @@
 /// and does not show the load.
 const FORGETTING: f64 = 0.01;
 /// Lower bound of the friction estimate.
-const LEAST_FRICTION: f64 = 0.05;
+const MIN_FRICTION: f64 = 0.05;
 
 /// Grip controller: computes the pressing force of each finger.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -47,7 +47,7 @@ impl Grip {
     /// remaining shear shows the friction.
     pub fn feel(&mut self, shear: f64, pressing: f64, changes: bool) {
         if changes && shear < self.shear && pressing > 0.0 {
-            self.friction = self.friction.min(shear / pressing).max(LEAST_FRICTION);
+            self.friction = self.friction.min(shear / pressing).max(MIN_FRICTION);
         }
         self.shear = shear;
         self.load = shear.max((1.0 - FORGETTING) * self.load);
@@ -97,7 +97,7 @@ mod tests {
         let mut grip = grip();
         grip.feel(0.5, 1.5, false);
         grip.feel(0.0, 1.5, true);
-        assert_eq!(grip.friction(), LEAST_FRICTION);
+        assert_eq!(grip.friction(), MIN_FRICTION);
         assert_eq!(grip.pressing(), 4.0);
     }
 }

@@ -17,7 +17,7 @@ use super::surface::touching;
 use super::{Finding, Task};
 use crate::control::phase::Phase;
 use crate::control::plan::Plan;
-use crate::control::sense::{FingerSense, HandSense};
+use crate::control::sense::{FingerReadings, HandReadings};
 use crate::control::stop_reason::StopReason;
 use crate::hand::MAX_FINGERS;
 use glam::DVec3;
@@ -93,7 +93,7 @@ impl Carry {
     }
 
     /// Updates the forces of each finger and the grip.
-    fn feel(&mut self, hand: &HandSense<'_>) {
+    fn feel(&mut self, hand: &HandReadings<'_>) {
         for (holder, finger) in self.holders.iter_mut().zip(hand.fingers()) {
             let forces = touching(&finger, self.config.touch_force);
             let force: DVec3 = forces.map(|(_, force)| force).sum();
@@ -127,7 +127,7 @@ impl Carry {
         self.way.go_on(stamp, stamp - self.previous, firm)
     }
 
-    fn carry(&mut self, hand: &HandSense<'_>) {
+    fn carry(&mut self, hand: &HandReadings<'_>) {
         let config = &self.config;
         self.odometry.follow(
             hand,
@@ -161,14 +161,14 @@ impl Carry {
 
     /// Mean distance by which the fingers are closer than when they grasped the object (m): the yield of the rubber,
     /// or more if the object is gone.
-    fn sunk(&self, hand: &HandSense<'_>) -> f64 {
+    fn sunk(&self, hand: &HandReadings<'_>) -> f64 {
         let moved = self.odometry.moved;
         let holders = self.holders.iter().zip(hand.poses);
         let sunk = holders.map(|(h, pose)| (pose.position - h.took - moved).dot(h.approach));
         sunk.sum::<f64>() / self.count()
     }
 
-    fn let_go(&mut self, hand: &HandSense<'_>, outcome: &'static str) {
+    fn let_go(&mut self, hand: &HandReadings<'_>, outcome: &'static str) {
         for (holder, pose) in self.holders.iter_mut().zip(hand.poses) {
             holder.let_go = pose.position;
         }
@@ -176,13 +176,17 @@ impl Carry {
         self.phase = Phase::Release;
     }
 
-    fn all(&self, hand: &HandSense<'_>, done: impl Fn(&Holder, &FingerSense<'_>) -> bool) -> bool {
+    fn all(
+        &self,
+        hand: &HandReadings<'_>,
+        done: impl Fn(&Holder, &FingerReadings<'_>) -> bool,
+    ) -> bool {
         let mut fingers = self.holders.iter().zip(hand.fingers());
         fingers.all(|(holder, finger)| done(holder, &finger))
     }
 
     /// Velocity of a finger that holds the object (m/s, in W).
-    fn holding(&self, holder: &Holder, position: DVec3, hand: &HandSense<'_>) -> DVec3 {
+    fn holding(&self, holder: &Holder, position: DVec3, hand: &HandReadings<'_>) -> DVec3 {
         let config = &self.config;
         let error = self.way.wanted - self.odometry.moved;
         let mut place = self.way.pace + config.place_gain * error;
@@ -205,7 +209,7 @@ impl Carry {
 }
 
 impl Task for Carry {
-    fn advance(&mut self, hand: &HandSense<'_>) -> Result<(), StopReason> {
+    fn advance(&mut self, hand: &HandReadings<'_>) -> Result<(), StopReason> {
         self.feel(hand);
         let config = &self.config;
         match self.phase {
@@ -226,7 +230,7 @@ impl Task for Carry {
             }
             Phase::Move => self.carry(hand),
             Phase::Release => {
-                let clear = |h: &Holder, f: &FingerSense<'_>| {
+                let clear = |h: &Holder, f: &FingerReadings<'_>| {
                     (f.pose.position - h.let_go).dot(h.approach) <= -CLEARANCE
                 };
                 if self.all(hand, clear) {
@@ -234,7 +238,7 @@ impl Task for Carry {
                 }
             }
             Phase::Return => {
-                let home = |h: &Holder, f: &FingerSense<'_>| {
+                let home = |h: &Holder, f: &FingerReadings<'_>| {
                     h.home.distance(f.pose.position) <= config.home_tolerance
                 };
                 if self.all(hand, home) {
@@ -247,7 +251,7 @@ impl Task for Carry {
         Ok(())
     }
 
-    fn plan(&self, finger: usize, hand: &HandSense<'_>) -> Plan {
+    fn plan(&self, finger: usize, hand: &HandReadings<'_>) -> Plan {
         let (Some(holder), Some(sense)) = (self.holders.get(finger), hand.finger(finger)) else {
             return Plan::default();
         };

@@ -1,7 +1,7 @@
 //! Odometry of a held object from touch: feelers that stick move with it.
 
 use crate::control::feeler_shape::FeelerShape;
-use crate::control::sense::HandSense;
+use crate::control::sense::HandReadings;
 use crate::hand::MAX_FINGERS;
 use crate::sensor::fingertip::layout::MAX_ELEMENTS;
 use glam::DVec3;
@@ -51,7 +51,7 @@ impl Odometry {
     /// whose shear rate is at most `slip_threshold` (N/s) stick.
     pub fn follow(
         &mut self,
-        hand: &HandSense<'_>,
+        hand: &HandReadings<'_>,
         feeler: &FeelerShape,
         touch_force: f64,
         slip_threshold: f64,

@@ -15,7 +15,7 @@ use super::surface::touching;
 use super::{Finding, Task};
 use crate::control::phase::Phase;
 use crate::control::plan::Plan;
-use crate::control::sense::{FingerSense, HandSense};
+use crate::control::sense::{FingerReadings, HandReadings};
 use crate::control::stop_reason::StopReason;
 use glam::{DVec2, DVec3};
 use outline::Outline;
@@ -26,7 +26,7 @@ const MAX_LEAN: f64 = 1.25;
 
 /// Minimum rotation of the normal for a closed outline (rad). It is less than a full turn because the finger may
 /// start at a corner, or before it knows the friction.
-const MOST_OF_A_TURN: f64 = 0.75 * TAU;
+const MAX_OF_A_TURN: f64 = 0.75 * TAU;
 
 /// State machine of the task.
 #[derive(Debug, Clone)]
@@ -88,7 +88,7 @@ impl Contour {
     }
 
     /// Updates the normal and the friction angle from the forces.
-    fn feel(&mut self, finger: &FingerSense<'_>, stamp: f64) {
+    fn feel(&mut self, finger: &FingerReadings<'_>, stamp: f64) {
         let elapsed = stamp - self.previous;
         let elapsed = if elapsed.is_finite() { elapsed } else { 0.0 };
         let config = &self.config;
@@ -125,7 +125,7 @@ impl Contour {
     }
 
     /// Adds the contact point of the most loaded element to the outline.
-    fn draw(&mut self, finger: &FingerSense<'_>) {
+    fn draw(&mut self, finger: &FingerReadings<'_>) {
         let level = |(_, force): &(usize, DVec3)| force.truncate().length();
         let hardest =
             touching(finger, self.config.touch_force).max_by(|a, b| level(a).total_cmp(&level(b)));
@@ -148,11 +148,11 @@ impl Contour {
         }
     }
 
-    fn follow(&mut self, finger: &FingerSense<'_>, stamp: f64) {
+    fn follow(&mut self, finger: &FingerReadings<'_>, stamp: f64) {
         self.draw(finger);
         let config = &self.config;
-        let closed = self.outline.turned() >= MOST_OF_A_TURN
-            && self.outline.gap() <= config.closing_distance;
+        let closed =
+            self.outline.turned() >= MAX_OF_A_TURN && self.outline.gap() <= config.closing_distance;
         let outcome = if closed {
             Some("closed")
         } else if stamp - self.touched > config.lost_time {
@@ -171,7 +171,7 @@ impl Contour {
 }
 
 impl Task for Contour {
-    fn advance(&mut self, hand: &HandSense<'_>) -> Result<(), StopReason> {
+    fn advance(&mut self, hand: &HandReadings<'_>) -> Result<(), StopReason> {
         let Some(finger) = hand.finger(0) else {
             return Ok(());
         };
@@ -203,7 +203,7 @@ impl Task for Contour {
         Ok(())
     }
 
-    fn plan(&self, finger: usize, hand: &HandSense<'_>) -> Plan {
+    fn plan(&self, finger: usize, hand: &HandReadings<'_>) -> Plan {
         let Some(sense) = hand.finger(finger) else {
             return Plan::default();
         };

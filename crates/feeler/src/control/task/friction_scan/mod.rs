@@ -16,7 +16,7 @@ use super::search::check_search;
 use super::{Finding, Task};
 use crate::control::phase::Phase;
 use crate::control::plan::Plan;
-use crate::control::sense::{FingerSense, HandSense};
+use crate::control::sense::{FingerReadings, HandReadings};
 use crate::control::stop_reason::StopReason;
 use angle_sum::AngleSum;
 use glam::DVec3;
@@ -103,7 +103,7 @@ impl FrictionScan {
     }
 
     /// Pressing force of the finger (N).
-    fn load(&self, finger: &FingerSense<'_>) -> f64 {
+    fn load(&self, finger: &FingerReadings<'_>) -> f64 {
         let forces = finger.touch.frame.forces.iter().enumerate();
         let touching = forces.filter(|(_, force)| force.z > TOUCHING);
         let on_finger: DVec3 = touching.map(|(element, _)| finger.force(element)).sum();
@@ -111,7 +111,7 @@ impl FrictionScan {
     }
 
     /// Force angle of the evaluated element (rad), or `None` if there is no new frame or the element does not touch.
-    fn new_angle(&mut self, finger: &FingerSense<'_>) -> Option<f64> {
+    fn new_angle(&mut self, finger: &FingerReadings<'_>) -> Option<f64> {
         let frame = &finger.touch.frame;
         if self.sequence.replace(frame.sequence) == Some(frame.sequence) {
             return None;
@@ -127,7 +127,7 @@ impl FrictionScan {
     }
 
     /// Holds still and measures the noise once the drives have come to rest.
-    fn settle(&mut self, finger: &FingerSense<'_>, settling_for: f64) {
+    fn settle(&mut self, finger: &FingerReadings<'_>, settling_for: f64) {
         let angle = self.new_angle(finger);
         if let Some(angle) = angle.filter(|_| settling_for >= 0.5 * self.config.settle_time) {
             self.rest.add(angle);
@@ -138,14 +138,14 @@ impl FrictionScan {
         }
     }
 
-    fn begin_stroke(&mut self, finger: &FingerSense<'_>) {
+    fn begin_stroke(&mut self, finger: &FingerReadings<'_>) {
         self.element = finger.flags().largest_element.unwrap_or(self.element);
         self.stick_slip = StickSlip::new(self.noise());
         self.stroke_start = finger.pose.position;
         self.first_slip = None;
     }
 
-    fn slide(&mut self, finger: &FingerSense<'_>) {
+    fn slide(&mut self, finger: &FingerReadings<'_>) {
         if let Some(angle) = self.new_angle(finger) {
             if angle > GREATEST_FRICTION.atan() {
                 return self.end("no slip");
@@ -169,7 +169,7 @@ impl FrictionScan {
         }
     }
 
-    fn end_stroke(&mut self, finger: &FingerSense<'_>) {
+    fn end_stroke(&mut self, finger: &FingerReadings<'_>) {
         let [backward, forward] = &self.slips;
         if let Some(found) = FrictionEstimate::estimate(forward, backward, self.noise()) {
             let falls = (forward.falls() + backward.falls()) as f64;
@@ -197,7 +197,7 @@ impl FrictionScan {
     }
 
     /// Velocity of sliding plus force control.
-    fn sliding_velocity(&self, finger: &FingerSense<'_>) -> DVec3 {
+    fn sliding_velocity(&self, finger: &FingerReadings<'_>) -> DVec3 {
         let config = &self.config;
         let fastest = match finger.flags().over {
             true => 0.0,
@@ -210,7 +210,7 @@ impl FrictionScan {
 }
 
 impl Task for FrictionScan {
-    fn advance(&mut self, hand: &HandSense<'_>) -> Result<(), StopReason> {
+    fn advance(&mut self, hand: &HandReadings<'_>) -> Result<(), StopReason> {
         let Some(finger) = hand.finger(0) else {
             return Ok(());
         };
@@ -238,7 +238,7 @@ impl Task for FrictionScan {
         Ok(())
     }
 
-    fn plan(&self, finger: usize, hand: &HandSense<'_>) -> Plan {
+    fn plan(&self, finger: usize, hand: &HandReadings<'_>) -> Plan {
         let Some(sense) = hand.finger(finger) else {
             return Plan::default();
         };

@@ -8,7 +8,7 @@ use serde::{Deserialize, Serialize};
 /// Maximum press force as a share of F2, because drives that lag overshoot slightly.
 const GREATEST_PRESS: f64 = 0.9;
 /// Minimum sine of the angle between approach and stroke.
-const LEAST_CROSS: f64 = 0.1;
+const MIN_CROSS: f64 = 0.1;
 
 /// Places and forces of the probing routine.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -133,7 +133,7 @@ impl ProbeConfig {
             checker.require(
                 &format!("{key}.finger[{index}].stroke"),
                 format!("{stroke:?}"),
-                cross.length() >= LEAST_CROSS,
+                cross.length() >= MIN_CROSS,
                 "a direction across the approach",
             );
         }

@@ -2,7 +2,7 @@
 
 use super::config::ProbeConfig;
 use super::step::Step;
-use crate::control::sense::FingerSense;
+use crate::control::sense::FingerReadings;
 use crate::control::stop_reason::StopReason;
 use crate::control::task::homing::homeward;
 use crate::control::task::screw::FingerPathConfig;
@@ -86,7 +86,7 @@ impl Finger {
         &mut self,
         index: usize,
         (step, place, elapsed): (Step, u32, f64),
-        sense: &FingerSense<'_>,
+        sense: &FingerReadings<'_>,
         config: &ProbeConfig,
     ) -> Result<(), StopReason> {
         let forces = sense.touch.frame.forces.iter();
@@ -156,7 +156,7 @@ impl Finger {
     fn has_reached(
         &self,
         (step, place, elapsed): (Step, u32, f64),
-        finger: &FingerSense<'_>,
+        finger: &FingerReadings<'_>,
         config: &ProbeConfig,
     ) -> bool {
         let position = finger.pose.position;

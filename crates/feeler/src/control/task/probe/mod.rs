@@ -18,7 +18,7 @@ pub use step::Step;
 use super::{Finding, Task};
 use crate::control::phase::Phase;
 use crate::control::plan::Plan;
-use crate::control::sense::HandSense;
+use crate::control::sense::HandReadings;
 use crate::control::stop_reason::StopReason;
 use finger::{Finger, PLACES};
 use glam::DVec3;
@@ -70,7 +70,7 @@ impl Probe {
         }
     }
 
-    fn begin_next(&mut self, hand: &HandSense<'_>) {
+    fn begin_next(&mut self, hand: &HandReadings<'_>) {
         if self.step == Step::Retract && self.place + 1 < PLACES {
             self.step = Step::Travel;
             self.place += 1;
@@ -87,7 +87,7 @@ impl Probe {
 }
 
 impl Task for Probe {
-    fn advance(&mut self, hand: &HandSense<'_>) -> Result<(), StopReason> {
+    fn advance(&mut self, hand: &HandReadings<'_>) -> Result<(), StopReason> {
         let elapsed = hand.stamp - *self.since.get_or_insert(hand.stamp);
         let now = (self.step, self.place, elapsed);
         let fingers = self.fingers.iter_mut().zip(hand.fingers());
@@ -104,7 +104,7 @@ impl Task for Probe {
         Ok(())
     }
 
-    fn plan(&self, finger: usize, hand: &HandSense<'_>) -> Plan {
+    fn plan(&self, finger: usize, hand: &HandReadings<'_>) -> Plan {
         let (Some(finger), Some(pose)) = (self.fingers.get(finger), hand.poses.get(finger)) else {
             return Plan::default();
         };

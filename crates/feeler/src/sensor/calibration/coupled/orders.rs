@@ -4,8 +4,8 @@
 //! excluded from the fit.
 
 use super::{NORMAL_ORDERS, Orders, SHEAR_ORDERS, normal_terms, polynomial, shear_terms, solve};
-use crate::sensor::calibration::least_squares::LEAST_SLOPE_RANGE;
-use crate::sensor::calibration::model::Inputs;
+use crate::sensor::calibration::least_squares::MIN_SLOPE_RANGE;
+use crate::sensor::calibration::model::RelativeMoments;
 use crate::sensor::image::folds::Folds;
 use glam::DVec3;
 
@@ -18,16 +18,16 @@ const WORTHWHILE: f64 = 0.02;
 /// # Errors
 /// If there are too few loads, or too few different ones, for the smallest model.
 pub(in crate::sensor) fn choose_orders(
-    inputs: &[Inputs],
+    inputs: &[RelativeMoments],
     forces: &[DVec3],
     folds: &Folds,
 ) -> Result<Orders, String> {
-    let largest = |input: fn(&Inputs) -> f64| {
+    let largest = |input: fn(&RelativeMoments) -> f64| {
         let largest = inputs
             .iter()
             .map(input)
             .fold(0.0, |a: f64, b| a.max(b.abs()));
-        largest.max(LEAST_SLOPE_RANGE)
+        largest.max(MIN_SLOPE_RANGE)
     };
     let (g, x) = (largest(|i| i.growth), largest(|i| i.displacement.x));
     let y = largest(|i| i.displacement.y);

@@ -6,13 +6,13 @@ use crate::sensor::calibration::quality::root_mean_square;
 use glam::DVec3;
 
 /// Minimum number of loads of an element for detecting outliers.
-const LEAST_LOADS: usize = 20;
+const MIN_LOADS: usize = 20;
 /// Minimum ratio of a mistyped load's error to the robust standard deviation and to the root mean square of the other
 /// loads' errors.
 pub(in crate::sensor) const MISTYPED: f64 = 15.0;
 const MISTYPED_RMS: f64 = 5.0;
 /// Minimum error of a mistyped load relative to the largest force of the other loads.
-pub(in crate::sensor) const LEAST_SHARE: f64 = 0.1;
+pub(in crate::sensor) const MIN_SHARE: f64 = 0.1;
 /// Standard deviation of a normal distribution relative to the median of its absolute values.
 const DEVIATION_BY_MEDIAN: f64 = 1.4826;
 
@@ -68,7 +68,7 @@ pub fn outlier(calibration: &Calibration, records: &[ElementRecord]) -> Option<O
 
 /// Finds the outlier of one element. `orders` are the numbers of terms of a coupled model.
 fn outlier_of(element: usize, record: &ElementRecord, orders: Option<Orders>) -> Option<Outlier> {
-    if record.fitted.len() < LEAST_LOADS {
+    if record.fitted.len() < MIN_LOADS {
         return None;
     }
     let prepared = Prepared::new(record).ok()?;
@@ -98,7 +98,7 @@ fn outlier_of(element: usize, record: &ElementRecord, orders: Option<Orders>) ->
     let error = (suspect.force - predicted).abs();
     let axis = (0..3).max_by(|&a, &b| (error / usual)[a].total_cmp(&(error / usual)[b]))?;
     let largest = prepared.forces.iter().map(|force| force.length());
-    let least = LEAST_SHARE * largest.fold(0.0, f64::max);
+    let least = MIN_SHARE * largest.fold(0.0, f64::max);
     let limit = (MISTYPED * usual).max(MISTYPED_RMS * rms)[axis].max(least);
     // A load outside the range of the others cannot be predicted from them.
     let is_mistyped = error[axis] > limit && map.covers(inputs, 0.0);

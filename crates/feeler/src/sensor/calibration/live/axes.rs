@@ -15,7 +15,7 @@ pub struct ForceAxes(DMat3);
 /// Error of parsing [`ForceAxes`].
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 #[error("{text:?} {what}; expected three axes of the force sensor, as in \"x,y,z\" or \"z,x,-y\"")]
-pub struct AxesError {
+pub struct ParseAxesError {
     text: String,
     what: &'static str,
 }
@@ -71,10 +71,10 @@ impl fmt::Display for ForceAxes {
 }
 
 impl FromStr for ForceAxes {
-    type Err = AxesError;
+    type Err = ParseAxesError;
 
-    fn from_str(text: &str) -> Result<Self, AxesError> {
-        let wrong = |what| AxesError {
+    fn from_str(text: &str) -> Result<Self, ParseAxesError> {
+        let wrong = |what| ParseAxesError {
             text: text.into(),
             what,
         };

@@ -8,7 +8,7 @@ const RANGE: (f64, f64) = (-0.05, 0.5);
 /// Resolution of the search, s.
 const STEP: f64 = 0.001;
 /// Minimum duration for which both images and forces are required, s.
-const LEAST_TIME: f64 = 2.0;
+const MIN_TIME: f64 = 2.0;
 
 /// A delay and the corresponding correlation.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -30,7 +30,7 @@ pub fn delay(pictures: &[Timed], forces: &[Timed]) -> Option<Delay> {
         .filter(|&(time, _)| time - RANGE.1 >= first && time - RANGE.0 <= last)
         .collect();
     let span = pictures.last()?.0 - pictures.first()?.0;
-    if span < LEAST_TIME {
+    if span < MIN_TIME {
         return None;
     }
     let count = ((RANGE.1 - RANGE.0) / STEP).round() as usize;

@@ -16,10 +16,10 @@ mod axes;
 mod contact;
 mod coverage;
 mod delay;
-mod in_step;
+mod synchronizer;
 mod wrench;
 
-pub use axes::{AxesError, ForceAxes};
+pub use axes::{ForceAxes, ParseAxesError};
 pub use coverage::{Coverage, Goal, Missing};
 pub use delay::Delay;
 pub use wrench::{LiveWrench, SeenWrench, Wrench, WrenchCoverage, WrenchMissing};
@@ -27,7 +27,7 @@ pub use wrench::{LiveWrench, SeenWrench, Wrench, WrenchCoverage, WrenchMissing};
 use crate::sensor::moments::kernel::ElementMoments;
 use contact::Contact;
 use glam::{DMat3, DVec3};
-use in_step::{InStep, Of};
+use synchronizer::{Of, Synchronizer};
 
 /// Stage of a live calibration.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -80,7 +80,7 @@ pub struct LiveCalibration {
     frames: Vec<DMat3>,
     goal: Goal,
     coverage: Vec<Coverage>,
-    in_step: InStep,
+    synchronizer: Synchronizer,
 }
 
 impl LiveCalibration {
@@ -91,13 +91,13 @@ impl LiveCalibration {
             frames,
             goal,
             coverage,
-            in_step: InStep::new(goal.normal),
+            synchronizer: Synchronizer::new(goal.normal),
         }
     }
 
     /// Current stage.
     pub fn stage(&self) -> Stage {
-        self.in_step.stage()
+        self.synchronizer.stage()
     }
 
     /// Samples known of each element.
@@ -112,28 +112,28 @@ impl LiveCalibration {
 
     /// Latency of images relative to forces, once it is known.
     pub fn delay(&self) -> Option<Delay> {
-        self.in_step.delay()
+        self.synchronizer.delay()
     }
 
     /// Adds a force (N, fingertip's frame) measured at the time `at`, s.
     pub fn force(&mut self, at: f64, force: DVec3) {
         let torque = DVec3::ZERO;
-        self.in_step.load(at, Wrench { force, torque });
+        self.synchronizer.load(at, Wrench { force, torque });
     }
 
     /// Returns whether the forces needed for an image of the time `at` (s) have arrived. They may arrive after the
     /// image if the camera is as fast as the force sensor.
     pub fn is_ready(&self, at: f64) -> bool {
-        self.in_step.is_ready(at)
+        self.synchronizer.is_ready(at)
     }
 
     /// Adds the moments of an image taken at the time `at` (s).
     pub fn picture(&mut self, at: f64, moments: &[ElementMoments]) -> Seen {
-        match self.in_step.picture(at, moments) {
+        match self.synchronizer.picture(at, moments) {
             Of::Untouched => Seen::Untouched,
             Of::Presses | Of::Loads(Contact::None) => Seen::Nothing,
             Of::Loads(Contact::Unclear) => Seen::Unclear,
-            Of::Loads(Contact::Element(element)) => match self.in_step.load_of_picture(at) {
+            Of::Loads(Contact::Element(element)) => match self.synchronizer.load_of_picture(at) {
                 None => Seen::Unclear,
                 Some(load) => self.sample(element, load.force),
             },

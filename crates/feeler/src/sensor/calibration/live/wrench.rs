@@ -1,7 +1,7 @@
 //! Guides the user through loading a fingertip as a whole, if elements cannot be loaded individually, to collect
 //! samples for [`wrench::fit`](crate::sensor::wrench::fit).
 
-use super::in_step::{InStep, Of};
+use super::synchronizer::{Of, Synchronizer};
 use super::{Contact, Delay, Goal, Stage};
 use crate::sensor::moments::kernel::ElementMoments;
 use glam::DVec3;
@@ -177,7 +177,7 @@ pub enum SeenWrench {
 /// [`LiveCalibration`](super::LiveCalibration).
 #[derive(Debug)]
 pub struct LiveWrench {
-    in_step: InStep,
+    synchronizer: Synchronizer,
     goal: Goal,
     coverage: WrenchCoverage,
     /// Time of the latest sample, s.
@@ -188,7 +188,7 @@ impl LiveWrench {
     /// Creates a calibration that continues from `coverage`, the samples already known.
     pub fn new(goal: Goal, coverage: WrenchCoverage) -> Self {
         Self {
-            in_step: InStep::new(goal.normal),
+            synchronizer: Synchronizer::new(goal.normal),
             goal,
             coverage,
             sampled: f64::NEG_INFINITY,
@@ -197,7 +197,7 @@ impl LiveWrench {
 
     /// Current stage.
     pub fn stage(&self) -> Stage {
-        self.in_step.stage()
+        self.synchronizer.stage()
     }
 
     /// Samples known.
@@ -212,26 +212,26 @@ impl LiveWrench {
 
     /// Latency of images relative to forces, once it is known.
     pub fn delay(&self) -> Option<Delay> {
-        self.in_step.delay()
+        self.synchronizer.delay()
     }
 
     /// Adds a wrench measured at the time `at`, s; z of the fingertip's frame is outward along its axis.
     pub fn wrench(&mut self, at: f64, wrench: Wrench) {
-        self.in_step.load(at, wrench);
+        self.synchronizer.load(at, wrench);
     }
 
     /// Returns whether the forces needed for an image of the time `at` (s) have arrived. They may arrive after the
     /// image if the camera is as fast as the force sensor.
     pub fn is_ready(&self, at: f64) -> bool {
-        self.in_step.is_ready(at)
+        self.synchronizer.is_ready(at)
     }
 
     /// Adds the moments of an image taken at the time `at` (s).
     pub fn picture(&mut self, at: f64, moments: &[ElementMoments]) -> SeenWrench {
-        match self.in_step.picture(at, moments) {
+        match self.synchronizer.picture(at, moments) {
             Of::Untouched => SeenWrench::Untouched,
             Of::Presses | Of::Loads(Contact::None) => SeenWrench::Nothing,
-            Of::Loads(_) => match self.in_step.load_of_picture(at) {
+            Of::Loads(_) => match self.synchronizer.load_of_picture(at) {
                 None => SeenWrench::Unclear,
                 Some(wrench) => self.sample(at, wrench),
             },

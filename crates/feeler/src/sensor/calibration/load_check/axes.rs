@@ -1,20 +1,20 @@
 //! Checks the signs and axes of forces against growth and displacement.
 
-use super::{COLUMNS, LoadCheckError, TakenPicture, named, unloaded_mean};
+use super::{COLUMNS, CapturedImage, LoadCheckError, named, unloaded_mean};
 use crate::sensor::calibration::fit::ElementRecord;
 use crate::sensor::calibration::live::ForceAxes;
 use crate::sensor::calibration::loads::records;
-use crate::sensor::calibration::model::Inputs;
+use crate::sensor::calibration::model::RelativeMoments;
 use crate::sensor::wrench::recordings::recordings;
 use glam::{DMat3, DVec3};
 use std::collections::BTreeMap;
 
 /// Minimum number of loads of an element to draw conclusions from.
-const LEAST_LOADS: usize = 8;
+const MIN_LOADS: usize = 8;
 /// Minimum determinant of the correlations of `f_x`, `f_y` and `f_z`; below it, their effects cannot be separated.
-const LEAST_DETERMINANT: f64 = 0.05;
+const MIN_DETERMINANT: f64 = 0.05;
 /// Minimum fraction of an input's variance that the forces must explain.
-const LEAST_EXPLAINED: f64 = 0.5;
+const MIN_EXPLAINED: f64 = 0.5;
 /// Minimum amount by which the standardized effects of other axes must exceed those of the given axes.
 const DECISIVE: f64 = 0.5;
 
@@ -136,7 +136,7 @@ pub fn check_axes(records: &[ElementRecord]) -> Result<(), LoadCheckError> {
 /// Returns [`LoadCheckError::Axes`] with the columns, the number of elements, the likely cause and, if only one
 /// recording is affected, its name.
 pub fn check_axes_of_recordings<'a>(
-    pictures: &[TakenPicture],
+    pictures: &[CapturedImage],
     names: impl Iterator<Item = &'a str>,
 ) -> Result<(), LoadCheckError> {
     let all = records(pictures);
@@ -171,14 +171,18 @@ fn seen_axes(record: &ElementRecord) -> Option<SeenAxes> {
         .fitted
         .iter()
         .map(|sample| {
-            let Inputs {
+            let RelativeMoments {
                 growth,
                 displacement,
-            } = Inputs::relative(&sample.moments, unloaded.integrated_gray, unloaded.centroid);
+            } = RelativeMoments::relative(
+                &sample.moments,
+                unloaded.integrated_gray,
+                unloaded.centroid,
+            );
             (sample.force, displacement.extend(growth))
         })
         .collect();
-    if loads.len() < LEAST_LOADS
+    if loads.len() < MIN_LOADS
         || !loads
             .iter()
             .all(|(force, input)| force.is_finite() && input.is_finite())
@@ -198,7 +202,7 @@ fn seen_axes(record: &ElementRecord) -> Option<SeenAxes> {
     let axes = SeenAxes([0, 1, 2].map(|axis| (order[axis], effects.row(axis)[order[axis]] < 0.0)));
     let given: f64 = (0..3).map(|axis| effects.row(axis)[axis]).sum();
     let differs = |axis: usize| axes.0[axis] != SeenAxes::GIVEN.0[axis];
-    let is_known = (0..3).all(|axis| !differs(axis) || explained[axis] > LEAST_EXPLAINED);
+    let is_known = (0..3).all(|axis| !differs(axis) || explained[axis] > MIN_EXPLAINED);
     match axes {
         SeenAxes::GIVEN => Some(axes),
         _ if is_known && total(order) - given > DECISIVE => Some(axes),
@@ -228,7 +232,7 @@ fn effects(loads: &[(DVec3, DVec3)]) -> Option<(DMat3, DVec3)> {
     }
     let count = loads.len() as f64;
     let (of_forces, of_both) = (of_forces * (1.0 / count), of_both * (1.0 / count));
-    if of_forces.determinant() < LEAST_DETERMINANT {
+    if of_forces.determinant() < MIN_DETERMINANT {
         return None;
     }
     let effects = of_both * of_forces.inverse();

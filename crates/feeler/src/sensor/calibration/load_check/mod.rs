@@ -22,7 +22,7 @@ pub use numbers::check_numbers;
 pub use outliers::check_outliers;
 pub use zeros::{check_offsets, check_unloaded};
 
-use super::loads::TakenPicture;
+use super::loads::CapturedImage;
 use crate::sensor::moments::kernel::ElementMoments;
 use glam::DVec3;
 

@@ -1,10 +1,10 @@
 //! Checks the numbers of elements: the growth of an element must follow its own loads.
 
-use super::{LoadCheckError, TakenPicture};
+use super::{CapturedImage, LoadCheckError};
 use glam::DVec3;
 
 /// Minimum number of loads of an element to draw conclusions from.
-const LEAST_LOADS: usize = 8;
+const MIN_LOADS: usize = 8;
 /// Correlations of loads and growth above which an element counts as loaded, and below which it counts as not loaded.
 const IS_LOADED: f64 = 0.8;
 const IS_NOT_LOADED: f64 = 0.4;
@@ -13,7 +13,7 @@ const IS_NOT_LOADED: f64 = 0.4;
 ///
 /// # Errors
 /// Returns [`LoadCheckError::Number`] with both elements.
-pub fn check_numbers(pictures: &[TakenPicture]) -> Result<(), LoadCheckError> {
+pub fn check_numbers(pictures: &[CapturedImage]) -> Result<(), LoadCheckError> {
     let elements = pictures.first().map_or(0, |picture| picture.moments.len());
     for element in 0..elements {
         // Images without load belong to all elements.
@@ -22,7 +22,7 @@ pub fn check_numbers(pictures: &[TakenPicture]) -> Result<(), LoadCheckError> {
             .iter()
             .filter_map(|picture| Some((picture.forces[element].filter(is_loaded)?.z, picture)))
             .collect();
-        if loads.len() < LEAST_LOADS {
+        if loads.len() < MIN_LOADS {
             continue;
         }
         let compressions: Vec<_> = loads.iter().map(|(compression, _)| *compression).collect();

@@ -1,6 +1,6 @@
 //! Checks single loads for outliers.
 
-use super::{COLUMNS, LoadCheckError, TakenPicture};
+use super::{COLUMNS, CapturedImage, LoadCheckError};
 use crate::sensor::calibration::fit::outlier;
 use crate::sensor::calibration::loads::records;
 use crate::sensor::calibration::model::Calibration;
@@ -15,14 +15,14 @@ use glam::DVec3;
 /// Returns [`LoadCheckError::Outlier`] with image, element, column and the force predicted by the other loads.
 pub fn check_outliers<'a>(
     calibration: &Calibration,
-    pictures: &[TakenPicture],
+    pictures: &[CapturedImage],
     names: impl Iterator<Item = &'a str>,
 ) -> Result<Option<LoadCheckError>, LoadCheckError> {
     let records = records(pictures);
     let Some(found) = outlier(calibration, &records) else {
         return Ok(None);
     };
-    let is_loaded = |picture: &TakenPicture| {
+    let is_loaded = |picture: &CapturedImage| {
         picture.forces[found.element].is_some_and(|force| force != DVec3::ZERO)
     };
     let mut loaded = pictures

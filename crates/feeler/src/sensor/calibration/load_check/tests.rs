@@ -2,7 +2,7 @@ use super::*;
 use crate::sensor::calibration::fit::{ElementRecord, ModelChoice, fit};
 use crate::sensor::calibration::live::ForceAxes;
 use crate::sensor::calibration::loads::RecordBuilder;
-use crate::sensor::calibration::model::{FullScale, LengthUnit, MadeFor};
+use crate::sensor::calibration::model::{CalibrationTarget, FullScale, LengthUnit};
 use glam::DVec2;
 use proptest::prelude::*;
 
@@ -185,7 +185,7 @@ fn detects_axes_exchanged_in_one_recording() {
 /// A misplaced decimal point or a wrong sign in one of 150 loads, for each model.
 #[test]
 fn detects_a_mistyped_load() {
-    let made_for = MadeFor::layout("a few elements", ELEMENTS, LengthUnit::Pixel);
+    let made_for = CalibrationTarget::layout("a few elements", ELEMENTS, LengthUnit::Pixel);
     let checked = |model, table: &dyn Fn(usize, usize, DVec3) -> DVec3| {
         let taken = taken(table);
         let records = taken.records();
@@ -304,7 +304,7 @@ fn magnitudes_have_a_range() {
 /// Either the forces or the images of recording b have an offset.
 #[test]
 fn zeros_of_recordings_are_compared() {
-    let made_for = MadeFor::layout("a few elements", ELEMENTS, LengthUnit::Pixel);
+    let made_for = CalibrationTarget::layout("a few elements", ELEMENTS, LengthUnit::Pixel);
     let offsets = |offset: DVec3| {
         let taken = taken(|picture, _, force| {
             if picture >= HALF {

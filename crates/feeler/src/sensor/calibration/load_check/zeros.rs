@@ -1,6 +1,6 @@
 //! Compares the zeros of recordings.
 
-use super::{COLUMNS, LoadCheckError, TakenPicture, named, unloaded_mean};
+use super::{COLUMNS, CapturedImage, LoadCheckError, named, unloaded_mean};
 use crate::sensor::calibration::model::Calibration;
 use crate::sensor::moments::kernel::ElementMoments;
 use crate::sensor::wrench::recordings::recordings;
@@ -19,7 +19,7 @@ const LARGEST_OF_ERRORS: f64 = 1.5;
 /// # Errors
 /// Returns [`LoadCheckError::Unloaded`] with two recordings.
 pub fn check_unloaded<'a>(
-    pictures: &[TakenPicture],
+    pictures: &[CapturedImage],
     names: impl Iterator<Item = &'a str>,
 ) -> Result<(), LoadCheckError> {
     let (recordings, of) = recordings(names);
@@ -62,7 +62,7 @@ pub fn check_unloaded<'a>(
 }
 
 /// Ranges of an element's gray value and centroid over all images in which it is loaded, or `None` if it never is.
-fn range(pictures: &[TakenPicture], element: usize) -> Option<[f64; 3]> {
+fn range(pictures: &[CapturedImage], element: usize) -> Option<[f64; 3]> {
     let loaded = pictures
         .iter()
         .filter(|picture| picture.forces[element].is_some_and(|force| force != DVec3::ZERO));
@@ -96,7 +96,7 @@ fn share(one: &ElementMoments, other: &ElementMoments, range: &[f64; 3]) -> Opti
 /// Returns [`LoadCheckError::Offset`] with column, recordings and difference.
 pub fn check_offsets<'a>(
     calibration: &Calibration,
-    pictures: &[TakenPicture],
+    pictures: &[CapturedImage],
     names: impl Iterator<Item = &'a str>,
 ) -> Result<(), LoadCheckError> {
     let (recordings, of) = recordings(names);

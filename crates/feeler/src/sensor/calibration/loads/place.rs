@@ -1,7 +1,7 @@
 //! Identifies the elements of a layout by position.
 
 use super::LoadsError;
-use crate::sensor::image::seen::SeenElement;
+use crate::sensor::image::seen::ProjectedElement;
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
 
@@ -15,7 +15,7 @@ pub struct NamedPlace<'a> {
 
 /// Looks up the elements of a layout by position.
 pub struct Places<'a> {
-    seen: &'a [SeenElement],
+    seen: &'a [ProjectedElement],
     /// Maximum distance of a position from each element, px: half the distance to the nearest neighbour.
     limits: Vec<f64>,
     /// Element of each name.
@@ -24,8 +24,8 @@ pub struct Places<'a> {
 }
 
 impl<'a> Places<'a> {
-    pub fn new(seen: &'a [SeenElement]) -> Self {
-        let limit = |(own, element): (usize, &SeenElement)| {
+    pub fn new(seen: &'a [ProjectedElement]) -> Self {
+        let limit = |(own, element): (usize, &ProjectedElement)| {
             let others = seen.iter().enumerate().filter(|(other, _)| *other != own);
             let distances = others.map(|(_, other)| other.centre_px.distance(element.centre_px));
             0.5 * distances.fold(f64::INFINITY, f64::min)
@@ -54,7 +54,7 @@ impl<'a> Places<'a> {
             place_px,
         }: NamedPlace,
     ) -> Result<usize, LoadsError> {
-        let distance = |element: &SeenElement| element.centre_px.distance(place_px);
+        let distance = |element: &ProjectedElement| element.centre_px.distance(place_px);
         let distances = self.seen.iter().map(distance).enumerate();
         let nearest = distances.min_by(|(_, a), (_, b)| a.total_cmp(b));
         let (nearest, distance) = nearest.unwrap_or((0, f64::INFINITY));

@@ -6,7 +6,7 @@ use glam::DVec3;
 
 /// Forces and moments of one image.
 #[derive(Debug, Clone, PartialEq)]
-pub struct TakenPicture {
+pub struct CapturedImage {
     /// Force on each element in its frame `E_i`, N; `None` if unknown.
     pub forces: Vec<Option<DVec3>>,
     /// Moments of each element.
@@ -19,7 +19,7 @@ pub struct TakenPicture {
 #[derive(Debug, Clone, PartialEq)]
 pub struct RecordBuilder {
     elements: usize,
-    pictures: Vec<TakenPicture>,
+    pictures: Vec<CapturedImage>,
 }
 
 impl RecordBuilder {
@@ -33,7 +33,7 @@ impl RecordBuilder {
 
     /// Adds the forces and the moments of all elements in one image. Elements beyond the shorter list are unknown.
     pub fn add(&mut self, forces: &[Option<DVec3>], moments: &[ElementMoments]) {
-        let mut picture = TakenPicture {
+        let mut picture = CapturedImage {
             forces: forces.to_vec(),
             moments: moments.to_vec(),
         };
@@ -47,7 +47,7 @@ impl RecordBuilder {
     }
 
     /// The images, in the order in which they were added.
-    pub fn pictures(&self) -> &[TakenPicture] {
+    pub fn pictures(&self) -> &[CapturedImage] {
         &self.pictures
     }
 
@@ -61,9 +61,9 @@ impl RecordBuilder {
 }
 
 /// Returns loads and moments of each element in `pictures` of one fingertip.
-pub fn records<'a>(pictures: impl IntoIterator<Item = &'a TakenPicture>) -> Vec<ElementRecord> {
+pub fn records<'a>(pictures: impl IntoIterator<Item = &'a CapturedImage>) -> Vec<ElementRecord> {
     let mut records = Vec::new();
-    for TakenPicture { forces, moments } in pictures {
+    for CapturedImage { forces, moments } in pictures {
         records.resize(forces.len(), ElementRecord::default());
         for ((record, force), &moments) in records.iter_mut().zip(forces).zip(moments) {
             let Some(force) = *force else { continue };

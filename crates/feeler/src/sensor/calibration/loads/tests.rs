@@ -2,8 +2,8 @@ use super::*;
 use std::f64::consts::FRAC_PI_2;
 
 /// Three elements in a row, 10 px apart, with the frame of the last one rotated by a right angle.
-fn seen() -> [SeenElement; 3] {
-    [(10.0, 0.0), (20.0, 0.0), (30.0, FRAC_PI_2)].map(|(column, x_angle)| SeenElement {
+fn seen() -> [ProjectedElement; 3] {
+    [(10.0, 0.0), (20.0, 0.0), (30.0, FRAC_PI_2)].map(|(column, x_angle)| ProjectedElement {
         centre_px: DVec2::new(column, 50.0),
         x_angle,
     })

@@ -68,7 +68,7 @@ fn half_sums<const N: usize, const WIDE: usize>(
     let mut s0 = zero;
     let mut e0 = _mm256_set1_epi16(i16::MIN);
     let [mut a1, mut a2, mut a3, mut b1, mut b2, mut e1] = [zero; 6];
-    for (parts, ground) in tile.with_ground::<N, WIDE>(32 * half, first) {
+    for (parts, ground) in tile.with_background::<N, WIDE>(32 * half, first) {
         let ground = &ground.0.as_chunks::<32>().0[half];
         let gray = side_by_side(parts);
         // SAFETY: `ground` points to 32 initialised bytes; no alignment is required.

@@ -22,7 +22,7 @@ const GOOD_ENOUGH: f64 = 0.125;
 const ROUNDING: f64 = 4.0 * f32::EPSILON as f64 / 2.0;
 
 /// Minimum number of rows that folding must save to outweigh the additional strips.
-const LEAST_SAVED: usize = 8;
+const MIN_SAVED: usize = 8;
 
 /// Sums in order of the degree of their polynomial, the smoothest first.
 const BY_DEGREE: [usize; SUMS] = [0, 1, 4, 2, 5, 7, 3, 6, 8, 9];
@@ -142,7 +142,7 @@ struct InTile {
 fn bands(columns: usize, rows: usize) -> usize {
     let bands = TILE_WIDTH / columns;
     match rows - rows.div_ceil(bands) {
-        LEAST_SAVED.. => bands,
+        MIN_SAVED.. => bands,
         _ => 1,
     }
 }

@@ -50,7 +50,7 @@ fn quarter_sums(tile: &TileRows, quarter: usize, first: usize) -> [int32x4_t; SU
     let zero = vdupq_n_u32(0);
     let [mut a1, mut a2, mut a3] = [zero; 3];
     let [mut t1, mut t2, mut h1, mut h2, mut s1] = [zero; 5];
-    for ([pixels], ground) in tile.with_ground::<1, 16>(16 * quarter, first) {
+    for ([pixels], ground) in tile.with_background::<1, 16>(16 * quarter, first) {
         let ground = &ground.0.as_chunks::<16>().0[quarter];
         // SAFETY: `pixels` points to 16 initialised bytes; no alignment is required.
         let gray = unsafe { vld1q_u8(pixels.as_ptr()) };

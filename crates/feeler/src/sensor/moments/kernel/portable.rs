@@ -36,7 +36,7 @@ pub(super) fn all_moments(
 #[inline(always)]
 fn brighten(tile: &TileRows, bright: &mut [Row; TILE_ROWS]) {
     for quarter in 0..QUARTERS {
-        let rows = tile.with_ground::<1, QUARTER_WIDTH>(QUARTER_WIDTH * quarter, 0);
+        let rows = tile.with_background::<1, QUARTER_WIDTH>(QUARTER_WIDTH * quarter, 0);
         for (bright, ([pixels], ground)) in bright.iter_mut().zip(rows) {
             let bright = &mut bright.0.as_chunks_mut::<QUARTER_WIDTH>().0[quarter];
             let ground = &ground.0.as_chunks::<QUARTER_WIDTH>().0[quarter];

@@ -56,7 +56,7 @@ fn quarter_sums(tile: &TileRows, quarter: usize, first: usize) -> [__m128i; SUMS
             _mm_madd_epi16(_mm_sub_epi16(even, odd), c),
         )
     };
-    for ([pixels], ground) in tile.with_ground::<1, 16>(16 * quarter, first) {
+    for ([pixels], ground) in tile.with_background::<1, 16>(16 * quarter, first) {
         let ground = &ground.0.as_chunks::<16>().0[quarter];
         // SAFETY: `pixels` points to 16 initialised bytes; no alignment is required.
         let gray = unsafe { _mm_loadu_si128(pixels.as_ptr().cast()) };

@@ -30,7 +30,7 @@ pub(super) struct TileRows<'a> {
     /// Bit mask of the pixels of each row that count; the first pixel is the lowest bit.
     masks: &'a [u64],
     /// Background of each pixel, such that pixels that do not count contribute zero.
-    grounds: &'a [Row],
+    backgrounds: &'a [Row],
     /// First row with pixels that count, for each quarter of the columns.
     pub first_rows: [usize; QUARTERS],
     /// Grey level of the background of the pixels that count.
@@ -78,12 +78,12 @@ impl<'a> TileRows<'a> {
 
     /// Iterates like [`Self::rows_with`], with the background of each row.
     #[inline(always)]
-    pub(super) fn with_ground<const N: usize, const WIDE: usize>(
+    pub(super) fn with_background<const N: usize, const WIDE: usize>(
         &self,
         column: usize,
         first: usize,
     ) -> impl Iterator<Item = ([&'a [u8; WIDE]; N], &'a Row)> {
-        self.rows_with(column, first, self.grounds)
+        self.rows_with(column, first, self.backgrounds)
     }
 
     /// Iterates over all parts of each row, with the bit mask of the pixels that count.
@@ -157,7 +157,7 @@ pub(super) fn all_elements(
                 quarters,
                 bands: tile.bands,
                 masks: kernel.masks.get(masks.clone()).unwrap_or(&[]),
-                grounds: kernel.grounds.get(masks).unwrap_or(&[]),
+                backgrounds: kernel.backgrounds.get(masks).unwrap_or(&[]),
                 first_rows: tile.first_rows,
                 level,
                 dark,

@@ -1,7 +1,7 @@
 //! Closing motion of a finger.
 
 use super::super::circle::Circle;
-use super::super::stroke::Lesson;
+use super::super::stroke::StrokeParameters;
 use super::super::{Grip, PivotConfig};
 use super::{Finger, Motion, Onset};
 use crate::control::plan::Plan;
@@ -54,7 +54,7 @@ impl Finger {
 
     /// Radius of the current stroke (m): the radius of `lesson`, shifted with the object's surface at the first
     /// contact.
-    pub(super) fn radius(&self, lesson: &Lesson, circle: &Circle) -> f64 {
+    pub(super) fn radius(&self, lesson: &StrokeParameters, circle: &Circle) -> f64 {
         let (Some(now), Some(before), Some(k)) = (self.onset, self.onset_before, self.stiffness)
         else {
             return lesson.radius;

@@ -1,6 +1,6 @@
 use super::*;
 use crate::control::sense::FingertipPose;
-use crate::control::touch::FingerTouch;
+use crate::control::touch::TactileReading;
 use crate::hand::JointState;
 use crate::sensor::fingertip::layout::{ElementLayout, LayoutConfig, RingConfig};
 
@@ -45,7 +45,7 @@ impl Rig {
     /// speed (m/s).
     fn frame(&mut self, normal: f64, shear: f64, turns: bool) -> f64 {
         self.frames += 1;
-        let mut touch = FingerTouch::none(self.layout.elements.len());
+        let mut touch = TactileReading::none(self.layout.elements.len());
         touch.frame.sequence = self.frames;
         touch.frame.stamp = 0.01 * self.frames as f64;
         let own = self.layout.elements[0].rotation.transpose() * DVec3::new(0.0, shear, 0.0);
@@ -54,7 +54,7 @@ impl Rig {
             position: DVec3::new(-0.033, -1e-4 * self.frames.min(MOVING) as f64, 0.0),
             ..FingertipPose::default()
         };
-        let sense = FingerSense {
+        let sense = FingerReadings {
             pose,
             joints: JointState::default(),
             touch: &touch,
@@ -64,7 +64,7 @@ impl Rig {
             stiffness: STIFFNESS,
             pivot: DVec2::ZERO,
         };
-        let along = self.grip.foretell(&sense);
+        let along = self.grip.predict_shear(&sense);
         self.grip.feel(&sense, surface, turns, along);
         -self.grip.speed(DEPTH)
     }

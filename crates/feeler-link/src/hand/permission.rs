@@ -9,11 +9,11 @@ use feeler::control::StopReason;
 
 /// Permission to move in a control step.
 #[derive(Debug, Clone, PartialEq)]
-pub enum Verdict {
+pub enum Permission {
     /// Move: all data is fresh, and no stop is active.
-    Go,
-    /// Hold. `Some` contains a stop order or stale data; `None` means that earlier stops are still active.
-    Stand(Option<StopReason>),
+    Move,
+    /// ActiveStop. `Some` contains a stop order or stale data; `None` means that earlier stops are still active.
+    Hold(Option<StopReason>),
 }
 
 impl HandInbox {
@@ -65,21 +65,21 @@ impl HandInbox {
     }
 
     /// Decides whether the hand may move at `now` (s), and records a stop if any data is older than `limit` (s). With
-    /// `goes_on_by_itself`, stops for stale data end once all data is fresh.
-    pub fn verdict(&mut self, now: f64, limit: f64, goes_on_by_itself: bool) -> Verdict {
+    /// `resumes_automatically`, stops for stale data end once all data is fresh.
+    pub fn verdict(&mut self, now: f64, limit: f64, resumes_automatically: bool) -> Permission {
         let stale = self.stale(now, limit);
         match &stale {
             Some(reason) => self.holds.fault(reason),
-            None if goes_on_by_itself => self.holds.resume_stale(),
+            None if resumes_automatically => self.holds.resume_stale(),
             None => {}
         }
         let told = || {
             let by = self.holds.ordered_by()?.to_string();
-            Some(StopReason::Told { by })
+            Some(StopReason::Requested { by })
         };
         match self.holds.in_force().is_empty() {
-            true => Verdict::Go,
-            false => Verdict::Stand(told().or(stale)),
+            true => Permission::Move,
+            false => Permission::Hold(told().or(stale)),
         }
     }
 }

@@ -1,8 +1,8 @@
 //! Reads the sensors on background threads, so that the control loop never blocks on a camera.
 
 use super::flags::FlagThresholds;
-use super::touch::{AnalyzedSensor, FingerTouch, TouchSource};
-use crate::pace::{Arrivals, Clock, Monotonic};
+use super::touch::{FlaggedSensor, TactileReading, TactileSource};
+use crate::pace::{Clock, Monotonic, StepTrigger};
 use crate::sensor::forces::reading::{SensorError, TactileSensor};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
@@ -10,7 +10,7 @@ use std::time::{Duration, Instant};
 
 /// Latest reading of one finger.
 struct Felt {
-    touch: FingerTouch,
+    touch: TactileReading,
     /// Time on the monotonic clock at which the latest unread data arrived; `None` if all data has been read.
     arrived: Option<Duration>,
     /// Error that ended the sensor's thread.
@@ -34,14 +34,14 @@ impl Board {
 ///
 /// The thread ends after its next reading once all handles are dropped. A thread whose sensor blocks forever is not
 /// joined.
-pub struct LiveTouch {
+pub struct BackgroundSensor {
     board: Arc<Board>,
     finger: usize,
     elements: usize,
 }
 
-/// Signals when new data of all fingers is available; for [`Following`](crate::pace::Following).
-pub struct LiveArrivals(Arc<Board>);
+/// Signals when new data of all fingers is available; for [`DataDriven`](crate::pace::DataDriven).
+pub struct NewDataSignal(Arc<Board>);
 
 /// Reads `sensors`, one per finger, on background threads, and computes their flags by `thresholds`. A sensor may
 /// block for any time, for example until its camera's next frame.
@@ -51,9 +51,9 @@ pub struct LiveArrivals(Arc<Board>);
 pub fn live<S: TactileSensor + Send + 'static>(
     sensors: Vec<S>,
     thresholds: FlagThresholds,
-) -> std::io::Result<(Vec<LiveTouch>, LiveArrivals)> {
+) -> std::io::Result<(Vec<BackgroundSensor>, NewDataSignal)> {
     let felt = |sensor: &S| Felt {
-        touch: FingerTouch::none(sensor.element_count()),
+        touch: TactileReading::none(sensor.element_count()),
         arrived: None,
         failed: None,
     };
@@ -64,10 +64,10 @@ pub fn live<S: TactileSensor + Send + 'static>(
     let mut touches = Vec::new();
     for (finger, sensor) in sensors.into_iter().enumerate() {
         let (elements, weak) = (sensor.element_count(), Arc::downgrade(&board));
-        let mut sensor = AnalyzedSensor::new(sensor, thresholds);
+        let mut sensor = FlaggedSensor::new(sensor, thresholds);
         let name = format!("finger {finger}");
         thread::Builder::new().name(name).spawn(move || {
-            let mut touch = FingerTouch::none(elements);
+            let mut touch = TactileReading::none(elements);
             loop {
                 let read = sensor.touch(&mut touch);
                 let Some(board) = weak.upgrade() else { return };
@@ -76,18 +76,18 @@ pub fn live<S: TactileSensor + Send + 'static>(
                 }
             }
         })?;
-        touches.push(LiveTouch {
+        touches.push(BackgroundSensor {
             board: board.clone(),
             finger,
             elements,
         });
     }
-    Ok((touches, LiveArrivals(board)))
+    Ok((touches, NewDataSignal(board)))
 }
 
 impl Board {
     /// Stores a reading of `finger` or the error of its sensor. Returns `true` if the sensor thread should continue.
-    fn put(&self, finger: usize, touch: &FingerTouch, read: Result<(), SensorError>) -> bool {
+    fn put(&self, finger: usize, touch: &TactileReading, read: Result<(), SensorError>) -> bool {
         let now = Monotonic::new().now();
         let mut fingers = self.lock();
         let Some(felt) = fingers.get_mut(finger) else {
@@ -95,7 +95,7 @@ impl Board {
         };
         match read {
             // One frame is lost; the next may be valid.
-            Err(SensorError::Camera(error)) if error.may_pass() => return true,
+            Err(SensorError::Camera(error)) if error.is_recoverable() => return true,
             Err(error) => felt.failed = Some(error.to_string()),
             // A stuck camera delivers no new data.
             Ok(()) if is_same(touch, &felt.touch) => return true,
@@ -118,16 +118,16 @@ impl Board {
 }
 
 /// Returns whether `touch` is from the same image as `before`.
-fn is_same(touch: &FingerTouch, before: &FingerTouch) -> bool {
+fn is_same(touch: &TactileReading, before: &TactileReading) -> bool {
     touch.stamp == before.stamp && touch.frame.sequence == before.frame.sequence
 }
 
-impl TouchSource for LiveTouch {
+impl TactileSource for BackgroundSensor {
     fn element_count(&self) -> usize {
         self.elements
     }
 
-    fn touch(&mut self, touch: &mut FingerTouch) -> Result<(), SensorError> {
+    fn touch(&mut self, touch: &mut TactileReading) -> Result<(), SensorError> {
         let actual = touch.frame.forces.len();
         if actual != self.elements {
             let expected = self.elements;
@@ -146,7 +146,7 @@ impl TouchSource for LiveTouch {
     }
 }
 
-impl Arrivals for LiveArrivals {
+impl StepTrigger for NewDataSignal {
     fn wait_for(&mut self, longest: Duration) -> Option<Duration> {
         let end = Instant::now() + longest;
         let mut fingers = self.0.lock();

@@ -36,7 +36,7 @@ pub(super) enum Of {
 
 /// State shared by images and loads.
 #[derive(Debug)]
-pub(super) struct InStep {
+pub(super) struct Synchronizer {
     /// Maximum force of the loads, N.
     full_scale: f64,
     untouched_pictures: Vec<Vec<ElementMoments>>,
@@ -55,7 +55,7 @@ pub(super) struct InStep {
     is_free: bool,
 }
 
-impl InStep {
+impl Synchronizer {
     /// Creates the state for loads up to `full_scale`, N.
     pub(super) fn new(full_scale: f64) -> Self {
         Self {

@@ -17,15 +17,15 @@ use feeler_sim::rig::DirectSensor;
 use feeler_sim::rig::{SimHand, SimRig};
 
 /// A simulated rig that advances step by step.
-pub struct PlayedRig {
+pub struct SimRigServer {
     rig: SimRig,
     hand: SimHand,
-    sensing: PlayedSensing,
+    sensing: ServedSensing,
     steps_per_period: usize,
 }
 
 /// The simulated sensors and instruments of a rig.
-pub(super) struct PlayedSensing {
+pub(super) struct ServedSensing {
     rig: SimRig,
     sensors: Vec<PlayedSensor>,
     cap: Option<usize>,
@@ -37,7 +37,7 @@ enum PlayedSensor {
     Direct(Box<DirectSensor>, TactileFrame),
 }
 
-impl PlayedSensing {
+impl ServedSensing {
     /// Creates the sensors of `experiment` in the world of `rig`. `cap` is the index of the object with a thread.
     pub fn new(
         experiment: &Experiment,
@@ -99,7 +99,7 @@ impl PlayedSensing {
     }
 }
 
-impl PlayedRig {
+impl SimRigServer {
     /// Creates the rig of `experiment`, with the fingers at their home positions and the cap open.
     ///
     /// # Errors
@@ -110,7 +110,7 @@ impl PlayedRig {
         let (rig, cap) = rig(experiment, &joints)?;
         let steps_per_period = steps_per_command(config)?;
         Ok(Self {
-            sensing: PlayedSensing::new(experiment, &rig, cap)?,
+            sensing: ServedSensing::new(experiment, &rig, cap)?,
             hand: SimHand::new(rig.clone(), steps_per_period),
             rig,
             steps_per_period,
@@ -118,7 +118,7 @@ impl PlayedRig {
     }
 }
 
-impl Rig for PlayedRig {
+impl Rig for SimRigServer {
     fn finger_count(&self) -> usize {
         self.sensing.sensors.len()
     }

@@ -1,7 +1,7 @@
 //! Simulated sensors with a lower frame rate than the control loop.
 
 use crate::experiment::Sensor;
-use feeler::control::{FingerTouch, TouchSource};
+use feeler::control::{TactileReading, TactileSource};
 use feeler::sensor::forces::SensorError;
 use feeler::sensor::image::Frame;
 use feeler_sim::rig::SimRig;
@@ -37,19 +37,19 @@ impl FrameTimes {
 }
 
 /// A simulated sensor that holds its last reading until the next frame is due, in the rig's time.
-pub(super) struct HeldTouch {
+pub(super) struct SampleAndHold {
     sensor: Sensor,
     rig: SimRig,
     frames: FrameTimes,
-    taken: FramesTaken,
+    taken: FrameCounter,
 }
 
 /// Number of frames that a sensor has taken.
-pub(super) type FramesTaken = Arc<AtomicU64>;
+pub(super) type FrameCounter = Arc<AtomicU64>;
 
-impl HeldTouch {
+impl SampleAndHold {
     /// Samples `sensor` of `rig` every `period` seconds, and counts the frames in `taken`.
-    pub(super) fn new(sensor: Sensor, rig: SimRig, period: f64, taken: FramesTaken) -> Self {
+    pub(super) fn new(sensor: Sensor, rig: SimRig, period: f64, taken: FrameCounter) -> Self {
         Self {
             taken,
             sensor,
@@ -59,12 +59,12 @@ impl HeldTouch {
     }
 }
 
-impl TouchSource for HeldTouch {
+impl TactileSource for SampleAndHold {
     fn element_count(&self) -> usize {
         self.sensor.element_count()
     }
 
-    fn touch(&mut self, touch: &mut FingerTouch) -> Result<(), SensorError> {
+    fn touch(&mut self, touch: &mut TactileReading) -> Result<(), SensorError> {
         let now = self.rig.world().state().time;
         match self.frames.is_due(now) {
             true => {

@@ -2,7 +2,7 @@
 
 /// Measures the rate and loss of numbered messages.
 #[derive(Debug, Clone, Default)]
-pub struct Arrivals {
+pub struct RateMeter {
     newest: Option<u64>,
     received: u64,
     lost: u64,
@@ -11,7 +11,7 @@ pub struct Arrivals {
     rate: Option<f64>,
 }
 
-impl Arrivals {
+impl RateMeter {
     /// Duration of a rate measurement (s).
     const DURATION: f64 = 0.5;
 
@@ -60,7 +60,7 @@ mod tests {
 
     #[test]
     fn measures_rate_and_loss() {
-        let mut arrivals = Arrivals::default();
+        let mut arrivals = RateMeter::default();
         assert!(arrivals.rate().is_nan());
         // Every fourth message is lost; the newest one is registered repeatedly.
         for step in 0..=200_u64 {
@@ -74,7 +74,7 @@ mod tests {
 
     #[test]
     fn consecutive_messages_are_not_lost() {
-        let mut arrivals = Arrivals::default();
+        let mut arrivals = RateMeter::default();
         for step in 0..=100 {
             arrivals.next(0.01 * f64::from(step));
         }

@@ -1,7 +1,7 @@
 //! Tactile sensors that are read concurrently on background threads.
 
 use crate::experiment::Sensor;
-use feeler::control::{FingerTouch, TouchSource};
+use feeler::control::{TactileReading, TactileSource};
 use feeler::sensor::forces::SensorError;
 use feeler::sensor::image::Frame;
 use std::hint::spin_loop;
@@ -13,11 +13,11 @@ use std::time::{Duration, Instant};
 /// Duration of spinning before a waiting thread sleeps. Most waits here are shorter than waking a thread.
 const LOOKING: Duration = Duration::from_micros(100);
 
-/// A tactile sensor that is read on a background thread as soon as a step [begins](TouchSource::begin). The readings
+/// A tactile sensor that is read on a background thread as soon as a step [begins](TactileSource::begin). The readings
 /// are identical to synchronous ones.
 ///
 /// Sensor and reading are moved to the thread and back, so no state is shared.
-pub(super) struct ThreadedTouch {
+pub(super) struct PrefetchingSensor {
     /// `None` while the thread uses it.
     idle: Option<Reading>,
     elements: usize,
@@ -27,10 +27,10 @@ pub(super) struct ThreadedTouch {
 
 struct Reading {
     sensor: Sensor,
-    touch: FingerTouch,
+    touch: TactileReading,
 }
 
-impl ThreadedTouch {
+impl PrefetchingSensor {
     /// Starts a thread that reads `sensor`.
     ///
     /// # Errors
@@ -50,7 +50,7 @@ impl ThreadedTouch {
                 }
             })?;
         let elements = sensor.element_count();
-        let touch = FingerTouch::none(elements);
+        let touch = TactileReading::none(elements);
         Ok(Self {
             idle: Some(Reading { sensor, touch }),
             elements,
@@ -60,7 +60,7 @@ impl ThreadedTouch {
     }
 }
 
-impl TouchSource for ThreadedTouch {
+impl TactileSource for PrefetchingSensor {
     fn element_count(&self) -> usize {
         self.elements
     }
@@ -72,7 +72,7 @@ impl TouchSource for ThreadedTouch {
         }
     }
 
-    fn touch(&mut self, touch: &mut FingerTouch) -> Result<(), SensorError> {
+    fn touch(&mut self, touch: &mut TactileReading) -> Result<(), SensorError> {
         let actual = touch.frame.forces.len();
         if actual != self.elements {
             let expected = self.elements;
@@ -114,12 +114,12 @@ mod tests {
     /// at the sixth.
     struct Counting(u64);
 
-    impl TouchSource for Counting {
+    impl TactileSource for Counting {
         fn element_count(&self) -> usize {
             2
         }
 
-        fn touch(&mut self, touch: &mut FingerTouch) -> Result<(), SensorError> {
+        fn touch(&mut self, touch: &mut TactileReading) -> Result<(), SensorError> {
             self.0 += 1;
             match self.0 {
                 5 => return Err(SensorError::Failed("the fifth".into())),
@@ -133,8 +133,8 @@ mod tests {
 
     #[test]
     fn background_readings_equal_synchronous_ones() {
-        let mut threaded = ThreadedTouch::new(Box::new(Counting(0))).expect("a thread");
-        let mut touch = FingerTouch::none(threaded.element_count());
+        let mut threaded = PrefetchingSensor::new(Box::new(Counting(0))).expect("a thread");
+        let mut touch = TactileReading::none(threaded.element_count());
         for expected in [1, 1, 3, 3] {
             // With and without a preceding `begin`.
             if expected == 1 {
@@ -156,8 +156,8 @@ mod tests {
 
     #[test]
     fn a_buffer_of_another_size_is_rejected() {
-        let mut threaded = ThreadedTouch::new(Box::new(Counting(0))).expect("a thread");
-        let refused = threaded.touch(&mut FingerTouch::none(3));
+        let mut threaded = PrefetchingSensor::new(Box::new(Counting(0))).expect("a thread");
+        let refused = threaded.touch(&mut TactileReading::none(3));
         assert!(matches!(
             refused,
             Err(SensorError::ElementCount {

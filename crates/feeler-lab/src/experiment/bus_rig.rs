@@ -1,6 +1,6 @@
 //! A rig of servos on a bus, operated by other programs.
 
-use super::played_rig::PlayedSensing;
+use super::sim_rig_server::ServedSensing;
 use crate::config::Experiment;
 use crate::experiment::driven::{DrivenError, drives, emulated_bus};
 use crate::experiment::{fingers_at_home, rig};
@@ -17,7 +17,7 @@ use feeler_link::programs::{Rig, SensorOutput};
 use glam::DVec3;
 
 /// A rig of servos. The motors are powered while it exists.
-pub struct DrivenRig {
+pub struct BusRig {
     config: DrivesConfig,
     fingers: Vec<FingerGeometry>,
     most_age: f64,
@@ -27,10 +27,10 @@ pub struct DrivenRig {
     stop: HandCommand,
     time: f64,
     /// Simulated sensors of the world behind emulated servos.
-    sensing: Option<PlayedSensing>,
+    sensing: Option<ServedSensing>,
 }
 
-impl DrivenRig {
+impl BusRig {
     /// Opens the bus of `config` and powers the servos of `experiment`. The cameras belong to other programs.
     ///
     /// # Errors
@@ -67,7 +67,7 @@ impl DrivenRig {
     ) -> Result<(Self, Emulator), DrivenError> {
         let (_, joints) = fingers_at_home(&experiment.config)?;
         let (world, cap) = rig(experiment, &joints)?;
-        let sensing = PlayedSensing::new(experiment, &world, cap)?;
+        let sensing = ServedSensing::new(experiment, &world, cap)?;
         let bus = emulated_bus(experiment, &world, clock.clone())?;
         let config = DrivesConfig {
             port: bus.path().into(),
@@ -88,7 +88,7 @@ fn without_power() -> HandError {
     HandError::Failed("the servos have no power".into())
 }
 
-impl Rig for DrivenRig {
+impl Rig for BusRig {
     fn finger_count(&self) -> usize {
         self.fingers.len()
     }
@@ -101,7 +101,7 @@ impl Rig for DrivenRig {
         let hand = self.hand.as_mut().ok_or_else(without_power)?;
         hand.read(state)?;
         self.time = state.stamp;
-        Ok(self.sensing.as_mut().map(PlayedSensing::instruments))
+        Ok(self.sensing.as_mut().map(ServedSensing::instruments))
     }
 
     fn expose(&mut self, finger: usize) -> Result<Option<SensorOutput<'_>>, SensorError> {

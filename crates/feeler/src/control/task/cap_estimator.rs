@@ -5,7 +5,7 @@
 //! drops within a frame, and the anchor's motion is not the cap's.
 
 use crate::control::feeler_shape::FeelerShape;
-use crate::control::sense::{FingerSense, HandSense};
+use crate::control::sense::{FingerReadings, HandReadings};
 use glam::{DVec2, DVec3};
 
 /// Compression below which an element is ignored (N).
@@ -20,7 +20,7 @@ const SLIDING: u32 = 5;
 
 /// Estimates from one finger, and the state they need.
 #[derive(Debug, Clone, Copy, Default, PartialEq)]
-pub struct FingerFeel {
+pub struct FingerEstimate {
     /// Force on the cap towards the axis (N).
     pub grip: f64,
     /// Force on the cap along the stroke (N).
@@ -52,17 +52,17 @@ struct Leading {
 
 /// Estimates from all fingers for a cap whose axis is known approximately.
 #[derive(Debug, Clone)]
-pub struct CapTouch {
+pub struct CapEstimator {
     /// Assumed position of the axis (m, in W).
     axis: DVec2,
     feeler: FeelerShape,
     /// 1 if the strokes turn counter-clockwise seen from above, otherwise -1.
     sense: f64,
     /// Estimates from each finger.
-    pub fingers: Vec<FingerFeel>,
+    pub fingers: Vec<FingerEstimate>,
 }
 
-impl CapTouch {
+impl CapEstimator {
     /// Creates the estimator for `fingers` fingers whose strokes turn about `axis` (m, in W); the sign of `sense` is
     /// the direction.
     pub fn new(axis: DVec2, feeler: FeelerShape, sense: f64, fingers: usize) -> Self {
@@ -70,12 +70,12 @@ impl CapTouch {
             axis,
             feeler,
             sense: sense.signum(),
-            fingers: vec![FingerFeel::default(); fingers],
+            fingers: vec![FingerEstimate::default(); fingers],
         }
     }
 
     /// Updates the estimates with the latest readings.
-    pub fn feel(&mut self, hand: &HandSense<'_>) {
+    pub fn feel(&mut self, hand: &HandReadings<'_>) {
         let (axis, feeler, sense) = (self.axis, self.feeler, self.sense);
         for (own, finger) in self.fingers.iter_mut().zip(hand.fingers()) {
             own.feel(&finger, axis, &feeler, sense);
@@ -118,13 +118,13 @@ impl CapTouch {
         (away.extend(0.0), (self.sense * away.perp()).extend(0.0))
     }
 
-    fn touching(&self) -> impl Iterator<Item = &FingerFeel> {
+    fn touching(&self) -> impl Iterator<Item = &FingerEstimate> {
         self.fingers.iter().filter(|finger| finger.largest > TOUCH)
     }
 }
 
-impl FingerFeel {
-    fn feel(&mut self, finger: &FingerSense<'_>, axis: DVec2, feeler: &FeelerShape, sense: f64) {
+impl FingerEstimate {
+    fn feel(&mut self, finger: &FingerReadings<'_>, axis: DVec2, feeler: &FeelerShape, sense: f64) {
         (self.grip, self.shear, self.torque, self.largest) = (0.0, 0.0, 0.0, 0.0);
         let mut leading = None;
         for (element, felt) in finger.touch.frame.forces.iter().enumerate() {

@@ -1,7 +1,7 @@
 //! Detects a frozen camera by its repeated forces.
 
 use super::stop_reason::StopReason;
-use super::touch::FingerTouch;
+use super::touch::TactileReading;
 use glam::DVec3;
 
 /// Counts new tactile frames with bit-identical forces. Camera noise changes every image and with it the forces; a
@@ -9,7 +9,7 @@ use glam::DVec3;
 ///
 /// Frames in which all forces are zero do not count, because a sensor may suppress forces below its resolution.
 #[derive(Debug, Clone)]
-pub struct FrozenForces {
+pub struct StuckSensorDetector {
     /// Number of consecutive repetitions that is a fault; 0 disables the check.
     limit: u32,
     /// Sequence number of the latest frame.
@@ -20,7 +20,7 @@ pub struct FrozenForces {
     same: u32,
 }
 
-impl FrozenForces {
+impl StuckSensorDetector {
     /// Creates a detector for a finger of `elements` elements that reports a fault after `limit` consecutive
     /// repetitions; 0 disables it.
     pub fn new(limit: u32, elements: usize) -> Self {
@@ -42,7 +42,7 @@ impl FrozenForces {
     ///
     /// # Errors
     /// If the number of consecutive repetitions has reached the limit.
-    pub fn watch(&mut self, finger: usize, touch: &FingerTouch) -> Result<(), StopReason> {
+    pub fn watch(&mut self, finger: usize, touch: &TactileReading) -> Result<(), StopReason> {
         let frame = &touch.frame;
         if self.limit == 0 || self.sequence == Some(frame.sequence) {
             return Ok(());
@@ -58,7 +58,7 @@ impl FrozenForces {
         if self.same < self.limit {
             return Ok(());
         }
-        Err(StopReason::FrozenForces {
+        Err(StopReason::StuckSensorDetector {
             finger,
             frames: self.same,
         })
