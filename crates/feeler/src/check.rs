@@ -5,7 +5,7 @@
 //!
 //! ```
 //! use feeler::check::Checker;
-//! use feeler::sensor::drift::DriftConfig;
+//! use feeler::sensor::forces::DriftConfig;
 //!
 //! let drift = DriftConfig { gain_rate: 2.0, ..DriftConfig::default() };
 //! let mut checker = Checker::default();

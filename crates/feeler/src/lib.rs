@@ -7,8 +7,14 @@ pub mod hand;
 pub mod pace;
 pub mod sensor;
 
+pub use control::task::TaskConfig;
+pub use control::{ControlConfig, ControlLoop, OpticalFinger, Phase, SetupError};
 /// Vector and rotation types of the public interface.
 pub use glam;
+pub use hand::{FingerConfig, Hand};
+pub use pace::FixedRate;
+pub use sensor::calibration::Calibration;
+pub use sensor::image::Camera;
 
 /// Compiles the code of the repository's README with the documentation tests.
 #[cfg(doctest)]

@@ -9,7 +9,7 @@ use std::io::BufRead;
 /// Reads a taxel array's table; each row is a tactile frame. See [the module](super).
 ///
 /// ```
-/// use feeler::sensor::reading::{TactileFrame, TactileSensor};
+/// use feeler::sensor::forces::{TactileFrame, TactileSensor};
 /// use feeler::sensor::taxel::{TaxelLayout, TaxelSensor};
 ///
 /// let layout = r#"
