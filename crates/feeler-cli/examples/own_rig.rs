@@ -10,7 +10,7 @@ use feeler::glam::DVec3;
 use feeler::hand::{Hand, HandCommand, HandError, HandState, JointState, fingertip_pose};
 use feeler::pace::{FixedRate, Schedule};
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::linked::{expected, rig_config};
+use feeler_lab::experiment::rigs::linked::{expected, rig_config};
 use feeler_lab::experiment::{fingers_at_home, layouts};
 use feeler_link::programs::{RigProgram, RigSpeed, SensorConfig, SensorProgram, ServedHand};
 use feeler_link::transport::Network;

@@ -4,9 +4,9 @@ use super::CommandError;
 use feeler::pace::real_time::fine_timer;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::Session;
-use feeler_lab::experiment::driven;
+use feeler_lab::experiment::rigs::driven;
 
-pub use feeler_lab::experiment::driven::EmulatedBus;
+pub use feeler_lab::experiment::rigs::driven::EmulatedBus;
 
 /// Creates a session of `experiment` on an emulated servo bus whose clock runs at `speed`; returns both.
 pub fn session(

@@ -4,47 +4,35 @@
 mod calibrate;
 mod camera;
 mod cameras;
-mod check;
-mod compare;
 mod completions;
-mod contenders;
 mod drives;
 #[cfg_attr(
     not(all(feature = "drives", target_os = "linux")),
     path = "no_emulated.rs"
 )]
 mod emulated;
+pub mod experiments;
 mod export;
 mod help;
-mod identify;
-mod init;
 mod link;
-mod list;
 mod locate;
 mod locate_preview;
 #[cfg(not(feature = "top"))]
 mod no_screen;
 mod options;
-mod replay;
-mod report;
-mod robustness;
 mod ros2;
 mod ros2_rig;
-mod run;
-mod run_progress;
 mod schema;
 mod score_slip;
 mod sense;
-mod simulate_grasps;
-mod sweep;
-mod throttle;
-mod trials;
-mod tune;
 mod urdf;
 mod view;
-mod watcher;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
+use experiments::{
+    check, compare, identify, init, list, replay, report, robustness, run, simulate_grasps, sweep,
+    tune,
+};
 use feeler_console::Output;
 use std::io::{Write, stderr, stdout};
 use std::process::ExitCode;

@@ -33,7 +33,7 @@ pub struct Arguments {
     #[arg(long = "set", value_name = "KEY=VALUE", conflicts_with_all = ["labels", "frame_labels"])]
     settings: Vec<String>,
     /// Random seed of the simulation.
-    #[arg(long, default_value_t = 0, value_parser = crate::trials::parse_seed,
+    #[arg(long, default_value_t = 0, value_parser = crate::experiments::trials::parse_seed,
         conflicts_with_all = ["labels", "frame_labels"])]
     seed: u64,
     #[command(flatten)]

@@ -64,7 +64,8 @@ mod rig {
     use feeler_drives::packet::instruction::SYNC_WRITE;
     use feeler_drives::registers::Registers;
     use feeler_lab::config::Experiment;
-    use feeler_lab::experiment::{controller, driven, fingers_at_home, layouts, world};
+    use feeler_lab::experiment::rigs::driven;
+    use feeler_lab::experiment::{controller, fingers_at_home, layouts, world};
     use feeler_sim::optics::SimCamera;
     use feeler_sim::rig::SensorFaults;
     use feeler_sim::rig::SimRig;

@@ -6,7 +6,7 @@ use feeler_console::watch_for_interrupt;
 use feeler_console::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::fingers_at_home;
-use feeler_lab::experiment::linked::{expected, hand_program};
+use feeler_lab::experiment::rigs::linked::{expected, hand_program};
 use feeler_link::inboxes::Beacon;
 use feeler_link::inboxes::RigInbox;
 use feeler_link::inboxes::listen;

@@ -94,7 +94,7 @@ pub struct Arguments {
     #[arg(long)]
     verbose: bool,
     /// Random seed of the order of simulated loads and of the simulated camera's noise.
-    #[arg(long, default_value_t = CalibrationBenchConfig::default().seed, value_parser = crate::trials::parse_seed)]
+    #[arg(long, default_value_t = CalibrationBenchConfig::default().seed, value_parser = crate::experiments::trials::parse_seed)]
     seed: u64,
     /// Number of combined loads on the simulated fingertip, at most 20,000; other kinds of load scale with it.
     ///

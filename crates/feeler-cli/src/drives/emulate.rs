@@ -12,7 +12,8 @@ use feeler_drives::emulator::{
 use feeler_drives::packet::Protocol;
 use feeler_drives::registers::MODELS;
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::{driven, world};
+use feeler_lab::experiment::rigs::driven;
+use feeler_lab::experiment::world;
 use feeler_sim::rig::SimRig;
 use std::io::{BufRead, Write, stderr, stdin};
 use std::path::Path;

@@ -1,13 +1,13 @@
 //! The `feeler hand` subcommand.
 
 use super::{ExperimentArguments, LinkArguments, ListenArguments};
+use crate::experiments::run::make_folder;
 use crate::options::FlushArguments;
-use crate::run::make_folder;
 use crate::{CommandError, Outcome};
 use feeler_console::Warnings;
 use feeler_console::watch_for_interrupt;
-use feeler_lab::experiment::linked::hand_program;
 use feeler_lab::experiment::recorded_run::run_end;
+use feeler_lab::experiment::rigs::linked::hand_program;
 use feeler_link::programs::RigSpeed;
 use feeler_link::security::Right;
 use feeler_record::{RunEnd, RunState};

@@ -78,7 +78,7 @@ impl LinkArguments {
 #[derive(Debug, Clone, clap::Args)]
 pub struct ExperimentArguments {
     /// Random seed.
-    #[arg(long, value_parser = crate::trials::parse_seed)]
+    #[arg(long, value_parser = crate::experiments::trials::parse_seed)]
     pub seed: Option<u64>,
     /// Source of forces: `image` (rendered camera images) or `direct` (simulated forces plus noise).
     #[arg(long, value_parser = ["image", "direct"])]

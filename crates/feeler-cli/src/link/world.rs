@@ -5,7 +5,7 @@ use crate::{CommandError, Outcome};
 use feeler_console::Warnings;
 use feeler_console::watch_for_interrupt;
 use feeler_lab::experiment::SimRigServer;
-use feeler_lab::experiment::linked::rig_config;
+use feeler_lab::experiment::rigs::linked::rig_config;
 use feeler_link::programs::{RigProgram, RigSpeed};
 use feeler_link::security::Right;
 use std::io::Write;

@@ -1,21 +1,16 @@
 //! Runs in one process: connects the simulated rig, its sensors, the control loop and the recorder.
 
-#[cfg(target_os = "linux")]
-pub(crate) mod bus_rig;
-#[cfg(target_os = "linux")]
-pub mod driven;
 pub(crate) mod facts;
 mod in_memory;
 pub(crate) mod instruments;
-pub mod linked;
 pub(crate) mod prefetching_sensor;
 pub mod recorded_run;
 pub mod replay;
 pub(crate) mod reported_recorder;
+pub mod rigs;
 pub mod run_folder;
 pub(crate) mod sample_and_hold;
 pub(crate) mod sensors;
-pub(crate) mod sim_rig_server;
 pub mod slip_bench;
 pub(crate) mod solids;
 pub(crate) mod specimen;
@@ -24,8 +19,8 @@ pub(crate) mod truth;
 pub(crate) mod warnings;
 
 #[cfg(target_os = "linux")]
-pub use bus_rig::BusRig;
-pub use sim_rig_server::SimRigServer;
+pub use crate::experiment::rigs::bus_rig::BusRig;
+pub use crate::experiment::rigs::sim_rig_server::SimRigServer;
 pub use truth::Truth;
 pub use warnings::warnings;
 

@@ -3,7 +3,7 @@
 use feeler::sensor::forces::TactileFrame;
 use feeler_console::CommandError;
 use feeler_lab::config::{Experiment, RosFingerConfig};
-use feeler_lab::experiment::linked::expected;
+use feeler_lab::experiment::rigs::linked::expected;
 use feeler_link::programs::{ProgramError, SensorConfig, SensorProgram, Warn};
 use feeler_link::transport::Network;
 use feeler_ros2::Node;

@@ -8,7 +8,7 @@ use feeler_console::Warnings;
 use feeler_console::watch_for_interrupt;
 use feeler_console::{CommandError, Outcome};
 use feeler_lab::config::RosConfig;
-use feeler_lab::experiment::linked::rig_config;
+use feeler_lab::experiment::rigs::linked::rig_config;
 use feeler_link::programs::{ProgramError, RigProgram, RigSpeed};
 use feeler_link::security::Right;
 use feeler_ros2::GraphClock;

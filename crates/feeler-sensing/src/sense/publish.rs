@@ -12,7 +12,7 @@ use feeler::sensor::image::{Frame, Picture};
 use feeler_console::CommandError;
 use feeler_console::is_raised;
 use feeler_lab::config::{Experiment, Sensing};
-use feeler_lab::experiment::linked::expected;
+use feeler_lab::experiment::rigs::linked::expected;
 use feeler_link::inboxes::Exposed;
 use feeler_link::programs::{SensorConfig, SensorProgram};
 use feeler_link::security::Right;

@@ -9,7 +9,7 @@ use feeler::sensor::fingertip::ElementLayout;
 use feeler_console::CommandError;
 use feeler_lab::config::{Experiment, ExperimentConfig};
 use feeler_lab::experiment::layouts;
-use feeler_lab::experiment::linked::expected;
+use feeler_lab::experiment::rigs::linked::expected;
 use feeler_link::hand::{Order, stop_to_resume};
 use feeler_link::inboxes::Inbox;
 use feeler_link::inboxes::WatchInbox;

@@ -7,7 +7,7 @@ use feeler::sensor::forces::TactileFrame;
 use feeler::sensor::taxel::{TaxelLayout, TaxelUnit};
 use feeler_console::CommandError;
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::linked::expected;
+use feeler_lab::experiment::rigs::linked::expected;
 use feeler_link::programs::{SensorConfig, SensorProgram};
 use feeler_link::security::Right;
 use glam::DVec3;

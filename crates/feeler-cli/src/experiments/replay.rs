@@ -1,6 +1,6 @@
 //! The `feeler replay` subcommand.
 
-use super::{CommandError, Outcome};
+use crate::{CommandError, Outcome};
 use feeler_console::watch_for_interrupt;
 use feeler_console::{Steps, Working};
 use feeler_lab::config::Experiment;

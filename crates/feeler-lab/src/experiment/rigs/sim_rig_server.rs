@@ -1,8 +1,8 @@
 //! A simulated rig with cameras, encoders, instruments and drives, operated by other programs.
 
-use super::sensors::{RigSensor, rig_sensors};
-use super::truth::SlipMeter;
 use crate::config::{ConfigError, Experiment, Problem};
+use crate::experiment::sensors::{RigSensor, rig_sensors};
+use crate::experiment::truth::SlipMeter;
 use crate::experiment::{
     ExperimentError, Instruments, Pictures, fingers_at_home, layouts, rig, steps_per_command,
 };
@@ -25,7 +25,7 @@ pub struct SimRigServer {
 }
 
 /// The simulated sensors and instruments of a rig.
-pub(super) struct ServedSensing {
+pub(in crate::experiment) struct ServedSensing {
     rig: SimRig,
     sensors: Vec<PlayedSensor>,
     cap: Option<usize>,

@@ -3,7 +3,7 @@
 mod laws;
 
 use super::trials::TrialArguments;
-use super::{CommandError, Outcome};
+use crate::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
 use feeler_lab::sweep::analysis::robustness as judge;
 use feeler_lab::sweep::plan::ranges;

@@ -1,7 +1,7 @@
 //! The `feeler check` subcommand.
 
-use super::{CommandError, Outcome};
 use crate::options::Json;
+use crate::{CommandError, Outcome};
 use feeler_console::print_json;
 use feeler_lab::config::{ConfigError, Experiment};
 use feeler_lab::experiment::warnings;

@@ -1,7 +1,7 @@
 //! The `feeler identify` subcommand.
 
-use super::{CommandError, Outcome};
 use crate::options::Overwrite;
+use crate::{CommandError, Outcome};
 use feeler_console::Outputs;
 use feeler_lab::config::Experiment;
 use feeler_lab::identify::{estimate, page, probe, probing};
@@ -30,7 +30,7 @@ pub struct Arguments {
     /// Experiment file or name of a built-in experiment, with [task.screw] or [task.probe].
     experiment: String,
     /// Random seed.
-    #[arg(long, value_parser = crate::trials::parse_seed)]
+    #[arg(long, value_parser = crate::experiments::trials::parse_seed)]
     seed: Option<u64>,
     /// Source of forces: `image` (rendered camera images) or `direct` (simulated forces plus noise).
     #[arg(long, value_parser = ["image", "direct"])]

@@ -1,8 +1,8 @@
 //! `feeler robustness --laws`: compares control laws on the same hands.
 
 use super::{Arguments, entries_of_groups, even};
-use crate::compare::laws::laws;
-use crate::contenders::{Contender, contenders, run, under_law};
+use crate::experiments::compare::laws::laws;
+use crate::experiments::contenders::{Contender, contenders, run, under_law};
 use crate::{CommandError, Outcome};
 use feeler_lab::sweep::analysis::{LawTrials, law_shares};
 use feeler_lab::sweep::plan::Design;

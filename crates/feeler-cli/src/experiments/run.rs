@@ -1,14 +1,14 @@
 //! The `feeler run` subcommand.
 
-use super::emulated::EmulatedBus;
-#[cfg(not(feature = "top"))]
-use super::no_screen::Screen;
 use super::sweep::one_trial;
 use super::throttle::{Throttle, Timing, parse_speed};
-use super::view::{LiveRun, ServerArguments};
 use super::watcher::Watcher;
-use super::{CommandError, Outcome, emulated};
+use crate::emulated::EmulatedBus;
+#[cfg(not(feature = "top"))]
+use crate::no_screen::Screen;
 use crate::options::FlushArguments;
+use crate::view::{LiveRun, ServerArguments};
+use crate::{CommandError, Outcome, emulated};
 use feeler::pace::Punctuality;
 use feeler_console::watch_for_interrupt;
 use feeler_lab::config::Experiment;
@@ -30,7 +30,7 @@ pub struct Arguments {
     #[arg(long, num_args = 2, value_names = ["SWEEP", "TRIAL"], conflicts_with_all = ["experiment", "seed", "sensing", "settings"])]
     trial: Option<Vec<String>>,
     /// Random seed.
-    #[arg(long, value_parser = crate::trials::parse_seed)]
+    #[arg(long, value_parser = crate::experiments::trials::parse_seed)]
     seed: Option<u64>,
     /// Source of forces: `image` (rendered camera images) or `direct` (simulated forces plus noise).
     #[arg(long, value_parser = ["image", "direct"])]

@@ -1,10 +1,10 @@
 //! Display of a run in progress: a progress bar, the terminal view or the browser view.
 
-use super::CommandError;
+use crate::CommandError;
+use crate::experiments::run_progress::Progress;
 #[cfg(not(feature = "top"))]
-use super::no_screen::Screen;
-use super::view::LiveRun;
-use crate::run_progress::Progress;
+use crate::no_screen::Screen;
+use crate::view::LiveRun;
 use feeler::pace::Tick;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{Instruments, SimulatedLoop};

@@ -1,7 +1,7 @@
 //! The `feeler sweep` subcommand.
 
 use super::trials::TrialArguments;
-use super::{CommandError, Outcome};
+use crate::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
 use feeler_lab::sweep::results::summary;
 use feeler_lab::sweep::results::{Store, TRIALS, read_finished};
@@ -228,7 +228,7 @@ pub fn one_trial(folder: &Path, trial: &str) -> Result<Experiment, CommandError>
 }
 
 /// Progress bar of a sweep.
-pub(super) struct Bar {
+pub(crate) struct Bar {
     bar: ProgressBar,
     start: Instant,
     before: u64,
@@ -236,7 +236,7 @@ pub(super) struct Bar {
 
 impl Bar {
     /// Creates a bar that starts with `before` finished trials.
-    pub(super) fn new(before: u64) -> Self {
+    pub(crate) fn new(before: u64) -> Self {
         let bar = ProgressBar::new(0).with_position(before);
         let style = ProgressStyle::with_template("{bar:32} {pos}/{len} trials, {msg}, {eta} left");
         bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
@@ -249,7 +249,7 @@ impl Bar {
     }
 
     /// Removes the bar.
-    pub(super) fn clear(&self) {
+    pub(crate) fn clear(&self) {
         self.bar.finish_and_clear();
     }
 }

@@ -1,8 +1,8 @@
 //! The `feeler simulate-grasps` subcommand: simulated grasps with labels, as recordings for `feeler score-slip`.
 
 use super::trials::jobs;
-use super::{CommandError, Outcome};
 use crate::options::Overwrite;
+use crate::{CommandError, Outcome};
 use feeler::sensor::fingertip::{ElementPlace, LAYOUT_VERSION, LocatedLayout};
 use feeler::sensor::image::Polarity;
 use feeler_console::Steps;
@@ -33,7 +33,7 @@ pub struct Arguments {
     #[arg(long, default_value_t = 300, value_parser = clap::value_parser!(u64).range(1..=100_000))]
     count: u64,
     /// Random seed.
-    #[arg(long, default_value_t = 0, value_parser = crate::trials::parse_seed)]
+    #[arg(long, default_value_t = 0, value_parser = crate::experiments::trials::parse_seed)]
     seed: u64,
     /// Number of grasps to simulate in parallel [default: number of cores]
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1024))]

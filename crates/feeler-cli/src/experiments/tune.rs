@@ -2,8 +2,8 @@
 
 use super::init::missing;
 use super::trials::{jobs, parse_seed};
-use super::{CommandError, Outcome};
 use crate::options::Overwrite;
+use crate::{CommandError, Outcome};
 use feeler_console::Outputs;
 use feeler_console::Search;
 use feeler_console::watch_for_interrupt;

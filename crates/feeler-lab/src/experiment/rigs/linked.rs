@@ -1,7 +1,7 @@
 //! Configuration of the programs of a distributed rig from an experiment.
 
-use super::{ExperimentError, controller, fingers_at_home, layouts};
 use crate::config::Experiment;
+use crate::experiment::{ExperimentError, controller, fingers_at_home, layouts};
 use feeler::sensor::fingertip::CalibrationTarget;
 use feeler_link::inboxes::Expected;
 use feeler_link::programs::{HandConfig, HandProgram, ProgramError, RigConfig, RigSpeed};

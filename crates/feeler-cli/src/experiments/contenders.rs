@@ -1,7 +1,7 @@
 //! Control laws on the same trials: one sweep per law, in a folder named after the law.
 
-use super::CommandError;
 use super::trials::TrialArguments;
+use crate::CommandError;
 use feeler::control::law::LawConfig;
 use feeler_console::watch_for_interrupt;
 use feeler_lab::config::Experiment;

@@ -1,8 +1,8 @@
 //! Simulated runs whose hand consists of servos on an emulated bus, with the simulated world behind the servos, in
 //! real time or in lockstep with the run.
 
-use super::{ExperimentError, Session, fingers_at_home};
 use crate::config::Experiment;
+use crate::experiment::{ExperimentError, Session, fingers_at_home};
 use feeler::pace::{FixedRate, PaceError, Schedule};
 use feeler_drives::DriveError;
 use feeler_drives::RigClock;

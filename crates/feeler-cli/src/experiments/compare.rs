@@ -4,7 +4,7 @@ pub mod laws;
 
 use super::contenders::{Contender, contenders, run, under_law};
 use super::trials::TrialArguments;
-use super::{CommandError, Outcome};
+use crate::{CommandError, Outcome};
 use feeler::control::law::LawConfig;
 use feeler::control::task::TaskConfig;
 use feeler_lab::config::{Experiment, ExperimentConfig};

@@ -1,7 +1,7 @@
 //! The `feeler list` subcommand.
 
-use super::{CommandError, Outcome};
 use crate::options::Json;
+use crate::{CommandError, Outcome};
 use feeler::sensor::taxel::{BUILT_IN_TAXELS, BuiltInTaxels};
 use feeler_console::print_json;
 use feeler_lab::config::{BUILT_IN, Experiment};

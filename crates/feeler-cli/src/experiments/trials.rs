@@ -1,7 +1,7 @@
 //! Arguments and functions shared by the commands that run trials: sweeps, comparisons, robustness studies.
 
-use super::CommandError;
 use super::sweep::Bar;
+use crate::CommandError;
 use feeler_console::watch_for_interrupt;
 use feeler_lab::sweep::results::Store;
 use feeler_lab::sweep::trial::Trials;
@@ -17,7 +17,7 @@ pub struct TrialArguments {
     #[arg(long = "set", value_name = "KEY=VALUE")]
     pub settings: Vec<String>,
     /// Random seed, from which the seed of each trial is derived.
-    #[arg(long, default_value_t = 0, value_parser = crate::trials::parse_seed)]
+    #[arg(long, default_value_t = 0, value_parser = crate::experiments::trials::parse_seed)]
     pub seed: u64,
     /// Number of trials to run in parallel [default: number of cores]
     #[arg(long, value_parser = clap::value_parser!(u64).range(1..=1024))]

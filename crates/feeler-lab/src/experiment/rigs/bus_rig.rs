@@ -2,7 +2,7 @@
 
 use super::sim_rig_server::ServedSensing;
 use crate::config::Experiment;
-use crate::experiment::driven::{DrivenError, drives, emulated_bus};
+use crate::experiment::rigs::driven::{DrivenError, drives, emulated_bus};
 use crate::experiment::{fingers_at_home, rig};
 use feeler::hand::FingerGeometry;
 use feeler::hand::{Hand, HandCommand, HandError, HandState};

@@ -1,6 +1,6 @@
 //! The `feeler report` subcommand.
 
-use super::{CommandError, Outcome};
+use crate::{CommandError, Outcome};
 use feeler_console::Reading;
 use feeler_lab::experiment::run_folder;
 use feeler_report::run::{RECORDING, REPORT, SUMMARY, make_into};

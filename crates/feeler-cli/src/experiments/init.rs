@@ -1,6 +1,6 @@
 //! The `feeler init` subcommand.
 
-use super::{CommandError, Outcome};
+use crate::{CommandError, Outcome};
 use feeler_console::Outputs;
 use feeler_lab::config::key::did_you_mean;
 use feeler_lab::config::{BUILT_IN, Experiment};
@@ -79,7 +79,7 @@ fn name(file: &Path) -> Result<&str, CommandError> {
 
 /// Returns the calibration files that do not yet exist next to `file`. Identical files may exist from an earlier
 /// experiment.
-pub(super) fn missing(
+pub(crate) fn missing(
     file: &Path,
     texts: &BTreeMap<String, String>,
 ) -> Result<Vec<(PathBuf, String)>, CommandError> {
