@@ -1,5 +1,5 @@
-//! A rig of your own on the network: drives, encoders and a sensor that `feeler hand` controls. Here both are toys:
-//! drives that do at once what they are told, and feelers that are springs on a wall.
+//! Example of a custom rig on the network: drives, encoders and a sensor, controlled by `feeler hand`. The hardware is
+//! simulated: ideal velocity drives, and feelers that act as springs against a wall.
 //!
 //! ```text
 //! cargo run -p feeler-cli --features link --example own_rig
@@ -20,10 +20,10 @@ use std::time::Instant;
 
 pub type Failure = Box<dyn std::error::Error + Send + Sync>;
 
-/// Joint angles, rad, and time, s: what encoders and clock of a rig would say.
+/// Joint angles (rad) and time (s), as measured by the encoders and the clock of a real rig.
 type Joints = Arc<Mutex<(DVec3, f64)>>;
 
-/// A finger whose drives do at once what they are told.
+/// A finger with ideal velocity drives.
 struct MyHand {
     joints: Joints,
     velocity: DVec3,
@@ -36,7 +36,7 @@ impl Hand for MyHand {
     }
 
     fn read(&mut self, state: &mut HandState) -> Result<(), HandError> {
-        let (position, stamp) = *self.joints.lock().unwrap_or_else(PoisonError::into_inner); // yours: read the encoders
+        let (position, stamp) = *self.joints.lock().unwrap_or_else(PoisonError::into_inner); // on hardware: read the encoders
         let velocity = self.velocity;
         state.stamp = stamp;
         state.joints.fill(JointState { position, velocity });
@@ -44,7 +44,7 @@ impl Hand for MyHand {
     }
 
     fn command(&mut self, command: &HandCommand) -> Result<(), HandError> {
-        self.velocity = command.joint_velocity()[0]; // yours: send it to the drives
+        self.velocity = command.joint_velocity()[0]; // on hardware: send it to the drives
         let mut joints = self.joints.lock().unwrap_or_else(PoisonError::into_inner);
         joints.0 += self.period * self.velocity;
         joints.1 += self.period;
@@ -52,7 +52,7 @@ impl Hand for MyHand {
     }
 }
 
-/// Serves drives and sensor of `experiment`, whose time goes `speed` times as fast as real time, until `interrupted`.
+/// Serves the drives and the sensor of `experiment` until `interrupted`. Time runs at `speed` times real time.
 pub fn serve(
     experiment: &Experiment,
     network: &Arc<dyn Network>,
@@ -77,7 +77,7 @@ pub fn serve(
     })
 }
 
-/// Publishes the forces of feelers that are springs on a wall, once every `period`, s.
+/// Publishes the forces of the spring-like feelers every `period` seconds.
 fn sense(
     experiment: &Experiment,
     network: &Arc<dyn Network>,
@@ -104,7 +104,7 @@ fn sense(
         let (theta, stamp) = *joints.lock().unwrap_or_else(PoisonError::into_inner);
         let (centre, rotation) = fingertip_pose(&fingers[0], theta);
         let forces = (0..layout.elements.len()).map(|element| {
-            let tip = centre + rotation * layout.tip(element); // yours: read the sensor; None where it has no valid force
+            let tip = centre + rotation * layout.tip(element); // on hardware: read the sensor (`None`: force is invalid)
             Some(DVec3::Z * (STIFFNESS * (tip.x - WALL)).max(0.0))
         });
         program.publish((tick.number, stamp, Instant::now()), forces)?;

@@ -1,4 +1,4 @@
-"""The vendors' own masters on an emulated bus: each says what it read, as JSON.
+"""Reads an emulated bus with the vendors' SDKs, and prints the values as JSON.
 
     drives_masters.py dynamixel PORT BAUD_RATE
     drives_masters.py feetech PORT BAUD_RATE
@@ -13,8 +13,10 @@ TRIES = 3
 
 
 def patient(sdk, packets):
-    """`packets` that waits half a second for an answer, and asks again where none comes: servos answer within 34 ms, but these are a program
-    on a computer that may be busy."""
+    """Lets `packets` wait half a second for a response and retry on timeout.
+
+    Servos respond within 34 ms, but the emulated ones run in a program that a busy computer may delay.
+    """
     sdk.port_handler.LATENCY_TIMER = 250
     once = packets.txRxPacket
 
@@ -36,7 +38,7 @@ def signed(value, bits):
 
 
 def checked(sdk, packets):
-    """What an answer to `packets` holds, which must have come and name no error."""
+    """Returns a function that asserts the success of a call to `packets` and returns its value."""
 
     def good(answer):
         *values, result, error = answer
@@ -65,7 +67,7 @@ def dynamixel(path, baud_rate):
         good(packets.write1ByteTxRx(port, servo, 64, 1))
         good(packets.write1ByteTxRx(port, servo, 65, 1))
     said["led"] = good(packets.read1ByteTxRx(port, 3, 65))
-    # EEPROM while the torque is on, a velocity beyond the limit, what is read only.
+    # EEPROM write with torque enabled, velocity above the limit, write to a read-only register.
     refused = [
         packets.write1ByteTxRx(port, 1, 11, 3),
         packets.write4ByteTxRx(port, 1, 104, 100_000),
@@ -86,7 +88,7 @@ def dynamixel(path, baud_rate):
     assert read.fastSyncRead() == sdk.COMM_SUCCESS
     said["fast"] = [signed(read.getData(servo, 128, 4), 32) for servo in (1, 2, 3)]
     said["turned"] = signed(read.getData(2, 132, 4), 32) - start
-    # The bus watchdog stops the motor, and goals are refused until it is cleared.
+    # The bus watchdog stops the motor, and rejects goals until it is cleared.
     good(packets.write1ByteTxRx(port, 1, 98, 5))
     time.sleep(0.4)
     said["watchdog"] = good(packets.read1ByteTxRx(port, 1, 98))

@@ -1,4 +1,4 @@
-//! Opening a link leaves the sockets of the program around it alone.
+//! Opening a link does not change other sockets of the program.
 #![cfg(all(feature = "zenoh", target_os = "linux"))]
 
 #[path = "support/ports.rs"]
@@ -18,7 +18,7 @@ use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::{Duration, Instant};
 
-/// Sockets of this process that linger; none where the system does not let it look.
+/// Number of sockets of this process that linger. `None` if the system forbids inspecting them.
 fn lingering() -> Option<usize> {
     let this = pidfd_open(getpid(), PidfdFlags::empty()).ok()?;
     pidfd_getfd(&this, 0, PidfdGetfdFlags::empty()).ok()?;
@@ -32,14 +32,14 @@ fn lingering() -> Option<usize> {
 }
 
 #[test]
-fn the_links_sockets_do_not_linger_and_others_still_do() {
+fn linger_is_disabled_for_the_sockets_of_links_only() {
     let listener = TcpListener::bind("127.0.0.1:0").expect("a port");
     let stranger = TcpStream::connect(listener.local_addr().expect("its address"));
     let stranger = stranger.expect("a connection");
     set_socket_linger(&stranger, Some(Duration::from_secs(10))).expect("a socket");
     if lingering().is_none() {
-        // A right that a container may withhold; no installation gives it.
-        skip::not_permitted("this system does not let a process see its descriptors");
+        // Containers may withhold this permission.
+        skip::not_permitted("this system forbids a process to inspect its descriptors");
         return;
     }
 
@@ -56,13 +56,10 @@ fn the_links_sockets_do_not_linger_and_others_still_do() {
     let arrived = Arc::new(AtomicBool::new(false));
     let flag = Arc::clone(&arrived);
     let heard = Arc::new(move |_: Topic, _: &[u8]| flag.store(true, Ordering::Relaxed));
-    one.listen(Topic::Stop, heard).expect("to hear");
+    one.listen(Topic::Stop, heard).expect("a subscription");
     let give_up = Instant::now() + Duration::from_secs(60);
     while !arrived.load(Ordering::Relaxed) {
-        assert!(
-            Instant::now() < give_up,
-            "the programs do not find each other"
-        );
+        assert!(Instant::now() < give_up, "the programs do not connect");
         other.send(Topic::Stop, Vec::new()).expect("to send");
         std::thread::sleep(Duration::from_millis(20));
     }

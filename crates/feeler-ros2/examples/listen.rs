@@ -1,4 +1,5 @@
-//! Listens to the node of a hand, and counts what it publishes. A hand needs no router in between: it is told where this listens.
+//! Subscribes to the topics of a hand's node and counts messages. No router is required: the hand connects to this
+//! program's endpoint.
 //!
 //! ```text
 //! cargo run --release -p feeler-ros2 --features zenoh --example listen -- tcp/127.0.0.1:7449 20
@@ -16,7 +17,7 @@ use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::sleep;
 use std::time::Duration;
 
-/// Counts the messages under `topic` that are what they should be.
+/// Subscribes to `topic` and counts valid messages.
 fn count<M: Message>(
     node: &mut Node,
     topic: &str,
@@ -35,7 +36,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let mut arguments = std::env::args().skip(1);
     let place = arguments
         .next()
-        .ok_or("expected where to listen, as in tcp/127.0.0.1:7449")?;
+        .ok_or("expected an endpoint to listen on, such as tcp/127.0.0.1:7449")?;
     let seconds = arguments
         .next()
         .map_or(Ok(10.0), |seconds| seconds.parse())?;

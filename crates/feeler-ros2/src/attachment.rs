@@ -1,47 +1,47 @@
-//! What stands beside a message: its number, its time and who sent it.
+//! Metadata that `rmw_zenoh` attaches to each message: sequence number, time stamp and source.
 
-/// Who sent a message: 16 bytes, made of his liveliness token.
+/// Identifier of a message's source: 16 bytes, derived from its liveliness token.
 pub type Gid = [u8; 16];
 
-/// What stands beside a message.
+/// Attachment of a message or service request.
 ///
-/// The form is that of `rmw_zenoh` since 0.2.4 (Jazzy) and in Kilted and Lyrical. Earlier ones of Jazzy had a form of 77 bytes with the
-/// fields' names, and end the program where they find another.
+/// The format is the one of `rmw_zenoh` since 0.2.4 (Jazzy), Kilted and Lyrical. Earlier Jazzy releases use a format of
+/// 77 bytes that includes field names, and abort if they receive another format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Attachment {
-    /// Number of the message among its sender's, or of the request.
+    /// Sequence number of the message or request, counted by its source.
     pub sequence: i64,
-    /// When it was sent, ns since 1970.
+    /// Time of sending (ns since 1970).
     pub stamp_ns: i64,
-    /// Who sent it.
+    /// Source of the message.
     pub gid: Gid,
 }
 
-/// Bytes of an [`Attachment`].
+/// Encoded length of an [`Attachment`] in bytes.
 pub const BYTES: usize = 33;
-/// Bytes of the form that old releases have.
+/// Encoded length of the format of old releases in bytes.
 const OLD_BYTES: usize = 77;
-/// What stands before the sender: how long it is.
+/// Length prefix of the source identifier.
 const GID_BYTES: u8 = 16;
 
-/// Why an attachment could not be read.
+/// Error when decoding an [`Attachment`].
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum AttachmentError {
-    /// It is of a release that is not supported.
+    /// The format of a release that is not supported.
     #[error(
-        "attachment: {BYTES} bytes expected, found {OLD_BYTES}: its sender has rmw_zenoh 0.2.0 to 0.2.3, which is not supported; update it"
+        "attachment: expected {BYTES} bytes, got {OLD_BYTES}; the sender uses rmw_zenoh 0.2.0 to 0.2.3, which is not supported: update it"
     )]
     Old,
-    /// It has another length.
-    #[error("attachment: {BYTES} bytes expected, found {0}")]
+    /// Wrong length of the attachment.
+    #[error("attachment: expected {BYTES} bytes, got {0}")]
     Length(usize),
-    /// Who sent it has another length.
-    #[error("attachment: a source id of {GID_BYTES} bytes expected, found {0}")]
+    /// Wrong length of the source identifier.
+    #[error("attachment: expected a source id of {GID_BYTES} bytes, got {0}")]
     Gid(u8),
 }
 
 impl Attachment {
-    /// Its bytes.
+    /// Encodes the attachment.
     pub fn encode(&self) -> [u8; BYTES] {
         let mut bytes = [GID_BYTES; BYTES];
         bytes[..8].copy_from_slice(&self.sequence.to_le_bytes());
@@ -50,10 +50,10 @@ impl Attachment {
         bytes
     }
 
-    /// Reads its bytes.
+    /// Decodes an attachment.
     ///
     /// # Errors
-    /// What is wrong with `bytes`.
+    /// If `bytes` are not an attachment of this format.
     pub fn decode(bytes: &[u8]) -> Result<Self, AttachmentError> {
         let wrong = || match bytes.len() {
             OLD_BYTES => AttachmentError::Old,
@@ -79,7 +79,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn bytes_are_those_of_rmw_zenoh() {
+    fn encoding_matches_rmw_zenoh() {
         let gid = std::array::from_fn(|i| i as u8);
         let attachment = Attachment {
             sequence: 0x0102,
@@ -95,7 +95,7 @@ mod tests {
     }
 
     #[test]
-    fn other_lengths_are_refused_and_the_old_form_named() {
+    fn other_lengths_are_rejected_and_the_old_format_is_recognized() {
         for length in (0..100).filter(|length| *length != BYTES) {
             let expected = match length {
                 77 => AttachmentError::Old,

@@ -1,48 +1,51 @@
-//! Forces from `sensor_msgs/PointCloud2`, as `feeler ros2` publishes them: each element's tip `x`, `y`, `z`, m, and the force on it by what it
-//! touches, `fx`, `fy`, `fz`, N, both in the fingertip's frame `T`; where there is a field `valid`, a force counts if that is not 0.
+//! Forces from `sensor_msgs/PointCloud2`, in the layout that `feeler ros2` publishes.
+//!
+//! Each point has the position of an element's tip `x`, `y`, `z` (m) and the force on the element by the touched object
+//! `fx`, `fy`, `fz` (N), both in the fingertip's frame `T`. If there is a field `valid`, forces are used only where it
+//! is not 0.
 
 use feeler::sensor::fingertip::SensingElement;
 use feeler::sensor::forces::NO_FORCE;
 use feeler_record::ros::{PointCloud2, PointField};
 use glam::DVec3;
 
-/// A number of 64 bits, as [`PointField::datatype`] has it.
+/// Value of [`PointField::datatype`] for 64-bit floating-point numbers.
 const FLOAT64: u8 = 8;
 
-/// Why a cloud holds no forces.
+/// Error when reading forces from a cloud.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum CloudError {
-    /// It has another number of points.
-    #[error("a cloud of {expected} points expected, found {height} rows of {width}")]
+    /// Number of points differs from the number of elements.
+    #[error("expected a cloud of {expected} points, got {height} rows of {width}")]
     Points {
-        /// Elements of the fingertip.
+        /// Number of elements of the fingertip.
         expected: usize,
-        /// Its rows.
+        /// Number of rows.
         height: u32,
-        /// Points of a row.
+        /// Number of points per row.
         width: u32,
     },
-    /// Its numbers have their most significant bytes first.
-    #[error("a cloud of little-endian numbers expected, found big-endian ones")]
+    /// Big-endian numbers.
+    #[error("expected a cloud of little-endian numbers, got big-endian ones")]
     BigEndian,
-    /// A field is not there, or of another type, or stands beyond its point.
-    #[error("a cloud with a field {0} of 32 or 64 bits within each point expected, found none")]
+    /// A field is missing, has another type, or extends beyond its point.
+    #[error("expected a cloud with a field {0} of 32 or 64 bits within each point, found none")]
     Field(&'static str),
-    /// It has too few bytes.
-    #[error("a cloud of {expected} bytes expected, found {actual}")]
+    /// Too few bytes of data.
+    #[error("expected a cloud of {expected} bytes, got {actual}")]
     Bytes {
-        /// As its sizes tell.
+        /// Number of bytes for the number and size of points.
         expected: usize,
-        /// What there are.
+        /// Actual number of bytes.
         actual: usize,
     },
 }
 
-/// Fills `forces` with what the elements of a fingertip feel, each in its own frame as in a
+/// Fills `forces` with the forces on the elements of a fingertip, each in the element's own frame as in a
 /// [`TactileFrame`](feeler::sensor::forces::TactileFrame).
 ///
 /// # Errors
-/// When the cloud has other points or fields: then `forces` are of no use.
+/// If the cloud has other points or fields. The contents of `forces` are then unspecified.
 pub fn read_forces(cloud: &PointCloud2, forces: &mut [DVec3]) -> Result<(), CloudError> {
     let (height, width) = (cloud.height, cloud.width);
     if u64::from(height) * u64::from(width) != forces.len() as u64 {
@@ -83,7 +86,7 @@ pub fn read_forces(cloud: &PointCloud2, forces: &mut [DVec3]) -> Result<(), Clou
     Ok(())
 }
 
-/// Where a number stands in a point, and whether it has 64 bits.
+/// Location of a number in a point.
 #[derive(Clone, Copy)]
 struct Number {
     offset: usize,
@@ -104,7 +107,7 @@ impl Number {
     }
 }
 
-/// The field `name` of a cloud.
+/// Locates the field `name` of a cloud.
 fn number(cloud: &PointCloud2, name: &'static str) -> Result<Number, CloudError> {
     let field = cloud.fields.iter().find(|field| field.name == name);
     let field = field.ok_or(CloudError::Field(name))?;

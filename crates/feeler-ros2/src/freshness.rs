@@ -1,6 +1,8 @@
-//! How old data of a graph may be. Their stamps are of the time of day, or of a simulation's clock: who sends and who reads must agree on
-//! it, so computers need synchronised clocks (unlike on feeler's own link). Besides, nothing may have arrived longer ago than it may be
-//! old: that needs no clock of anybody else.
+//! Age limits for data from a ROS 2 graph.
+//!
+//! Stamps are wall-clock time or a simulation's time. Sender and receiver must use the same clock, so computers need
+//! synchronised clocks (unlike on feeler's own link). In addition, the time since the last message arrived is limited,
+//! which requires only the receiver's clock.
 
 use crate::message::Clock;
 use crate::node::{Node, NodeError, Subscription, wall_clock_ns};
@@ -11,72 +13,75 @@ use std::fmt::Display;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Why data are not to be used.
+/// Reason not to use data.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum StaleError {
-    /// None came.
-    #[error("{0}: nothing was heard yet")]
+    /// No message has arrived yet.
+    #[error("{0}: no message received yet")]
     Nothing(String),
-    /// They are too old.
+    /// The stamp is too old.
     #[error(
-        "{topic}: data of at most {most:.3} s expected, by their stamp they are {age:.3} s old; for {silent:.3} s none came"
+        "{topic}: data are {age:.3} s old by their stamp, expected at most {most:.3} s; no message for {silent:.3} s"
     )]
     Old {
-        /// The topic.
+        /// Name of the topic.
         topic: String,
-        /// How old they are, s.
+        /// Age of the data by their stamp (s).
         age: f64,
-        /// For how long none came, s: all of the age when nobody sends, little of it when data are late.
+        /// Time since the last message arrived (s): about the age if the sender is silent, much less if messages arrive
+        /// late.
         silent: f64,
-        /// How old they may be, s.
+        /// Maximum age (s).
         most: f64,
     },
-    /// They are of the future: clocks differ.
+    /// The stamp is in the future, so clocks differ.
     #[error(
-        "{topic}: data are stamped {ahead:.3} s ahead of the clock here: synchronise the clocks, or set use_sim_time on both sides"
+        "{topic}: data are stamped {ahead:.3} s ahead of the clock here; synchronise the clocks, or set use_sim_time on both sides"
     )]
     Ahead {
-        /// The topic.
+        /// Name of the topic.
         topic: String,
-        /// How far they are ahead, s.
+        /// Difference of the stamp to this computer's clock (s).
         ahead: f64,
     },
-    /// None came for too long.
-    #[error("{topic}: data every {most:.3} s expected, for {silent:.3} s none came")]
+    /// No message has arrived for too long.
+    #[error(
+        "{topic}: data are missing: no message for {silent:.3} s, expected one every {most:.3} s"
+    )]
     Silent {
-        /// The topic.
+        /// Name of the topic.
         topic: String,
-        /// For how long none came, s.
+        /// Time since the last message arrived (s).
         silent: f64,
-        /// How long that may be, s.
+        /// Maximum time between messages (s).
         most: f64,
     },
-    /// A simulation's clock was not heard.
-    #[error("/clock was not heard yet")]
+    /// No message of a simulation's clock has arrived yet.
+    #[error("no message on /clock received yet")]
     NoClock,
 }
 
-/// What time it is in a graph. All copies of a simulated one are the same clock.
+/// Clock of a graph. Clones of a simulated clock share its state.
 #[derive(Clone)]
 pub enum GraphClock {
-    /// The time of day.
+    /// Wall clock.
     TimeOfDay,
-    /// That of a simulation, for as long as this is kept.
+    /// Clock of a simulation. Subscribed to `/clock` until the last clone is dropped.
     Simulated(Arc<SimulatedClock>),
 }
 
-/// The time that `/clock` tells.
+/// Time that a simulation publishes on `/clock`.
 pub struct SimulatedClock {
-    /// The newest, s.
+    /// Latest time (s), or `None` before the first message.
     now: Arc<Mutex<Option<f64>>>,
     _subscription: Subscription,
 }
 
 impl GraphClock {
-    /// The time that `/clock` tells to `node`.
+    /// Creates a clock that follows `/clock`, subscribed by `node`.
     ///
     /// # Errors
-    /// When the node's session is closed.
+    /// If the node's session is closed.
     pub fn simulated(node: &mut Node) -> Result<Self, NodeError> {
         let now = Arc::new(Mutex::new(None));
         let newest = Arc::clone(&now);
@@ -92,10 +97,10 @@ impl GraphClock {
         })))
     }
 
-    /// The time, s: since 1970, or as the simulation has it.
+    /// Current time (s): since 1970, or of the simulation.
     ///
     /// # Errors
-    /// When no `/clock` was heard yet.
+    /// If no message on `/clock` has arrived yet.
     pub fn now(&self) -> Result<f64, StaleError> {
         match self {
             Self::TimeOfDay => Ok(wall_clock_ns() as f64 * 1e-9),
@@ -104,24 +109,24 @@ impl GraphClock {
     }
 }
 
-/// How old the data of a topic may be.
+/// Age limit for the data of a topic.
 pub struct Freshness {
-    /// The topic, for messages.
+    /// Name of the topic, for error messages.
     pub topic: String,
-    /// What time it is.
+    /// Clock of the stamps.
     pub clock: GraphClock,
-    /// How old they may be, s of the graph's time.
+    /// Maximum age (s of the graph's time).
     pub most: f64,
-    /// Seconds of the graph's time in a second: 1 unless it is a simulation's.
+    /// Speed of the graph's clock relative to real time; 1 unless simulated.
     pub speed: f64,
 }
 
 impl Freshness {
-    /// How old, s of the graph's time, data of `stamp`, s, are that arrived at `arrived`: by stamp or by arrival, whichever is more. Refused if
-    /// there are none yet, they are of no use because of `error`, or they are too old. Allocates where it refuses.
+    /// Returns the age of data (s of the graph's time) with `stamp` (s) that arrived at `arrived`: the larger of the
+    /// ages by stamp and by arrival. Allocates only if it returns an error.
     ///
     /// # Errors
-    /// Why, in words.
+    /// Describes why the data cannot be used: none arrived yet, `error` is set, or they are too old.
     pub fn check(
         &self,
         stamp: f64,
@@ -137,14 +142,15 @@ impl Freshness {
         fresh.map_err(|e| e.to_string())
     }
 
-    /// Whether data of `stamp`, s, are news after those of `newest` that arrived at `arrived`. A stamp that does not rise is of a message that
-    /// was overtaken; after a silence, it is of a sender who was started or whose clock was set anew.
+    /// Returns `true` if data with `stamp` (s) are newer than the latest, which have the stamp `newest` (s) and arrived
+    /// at `arrived`. A stamp that does not increase belongs to a message that was overtaken. After a silence it is
+    /// accepted, as the sender may have restarted or its clock may have been set.
     pub(crate) fn is_news(&self, stamp: f64, newest: f64, arrived: Option<Instant>) -> bool {
         let silent = arrived.is_none_or(|arrived| self.is_silent(arrived.elapsed()));
         silent || stamp > newest
     }
 
-    /// Whether it is too long `since` something arrived.
+    /// Returns `true` if the time `since` the last arrival is too long.
     fn is_silent(&self, since: Duration) -> bool {
         since.as_secs_f64() * self.speed > self.most
     }
@@ -166,7 +172,7 @@ impl Freshness {
                 ahead: -age,
             });
         }
-        // What is no number is not fresh.
+        // NaN is not fresh.
         match age <= most {
             true => Ok(age.max(silent)),
             false => Err(StaleError::Old {
@@ -179,12 +185,12 @@ impl Freshness {
     }
 }
 
-/// A stamp, s.
+/// Converts a stamp to seconds.
 pub(crate) fn seconds(time: Time) -> f64 {
     f64::from(time.sec) + f64::from(time.nanosec) * 1e-9
 }
 
-/// A panic in one thread does not lock the others out.
+/// Locks a mutex, even if another thread panicked while holding it.
 pub(crate) fn lock<T>(shared: &Mutex<T>) -> MutexGuard<'_, T> {
     shared.lock().unwrap_or_else(PoisonError::into_inner)
 }
@@ -194,7 +200,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn stamps_and_arrivals_are_both_judged() {
+    fn age_is_limited_by_stamp_and_by_arrival() {
         let freshness = Freshness {
             topic: "/joint_states".into(),
             clock: GraphClock::TimeOfDay,
@@ -218,7 +224,7 @@ mod tests {
     }
 
     #[test]
-    fn who_was_silent_may_begin_anew() {
+    fn stamps_may_restart_after_a_silence() {
         let freshness = Freshness {
             topic: "/joint_states".into(),
             clock: GraphClock::TimeOfDay,
@@ -231,7 +237,7 @@ mod tests {
         assert!(!freshness.is_news(5.0, 5.0, Some(now)));
         let long_ago = now
             .checked_sub(Duration::from_secs(61))
-            .expect("it runs for longer");
+            .expect("an instant 61 s ago");
         assert!(freshness.is_news(0.0, 5.0, Some(long_ago)));
     }
 }

@@ -1,4 +1,4 @@
-//! What a hand publishes: messages that are kept and filled again.
+//! Messages that a hand publishes. They are reused, to avoid allocations.
 
 use crate::message::TactileState;
 use feeler::control::FingerFlags;
@@ -14,56 +14,56 @@ use glam::DVec3;
 
 /// The messages of a hand.
 pub struct HandMessages {
-    /// The hand as URDF.
+    /// Description of the hand as URDF.
     pub description: Text,
-    /// Where frames are that do not move.
+    /// Transforms of fixed frames.
     pub still: TFMessage,
-    /// Where frames are that hang from joints.
+    /// Transforms of frames that move with a joint.
     pub moving: TFMessage,
-    /// The joints.
+    /// Joint angles and velocities.
     pub joints: JointState,
-    /// The fingers.
+    /// Messages of each finger.
     pub fingers: Vec<FingerMessages>,
-    /// The frames of `moving`, each with its finger.
+    /// Frames of `moving`, each with the index of its finger.
     frames: Vec<(usize, Frame)>,
 }
 
 /// The messages of one finger.
 pub struct FingerMessages {
-    /// What acts on the fingertip, about the dome's centre.
+    /// Force and torque on the fingertip, about the dome's centre.
     pub wrench: WrenchStamped,
-    /// Each element.
+    /// Force on each element.
     pub taxels: PointCloud2,
-    /// Flags and forces.
+    /// Flags, and forces on the elements.
     pub tactile: TactileState,
     elements: Elements,
 }
 
-/// What one finger feels.
+/// Tactile state of one finger.
 #[derive(Debug, Clone, Copy)]
 pub struct Touch<'a> {
-    /// Sequence number of the picture.
+    /// Sequence number of the image.
     pub sequence: u64,
-    /// TOUCH, SLIP, OVER, the largest element and the grasp force.
+    /// Flags TOUCH, SLIP and OVER, the element with the largest force, and the grasp force.
     pub flags: &'a FingerFlags,
-    /// Force at each element in its own frame, N; not a number where it is not known.
+    /// Force on each element in its own frame (N); NaN if unknown.
     pub forces: &'a [DVec3],
-    /// |d(F_x, F_y)/dt| of each element, N/s.
+    /// Shear rate |d(F_x, F_y)/dt| of each element (N/s).
     pub shear_rate: &'a [f64],
-    /// An element whose shear rate exceeds this slips, N/s.
+    /// Shear rate above which an element slips (N/s).
     pub slip_threshold: f64,
 }
 
 impl HandMessages {
-    /// Of a hand that is built as `facts` say.
+    /// Creates the messages of the hand that `facts` describe.
     ///
     /// # Errors
-    /// When they do not say how, or make no sense.
+    /// If `facts` do not describe a hand, or are invalid.
     pub fn new(facts: &RunFacts) -> Result<Self, RecordError> {
         if facts.hand.is_empty() {
             return Err(RecordError::Facts {
                 field: "hand",
-                expected: "how its fingers are built".into(),
+                expected: "a model of each finger".into(),
                 actual: "nothing".into(),
             });
         }
@@ -107,7 +107,8 @@ impl HandMessages {
         Ok(messages)
     }
 
-    /// Takes the joints of all fingers at `stamp`: angles, rad, and velocities, rad/s. A finger that is missing there is left.
+    /// Sets the joints of all fingers at `stamp`, in order: angles (rad) and velocities (rad/s). Transforms of missing
+    /// fingers do not change.
     pub fn set_joints(
         &mut self,
         stamp: Time,
@@ -131,7 +132,7 @@ impl HandMessages {
         }
     }
 
-    /// Marks what does not move as of `stamp`.
+    /// Sets the stamp of fixed transforms.
     pub fn set_still(&mut self, stamp: Time) {
         for place in &mut self.still.transforms {
             place.header.stamp = stamp;
@@ -140,7 +141,7 @@ impl HandMessages {
 }
 
 impl FingerMessages {
-    /// Takes what the finger feels in a picture of `stamp`.
+    /// Sets the tactile state of the finger from an image of `stamp`.
     pub fn set(&mut self, stamp: Time, touch: &Touch) {
         for header in [
             &mut self.wrench.header,
@@ -184,7 +185,7 @@ impl FingerMessages {
     }
 }
 
-/// Where `frame` is at its joint's angle 0.
+/// Transform of `frame` at joint angle 0.
 fn transform(frame: &Frame) -> TransformStamped {
     TransformStamped {
         header: Header::of(frame.parent.as_str()),

@@ -1,4 +1,4 @@
-//! The node of a hand: what it publishes.
+//! Publishers of a hand's node.
 
 use crate::hand_messages::{FingerMessages, HandMessages};
 use crate::message::{Clock, DiagnosticArray, DiagnosticStatus, TactileState};
@@ -7,7 +7,7 @@ use crate::publisher::Publisher;
 use crate::qos::{History, Qos};
 use feeler_record::ros::{Header, JointState, PointCloud2, TFMessage, Text, Time, WrenchStamped};
 
-/// Publishes what a hand does and feels.
+/// Publishers of a hand's joints, tactile state and diagnostics.
 pub struct HandPublishers {
     description: Publisher<Text>,
     still: Publisher<TFMessage>,
@@ -25,10 +25,11 @@ struct FingerPublishers {
 }
 
 impl HandPublishers {
-    /// Of a hand of so many `fingers`. With `clock`, its time is published, too, for nodes with `use_sim_time`.
+    /// Creates the publishers of a hand with this number of `fingers`. With `clock`, the hand's time is published for
+    /// nodes with `use_sim_time`.
     ///
     /// # Errors
-    /// When the node's session is closed.
+    /// If the node's session is closed.
     pub fn new(node: &mut Node, fingers: usize, clock: bool) -> Result<Self, NodeError> {
         let of_frames = Qos {
             history: History::KeepLast(100),
@@ -59,19 +60,19 @@ impl HandPublishers {
         })
     }
 
-    /// Publishes what does not change, for all who come.
+    /// Publishes the robot description and fixed transforms. Late subscribers receive them, too.
     ///
     /// # Errors
-    /// When the session is closed.
+    /// If the session is closed.
     pub fn publish_still(&mut self, messages: &HandMessages) -> Result<(), NodeError> {
         self.description.publish(&messages.description)?;
         self.still.publish(&messages.still)
     }
 
-    /// Publishes the joints and what hangs from them.
+    /// Publishes the joints, the transforms of moving frames and, if enabled, the clock.
     ///
     /// # Errors
-    /// When the session is closed.
+    /// If the session is closed.
     pub fn publish_joints(&mut self, messages: &HandMessages) -> Result<(), NodeError> {
         if let Some(clock) = &mut self.clock {
             clock.publish(&Clock {
@@ -82,10 +83,10 @@ impl HandPublishers {
         self.moving.publish(&messages.moving)
     }
 
-    /// Publishes what `finger` feels.
+    /// Publishes the tactile state of `finger`. Does nothing if there is no such finger.
     ///
     /// # Errors
-    /// When the session is closed.
+    /// If the session is closed.
     pub fn publish_finger(
         &mut self,
         finger: usize,
@@ -99,10 +100,10 @@ impl HandPublishers {
         publishers.tactile.publish(&messages.tactile)
     }
 
-    /// Publishes how all parts of the hand are.
+    /// Publishes the diagnostics of all parts of the hand.
     ///
     /// # Errors
-    /// When the session is closed.
+    /// If the session is closed.
     pub fn publish_diagnostics(
         &mut self,
         stamp: Time,

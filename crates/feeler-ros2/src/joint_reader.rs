@@ -1,4 +1,4 @@
-//! The joints of a hand, by their names, from `sensor_msgs/JointState`.
+//! Joints of a hand, selected by name from `sensor_msgs/JointState`.
 
 use feeler::hand::{HandState, MAX_FINGERS};
 use feeler_record::ros::JointState;
@@ -6,40 +6,40 @@ use feeler_record::ros::JointState;
 /// Names of the joints theta1..theta3 of each finger.
 pub type JointNames = Vec<[String; 3]>;
 
-/// Why joints cannot be read.
+/// Error when reading joints.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum JointError {
-    /// There are too few or too many fingers.
-    #[error("joint names of 1 to {MAX_FINGERS} fingers expected, found {0}")]
+    /// Too few or too many fingers.
+    #[error("expected joint names of 1 to {MAX_FINGERS} fingers, got {0}")]
     Fingers(usize),
-    /// A joint is not there.
-    #[error("joint state of {0} expected, found none")]
+    /// A joint is missing in the message.
+    #[error("expected the joint state of {0}, found none")]
     Missing(String),
-    /// A joint has no value, or one that is no number.
-    #[error("{quantity} of {joint}: a finite number expected, found {actual:?}")]
+    /// A joint has no value, or one that is not finite.
+    #[error("{quantity} of {joint}: expected a finite number, got {actual:?}")]
     Value {
-        /// What.
+        /// Name of the quantity.
         quantity: &'static str,
-        /// Whose.
+        /// Name of the joint.
         joint: String,
-        /// What there is.
+        /// Value in the message, if any.
         actual: Option<f64>,
     },
 }
 
-/// Reads the joints of a hand.
+/// Reads the joints of a hand from messages.
 #[derive(Debug, Clone)]
 pub struct JointReader {
     names: JointNames,
-    /// Where each was found last time: it will be there again.
+    /// Index of each joint in the previous message, where it is searched first.
     places: Vec<usize>,
 }
 
 impl JointReader {
-    /// Of a hand whose joints have these names.
+    /// Creates a reader for joints with these names.
     ///
     /// # Errors
-    /// When these are too few or too many.
+    /// If the number of fingers is not 1 to [`MAX_FINGERS`].
     pub fn new(names: JointNames) -> Result<Self, JointError> {
         match names.len() {
             1..=MAX_FINGERS => Ok(Self {
@@ -55,10 +55,12 @@ impl JointReader {
         self.names.len()
     }
 
-    /// Fills the joints of `state`, of as many fingers, with those of `message`; its time is left. Other joints are left out.
+    /// Copies the joints from `message` to `state`, which must have [`finger_count`](Self::finger_count) fingers. The
+    /// stamp of `state` does not change; other joints in the message are ignored.
     ///
     /// # Errors
-    /// When a joint is missing: then `state` is as before. When one has no position or velocity: then `state` is of no use.
+    /// If a joint is missing; `state` is then unchanged. If a joint has no finite position or velocity; `state` is then
+    /// unspecified.
     pub fn read(&mut self, message: &JointState, state: &mut HandState) -> Result<(), JointError> {
         for (name, place) in self.names.iter().flatten().zip(&mut self.places) {
             if message.name.get(*place) != Some(name) {
@@ -104,7 +106,7 @@ mod tests {
     }
 
     #[test]
-    fn joints_are_found_by_name_wherever_they_are() {
+    fn joints_are_found_by_name_in_any_order() {
         let (mut reader, mut state) = (reader(), HandState::zero(1));
         let mut message = message();
         for _ in 0..2 {
@@ -118,11 +120,11 @@ mod tests {
     }
 
     #[test]
-    fn what_is_missing_is_named() {
+    fn missing_joints_and_values_are_reported() {
         let (mut reader, mut state) = (reader(), HandState::zero(1));
         reader.read(&message(), &mut state).unwrap();
         let (before, mut without) = (state.clone(), message());
-        // Of another part of the robot: nothing is taken of it.
+        // A message of another part of the robot has no effect.
         (without.name[0], without.position[3]) = ("z".into(), 9.0);
         assert_eq!(
             reader.read(&without, &mut state),

@@ -1,13 +1,13 @@
-//! The keys under which messages and requests go.
+//! Zenoh keys of topics and services.
 
-/// The key of a topic or service: `<domain>/<name>/<type>/<hash>`. `type_name` is as ROS 2 writes it,
+/// Returns the key of a topic or service: `<domain>/<name>/<type>/<hash>`. `type_name` is the ROS 2 name, such as
 /// `sensor_msgs/msg/JointState`; `hash` begins with `RIHS01_`.
 pub fn key(domain: u32, whole_name: &str, type_name: &str, hash: &str) -> String {
     let name = whole_name.trim_matches('/');
     format!("{domain}/{name}/{}/{hash}", dds_type(type_name))
 }
 
-/// A type's name as DDS has it: `sensor_msgs::msg::dds_::JointState_`.
+/// Returns the DDS name of a type, such as `sensor_msgs::msg::dds_::JointState_`.
 pub fn dds_type(type_name: &str) -> String {
     match type_name.rsplit_once('/') {
         Some((package, name)) => format!("{}::dds_::{name}_", package.replace('/', "::")),
@@ -20,7 +20,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn keys_are_those_of_rmw_zenoh() {
+    fn keys_match_rmw_zenoh() {
         let made = key(
             2,
             "/finger_0/wrench",

@@ -1,4 +1,5 @@
-//! Messages and services that a recording has none of: their structs and texts are those of `rcl_interfaces` and `common_interfaces`.
+//! Messages and services that recordings do not contain, with the structure and text of `rcl_interfaces` and
+//! `common_interfaces`.
 
 mod array;
 mod clock;

@@ -1,25 +1,25 @@
-//! Message texts, as `.msg` files have them, read into what a type's description says of each field.
+//! Parser of `.msg` texts into the fields of a type description.
 
 use serde::Serialize;
 use std::collections::BTreeMap;
 
-/// Why a message text has no description.
+/// Error when parsing a message text.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum DescriptionError {
-    /// A line is no field.
-    #[error("{type_name}: a field as in \"float64[3] position\" expected, found {line:?}")]
+    /// A line is not a field.
+    #[error("{type_name}: expected a field such as \"float64[3] position\", got {line:?}")]
     Field {
-        /// The type whose text it is.
+        /// Type that the text describes.
         type_name: String,
-        /// The line.
+        /// Text of the line.
         line: String,
     },
-    /// A type is used and not described.
-    #[error("{type_name} uses {used}, of which there is no text")]
+    /// A nested type has no text.
+    #[error("{type_name} uses {used}, whose text is missing")]
     Unknown {
-        /// The type that uses it.
+        /// Type that uses the nested type.
         type_name: String,
-        /// What is missing.
+        /// Name of the nested type.
         used: String,
     },
 }
@@ -44,10 +44,10 @@ pub struct FieldType {
     pub nested_type_name: String,
 }
 
-/// A line of this begins the text of another type.
+/// Start of a line that separates the texts of types.
 const RULE: &str = "====";
 
-/// The numbers of types that are not made of others, as in `type_description_interfaces/msg/FieldType`.
+/// Identifiers of primitive types, from `type_description_interfaces/msg/FieldType`.
 const PRIMITIVES: [(&str, u8); 15] = [
     ("int8", 2),
     ("uint8", 3),
@@ -68,14 +68,14 @@ const PRIMITIVES: [(&str, u8); 15] = [
 const NESTED: u8 = 1;
 const STRING: u8 = 17;
 const WSTRING: u8 = 18;
-/// What is added to the number of a string that has a greatest length.
+/// Offset of the identifier for strings of bounded length.
 const BOUNDED: u8 = 4;
-/// What is added for an array, a sequence that has a greatest length, and one that has none.
+/// Offsets of the identifier for arrays, bounded sequences and unbounded sequences.
 const ARRAY: u8 = 48;
 const BOUNDED_SEQUENCE: u8 = 96;
 const SEQUENCE: u8 = 144;
 
-/// Adds to `types` the type called `name` and all whose texts stand after its own.
+/// Adds the type `name` to `types`, with all types whose texts follow its own in `text`.
 pub fn add_text(
     name: &str,
     text: &str,
@@ -99,7 +99,7 @@ pub fn add_text(
         }
     }
     types.insert(current.type_name.clone(), current);
-    // What has no field has this one, as a struct in C cannot be empty.
+    // Empty messages get a placeholder field, as a C struct cannot be empty.
     for empty in types.values_mut().filter(|t| t.fields.is_empty()) {
         empty.fields.push(Field {
             name: "structure_needs_at_least_one_member".into(),
@@ -112,7 +112,7 @@ pub fn add_text(
     Ok(())
 }
 
-/// The field of a line; none where it is a constant or a comment.
+/// Parses the field of a line in the text of the type `of`. `None` for a constant, a comment or an empty line.
 fn field(line: &str, of: &str) -> Result<Option<Field>, DescriptionError> {
     let code = line.split('#').next().unwrap_or_default().trim();
     if code.is_empty() {
@@ -124,7 +124,7 @@ fn field(line: &str, of: &str) -> Result<Option<Field>, DescriptionError> {
     };
     let (kind, rest) = code.split_once(char::is_whitespace).ok_or_else(wrong)?;
     let rest = rest.trim_start();
-    // Behind a field's name may stand its default, which the description has not.
+    // A default may follow the name; it is not part of the description.
     let end = rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '_');
     let (name, value) = rest.split_at(end.unwrap_or(rest.len()));
     if value.trim_start().starts_with('=') {
@@ -140,7 +140,7 @@ fn field(line: &str, of: &str) -> Result<Option<Field>, DescriptionError> {
     }
 }
 
-/// The type that `text` is in the text of the type `of`, as in `Point[<=3]`; none if it is none.
+/// Parses a type such as `Point[<=3]` in the text of the type `of`. `None` if it is invalid.
 fn field_type(text: &str, of: &str) -> Option<FieldType> {
     let (text, array) = match text.strip_suffix(']') {
         Some(array) => array
@@ -180,7 +180,7 @@ fn field_type(text: &str, of: &str) -> Option<FieldType> {
     })
 }
 
-/// The whole name of a type that the text of the type `of` calls `name`: `Point` or `geometry_msgs/Point`.
+/// Resolves the name of a type in the text of the type `of`, such as `Point` or `geometry_msgs/Point`.
 fn whole_name(name: &str, of: &str) -> String {
     match name.split('/').count() {
         1 => format!("{}/msg/{name}", of.split('/').next().unwrap_or_default()),
@@ -194,7 +194,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn fields_are_read_and_constants_left() {
+    fn fields_are_parsed_and_constants_skipped() {
         let read = |line: &str| {
             let field = field(line, "a_msgs/msg/A").unwrap()?;
             let FieldType {
@@ -228,7 +228,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_field_is_refused() {
+    fn invalid_fields_are_rejected() {
         for line in [
             "float64",
             "float64 1x",

@@ -1,54 +1,54 @@
-//! Names of nodes, topics and services, as ROS 2 has them: parts of letters, digits and underscores between slashes.
+//! Names of nodes, topics and services in ROS 2: parts of letters, digits and underscores, separated by slashes.
 
 use std::fmt;
 
-/// Most bytes of a name.
+/// Maximum length of a name in bytes.
 const MAX_BYTES: usize = 255;
-/// The highest domain that DDS can have; Zenoh has no limit, but tools check this one.
+/// Maximum domain id of DDS. Zenoh has no limit, but tools check this one.
 pub const MAX_DOMAIN: u32 = 232;
 
-/// Why a name cannot be used.
+/// Error for an invalid name.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum NameError {
-    /// A part of it has other characters, or begins with a digit.
+    /// A part of the name is empty, contains an invalid character, or begins with a digit.
     #[error(
-        "{what} {name:?}: letters, digits and underscores expected, not beginning with a digit, found {part:?}"
+        "{what} {name:?}: expected letters, digits and underscores, not beginning with a digit, got {part:?}"
     )]
     Part {
-        /// What it is the name of.
+        /// Kind of name.
         what: &'static str,
-        /// The name.
+        /// Full name.
         name: String,
-        /// What is wrong of it.
+        /// Invalid part.
         part: String,
     },
-    /// It is too long.
-    #[error("{what}: at most {MAX_BYTES} bytes expected, found {bytes}")]
+    /// The name is too long.
+    #[error("{what}: expected at most {MAX_BYTES} bytes, got {bytes}")]
     Long {
-        /// What it is the name of.
+        /// Kind of name.
         what: &'static str,
-        /// How long it is.
+        /// Length in bytes.
         bytes: usize,
     },
-    /// There is no such domain.
-    #[error("domain id: 0 to {MAX_DOMAIN} expected, found {0}")]
+    /// The domain id is too large.
+    #[error("domain id: expected 0 to {MAX_DOMAIN}, got {0}")]
     Domain(u32),
 }
 
-/// Whose name a node has.
+/// Domain, namespace and name of a node.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NodeName {
     domain: u32,
-    /// `/`, or `/` before each part.
+    /// `/`, or a `/` before each part.
     namespace: String,
     name: String,
 }
 
 impl NodeName {
-    /// The node `name` of a `namespace`, which may be empty, in a `domain`.
+    /// Creates the name of a node `name` in a `namespace`, which may be empty, and a `domain`.
     ///
     /// # Errors
-    /// When one of these is no such thing.
+    /// If one of them is invalid.
     pub fn new(domain: u32, namespace: &str, name: &str) -> Result<Self, NameError> {
         if domain > MAX_DOMAIN {
             return Err(NameError::Domain(domain));
@@ -67,25 +67,26 @@ impl NodeName {
         })
     }
 
-    /// The domain.
+    /// Domain id.
     pub fn domain(&self) -> u32 {
         self.domain
     }
 
-    /// `/`, or `/` before each part.
+    /// Namespace: `/`, or a `/` before each part.
     pub fn namespace(&self) -> &str {
         &self.namespace
     }
 
-    /// The node's own name.
+    /// Name of the node without its namespace.
     pub fn name(&self) -> &str {
         &self.name
     }
 
-    /// The whole name of a topic or service: `/a` is that already, `a` is in the node's namespace, and `~/a` its own.
+    /// Resolves the name of a topic or service: `/a` is absolute, `a` is in the node's namespace, `~/a` is below the
+    /// node.
     ///
     /// # Errors
-    /// When it is no name.
+    /// If the resolved name is invalid.
     pub fn resolve(&self, topic: &str) -> Result<String, NameError> {
         let namespace = self.namespace.trim_end_matches('/');
         let whole = match (topic.strip_prefix('/'), topic.strip_prefix("~/")) {
@@ -152,7 +153,7 @@ mod tests {
     }
 
     #[test]
-    fn what_is_no_name_is_refused() {
+    fn invalid_names_are_rejected() {
         for name in ["", "1a", "a b", "a/b", "a%", "ä", "*"] {
             assert!(NodeName::new(0, "/", name).is_err(), "{name}");
         }

@@ -14,39 +14,39 @@ use zenoh::liveliness::LivelinessToken;
 use zenoh::pubsub::Subscriber;
 use zenoh::{Config, Session, Wait};
 
-/// Where `rmw_zenohd`, the router of ROS 2, listens.
+/// Default endpoint of `rmw_zenohd`, the router of ROS 2.
 pub const ROUTER_ENDPOINT: &str = "tcp/localhost:7447";
-/// Where a node listens for others of its graph: at a port that the system chooses.
+/// Default endpoint on which a node listens for other nodes; the system chooses the port.
 pub const NODE_ENDPOINT: &str = "tcp/localhost:0";
 
-/// How a node takes part in its graph.
+/// Configuration of a node.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NodeConfig {
-    /// Its name.
+    /// Domain, namespace and name.
     pub name: NodeName,
-    /// Where routers or other nodes are, as Zenoh writes places; tried for ever. One that is not there holds up nobody.
+    /// Endpoints of routers or other nodes, in Zenoh's notation. Connections are retried forever in the background.
     pub connect: Vec<String>,
-    /// Where to listen for others.
+    /// Endpoints to listen on.
     pub listen: Vec<String>,
 }
 
-/// Why a node cannot do its work.
+/// Error of a node.
 #[derive(Debug, thiserror::Error)]
 pub enum NodeError {
-    /// A name makes no sense.
+    /// A name is invalid.
     #[error(transparent)]
     Name(#[from] NameError),
-    /// A message text makes no sense.
+    /// A message text is invalid.
     #[error(transparent)]
     Description(#[from] DescriptionError),
-    /// A message cannot be encoded.
+    /// A message could not be encoded.
     #[error(transparent)]
     Wire(#[from] WireError),
-    /// Zenoh refuses.
+    /// Zenoh returned an error.
     #[error("ROS 2 graph: {0}")]
     Zenoh(String),
-    /// A thread cannot be started.
-    #[error("a thread for a service: {0}")]
+    /// A thread could not be started.
+    #[error("failed to start a thread: {0}")]
     Thread(#[from] std::io::Error),
 }
 
@@ -56,27 +56,27 @@ impl From<zenoh::Error> for NodeError {
     }
 }
 
-/// A node. What it publishes and serves ends with it.
+/// A node. Its services end when it is dropped.
 pub struct Node {
     session: Session,
     name: NodeName,
-    /// Number of what comes next.
+    /// Identifier of the next endpoint.
     next_id: u64,
     _token: LivelinessToken,
     servers: Vec<Server>,
 }
 
-/// A topic that is subscribed to, for as long as this is kept.
+/// Subscription to a topic, which ends when this is dropped.
 pub struct Subscription {
     _subscriber: Subscriber<()>,
     _token: LivelinessToken,
 }
 
 impl Node {
-    /// Becomes part of a graph.
+    /// Joins a graph.
     ///
     /// # Errors
-    /// When there is no such place to listen, or a place makes no sense.
+    /// If an endpoint is invalid, or the node cannot listen on it.
     pub fn open(config: NodeConfig) -> Result<Self, NodeError> {
         let session = zenoh::open(settings(&config)?).wait()?;
         let token = Token {
@@ -102,19 +102,19 @@ impl Node {
         })
     }
 
-    /// Its name.
+    /// Name of the node.
     pub fn name(&self) -> &NodeName {
         &self.name
     }
 
-    /// Whether a router or another node of the graph is connected.
+    /// Returns `true` if a router or another node is connected.
     pub fn has_company(&self) -> bool {
         let info = self.session.info();
         let router = info.routers_zid().wait().next();
         router.or_else(|| info.peers_zid().wait().next()).is_some()
     }
 
-    /// The key of a topic or service, and the token of a new endpoint of it.
+    /// Creates a new endpoint of a topic or service, and returns its key and token.
     fn endpoint(
         &mut self,
         kind: EndpointKind,
@@ -137,10 +137,10 @@ impl Node {
         Ok((key(self.name.domain(), &topic, type_name, hash), token))
     }
 
-    /// Publishes `topic`, which is resolved as [`NodeName::resolve`] says.
+    /// Creates a publisher of `topic`, resolved by [`NodeName::resolve`].
     ///
     /// # Errors
-    /// When it is no name of a topic, or the session is closed.
+    /// If `topic` is not a valid name, or the session is closed.
     pub fn publish<M: Message>(
         &mut self,
         topic: &str,
@@ -152,11 +152,11 @@ impl Node {
         Publisher::declare(&self.session, key, &token, qos)
     }
 
-    /// Subscribes to `topic`. `heard` is called with each message's bytes and what stands beside them, on Zenoh's thread, which it must not
-    /// hold up. A message with nothing beside it, or something else, is none of a node, and is left.
+    /// Subscribes to `topic`. Zenoh's thread, which must not be blocked, calls the callback with each message's bytes
+    /// and attachment. Messages without a valid attachment are not from a ROS 2 node, and are ignored.
     ///
     /// # Errors
-    /// When it is no name of a topic, or the session is closed.
+    /// If `topic` is not a valid name, or the session is closed.
     pub fn subscribe<M: Message>(
         &mut self,
         topic: &str,
@@ -188,10 +188,10 @@ impl Node {
         })
     }
 
-    /// Serves `service`, by a thread of its own that calls `answer` with one request after the other.
+    /// Serves `service`. A dedicated thread calls `answer` for one request after another.
     ///
     /// # Errors
-    /// When it is no name of a service, or the session is closed.
+    /// If `service` is not a valid name, the session is closed, or the thread could not be started.
     pub fn serve<S: Service>(
         &mut self,
         service: &str,
@@ -210,7 +210,7 @@ impl Node {
     }
 }
 
-/// The time, ns since 1970.
+/// Wall-clock time (ns since 1970).
 pub(crate) fn wall_clock_ns() -> i64 {
     let since = SystemTime::now().duration_since(UNIX_EPOCH);
     since.map_or(0, |since| {
@@ -218,7 +218,8 @@ pub(crate) fn wall_clock_ns() -> i64 {
     })
 }
 
-/// A session as those of `rmw_zenoh`: it finds its graph by a router, and then talks to each node itself.
+/// Settings of a session, like those of `rmw_zenoh`: it finds other nodes through a router, and then connects to them
+/// directly.
 fn settings(config: &NodeConfig) -> Result<Config, NodeError> {
     let mut settings = Config::default();
     let places = |places: &[String]| serde_json::json!(places).to_string();
@@ -231,7 +232,7 @@ fn settings(config: &NodeConfig) -> Result<Config, NodeError> {
         ("listen/exit_on_failure", "true".into()),
         ("scouting/multicast/enabled", "false".into()),
         ("scouting/gossip/enabled", "true".into()),
-        // Who comes late is answered by time.
+        // Caches for late subscribers require time stamps.
         ("timestamping/enabled", "true".into()),
         ("adminspace/enabled", "false".into()),
     ] {

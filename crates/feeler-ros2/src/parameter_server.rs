@@ -1,4 +1,4 @@
-//! The services by which tools see a node's parameters.
+//! Services that give tools access to a node's parameters.
 
 use crate::message::{
     DescribeParameters, GetParameterTypes, GetParameters, ListParameters, SetParameters,
@@ -8,10 +8,10 @@ use crate::node::{Node, NodeError};
 use crate::parameter::Parameters;
 use std::sync::Arc;
 
-/// Serves `parameters` as those of `node`.
+/// Serves `parameters` as the parameters of `node`.
 ///
 /// # Errors
-/// When the node's session is closed.
+/// If the node's session is closed.
 pub fn serve_parameters(node: &mut Node, parameters: Parameters) -> Result<(), NodeError> {
     let all = Arc::new(parameters);
     let of = || Arc::clone(&all);

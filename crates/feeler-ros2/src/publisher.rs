@@ -1,4 +1,4 @@
-//! A topic that a node publishes.
+//! Publishers of topics.
 
 use crate::attachment::{Attachment, Gid};
 use crate::node::{NodeError, wall_clock_ns};
@@ -11,21 +11,21 @@ use zenoh::qos::CongestionControl;
 use zenoh::{Session, Wait};
 use zenoh_ext::{AdvancedPublisher, AdvancedPublisherBuilderExt, CacheConfig};
 
-/// A topic that a node publishes, with messages of one type.
+/// Publisher of messages of one type.
 pub struct Publisher<M> {
     outlet: Outlet,
     gid: Gid,
     sequence: i64,
-    /// Kept, so that its memory is.
+    /// Buffer for encoded messages, reused.
     bytes: Vec<u8>,
     _token: LivelinessToken,
     _message: PhantomData<fn(M)>,
 }
 
 enum Outlet {
-    /// Who comes late gets nothing.
+    /// Late subscribers receive nothing.
     Volatile(zenoh::pubsub::Publisher<'static>),
-    /// Who comes late asks for what was published.
+    /// Late subscribers query a cache of published messages.
     Cached(AdvancedPublisher<'static>),
 }
 
@@ -68,10 +68,11 @@ impl<M: Message> Publisher<M> {
         })
     }
 
-    /// Publishes `message`. What the network cannot take is dropped.
+    /// Publishes `message`. It is dropped if the network is congested, unless the quality of service is reliable and
+    /// keeps all.
     ///
     /// # Errors
-    /// When the message cannot be encoded, or the session is closed.
+    /// If the message cannot be encoded, or the session is closed.
     pub fn publish(&mut self, message: &M) -> Result<(), NodeError> {
         self.bytes.clear();
         cdr::encode(message, &mut self.bytes)?;

@@ -1,87 +1,87 @@
-//! Quality of service, and its short form in a liveliness token.
+//! Quality of service, and its encoding in liveliness tokens.
 
-/// Messages that are kept where nobody says how many: `rmw_zenoh` leaves this number out of tokens.
+/// Default depth of `rmw_zenoh`, which it omits from tokens.
 const DEFAULT_DEPTH: usize = 42;
 
-/// What a publisher promises and a subscriber asks for. Deadline, lifespan and liveliness are without limit.
+/// Quality of service of a publisher or subscriber. Deadline, lifespan and liveliness are unlimited.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Qos {
-    /// Whether messages may be lost.
+    /// Handling of lost messages.
     pub reliability: Reliability,
-    /// Whether who comes late gets what was said before.
+    /// Availability of earlier messages to late subscribers.
     pub durability: Durability,
-    /// How many messages are kept.
+    /// Number of messages that are kept.
     pub history: History,
 }
 
-/// Whether messages may be lost.
+/// Handling of lost messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reliability {
-    /// They are sent again.
+    /// Lost messages are sent again.
     Reliable,
-    /// They may be lost.
+    /// Messages may be lost.
     BestEffort,
 }
 
-/// Whether who comes late gets what was said before.
+/// Availability of earlier messages to late subscribers.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Durability {
-    /// He gets the newest messages.
+    /// Late subscribers receive the latest messages.
     TransientLocal,
-    /// He gets nothing.
+    /// Late subscribers receive no earlier messages.
     Volatile,
 }
 
-/// How many messages are kept.
+/// Number of messages that are kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum History {
-    /// So many.
+    /// The last messages, up to this number.
     KeepLast(usize),
-    /// All.
+    /// All messages.
     KeepAll,
 }
 
-/// Why a token's quality of service could not be read.
+/// Error when decoding a quality of service.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum QosError {
-    /// It has another number of parts.
-    #[error("quality of service: 6 parts between colons expected, found {0}")]
+    /// Wrong number of parts.
+    #[error("quality of service: expected 6 parts separated by colons, got {0}")]
     Parts(usize),
-    /// A part is none of what it can be.
-    #[error("quality of service, {part}: {expected} expected, found {actual:?}")]
+    /// A part has an invalid value.
+    #[error("quality of service, {part}: expected {expected}, got {actual:?}")]
     Part {
-        /// Which one.
+        /// Name of the part.
         part: &'static str,
-        /// What it can be.
+        /// Valid values.
         expected: &'static str,
-        /// What it is.
+        /// Actual value.
         actual: String,
     },
 }
 
 impl Qos {
-    /// What topics have unless said otherwise: reliable, nothing for who comes late, the last 10.
+    /// Default of ROS 2 topics: reliable, no messages for late subscribers, depth 10.
     pub const DEFAULT: Self = Self {
         reliability: Reliability::Reliable,
         durability: Durability::Volatile,
         history: History::KeepLast(10),
     };
 
-    /// Reliable, and who comes late gets the newest message.
+    /// Latched topic: reliable, late subscribers receive the latest message.
     pub const LATCHED: Self = Self {
         durability: Durability::TransientLocal,
         history: History::KeepLast(1),
         ..Self::DEFAULT
     };
 
-    /// As tools publish `/clock`, and sensors their data: only the newest count.
+    /// Sensor data and `/clock`: best effort, depth 5.
     pub const SENSOR_DATA: Self = Self {
         reliability: Reliability::BestEffort,
         history: History::KeepLast(5),
         ..Self::DEFAULT
     };
 
-    /// The short form: what is as usual is left out.
+    /// Encodes the quality of service. Default values are omitted.
     pub fn encode(&self) -> String {
         let reliability = match self.reliability {
             Reliability::Reliable => "",
@@ -99,10 +99,10 @@ impl Qos {
         format!("{reliability}:{durability}:{history}:,:,:,,")
     }
 
-    /// Reads the short form. Deadline, lifespan and liveliness are checked to be numbers, and left.
+    /// Decodes a quality of service. Deadline, lifespan and liveliness must be numbers, and are otherwise ignored.
     ///
     /// # Errors
-    /// What is wrong with `text`.
+    /// If `text` is invalid.
     pub fn decode(text: &str) -> Result<Self, QosError> {
         let parts: Vec<&str> = text.split(':').collect();
         let [
@@ -125,7 +125,7 @@ impl Qos {
             && text.split(',').all(is_number)
         {
             true => Ok(()),
-            false => Err(wrong(part, "numbers between commas", text)),
+            false => Err(wrong(part, "numbers separated by commas", text)),
         };
         numbers("deadline", deadline, 2)?;
         numbers("lifespan", lifespan, 2)?;
@@ -157,7 +157,7 @@ impl Qos {
     }
 }
 
-/// Whether `text` is a number or nothing.
+/// Returns `true` if `text` is empty or a number.
 fn is_number(text: &str) -> bool {
     text.is_empty() || text.parse::<u64>().is_ok()
 }
@@ -167,14 +167,14 @@ mod tests {
     use super::*;
 
     #[test]
-    fn what_is_usual_is_left_out() {
+    fn default_values_are_omitted() {
         assert_eq!(Qos::DEFAULT.encode(), "::,10:,:,:,,");
         assert_eq!(Qos::LATCHED.encode(), ":1:,1:,:,:,,");
         assert_eq!(Qos::SENSOR_DATA.encode(), "2::,5:,:,:,,");
     }
 
     #[test]
-    fn what_is_written_is_read_and_nonsense_refused() {
+    fn encoded_texts_decode_and_invalid_ones_are_rejected() {
         let all = Qos {
             history: History::KeepAll,
             ..Qos::DEFAULT

@@ -1,4 +1,4 @@
-//! Another maker's robot as a hand: its joints from `sensor_msgs/JointState`, velocities to a `forward_command_controller`.
+//! A ROS 2 robot as a hand: joints from `sensor_msgs/JointState`, velocities to a `forward_command_controller`.
 
 use crate::freshness::{Freshness, GraphClock, StaleError, lock, seconds};
 use crate::joint_reader::{JointError, JointNames, JointReader};
@@ -12,27 +12,28 @@ use glam::DVec3;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
-/// Where a robot's joints are and where its velocities go.
+/// Joints and topics of a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RosHandConfig {
-    /// Names of the joints theta1..theta3 of each finger, in the order in which the controller has them.
+    /// Names of the joints theta1..theta3 of each finger, in the controller's order.
     pub joints: JointNames,
-    /// Topic of the joint states, as in `/joint_states`.
+    /// Topic of the joint states, such as `/joint_states`.
     pub joint_states: String,
-    /// Topic of the controller's commands, as in `/forward_velocity_controller/commands`.
+    /// Topic of the controller's commands, such as `/forward_velocity_controller/commands`.
     pub commands: String,
-    /// How old joint states may be, s of the graph's time.
+    /// Maximum age of joint states (s of the graph's time).
     pub most_age: f64,
-    /// Seconds of the graph's time in a second: 1 unless it is a simulation's.
+    /// Speed of the graph's clock relative to real time; 1 unless simulated.
     pub speed: f64,
 }
 
-/// A robot of a ROS 2 graph as a [`Hand`]. Reading takes the newest joint states that are there, and never waits. Time is that of their
-/// stamps. Velocities are sent by a thread of its own, so that commanding neither waits nor allocates; of several that wait only the newest.
+/// A robot of a ROS 2 graph as a [`Hand`]. Reading returns the latest joint states without waiting; the hand's time is
+/// their stamp. Velocities are sent by a background thread, so commanding neither blocks nor allocates; only the latest
+/// command is sent.
 ///
-/// No velocity is sent while joint states are older than they may be, or that was commanded longer ago. A `forward_command_controller` does
-/// what it was told last until it is told otherwise, so zeros are sent instead, and where this is dropped. If the program is killed or the
-/// network fails, only the robot's own watchdog stops it.
+/// No motion is sent if joint states are too old, or if the command is. A `forward_command_controller` keeps executing
+/// the last command, so zeros are sent instead, and when this is dropped. If the program is killed or the network
+/// fails, only the robot's own watchdog stops it.
 pub struct RosHand {
     newest: Arc<Mutex<Newest>>,
     freshness: Arc<Freshness>,
@@ -41,18 +42,18 @@ pub struct RosHand {
     _subscription: Subscription,
 }
 
-/// What was heard last.
+/// Latest joint states.
 struct Newest {
     reader: JointReader,
     state: HandState,
-    /// When it arrived; none before the first.
+    /// Time of arrival, or `None` before the first message.
     arrived: Option<Instant>,
-    /// Why it is of no use.
+    /// Error that makes the latest message unusable.
     error: Option<JointError>,
 }
 
 impl Newest {
-    /// Takes in a message's bytes. What is no such message, or is no news, is left.
+    /// Updates the state from a message's bytes. Invalid and outdated messages are ignored.
     fn take(&mut self, bytes: &[u8], freshness: &Freshness) {
         let Ok(message) = cdr::decode::<JointState>(bytes) else {
             return;
@@ -61,7 +62,7 @@ impl Newest {
         if !freshness.is_news(stamp, self.state.stamp, self.arrived) {
             return;
         }
-        // Others may publish other joints under the same topic.
+        // Other nodes may publish other joints on the same topic.
         match self.reader.read(&message, &mut self.state) {
             Err(JointError::Missing(_)) if self.arrived.is_some() => {}
             other => {
@@ -73,22 +74,22 @@ impl Newest {
     }
 }
 
-/// Why a robot cannot be a hand.
+/// Error when creating a [`RosHand`].
 #[derive(Debug, thiserror::Error)]
 pub enum RosHandError {
-    /// The node cannot do it.
+    /// The node returned an error.
     #[error(transparent)]
     Node(#[from] NodeError),
-    /// Its joints make no sense.
+    /// The joints are invalid.
     #[error(transparent)]
     Joints(#[from] JointError),
 }
 
 impl RosHand {
-    /// Begins to listen to the robot, whose time is that of `clock`. Nothing moves.
+    /// Subscribes to the robot's joint states, with stamps of `clock`. The robot does not move.
     ///
     /// # Errors
-    /// When the configuration makes no sense, or the node's session is closed.
+    /// If the configuration is invalid, or the node's session is closed.
     pub fn new(
         node: &mut Node,
         config: RosHandConfig,
@@ -113,7 +114,7 @@ impl RosHand {
         let subscription =
             node.subscribe::<JointState>(&freshness.topic, Qos::SENSOR_DATA, take)?;
         let commands = node.publish(&config.commands, Qos::DEFAULT)?;
-        // What is no time at all lets nothing move.
+        // If the limit is not a valid duration, nothing may move.
         let most = Duration::try_from_secs_f64(config.most_age / config.speed).unwrap_or_default();
         Ok(Self {
             newest,
@@ -125,22 +126,22 @@ impl RosHand {
         })
     }
 
-    /// What time it is in the graph, s.
+    /// Current time of the graph (s).
     ///
     /// # Errors
-    /// When no `/clock` was heard yet.
+    /// If no message on `/clock` has arrived yet.
     pub fn now(&self) -> Result<f64, StaleError> {
         self.freshness.clock.now()
     }
 
-    /// How old the `newest` joint states are, s of the graph's time, if they are fresh.
+    /// Age of the `newest` joint states (s of the graph's time), or an error if they are too old.
     fn age(&self, newest: &Newest) -> Result<f64, HandError> {
         let (stamp, arrived) = (newest.state.stamp, newest.arrived);
         let fresh = self.freshness.check(stamp, arrived, newest.error.as_ref());
         fresh.map_err(HandError::Failed)
     }
 
-    /// Until when what is commanded now may be sent.
+    /// Latest time at which a command from the current joint states may be sent.
     fn expiry(&self) -> Result<Instant, HandError> {
         let age = self.age(&lock(&self.newest))?;
         let Freshness { most, speed, .. } = *self.freshness;
@@ -172,7 +173,7 @@ impl Hand for RosHand {
             true => self.expiry(),
             false => Ok(Instant::now()),
         };
-        // From stale joint states nothing moves, and what moves is stopped.
+        // If joint states are stale, the robot is stopped.
         let scale = if expiry.is_ok() { 1.0 } else { 0.0 };
         let values = velocities.iter().flat_map(|v| (scale * v).to_array());
         let until = *expiry.as_ref().unwrap_or(&Instant::now());

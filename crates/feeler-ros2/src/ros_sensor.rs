@@ -1,4 +1,4 @@
-//! Another maker's sensor as a fingertip: forces from `geometry_msgs/WrenchStamped` or `sensor_msgs/PointCloud2`.
+//! A ROS 2 sensor as a fingertip: forces from `geometry_msgs/WrenchStamped` or `sensor_msgs/PointCloud2`.
 
 use crate::cloud::{CloudError, read_forces};
 use crate::freshness::{Freshness, GraphClock, lock, seconds};
@@ -11,19 +11,19 @@ use glam::DVec3;
 use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
-/// How old a sensor's data may be.
+/// Age limit for a sensor's data.
 #[derive(Clone)]
 pub struct SensorAge {
-    /// What time it is.
+    /// Clock of the stamps.
     pub clock: GraphClock,
-    /// Older data are refused, s of the graph's time.
+    /// Maximum age (s of the graph's time).
     pub most: f64,
-    /// Seconds of the graph's time in a second: 1 unless it is a simulation's.
+    /// Speed of the graph's clock relative to real time; 1 unless simulated.
     pub speed: f64,
 }
 
-/// A sensor of a ROS 2 graph as a [`TactileSensor`]. Reading takes the newest forces that are there, and never waits. Time is that of their
-/// stamps.
+/// A sensor of a ROS 2 graph as a [`TactileSensor`]. Reading returns the latest forces without waiting; the sensor's
+/// time is their stamp.
 pub struct RosSensor {
     heard: Arc<Heard>,
     freshness: Arc<Freshness>,
@@ -37,22 +37,22 @@ struct Heard {
     changed: Condvar,
 }
 
-/// What was heard last.
+/// Latest forces.
 #[derive(Debug)]
 struct Newest {
     frame: TactileFrame,
-    /// When it arrived; none before the first.
+    /// Time of arrival, or `None` before the first message.
     arrived: Option<Instant>,
-    /// Why it is of no use.
+    /// Error that makes the latest message unusable.
     error: Option<CloudError>,
 }
 
 impl RosSensor {
-    /// A fingertip of one element, from the wrench under `topic`: the force on the fingertip by what it touches, N, in a frame whose z axis
-    /// points outward.
+    /// Creates a fingertip with one element from the wrench on `topic`: the force on the fingertip by the touched
+    /// object (N), in a frame whose z axis points outward.
     ///
     /// # Errors
-    /// When there can be no such topic, or the node's session is closed.
+    /// If `topic` is not a valid name, or the node's session is closed.
     pub fn wrench(node: &mut Node, topic: &str, age: SensorAge) -> Result<Self, NodeError> {
         let read = |message: &WrenchStamped, forces: &mut [DVec3]| {
             let force = DVec3::from(message.wrench.force);
@@ -64,10 +64,10 @@ impl RosSensor {
         Self::listen(node, (topic, 1), age, stamp, read)
     }
 
-    /// A fingertip of so many `elements`, from the cloud under `topic`, as [`read_forces`] reads it.
+    /// Creates a fingertip with this number of `elements` from the cloud on `topic`, as read by [`read_forces`].
     ///
     /// # Errors
-    /// As [`wrench`](Self::wrench).
+    /// Same as [`wrench`](Self::wrench).
     pub fn cloud(
         node: &mut Node,
         topic: &str,
@@ -122,7 +122,8 @@ impl RosSensor {
         })
     }
 
-    /// Waits for data after those of number `sequence` (0 before the first), for at most `longest`; whether they came.
+    /// Waits up to `longest` for data with a sequence number other than `sequence` (0 before the first). Returns `true`
+    /// if they arrived.
     pub fn wait_for_next(&self, sequence: u64, longest: Duration) -> bool {
         let is_old = |newest: &mut Newest| newest.frame.sequence == sequence;
         let waited =
@@ -133,11 +134,11 @@ impl RosSensor {
         newest.frame.sequence != sequence
     }
 
-    /// As [`read`](TactileSensor::read); besides, when the data were measured by this computer's own clock. Data that are refused have their
-    /// number in `reading` all the same.
+    /// Like [`read`](TactileSensor::read), but also returns the time of measurement on this computer's clock. Sets the
+    /// sequence number and stamp of `reading` even if the data are rejected.
     ///
     /// # Errors
-    /// As [`read`](TactileSensor::read).
+    /// Same as [`read`](TactileSensor::read).
     pub fn read_measured(&self, reading: &mut TactileFrame) -> Result<Instant, SensorError> {
         let (expected, actual) = (self.elements, reading.forces.len());
         if actual != expected {
@@ -151,7 +152,7 @@ impl RosSensor {
         reading.forces.copy_from_slice(&newest.frame.forces);
         let now = Instant::now();
         let age = Duration::try_from_secs_f64(age).unwrap_or(Duration::MAX);
-        // A computer that has not run for as long has data of before it ran.
+        // An `Instant` cannot precede the start of the computer.
         Ok(now.checked_sub(age).unwrap_or(now))
     }
 }

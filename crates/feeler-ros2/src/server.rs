@@ -1,4 +1,4 @@
-//! A service that a node serves.
+//! Servers of services.
 
 use crate::attachment::Attachment;
 use crate::node::{NodeError, wall_clock_ns};
@@ -11,15 +11,15 @@ use zenoh::liveliness::LivelinessToken;
 use zenoh::query::{Query, Queryable};
 use zenoh::{Session, Wait};
 
-/// Requests that wait for the ones before them; more are refused.
+/// Maximum number of waiting requests; further ones are rejected.
 const MAX_WAITING: usize = 16;
 
-/// What answers requests.
+/// Handler of a service's requests.
 pub trait Answer<S: Service>: FnMut(S::Request) -> S::Response + Send + 'static {}
 
 impl<S: Service, F: FnMut(S::Request) -> S::Response + Send + 'static> Answer<S> for F {}
 
-/// A service that is served for as long as this is kept.
+/// Server of a service, which ends when this is dropped.
 pub(crate) struct Server {
     _queryable: Queryable<()>,
     _token: LivelinessToken,
@@ -33,7 +33,7 @@ impl Server {
         mut answer: impl Answer<S>,
     ) -> Result<Self, NodeError> {
         let (waiting, requests) = sync_channel::<Query>(MAX_WAITING);
-        // It ends when the queryable does, which has the other side.
+        // Ends when the queryable is dropped, which owns the sender.
         let work = move || {
             for query in requests {
                 if let Err(why) = reply::<S>(&query, &mut answer) {
@@ -42,7 +42,7 @@ impl Server {
             }
         };
         thread::Builder::new().name("service".into()).spawn(work)?;
-        // Zenoh's thread must not wait.
+        // Zenoh's thread must not block.
         let callback = move |query| match waiting.try_send(query) {
             Ok(()) => {}
             Err(TrySendError::Full(query) | TrySendError::Disconnected(query)) => {
@@ -63,17 +63,17 @@ impl Server {
     }
 }
 
-/// Answers a request; why not, if it is none.
+/// Answers a request, or returns the reason why it is invalid.
 fn reply<S: Service>(query: &Query, answer: &mut impl Answer<S>) -> Result<(), String> {
     let beside = query
         .attachment()
-        .ok_or("an attachment expected, found none")?;
+        .ok_or("expected an attachment, found none")?;
     let beside = Attachment::decode(&beside.to_bytes()).map_err(|e| e.to_string())?;
-    let request = query.payload().ok_or("a request expected, found none")?;
+    let request = query.payload().ok_or("expected a request, found none")?;
     let request = cdr::decode::<S::Request>(&request.to_bytes()).map_err(|e| e.to_string())?;
     let mut bytes = Vec::new();
     cdr::encode(&answer(request), &mut bytes).map_err(|e| e.to_string())?;
-    // The caller knows its request by number and sender.
+    // The caller matches responses by its sequence number and source.
     let beside = Attachment {
         stamp_ns: wall_clock_ns(),
         ..beside
@@ -83,8 +83,8 @@ fn reply<S: Service>(query: &Query, answer: &mut impl Answer<S>) -> Result<(), S
     reply.wait().map_err(|e| e.to_string())
 }
 
-/// Tells who asked that he gets no answer, and why.
+/// Sends an error reply with the reason.
 fn refuse(query: &Query, why: &str) {
-    // Who has gone needs not be told.
+    // Ignore callers that have disconnected.
     let _ = query.reply_err(why).wait();
 }

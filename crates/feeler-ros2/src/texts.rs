@@ -1,6 +1,7 @@
-//! Message texts from the files under `msg/`.
+//! Message texts from the files in `msg/`.
 
-/// The texts of `msg/<name>.msg`, each behind a line that says whose it is: what stands after the text of a type that uses them.
+/// Concatenates the texts of `msg/<name>.msg`, each with a header that names its type: the part of a message text that
+/// follows the type's own fields.
 macro_rules! texts {
     ($($name:literal),* $(,)?) => {
         concat!($(
@@ -11,7 +12,7 @@ macro_rules! texts {
     };
 }
 
-/// Implements `Message` for a struct: its name in ROS 2, its own text, and the names of all types that it is made of.
+/// Implements `Message` for a struct, from its ROS 2 name, its own text, and the names of all nested types.
 macro_rules! ros_message {
     ($type:ty, $name:literal, $own:expr $(, $part:literal)* $(,)?) => {
         impl feeler_record::wire::Message for $type {

@@ -1,8 +1,8 @@
-//! Liveliness tokens: by these, nodes of a graph know of each other.
+//! Liveliness tokens, by which nodes of a graph discover each other.
 //!
-//! A node is `@ros2_lv/<domain>/<session>/<node id>/<node id>/NN/<enclave>/<namespace>/<name>`; what it publishes, subscribes to, serves
-//! and calls has an id of its own, another kind, and behind the node's name `/<topic>/<type>/<hash>/<quality of service>`. Slashes
-//! within a part are written `%`.
+//! The token of a node is `@ros2_lv/<domain>/<session>/<node id>/<node id>/NN/<enclave>/<namespace>/<name>`. The token
+//! of an endpoint (publisher, subscriber, server or client) has its own entity id, another kind, and ends with
+//! `/<topic>/<type>/<hash>/<quality of service>`. Slashes within a part are written as `%`.
 
 use crate::attachment::Gid;
 use crate::key::dds_type;
@@ -11,40 +11,40 @@ use std::fmt;
 use std::str::FromStr;
 use twox_hash::XxHash3_128;
 
-/// How all tokens begin.
+/// First part of all tokens.
 pub const SPACE: &str = "@ros2_lv";
-/// What stands for nothing.
+/// Encoding of an empty part.
 const NOTHING: &str = "%";
 
-/// What takes part in a graph.
+/// Liveliness token of a node or an endpoint.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Token {
-    /// The domain.
+    /// Domain id.
     pub domain: u32,
-    /// The session's id, in hexadecimal digits.
+    /// Zenoh session id, in hexadecimal digits.
     pub session: String,
-    /// Number of the node in its session.
+    /// Identifier of the node in its session.
     pub node_id: u64,
-    /// Number of what the token is for, in its session; of a node that of the node.
+    /// Identifier of the node or endpoint in its session. For a node it equals `node_id`.
     pub entity_id: u64,
-    /// Security enclave; empty for none.
+    /// Security enclave; may be empty.
     pub enclave: String,
-    /// The node's namespace: `/`, or `/` before each part.
+    /// Namespace of the node: `/`, or a `/` before each part.
     pub namespace: String,
-    /// The node's name.
+    /// Name of the node.
     pub node: String,
-    /// What the node has there; nothing for the node itself.
+    /// The endpoint, or `None` for the token of a node.
     pub endpoint: Option<Endpoint>,
 }
 
-/// What a node publishes, subscribes to, serves or calls.
+/// Publisher, subscriber, server or client of a node.
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct Endpoint {
-    /// Which of these.
+    /// Kind of the endpoint.
     pub kind: EndpointKind,
-    /// Whole name of the topic or service.
+    /// Absolute name of the topic or service.
     pub topic: String,
-    /// The type, as DDS has its name.
+    /// DDS name of the type.
     pub dds_type: String,
     /// Hash of the type.
     pub hash: String,
@@ -52,21 +52,21 @@ pub struct Endpoint {
     pub qos: Qos,
 }
 
-/// What a node does with a topic or service.
+/// Kind of an endpoint.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum EndpointKind {
-    /// Publishes it.
+    /// Publisher of a topic.
     Publisher,
-    /// Subscribes to it.
+    /// Subscriber to a topic.
     Subscriber,
-    /// Serves it.
+    /// Server of a service.
     Server,
-    /// Calls it.
+    /// Client of a service.
     Client,
 }
 
 impl Endpoint {
-    /// Of a type that ROS 2 calls `type_name`.
+    /// Creates an endpoint of a type with the ROS 2 name `type_name`.
     pub fn new(kind: EndpointKind, topic: &str, type_name: &str, hash: &str, qos: Qos) -> Self {
         Self {
             kind,
@@ -78,29 +78,29 @@ impl Endpoint {
     }
 }
 
-/// Why a token could not be read.
+/// Error when parsing a token.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum TokenError {
-    /// It has another number of parts, or begins otherwise.
-    #[error("liveliness token: {SPACE}, and 9 or 13 parts expected, found {0:?}")]
+    /// Wrong first part or wrong number of parts.
+    #[error("liveliness token: expected {SPACE} and 9 or 13 parts, got {0:?}")]
     Parts(String),
-    /// A part is none of what it can be.
-    #[error("liveliness token, {part}: {expected} expected, found {actual:?}")]
+    /// A part has an invalid value.
+    #[error("liveliness token, {part}: expected {expected}, got {actual:?}")]
     Part {
-        /// Which one.
+        /// Name of the part.
         part: &'static str,
-        /// What it can be.
+        /// Valid values.
         expected: &'static str,
-        /// What it is.
+        /// Actual value.
         actual: String,
     },
-    /// Its quality of service cannot be read.
+    /// The quality of service is invalid.
     #[error("liveliness token, {0}")]
     Qos(#[from] QosError),
 }
 
 impl Token {
-    /// Who this is in attachments: XXH3 of the token with 128 bits, the low half first.
+    /// Source identifier in attachments: the 128-bit XXH3 hash of the token, low half first.
     pub fn gid(&self) -> Gid {
         XxHash3_128::oneshot(self.to_string().as_bytes()).to_le_bytes()
     }
@@ -215,7 +215,7 @@ impl FromStr for Token {
     }
 }
 
-/// Slashes written `%`; nothing as `%`.
+/// Encodes a part: replaces slashes by `%`, and an empty part by `%`.
 fn mangle(text: &str) -> String {
     match text {
         "" => NOTHING.into(),

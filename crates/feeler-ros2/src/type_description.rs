@@ -1,5 +1,5 @@
-//! The description of a type, and the hash by which ROS 2 tells whether two programs mean the same by its name (REP 2016, RIHS01): SHA-256
-//! of the description as JSON, without default values.
+//! Type descriptions and their hashes, by which ROS 2 checks that two programs use the same type (REP 2016, RIHS01):
+//! SHA-256 of the description as JSON, without default values.
 
 pub use crate::message_text::DescriptionError;
 use crate::message_text::{IndividualType, add_text};
@@ -10,42 +10,42 @@ use std::collections::BTreeMap;
 use std::fmt::Write as _;
 use std::io::{self, Write};
 
-/// A type and those that it is made of.
+/// Description of a type and its nested types.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct TypeDescription {
     type_description: IndividualType,
-    /// In the order of their names.
+    /// Nested types, sorted by name.
     referenced_type_descriptions: Vec<IndividualType>,
 }
 
-/// What the event of a service is made of, beside request and response.
+/// Nested types of a service's event, in addition to request and response.
 const EVENT_PARTS: &str = texts!("service_msgs/ServiceEventInfo", "builtin_interfaces/Time");
 
-/// A service: a request, and what is answered.
+/// A service with its request and response types.
 pub trait Service {
-    /// ROS 2 name of the service's type.
+    /// ROS 2 name of the service type.
     const NAME: &'static str;
-    /// What is asked; its name is that of the service and `_Request`.
+    /// Request. Its name is the service's name with the suffix `_Request`.
     type Request: Message;
-    /// What is answered; its name is that of the service and `_Response`.
+    /// Response. Its name is the service's name with the suffix `_Response`.
     type Response: Message;
 }
 
 impl TypeDescription {
-    /// Of a message.
+    /// Description of a message.
     ///
     /// # Errors
-    /// When its text makes no sense.
+    /// If the message text is invalid.
     pub fn of_message<M: Message>() -> Result<Self, DescriptionError> {
         let mut types = BTreeMap::new();
         add_text(M::SCHEMA_NAME, M::SCHEMA, &mut types)?;
         Self::collect(M::SCHEMA_NAME, &types)
     }
 
-    /// Of a service: of request, response, and the event by which tools tell of calls.
+    /// Description of a service: request, response, and the event by which tools observe calls.
     ///
     /// # Errors
-    /// When a text makes no sense.
+    /// If a message text is invalid.
     pub fn of_service<S: Service>() -> Result<Self, DescriptionError> {
         let mut types = BTreeMap::new();
         add_text(S::Request::SCHEMA_NAME, S::Request::SCHEMA, &mut types)?;
@@ -64,7 +64,7 @@ impl TypeDescription {
         Self::collect(name, &types)
     }
 
-    /// `name` of `types`, and all that it is made of.
+    /// Collects the type `name` and its nested types from `types`.
     fn collect(
         name: &str,
         types: &BTreeMap<String, IndividualType>,
@@ -98,7 +98,7 @@ impl TypeDescription {
         })
     }
 
-    /// The hash, as keys and tokens have it: `RIHS01_` and 64 hexadecimal digits.
+    /// Hash of the type as in keys and tokens: `RIHS01_` and 64 hexadecimal digits.
     pub fn hash(&self) -> String {
         let mut text = String::from("RIHS01_");
         for byte in Sha256::digest(self.json()) {
@@ -108,17 +108,17 @@ impl TypeDescription {
         text
     }
 
-    /// The JSON that is hashed.
+    /// JSON text to be hashed.
     fn json(&self) -> Vec<u8> {
         let mut json = Vec::new();
         let mut serializer = serde_json::Serializer::with_formatter(&mut json, Spaced);
-        // Of numbers and strings, writing to memory: it does not fail.
+        // Serializing numbers and strings to memory does not fail.
         let _ = self.serialize(&mut serializer);
         json
     }
 }
 
-/// JSON as Python writes it: a space after each comma and colon.
+/// Formats JSON like Python: with a space after each comma and colon.
 struct Spaced;
 
 impl serde_json::ser::Formatter for Spaced {

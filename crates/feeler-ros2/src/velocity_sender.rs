@@ -1,4 +1,4 @@
-//! Sends a robot's velocities from a thread of its own: Zenoh allocates, and may wait for its own threads.
+//! Background thread that sends a robot's velocities, as publishing in Zenoh allocates and may block.
 
 use crate::freshness::lock;
 use crate::message::Float64MultiArray;
@@ -8,8 +8,8 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// Sends velocities; of those that wait, only the newest, and none from data that have become too old meanwhile. Who gives none for longer
-/// than data may be old has the robot stopped, as one does who gives zeros, or drops this.
+/// Sends the latest velocities, unless the data they were computed from have become too old. Sends zeros if no new
+/// velocities are set for too long, and when dropped.
 pub(crate) struct VelocitySender {
     waiting: Arc<Waiting>,
     thread: Option<JoinHandle<()>>,
@@ -20,21 +20,22 @@ struct Waiting {
     changed: Condvar,
 }
 
-/// What is to be sent.
+/// Velocities to send, shared with the thread.
 struct Velocities {
     values: Vec<f64>,
-    /// Until when they may be sent; none once they are.
+    /// Latest time to send them, or `None` once sent.
     until: Option<Instant>,
-    /// Why what was given before could not be sent.
+    /// Error of the last attempt to send.
     failed: Option<String>,
     is_over: bool,
 }
 
 impl VelocitySender {
-    /// Sends `joints` velocities at a time by `publisher`, and zeros where none are given for longer than `most`.
+    /// Starts a thread that publishes `joints` velocities per message, and zeros if none are set for longer than
+    /// `most`.
     ///
     /// # Errors
-    /// When the system has no thread.
+    /// If the thread could not be started.
     pub fn start(
         publisher: Publisher<Float64MultiArray>,
         joints: usize,
@@ -58,10 +59,10 @@ impl VelocitySender {
         })
     }
 
-    /// Gives velocities to be sent, rad/s, before `until`. Neither waits nor allocates.
+    /// Sets velocities (rad/s) to be sent before `until`. Neither blocks nor allocates.
     ///
     /// # Errors
-    /// When those that were given before could not be sent.
+    /// If earlier velocities could not be sent.
     pub fn give(
         &self,
         velocities: impl Iterator<Item = f64>,
@@ -83,13 +84,13 @@ impl Drop for VelocitySender {
     fn drop(&mut self) {
         lock(&self.waiting.velocities).is_over = true;
         self.waiting.changed.notify_one();
-        // It ends once zeros are sent; where it panicked, nothing more can be done.
+        // The thread ends after sending zeros. If it panicked, nothing more can be done.
         let _ = self.thread.take().map(JoinHandle::join);
     }
 }
 
 impl Waiting {
-    /// Sends until it is over, and zeros then.
+    /// Sends velocities until the sender is dropped, and finally zeros.
     fn send_all(&self, mut publisher: Publisher<Float64MultiArray>, joints: usize, most: Duration) {
         let mut message = Float64MultiArray {
             data: vec![0.0; joints],
@@ -108,8 +109,8 @@ impl Waiting {
         }
     }
 
-    /// Waits for what is to be sent next, for at most `longest` where that is given; whether it is over. Zeros are next where nothing came in
-    /// time, what came is too late, or it is over.
+    /// Waits for the velocities to send next, up to `longest` if given. Writes zeros if none are set in time, they have
+    /// expired, or the sender was dropped. Returns `true` if it was dropped.
     fn next(&self, next: &mut [f64], longest: Option<Duration>) -> bool {
         let is_idle = |waiting: &mut Velocities| waiting.until.is_none() && !waiting.is_over;
         let waiting = lock(&self.velocities);

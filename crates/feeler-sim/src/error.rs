@@ -52,7 +52,7 @@ pub enum SimError {
         /// Penetration depth (m).
         depth: f64,
     },
-    /// A quantity is no longer a finite number.
+    /// A quantity is no longer finite.
     #[error("simulation diverged in step {step}: {quantity} is {value}")]
     NotFinite {
         /// Number of the step, from 1.

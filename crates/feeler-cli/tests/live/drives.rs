@@ -1,8 +1,8 @@
-//! Servos through the program: an emulated bus, what looks at it, and runs over it.
+//! Servo commands of the program: an emulated bus, the commands that scan and check it, and runs over it.
 //!
-//! One test lets the vendors' own masters speak to the emulated bus. It needs `pip install dynamixel-sdk==4.1.0
-//! feetech-servo-sdk==1.0.0` in the Python named by `FEELER_PYTHON` (default `python3`); without them it says that it is skipped, or
-//! fails where `FEELER_REQUIRE_ALL` is set.
+//! One test runs the vendors' own SDKs on the emulated bus. It requires `pip install dynamixel-sdk==4.1.0
+//! feetech-servo-sdk==1.0.0` in the Python named by `FEELER_PYTHON` (default `python3`). Without them the test reports
+//! that it is skipped, or fails if `FEELER_REQUIRE_ALL` is set.
 
 #![cfg(target_os = "linux")]
 
@@ -12,7 +12,7 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
-/// An emulated bus that ends with the test.
+/// An emulated bus whose process is killed on drop.
 struct Bus {
     child: Child,
     port: String,
@@ -37,7 +37,7 @@ impl Bus {
 
 impl Drop for Bus {
     fn drop(&mut self) {
-        // One that has ended needs no end.
+        // The process may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
@@ -68,12 +68,12 @@ joint = [
 ]
 "#;
 
-/// An experiment with drives in `folder`.
+/// Writes an experiment with [`DRIVES`] to `folder`.
 fn with_drives(folder: &Path) {
     experiment(folder, "\n[sim]\n", &format!("{DRIVES}\n[sim]\n"));
 }
 
-/// The same with as much patience as there may be: emulated servos on a busy computer answer late, and are asked late.
+/// Like [`with_drives`], but with long timeouts: on a busy computer, emulated servos respond late and are polled late.
 fn with_patient_drives(folder: &Path) {
     let patient = DRIVES
         .replace("bus_watchdog = 0.1 ", "bus_watchdog = 2.54 ")
@@ -116,7 +116,7 @@ fn servos_are_found_checked_homed_and_turned() {
     );
     assert!(checked.contains("all servos passed the check"), "{checked}");
 
-    // The hand stands at home, so that the offsets come out as they are in the file.
+    // The hand is at home, so the computed offsets equal those in the file.
     let home = [
         "drives",
         "home",
@@ -135,7 +135,7 @@ fn servos_are_found_checked_homed_and_turned() {
             .as_float()
             .expect("a number")
     };
-    // To within a count.
+    // To within one encoder count.
     assert!(
         (offset(0, 1) - 0.5).abs() < 1e-3 && offset(1, 2).abs() < 1e-3,
         "{text}"
@@ -166,7 +166,7 @@ fn servos_are_found_checked_homed_and_turned() {
         planned.contains("turn theta2 of finger 1 by 2 deg at 3 deg/s"),
         "{planned}"
     );
-    // So slowly that it goes on by half a degree while nobody asks it for the second that is allowed above.
+    // Slow enough that the joint moves by only half a degree in the second for which commands may be late (see above).
     let slowly = [
         "--finger", "1", "--joint", "2", "--by", "-2", "--speed", "0.5",
     ];
@@ -181,9 +181,9 @@ fn servos_are_found_checked_homed_and_turned() {
     assert!((to - from + 2.0).abs() < 0.7, "{turned}");
 }
 
-/// A dry run opens nothing that it need not, and writes nothing.
+/// Dry runs open no port and write no file.
 #[test]
-fn dry_runs_and_bad_input() {
+fn dry_runs_have_no_effect_and_invalid_arguments_are_refused() {
     let folder = folder("drives-refused");
     with_drives(&folder);
     let scan = run(&folder, &["drives", "scan", "/dev/not-there", "--dry-run"]).done();
@@ -241,14 +241,14 @@ fn dry_runs_and_bad_input() {
     );
 }
 
-/// What makes an experiment's drives twice and more as fast as its pictures.
+/// Settings for a control rate of 500 Hz with images at 100 Hz.
 const FIVE_HUNDRED: &[&str] = &[
     "control.period=0.002",
     "sim.frame_period=0.01",
     "control.stale_periods=8",
 ];
 
-/// Runs `experiment` over the bus in lockstep: its summary.
+/// Runs `experiment` over the emulated bus in lockstep and returns its summary.
 fn over_the_bus(folder: &Path, experiment: &str, out: &str, settings: &[&str]) -> Value {
     let mut arguments = vec!["run", experiment, "--sensing", "direct", "--out", out];
     arguments.extend(["--drives", "emulated", "--speed", "max"]);
@@ -257,9 +257,10 @@ fn over_the_bus(folder: &Path, experiment: &str, out: &str, settings: &[&str]) -
     summary(&folder.join(out))
 }
 
-/// The whole cap-closing with two and three fingers, commanded at 100 Hz and at 500 Hz with pictures at 100 Hz, over servos at 4 Mbaud.
+/// Cap closing with two and three fingers over servos at 4 Mbaud, commanded at 100 Hz and at 500 Hz, with images at
+/// 100 Hz.
 #[test]
-fn all_claims_hold_over_the_bus() {
+fn all_claims_pass_over_the_emulated_bus() {
     let folder = folder("drives-claims");
     for experiment in ["cap-closing", "three-fingers"] {
         for (rate, settings) in [("100", &[][..]), ("500", FIVE_HUNDRED)] {
@@ -277,7 +278,7 @@ fn all_claims_hold_over_the_bus() {
 }
 
 #[test]
-fn a_run_over_the_bus_is_the_same_each_time() {
+fn runs_over_the_emulated_bus_are_reproducible() {
     let folder = folder("drives-twice");
     let stroke = ["task.screw.strokes=1"];
     let runs = ["once", "again"].map(|out| over_the_bus(&folder, "cap-closing", out, &stroke));
@@ -289,10 +290,10 @@ fn a_run_over_the_bus_is_the_same_each_time() {
     );
 }
 
-/// Over a pseudo-terminal, so slowly that a busy computer keeps up: a twentieth of real time, and servos and hand with patience. That it gets
-/// through its time is what is tested; the rest is in lockstep.
+/// Runs over a pseudo-terminal at a twentieth of real time and with long timeouts, so that a busy computer keeps up.
+/// Tests only that the run lasts until its time limit; everything else is tested in lockstep.
 #[test]
-fn a_run_over_a_pseudo_terminal_keeps_its_time() {
+fn run_over_a_pseudo_terminal_lasts_until_its_time_limit() {
     let folder = folder("drives-run");
     with_patient_drives(&folder);
     let arguments = [
@@ -310,7 +311,7 @@ fn a_run_over_a_pseudo_terminal_keeps_its_time() {
     assert!(ended.stdout.contains("time limit"), "{ended:?}");
 }
 
-/// What a vendor's master read on an emulated bus of three servos and more.
+/// Values that a vendor's SDK read on an emulated bus, or `None` if the SDKs are not installed.
 fn master(folder: &Path, kind: &str) -> Option<Value> {
     let python = std::env::var("FEELER_PYTHON").unwrap_or_else(|_| "python3".into());
     let probe = Command::new(&python)
@@ -332,14 +333,14 @@ fn master(folder: &Path, kind: &str) -> Option<Value> {
 }
 
 #[test]
-fn the_vendors_masters_find_servos_as_they_expect_them() {
+fn vendor_sdks_work_with_the_emulated_servos() {
     let folder = folder("drives-masters");
     let Some(said) = master(&folder, "dynamixel") else {
         return;
     };
     assert_eq!(said["model"], 1200);
     assert_eq!(said["found"], serde_json::json!([1, 2, 3, 4, 5, 6]));
-    // Access error, limit error, access error; after the watchdog fired, range error.
+    // Access error, limit error, access error. Below, `after` is a range error, because the watchdog has fired.
     assert_eq!(said["refused"], serde_json::json!([7, 6, 7]));
     for velocities in ["velocities", "fast"] {
         assert_eq!(said[velocities], serde_json::json!([100, -100, 0]));
@@ -351,7 +352,7 @@ fn the_vendors_masters_find_servos_as_they_expect_them() {
         serde_json::json!([1, 255, 0, 4, true, 0])
     );
 
-    let said = master(&folder, "feetech").expect("it was there before");
+    let said = master(&folder, "feetech").expect("the SDKs are installed");
     let expected = serde_json::json!({
         "model": 777, "missing": true, "mode": 1, "velocities": [500, -500, 0], "voltage": 50, "temperature": 25,
     });

@@ -1,8 +1,7 @@
-//! A program in Python that is no part of feeler watches forces over the link, and stops the hand.
+//! An independent Python program watches forces over the link and stops the hand.
 //!
-//! Needs `pip install eclipse-zenoh==1.10.2 mcap-ros2-support==0.6.0` in the Python named by
-//! `FEELER_PYTHON` (default `python3`); without them the test says that it is skipped,
-//! or fails where `FEELER_REQUIRE_ALL` is set.
+//! Requires `pip install eclipse-zenoh==1.10.2 mcap-ros2-support==0.6.0` in the Python named by `FEELER_PYTHON`
+//! (default `python3`). Without them the test reports that it is skipped, or fails if `FEELER_REQUIRE_ALL` is set.
 
 use crate::program::{Ended, feeler, folder};
 use feeler_record::Recording;
@@ -15,7 +14,7 @@ use std::time::Duration;
 /// Name of the program that requests the stop.
 const WATCHER: &str = "the watcher of the test";
 
-/// Programs that end with the test, however that ends.
+/// Processes that are killed on drop.
 #[derive(Default)]
 struct Running(Vec<(String, Child)>);
 
@@ -26,7 +25,7 @@ impl Running {
         &mut self.0.last_mut().expect("it was started").1
     }
 
-    /// Waits until `child` has ended, while all others go on.
+    /// Waits until `child` has ended. The other processes must keep running.
     fn wait(&mut self, child: &mut Child) {
         while child.try_wait().expect("its state").is_none() {
             for (name, other) in &mut self.0 {
@@ -41,14 +40,14 @@ impl Running {
 impl Drop for Running {
     fn drop(&mut self) {
         for (_, child) in &mut self.0 {
-            // One that has ended needs no end.
+            // The process may have ended already.
             let _ = child.kill();
             let _ = child.wait();
         }
     }
 }
 
-/// The Python that has the packages.
+/// The Python interpreter, or `None` if it does not have the packages.
 fn python() -> Option<String> {
     let python = std::env::var("FEELER_PYTHON").unwrap_or_else(|_| "python3".into());
     let probe = Command::new(&python)
@@ -63,7 +62,7 @@ fn python() -> Option<String> {
     None
 }
 
-/// A program of the rig, whose words go to a file of its own.
+/// A program of the rig that logs its output to a separate file.
 fn of_the_rig(folder: &Path, name: &str, arguments: &[&str], endpoint: &str) -> Command {
     let mut command = feeler(folder, arguments);
     command.args(["--sensing", "direct", "--connect", endpoint]);
@@ -85,7 +84,7 @@ fn watcher(python: &str, endpoint: &str) -> Command {
     command
 }
 
-/// Reads until the watcher has heard of the hand and both sensors; what it said.
+/// Reads until the watcher has reported the hand and both sensors, and returns its output.
 fn read_until_all_are_there(said: &mut BufReader<ChildStdout>) -> String {
     let mut text = String::new();
     let expected = ["hand", "sense of finger 0", "sense of finger 1"];
@@ -98,7 +97,7 @@ fn read_until_all_are_there(said: &mut BufReader<ChildStdout>) -> String {
 }
 
 #[test]
-fn python_sees_forces_and_stops_the_hand() {
+fn python_program_reads_forces_and_stops_the_hand() {
     let Some(python) = python() else { return };
     let folder = folder("link-python");
     let endpoint = crate::ports::unused_endpoint();
@@ -120,11 +119,11 @@ fn python_sees_forces_and_stops_the_hand() {
         );
     }
     let watcher = running.start("watcher", &mut watcher(&python, &endpoint));
-    let mut said = BufReader::new(watcher.stdout.take().expect("its words"));
+    let mut said = BufReader::new(watcher.stdout.take().expect("its output"));
     let mut text = read_until_all_are_there(&mut said);
 
-    // The rig is played only now, and in step with the hand, so that no speed of this computer matters. A
-    // hand that stands still ends when the experiment's time is over.
+    // The rig starts only now and runs in lockstep with the hand, so that the speed of this computer does not matter. A
+    // hand that does not move ends at the experiment's time limit.
     let arguments = ["world", "cap-closing", "--speed", "max"];
     let mut world = of_the_rig(&folder, "world", &arguments, &endpoint);
     running.start("world", &mut world);
@@ -132,7 +131,7 @@ fn python_sees_forces_and_stops_the_hand() {
     drop(running);
     said.read_to_string(&mut text).expect("the rest");
 
-    // Lines as in `1.330 s  finger 1   1.1359 N  touch  element  0: 0.1578 -0.0026 0.8915 N`.
+    // Lines such as `1.330 s  finger 1   1.1359 N  touch  element  0: 0.1578 -0.0026 0.8915 N`.
     for finger in 0..2 {
         let of_finger = format!("s  finger {finger}  ");
         let touches = |line: &str| line.contains(&of_finger) && line.contains("touch");
@@ -144,7 +143,7 @@ fn python_sees_forces_and_stops_the_hand() {
         "{text}"
     );
     let reason = format!("stop requested by {WATCHER}");
-    let ended = Ended::of(hand.wait_with_output().expect("its words"));
+    let ended = Ended::of(hand.wait_with_output().expect("its output"));
     assert_eq!(ended.status, Some(1), "{ended:?}");
     assert!(ended.stderr.contains(&reason), "{ended:?}");
     assert!(ended.stdout.contains(&reason), "{ended:?}");

@@ -1,5 +1,5 @@
-//! Programs that run beside others in real time: rigs of several of them, and what watches them. Each test program is linked anew,
-//! so there is one for all of these, and `program` for those that nobody waits for.
+//! Programs that run together in real time: distributed rigs, and programs that watch them. They share one test binary,
+//! because every binary is linked separately; `program` contains the tests that need no real time.
 
 #[cfg(feature = "link")]
 mod campaign;

@@ -1,6 +1,6 @@
-//! The programs of one rig, each a process; they end with the test.
+//! The programs of a rig, each a process that is killed on drop.
 
-// Not every test program uses all of it.
+// Not every test binary uses all items.
 #![allow(dead_code)]
 
 use crate::ports::unused_endpoint;
@@ -14,38 +14,39 @@ use std::process::{Child, ChildStdin, Command, Stdio};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// After this a program is taken to hang: far longer than any takes on a busy machine.
+/// Time after which a program is considered hung, far longer than any needs on a busy computer.
 pub const HANGS: Duration = Duration::from_secs(400);
 
-/// Seconds of the rig in a second, unless a test says otherwise: so slow that data stay fresh for 3.5 s of the computer's
-/// time, for which a busy one may hold up any program.
+/// Default ratio of the rig's time to real time, so slow that data stay fresh for 3.5 s of real time, even if a busy
+/// computer delays a program.
 pub const SLOW: &str = "0.01";
 
-/// The same for rigs that must get somewhere: data stay fresh for 0.14 s, and a busy computer makes them stale at times.
+/// Speed for tests that must complete strokes. Data stay fresh for only 0.14 s of real time, so a busy computer makes
+/// them stale at times.
 pub const QUARTER: &str = "0.25";
 
-/// Rigs whose data are soon stale need the computer for themselves; rigs that mostly wait run beside them.
+/// Lock of the rigs whose data soon become stale: they run one at a time. Slow rigs run in parallel.
 static ALONE: Mutex<()> = Mutex::new(());
 
-/// Holds back the other rigs in a hurry until it is dropped.
+/// Locks out the other fast rigs until the guard is dropped.
 pub fn alone() -> MutexGuard<'static, ()> {
-    // A test that failed has ended its programs, too.
+    // A failed test has ended its programs, too.
     ALONE.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
-/// A program that runs, its output in files.
+/// A running program that logs its output to a file.
 pub struct Running {
     child: Child,
     log: PathBuf,
 }
 
 impl Running {
-    /// Starts `command`, its output in the log `name` of `folder`.
+    /// Starts `command` with its output in the log `name` in `folder`.
     pub fn start(folder: &Path, name: &str, command: Command) -> Self {
         Self::start_with(folder, name, command, Stdio::null())
     }
 
-    /// The same with an `input`.
+    /// Like [`Self::start`], but with `input` as standard input.
     pub fn start_with(folder: &Path, name: &str, mut command: Command, input: Stdio) -> Self {
         let log = folder.join(format!("{name}.log"));
         let file = File::create(&log).expect("a log");
@@ -57,17 +58,17 @@ impl Running {
         }
     }
 
-    /// What it has said.
+    /// The output so far.
     pub fn said(&self) -> String {
         fs::read_to_string(&self.log).expect("its log")
     }
 
-    /// Waits until it says `words`.
+    /// Waits until the output contains `words`.
     pub fn wait_for(&mut self, words: &str) {
         self.wait_for_times(words, 1);
     }
 
-    /// Waits until it has said `words` so many `times`.
+    /// Waits until the output contains `words` at least `times` times.
     pub fn wait_for_times(&mut self, words: &str, times: usize) {
         let start = Instant::now();
         while self.said().matches(words).count() < times {
@@ -75,19 +76,19 @@ impl Running {
             let hangs = start.elapsed() > HANGS;
             assert!(
                 ended.is_none() && !hangs,
-                "not {times} times {words:?} in {}",
+                "expected {words:?} {times} times in {}",
                 self.said()
             );
             std::thread::sleep(Duration::from_millis(10));
         }
     }
 
-    /// Its standard input, where it was started with one.
+    /// Takes the program's standard input, which must be piped.
     pub fn input(&mut self) -> ChildStdin {
         self.child.stdin.take().expect("an input")
     }
 
-    /// Its memory that is resident, KiB.
+    /// Resident memory (KiB).
     pub fn resident(&self) -> u64 {
         let path = format!("/proc/{}/status", self.child.id());
         let status = fs::read_to_string(path).expect("its status");
@@ -96,7 +97,7 @@ impl Running {
         number.expect("its memory").parse().expect("KiB")
     }
 
-    /// Sends it a signal, as in `KILL`.
+    /// Sends a signal such as `KILL`.
     pub fn signal(&self, signal: &str) {
         let signal = format!("-{signal}");
         let id = self.child.id().to_string();
@@ -104,26 +105,30 @@ impl Running {
         assert!(status.expect("kill").success(), "{}", self.said());
     }
 
-    /// Kills it, and waits until it is gone.
+    /// Kills the program and waits until it has ended.
     pub fn kill(&mut self) {
-        // It may have ended by itself.
+        // The program may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 
-    /// Whether it has not ended.
+    /// Returns `true` until the program has ended.
     pub fn is_running(&mut self) -> bool {
         self.child.try_wait().expect("its status").is_none()
     }
 
-    /// Its exit status and all it said, once it has ended.
+    /// Waits until the program ends, and returns its exit status and its output.
     pub fn wait(&mut self) -> (Option<i32>, String) {
         let start = Instant::now();
         loop {
             if let Some(status) = self.child.try_wait().expect("its status") {
                 return (status.code(), self.said());
             }
-            assert!(start.elapsed() < HANGS, "it hangs: {}", self.said());
+            assert!(
+                start.elapsed() < HANGS,
+                "the program hangs: {}",
+                self.said()
+            );
             std::thread::sleep(Duration::from_millis(10));
         }
     }
@@ -135,29 +140,30 @@ impl Drop for Running {
     }
 }
 
-/// How the programs of a rig are started.
+/// Configuration of a rig's programs.
 #[derive(Debug, Clone)]
 pub struct Setup {
     pub folder: PathBuf,
-    /// The experiment, and what the rig is called.
+    /// Experiment, whose name is also that of the rig.
     pub experiment: &'static str,
-    /// Where the hand listens.
+    /// Endpoint at which the hand listens.
     pub endpoint: String,
-    /// Of the rig's time, as hand and world are told.
+    /// Ratio of the rig's time to real time, for hand and world; "max" is lockstep.
     pub speed: &'static str,
-    /// The program that is the rig, with arguments of its own.
+    /// Command that serves the rig, with its additional arguments.
     pub rig_program: Vec<String>,
-    /// Of all programs that work by the experiment.
+    /// Settings of all programs that load the experiment.
     pub settings: Vec<String>,
-    /// How the hand takes part in the link, and how the others do.
+    /// Link arguments of the hand.
     pub hand_link: Vec<String>,
+    /// Link arguments of the other programs.
     pub link: Vec<String>,
     /// Network namespaces of the hand and of the others.
     pub namespaces: Option<[String; 2]>,
 }
 
 impl Setup {
-    /// A [`SLOW`] rig of the test called `name`; its forces are sensed without pictures, for speed.
+    /// A [`SLOW`] rig for the test `name`. Forces are sensed without images, for speed.
     pub fn new(name: &str) -> Self {
         Self {
             folder: folder(name),
@@ -172,30 +178,30 @@ impl Setup {
         }
     }
 
-    /// The same of another experiment.
+    /// Sets the experiment.
     pub fn of(self, experiment: &'static str) -> Self {
         Self { experiment, ..self }
     }
 
-    /// The same at another `speed`.
+    /// Sets the speed.
     pub fn at(self, speed: &'static str) -> Self {
         Self { speed, ..self }
     }
 
-    /// What `time` (s) of the rig takes of the computer's time; nothing where the rig waits for the hand.
+    /// Real time that `time` (s of the rig's time) takes; zero in lockstep.
     pub fn takes(&self, time: f64) -> Duration {
         let speed = self.speed.parse().unwrap_or(f64::INFINITY);
         Duration::from_secs_f64(time / speed)
     }
 
-    /// The same with `settings` of the experiment.
+    /// Adds `settings` of the experiment.
     pub fn with(mut self, settings: &[&str]) -> Self {
         let settings = settings.iter().map(|setting| format!("--set={setting}"));
         self.settings.extend(settings);
         self
     }
 
-    /// The same over TLS, the hand listening at the address `hand` and the others at `others`.
+    /// Uses TLS with certificates for the hand at address `hand` and for the other programs at `others`.
     pub fn with_certificates(mut self, hand: &str, others: &str) -> Self {
         self.endpoint = self
             .endpoint
@@ -208,7 +214,7 @@ impl Setup {
         self
     }
 
-    /// The rig as far as the hand: world and sensors, which wait for it.
+    /// Starts world and sensors, which then wait for the hand.
     pub fn start(self) -> Rig {
         let alone = self.is_in_a_hurry().then(alone);
         Rig {
@@ -219,13 +225,13 @@ impl Setup {
         }
     }
 
-    /// Whether a busy computer makes its data stale: it is neither in lockstep nor slow.
+    /// Returns `true` if a busy computer makes the data stale: the rig is neither in lockstep nor slow.
     fn is_in_a_hurry(&self) -> bool {
         let speed: Option<f64> = self.speed.parse().ok();
         speed.is_some_and(|speed| speed > 0.05)
     }
 
-    /// The same with servos as its rig: `more` arguments of `feeler rig`.
+    /// Serves servos with `feeler rig` and its arguments `more`.
     pub fn driven(mut self, more: &[&str]) -> Self {
         self.rig_program = ["rig"]
             .iter()
@@ -253,7 +259,7 @@ impl Setup {
         Running::start(&self.folder, name, self.joining(arguments))
     }
 
-    /// The same of a program that reads from the test.
+    /// Like [`Self::join`], but with a piped standard input.
     pub fn join_with_input(&self, name: &str, arguments: &[&str]) -> Running {
         Running::start_with(&self.folder, name, self.joining(arguments), Stdio::piped())
     }
@@ -276,11 +282,11 @@ impl Setup {
         Running::start(&self.folder, "hand", command)
     }
 
-    /// Starts the hand, whose files the system lets grow to so many blocks (512 B, or 1 KiB by some shells).
+    /// Starts the hand with a file size limit of `blocks` blocks (512 B, or 1 KiB in some shells).
     #[cfg(target_os = "linux")]
     pub fn hand_with_files_up_to(&self, blocks: usize) -> Running {
         let hand = self.command(0, &["hand", self.experiment, "--out", "run"]);
-        // What exceeds it is an error then, and not the end.
+        // A write beyond the limit then fails instead of ending the program.
         let limited = format!("trap '' XFSZ; ulimit -f {blocks}; exec \"$@\"");
         let mut command = Command::new("sh");
         command.args(["-c", &limited, "sh"]);
@@ -291,12 +297,12 @@ impl Setup {
         Running::start(&self.folder, "hand", command)
     }
 
-    /// Says `stop` or `resume` to the hand, by `link`.
+    /// Sends a `stop` or `resume` order to the hand over `link`.
     pub fn order(&self, order: &str, link: &[String]) -> Ended {
         self.say(order, "the test", link)
     }
 
-    /// Says `stop` or `resume` to the hand, in the name of `from`.
+    /// Sends a `stop` or `resume` order to the hand in the name of `from`.
     pub fn order_from(&self, order: &str, from: &str) -> Ended {
         self.say(order, from, &self.hand_link)
     }
@@ -307,7 +313,7 @@ impl Setup {
         Ended::of(command.output().expect("the program"))
     }
 
-    /// The program with these arguments, in one of the namespaces.
+    /// The program with `arguments`, in network namespace number `namespace` if the rig has namespaces.
     pub fn command(&self, namespace: usize, arguments: &[&str]) -> Command {
         let program = feeler(&self.folder, arguments);
         let Some(namespaces) = &self.namespaces else {
@@ -320,33 +326,33 @@ impl Setup {
         command
     }
 
-    /// What the hand recorded.
+    /// The hand's recording.
     pub fn recording(&self) -> Recording {
         Recording::read(self.folder.join("run/recording.mcap")).expect("a recording")
     }
 }
 
-/// World and both sensors of the reference experiment, each a process.
+/// World and both sensors of a rig, each a process.
 pub struct Rig {
     pub setup: Setup,
     pub world: Running,
     pub senses: Vec<Running>,
-    /// Released last: after the programs have ended.
+    /// Dropped last, after the programs have ended.
     _alone: Option<MutexGuard<'static, ()>>,
 }
 
 impl Rig {
-    /// Starts the sensor program of `finger` again.
+    /// Restarts the sensor program of `finger`.
     pub fn start_sense(&mut self, finger: usize) {
         self.senses[finger] = self.setup.sense(finger);
     }
 
-    /// Starts the world again.
+    /// Restarts the world.
     pub fn start_world(&mut self) {
         self.world = self.setup.world();
     }
 
-    /// Starts the hand and waits until it moves: it approaches the cap for two seconds.
+    /// Starts the hand and waits until it moves. It approaches the cap for two seconds.
     pub fn moving_hand(&self, more: &[&str]) -> Running {
         let mut hand = self.setup.hand(more);
         hand.wait_for("waiting for");
@@ -354,19 +360,19 @@ impl Rig {
         within_reason(&hand, || log.exists());
         // Two control periods.
         std::thread::sleep(Duration::from_millis(300) + self.setup.takes(0.02));
-        // A machine that stood still for longer than data stay fresh.
+        // The computer may have stalled for longer than data stay fresh.
         if hand.said().contains("stopped: the ") {
             self.resume(&hand);
         }
         hand
     }
 
-    /// Tells the hand to go on until it does: the data may not be fresh yet, and it refuses then.
+    /// Repeats a resume order until the hand accepts it; the hand refuses while data are stale. Returns the response.
     pub fn resume(&self, hand: &Running) -> String {
         self.resume_from(hand, "the test")
     }
 
-    /// The same in the name of `from`; what it was told then.
+    /// Like [`Self::resume`], but in the name of `from`.
     pub fn resume_from(&self, hand: &Running, from: &str) -> String {
         let mut told = String::new();
         within_reason(hand, || {
@@ -378,7 +384,7 @@ impl Rig {
     }
 }
 
-/// Somebody on the same computer, who connects to the hand.
+/// Connects to the hand as another program on the same computer.
 pub fn connect(endpoint: &str) -> Arc<Link> {
     let peer = Link::open(&LinkConfig {
         rig: "cap-closing".into(),
@@ -388,7 +394,7 @@ pub fn connect(endpoint: &str) -> Arc<Link> {
     Arc::new(peer.expect("a place in the link"))
 }
 
-/// Waits until `done`, for no longer than until the `hand` is taken to hang.
+/// Waits until `done` returns `true`. Panics with the output of `hand` after [`HANGS`].
 pub fn within_reason(hand: &Running, mut done: impl FnMut() -> bool) {
     let start = Instant::now();
     while !done() {
@@ -397,13 +403,13 @@ pub fn within_reason(hand: &Running, mut done: impl FnMut() -> bool) {
     }
 }
 
-/// Makes certificates of the authority `lab` for `computer`, of all rights; the arguments that name them.
+/// Creates a certificate with all rights of the authority `lab` for `computer`, and returns the arguments that use it.
 pub fn certificates(folder: &Path, lab: &str, computer: &str) -> Vec<String> {
     run(folder, &["certificates", lab, computer]).done();
     vec!["--certificates".into(), format!("{lab}/{computer}")]
 }
 
-/// The reasons for which the hand was stopped, by the record, in order.
+/// Recorded reasons for which the hand was stopped, in order.
 pub fn reasons(recording: &Recording) -> Vec<String> {
     let stopped = recording
         .task
@@ -413,8 +419,8 @@ pub fn reasons(recording: &Recording) -> Vec<String> {
     reasons.filter(|reason| !reason.is_empty()).collect()
 }
 
-/// Control steps whose command moves a finger, and how old the oldest data were that they were made from,
-/// s by the rig's time.
+/// For each control step that moves a finger, the age of the oldest tactile data that it is based on (s of the rig's
+/// time).
 pub fn ages_of_moves(recording: &Recording) -> Vec<f64> {
     let fingers = &recording.fingers;
     let moves = (0..recording.task.len()).filter(|&step| {

@@ -1,5 +1,5 @@
-//! The check list of docs/your-rig.md: every command of the page is run against emulated servos, as far as that goes without hardware,
-//! and what the page shows of their output is what they print, but for numbers.
+//! The check list of docs/your-rig.md. Every command of the page that works without hardware is run against emulated
+//! servos, and the output quoted on the page must equal the printed output except for numbers.
 
 #![cfg(target_os = "linux")]
 
@@ -13,30 +13,30 @@ use std::time::{Duration, Instant};
 
 const PAGE: &str = include_str!("../../../../docs/your-rig.md");
 
-/// After this a program is taken to hang.
+/// Time after which a program is considered hung.
 const HANGS: Duration = Duration::from_secs(400);
 
-/// How often a command that needs servos is tried: theirs is a program of its own, which a busy computer may hold up for longer
-/// than an answer may take.
+/// Maximum number of attempts of a command that needs servos. The emulated servos run in a separate process, which a
+/// busy computer may delay for longer than the response timeout.
 const TRIES: usize = 20;
 
-/// How a command of the page is tried.
+/// Method by which a command of the page is tested.
 #[derive(Debug, Clone, Copy, PartialEq)]
 enum How {
-    /// It is not feeler's.
+    /// Not a command of feeler; skipped.
     Other,
-    /// It is run as it stands, and ends well.
+    /// Run unchanged; must succeed.
     Run,
-    /// The same, with servos.
+    /// Like [`Self::Run`], but with emulated servos.
     WithServos,
-    /// It lacks a camera, and says so.
+    /// Must be refused because there is no camera.
     WithoutCamera,
-    /// It goes on until it is told to end, among the programs of a rig.
+    /// Runs until it is interrupted, together with the other programs of a rig.
     InARig,
 }
 use How::{InARig, Other, Run, WithServos, WithoutCamera};
 
-/// Every command of the page.
+/// All commands of the page, in order.
 const COMMANDS: &[(&str, How)] = &[
     (
         "cargo install --path crates/feeler-cli --features camera,drives,link,top",
@@ -127,13 +127,13 @@ const COMMANDS: &[(&str, How)] = &[
 ];
 
 #[test]
-fn the_page_has_these_commands_and_no_others() {
+fn page_contains_exactly_these_commands() {
     let page: Vec<_> = blocks(PAGE, "sh").collect();
     let tried: Vec<_> = COMMANDS.iter().map(|(command, _)| *command).collect();
     assert_eq!(page, tried);
 }
 
-/// The words of a command line, as a shell takes them: quotes hold together.
+/// Splits a command line like a shell: quoted parts stay together.
 fn words(command: &str) -> Vec<String> {
     let mut words = Vec::new();
     for (index, part) in command.split('"').enumerate() {
@@ -145,7 +145,7 @@ fn words(command: &str) -> Vec<String> {
     words
 }
 
-/// A program that ends with the test, its output in a file.
+/// A program that logs its output to a file and is killed on drop.
 struct Running {
     child: Child,
     log: PathBuf,
@@ -178,7 +178,7 @@ impl Running {
         }
     }
 
-    /// Ends it as Ctrl-C does; what it said.
+    /// Interrupts the program like Ctrl-C, and returns its output.
     fn interrupt(mut self) -> String {
         let id = self.child.id().to_string();
         let status = Command::new("kill").args(["-INT", &id]).status();
@@ -190,13 +190,13 @@ impl Running {
 
 impl Drop for Running {
     fn drop(&mut self) {
-        // One that has ended needs no end.
+        // The process may have ended already.
         let _ = self.child.kill();
         let _ = self.child.wait();
     }
 }
 
-/// Runs a command until it ends well, but for `TRIES` times at most.
+/// Runs a command until it succeeds, at most [`TRIES`] times.
 fn try_with_servos(folder: &Path, arguments: &[&str]) -> Ended {
     let mut ended = run(folder, arguments);
     for _ in 1..TRIES {
@@ -209,7 +209,7 @@ fn try_with_servos(folder: &Path, arguments: &[&str]) -> Ended {
 }
 
 #[test]
-fn the_check_list_is_gone_through_with_emulated_servos() {
+fn check_list_works_with_emulated_servos() {
     let folder = folder("your-rig");
     let mut printed = Printed::default();
     let mut bus = None;
@@ -257,7 +257,7 @@ fn the_check_list_is_gone_through_with_emulated_servos() {
             Other | InARig => {}
         }
     }
-    // Step 6 serves the servos that the steps before have set; also of a file without a simulated world.
+    // Step 6 serves the servos that the earlier steps have configured, also from a file without a simulated world.
     let text = fs::read_to_string(folder.join("my-rig.toml")).expect("the file");
     let (real, _) = text.split_once("\n[sim]\n").expect("a simulated world");
     fs::write(folder.join("real.toml"), real).expect("a file");
@@ -276,7 +276,7 @@ fn the_check_list_is_gone_through_with_emulated_servos() {
     printed.check(blocks(PAGE, "text"));
 }
 
-/// What the page has somebody do by hand before `command`.
+/// Performs the manual work that the page requires before `command`.
 fn prepare(folder: &Path, command: &str) {
     if command.starts_with("feeler locate") {
         let loads =
@@ -287,7 +287,7 @@ fn prepare(folder: &Path, command: &str) {
             folder.join("loads/untouched.png"),
             folder.join("untouched.png"),
         )
-        .expect("a picture");
+        .expect("an image");
     } else if command.starts_with("feeler report") {
         let grasp =
             "run my-rig.toml --sensing direct --set task.screw.strokes=1 --out runs/first-grasp";
@@ -296,7 +296,7 @@ fn prepare(folder: &Path, command: &str) {
     }
 }
 
-/// Emulated servos of the file, whose port it names from then on; they may answer as late as a busy computer lets them.
+/// Starts emulated servos for my-rig.toml, and writes their port and longer timeouts to that file.
 fn connect(folder: &Path) -> (Running, String) {
     let arguments = ["drives", "emulate", "my-rig.toml"].map(String::from);
     let mut bus = Running::start(folder, "bus", &arguments);
@@ -318,7 +318,7 @@ fn connect(folder: &Path) -> (Running, String) {
     (bus, port)
 }
 
-/// The programs of a rig, as the page starts them, slowly enough for any computer.
+/// Starts the programs of a rig like the page, but slowly; stops and resumes the hand; and collects all output.
 fn rehearse(folder: &Path, printed: &mut Printed) {
     let endpoint = unused_endpoint();
     let with = |command: &str, more: &[&str]| {
@@ -375,7 +375,7 @@ fn rehearse(folder: &Path, printed: &mut Printed) {
     assert_eq!(stopped.status, Some(0), "{stopped:?}");
     printed.add(&stopped.stdout);
     hand.wait_for("stopped: stop requested by the command line");
-    // A busy computer may have made data stale as well, which is another stop.
+    // A busy computer may also have made data stale, which causes another stop.
     let start = Instant::now();
     loop {
         let resumed = order("feeler resume my-rig");
@@ -391,7 +391,7 @@ fn rehearse(folder: &Path, printed: &mut Printed) {
     }
 }
 
-/// What step 11 says of the finger that finds nothing: here a small cap is near the other one.
+/// Step 11: the finger that finds nothing gives up. Here, a small cap is near the other finger.
 #[test]
 fn a_finger_that_finds_nothing_gives_up() {
     let folder = folder("your-rig-touch");
@@ -411,7 +411,7 @@ fn a_finger_that_finds_nothing_gives_up() {
 }
 
 #[test]
-fn what_cannot_be_served_is_refused() {
+fn invalid_rigs_and_arguments_are_refused() {
     let folder = folder("your-rig-refused");
     let refused = |arguments: &[&str], words: &[&str]| run(&folder, arguments).refused(words);
     let nowhere = format!("--connect={}", unused_endpoint());

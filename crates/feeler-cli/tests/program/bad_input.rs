@@ -1,18 +1,18 @@
-//! Bad input is refused with a message that names it and what was expected, and leaves nothing behind.
+//! Invalid input is refused with a message that names it and the expected values, and no files are left behind.
 
 use crate::program::{Ended, experiment, feeler, folder, run, whole_run};
 use std::fs;
 use std::path::Path;
 
-/// Runs the reference experiment with `from` replaced by `to`: refused with all of `words`, before
-/// anything is made.
+/// Asserts that the reference experiment with `from` replaced by `to` is refused with all of `words`, before any file
+/// is created.
 fn refused(name: &str, from: &str, to: &str, words: &[&str]) {
     let folder = folder(name);
     experiment(&folder, from, to);
     run(&folder, &["check", "my.toml"]).refused(words);
     run(&folder, &["run", "my.toml", "--out", "out"]).refused(words);
     assert!(!folder.join("out").exists());
-    // What does not hang on pictures is refused without them, too.
+    // Errors that do not depend on images are found without them, too.
     if !name.starts_with("picture") {
         run(&folder, &["run", "my.toml", "--sensing=direct"]).refused(words);
         assert!(!folder.join("runs").exists());
@@ -20,7 +20,7 @@ fn refused(name: &str, from: &str, to: &str, words: &[&str]) {
 }
 
 #[test]
-fn values_out_of_range() {
+fn values_out_of_range_are_refused() {
     let cases: [(&str, &str, &str, &[&str]); 17] = [
         (
             "stiffness",
@@ -141,7 +141,7 @@ fn values_out_of_range() {
 }
 
 #[test]
-fn no_rings_at_all() {
+fn layout_without_rings_is_refused() {
     let folder = folder("no-rings");
     let set = "--set=sensor.fingertip.layout.rings=[]";
     run(&folder, &["run", "cap-closing", set]).refused(&["rings = 0 rings", "at least one"]);
@@ -149,7 +149,7 @@ fn no_rings_at_all() {
 }
 
 #[test]
-fn calibrations_that_do_not_fit() {
+fn missing_and_unsuitable_calibrations_are_refused() {
     refused(
         "picture-layout",
         "elements = 12",
@@ -172,7 +172,7 @@ fn calibrations_that_do_not_fit() {
 }
 
 #[test]
-fn settings_that_make_no_sense() {
+fn invalid_settings_are_refused() {
     let folder = folder("settings");
     let cases: [(&str, &[&str]); 10] = [
         (
@@ -225,7 +225,7 @@ fn settings_that_make_no_sense() {
 }
 
 #[test]
-fn experiments_that_are_none() {
+fn files_that_are_not_experiments_are_refused() {
     let folder = folder("experiments");
     run(&folder, &["run", "nope"]).refused(&["\"nope\"", "expected a file", "cap-closing"]);
     run(&folder, &["run", "."]).refused(&[".: ", "directory", "expected the text"]);
@@ -260,7 +260,7 @@ fn experiments_that_are_none() {
 }
 
 #[test]
-fn places_that_cannot_be_written() {
+fn unwritable_outputs_are_refused() {
     let folder = folder("unwritable");
     fs::write(folder.join("file"), "").unwrap();
     let start = ["run", "cap-closing", "--sensing=direct", "--out"];
@@ -273,7 +273,7 @@ fn places_that_cannot_be_written() {
     fs::write(folder.join("runs"), "").unwrap();
     run(&folder, &start[..3]).refused(&["runs/cap-closing-direct-seed0", "--out"]);
     assert_eq!(fs::read(folder.join("file")).unwrap(), b"");
-    // A report that cannot be written takes the one with it that it was to replace.
+    // If a report cannot be written, the outdated one is removed, too.
     let run_folder = whole_run(&folder);
     fs::remove_dir_all(run_folder.join("figures")).unwrap();
     fs::write(run_folder.join("figures"), "").unwrap();
@@ -283,7 +283,7 @@ fn places_that_cannot_be_written() {
 }
 
 #[test]
-fn a_folder_that_holds_a_run_is_not_written_over() {
+fn existing_run_is_not_overwritten() {
     let folder = folder("taken");
     let run_folder = whole_run(&folder);
     let before = fs::read(run_folder.join("recording.mcap")).unwrap();
@@ -299,7 +299,7 @@ fn a_folder_that_holds_a_run_is_not_written_over() {
 }
 
 #[test]
-fn values_of_another_kind_or_size_are_named_in_plain_words() {
+fn messages_name_types_in_plain_words() {
     let folder = folder("plain-words");
     let cases = [
         ("time_limit=long", "the text \"long\": expected a number"),
@@ -322,7 +322,7 @@ fn values_of_another_kind_or_size_are_named_in_plain_words() {
 }
 
 #[test]
-fn a_truncated_recording_is_reported_as_far_as_it_goes() {
+fn truncated_recording_is_reported_up_to_its_end() {
     let folder = folder("truncated");
     let run_folder = whole_run(&folder);
     let recording = run_folder.join("recording.mcap");
@@ -336,12 +336,12 @@ fn a_truncated_recording_is_reported_as_far_as_it_goes() {
 }
 
 #[test]
-fn recordings_of_which_nothing_is_readable() {
+fn unreadable_recordings_invalidate_the_report() {
     let folder = folder("unreadable");
     let run_folder = whole_run(&folder);
     let recording = run_folder.join("recording.mcap");
     let good = fs::read(&recording).unwrap();
-    for bytes in [&b"this is no recording"[..], b"", &good[..40]] {
+    for bytes in [&b"not a recording"[..], b"", &good[..40]] {
         fs::write(&recording, &good).unwrap();
         run(&folder, &["report", "run"]).done();
         fs::write(&recording, bytes).unwrap();
@@ -352,7 +352,7 @@ fn recordings_of_which_nothing_is_readable() {
         ];
         run(&folder, &["report", "run"]).refused(&words);
         nothing_looks_valid(&run_folder);
-        // There is nothing to be set aside the second time.
+        // The second time, there is no report to set aside.
         run(&folder, &["report", "run"]).refused(&words[..2]);
         nothing_looks_valid(&run_folder);
     }
@@ -371,7 +371,7 @@ fn nothing_looks_valid(run_folder: &Path) {
 }
 
 #[test]
-fn a_closed_standard_error_is_no_panic() {
+fn closed_standard_error_causes_no_panic() {
     let folder = folder("no-stderr");
     let (reader, writer) = std::io::pipe().unwrap();
     drop(reader);
@@ -379,9 +379,9 @@ fn a_closed_standard_error_is_no_panic() {
     assert_eq!(Ended::of(output.unwrap()).status, Some(2));
 }
 
-/// Rubber that moves a feeler further in one step of 1 ms than it is deep: forces grow until they are no numbers.
+/// The rubber is so stiff that a feeler moves further than its depth in one step of 1 ms, and forces grow to NaN.
 #[test]
-fn a_simulation_that_diverges_ends_without_a_panic() {
+fn diverging_simulation_ends_without_a_panic() {
     let folder = folder("diverges");
     let arguments = [
         "run",

@@ -1,5 +1,5 @@
-//! `feeler calibrate LOADS.csv` with loads that the pictures contradict: refused in words, or converted as the options say, to the same
-//! calibration as that of the loads as they were.
+//! `feeler calibrate LOADS.csv` with loads that contradict the images: they are refused with an explanation, or
+//! converted by options, which gives the same calibration as the original loads.
 
 use crate::program::{experiment, folder, rows, run};
 use glam::DVec3;
@@ -8,10 +8,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 type Row = HashMap<String, String>;
-/// A force as a wrong table has it.
+/// Error of a table, as a function from correct to wrong forces.
 type Turned = fn(DVec3) -> DVec3;
 
-/// A simulated bench: its folder, its rows, and the calibration of its loads.
+/// A simulated bench: its folder, its rows, and the calibration of the original loads.
 struct Bench {
     folder: PathBuf,
     rows: Vec<Row>,
@@ -46,7 +46,7 @@ impl Bench {
         bench
     }
 
-    /// Writes the rows, each changed.
+    /// Writes the rows to CHANGED.csv with `change` applied to each.
     fn write(&self, header: [&str; 8], change: impl Fn(&mut Row)) {
         let mut text = header.join(",") + "\n";
         for row in &self.rows {
@@ -88,13 +88,13 @@ fn set(row: &mut Row, force: DVec3) {
     }
 }
 
-/// The rows with another force in each.
+/// A change of the force in a row.
 fn with(change: impl Fn(DVec3) -> DVec3) -> impl Fn(&mut Row) {
     move |row| set(row, change(force(row)))
 }
 
 #[test]
-fn signs_and_axes_that_the_pictures_contradict_are_refused_or_converted() {
+fn wrong_signs_and_axes_are_refused_or_converted() {
     let bench = Bench::new("checks-axes");
     let cases: [(Turned, &[&str], &str); 5] = [
         (
@@ -139,7 +139,7 @@ fn signs_and_axes_that_the_pictures_contradict_are_refused_or_converted() {
             "{option}"
         );
     }
-    // The wrong conversion is refused, too, with the right one.
+    // A wrong conversion is refused, too, and the right one is suggested.
     let tension = |f: DVec3| DVec3::new(f.x, f.y, -f.z);
     bench.refuses(
         with(tension),
@@ -154,7 +154,7 @@ fn signs_and_axes_that_the_pictures_contradict_are_refused_or_converted() {
         &["--force-on", "object"],
         &["without --force-on and --force-axes, the forces agree with the images"],
     );
-    // No option keeps compression that would be reported as tension.
+    // No option accepts compression that the calibration would report as tension.
     for reversed in [tension, |f: DVec3| -f] {
         bench.refuses(
             with(reversed),
@@ -165,7 +165,7 @@ fn signs_and_axes_that_the_pictures_contradict_are_refused_or_converted() {
 }
 
 #[test]
-fn elements_that_the_pictures_contradict_are_refused() {
+fn wrong_element_numbers_are_refused() {
     let bench = Bench::new("checks-elements");
     let numbered = |row: &mut Row, number: usize| {
         row.insert("element".into(), number.to_string());
@@ -205,7 +205,7 @@ fn elements_that_the_pictures_contradict_are_refused() {
         &shifted,
         &["but that of element 40", "numbered as in the layout"],
     );
-    // Forces in the picture's axes, and no angle that says so; with it, they are turned.
+    // Forces in the axes of the image, without the angle, are refused. With the angle, they are converted.
     let seen = |row: &mut Row| {
         let angle: f64 = row["x_angle"].parse().unwrap();
         let force = force(row);
@@ -226,7 +226,7 @@ fn elements_that_the_pictures_contradict_are_refused() {
         },
         &[],
     );
-    // A single one that is mirrored.
+    // A single mirrored element.
     bench.refuses(
         |row| {
             if row["element"] == "5" {
@@ -242,7 +242,7 @@ fn elements_that_the_pictures_contradict_are_refused() {
 }
 
 #[test]
-fn loads_that_no_soft_element_bears_are_refused_unless_confirmed() {
+fn implausible_loads_are_refused_unless_confirmed() {
     let bench = Bench::new("checks-units");
     let times = |factor: f64| with(move |force| factor * force);
     bench.refuses(
@@ -271,13 +271,13 @@ fn loads_that_no_soft_element_bears_are_refused_unless_confirmed() {
         "{}",
         normal(&confirmed)
     );
-    // No program would read a calibration of such a full scale.
+    // No program would accept a calibration with such a full scale.
     bench.refuses(
         |_| {},
         &["--full-scale-normal", "50"],
         &["full_scale is 50 N", "expected 0.01 to 20 N"],
     );
-    // A unit in the header converts.
+    // Units in the header are converted.
     let header = [
         "picture", "element", "Fx [mN]", "Fy [mN]", "Fz [mN]", "column", "row", "x_angle",
     ];
@@ -285,7 +285,7 @@ fn loads_that_no_soft_element_bears_are_refused_unless_confirmed() {
     bench.calibrate(&[]).done();
     let converted = fs::read_to_string(bench.folder.join("c.toml")).unwrap();
     assert!((normal(&converted) - normal(&bench.expected)).abs() < 0.0011);
-    // Of the whole fingertip.
+    // Forces on the whole fingertip.
     fs::write(
         bench.folder.join("FORCES.csv"),
         "picture,f_z\nloads/00000.png,-3000\n",
@@ -303,7 +303,7 @@ fn loads_that_no_soft_element_bears_are_refused_unless_confirmed() {
     .refused(&["--force-axes: with --wrench this requires --live"]);
 }
 
-/// Every other picture, in a recording of its own.
+/// Copies the images, shifted by `shift` px, to a second recording `later`.
 fn in_two_recordings(bench: &Bench, shift: i64) {
     let loads = bench.folder.join("loads");
     fs::create_dir_all(loads.join("later")).unwrap();
@@ -360,9 +360,9 @@ fn recordings_with_different_zeros_are_refused() {
     bench.refuses(offset(DVec3::ZERO), &[], &words);
 }
 
-/// Of a single load, and of one recording of two, where all loads together tell nothing.
+/// Errors of a single load, or of one of two recordings, that all loads together do not reveal.
 #[test]
-fn what_contradicts_the_other_loads_is_refused() {
+fn loads_that_contradict_the_others_are_refused() {
     let bench = Bench::new("checks-others");
     in_two_recordings(&bench, 0);
     let exchanged = |row: &mut Row| {
@@ -391,7 +391,7 @@ fn what_contradicts_the_other_loads_is_refused() {
     ];
     bench.refuses(mistyped, &[], &words);
     bench.calibrated(mistyped, &["--force-fit"]);
-    // Of the size of the others, it is only named.
+    // A load no larger than the others is only reported.
     let reversed = |row: &mut Row| {
         if *row == large {
             set(row, force(row) * DVec3::new(1.0, 1.0, 0.1));
@@ -405,7 +405,7 @@ fn what_contradicts_the_other_loads_is_refused() {
     );
 }
 
-/// Multiplies all numbers in the lines of a calibration that begin so.
+/// Multiplies all numbers in the lines of a calibration that start with `key`.
 fn multiplied(text: &str, key: &str, factor: f64) -> String {
     let multiply = |line: &str| match line.strip_prefix(&format!("{key} = [")) {
         Some(numbers) => {
@@ -420,9 +420,9 @@ fn multiplied(text: &str, key: &str, factor: f64) -> String {
     text.lines().map(multiply).collect()
 }
 
-/// A calibration of reversed loads, or of loads in another unit: no program takes it.
+/// No program accepts a calibration of reversed loads, or of loads in another unit.
 #[test]
-fn calibrations_of_wrong_loads_are_refused_wherever_they_are_used() {
+fn calibrations_of_wrong_loads_are_refused_by_all_programs() {
     let folder = folder("checks-reversed");
     experiment(&folder, "", "");
     let path = folder.join("reference-fingertip.coupled.calibration.toml");
@@ -443,7 +443,7 @@ fn calibrations_of_wrong_loads_are_refused_wherever_they_are_used() {
         assert!(!Path::new(&folder.join("run/recording.mcap")).exists());
         run(&folder, &["check", "my.toml"]).refused(&[words]);
     }
-    // Of loads in another unit.
+    // Loads in another unit.
     let thousandfold = ["normal", "shear_x", "shear_y"]
         .iter()
         .fold(text, |text, key| multiplied(&text, key, 1e3));

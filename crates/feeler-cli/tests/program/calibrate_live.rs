@@ -1,4 +1,5 @@
-//! `feeler calibrate FOLDER --live`: a played person loads two elements on an emulated force sensor, under a camera that is late.
+//! `feeler calibrate FOLDER --live` with an emulated force sensor and a delayed camera: a simulated person loads two
+//! elements.
 
 use crate::program::{Ended, feeler, folder, run};
 use feeler::sensor::calibration::Calibration;
@@ -14,25 +15,27 @@ use std::sync::{Arc, Mutex};
 use std::thread::{JoinHandle, sleep, spawn};
 use std::time::Duration;
 
-/// Columns and rows of the pictures, px, and between them.
+/// Width and height of the images (px).
 const SIZE: (usize, usize) = (64, 40);
+/// Time between images.
 pub const FRAME: Duration = Duration::from_millis(20);
-/// Pictures that the camera is late, so that it is late by at least as many times the time between them.
+/// Delay of the camera in images, hence by at least this many times [`FRAME`].
 const LATE: usize = 3;
-/// Centres of the elements, px.
+/// Centres of the elements (px).
 const CENTRES: [DVec2; 2] = [DVec2::new(16.0, 20.0), DVec2::new(48.0, 20.0)];
-/// Pictures that each load is held for.
+/// Number of images for which each load is held.
 const HELD: usize = 14;
 
-/// Two elements.
+/// A layout of two elements.
 pub const LAYOUT: &str = "version = 1\nwidth = 64\nheight = 40\ndark_level = 10\n\
     [[element]]\ncentre_px = [16.0, 20.0]\nradius_px = 13.0\n[[element]]\ncentre_px = [48.0, 20.0]\nradius_px = 13.0\n";
 
-/// Which element is loaded with which force in its frame, N, picture by picture: three presses, then loads all ways, each held.
+/// For each image, the loaded element and its force in its frame (N): three presses, then loads in all directions, each
+/// held.
 fn loads(elements: &[usize]) -> Vec<(usize, DVec3)> {
     let mut loads = vec![(0, DVec3::ZERO); 60];
     for _ in 0..3 {
-        // Slow enough for a computer that is busy.
+        // Slow enough for a busy computer.
         let press =
             (0..60).map(|k| 0.7 * (std::f64::consts::PI * f64::from(k) / 60.0).sin().powi(2));
         loads.extend(press.map(|normal| (0, DVec3::Z * normal)));
@@ -51,7 +54,8 @@ fn loads(elements: &[usize]) -> Vec<(usize, DVec3)> {
     loads
 }
 
-/// Spots that brighten by 60 % for a newton of compression, and move by 2 px for one of shear.
+/// Renders both spots. The loaded one brightens by 60 % per newton of compression and moves by 2 px per newton of
+/// shear.
 fn picture((loaded, force): (usize, DVec3), number: usize) -> Vec<u8> {
     drawn(number, |place| {
         let spots = CENTRES.iter().enumerate().map(|(element, &centre)| {
@@ -67,11 +71,11 @@ fn picture((loaded, force): (usize, DVec3), number: usize) -> Vec<u8> {
     })
 }
 
-/// A picture of spots, whose gray level at each place, px, is told.
+/// Renders an image with the gray levels `spots`, a function of the position (px), plus a background and noise.
 pub fn drawn(number: usize, spots: impl Fn(DVec2) -> f64) -> Vec<u8> {
     let level = |column: usize, row: usize| {
         let place = DVec2::new(column as f64, row as f64);
-        // Half a gray value of noise that no two pictures share.
+        // Noise of half a gray value, different in each image.
         let noise =
             (12.9898 * place.x + 78.233 * place.y + 37.719 * number as f64).sin() * 43758.5453;
         (spots(place) + 4.0 + noise.fract()).clamp(0.0, 255.0) as u8
@@ -80,16 +84,17 @@ pub fn drawn(number: usize, spots: impl Fn(DVec2) -> f64) -> Vec<u8> {
     rows.map(|(column, row)| level(column, row)).collect()
 }
 
-/// Force on the loaded element in its frame, N, as it is played.
+/// Simulated force on the loaded element in its frame (N).
 type Felt = Arc<Mutex<DVec3>>;
 
-/// What the sensor measures of it: the fingertip's weight, too; x of the layout's frame is the sensor's y, and z is against its z.
+/// Wrench that the force sensor measures, including the fingertip's weight. x of the layout's frame is the sensor's y,
+/// and the z axes are opposite.
 fn wrench(felt: &Felt) -> [f64; 6] {
     let DVec3 { x, y, z } = *felt.lock().unwrap();
     [y + 1.0, x, z - 3.0, 0.0, 0.0, 0.0]
 }
 
-/// A force sensor's address, and what must live as long as it.
+/// Address of a force sensor, and an object that keeps the sensor alive.
 type Sensor = (String, Box<dyn Any>);
 
 fn netft(felt: Felt) -> Sensor {
@@ -97,7 +102,7 @@ fn netft(felt: Felt) -> Sensor {
     (sensor.address(), Box::new(sensor))
 }
 
-/// The same as a topic of ROS 2.
+/// Like [`netft`], but as a ROS 2 topic.
 #[cfg(feature = "ros2")]
 fn topic(felt: Felt) -> Sensor {
     use feeler_record::ros::{Time, WrenchStamped};
@@ -130,7 +135,7 @@ fn topic(felt: Felt) -> Sensor {
     )
 }
 
-/// The program, to which pictures are played, with the force sensor at `address` and `more` arguments.
+/// Starts the program, which reads images from standard input, with the force sensor at `address` and `more` arguments.
 pub fn program(folder: &Path, address: &str, more: &[&str]) -> Child {
     let arguments = [
         "calibrate",
@@ -154,7 +159,7 @@ pub fn program(folder: &Path, address: &str, more: &[&str]) -> Child {
     command.spawn().expect("the program")
 }
 
-/// Starts the program and plays `loads` to it, the camera late; the sensor must live as long.
+/// Starts the program and plays `loads` to it with a delayed camera. The sensor must outlive the program.
 fn start(
     folder: &Path,
     loads: Vec<(usize, DVec3)>,
@@ -169,7 +174,7 @@ fn start(
         for number in 0..loads.len() {
             *now.lock().unwrap() = loads[number].1;
             let seen = loads[number.saturating_sub(LATE)];
-            // The program may have all that it needs.
+            // The program may have all data that it needs.
             if camera.write_all(&picture(seen, number)).is_err() {
                 return;
             }
@@ -187,10 +192,10 @@ fn end((child, player, sensor): (Child, JoinHandle<()>, Sensor)) -> Ended {
 }
 
 #[test]
-fn loads_that_are_put_on_live_make_a_calibration() {
+fn live_loads_make_a_calibration() {
     let folder = folder("calibrate-live");
     fs::write(folder.join("layout.toml"), LAYOUT).unwrap();
-    // Ended by its camera when one element is done; what was taken is kept.
+    // The camera ends when one element is done; the measured loads are kept.
     let ended = end(start(&folder, loads(&[0]), netft));
     assert_eq!(ended.status, Some(2), "{ended:?}");
     for words in [
@@ -201,12 +206,12 @@ fn loads_that_are_put_on_live_make_a_calibration() {
         assert!(ended.stderr.contains(words), "no {words:?} in {ended:?}");
     }
     assert!(!folder.join("live.toml").exists());
-    // A row that was torn by the system is taken again.
+    // A partly written row is measured again.
     let csv = folder.join("bench/LOADS.csv");
     let table = fs::read_to_string(&csv).unwrap();
     fs::write(&csv, format!("{table}00999.png,1,0.2")).unwrap();
 
-    // The same command goes on with the other element, and ends by itself.
+    // The same command continues with the other element, and then ends.
     let ended = end(start(&folder, loads(&[1]), netft));
     assert_eq!(ended.status, Some(0), "{ended:?}");
     let resumed = fs::read_to_string(&csv).unwrap();
@@ -219,11 +224,11 @@ fn loads_that_are_put_on_live_make_a_calibration() {
         .and_then(|rest| rest.split_once(' '))
         .expect("a delay")
         .0;
-    // 60 ms were played. On a busy computer pictures and forces come in later than that, each by its own time, so that only more
-    // than a frame's interval is told from none; the delay itself is held by the unit tests, whose times are given.
+    // The simulated delay is 60 ms. On a busy computer, images and forces arrive later, each by a different time, so
+    // that only a delay of more than one frame interval can be asserted. Unit tests check the delay with given times.
     assert!(late.parse::<f64>().unwrap() > 20.0, "{late} ms");
 
-    // What it makes is what the loads make, and tells the forces that the pictures were made of.
+    // The result equals the calibration of the stored loads, and predicts the forces of rendered images.
     let again = [
         "calibrate",
         "bench/LOADS.csv",
@@ -240,7 +245,7 @@ fn loads_that_are_put_on_live_make_a_calibration() {
 
 #[cfg(feature = "ros2")]
 #[test]
-fn forces_come_from_a_topic_of_ros_2() {
+fn forces_are_read_from_a_ros_2_topic() {
     let folder = folder("calibrate-live-ros2");
     fs::write(folder.join("layout.toml"), LAYOUT).unwrap();
     let ended = end(start(&folder, loads(&[0, 1]), topic));
@@ -251,19 +256,19 @@ fn forces_come_from_a_topic_of_ros_2() {
     );
 }
 
-/// Asserts that the calibration of this `text` tells the forces of new pictures.
+/// Asserts that the calibration in `text` predicts the forces of new images.
 fn assert_tells_forces(folder: &Path, text: &str) {
     let calibration = Calibration::from_toml(text).unwrap();
     for element in 0..2 {
         let truth = DVec3::new(0.2, -0.1, 0.5);
         let error = (told(folder, &calibration, element, truth) - truth).abs();
-        // Gray values are whole numbers: some 0.2 % of G, and hundredths of a pixel, each of 0.5 N. A picture that came in
-        // a period late is of another load only next to a change, one of 14.
+        // Gray values are integers, which causes errors of about 0.2 % of G and hundredths of a pixel, both of 0.5 N.
+        // An image that is assigned one period late belongs to another load only next to a change, in one of 14 images.
         assert!(error.max_element() < 0.05, "element {element}: {error}");
     }
 }
 
-/// The force that `calibration` tells of a new picture, N.
+/// Force that `calibration` predicts for a new image (N).
 fn told(folder: &Path, calibration: &Calibration, element: usize, force: DVec3) -> DVec3 {
     let layout = feeler_lab::sensor::SensorGeometry::read_layout(&folder.join("layout.toml"));
     let geometry = layout.expect("the layout");
@@ -278,7 +283,7 @@ fn told(folder: &Path, calibration: &Calibration, element: usize, force: DVec3) 
 }
 
 #[test]
-fn bad_input_is_refused_in_words() {
+fn invalid_input_is_refused_with_an_explanation() {
     let folder = folder("calibrate-live-refused");
     fs::write(folder.join("layout.toml"), LAYOUT).unwrap();
     let refused = |arguments: &[&str], words: &[&str]| {
@@ -311,12 +316,12 @@ fn bad_input_is_refused_in_words() {
         &["picture.png", "/dev/videoN"],
     );
     refused(&[sensor], &["--live"]);
-    // A folder with something else in it.
+    // A folder with unrelated files.
     fs::create_dir_all(folder.join("bench")).unwrap();
     fs::remove_file(folder.join("bench/LOADS.csv")).unwrap_or_default();
     fs::write(folder.join("bench/thesis.tex"), "").unwrap();
     refused(&["--live=-", sensor], &["bench", "not empty", "LOADS.csv"]);
-    // Results that are there already, before any work.
+    // Existing results are refused before any work.
     fs::write(folder.join("live.toml"), "").unwrap();
     refused(&["--live=-", sensor], &["live.toml", "exists already"]);
 }

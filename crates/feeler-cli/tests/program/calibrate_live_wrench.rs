@@ -1,4 +1,5 @@
-//! `feeler calibrate FOLDER --live --wrench`: a played person loads a fingertip as a whole, on an emulated force sensor.
+//! `feeler calibrate FOLDER --live --wrench` with an emulated force sensor: a simulated person loads the whole
+//! fingertip.
 
 use crate::calibrate_live::{FRAME, LAYOUT, drawn, program};
 use crate::program::{Ended, folder, run};
@@ -12,12 +13,12 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::{sleep, spawn};
 
-/// Pictures that each load is held for.
+/// Number of images for which each load is held.
 const HELD: usize = 10;
-/// Arm of the force about the sensor's origin, m.
+/// Lever arm of the force about the sensor's origin (m).
 const ARM: DVec3 = DVec3::new(0.0, 0.0, 0.02);
 
-/// A press and a while without, as forces on the fingertip, N, z outward, picture by picture.
+/// Forces on the fingertip for each image (N, z outward): a press and a pause.
 fn press() -> impl Iterator<Item = DVec3> {
     let press = (0..60).map(|k| 0.7 * (std::f64::consts::PI * f64::from(k) / 60.0).sin().powi(2));
     let still = std::iter::repeat_n(0.0, 15);
@@ -26,7 +27,7 @@ fn press() -> impl Iterator<Item = DVec3> {
         .map(|normal| DVec3::new(0.0, 0.0, -normal))
 }
 
-/// Compressions in steps and pushes all ways, each held; a little different for each number.
+/// Compressions in steps and pushes in all directions, each held; slightly different for each `number`.
 fn loads(number: u32) -> impl Iterator<Item = DVec3> {
     let wander = 0.08 * f64::from(number).sin();
     let presses =
@@ -40,7 +41,7 @@ fn loads(number: u32) -> impl Iterator<Item = DVec3> {
     all.flat_map(|load| std::iter::repeat_n(load, HELD))
 }
 
-/// Two spots that brighten where they are pressed, one more than the other, and both move with shear.
+/// Renders two spots that brighten by different amounts under compression, and move with shear.
 fn picture(force: DVec3, number: usize) -> Vec<u8> {
     let spots = [(DVec2::new(16.0, 20.0), 0.6), (DVec2::new(48.0, 20.0), 0.4)];
     drawn(number, |place| {
@@ -52,14 +53,14 @@ fn picture(force: DVec3, number: usize) -> Vec<u8> {
     })
 }
 
-/// Runs the program and plays to it: a while without load, presses until it knows how late the camera is, and so many times all
-/// loads, or until it ends by itself.
+/// Runs the program on simulated data: a pause, presses until the camera latency is known, and `times` repetitions of
+/// all loads, or until the program ends.
 fn play(folder: &Path, times: u32) -> Ended {
     let now = Arc::new(Mutex::new(DVec3::ZERO));
     let felt = Arc::clone(&now);
     let sensor = NetFtEmulator::start(500.0, move || {
         let force = *felt.lock().unwrap();
-        // The fingertip's weight, and z of the fingertip against z of the sensor: x of one is y of the other.
+        // Includes the fingertip's weight. The z axes of fingertip and sensor are opposite; x of one is y of the other.
         let to_sensor = |v: DVec3| [v.y, v.x, -v.z];
         let ([x, y, z], [a, b, c]) = (to_sensor(force), to_sensor(ARM.cross(force)));
         Some([x, y, z - 3.0, a, b, c])
@@ -69,7 +70,7 @@ fn play(folder: &Path, times: u32) -> Ended {
     let mut child = program(folder, &address, &["--wrench"]);
     let mut camera = child.stdin.take().expect("its input");
     let (knows, told) = (Arc::new(AtomicBool::new(false)), Arc::default());
-    let stderr = BufReader::new(child.stderr.take().expect("its errors"));
+    let stderr = BufReader::new(child.stderr.take().expect("its standard error"));
     let listener = spawn({
         let (knows, told) = (Arc::clone(&knows), Arc::<Mutex<String>>::clone(&told));
         move || {
@@ -86,7 +87,7 @@ fn play(folder: &Path, times: u32) -> Ended {
         let forces = still.chain(presses).chain((0..times).flat_map(loads));
         for (number, force) in forces.enumerate() {
             *now.lock().unwrap() = force;
-            // The program may have all that it needs.
+            // The program may have all data that it needs.
             if camera.write_all(&picture(force, number)).is_err() {
                 return;
             }
@@ -101,10 +102,10 @@ fn play(folder: &Path, times: u32) -> Ended {
 }
 
 #[test]
-fn a_fingertip_that_is_loaded_live_makes_the_calibration_that_its_table_makes() {
+fn live_loads_make_the_same_calibration_as_their_table() {
     let folder = folder("calibrate-live-wrench");
     fs::write(folder.join("layout.toml"), LAYOUT).unwrap();
-    // Its camera ends in the first rounds; what was taken is kept.
+    // The camera ends during the first rounds; the measured loads are kept.
     let ended = play(&folder, 1);
     assert_eq!(ended.status, Some(2), "{ended:?}");
     for words in [
@@ -116,10 +117,10 @@ fn a_fingertip_that_is_loaded_live_makes_the_calibration_that_its_table_makes() 
     }
     let csv = folder.join("bench/FORCES.csv");
     let table = fs::read_to_string(&csv).unwrap();
-    // The header and the untouched fingertip, at least.
+    // At least the header and the untouched fingertip.
     assert!(table.lines().count() >= 17, "{table}");
 
-    // The same command goes on, and ends by itself: some ten times all loads are enough.
+    // The same command continues, and then ends: about ten repetitions of all loads are enough.
     let ended = play(&folder, 100);
     assert_eq!(ended.status, Some(0), "{ended:?}");
     let resumed = fs::read_to_string(&csv).unwrap();
@@ -134,7 +135,7 @@ fn a_fingertip_that_is_loaded_live_makes_the_calibration_that_its_table_makes() 
         assert!(ended.stderr.contains(words), "no {words:?} in {ended:?}");
     }
 
-    // What it makes is what the table makes.
+    // The result equals the calibration of the table.
     let again = [
         "calibrate",
         "bench/FORCES.csv",
@@ -151,10 +152,10 @@ fn a_fingertip_that_is_loaded_live_makes_the_calibration_that_its_table_makes() 
     for axis in [WrenchAxis::ForceX, WrenchAxis::ForceY, WrenchAxis::ForceZ] {
         assert!(
             calibration.axis(axis).is_some(),
-            "{axis:?} is not explained"
+            "{axis:?} is not calibrated"
         );
     }
-    // The torque is that of the force, at its arm: of what was measured, row by row.
+    // In every measured row, the torque is that of the force at its lever arm.
     let mut rows = csv::Reader::from_path(&csv).unwrap();
     let mut loaded = 0;
     for row in rows.records() {
@@ -165,7 +166,7 @@ fn a_fingertip_that_is_loaded_live_makes_the_calibration_that_its_table_makes() 
             DVec3::from_slice(&values[3..]),
         );
         let error = torque - ARM.cross(force);
-        // The sensor's counts are millionths.
+        // The resolution of the sensor is 1e-6.
         assert!(error.length() < 1e-5, "{row:?}: {error}");
         loaded += usize::from(force.z < -0.05);
     }

@@ -1,10 +1,10 @@
-//! `feeler calibrate LOADS.csv`: pictures and forces on disk to a calibration, and what it refuses.
+//! `feeler calibrate LOADS.csv`: calibration from stored images and forces, and refused tables.
 
 use crate::program::{folder, run};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A folder with simulated loads in `loads/`, and what is said of the calibration made with them.
+/// Writes simulated loads to `loads/` in a new folder. Returns the folder and the output of the calibration.
 fn simulated(name: &str, loads: &str) -> (PathBuf, String) {
     let folder = folder(name);
     let arguments = [
@@ -20,7 +20,7 @@ fn simulated(name: &str, loads: &str) -> (PathBuf, String) {
 }
 
 #[test]
-fn pictures_and_forces_on_disk_make_a_calibration() {
+fn stored_images_and_forces_make_a_calibration() {
     let (folder, said) = simulated("loads", "40");
     assert!(
         said.contains("coupled") && said.contains("a.html"),
@@ -45,7 +45,7 @@ fn pictures_and_forces_on_disk_make_a_calibration() {
     assert!(said.contains("separable"), "{said}");
     let text = fs::read_to_string(folder.join("b.toml")).unwrap();
     let calibration = feeler::sensor::calibration::Calibration::from_toml(&text).unwrap();
-    // Each load was predicted by a fit that had not seen it: about 10 % of 1 N, as the model is.
+    // Each load was predicted by a fit without it, with an error of about 10 % of 1 N.
     let rms = calibration.elements[0].quality.held_out.rms;
     assert!((0.03..0.2).contains(&rms.x), "{rms}");
     let again = [
@@ -59,13 +59,13 @@ fn pictures_and_forces_on_disk_make_a_calibration() {
     run(&folder, &again).refused(&["--write-loads loads/LOADS.csv", "exists already"]);
 }
 
-/// Text as UTF-16, least significant byte first.
+/// Encodes text as UTF-16LE with a byte order mark.
 fn wide(text: &str) -> Vec<u8> {
     let marked = std::iter::once(0xfeff).chain(text.encode_utf16());
     marked.flat_map(u16::to_le_bytes).collect()
 }
 
-/// Loads as spreadsheets and sensors write them make the calibration of the loads as feeler writes them.
+/// Loads in the formats of spreadsheets and sensors give the same calibration as in the format of feeler.
 #[test]
 fn loads_of_other_programs_make_the_same_calibration() {
     let (folder, _) = simulated("loads-of-others", "20");
@@ -79,7 +79,7 @@ fn loads_of_other_programs_make_the_same_calibration() {
     let expected = calibrate(loads.as_bytes());
     let (header, rows) = loads.split_once('\n').unwrap();
     assert_eq!(header, "picture,element,f_x,f_y,f_z,column,row,x_angle");
-    // Of the points in a row, the first is that of the picture's name.
+    // The first point in a row belongs to the name of the image.
     let comma = |row: &str| row.replace('.', ",").replacen(",png", ".png", 1);
     let german: String = rows
         .lines()
@@ -93,9 +93,9 @@ fn loads_of_other_programs_make_the_same_calibration() {
     assert!(calibrate(loads.lines().map(quoted).collect::<String>().as_bytes()) == expected);
 }
 
-/// What may mean two things, or is no table, is refused with what was found and what to do.
+/// Ambiguous or unreadable tables are refused with the problem and its remedy.
 #[test]
-fn loads_that_may_mean_two_things_are_refused() {
+fn ambiguous_loads_are_refused() {
     let folder = folder("loads-that-may-mean-two-things");
     let cases: [(&[u8], &[&str]); 8] = [
         (
@@ -145,7 +145,7 @@ fn loads_that_may_mean_two_things_are_refused() {
 }
 
 #[test]
-fn a_recording_of_what_was_sensed_makes_the_same_calibration_as_its_pictures() {
+fn recording_makes_the_same_calibration_as_its_images() {
     let (folder, _) = simulated("recorded-loads", "30");
     run(
         &folder,
@@ -155,7 +155,7 @@ fn a_recording_of_what_was_sensed_makes_the_same_calibration_as_its_pictures() {
     let sense = ["sense", "loads", "--rate", "10", "-o", "loads/sensed.mcap"];
     let sensed = run(&folder, &sense);
     assert_eq!(sensed.status, Some(0), "{sensed:?}");
-    // The pictures are in the order of their names, a tenth of a second apart.
+    // The images are in the order of their names, 0.1 s apart.
     let loads = fs::read_to_string(folder.join("loads/LOADS.csv")).unwrap();
     let rows = loads.lines().map(|row| match row.split_once(".png") {
         Some((number, rest)) => {
@@ -185,7 +185,7 @@ fn a_recording_of_what_was_sensed_makes_the_same_calibration_as_its_pictures() {
     refused("none.mcap@1,0,0,0,1", &["line 2", "none.mcap"]);
 }
 
-/// The root mean squares of the held-out errors of all elements, N, in the file of a calibration.
+/// RMS of the held-out errors of all elements (N), from a calibration file.
 fn held_out(folder: &Path, name: &str) -> Vec<glam::DVec3> {
     let text = fs::read_to_string(folder.join(name)).unwrap();
     let calibration = feeler::sensor::calibration::Calibration::from_toml(&text).unwrap();
@@ -193,9 +193,9 @@ fn held_out(folder: &Path, name: &str) -> Vec<glam::DVec3> {
     elements.map(|e| e.quality.held_out.rms).collect()
 }
 
-/// The way of the README: what `locate` finds is numbered from the picture's top, what is loaded ring by ring.
+/// The procedure of the README. `locate` numbers elements from the top of the image, the loads number them by rings.
 #[test]
-fn a_located_layout_is_calibrated_as_well_as_the_experiments_own() {
+fn located_layout_is_calibrated_as_well_as_that_of_the_experiment() {
     let (folder, _) = simulated("located-loads", "40");
     let locate = ["locate", "loads/untouched.png", "-o"];
     run(&folder, &[&locate[..], &["flat.toml"]].concat()).done();
@@ -215,14 +215,14 @@ fn a_located_layout_is_calibrated_as_well_as_the_experiments_own() {
         ];
         run(&folder, &[&calibrate[..], &["--layout", layout]].concat()).done();
         let found = mean(&held_out(&folder, "located.toml"));
-        println!("{layout}: {found} N, of the experiment's own {expected} N");
-        // Sub-regions that were located are discs in the picture, wider than the fingertip's own and, without the dome, not
-        // foreshortened at its rim: 2.8 times the error at most, 0.4 % of the largest shear of 1.8 N. Of elements or axes
-        // mixed up it would be a hundred times.
+        println!("{layout}: {found} N, layout of the experiment: {expected} N");
+        // Located sub-regions are discs in the image, wider than those of the fingertip and, without the dome, not
+        // foreshortened at its rim. The error is at most 2.8 times as large, or 0.4 % of the largest shear of 1.8 N.
+        // Mixed-up elements or axes would increase it a hundredfold.
         assert!(found.cmple(4.0 * expected).all(), "{found} {expected}");
         assert!(found.max_element() < 0.01 * 1.8, "{found}");
     }
-    // Without places, numbers mean the wrong elements.
+    // Without positions, the numbers denote the wrong elements.
     let loads = fs::read_to_string(folder.join("loads/LOADS.csv")).unwrap();
     let numbered = |row: &str| row.splitn(6, ',').take(5).collect::<Vec<_>>().join(",") + "\n";
     fs::write(
@@ -239,7 +239,7 @@ fn a_located_layout_is_calibrated_as_well_as_the_experiments_own() {
         "n.toml",
     ];
     run(&folder, &calibrate).refused(&["do not match its growth", "column, row"]);
-    // A layout that lacks an element does not take its loads for another's.
+    // The loads of an element that the layout lacks are not assigned to another element.
     let layout = fs::read_to_string(folder.join("flat.toml")).unwrap();
     let last = layout.rfind("[[element]]").unwrap();
     fs::write(folder.join("less.toml"), &layout[..last]).unwrap();
@@ -255,9 +255,9 @@ fn a_located_layout_is_calibrated_as_well_as_the_experiments_own() {
     assert!(!folder.join("n.toml").exists());
 }
 
-/// With its pictures, a recording is as good as these for another layout than that with which it was sensed.
+/// A recording with images can be used like the images, even with another layout than it was sensed with.
 #[test]
-fn a_recording_with_pictures_is_sensed_anew() {
+fn recording_with_images_is_sensed_again() {
     let (folder, _) = simulated("recorded-pictures", "30");
     run(&folder, &["locate", "loads/untouched.png", "-o", "l.toml"]).done();
     let sense = [
@@ -294,7 +294,7 @@ fn a_recording_with_pictures_is_sensed_anew() {
         let expected = calibrate("loads/LOADS.csv", layout);
         assert!(calibrate("loads/S.csv", layout) == expected, "{layout:?}");
     }
-    // The total force on the fingertip, likewise.
+    // Likewise for the total force on the fingertip.
     let forces = |source: &dyn Fn(usize) -> String| {
         let row = |i: usize| format!("{},{},{}\n", source(i), i % 13, 7 * i % 17);
         "picture,f_x,f_z\n".to_owned() + &(0..60).map(row).collect::<String>()
@@ -328,7 +328,7 @@ fn a_recording_with_pictures_is_sensed_anew() {
 }
 
 #[test]
-fn loads_that_cannot_be_used_are_named() {
+fn unusable_loads_are_reported() {
     let (folder, _) = simulated("bad-loads", "10");
     let csv = folder.join("loads/LOADS.csv");
     let good = fs::read_to_string(&csv).unwrap();
@@ -397,7 +397,7 @@ fn loads_that_cannot_be_used_are_named() {
 }
 
 #[test]
-fn loads_that_determine_nothing_are_refused() {
+fn insufficient_loads_are_refused() {
     let (folder, _) = simulated("poor-loads", "10");
     let csv = folder.join("loads/LOADS.csv");
     let rows = |force: &dyn Fn(usize) -> String, count: usize| {
@@ -440,7 +440,7 @@ fn loads_that_determine_nothing_are_refused() {
 }
 
 #[test]
-fn arguments_that_make_no_sense_are_refused() {
+fn invalid_arguments_are_refused() {
     let folder = folder("calibrate-arguments");
     let start = ["calibrate", "-o", "b.toml"];
     let cases: [(&[&str], &[&str]); 7] = [
@@ -472,7 +472,7 @@ fn arguments_that_make_no_sense_are_refused() {
     run(&folder, &arguments).refused(&["b.html", ".toml"]);
 }
 
-/// A picture of 8 by 8 px.
+/// Writes a black image of 8x8 px.
 fn image(path: &Path) {
     image::save_buffer(path, &[0; 64], 8, 8, image::ExtendedColorType::L8).unwrap();
 }

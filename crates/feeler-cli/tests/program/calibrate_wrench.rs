@@ -1,4 +1,4 @@
-//! `feeler calibrate FORCES.csv --wrench`, and `feeler sense` with what it makes.
+//! `feeler calibrate FORCES.csv --wrench`, and `feeler sense` with the resulting calibration.
 
 use crate::program::{folder, rows, run};
 use feeler::sensor::wrench::{WrenchAxis, WrenchCalibration};
@@ -10,7 +10,7 @@ use std::fmt::Write as _;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Sixteen spots that brighten by up to 8 % for a newton, each by its own law, of a lamp of brightness `lamp`.
+/// Writes an image of sixteen spots that change by up to 8 % per newton, each differently, lit with brightness `lamp`.
 fn picture(path: &Path, [x, y, z]: [f64; 3], lamp: f64, seed: u64) {
     let mut random = Pcg64::seed_from_u64(seed);
     let picture = GrayImage::from_fn(160, 160, |column, row| {
@@ -22,16 +22,16 @@ fn picture(path: &Path, [x, y, z]: [f64; 3], lamp: f64, seed: u64) {
         let noise = random.random_range(0.0..4.0);
         image::Luma([(130.0 * lamp * growth * spot + 8.0 + noise) as u8])
     });
-    picture.save(path).expect("a picture");
+    picture.save(path).expect("an image");
 }
 
-/// A force that wanders as a hand's would, N, at a time.
+/// Slowly varying force at `time` (N), like that of a person's hand.
 fn force(time: f64) -> [f64; 3] {
     let wave = |period: f64, phase: f64| (TAU * time / period + phase).sin();
     [wave(17.0, 0.0), wave(23.0, 1.0), -1.0 + wave(41.0, 2.0)]
 }
 
-/// A folder with pictures of two recordings, their FORCES.csv (without a torque about z, which is noise) and the layout.
+/// Writes images of two recordings, their FORCES.csv (with noise as torque about z) and the layout to a new folder.
 fn measured(name: &str) -> PathBuf {
     let folder = folder(name);
     fs::create_dir(folder.join("pictures")).unwrap();
@@ -44,7 +44,7 @@ fn measured(name: &str) -> PathBuf {
             let seed = number as u64 + if recording == "rub" { 0 } else { 1000 };
             picture(&folder.join(&file), [x, y, z], lamp, seed);
             let noise = (f64::from(number) * 77.7).sin();
-            // Nothing was measured along x in a third of the pictures.
+            // f_x is missing for a third of the images.
             let x = if number % 3 == 2 {
                 String::new()
             } else {
@@ -70,7 +70,7 @@ const CALIBRATE: [&str; 7] = [
     "wrench.toml",
 ];
 
-/// Forces as a spreadsheet writes them make the calibration of the forces as this test writes them.
+/// Forces in the format of a spreadsheet give the same calibration as in the format of this test.
 #[test]
 fn forces_of_other_programs_make_the_same_calibration() {
     let folder = measured("wrench-of-others");
@@ -108,7 +108,7 @@ fn forces_of_other_programs_make_the_same_calibration() {
 }
 
 #[test]
-fn total_forces_make_a_calibration_that_senses_them() {
+fn wrench_calibration_predicts_new_forces() {
     let folder = measured("wrench");
     let ended = run(&folder, &CALIBRATE);
     assert_eq!(ended.status, Some(0), "{ended:?}");
@@ -128,7 +128,7 @@ fn total_forces_make_a_calibration_that_senses_them() {
     let calibration = WrenchCalibration::from_toml(&text).unwrap();
     assert_eq!(calibration.quality[0].blocks.rows, 67);
 
-    // Forces that were in no picture, and a lamp that is dimmer than any.
+    // New forces, and a lamp that is dimmer than in any calibration image.
     fs::create_dir(folder.join("new")).unwrap();
     for number in 0..20_u32 {
         let file = folder.join(format!("new/{number}.png"));
@@ -160,8 +160,9 @@ fn total_forces_make_a_calibration_that_senses_them() {
             "{row:?}"
         );
     }
-    // Forces are of 1 N. Noise is some 1 % of a spot's level in each of its 130 pixels: 0.1 % of its growth, 0.02 N of a law of 6 %.
-    // The worst of 60, of a lamp that the dark level takes from, is off by no more than ten times that.
+    // Forces are about 1 N. Noise is about 1 % of a spot's level in each of its 130 pixels, hence 0.1 % of their sum,
+    // which is 0.02 N at a growth of 6 % per newton. The largest of 60 errors, with a dimmed lamp, is at most ten times
+    // that.
     assert!(worst < 0.2, "{worst} N");
     let valid = sensed.iter().filter(|row| row["valid"] == "true").count();
     assert!(valid >= 16, "{valid} of 20");
@@ -175,7 +176,7 @@ fn total_forces_make_a_calibration_that_senses_them() {
 }
 
 #[test]
-fn a_recording_of_what_was_sensed_does_as_well_as_its_pictures() {
+fn recording_makes_a_wrench_calibration() {
     let folder = measured("wrench-recorded");
     let start = [
         "sense",
@@ -187,7 +188,7 @@ fn a_recording_of_what_was_sensed_does_as_well_as_its_pictures() {
     ];
     let sensed = run(&folder, &[&start[..], &["-o", "sensed.mcap"]].concat());
     assert_eq!(sensed.status, Some(0), "{sensed:?}");
-    // Pictures are in the order of their names: the 40 of the press, then the rub.
+    // Images are in the order of their names: the 40 of "press", then those of "rub".
     let mut csv = String::from("recording,time,f_y,f_z\n");
     for number in 0..100 {
         let time = if number < 40 {
@@ -207,7 +208,7 @@ fn a_recording_of_what_was_sensed_does_as_well_as_its_pictures() {
 }
 
 #[test]
-fn what_explains_nothing_and_what_is_damaged_is_said() {
+fn unusable_tables_are_refused_and_damaged_images_skipped() {
     let folder = measured("wrench-refused");
     let good = fs::read_to_string(folder.join("FORCES.csv")).unwrap();
     let write = |text: &str| fs::write(folder.join("FORCES.csv"), text).unwrap();
@@ -261,9 +262,9 @@ fn what_explains_nothing_and_what_is_damaged_is_said() {
     run(&folder, &conflict).refused(&["--wrench"]);
 }
 
-/// White on black: all of a spot's pixels are saturated, as the pins of a picture of two levels are, and none is unusable for that.
+/// In white-on-black images all pixels of a spot are saturated, like the pins in two-level images. They remain usable.
 #[test]
-fn pictures_of_two_levels_are_calibrated_as_they_are_sensed() {
+fn two_level_images_are_calibrated_and_sensed() {
     let folder = measured("wrench_two_levels");
     let pictures = fs::read_dir(folder.join("pictures")).unwrap();
     let mut pictures: Vec<_> = pictures.map(|entry| entry.unwrap().path()).collect();
@@ -296,5 +297,5 @@ fn pictures_of_two_levels_are_calibrated_as_they_are_sensed() {
     assert_eq!(ended.status, Some(0), "{ended:?}");
     let sensed = rows(&folder.join("again.csv"));
     let valid = sensed.iter().filter(|row| row["valid"] == "true").count();
-    assert!(valid > 90, "{valid} of 100 pictures that it was made of");
+    assert!(valid > 90, "{valid} of 100 calibration images");
 }

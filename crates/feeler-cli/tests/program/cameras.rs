@@ -1,4 +1,4 @@
-//! `feeler cameras`, and the camera that Aravis simulates as a source. Without Aravis, what is said then.
+//! `feeler cameras`, and the camera simulated by Aravis as a source. Without Aravis, the message about it is checked.
 
 use crate::program::{folder, rows, run};
 use crate::skip;
@@ -6,7 +6,7 @@ use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
-/// Whether Aravis is there; a word of it if not.
+/// Returns `true` if Aravis is installed. Otherwise checks the message about it, and reports the test as skipped.
 fn has_aravis(folder: &Path) -> bool {
     let listed = run(folder, &["cameras", "--json"]).done();
     let listed: Value = serde_json::from_str(&listed).expect("JSON");
@@ -22,7 +22,7 @@ fn has_aravis(folder: &Path) -> bool {
 }
 
 #[test]
-fn cameras_are_listed_in_words_and_in_json() {
+fn cameras_are_listed_as_text_and_as_json() {
     let folder = folder("cameras");
     if !has_aravis(&folder) {
         return;
@@ -44,7 +44,7 @@ fn cameras_are_listed_in_words_and_in_json() {
         .iter()
         .find(|camera| camera["source"] == "genicam:Fake_1");
     assert_eq!(
-        fake.expect("the simulated one")["sensor_size"],
+        fake.expect("the simulated camera")["sensor_size"],
         serde_json::json!([2048, 2048])
     );
     assert!(listed["video4linux"]["missing"].is_array());
@@ -87,7 +87,7 @@ fn a_genicam_camera_is_measured() {
         (rate - (frames - 1.0) / seconds).abs() < 1e-6 && frames > 1.0,
         "{json}"
     );
-    // A byte each pixel.
+    // One byte per pixel.
     let bytes = number("bytes_per_second");
     assert!(
         (bytes - rate * 320.0 * 240.0).abs() < 1e-3 * bytes,
@@ -101,7 +101,7 @@ fn a_genicam_camera_is_measured() {
 
 #[cfg(unix)]
 #[test]
-fn a_measurement_that_is_interrupted_says_what_it_has() {
+fn interrupted_measurement_reports_its_results() {
     use std::process::{Command, Stdio};
     let folder = folder("cameras-measure-interrupted");
     if !has_aravis(&folder) {
@@ -121,7 +121,7 @@ fn a_measurement_that_is_interrupted_says_what_it_has() {
             .success()
     );
     let ended = crate::program::Ended::of(child.wait_with_output().unwrap());
-    // On a busy computer it may not have begun.
+    // On a busy computer the measurement may not have started.
     if ended.status == Some(1) {
         let measured: Value = serde_json::from_str(&ended.stdout).expect("JSON");
         assert!(
@@ -133,12 +133,12 @@ fn a_measurement_that_is_interrupted_says_what_it_has() {
     }
 }
 
-/// Two elements on the ramp that the simulated camera's pictures are.
+/// Two elements on the gradient that the simulated camera produces.
 const LAYOUT: &str = "version = 1\nwidth = 512\nheight = 512\ndark_level = 10\n\
     [[element]]\ncentre_px = [160.0, 200.0]\nradius_px = 20.0\n[[element]]\ncentre_px = [320.0, 200.0]\nradius_px = 20.0\n";
 
 #[test]
-fn a_genicam_camera_is_sensed() {
+fn sense_reads_a_genicam_camera() {
     let folder = folder("sense-genicam");
     fs::write(folder.join("layout.toml"), LAYOUT).unwrap();
     if !has_aravis(&folder) {
@@ -164,7 +164,7 @@ fn a_genicam_camera_is_sensed() {
         &["genicam:Fake_1", "--trigger=Line5"],
         &["trigger Line5", "Line0, Software"],
     );
-    // It has no end: the reader has had enough after some rows, and closes the pipe.
+    // The stream is endless; `head` closes the pipe after some rows.
     let script = "\"$FEELER\" sense genicam:Fake_1 --layout layout.toml --rate 60 --exposure 0.01 --roi-offset 16,32 \
                   | head -n 41 > sensed.csv";
     let shell = std::process::Command::new("sh")
@@ -176,7 +176,7 @@ fn a_genicam_camera_is_sensed() {
     let sensed = rows(&folder.join("sensed.csv"));
     assert_eq!(sensed.len(), 40);
     let stamp = |row: usize| sensed[row]["stamp"].parse::<f64>().expect("a time");
-    // Both elements of a frame have its stamp, which goes on from frame to frame.
+    // Both elements of a frame have its stamp, and stamps increase from frame to frame.
     assert!((0..20).all(|frame| stamp(2 * frame) == stamp(2 * frame + 1)));
     assert!((1..20).all(|frame| stamp(2 * frame) > stamp(2 * frame - 2)));
 }

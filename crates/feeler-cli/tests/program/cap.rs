@@ -1,11 +1,11 @@
-//! A cap that is screwed until the hand knows what became of it, through the program.
+//! Screwing a cap until the hand has determined the outcome.
 
 use crate::program::{Ended, document, folder, run, summary};
 use serde_json::Value;
 use std::f64::consts::PI;
 use std::path::Path;
 
-/// Runs an experiment with settings; how it ended, and its summary.
+/// Runs an experiment with `settings`, and returns the ended program and its summary.
 fn screw(folder: &Path, experiment: &str, name: &str, settings: &[&str]) -> (Ended, Value) {
     let settings: Vec<_> = settings.iter().map(|s| format!("--set={s}")).collect();
     let mut arguments = vec!["run", experiment, "--out", name];
@@ -17,20 +17,20 @@ fn screw(folder: &Path, experiment: &str, name: &str, settings: &[&str]) -> (End
 fn number(value: &Value) -> f64 {
     value
         .as_f64()
-        .unwrap_or_else(|| panic!("a number, not {value}"))
+        .unwrap_or_else(|| panic!("expected a number, got {value}"))
 }
 
 #[test]
-fn a_good_cap_is_closed_tightly_and_what_was_felt_is_what_happened() {
+fn good_cap_is_closed_tightly_and_estimates_are_accurate() {
     let folder = folder("cap-closed");
     let (ended, summary) = screw(&folder, "cap-until-closed", "run", &[]);
     assert!(ended.done().contains("outcome: closed"));
     assert_eq!(summary["outcome"], "closed");
-    // The cap met its seat at half a turn, 5 % more or less, and went on it by the torque over the seat's stiffness.
+    // The cap reaches its seat at half a turn, within 5 %, and turns further by the torque over the seat's stiffness.
     let seat = 0.95 * PI..1.05 * PI + 0.1;
     assert!(seat.contains(&number(&summary["cap_angle"])), "{summary}");
     let cap = &summary["cap"];
-    // By hand: 1.02 * 1.8 N * 14 mm * 2.
+    // Calculated by hand: 1.02 * 1.8 N * 14 mm * 2.
     assert!((number(&cap["friction_limit"]) - 0.051_408).abs() < 1e-9);
     assert!(number(&cap["torque_ratio"]) > 0.7, "{cap}");
     assert!(number(&cap["time_over_damage"]) <= 0.05, "{cap}");
@@ -38,7 +38,8 @@ fn a_good_cap_is_closed_tightly_and_what_was_felt_is_what_happened() {
     assert!(strokes.len() >= 5, "{cap}");
     for stroke in strokes {
         let pair = |felt: &str, true_: &str| (number(&stroke[felt]), number(&stroke[true_]));
-        // The hand takes the radius for that of the undeformed cap's axis, and slips hide some of the way: 5 % and 2 degrees.
+        // The hand assumes the radius of the undeformed cap, and slip hides some rotation: tolerances of 5 % and 2
+        // degrees.
         let (felt, turn) = pair("felt_turn", "turn");
         assert!((felt - turn).abs() < 0.05 * turn + 0.035, "{stroke}");
         let (felt, torque) = pair("felt_torque", "torque");
@@ -57,12 +58,12 @@ fn a_good_cap_is_closed_tightly_and_what_was_felt_is_what_happened() {
 }
 
 #[test]
-fn each_fault_is_called_by_its_name() {
+fn faulty_caps_are_diagnosed() {
     let folder = folder("cap-faults");
     let thread = "sim.object.cap.motion.thread";
     let crossed = format!("{thread}.fault.cross_threaded={{angle=0.5,stiffness=0.03}}");
     let stripped = format!("{thread}.fault=\"stripped\"");
-    // A seat that a cap which needs a turn and a half cannot have met.
+    // A cap that needs 1.5 turns cannot have reached its seat.
     let known = ["task.screw.cap.least_turns=1.5"];
     let cases: [(&str, &[&str], &str); 4] = [
         ("crossed", &[&crossed], "cross-threaded"),
@@ -79,15 +80,15 @@ fn each_fault_is_called_by_its_name() {
 }
 
 #[test]
-fn a_closed_cap_is_opened_again_and_one_that_is_too_tight_is_stuck() {
+fn closed_cap_is_opened_and_a_too_tight_one_is_stuck() {
     let folder = folder("cap-opened");
     let (ended, summary) = screw(&folder, "cap-opening", "run", &[]);
     assert!(ended.done().contains("outcome: open"));
-    // A turn, to the accuracy of what is felt; the stroke in which the cap breaks loose is felt worst.
+    // One turn, within the accuracy of the estimate, which is lowest in the stroke in which the cap breaks loose.
     let turned = -number(&summary["cap_angle"]) / std::f64::consts::TAU;
     assert!((0.95..1.25).contains(&turned), "{turned}");
-    // It took what cap-closing had closed it with: 2.9 mN·m and 0.9 N·m/rad over 0.085 rad; at most 5 % more to set it going, and the
-    // seat differs by 5 % from seed to seed.
+    // The torque with which cap-closing closed it: 2.9 mN·m plus 0.9 N·m/rad over 0.085 rad, and at most 5 % more to
+    // break it loose. The seat differs by 5 % from seed to seed.
     let largest = number(&summary["cap"]["largest_torque"]);
     assert!((0.074..0.090).contains(&largest), "{largest}");
 
@@ -99,7 +100,7 @@ fn a_closed_cap_is_opened_again_and_one_that_is_too_tight_is_stuck() {
 }
 
 #[test]
-fn what_makes_no_sense_is_refused_with_field_value_and_range() {
+fn invalid_settings_are_refused_with_key_value_and_range() {
     let folder = folder("cap-refused");
     let check = |setting: &str, words: &[&str]| {
         let arguments = ["run", "cap-until-closed", "--set", setting];
@@ -138,7 +139,7 @@ fn what_makes_no_sense_is_refused_with_field_value_and_range() {
 }
 
 #[test]
-fn a_sweep_counts_what_was_found() {
+fn sweep_counts_the_outcomes() {
     let folder = folder("cap-sweep");
     let arguments = [
         "sweep",
@@ -164,7 +165,7 @@ fn a_sweep_counts_what_was_found() {
     let turned = column("found.turned_rad");
     for row in table.records().map(|row| row.expect("a row")) {
         assert_eq!(&row[found], "spinning freely");
-        // Running torque over the limit of friction at 0.6 or more: 2.9 / 30 mN·m, and the noise of the sensor.
+        // Running torque over the friction limit at 0.6 or more: 2.9 / 30 mN·m, plus the noise of the sensor.
         let ratio: f64 = row[ratio].parse().expect("a ratio");
         assert!(ratio > 0.0 && ratio < 0.15, "{ratio}");
         assert_eq!(&row[over], "0.0");

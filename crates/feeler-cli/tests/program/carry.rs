@@ -1,10 +1,10 @@
-//! Carrying objects by touch through the program: slid over a table, lifted, made heavier and slippery.
+//! Carrying objects by touch: slid over a table, lifted, made heavier and slippery.
 
 use crate::program::{folder, part, run, summary};
 use serde_json::Value;
 use std::path::Path;
 
-/// Runs `experiment` with `settings`; `summary.json` of the run.
+/// Runs `experiment` with `settings`, and returns the `summary.json` of the run.
 fn carry(folder: &Path, name: &str, experiment: &str, settings: &[String]) -> Value {
     let mut arguments = vec!["run", experiment, "--out", name];
     if !settings
@@ -20,7 +20,7 @@ fn carry(folder: &Path, name: &str, experiment: &str, settings: &[String]) -> Va
     summary(&folder.join(name))
 }
 
-/// Within 2 mm and 3 degrees of the path's end, by the simulator's own poses, and never tipped.
+/// Asserts that the object ended within 2 mm and 3 degrees of the path's end, by ground truth, and never tipped.
 fn assert_carried(summary: &Value, what: &str) {
     assert_eq!(summary["outcome"], "carried", "{what}");
     let distance = part(summary, "distance from the end of the path");
@@ -32,7 +32,7 @@ fn assert_carried(summary: &Value, what: &str) {
 }
 
 #[test]
-fn boxes_of_any_mass_are_slid_over_tables_of_any_friction() {
+fn boxes_are_slid_with_various_masses_and_frictions() {
     let folder = folder("carry-slide");
     for experiment in ["slide-box", "slide-box-two"] {
         for (seed, mass) in [0.03, 0.09, 0.15].into_iter().enumerate() {
@@ -51,7 +51,7 @@ fn boxes_of_any_mass_are_slid_over_tables_of_any_friction() {
 }
 
 #[test]
-fn what_grows_heavier_and_slippery_is_neither_dropped_nor_crushed() {
+fn heavier_and_slippery_object_is_neither_dropped_nor_crushed() {
     let folder = folder("carry-lift");
     let shapes = [
         "{ box = { size = [0.024, 0.024, 0.040] } }",
@@ -68,17 +68,17 @@ fn what_grows_heavier_and_slippery_is_neither_dropped_nor_crushed() {
         ];
         let summary = carry(&folder, &format!("lift-{index}"), "lift", &settings);
         assert_carried(&summary, shape);
-        // It was lifted by 20 mm, and stood on the table again in the end.
+        // The object was lifted by 20 mm, and is on the table again at the end.
         let below = part(&summary, "highest position below the path's");
         assert!(below <= 5.0, "{shape}: {below} mm");
         let force = part(&summary, "largest grasp force of a finger");
         assert!(force <= 5.0, "{shape}: {force} N");
-        // Half of 0.12 kg for each finger, at the feelers' friction of 1.02 with 5 % of variation, times what is left
-        // of it: less could not have held it.
+        // Each finger carries half of 0.12 kg, at the feelers' friction of 1.02 with 5 % of variation, times the
+        // remaining factor. A lower force could not have held the object.
         let least = 0.5 * 0.12 * 9.81 / (1.02 * 1.05 * factor);
         assert!(force >= least, "{shape}: {force} N");
-        // Where nothing slips, it is gripped as the believed friction of 0.7 asks for, with the margin of 1.6: not as hard
-        // as it may be. Pouring, noise and the rubber's spread of forces add no more than a fifth.
+        // Without slip, the grip follows from the assumed friction of 0.7 with the margin of 1.6, and is below the
+        // maximum. Pouring, noise and the rubber's spread of forces add at most a fifth.
         if factor == 0.6 {
             assert!(
                 force <= 1.2 * 1.6 * 0.5 * 0.12 * 9.81 / 0.7,
@@ -89,9 +89,9 @@ fn what_grows_heavier_and_slippery_is_neither_dropped_nor_crushed() {
 }
 
 #[test]
-fn what_falls_is_given_up_before_the_fingers_press_each_other() {
+fn dropped_object_ends_the_task_before_the_fingers_collide() {
     let folder = folder("carry-lost");
-    // Lifted high enough to fall clear of the fingers, and too slippery to be held with 2 N.
+    // Lifted high enough to fall clear of the fingers, and too slippery for a grip of 2 N.
     let settings = [
         "task.carry.crush_force=2",
         "task.carry.waypoint=[{to=[0.0,0.0,0.045],hold=9.0}]",
@@ -112,11 +112,11 @@ fn what_falls_is_given_up_before_the_fingers_press_each_other() {
 }
 
 #[test]
-fn an_object_is_lifted_through_pictures_too() {
+fn object_is_lifted_with_image_sensing() {
     let folder = folder("carry-pictures");
     let summary = carry(&folder, "pictures", "lift", &["sensing=image".to_string()]);
     assert_eq!(summary["sensing"], "image");
-    assert_carried(&summary, "through pictures");
+    assert_carried(&summary, "with image sensing");
     assert!(part(&summary, "largest grasp force of a finger") <= 5.0);
 }
 

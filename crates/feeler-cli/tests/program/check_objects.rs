@@ -1,11 +1,11 @@
-//! What `feeler check` says about objects before anything runs.
+//! Checks of objects by `feeler check`.
 
 use crate::program::{folder, run};
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
 
-/// Writes an OBJ file of a cube of `side`, in whatever unit, without its last `missing` triangles.
+/// Writes an OBJ file of a cube of edge length `side`, in any unit, without its last `missing` triangles.
 fn cube(path: &Path, side: f64, missing: usize) {
     let mut text = String::new();
     for corner in 0..8 {
@@ -33,7 +33,7 @@ fn cube(path: &Path, side: f64, missing: usize) {
     fs::write(path, text).unwrap();
 }
 
-/// The reference experiment in `folder` with one more object.
+/// Writes the reference experiment with an additional object to `folder`.
 fn with_object(folder: &Path, object: &str) {
     crate::program::experiment(
         folder,
@@ -51,10 +51,10 @@ fn mesh(file: &str, scale: f64) -> String {
 }
 
 #[test]
-fn a_mesh_in_a_wrong_unit_is_warned_of_or_refused() {
+fn mesh_in_a_wrong_unit_causes_a_warning_or_an_error() {
     let folder = folder("check-millimetres");
     cube(&folder.join("cube.obj"), 20.0, 0);
-    // Within what an object may measure, but beyond links of 30, 60 and 55 mm and a dome of 18 mm.
+    // Within the permitted size of an object, but beyond links of 30, 60 and 55 mm and a dome of 18 mm.
     with_object(&folder, &mesh("cube.obj", 0.01));
     let warned = run(&folder, &["check", "my.toml"]).done();
     let words = [
@@ -74,7 +74,7 @@ fn a_mesh_in_a_wrong_unit_is_warned_of_or_refused() {
 }
 
 #[test]
-fn a_large_table_is_not_warned_of_but_a_large_free_box_is() {
+fn large_free_objects_cause_a_warning_but_fixed_ones_do_not() {
     let folder = folder("check-large");
     let table = "shape.box = { size = [1.0, 1.0, 0.02] }\nposition = [0.0, 0.0, 0.0]\nmotion = ";
     with_object(&folder, &format!("{table}\"fixed\""));
@@ -93,7 +93,7 @@ fn a_large_table_is_not_warned_of_but_a_large_free_box_is() {
 }
 
 #[test]
-fn what_cannot_be_built_is_refused_before_it_runs() {
+fn invalid_objects_are_refused_before_the_run() {
     let folder = folder("check-refused");
     cube(&folder.join("open.obj"), 20.0, 1);
     let free = "shape.sphere = { radius = 0.01 }\nmotion = { free = {} }\nposition = ";

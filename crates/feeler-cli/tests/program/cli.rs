@@ -1,11 +1,11 @@
-//! What the program does for a user, through the program itself.
+//! Basic commands of the program.
 
 use crate::program::{Ended, experiment, feeler, folder, run, summary, whole_run};
 use std::fs;
 use std::process::Stdio;
 
 #[test]
-fn without_arguments_it_says_how_to_go_on() {
+fn usage_is_printed_without_arguments() {
     let folder = folder("help");
     run(&folder, &[]).refused(&["Usage: feeler", "Examples:", "feeler run cap-closing"]);
     let help = run(&folder, &["--help"]).done();
@@ -19,7 +19,7 @@ fn without_arguments_it_says_how_to_go_on() {
 }
 
 #[test]
-fn it_lists_and_checks_experiments() {
+fn experiments_are_listed_and_checked() {
     let folder = folder("check");
     let list = run(&folder, &["list"]).done();
     assert!(
@@ -39,7 +39,7 @@ fn it_lists_and_checks_experiments() {
 }
 
 #[test]
-fn a_run_leaves_recording_report_and_summary() {
+fn run_writes_recording_report_and_summary() {
     let folder = folder("run");
     let run_folder = whole_run(&folder);
     let page = fs::read_to_string(run_folder.join("report.html")).unwrap();
@@ -49,7 +49,7 @@ fn a_run_leaves_recording_report_and_summary() {
     assert_eq!(first["seed"], 0);
     assert_eq!(first["strokes"].as_array().unwrap().len(), 4);
 
-    // The report again, from the recording alone.
+    // Make the report again from the recording alone.
     for file in ["report.html", "summary.json"] {
         fs::remove_file(run_folder.join(file)).unwrap();
     }
@@ -65,7 +65,7 @@ fn a_run_leaves_recording_report_and_summary() {
 }
 
 #[test]
-fn a_run_is_varied_from_the_command_line() {
+fn command_line_options_change_the_run() {
     let folder = folder("varied");
     let arguments = [
         "run",
@@ -76,7 +76,7 @@ fn a_run_is_varied_from_the_command_line() {
         "--set=sensor.fingertip.camera.centre_px=[319.0, 240.0]",
         "--set=hand.finger.1.joint_speed_limit.0=1.5",
     ];
-    // Without --out, every run gets a folder of its own.
+    // Without --out, every run gets a new folder.
     for name in ["", "-2", "-3"] {
         let said = run(&folder, &arguments).done();
         let path = format!("runs/cap-closing-direct-seed7{name}");
@@ -88,7 +88,7 @@ fn a_run_is_varied_from_the_command_line() {
 }
 
 #[test]
-fn a_run_that_is_held_back_is_the_same_run() {
+fn speed_does_not_change_the_run() {
     let folder = folder("speed");
     let start = [
         "run",
@@ -111,16 +111,16 @@ fn a_run_that_is_held_back_is_the_same_run() {
     }
 }
 
-/// Nobody is at a terminal here; a build without the view says so instead.
+/// The tests have no terminal. A build without the view refuses the flag, too.
 #[test]
-fn a_run_that_nobody_can_watch_is_refused() {
+fn top_is_refused_without_a_terminal() {
     let folder = folder("top");
     run(&folder, &["run", "cap-closing", "--top"]).refused(&["--top", "terminal"]);
     assert!(!folder.join("runs").exists());
 }
 
 #[test]
-fn a_task_that_is_not_done_ends_with_status_1_and_says_why() {
+fn unfinished_task_ends_with_status_1_and_a_reason() {
     let folder = folder("not-done");
     let start = ["run", "cap-closing", "--sensing=direct", "--out"];
     let ended = run(
@@ -161,9 +161,9 @@ fn a_calibration_can_be_made_and_used() {
     );
 }
 
-/// The reader of a pipe leaves before anything is written.
+/// The reader of a pipe closes it before anything is written.
 #[test]
-fn a_closed_pipe_loses_nothing() {
+fn closed_pipe_does_not_affect_output_files() {
     let folder = folder("pipe");
     let run = ["run", "cap-closing", "--sensing=direct", "--out=run"];
     let commands: [&[&str]; 5] = [

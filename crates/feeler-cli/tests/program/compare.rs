@@ -1,4 +1,4 @@
-//! `feeler compare`, and the control laws that it compares, through the program.
+//! `feeler compare`, and the control laws that it compares.
 
 use crate::program::{Ended, document, feeler, folder, rows, run};
 use feeler::control::law::LawConfig;
@@ -31,7 +31,7 @@ fn peak_force(row: &HashMap<String, String>) -> f64 {
 }
 
 #[test]
-fn one_trial_has_no_interval() {
+fn single_trial_has_no_interval() {
     let folder = folder("compare-one");
     let arguments = [
         "compare",
@@ -53,7 +53,7 @@ fn one_trial_has_no_interval() {
 }
 
 #[test]
-fn laws_are_compared_on_the_same_draws_and_the_best_beats_the_papers() {
+fn laws_are_compared_on_the_same_trials_and_best_beats_the_papers_law() {
     let folder = folder("compare-laws");
     let said = run(&folder, &compare(&["--trials=24", "-o=c"])).done();
     assert!(
@@ -75,17 +75,18 @@ fn laws_are_compared_on_the_same_draws_and_the_best_beats_the_papers() {
                 assert_eq!(own[drawn], first[drawn], "{drawn}");
             }
             assert!((0.4..1.2).contains(&own["friction"].parse::<f64>().unwrap()));
-            // A cap that was turned was slipped over, and friction never gives work back.
+            // The feelers slipped over the turned cap, and friction only dissipates energy.
             assert!(own["slip_work"].parse::<f64>().unwrap() > 0.0);
         }
     }
     let [paper, best] = [&tables[0], &tables[4]];
     let torque = |row: &HashMap<String, String>| row["cap_torque"].parse::<f64>().unwrap();
-    // 200 trials find 20 % more (docs/benchmarks.md): beside soft feelers, the paper's law leaves less to gain.
+    // 200 trials show 20 % more (docs/benchmarks.md): with soft feelers, the paper's law leaves less to gain.
     assert!(mean(best, torque) > 1.1 * mean(paper, torque));
     assert!(mean(best, peak_force) < mean(paper, peak_force));
-    // What the seat holds is what the torque sensor saw at most, to the static factor and its noise; a peak between two of its samples, 10 ms
-    // apart, it does not see whole. Of 1,200 trials of another seed the least ratio is 0.948, in two it is below 0.95, and the greatest is 1.047.
+    // The torque that the seat holds is the largest measured torque, up to the static friction factor and the noise. A
+    // peak between two samples, 10 ms apart, is measured only in part. In 1,200 trials of another seed, the smallest
+    // ratio is 0.948, two are below 0.95, and the largest is 1.047.
     for row in best {
         let seen = (1..=4).map(|k| {
             row[&format!("stroke{k}.peak_torque")]
@@ -139,15 +140,15 @@ fn paths_are_compared_over_the_strokes_in_which_the_cap_is_closed() {
         let row = page.laws[0].rows.iter().find(|row| row.name == name);
         row.expect("a row").value.map(|[_, mean, _]| mean)
     };
-    // Of 2 mm, the mean of strokes 3 and 4, and of 4 mm, as there was no fourth stroke.
+    // The mean of 2 mm, from strokes 3 and 4, and 4 mm, because the second trial has no fourth stroke.
     let spread = mean("distance to axis, std (mm)").expect("a mean");
     assert!((spread - 3.0).abs() < 1e-9, "{spread}");
-    // No column, no value.
+    // A missing column has no value.
     assert_eq!(mean("curvature relative to the arc"), None);
 }
 
 #[test]
-fn a_comparison_that_was_stopped_goes_on_to_the_same_end() {
+fn resumed_comparison_gives_the_same_result() {
     let folder = folder("compare-resumed");
     let laws = ["--laws=best,open-loop", "--trials=6"];
     run(
@@ -165,7 +166,7 @@ fn a_comparison_that_was_stopped_goes_on_to_the_same_end() {
     assert_eq!(whole, read("two/best/trials.csv"));
     assert_eq!(read("one/compare.html"), read("two/compare.html"));
 
-    // As after a stop: the second law has two rows, the first all.
+    // State after an interruption: the second law has two rows, the first has all.
     let lines: Vec<_> = read("two/open-loop/trials.csv");
     let lines: Vec<_> = lines.split_inclusive(|&b| b == b'\n').collect();
     fs::remove_file(folder.join("two/open-loop/trials.csv")).unwrap();
@@ -198,7 +199,7 @@ fn a_comparison_that_was_stopped_goes_on_to_the_same_end() {
 
 #[cfg(unix)]
 #[test]
-fn ctrl_c_keeps_the_trials_that_all_laws_have() {
+fn interrupted_comparison_keeps_the_trials_of_all_laws() {
     use std::process::{Command, Stdio};
     use std::time::{Duration, Instant};
     let folder = folder("compare-interrupted");
@@ -236,7 +237,7 @@ fn ctrl_c_keeps_the_trials_that_all_laws_have() {
 }
 
 #[test]
-fn what_makes_no_sense_is_refused_before_anything_runs() {
+fn invalid_arguments_are_refused_before_the_first_trial() {
     let folder = folder("compare-refused");
     for (arguments, words) in [
         (
@@ -291,7 +292,7 @@ fn what_makes_no_sense_is_refused_before_anything_runs() {
         run(&folder, &compare(&[arguments, &["-o=c"]].concat())).refused(words);
         assert!(!folder.join("c").exists(), "{arguments:?}");
     }
-    // Its laws would all do the same.
+    // In these experiments, all control laws would behave the same.
     for name in ["cap-until-closed", "lift"] {
         let words = [
             name,

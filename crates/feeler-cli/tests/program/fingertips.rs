@@ -1,4 +1,4 @@
-//! Fingertips of other makers, simulated: a cap is screwed by what their pictures say.
+//! Simulated fingertips of other designs: the hand screws a cap with the forces sensed from their images.
 
 use crate::program::{folder, run, summary};
 use std::thread;
@@ -11,7 +11,7 @@ fn fingertips_with_pins_fibres_and_dots_turn_the_cap() {
         run(&folder, &arguments).done();
         let summary = summary(&folder.join("run"));
         let angle = summary["cap_angle"].as_f64().expect("an angle");
-        // Two strokes bring the cap onto its seat, at 0.59 rad, 5 % more or less.
+        // Two strokes turn the cap onto its seat at 0.59 rad, within 5 %.
         assert!(angle > 0.95 * 0.59, "{experiment}: {angle} rad");
     };
     thread::scope(|scope| {

@@ -1,9 +1,9 @@
-//! What the program prints for other programs: JSON, completions, pages of the manual; and its help.
+//! Output for other programs (JSON, shell completions, manual pages), and the help.
 
 use crate::program::{folder, run};
 use serde_json::Value;
 
-/// The one object that a command prints.
+/// Parses the single object that a command prints.
 fn object(text: &str) -> Value {
     let value: Value = serde_json::from_str(text).expect("one JSON value");
     assert!(value.is_object(), "{value}");
@@ -11,7 +11,7 @@ fn object(text: &str) -> Value {
 }
 
 #[test]
-fn lists_and_checks_are_objects() {
+fn list_and_check_print_json_objects() {
     let folder = folder("json");
     let listed = object(&run(&folder, &["list", "--json"]).done());
     assert_eq!(listed["experiments"][0]["name"], "cap-closing");
@@ -24,7 +24,7 @@ fn lists_and_checks_are_objects() {
         (&checked["strokes"], &checked["simulated"]),
         (&4.into(), &true.into())
     );
-    // What is wrong is on both streams.
+    // Problems are printed on both streams.
     let wrong = [
         "check",
         "cap-closing",
@@ -45,13 +45,13 @@ fn lists_and_checks_are_objects() {
     );
     let cameras = object(&run(&folder, &["cameras", "--json"]).done());
     assert!(cameras["video4linux"]["cameras"].is_array());
-    // Without a hand there is nothing to say but the error.
+    // Without a hand, only the error is printed.
     let stop = run(&folder, &["stop", "no-such-rig", "--json"]);
     assert_eq!((stop.status, stop.stdout.as_str()), (Some(2), ""));
 }
 
 #[test]
-fn calibrations_layouts_and_scores_are_objects() {
+fn calibrate_locate_and_score_slip_print_json_objects() {
     let folder = folder("json-sensor");
     let loads = [
         "calibrate",
@@ -84,12 +84,12 @@ fn calibrations_layouts_and_scores_are_objects() {
 }
 
 #[test]
-fn a_setting_is_found_by_part_of_its_key() {
+fn setting_is_found_by_part_of_its_key() {
     let folder = folder("set-part");
     let check = |setting: &str| run(&folder, &["check", "cap-closing", "--set", setting]);
     check("slip_threshold=6").done();
     check("cap.radius=0.0139").done();
-    // The value is checked under the whole key.
+    // The value is checked under the full key.
     check("slip_threshold=-1").refused(&["control.slip_threshold = -1"]);
     check("slip_treshold=6").refused(&["slip_treshold", "control.slip_threshold"]);
     check("elements=6").refused(&["could mean any of", "sensor.fingertip.layout.rings"]);
@@ -104,7 +104,7 @@ fn a_setting_is_found_by_part_of_its_key() {
 }
 
 #[test]
-fn shells_and_man_know_the_program() {
+fn completions_and_manual_pages_are_printed() {
     let folder = folder("completions");
     for shell in ["bash", "zsh", "fish", "powershell", "elvish"] {
         let script = run(&folder, &["completions", shell]).done();
@@ -128,7 +128,7 @@ fn shells_and_man_know_the_program() {
 }
 
 #[test]
-fn help_has_groups_and_is_as_wide_as_the_terminal() {
+fn help_has_groups_and_fits_the_terminal() {
     let folder = folder("help-groups");
     let help = run(&folder, &["--help"]).done();
     let groups = [

@@ -1,5 +1,4 @@
-//! The friction scan through the program: what it finds, what it says where it cannot, and that a replay
-//! finds the same.
+//! The friction scan: its results, its outcome without a measurement, and that a replay gives the same results.
 
 use crate::program::{Ended, document, folder, run, summary};
 use feeler_lab::config::Experiment;
@@ -10,7 +9,7 @@ use serde_json::Value;
 use std::fs;
 use std::path::Path;
 
-/// Runs the scan with these settings; how it ended and its `summary.json`.
+/// Runs the scan with `settings`, and returns the ended program and its `summary.json`.
 fn scan(folder: &Path, settings: &[&str]) -> (Ended, Value) {
     let mut arguments = vec!["run", "friction-scan", "--out", "scan"];
     for setting in settings {
@@ -28,14 +27,14 @@ const FRICTION: [&str; 4] = [
 ];
 
 #[test]
-fn it_finds_both_coefficients_from_pictures_and_a_replay_finds_the_same() {
+fn scan_measures_both_coefficients_and_a_replay_reproduces_them() {
     let folder = folder("friction-scan");
     let (ended, summary) = scan(&folder, &FRICTION);
     ended.done();
     assert_eq!(summary["sensing"], "image");
     assert_eq!(summary["outcome"], "measured");
     let found = |name: &str| summary["findings"][name].as_f64().expect("a number");
-    // What the issue asks for, 5 %.
+    // The required accuracy is 5 %.
     assert!(
         (found("static_friction") / 0.45 - 1.0).abs() < 0.05,
         "{summary}"
@@ -44,7 +43,8 @@ fn it_finds_both_coefficients_from_pictures_and_a_replay_finds_the_same() {
         (found("kinetic_friction") / 0.36 - 1.0).abs() < 0.05,
         "{summary}"
     );
-    // The specimen is turned by -2 degrees about W's z; half a degree is what shear that is off by 1 % of the load makes.
+    // The specimen is rotated by -2 degrees about W's z. A shear error of 1 % of the load causes an error of half a
+    // degree.
     assert!((found("tilt").to_degrees() + 2.0).abs() < 0.5, "{summary}");
 
     let replay = |settings: &[&str]| {
@@ -56,7 +56,7 @@ fn it_finds_both_coefficients_from_pictures_and_a_replay_finds_the_same() {
         printed.contains("findings") && printed.contains("bit for bit"),
         "{printed}"
     );
-    // Other strokes are other findings.
+    // Other strokes give other findings.
     let printed = replay(&["--set=task.friction_scan.strokes=3"]).done();
     assert!(printed.contains("first of findings: "), "{printed}");
     assert!(
@@ -66,7 +66,7 @@ fn it_finds_both_coefficients_from_pictures_and_a_replay_finds_the_same() {
 }
 
 #[test]
-fn random_specimens_are_found_within_5_per_cent() {
+fn random_specimens_are_measured_within_5_percent() {
     let folder = folder("friction-scan-sweep");
     // Friction differs from seed to seed: static from 0.2 to 1.2, kinetic from 0.6 to 1 of that.
     let arguments = [
@@ -95,7 +95,7 @@ fn random_specimens_are_found_within_5_per_cent() {
         let errors = numbers(&format!("claim.{coefficient}-friction.value"));
         assert!(errors.iter().all(|error| error.abs() <= 0.05), "{errors:?}");
     }
-    // They do differ.
+    // The specimens do differ.
     let found = numbers("found.static_friction");
     let (least, most) = found
         .iter()
@@ -107,7 +107,7 @@ fn random_specimens_are_found_within_5_per_cent() {
 }
 
 #[test]
-fn the_report_shows_what_was_found_and_what_is_true() {
+fn report_shows_measured_and_true_coefficients() {
     let folder = folder("friction-scan-report");
     let (ended, _) = scan(&folder, &[&["sensing=\"direct\""][..], &FRICTION].concat());
     assert!(ended.done().contains("3 of 3 claims of this task pass"));
@@ -131,7 +131,7 @@ fn the_report_shows_what_was_found_and_what_is_true() {
 }
 
 #[test]
-fn a_scan_that_is_cut_short_has_a_report_of_what_there_is() {
+fn scan_that_reaches_its_time_limit_has_a_report() {
     for time in ["0.5", "3.0", "9.0"] {
         let folder = folder(&format!("friction-scan-until-{time}"));
         let limit = format!("time_limit={time}");
@@ -144,9 +144,9 @@ fn a_scan_that_is_cut_short_has_a_report_of_what_there_is() {
     }
 }
 
-/// The report takes the elements' frames from the recorded tips, the control law from the layout.
+/// The report computes the elements' frames from the recorded tips, the control law from the layout.
 #[test]
-fn the_report_sees_the_forces_that_the_task_saw() {
+fn report_and_task_use_the_same_forces() {
     let settings = ["sensing=\"direct\"".to_string()];
     let experiment = Experiment::load("friction-scan", &settings).expect("an experiment");
     let mut session = Session::new(&experiment).expect("a session");
@@ -179,7 +179,7 @@ fn the_report_sees_the_forces_that_the_task_saw() {
             let force = data.fingers[0]
                 .force_in_world(row, element)
                 .expect("a force");
-            // Rounding of positions of 0.1 m, against a dome of 0.018 m.
+            // Rounding errors of positions of 0.1 m, relative to a dome of 0.018 m.
             assert!(
                 (force - seen).length() < 1e-12,
                 "row {row}, element {element}"
@@ -189,7 +189,7 @@ fn the_report_sees_the_forces_that_the_task_saw() {
 }
 
 #[test]
-fn where_nothing_slips_it_says_so_and_spares_the_elements() {
+fn scan_without_slip_ends_before_overloading_the_elements() {
     let folder = folder("friction-scan-stuck");
     let settings = [
         "sensing=\"direct\"",
@@ -207,12 +207,12 @@ fn where_nothing_slips_it_says_so_and_spares_the_elements() {
     let shear = forces
         .map(|force| force.x.hypot(force.y))
         .fold(0.0, f64::max);
-    // Three times what the element bears of the load of 1 N, and a little for tilt and noise.
+    // Three times the element's share of the load of 1 N, plus some tilt and noise.
     assert!((1.5..3.3).contains(&shear), "{shear} N");
 }
 
 #[test]
-fn too_short_a_stroke_ends_without_a_slip() {
+fn too_short_stroke_ends_without_slip() {
     let folder = folder("friction-scan-short");
     let settings = [
         "sensing=\"direct\"",
@@ -228,7 +228,7 @@ fn too_short_a_stroke_ends_without_a_slip() {
 }
 
 #[test]
-fn what_cannot_be_done_is_refused() {
+fn impossible_scans_are_refused() {
     let folder = folder("friction-scan-refused");
     let cases: [(&str, &[&str]); 11] = [
         (

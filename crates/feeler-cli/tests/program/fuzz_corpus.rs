@@ -1,4 +1,4 @@
-//! Feeds the corpora of the fuzz targets to what the targets run, without cargo-fuzz.
+//! Feeds the corpora of the fuzz targets to the functions of the targets, without cargo-fuzz.
 
 #[path = "../../../../fuzz/src/bodies.rs"]
 mod bodies;
@@ -14,27 +14,27 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use std::path::Path;
 
-/// The files of a target's corpus.
+/// Contents of the files in a target's corpus.
 fn corpus(target: &str) -> Vec<Vec<u8>> {
     let folder = Path::new(concat!(env!("CARGO_MANIFEST_DIR"), "/../.."))
         .join("fuzz/corpus")
         .join(target);
     let files = std::fs::read_dir(&folder).expect("the target's corpus");
     let mut paths: Vec<_> = files.map(|file| file.expect("a file").path()).collect();
-    // Folders list them as they please.
+    // The order of directory entries is unspecified.
     paths.sort();
     let bytes = paths.iter().map(std::fs::read);
     bytes.collect::<Result<_, _>>().expect("their bytes")
 }
 
-/// Feeds every file of a target's corpus to it; at least one must be sound.
+/// Feeds every file of a target's corpus to it. At least one must be valid.
 fn feed(target: &str, body: fn(&[u8]) -> bool) {
     let sound = corpus(target).iter().filter(|bytes| body(bytes)).count();
-    assert!(sound > 0, "no file of {target}'s corpus is sound");
+    assert!(sound > 0, "the corpus of {target} has no valid file");
 }
 
-/// Feeds hostile bytes to a target, ten million with `FEELER_FUZZ=10000000`: noise, and files of its corpus that are cut off and have other
-/// bytes.
+/// Feeds hostile bytes to a target (ten million with `FEELER_FUZZ=10000000`): noise, and corpus files that are
+/// truncated and have changed bytes.
 fn survive(target: &str, body: fn(&[u8]) -> bool) {
     let (corpus, mut random) = (corpus(target), Pcg64::seed_from_u64(1));
     let mut left = how_many("FEELER_FUZZ", 20_000);
@@ -58,14 +58,14 @@ fn survive(target: &str, body: fn(&[u8]) -> bool) {
 }
 
 #[test]
-fn packets_of_other_makers_may_be_hostile() {
+fn hostile_packets_of_devices_cause_no_panic() {
     survive("drives_bus", bodies::drives_bus);
     survive("netft", bodies::netft);
     survive("ros2", bodies::ros2);
 }
 
-/// Feeds damaged files of a target's corpus to it, a million with `FEELER_MUTATIONS=1000000`: bytes changed, left out or repeated,
-/// the end cut off, the end of another file put behind.
+/// Feeds damaged corpus files to a target (a million with `FEELER_MUTATIONS=1000000`): with changed, removed or
+/// repeated bytes, truncated, or with the end of another file appended.
 fn mutate(target: &str, body: fn(&[u8]) -> bool) {
     let (corpus, mut random) = (corpus(target), Pcg64::seed_from_u64(2));
     for _ in 0..how_many("FEELER_MUTATIONS", 300) {
@@ -90,7 +90,7 @@ fn mutate(target: &str, body: fn(&[u8]) -> bool) {
 }
 
 #[test]
-fn files_of_other_programs_may_be_damaged() {
+fn damaged_files_cause_no_panic() {
     mutate("picture", bodies::picture);
     mutate("recording", bodies::recording);
     mutate("loads", bodies::loads);
@@ -109,7 +109,7 @@ fn layouts() {
 }
 
 #[test]
-fn buses_of_servos() {
+fn servo_buses() {
     feed("drives_bus", bodies::drives_bus);
 }
 
@@ -174,13 +174,14 @@ fn inboxes() {
 }
 
 #[test]
-fn stop_doors() {
+fn stop_calls() {
     feed("stop_wire", bodies::stop_wire);
 }
 
-/// What the fuzzer does, without one: steps drawn at random. `FEELER_FUZZ` says how many inputs, `FEELER_FUZZ_SEED` which.
+/// Runs the targets on random input without a fuzzer. `FEELER_FUZZ` is the number of inputs, `FEELER_FUZZ_SEED` the
+/// seed.
 #[test]
-fn inboxes_keep_their_promises_whatever_is_drawn() {
+fn inboxes_keep_their_invariants_on_random_input() {
     let inputs = how_many("FEELER_FUZZ", 2000);
     let mut random = Pcg64::seed_from_u64(how_many("FEELER_FUZZ_SEED", 14) as u64);
     let mut sound = 0_u64;
@@ -195,13 +196,13 @@ fn inboxes_keep_their_promises_whatever_is_drawn() {
 }
 
 #[test]
-fn each_message_is_one_that_is_taken() {
+fn each_kind_of_message_is_accepted() {
     for (place, message) in messages().iter().enumerate() {
         assert!(bodies::link(message), "{place}: {message:?}");
     }
 }
 
-/// Writes the link's corpus anew, after its messages have changed:
+/// Rewrites the link's corpus after its messages have changed:
 /// `cargo test --test program fuzz_corpus:: -- --ignored write`.
 #[test]
 #[ignore = "writes into the source tree"]
@@ -216,7 +217,7 @@ fn write_the_corpus_of_the_link() {
     }
 }
 
-/// One message of each kind, as the link's fuzz target reads them, by the programs that it introduces.
+/// One message of each kind in the format of the link's fuzz target, sent by the programs that it introduces.
 fn messages() -> Vec<Vec<u8>> {
     let header = |instance, sequence| MessageHeader {
         protocol: PROTOCOL,
@@ -227,7 +228,7 @@ fn messages() -> Vec<Vec<u8>> {
         ..MessageHeader::default()
     };
     let update = TactileUpdate {
-        // By a camera's own clock.
+        // Stamped by a separate camera clock.
         header: MessageHeader {
             clock: 3,
             ..header(3, 1)

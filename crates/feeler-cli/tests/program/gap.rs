@@ -1,4 +1,4 @@
-//! A recording of which messages are missing, as the disk took nothing for a while: a pipe that nobody reads.
+//! A recording with missing messages after the disk accepted no data for a while, simulated by a pipe without a reader.
 
 use crate::program::{folder, run, whole_run};
 use feeler_record::{
@@ -11,7 +11,7 @@ use std::process::Command;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
-/// Writes a control step that is on record, all but what the instruments say.
+/// Writes a recorded control step, without the instruments.
 fn write_step(recorder: &mut Recorder, from: &Recording, step: usize) -> Result<(), RecordError> {
     for (index, finger) in from.fingers.iter().enumerate() {
         recorder.write(topics::tactile(index), &finger.tactile[step])?;
@@ -24,7 +24,7 @@ fn write_step(recorder: &mut Recorder, from: &Recording, step: usize) -> Result<
     recorder.step_ends().map(|_| ())
 }
 
-/// All that goes through the pipe at `path`, which is read from when somebody says so.
+/// Everything written to the pipe at `path`. Reading starts after a message from `go`.
 fn read_late(path: &Path, go: &Receiver<()>) -> Vec<u8> {
     let mut pipe = File::open(path).expect("the pipe");
     go.recv().expect("the start");
@@ -33,7 +33,7 @@ fn read_late(path: &Path, go: &Receiver<()>) -> Vec<u8> {
     bytes
 }
 
-/// Records the run `from` at `path` again, with a gap after 100 steps.
+/// Records the run `from` again at `path`, with a gap.
 fn with_gap(from: &Recording, path: &Path) {
     let pipe = path.with_extension("pipe");
     let made = Command::new("mkfifo").arg(&pipe).status();
@@ -59,7 +59,7 @@ fn with_gap(from: &Recording, path: &Path) {
     go.send(()).unwrap();
     for step in step..steps {
         write_step(&mut recorder, from, step).unwrap();
-        // From here on the disk is fast enough.
+        // From here on, the disk is fast enough.
         std::thread::sleep(Duration::from_micros(200));
     }
     assert!(recorder.dropped() > 0);
@@ -69,7 +69,7 @@ fn with_gap(from: &Recording, path: &Path) {
 }
 
 #[test]
-fn a_gap_is_told_wherever_the_recording_is_read() {
+fn gap_is_reported_by_all_readers() {
     let folder = folder("gap");
     let path = whole_run(&folder).join("recording.mcap");
     let whole = Recording::read(&path).unwrap();
@@ -77,7 +77,7 @@ fn a_gap_is_told_wherever_the_recording_is_read() {
     let recording = Recording::read(&path).unwrap();
     let before = recording.gaps[0].steps_before;
     assert!(before > 0 && before < recording.task.len());
-    // What is on record of each step is of one step: the lists have their gap in the same place.
+    // Every recorded step is complete: all lists have the gap in the same place.
     for finger in &recording.fingers {
         let stamps = finger.joints.iter().map(|joints| joints.stamp);
         assert!(stamps.eq(recording.task.iter().map(|task| task.stamp)));

@@ -1,4 +1,4 @@
-//! Hands of one to five fingers, each with a base, links and a sensor of its own.
+//! Hands of one to five fingers, each with a separate base, links and sensor.
 
 use crate::program::{Ended, experiment, folder, run, summary};
 use feeler_record::{FingerModel, FingerRecord, Recording};
@@ -17,10 +17,10 @@ fingertip.camera = { width = 640, height = 480, focal_length_px = 195.0, standof
 fingertip.moments = { dark_level = 24, subregion_radius = 0.0026 }
 ";
 
-/// The elements of that.
+/// Number of elements of [`SMALL`].
 const SMALL_ELEMENTS: usize = 21;
 
-/// Writes `my.toml`: the reference experiment with `fingers` about the cap and `sensors`.
+/// Writes `my.toml`: the reference experiment with `fingers` around the cap and the tables `sensors`.
 fn hand(folder: &Path, fingers: usize, sensors: &str) {
     experiment(folder, "", "");
     let text = fs::read_to_string(folder.join("my.toml")).unwrap();
@@ -30,7 +30,7 @@ fn hand(folder: &Path, fingers: usize, sensors: &str) {
     let (_, sim) = rest.split_once("[sim]\n").unwrap();
     let (mut bases, mut paths) = (String::new(), String::new());
     for finger in 0..fingers {
-        // The direction in which the finger points, from the first one's.
+        // Direction in which the finger points, relative to the first finger.
         let angle = TAU * finger as f64 / fingers as f64;
         let turned = |x: f64, y: f64| {
             let (sin, cos) = angle.sin_cos();
@@ -61,7 +61,7 @@ fn hand(folder: &Path, fingers: usize, sensors: &str) {
     fs::write(folder.join("my.toml"), text).unwrap();
 }
 
-/// How many elements each finger of the run called `name` has on record.
+/// Number of recorded elements of each finger in the run called `name`.
 fn elements(folder: &Path, name: &str) -> Vec<usize> {
     let recording = Recording::read(folder.join(name).join("recording.mcap")).unwrap();
     let models = recording.facts.hand.iter();
@@ -90,7 +90,7 @@ fn turned(folder: &Path, name: &str) -> f64 {
 }
 
 #[test]
-fn the_three_fingered_hand_closes_the_cap() {
+fn three_fingered_hand_closes_the_cap() {
     let folder = folder("hands-built-in");
     assert!(
         run(&folder, &["check", "three-fingers"])
@@ -102,7 +102,7 @@ fn the_three_fingered_hand_closes_the_cap() {
         &["run", "three-fingers", "--sensing=direct", "--out=direct"],
     )
     .done();
-    // It has met its seat, which stands at 0.59 rad and 5 % about that.
+    // The cap has reached its seat, which is at 0.59 rad within 5 %.
     assert!(
         turned(&folder, "direct") > 0.62,
         "{} rad",
@@ -142,7 +142,7 @@ fn out_of_time(ended: Ended) {
 }
 
 #[test]
-fn fingers_have_sensors_of_their_own() {
+fn fingers_can_have_different_sensors() {
     let folder = folder("hands-own-sensors");
     let own = format!(
         "[[sensor.finger]]\n\n[[sensor.finger]]\ncalibration = \"small.toml\"\n{SMALL}\n[[sensor.finger]]\n\n"
@@ -175,7 +175,7 @@ fn fingers_have_sensors_of_their_own() {
         check.contains("3 fingers of 41, 21, 41 elements"),
         "{check}"
     );
-    // Both through pictures and without: the smaller dome comes to the cap later, and still grasps.
+    // With and without images: the smaller dome reaches the cap later, and still grasps.
     run(&folder, &["run", "my.toml", "--out=image"]).done();
     run(
         &folder,
@@ -190,13 +190,13 @@ fn fingers_have_sensors_of_their_own() {
     assert_eq!(run(&folder, &sense).status, Some(0));
     let table = fs::read_to_string(folder.join("forces.csv")).unwrap();
     assert_eq!((table.lines().count() - 1) % SMALL_ELEMENTS, 0);
-    // The calibration of another finger's fingertip is none of this one's.
+    // The calibration of another finger's fingertip is refused.
     let other = "--set=sensor.finger.1.calibration=reference-fingertip.coupled.calibration.toml";
     run(&folder, &["check", "my.toml", other]).refused(&["finger 1", "another fingertip"]);
 }
 
 #[test]
-fn there_are_as_many_sensors_as_fingers_or_none() {
+fn number_of_sensors_must_match_number_of_fingers() {
     let folder = folder("hands-too-few-sensors");
     hand(&folder, 3, "[[sensor.finger]]\n\n[[sensor.finger]]\n\n");
     run(&folder, &["check", "my.toml"])

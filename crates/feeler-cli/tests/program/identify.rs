@@ -1,4 +1,4 @@
-//! `feeler identify`, through the program, and the probing routine that it runs.
+//! `feeler identify`, and the probing routine that it runs.
 
 use crate::program::{folder, run};
 use assert_no_alloc::assert_no_alloc;
@@ -18,7 +18,7 @@ fn probing_of(settings: &[&str]) -> Experiment {
 }
 
 #[test]
-fn it_estimates_the_reference_hand_and_writes_a_page() {
+fn identify_estimates_the_reference_hand_and_writes_a_page() {
     let folder = folder("identify");
     let command = ["identify", "cap-closing", "--sensing", "direct"];
     let printed = run(&folder, &command).done();
@@ -37,7 +37,7 @@ fn it_estimates_the_reference_hand_and_writes_a_page() {
         );
         assert!(estimate.low <= estimate.value && estimate.value <= estimate.high);
     };
-    // The targets; the bottle is off by 0.3 mm at most.
+    // The required accuracies. The position of the bottle varies by at most 0.3 mm.
     within(&found.object.pivot_x, 0.0, 1.3e-3);
     within(&found.object.pivot_y, 0.0, 1.3e-3);
     within(&found.object.radius, 0.014, 1.5e-3);
@@ -47,7 +47,7 @@ fn it_estimates_the_reference_hand_and_writes_a_page() {
         within(&finger.normal_stiffness, 205.0, 20.5);
         within(&finger.shear_stiffness, 127.0, 12.7);
         within(&finger.hysteresis, 0.0, 0.05);
-        // Friction differs by 5 % from seed to seed.
+        // Friction varies by 5 % from seed to seed.
         within(&finger.static_friction, 1.14, 0.06 + 0.057);
         within(&finger.kinetic_friction, 0.78, 0.06 + 0.039);
         within(&finger.servo_lag, 0.0125, 0.004);
@@ -67,7 +67,7 @@ fn it_estimates_the_reference_hand_and_writes_a_page() {
     run(&folder, &command).refused(&["identified.toml", "exists already", "--force"]);
     run(&folder, &[&command[..], &["--force"]].concat()).done();
     let again = fs::read_to_string(out.join(NAMES[0])).expect("a file");
-    assert_eq!(before, again, "the same seed");
+    assert_eq!(before, again, "runs with the same seed differ");
 }
 
 fn toml_of(text: &str) -> Identified {
@@ -75,7 +75,7 @@ fn toml_of(text: &str) -> Identified {
 }
 
 #[test]
-fn late_forces_and_a_stiff_finger_are_found() {
+fn delayed_forces_are_identified() {
     let folder = folder("identify-late");
     let printed = run(
         &folder,
@@ -103,7 +103,7 @@ fn late_forces_and_a_stiff_finger_are_found() {
 }
 
 #[test]
-fn a_probe_without_contact_or_rectangle_is_refused() {
+fn probe_without_contact_or_rectangle_is_refused() {
     let folder = folder("identify-refused");
     let refused = |arguments: &[&str], words: &[&str]| {
         let start = [
@@ -149,9 +149,9 @@ fn a_probe_without_contact_or_rectangle_is_refused() {
     );
 }
 
-/// The hardest hands to probe: soft and stiff, slow drives, much and little friction.
+/// Hands that are difficult to probe: soft and stiff feelers, slow drives, high and low friction.
 #[test]
-fn a_probe_takes_half_a_minute_at_most_and_overloads_nothing() {
+fn probe_takes_at_most_30_seconds_and_overloads_nothing() {
     let hands = [
         [
             "sim.feeler.normal_stiffness=120",
@@ -181,7 +181,7 @@ fn a_probe_takes_half_a_minute_at_most_and_overloads_nothing() {
 }
 
 #[test]
-fn the_probe_does_not_allocate() {
+fn probe_does_not_allocate() {
     let experiment = probing_of(&["sensing=direct"]);
     let (fingers, _) = fingers_at_home(&experiment.config).expect("fingers");
     let mut session = Session::new(&experiment).expect("a session");
@@ -198,9 +198,9 @@ fn the_probe_does_not_allocate() {
     assert_eq!(controller.phase(), Phase::Done);
 }
 
-/// Its fingers start farther from the cap than those of cap-closing.
+/// The fingers of any-hand start farther from the cap than those of cap-closing.
 #[test]
-fn a_probe_reaches_as_far_as_the_task_searches() {
+fn probe_searches_as_far_as_the_task() {
     let folder = folder("identify-any-hand");
     let said = run(&folder, &["identify", "any-hand", "--out", "found"]).done();
     assert!(said.contains("found/identified.toml"), "{said}");

@@ -1,4 +1,4 @@
-//! A run that is interrupted or killed leaves what it recorded.
+//! An interrupted or killed run leaves a readable recording.
 
 #![cfg(unix)]
 
@@ -8,9 +8,9 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::yield_now;
 
-/// Starts a run that goes on for hours and waits until so much of it is on the disk.
+/// Starts a run that takes hours, and waits until its recording has at least `bytes` bytes.
 fn start_long_run(folder: &Path, bytes: u64) -> Child {
-    // Strokes go on for ever: the cap never meets its seat.
+    // Strokes continue forever: the cap never reaches its seat.
     experiment(folder, "seat_angle = 0.59", "seat_angle = 1e6");
     let arguments = [
         "run",
@@ -27,7 +27,7 @@ fn start_long_run(folder: &Path, bytes: u64) -> Child {
     let written = || fs::metadata(&recording).map_or(0, |m| m.len());
     while written() < bytes {
         let ended = child.try_wait().expect("its state");
-        assert!(ended.is_none(), "it ended by itself: {ended:?}");
+        assert!(ended.is_none(), "the program ended by itself: {ended:?}");
         yield_now();
     }
     child
@@ -40,7 +40,7 @@ fn send(signal: &str, child: &Child) {
 }
 
 #[test]
-fn an_interrupted_run_is_closed_and_reported() {
+fn interrupted_run_is_closed_and_reported() {
     for signal in ["-INT", "-TERM"] {
         let folder = folder(&format!("interrupted{signal}"));
         let child = start_long_run(&folder, 300_000);
@@ -50,18 +50,21 @@ fn an_interrupted_run_is_closed_and_reported() {
         assert!(ended.stdout.contains("interrupted"), "{ended:?}");
         let page = fs::read_to_string(folder.join("run/report.html")).unwrap();
         assert!(page.contains("<title>INTERRUPTED: ") && page.contains("INTERRUPTED at t = "));
-        assert!(page.contains("not measured"), "what there was no time for");
+        assert!(
+            page.contains("not measured"),
+            "claims that the run did not reach"
+        );
         let made = summary(&folder.join("run"));
         assert_eq!(made["state"], "interrupted", "{made}");
         assert!(made["reason"].as_str().unwrap().contains("Ctrl-C"));
-        // The recording is whole: the same report can be made of it again.
+        // The recording is complete: it gives the same report again.
         run(&folder, &["report", "run"]).done();
         assert_eq!(summary(&folder.join("run")), made);
     }
 }
 
 #[test]
-fn a_killed_run_is_readable_up_to_its_last_chunk() {
+fn killed_run_is_readable_up_to_its_last_chunk() {
     let folder = folder("killed");
     let mut child = start_long_run(&folder, 1_000_000);
     send("-KILL", &child);
@@ -73,7 +76,7 @@ fn a_killed_run_is_readable_up_to_its_last_chunk() {
     assert!(page.contains("INCOMPLETE: readable up to"));
 }
 
-/// Ctrl-C keeps every grasp that is done, with its label, and says that there are fewer.
+/// Ctrl-C keeps every finished grasp with its label, and reports that there are fewer than requested.
 #[test]
 fn interrupted_grasps_keep_their_labels() {
     let folder = folder("simulate-grasps-interrupted");
@@ -83,7 +86,7 @@ fn interrupted_grasps_keep_their_labels() {
     let second = folder.join("grasps/recordings/00001.toml");
     while !second.exists() {
         let ended = child.try_wait().expect("its state");
-        assert!(ended.is_none(), "it ended by itself: {ended:?}");
+        assert!(ended.is_none(), "the program ended by itself: {ended:?}");
         yield_now();
     }
     send("-INT", &child);

@@ -1,4 +1,4 @@
-//! `feeler locate` as its users run it.
+//! `feeler locate`.
 
 use crate::program::{folder, run};
 use feeler::sensor::fingertip::LocatedLayout;
@@ -6,7 +6,7 @@ use image::{GrayImage, Luma};
 use std::fs;
 use std::path::Path;
 
-/// Writes a picture of `5 x 4` round spots.
+/// Writes an image of `5 x 4` round spots.
 fn write_spots(path: &Path, offset: f32) {
     let picture = GrayImage::from_fn(150, 120, |x, y| {
         let near = |v: u32| ((v as f32 + offset + 12.5) % 25.0 - 12.5).powi(2);
@@ -18,7 +18,7 @@ fn write_spots(path: &Path, offset: f32) {
 }
 
 #[test]
-fn a_layout_and_a_preview_are_written() {
+fn locate_writes_a_layout_and_a_preview() {
     let folder = folder("locate-writes");
     write_spots(&folder.join("a.png"), 0.0);
     write_spots(&folder.join("b.png"), 0.0);
@@ -44,7 +44,7 @@ fn a_layout_and_a_preview_are_written() {
 }
 
 #[test]
-fn a_dome_gives_directions() {
+fn dome_options_add_directions() {
     let folder = folder("locate-dome");
     write_spots(&folder.join("a.png"), 0.0);
     let dome = [
@@ -64,7 +64,7 @@ fn a_dome_gives_directions() {
 }
 
 #[test]
-fn bad_input_is_refused_and_nothing_is_written() {
+fn invalid_input_is_refused_and_nothing_is_written() {
     let folder = folder("locate-refuses");
     write_spots(&folder.join("good.png"), 0.0);
     GrayImage::new(64, 48)

@@ -1,11 +1,11 @@
-//! Sensors that lie stop the hand, with a reason that says which one; through the program, and read from its record.
+//! Implausible sensor data stop the hand, with a recorded reason that names the sensor.
 
 use crate::program::{folder, run, summary};
 use feeler::control::Phase;
 use feeler_record::Recording;
 use std::path::Path;
 
-/// Runs `cap-closing` with `settings` in `folder`: why it ended, and its record.
+/// Runs `cap-closing` with `settings` in `folder`. Returns the reason for its end, and its recording.
 fn fault(folder: &Path, name: &str, settings: &[&str]) -> (String, Recording) {
     let mut arguments = vec!["run", "cap-closing", "--out", name];
     arguments.extend(settings.iter().flat_map(|&setting| ["--set", setting]));
@@ -18,7 +18,7 @@ fn fault(folder: &Path, name: &str, settings: &[&str]) -> (String, Recording) {
     (reason, recording)
 }
 
-/// When the hand stopped, s; asserts that nothing was commanded from then on.
+/// Time at which the hand stopped (s). Asserts that all commands from then on are zero.
 fn stopped_at(recording: &Recording) -> f64 {
     let stopped = (recording.task.iter()).find(|task| task.phase == Phase::Stopped);
     let stamp = stopped.expect("a stop").stamp;
@@ -33,9 +33,9 @@ fn stopped_at(recording: &Recording) -> f64 {
 }
 
 #[test]
-fn joints_that_freeze_or_lie_stop_the_hand() {
+fn frozen_and_wrong_joint_angles_stop_the_hand() {
     let folder = folder("lying-joints");
-    // Joint 0 turns the strokes, joint 1 and 2 close the fingers.
+    // Joint 0 performs the strokes, joints 1 and 2 close the fingers.
     for joint in 0..3 {
         for (name, kind) in [
             (
@@ -64,7 +64,7 @@ fn joints_that_freeze_or_lie_stop_the_hand() {
 }
 
 #[test]
-fn joints_that_jump_stop_the_hand_in_the_same_step() {
+fn jumping_joint_angles_stop_the_hand_in_the_same_step() {
     let folder = folder("jumping-joints");
     for (name, angle, words) in [
         ("jump", "0.1", "joint 2 of finger 0 jumped by"),
@@ -80,27 +80,28 @@ fn joints_that_jump_stop_the_hand_in_the_same_step() {
         );
         let (reason, recording) = fault(&folder, name, &["sensing=direct", &setting]);
         assert!(reason.contains(words), "{name}: {reason}");
-        // The first reading after the fault begins.
+        // The first reading after the start of the fault.
         assert!((stopped_at(&recording) - 0.51).abs() < 1e-9, "{name}");
     }
 }
 
 #[test]
-fn a_camera_that_is_frozen_stops_the_hand() {
+fn frozen_camera_stops_the_hand() {
     let folder = folder("frozen-camera");
     for sensing in ["sensing=direct", "sensing=image"] {
         let setting = "sim.fault=[{from=0.5, kind.frozen_frame={finger=1}}]";
         let (reason, recording) = fault(&folder, sensing, &[sensing, setting]);
         let words = "the last 10 images of finger 1 gave forces identical";
         assert!(reason.contains(words), "{sensing}: {reason}");
-        // The picture of 0.49 s comes again at 0.5 s, and for the tenth time at 0.59 s.
+        // The image of 0.49 s is repeated at 0.5 s, and for the tenth time at 0.59 s.
         assert!((stopped_at(&recording) - 0.59).abs() < 1e-9, "{sensing}");
     }
 }
 
-/// Simulated sensors without noise rightly say the same while the fingers stand still; and each check can be switched off.
+/// Noise-free simulated sensors repeat their values while the fingers are at rest, which is not a fault. Each check can
+/// be disabled.
 #[test]
-fn what_is_no_fault_does_not_stop_the_hand() {
+fn noise_free_sensors_and_disabled_checks_do_not_stop_the_hand() {
     let folder = folder("no-fault");
     let quiet = [
         "sim.direct_sensing.normal_noise=0.0",
@@ -126,9 +127,9 @@ fn what_is_no_fault_does_not_stop_the_hand() {
     assert!(reason.contains("time limit"), "{reason}");
 }
 
-/// Of two fingertips that are alike, no picture tells that they are swapped: the hand stops when a finger finds nothing.
+/// Images do not reveal that identical fingertips are swapped. The hand stops when a finger finds no object.
 #[test]
-fn swapped_sensors_of_fingertips_that_are_alike_are_noticed_late() {
+fn swapped_identical_sensors_stop_the_hand_without_a_grasp() {
     let folder = folder("swapped");
     let swapped = "sim.fault=[{kind.swapped_sensors={finger=0, other=1}}]";
     let (reason, _) = fault(&folder, "swapped", &["sensing=image", swapped]);

@@ -1,4 +1,4 @@
-//! The program end to end: what a user gives it, what it prints, writes and exits with.
+//! End-to-end tests of the program: its input, output, files and exit status.
 
 mod bad_input;
 mod calibrate_checks;
@@ -60,6 +60,6 @@ mod videos;
 
 use assert_no_alloc::AllocDisabler;
 
-/// Ends the process when a control path allocates that is not the program's but a test's own.
+/// Aborts the process if code within `assert_no_alloc` of a test allocates.
 #[global_allocator]
 static ALLOCATOR: AllocDisabler = AllocDisabler;

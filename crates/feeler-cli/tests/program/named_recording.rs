@@ -1,10 +1,10 @@
-//! A recording that is not called recording.mcap, and reports of it.
+//! Reports of a recording that is not called recording.mcap.
 
 use crate::program::{document, folder, run, summary};
 use std::fs;
 
 #[test]
-fn a_recording_under_another_name_is_reported_beside_it() {
+fn renamed_recording_is_reported_next_to_it() {
     let folder = folder("named-recording");
     let arguments = [
         "run",
@@ -32,17 +32,17 @@ fn a_recording_under_another_name_is_reported_beside_it() {
         let page = document(&folder.join(report).join("report.html"));
         assert!(page.contains(&format!("href=\"{link}\"")), "{name}");
     }
-    // The report of another run is left alone.
+    // The report of another run is not overwritten.
     fs::copy(folder.join("here/z.mcap"), folder.join("x.mcap")).expect("a copy");
     run(&folder, &["report", "x.mcap"]).refused(&["x.mcap", "another run", "rename"]);
-    // And so is a page of something else.
+    // Neither is an unrelated page.
     fs::copy(folder.join("here/z.mcap"), folder.join("page.mcap")).expect("a copy");
     fs::create_dir(folder.join("page")).expect("a folder");
     fs::write(folder.join("page/report.html"), "precious").expect("a file");
     run(&folder, &["report", "page.mcap"]).refused(&["page.mcap", "report.html", "rename"]);
     let page = fs::read_to_string(folder.join("page/report.html"));
     assert_eq!(page.expect("a file"), "precious");
-    // Its own report is made again.
+    // The report of the same recording is replaced.
     run(&folder, &["report", "here/z.mcap"]).done();
     fs::write(folder.join("no.mcap"), "no recording").expect("a file");
     run(&folder, &["report", "no.mcap"]).refused(&["no.mcap", "magic bytes"]);

@@ -1,4 +1,4 @@
-//! No command writes over an input, or over an existing file unless told to.
+//! No command overwrites an input, or an existing file without `--force`.
 
 use crate::program::{folder, run, summary};
 use image::{GrayImage, Luma};
@@ -18,7 +18,7 @@ fn spots(path: &Path) {
     picture.save(path).unwrap();
 }
 
-/// Asserts that the command is refused with these words and changes nothing in the folder.
+/// Asserts that the command is refused with `words` and changes no file in `folder`.
 fn refused_without_change(folder: &Path, arguments: &[&str], words: &[&str]) {
     let list = || {
         let files = fs::read_dir(folder)
@@ -35,7 +35,7 @@ fn refused_without_change(folder: &Path, arguments: &[&str], words: &[&str]) {
 }
 
 #[test]
-fn locate_keeps_pictures_and_layouts() {
+fn locate_does_not_overwrite_images_and_layouts() {
     let folder = folder("outputs-locate");
     spots(&folder.join("a.png"));
     let input = ["the file is an input"];
@@ -66,7 +66,7 @@ fn locate_keeps_pictures_and_layouts() {
 }
 
 #[test]
-fn calibrate_keeps_loads_pictures_and_calibrations() {
+fn calibrate_does_not_overwrite_loads_images_and_calibrations() {
     let folder = folder("outputs-calibrate");
     let simulated = ["calibrate", "--simulated", "--loads=10"];
     let write = ["--write-loads=.", "-o", "c.toml"];
@@ -84,13 +84,13 @@ fn calibrate_keeps_loads_pictures_and_calibrations() {
     let again = [&simulated[..], &["-o", "c.toml"]].concat();
     refused_without_change(&folder, &again, &["--output c.toml", "exists already"]);
     fs::remove_file(folder.join("c.toml")).unwrap();
-    // The page beside it is a result, too.
+    // The page next to it is an output, too.
     refused_without_change(&folder, &again, &["--output c.html", "exists already"]);
     run(&folder, &[&again[..], &["--force"]].concat()).done();
 }
 
 #[test]
-fn init_writes_an_experiment_that_runs_and_never_over_a_file() {
+fn init_writes_a_valid_experiment_and_overwrites_nothing() {
     let folder = folder("outputs-init");
     let said = run(&folder, &["init", "my.toml"]).done();
     assert!(
@@ -114,7 +114,7 @@ fn init_writes_an_experiment_that_runs_and_never_over_a_file() {
     assert!(said.contains("a real rig"), "{said}");
     let direct = ["run", "my.toml", "--sensing=direct", "--out=run"];
     let said = run(&folder, &direct).done();
-    // What came of it, then what was achieved.
+    // The outcome, followed by the results.
     let lines: Vec<_> = said.lines().skip(1).collect();
     assert_eq!(lines[0], "done", "{said}");
     for word in ["final torque", "cap turned by", "peak element force"] {
@@ -125,7 +125,7 @@ fn init_writes_an_experiment_that_runs_and_never_over_a_file() {
         &["init", "my.toml"],
         &["my.toml", "exists already"],
     );
-    // A calibration that is there already serves the second one, too.
+    // An existing identical calibration is used by the second experiment, too.
     run(&folder, &["init", "second.toml", "--from", "lift"]).done();
     let calibration = "reference-fingertip.coupled.calibration.toml";
     fs::write(folder.join(calibration), "mine").unwrap();
@@ -146,7 +146,7 @@ fn init_writes_an_experiment_that_runs_and_never_over_a_file() {
 }
 
 #[test]
-fn another_law_than_the_papers_is_held_to_the_claims_of_any_hand() {
+fn other_laws_are_checked_against_the_claims_of_any_hand() {
     let folder = folder("outputs-best");
     let start = ["run", "cap-closing", "--sensing=direct"];
     let best = ["--set=control.law=best", "--out=best"];

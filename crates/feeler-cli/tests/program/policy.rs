@@ -1,29 +1,29 @@
-//! A learnt policy as the control law of runs, replays, sweeps and comparisons, through the program.
+//! A learned policy as the control law of runs, replays, sweeps and comparisons.
 
 use crate::policy_file::PolicyFile;
 use crate::program::{document, experiment, folder, rows, run};
 use std::fs;
 use std::path::Path;
 
-/// Writes a policy for the reference fingertip.
+/// Writes a policy file.
 fn write(path: &Path, file: &PolicyFile) {
     fs::write(path, file.bytes()).expect("a policy");
 }
 
-/// A policy that does something.
+/// A random policy for the reference fingertip.
 fn drawn(seed: u64) -> PolicyFile {
     PolicyFile::drawn(41, &[16, 16], seed)
 }
 
-/// Writes `my.toml` into `folder`, the reference experiment under the policy `name` beside it.
+/// Writes `my.toml` to `folder`: the reference experiment with the policy file `name`, which is in the same folder.
 fn with_policy(folder: &Path, name: &str) {
     let law = format!("[control]\nlaw.policy = {{ file = {name:?} }}\n");
     experiment(folder, "[control]\n", &law);
 }
 
-/// A network of zeros adds nothing to the plan, nor does the paper's law without speed of re-compression.
+/// A policy of zeros adds nothing to the plan, and neither does the paper's law with a recompression speed of zero.
 #[test]
-fn a_policy_of_zeros_does_as_the_papers_law_without_its_reflex() {
+fn policy_of_zeros_equals_the_papers_law_without_its_reflex() {
     let folder = folder("policy-zero");
     write(
         &folder.join("nil.v1.safetensors"),
@@ -48,7 +48,7 @@ fn a_policy_of_zeros_does_as_the_papers_law_without_its_reflex() {
         .map(|law| rows(&folder.join("c").join(law).join("trials.csv")));
     assert_eq!((paper.len(), zero.len(), other.len()), (3, 3, 3));
     for (row, papers) in zero.iter().zip(&paper) {
-        // The paper's claims, and success by them, are about its law alone.
+        // The paper's claims, and the success that depends on them, apply only to its law.
         let about_all = |name: &&String| !name.starts_with("claim") && *name != "success";
         for name in row.keys().filter(about_all) {
             assert_eq!(row[name], papers[name], "{name}");
@@ -66,7 +66,7 @@ fn a_policy_of_zeros_does_as_the_papers_law_without_its_reflex() {
 }
 
 #[test]
-fn a_run_replays_with_the_policy_on_record() {
+fn run_replays_with_the_recorded_policy() {
     let folder = folder("policy-replay");
     let there = folder.join("there");
     fs::create_dir(&there).unwrap();
@@ -91,7 +91,7 @@ fn a_run_replays_with_the_policy_on_record() {
     );
     assert!(replay("copy", &[]).done().contains("bit for bit"));
 
-    // What another policy would have done, its file named from here.
+    // Another policy, whose path is relative to the working directory.
     write(&folder.join("other.safetensors"), &drawn(3));
     let other = ["--set=control.law={ policy = { file = \"other.safetensors\" } }"];
     let said = replay("run", &other);
@@ -107,7 +107,7 @@ fn a_run_replays_with_the_policy_on_record() {
 }
 
 #[test]
-fn a_sweep_goes_on_with_its_own_policy_alone() {
+fn sweep_resumes_only_with_its_original_policy() {
     let folder = folder("policy-sweep");
     let file = folder.join("my.safetensors");
     write(&file, &drawn(4));
@@ -147,7 +147,7 @@ fn a_sweep_goes_on_with_its_own_policy_alone() {
 }
 
 #[test]
-fn what_is_no_policy_is_refused_before_anything_runs() {
+fn invalid_policies_are_refused_before_the_run() {
     let folder = folder("policy-refused");
     write(
         &folder.join("small.safetensors"),

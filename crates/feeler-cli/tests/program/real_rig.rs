@@ -1,9 +1,9 @@
-//! An experiment file without `[sim]` describes a real rig.
+//! An experiment file without `[sim]`, which describes a real rig.
 
 use crate::program::{experiment, folder, run};
 use std::fs;
 
-/// The reference experiment without its simulated world, in a folder of the test called `name`.
+/// Writes the reference experiment without its simulated world to a folder for the test called `name`.
 fn real_rig(name: &str) -> std::path::PathBuf {
     let folder = folder(name);
     experiment(&folder, "name = ", "name = ");
@@ -15,7 +15,7 @@ fn real_rig(name: &str) -> std::path::PathBuf {
 }
 
 #[test]
-fn it_is_checked_and_what_simulates_says_what_it_lacks() {
+fn real_rig_is_checked_and_refused_by_simulating_commands() {
     let folder = real_rig("real-rig");
     let good = run(&folder, &["check", "my.toml"]).done();
     assert!(
@@ -43,7 +43,7 @@ fn it_is_checked_and_what_simulates_says_what_it_lacks() {
 }
 
 #[test]
-fn its_calibration_must_be_of_its_fingertips() {
+fn real_rig_requires_a_matching_calibration() {
     let folder = real_rig("real-rig-calibration");
     let other = "sensor.fingertip.layout.dome_radius=0.017";
     run(&folder, &["check", "my.toml", "--set", other]).refused(&["dome_radius"]);

@@ -1,4 +1,4 @@
-//! `feeler run --record-frames` and `feeler replay`, through the program itself.
+//! `feeler run --record-frames` and `feeler replay`.
 
 use crate::program::{Ended, folder, run};
 use feeler_record::sensed::TACTILE;
@@ -6,7 +6,7 @@ use feeler_record::{MessageSink, Recorder, Recording, SensedWriter, Tactile, top
 use std::fs;
 use std::path::Path;
 
-/// Runs the reference experiment with `arguments` into the folder `run`, which may end before the task is done.
+/// Runs the reference experiment with `arguments` to the folder `run`. The run may end before the task is done.
 fn make_run(folder: &Path, arguments: &[&str]) {
     let arguments = [&["run", "cap-closing", "--out", "run"], arguments].concat();
     let ended = run(folder, &arguments);
@@ -18,7 +18,7 @@ fn replay(folder: &Path, run_name: &str, arguments: &[&str]) -> Ended {
     run(folder, &[&["replay", run_name], arguments].concat())
 }
 
-/// The columns of a kind's row: compared, differing.
+/// Numbers of compared and of differing values in the row `kind` of the output.
 fn counts(said: &str, kind: &str) -> Option<(u64, u64)> {
     let mut rows = said.lines().map(|line| line.split_whitespace());
     let mut row = rows.find(|row| row.clone().next() == Some(kind))?;
@@ -27,7 +27,7 @@ fn counts(said: &str, kind: &str) -> Option<(u64, u64)> {
     Some((number()?, number()?))
 }
 
-/// What a faithful replay of so many steps from pictures says.
+/// Asserts the output of an exact replay of `steps` steps from images.
 fn assert_same_from_frames(said: &str, steps: u64) {
     for (kind, expected) in [
         ("forces", 2 * steps),
@@ -41,7 +41,7 @@ fn assert_same_from_frames(said: &str, steps: u64) {
 }
 
 #[test]
-fn a_run_with_pictures_replays_from_frames_and_from_forces() {
+fn run_with_images_replays_from_frames_and_from_forces() {
     let folder = folder("replay");
     make_run(&folder, &["--record-frames", "--set=time_limit=1.2"]);
     let said = replay(&folder, "run", &["--from", "frames"]).done();
@@ -50,7 +50,7 @@ fn a_run_with_pictures_replays_from_frames_and_from_forces() {
     assert_eq!(counts(&said, "forces"), None);
     assert_eq!(counts(&said, "commands"), Some((242, 0)));
 
-    // Of one that was cut off, what is whole. It need not be called what a run's recording is.
+    // Of a truncated recording, the complete part is replayed. Its file name is arbitrary.
     let whole = fs::read(folder.join("run/recording.mcap")).unwrap();
     fs::write(folder.join("torn.mcap"), &whole[..whole.len() / 3]).unwrap();
     let torn = replay(&folder, "torn.mcap", &["--from=frames"]);
@@ -58,7 +58,7 @@ fn a_run_with_pictures_replays_from_frames_and_from_forces() {
     let (compared, _) = counts(&torn.stdout, "forces").unwrap();
     assert!(compared > 40 && compared < 100, "{torn:?}");
     torn.refused(&["torn.mcap: the recording is incomplete", "replayed up to"]);
-    // Cut before the first step there is nothing to replay; before the experiment, nothing to replay with.
+    // A recording that is truncated before the first step has no steps; before the experiment, it has no configuration.
     let name = b"experiment.toml";
     let mut places = whole.windows(name.len());
     let experiment = places.position(|bytes| bytes == name).unwrap();
@@ -74,7 +74,7 @@ fn a_run_with_pictures_replays_from_frames_and_from_forces() {
 }
 
 #[test]
-fn a_law_that_looks_for_slip_itself_replays_from_forces() {
+fn law_with_separate_slip_detection_replays_from_forces() {
     let folder = folder("replay-own-slip");
     make_run(
         &folder,
@@ -87,7 +87,7 @@ fn a_law_that_looks_for_slip_itself_replays_from_forces() {
     assert!(said.contains("bit for bit"), "{said}");
     let (compared, differing) = counts(&said, "commands").expect("commands");
     assert!(compared > 2000 && differing == 0, "{said}");
-    // The recorded SLIP is the paper's under either law, but the commands that came of it are not.
+    // Under both laws the recorded SLIP is the paper's, but the resulting commands differ.
     let other = replay(
         &folder,
         "run",
@@ -99,7 +99,7 @@ fn a_law_that_looks_for_slip_itself_replays_from_forces() {
 }
 
 #[test]
-fn a_run_with_faults_replays() {
+fn run_with_faults_replays() {
     const FAULTS: &str = "--set=sim.fault=[\
         {from=0.2, kind.dead_element={finger=0, element=0}}, \
         {from=0.3, kind.stuck_rows={finger=0, first=100, count=20, gray=90}}, \
@@ -114,7 +114,7 @@ fn a_run_with_faults_replays() {
     );
     let recording = Recording::read(folder.join("run/recording.mcap")).unwrap();
     let steps = recording.task.len() as u64;
-    // Frames that were dropped are not on record.
+    // Dropped frames are not recorded.
     assert!(recording.fingers[1].pictures.len() < recording.fingers[1].tactile.len());
     let said = replay(&folder, "run", &["--from=frames"]).done();
     assert_same_from_frames(&said, steps);
@@ -123,7 +123,7 @@ fn a_run_with_faults_replays() {
     fs::remove_dir_all(folder).unwrap();
 }
 
-/// Writes forces and commands on record again, some of them changed.
+/// Writes the recorded forces and commands again, with changes.
 fn rewrite(recording: &Recording, path: &Path, change: impl FnOnce(&mut Recording)) {
     let mut changed = recording.clone();
     change(&mut changed);
@@ -149,14 +149,14 @@ fn rewrite(recording: &Recording, path: &Path, change: impl FnOnce(&mut Recordin
 }
 
 #[test]
-fn what_differs_is_counted_and_named() {
+fn differences_are_counted_and_reported() {
     let folder = folder("replay-differs");
     make_run(&folder, &["--sensing=direct", "--set=time_limit=2"]);
     let recording = Recording::read(folder.join("run/recording.mcap")).unwrap();
     let path = folder.join("other.mcap");
     rewrite(&recording, &path, |_| {});
     replay(&folder, "other.mcap", &["--from=forces"]).done();
-    // One bit of one force.
+    // Change one bit of one force.
     rewrite(&recording, &path, |recording| {
         let force = &mut recording.fingers[1].tactile[150].forces[0].x;
         *force = f64::from_bits(force.to_bits() ^ 1 << 20);
@@ -167,9 +167,9 @@ fn what_differs_is_counted_and_named() {
     assert!(ended.stdout.contains(said), "{ended:?}");
     assert!(!ended.stdout.contains("bit for bit"), "{ended:?}");
     let (compared, differing) = counts(&ended.stdout, "flags").unwrap();
-    // The rates to this frame and from it.
+    // The shear rates to this frame and from it differ.
     assert_eq!((compared, differing), (402, 2), "{ended:?}");
-    // A command that the control law does not give.
+    // Change a command, so that it differs from that of the control law.
     rewrite(&recording, &path, |recording| {
         let velocity = &mut recording.fingers[0].command[7].joint_velocity[2];
         *velocity = f64::from_bits(velocity.to_bits() ^ 1);
@@ -181,7 +181,7 @@ fn what_differs_is_counted_and_named() {
 }
 
 #[test]
-fn another_control_law_is_tried_on_the_same_touch() {
+fn replay_with_other_settings_changes_the_flags() {
     let folder = folder("replay-what-if");
     make_run(&folder, &["--sensing=direct", "--set=time_limit=3"]);
     let setting = "--set=control.slip_threshold=1.0";
@@ -189,7 +189,7 @@ fn another_control_law_is_tried_on_the_same_touch() {
     let (compared, differing) = counts(&said, "flags").unwrap();
     assert!(0 < differing && differing < compared, "{said}");
     assert!(said.contains("new/report.html"), "{said}");
-    // The replay has a recording of its own, with its own settings, and says what it is.
+    // The replay has a separate recording with the new settings, which refers to the original.
     let new = Recording::read(folder.join("new/recording.mcap")).unwrap();
     let old = Recording::read(folder.join("run/recording.mcap")).unwrap();
     assert!(new.complete);
@@ -204,7 +204,7 @@ fn another_control_law_is_tried_on_the_same_touch() {
         (&new.cap, &new.torque_sensor),
         (&old.cap, &old.torque_sensor)
     );
-    // Viewers find in it what they find in a run's.
+    // It contains the same messages for viewers as the recording of a run.
     let for_viewers = |run: &str| {
         let file = fs::read(folder.join(run).join("recording.mcap")).unwrap();
         let summary = mcap::Summary::read(&file).unwrap().unwrap();
@@ -226,7 +226,7 @@ fn another_control_law_is_tried_on_the_same_touch() {
     assert!(for_viewers("new").iter().all(|&count| count > 0));
     let page = fs::read_to_string(folder.join("new/report.html")).unwrap();
     assert!(page.contains("This run is a replay.") && page.contains(old.digest.as_str()));
-    // It replays as any other.
+    // It can be replayed like any other recording.
     replay(&folder, "new", &["--from=forces"]).done();
     // Nothing is overwritten.
     let again = replay(&folder, "run", &["--from=forces", "--out=new"]);
@@ -234,7 +234,7 @@ fn another_control_law_is_tried_on_the_same_touch() {
 }
 
 #[test]
-fn what_cannot_be_replayed_is_refused() {
+fn impossible_replays_are_refused() {
     let folder = folder("replay-refused");
     make_run(&folder, &["--sensing=direct", "--set=time_limit=0.1"]);
     let out = ["--from=frames", "--out=new"];
@@ -256,7 +256,7 @@ fn what_cannot_be_replayed_is_refused() {
         let setting = ["--from=forces", "--set", setting];
         replay(&folder, "run", &setting).refused(&[words]);
     }
-    // Recordings of something else, and no recordings.
+    // Recordings of other data, and files that are not recordings.
     let mut sensed = SensedWriter::create(folder.join("sensed.mcap"), None).unwrap();
     sensed.write(TACTILE, &Tactile::default()).unwrap();
     sensed.finish().unwrap();

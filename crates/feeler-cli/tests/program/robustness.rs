@@ -1,11 +1,11 @@
-//! `feeler robustness`, through the program.
+//! `feeler robustness`.
 
 use crate::program::{folder, rows, run, summary};
 use serde_json::Value;
 use std::collections::HashMap;
 use std::fs;
 
-/// Two of each group.
+/// Two parameters of each group.
 const RANGES: &str = r#"
 [[parameter]]
 name = "stiffness"
@@ -40,7 +40,7 @@ range = "shifted(-0.001, 0.16)"
 why = "farther out than a finger reaches, from half way on: no hand"
 "#;
 
-/// 8 points, 2 each of both groups and of nothing, 2 pairs of 4 parameters, the seed and 2 groups: 28 trials.
+/// 8 points, 2 controls each of both groups and of neither, 2 pairs of 4 parameters, the seed and 2 groups: 28 trials.
 fn robustness<'a>(more: &[&'a str]) -> Vec<&'a str> {
     let short = [
         "robustness",
@@ -60,7 +60,7 @@ fn number(row: &HashMap<String, String>, column: &str) -> f64 {
 }
 
 #[test]
-fn every_point_follows_from_seed_and_number_and_the_page_counts_them() {
+fn points_are_reproducible_and_the_page_counts_them() {
     let folder = folder("robustness");
     fs::write(folder.join("ranges.toml"), RANGES).unwrap();
     let said = run(&folder, &robustness(&["--jobs=1", "-o=one"])).done();
@@ -75,7 +75,7 @@ fn every_point_follows_from_seed_and_number_and_the_page_counts_them() {
     let whole = fs::read(folder.join("one/trials.csv")).unwrap();
     assert_eq!(whole, fs::read(folder.join("two/trials.csv")).unwrap());
 
-    // As after a stop: two rows are finished, a third is torn.
+    // State after an interruption: two rows are complete, a third is truncated.
     let lines: Vec<_> = whole.split_inclusive(|&b| b == b'\n').collect();
     let torn = &lines[3][..lines[3].len() / 2];
     fs::remove_file(folder.join("two/trials.csv")).unwrap();
@@ -146,7 +146,7 @@ fn counted(folder: &std::path::Path, table: &[HashMap<String, String>]) {
         .keys()
         .filter(|k| k.starts_with("claim.") && k.matches('.').count() == 1)
         .filter(|k| !k.starts_with("claim.hand-"));
-    // All about the hand, and all together.
+    // The claims themselves, all about the hand, and all together.
     assert_eq!(measures.len(), claims.count() + 2);
     let by = |what: &str| measures.iter().filter(|m| m["decided_by"] == what).count();
     assert_eq!((by("hand"), by("hand_and_bottle")), (9, 3));
@@ -167,11 +167,12 @@ fn counted(folder: &std::path::Path, table: &[HashMap<String, String>]) {
 }
 
 #[test]
-fn a_point_runs_again_bit_for_bit() {
+fn point_can_be_rerun_bit_for_bit() {
     let folder = folder("robustness-again");
     fs::write(folder.join("ranges.toml"), RANGES).unwrap();
     run(&folder, &robustness(&["-o=r", "--group=apparatus"])).done();
-    // One group has no controls of its own: 8 points, 2 of nothing, 2 pairs of 2 parameters and the seed.
+    // A single group has no separate controls: 8 points, 2 controls of neither group, 2 pairs of 2 parameters and the
+    // seed.
     let table = rows(&folder.join("r/trials.csv"));
     assert_eq!(table.len(), 8 + 2 + 6);
     let last = &table[15];
@@ -190,12 +191,12 @@ fn a_point_runs_again_bit_for_bit() {
     let text = fs::read_to_string(folder.join("again/report.html")).unwrap();
     assert!(
         text.contains(&last["stiffness"]),
-        "the report shows the experiment as drawn"
+        "the report does not show the drawn experiment"
     );
 }
 
 #[test]
-fn what_makes_no_sense_is_refused_before_anything_runs() {
+fn invalid_arguments_are_refused_before_the_first_trial() {
     let folder = folder("robustness-refused");
     let ranges = |text: &str| fs::write(folder.join("ranges.toml"), text).unwrap();
     for (text, words) in [
@@ -263,7 +264,7 @@ fn what_makes_no_sense_is_refused_before_anything_runs() {
 }
 
 #[test]
-fn files_of_ranges_go_together_and_bring_the_tables_that_they_vary() {
+fn files_of_ranges_are_combined_and_add_the_varied_tables() {
     let folder = folder("robustness-together");
     fs::write(folder.join("ranges.toml"), RANGES).unwrap();
     let rubber = concat!(
@@ -274,12 +275,12 @@ fn files_of_ranges_go_together_and_bring_the_tables_that_they_vary() {
     let both = robustness(&[&ranges, "--group=shift,tuning", "-o=r"]);
     run(&folder, &both).done();
     let table = rows(&folder.join("r/trials.csv"));
-    // 8 points, 2 controls of each group and of nothing, 2 pairs of 2 + 3 parameters, the seed and 2 groups.
+    // 8 points, 2 controls of each group and of neither, 2 pairs of 2 + 3 parameters, the seed and 2 groups.
     assert_eq!(table.len(), 8 + 3 * 2 + 2 * 8);
     let run = &table[0];
     assert!(!run.contains_key("stiffness") && !run.contains_key("backlash"));
     assert!(number(run, "clamp stiffness") <= 1e5 && number(run, "speed") > 0.0);
-    // After a second there are no four strokes to compare.
+    // After one second there are no four strokes to compare.
     assert!(table.iter().all(|row| row["fig8"].is_empty()));
     let plan = fs::read_to_string(folder.join("r/sweep.toml")).unwrap();
     for table in ["relaxation", "lateral"] {
@@ -287,7 +288,7 @@ fn files_of_ranges_go_together_and_bring_the_tables_that_they_vary() {
     }
 }
 
-/// The points of the design under each of `laws`, for a second.
+/// Arguments that run the points of the design under each of `laws`, for one second.
 fn side_by_side<'a>(laws: &'a str, more: &[&'a str]) -> Vec<&'a str> {
     let short = [
         "robustness",
@@ -347,7 +348,7 @@ fn laws_run_side_by_side_on_the_same_hands() {
             "closes cap",
         ];
         assert_eq!(of, [&five[..], &["all five"]].concat());
-        // After a second no stroke is over, but nothing was harmed.
+        // After one second no stroke is complete, but nothing was overloaded.
         let holding: Vec<_> = shares
             .iter()
             .map(|share| share["holding"].as_u64().unwrap())
@@ -366,7 +367,7 @@ fn laws_run_side_by_side_on_the_same_hands() {
         assert!(html.contains(word), "no {word:?}");
     }
 
-    // As after a stop, and one of the hands again.
+    // State after an interruption, and a rerun of one of the hands.
     let whole = fs::read(folder.join("l/best/trials.csv")).unwrap();
     let lines: Vec<_> = whole.split_inclusive(|&b| b == b'\n').collect();
     fs::remove_file(folder.join("l/best/trials.csv")).unwrap();
@@ -397,7 +398,7 @@ fn laws_run_side_by_side_on_the_same_hands() {
 }
 
 #[test]
-fn laws_that_cannot_be_compared_are_refused_before_anything_runs() {
+fn invalid_law_comparisons_are_refused_before_the_first_trial() {
     let folder = folder("robustness-laws-refused");
     fs::write(folder.join("ranges.toml"), RANGES).unwrap();
     for (laws, more, words) in [

@@ -1,10 +1,10 @@
-//! `feeler schema` knows every message, and docs/link.md says what it says.
+//! `feeler schema` prints every message, and docs/link.md agrees with it.
 
 use crate::program::{folder, run};
 use feeler_link::messages::message::TactileUpdate;
 use feeler_record::wire::Message;
 
-/// What stands between a message's text and those of the types in it.
+/// Separator between the text of a message and the texts of the types in it.
 const SEPARATOR: &str =
     "================================================================================";
 
@@ -15,12 +15,12 @@ fn every_message_is_printed() {
     let recorded = include_str!("../../../feeler-record/src/messages/channels.rs");
     let linked = include_str!("../../../feeler-link/src/messages/message.rs");
     let written = [recorded, linked].map(|text| text.matches("\nmessage!(").count());
-    // Those of ROS 2, pictures and seven for viewers, are written without the macro.
+    // The ROS 2 messages, for images and seven for viewers, are written without the macro.
     assert_eq!(heads.count(), written.iter().sum::<usize>() + 8);
 }
 
 #[test]
-fn one_message_is_printed_alone() {
+fn single_message_is_printed() {
     let folder = folder("schema-one");
     for name in ["TactileUpdate", "feeler_msgs/msg/TactileUpdate"] {
         let printed = run(&folder, &["schema", name]).done();
@@ -31,7 +31,7 @@ fn one_message_is_printed_alone() {
 }
 
 #[test]
-fn the_documentation_of_the_link_says_the_same() {
+fn link_documentation_matches_the_schemas() {
     let documentation = include_str!("../../../../docs/link.md");
     let printed = run(&folder("schema-documentation"), &["schema"]).done();
     let mut compared = 0;
@@ -43,7 +43,10 @@ fn the_documentation_of_the_link_says_the_same() {
         let (_, key) = head.split_once(", linked as ").expect("its key");
         assert!(documentation.contains(key), "no key {key}");
         for part in text.split(SEPARATOR) {
-            assert!(documentation.contains(part.trim()), "not there:\n{part}");
+            assert!(
+                documentation.contains(part.trim()),
+                "missing in docs/link.md:\n{part}"
+            );
             compared += 1;
         }
     }

@@ -1,9 +1,9 @@
-//! `feeler score-slip`, through the program.
+//! `feeler score-slip`.
 
 use crate::program::{document, folder, run};
 use std::fs;
 
-/// Mean of the percentage called `name` of the last detector that the program names.
+/// Mean of the percentage called `name` of the last detector in the program's output.
 fn percent(said: &str, name: &str) -> f64 {
     let line = said.lines().rfind(|line| line.trim().starts_with(name));
     let text = line
@@ -16,14 +16,15 @@ fn percent(said: &str, name: &str) -> f64 {
 }
 
 #[test]
-fn missing_shear_tells_slips_that_the_rate_of_shear_does_not() {
+fn missing_shear_detects_slips_that_the_shear_rate_does_not() {
     let folder = folder("score-slip");
-    // As a run of the experiment may leave one: it is no folder of recordings.
+    // A folder called like the experiment, as a run may leave it, is not mistaken for recordings.
     std::fs::create_dir(folder.join("cap-closing")).unwrap();
     let arguments = ["score-slip", "--trials=60", "--seed=4", "-o=s"];
     let said = run(&folder, &arguments).done();
-    // On trials that the threshold was not chosen on; 1,000 trials find 96.3 and 89.5 %, 60 know it to some percent. Soft
-    // feelers lose a third as much shear by the same slip, so that the noise hides more of them than of stiff ones (below).
+    // Measured on trials that the threshold was not chosen on. 1,000 trials give 96.3 and 89.5 %; 60 trials are
+    // accurate to some percent. Soft feelers lose a third as much shear in the same slip as stiff ones (below), so that
+    // the noise hides more slips.
     let (precision, recall) = (
         percent(&said, "precision (%)"),
         percent(&said, "recall (%)"),
@@ -35,7 +36,7 @@ fn missing_shear_tells_slips_that_the_rate_of_shear_does_not() {
         .filter(|l| l.contains("median delay"))
         .collect();
     assert!(delays.last().expect("a delay").ends_with(" 0"), "{said}");
-    // The paper's threshold, first in the list, is for a cap that is screwed on, and much worse here.
+    // The paper's threshold, first in the list, is for screwing on a cap, and is much worse here.
     let paper = &said[..said.find("missing shear").expect("both detectors")];
     assert!(
         percent(paper, "recall (%)") < recall - 20.0
@@ -54,14 +55,14 @@ fn missing_shear_tells_slips_that_the_rate_of_shear_does_not() {
     let whole = |page: &str| fs::read(folder.join(page)).expect("a page");
     let page = whole("s/slip.html");
     run(&folder, &arguments).refused(&["--out s/slip.html", "exists already", "--force"]);
-    assert!(page == whole("s/slip.html"), "written over");
+    assert!(page == whole("s/slip.html"), "the page was overwritten");
     let again = run(&folder, &["score-slip", "--trials=60", "--seed=4", "-o=t"]).done();
     assert_eq!(said.replace("s/slip", "t/slip"), again);
     assert!(page == whole("t/slip.html"), "pages differ");
 }
 
 #[test]
-fn stiff_feelers_lose_more_shear_in_a_slip_and_meet_the_goal() {
+fn stiff_feelers_meet_the_detection_goal() {
     let folder = folder("score-slip-stiff");
     let stiff = [
         "--set=sim.feeler.normal_stiffness=1090.0",
@@ -70,13 +71,13 @@ fn stiff_feelers_lose_more_shear_in_a_slip_and_meet_the_goal() {
     ];
     let arguments = ["score-slip", "--trials=60", "--seed=4", "-o=s"];
     let said = run(&folder, &[&arguments[..], &stiff].concat()).done();
-    // Recall of 97 % at a precision of 95 %; 60 trials know it to some percent.
+    // Recall of 97 % at a precision of 95 %; 60 trials are accurate to some percent.
     assert!(percent(&said, "precision (%)") >= 93.0, "{said}");
     assert!(percent(&said, "recall (%)") >= 95.0, "{said}");
 }
 
 #[test]
-fn one_trial_has_no_interval() {
+fn single_trial_has_no_interval() {
     let folder = folder("score-slip-one");
     let said = run(&folder, &["score-slip", "--trials=1", "-o=s"]).done();
     let shares = said.lines().filter(|line| line.contains("(%)"));
@@ -91,7 +92,7 @@ fn one_trial_has_no_interval() {
 }
 
 #[test]
-fn noise_hides_slips() {
+fn noise_reduces_recall() {
     let folder = folder("score-slip-noise");
     let recall = |noise: &str| {
         let out = format!("-o=noise{noise}");
@@ -103,7 +104,7 @@ fn noise_hides_slips() {
 }
 
 #[test]
-fn what_makes_no_sense_is_refused() {
+fn invalid_arguments_are_refused() {
     let folder = folder("score-slip-refused");
     run(&folder, &["score-slip", "--trials=0"]).refused(&["--trials", "1.."]);
     run(&folder, &["score-slip", "nothing"]).refused(&["nothing", "cap-closing"]);

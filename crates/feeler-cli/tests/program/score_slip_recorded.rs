@@ -1,4 +1,4 @@
-//! `feeler score-slip RECORDINGS LABELS`, through the program: made-up grasps with a known answer, and real ones.
+//! `feeler score-slip RECORDINGS LABELS`, on synthetic grasps with a known result and on real ones.
 
 use crate::program::{Ended, document, feeler, folder, rows, run};
 use crate::recordings::recordings as real;
@@ -10,11 +10,12 @@ use std::io::Write as _;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// Frames of a made-up grasp, at 25 Hz, and the frame at which a slipped one is lost.
+/// Number of frames of a synthetic grasp, at 25 Hz.
 const FRAMES: usize = 150;
+/// Frame at which a slipping object is lost.
 const LOST: usize = 60;
 
-/// What the program says of a detector in a line.
+/// The rest of line `line` of a detector in the program's output.
 pub fn said<'a>(text: &'a str, detector: &str, line: &str) -> &'a str {
     let own = text
         .split_once(&format!("{detector}\n"))
@@ -32,15 +33,15 @@ pub fn number(text: &str, detector: &str, line: &str) -> f64 {
     first.parse().unwrap_or_else(|_| panic!("{said:?}"))
 }
 
-/// Even numbers from -1 to 1 without any pattern.
+/// Pseudo-random numbers, uniform from -1 to 1.
 fn noise(number: usize) -> f64 {
     let mut state = (number as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15) ^ 0x2545_f491_4f6c_dd1d;
     state = (state ^ (state >> 31)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
     ((state >> 11) as f64) / ((1_u64 << 52) as f64) - 1.0
 }
 
-/// Tracks of 8 x 6 markers 36 px apart behind a lens, one of them moved by 7 px and its neighbours by less, until it is lost; all
-/// shaken by 10 px as one, the fastest where nothing slips.
+/// Tracks of 8 x 6 markers, 36 px apart, behind a lens. One marker is displaced by 7 px and its neighbours by less,
+/// until the object is lost. All are shaken together by 10 px, so that the largest speed does not indicate slip.
 fn tracks(seed: usize, slip: bool) -> String {
     let mut table = "frame,stamp,element,integrated_gray,u_x,u_y\n".to_string();
     for frame in 0..FRAMES {
@@ -86,7 +87,7 @@ fn layout() -> String {
     text
 }
 
-/// Six objects, each held once and lost once.
+/// Writes grasps of six objects, each held once and lost once.
 pub fn grasps(folder: &Path) {
     fs::create_dir(folder.join("tracks")).unwrap();
     fs::write(folder.join("layout.toml"), layout()).unwrap();
@@ -99,7 +100,7 @@ pub fn grasps(folder: &Path) {
             let _ = writeln!(labels, "{name}.avi,{object},{}", u8::from(slip));
         }
     }
-    // Named as tables, without what a video ended with.
+    // The labels contain the names of the tables, without the extension of a video.
     fs::write(folder.join("labels.csv"), labels.replace(".avi", "")).unwrap();
 }
 
@@ -112,7 +113,7 @@ const SCORED: [&str; 5] = [
 ];
 
 #[test]
-fn a_loss_is_told_from_shaking_and_the_largest_speed_tells_nothing() {
+fn contact_loss_is_distinguished_from_shaking() {
     let folder = folder("score-slip-tracks");
     grasps(&folder);
     let text = run(&folder, &SCORED).done();
@@ -128,11 +129,11 @@ fn a_loss_is_told_from_shaking_and_the_largest_speed_tells_nothing() {
         100.0,
         "{text}"
     );
-    // The bump's load is 0.05 spacings (its root mean square over all markers, less what a lens explains), noise of 0.1 px
-    // 0.002: the threshold stands between their logarithms.
+    // The load of the displaced markers is 0.05 spacings (RMS over all markers, without the part that a lens explains),
+    // and that of noise of 0.1 px is 0.002. The threshold is between their logarithms.
     let threshold = number(&text, "contact loss", "threshold");
     assert!((3.0..6.3).contains(&threshold), "{text}");
-    // All are shaken alike.
+    // All recordings are shaken alike.
     assert!(
         number(&text, "shear rate (the paper's rule)", "AUC") < 0.9,
         "{text}"
@@ -158,7 +159,7 @@ fn a_loss_is_told_from_shaking_and_the_largest_speed_tells_nothing() {
         assert!(page.contains(word), "no {word:?}");
     }
     assert!(!page.contains("NaN"));
-    // Nothing is overwritten, and all of it comes out the same again.
+    // Nothing is overwritten, and the results are reproducible.
     run(&folder, &SCORED).refused(&["slip/slip.html", "exists already", "--force"]);
     let again = run(&folder, &[&SCORED[..], &["--out=again"]].concat()).done();
     assert_eq!(text.replace("slip/s", "again/s"), again);
@@ -170,7 +171,7 @@ fn a_loss_is_told_from_shaking_and_the_largest_speed_tells_nothing() {
 }
 
 #[test]
-fn tracks_and_labels_of_other_programs_are_scored_alike() {
+fn tracks_and_labels_in_other_formats_are_scored_alike() {
     let folder = folder("score-slip-of-others");
     grasps(&folder);
     let expected = run(&folder, &SCORED).done();
@@ -203,7 +204,7 @@ fn tracks_and_labels_of_other_programs_are_scored_alike() {
         fs::read(folder.join("slip/scores.csv")).unwrap(),
         fs::read(folder.join("again/scores.csv")).unwrap()
     );
-    // Decimal commas between commas: no column is taken for another.
+    // With decimal commas and comma separators, no column is mistaken for another.
     let path = folder.join("tracks/0-hold.csv");
     let table = tracks(0, false);
     let (header, rows) = table.split_once('\n').unwrap();
@@ -217,7 +218,7 @@ fn tracks_and_labels_of_other_programs_are_scored_alike() {
 }
 
 #[test]
-fn without_a_layout_contact_is_unknown_and_that_is_said() {
+fn contact_without_a_layout_is_reported_as_unknown() {
     let folder = folder("score-slip-unknown");
     grasps(&folder);
     let ended = run(&folder, &["score-slip", "tracks", "labels.csv"]);
@@ -231,12 +232,12 @@ fn without_a_layout_contact_is_unknown_and_that_is_said() {
 }
 
 #[test]
-fn damaged_recordings_and_labels_get_a_word_and_the_rest_counts() {
+fn damaged_recordings_and_labels_are_reported_and_skipped() {
     let folder = folder("score-slip-messy");
     grasps(&folder);
     let tracks = |name: &str| folder.join("tracks").join(name);
     let table = fs::read_to_string(tracks("0-hold.csv")).unwrap();
-    // Cells that are none, a torn last row, a time that goes back, an element that stands twice.
+    // Invalid cells, a truncated last row, a decreasing time, and an element that occurs twice.
     let messy = table.replace("\n3,0.12,7,100,", "\n3,0.12,7,100,what");
     let messy = messy.replace("\n5,0.2,9,100,", "\n5,0.2,9,100,1,1\n5,0.2,9,100,");
     let messy = messy.replace("\n9,0.36,", "\n9,0.01,");
@@ -264,7 +265,7 @@ fn damaged_recordings_and_labels_get_a_word_and_the_rest_counts() {
     ] {
         assert!(ended.stderr.contains(words), "no {words:?} in {ended:?}");
     }
-    // Without 1-hold, which cannot be read, and 2-hold, which has no label.
+    // Without 1-hold, which is unreadable, and 2-hold, which has no label.
     assert!(
         ended
             .stdout
@@ -280,7 +281,8 @@ fn damaged_recordings_and_labels_get_a_word_and_the_rest_counts() {
     assert!(page.contains("<h2>Notes</h2>") && page.contains("extra has no label"));
 }
 
-/// Two arrays of two taxels that feel one grasp, in a folder of its own; dragged where the label says so.
+/// Writes the tables of two arrays of two taxels during one grasp to a separate folder. With `slips`, the taxels are
+/// dragged.
 fn dragged(folder: &Path, name: &str, slips: bool) {
     let own = folder.join("grasps").join(name);
     fs::create_dir_all(&own).unwrap();
@@ -321,7 +323,7 @@ columns = { x = "t{n}_x", y = "t{n}_y", z = "t{n}_z" }
 taxel = [{ place = [0.0, -0.004, 0.0] }, { place = [0.0, 0.004, 0.0] }]
 "#;
 
-/// Scores the frames of the folders of [`dragged`] by the labels in each.
+/// Scores the frames in the folders of [`dragged`] with the labels in each folder.
 const OF_FRAMES: [&str; 6] = [
     "score-slip",
     "grasps",
@@ -332,13 +334,13 @@ const OF_FRAMES: [&str; 6] = [
 ];
 
 #[test]
-fn frames_of_several_arrays_are_scored_by_their_own_labels() {
+fn frames_of_several_arrays_are_scored_with_their_labels() {
     let folder = folder("score-slip-frames");
     fs::write(folder.join("two.toml"), LAYOUT).unwrap();
     for (name, slips) in [("a", true), ("bb", false), ("ccc", true)] {
         dragged(&folder, name, slips);
     }
-    // The last frames of one have no labels.
+    // The last frames of one grasp have no labels.
     let labels = folder.join("grasps/a/slip.csv");
     let text = fs::read_to_string(&labels).unwrap();
     fs::write(&labels, &text[..text.len() - 3 * 4]).unwrap();
@@ -352,7 +354,8 @@ fn frames_of_several_arrays_are_scored_by_their_own_labels() {
         text.starts_with("597 frames in 3 groups, 197 slips"),
         "{text}"
     );
-    // In the first of its hundred frames, a slip is not above the noise yet; at the end, the slow mean of 1.33 s has not followed.
+    // In the first of its hundred frames, a slip is not above the noise yet. At the end, the slow mean of 1.33 s has
+    // not followed it.
     assert!(number(&text, "drag", "AUC") > 0.9, "{text}");
     assert_eq!(said(&text, "contact loss", "unknown"), "597");
     let scores = rows(&folder.join("slip/scores.csv"));
@@ -369,12 +372,13 @@ fn frames_of_several_arrays_are_scored_by_their_own_labels() {
     .refused(&["--table"]);
 }
 
-/// The line of a detector that is judged with a threshold of others.
+/// The line of a detector that contains a threshold from other recordings.
 const TRANSFERRED: &str = "transfer threshold";
 
-/// Thresholds of one set of taxel tables, in folders with labels of frames, judge another; tracks may choose them, too.
+/// Thresholds chosen on one set of taxel tables, in folders with labels of frames, are applied to another set. They can
+/// also be chosen on tracks.
 #[test]
-fn thresholds_are_taken_from_tables_of_taxels() {
+fn thresholds_are_transferred_from_taxel_tables() {
     let folder = folder("score-slip-taxels-from");
     fs::write(folder.join("two.toml"), LAYOUT).unwrap();
     for (name, slips) in [("a", true), ("bb", false), ("ccc", true)] {
@@ -403,7 +407,7 @@ fn thresholds_are_taken_from_tables_of_taxels() {
         ended.stdout
     };
     let text = judged(["flat", "labels.csv", "flat", "labels.csv"]);
-    // The thresholds of the same recordings: right in all that they were chosen for.
+    // Thresholds that were chosen on the same recordings classify all of them correctly.
     for detector in ["drag", "shear rate (the paper's rule)"] {
         assert_eq!(
             number(&text, detector, "transfer accuracy (%)"),
@@ -411,7 +415,7 @@ fn thresholds_are_taken_from_tables_of_taxels() {
             "{text}"
         );
     }
-    // Frames of folders, by the labels in each; LABELS names the recordings.
+    // Frames in folders, with the labels in each folder; LABELS lists the recordings.
     fs::write(
         folder.join("names.csv"),
         "recording,slip\na,1\nbb,0\nccc,1\n",
@@ -424,7 +428,8 @@ fn thresholds_are_taken_from_tables_of_taxels() {
             && text.contains("thresholds of grasps: 600 frames"),
         "{text}"
     );
-    // Tracks choose thresholds of drag for taxels, too, as the noise of each is its unit; of no other.
+    // Tracks also provide thresholds of drag for taxels, because its unit is the noise of each sensor; not of other
+    // detectors.
     fs::copy(folder.join("labels.csv"), folder.join("flat.csv")).unwrap();
     grasps(&folder);
     let text = judged(["flat", "flat.csv", "tracks", "labels.csv"]);
@@ -440,7 +445,7 @@ fn thresholds_are_taken_from_tables_of_taxels() {
 }
 
 #[test]
-fn what_makes_no_sense_is_refused_for_recordings() {
+fn invalid_arguments_are_refused_for_recordings() {
     let folder = folder("score-slip-recorded-refused");
     grasps(&folder);
     run(&folder, &["score-slip", "tracks"]).refused(&["tracks", "LABELS"]);
@@ -463,9 +468,9 @@ fn what_makes_no_sense_is_refused_for_recordings() {
     )
     .refused(&["nothing", "eflesh"]);
     run(&folder, &["score-slip", "tracks", "labels.csv", "--rate=0"]).refused(&["--rate"]);
-    fs::write(folder.join("other.csv"), "video,slip\nnobody,1\n").unwrap();
+    fs::write(folder.join("other.csv"), "video,slip\nmissing,1\n").unwrap();
     run(&folder, &["score-slip", "tracks", "other.csv"]).refused(&["no recording has a label"]);
-    // An input is never written over.
+    // An input is never overwritten.
     fs::create_dir(folder.join("out")).unwrap();
     fs::write(folder.join("out/scores.csv"), "video,slip\n0-hold,1\n").unwrap();
     run(
@@ -481,13 +486,13 @@ fn what_makes_no_sense_is_refused_for_recordings() {
     .refused(&["an input"]);
 }
 
-/// Known to be possible: largest shear over a sequence 0.970 (area and share), a regression 0.982. Bounds: 0.98 of the
-/// sequences, each left out in turn, and an area of 0.97.
+/// Known results: 0.970 (AUC and accuracy) for the largest shear over a sequence, 0.982 for a regression. Bounds: an
+/// accuracy of 98 % over the sequences, each left out in turn, and an AUC of 0.97.
 #[test]
-fn displaced_grasps_are_told_from_held_ones_on_real_magnetometers() {
+fn displaced_grasps_are_detected_on_real_magnetometers() {
     let Some(data) = real(
         "eflesh-slip",
-        "displaced_grasps_are_told_from_held_ones_on_real_magnetometers",
+        "displaced_grasps_are_detected_on_real_magnetometers",
     ) else {
         return;
     };
@@ -505,7 +510,7 @@ fn displaced_grasps_are_told_from_held_ones_on_real_magnetometers() {
     let text = ended.stdout;
     assert!(number(&text, "drag", "AUC") >= 0.97, "{text}");
     assert!(number(&text, "drag", "accuracy (%)") >= 98.0, "{text}");
-    // The paper's rule is far behind, and of contact nothing is known, as the grip is closed at the first sample.
+    // The paper's rule is much worse, and contact is unknown, because the grip is closed at the first sample.
     assert!(
         number(&text, "shear rate (the paper's rule)", "AUC") < 0.8,
         "{text}"
@@ -513,8 +518,8 @@ fn displaced_grasps_are_told_from_held_ones_on_real_magnetometers() {
     assert_eq!(number(&text, "contact loss", "slips detected"), 0.0);
 }
 
-/// Too few grasps for a claim: that frames are read and scored. The bound is the lower end of the interval over blocks of 30
-/// frames, 0.82.
+/// Checks that frames are read and scored; the grasps are too few for a claim. The bound is the lower end of the
+/// interval over blocks of 30 frames, 0.82.
 #[test]
 fn frames_of_real_taxels_are_scored() {
     let Some(data) = real("uskin-grasps", "frames_of_real_taxels_are_scored") else {
@@ -539,7 +544,7 @@ fn frames_of_real_taxels_are_scored() {
     );
 }
 
-/// A grey frame of a marker grid: spots of 4 px, bright on dark, at the places of a made-up grasp.
+/// A gray frame of a marker grid: bright spots of 4 px on a dark background at `places`.
 fn spots(places: &[(f64, f64)]) -> Vec<u8> {
     let mut pixels = vec![20.0_f64; 320 * 240];
     for &(x, y) in places {
@@ -556,7 +561,7 @@ fn spots(places: &[(f64, f64)]) -> Vec<u8> {
         .collect()
 }
 
-/// Encodes a made-up grasp, held or lost, at 25 Hz.
+/// Encodes a synthetic grasp, held or lost, at 25 Hz.
 fn encode(ffmpeg: &OsStr, path: &Path, slip: bool, push: f64) {
     let mut command = Command::new(ffmpeg);
     command.args([
@@ -597,7 +602,7 @@ fn encode(ffmpeg: &OsStr, path: &Path, slip: bool, push: f64) {
 }
 
 #[test]
-fn markers_in_videos_are_located_and_a_loss_is_told() {
+fn markers_in_videos_are_located_and_a_loss_is_detected() {
     let Some(ffmpeg) = ffmpeg() else { return };
     let folder = folder("score-slip-videos");
     let mut labels = "video,slip\n".to_string();
@@ -630,12 +635,12 @@ fn markers_in_videos_are_located_and_a_loss_is_told() {
         100.0,
         "{ended:?}"
     );
-    // Nobody knows which marker is which.
+    // Without a layout, the identity of the markers is unknown.
     assert_eq!(said(&ended.stdout, "drag", "unknown"), "4");
 }
 
 #[test]
-fn without_ffmpeg_videos_are_refused_with_what_to_install() {
+fn videos_without_ffmpeg_are_refused_with_instructions() {
     let folder = folder("score-slip-no-ffmpeg");
     fs::write(folder.join("grasp.mp4"), "nothing").unwrap();
     fs::write(folder.join("labels.csv"), "video,slip\ngrasp.mp4,1\n").unwrap();

@@ -1,4 +1,4 @@
-//! `feeler simulate-grasps`, and thresholds that `feeler score-slip` takes from other recordings, through the program.
+//! `feeler simulate-grasps`, and thresholds that `feeler score-slip` takes from other recordings.
 
 use crate::program::{document, folder, rows, run};
 use crate::score_slip_recorded::{grasps, number, said};
@@ -14,7 +14,7 @@ fn value(row: &Row, column: &str) -> f64 {
     row[column].parse().expect("a number")
 }
 
-/// Makes `count` grasps.
+/// Simulates grasps, and returns their labels.
 fn simulate(folder: &Path, name: &str, arguments: &[&str]) -> Vec<Row> {
     let out = format!("--out={name}");
     let ended = run(folder, &[&["simulate-grasps", &out], arguments].concat());
@@ -22,7 +22,7 @@ fn simulate(folder: &Path, name: &str, arguments: &[&str]) -> Vec<Row> {
     rows(&folder.join(name).join("labels.csv"))
 }
 
-/// The force on the gel by the object in a frame of a recording: along z, up, and into the gel, N.
+/// Force of the object on the gel in a frame of a recording (N): upward, along z, and into the gel.
 fn force(recording: &[Row], frame: &str) -> (f64, f64) {
     let own = || recording.iter().filter(|row| row["frame"] == frame);
     let sum = |column: &str| own().map(|row| value(row, column)).sum();
@@ -30,7 +30,7 @@ fn force(recording: &[Row], frame: &str) -> (f64, f64) {
 }
 
 #[test]
-fn simulated_grasps_hold_or_slip_and_their_labels_are_true() {
+fn simulated_grasps_have_correct_labels() {
     let folder = folder("simulate-grasps");
     let labels = simulate(&folder, "grasps", &["--count=6", "--seed=1"]);
     let slips = labels.iter().filter(|row| row["slip"] == "1").count();
@@ -44,7 +44,7 @@ fn simulated_grasps_hold_or_slip_and_their_labels_are_true() {
         let name = &label["recording"];
         let recording = rows(&folder.join(format!("grasps/recordings/{name}.csv")));
         let last = &recording.last().unwrap()["frame"];
-        // It begins untouched, but for noise of at most 0.3 px.
+        // The recording starts untouched, except for noise of at most 0.3 px.
         assert_eq!(force(&recording, "0"), (0.0, 0.0), "{name}");
         let first = recording.iter().filter(|row| row["frame"] == "0");
         first.for_each(|row| assert!(value(row, "u_x").abs() < 1.5, "{row:?}"));
@@ -57,7 +57,7 @@ fn simulated_grasps_hold_or_slip_and_their_labels_are_true() {
         if label["lost"] == "1" {
             assert_eq!((up, pressed), (0.0, 0.0), "{name}");
         } else if label["slip"] == "0" {
-            // Friction bears the weight, of which the other finger has the rest.
+            // Friction bears the weight, together with the other finger.
             let share = -up / (value(label, "mass_kg") * GRAVITY);
             assert!((0.0..1.0).contains(&share), "{name}: {share}");
             assert!(up.abs() < value(label, "friction") * pressed, "{name}");
@@ -66,7 +66,7 @@ fn simulated_grasps_hold_or_slip_and_their_labels_are_true() {
 }
 
 #[test]
-fn the_same_seed_gives_the_same_grasps_on_any_number_of_threads() {
+fn simulated_grasps_depend_only_on_the_seed() {
     let folder = folder("simulate-grasps-again");
     let one = simulate(&folder, "one", &["--count=3", "--seed=5", "--jobs=1"]);
     assert_eq!(
@@ -82,14 +82,14 @@ fn the_same_seed_gives_the_same_grasps_on_any_number_of_threads() {
         let read = |name: &str| fs::read(folder.join(name).join(file)).unwrap();
         assert!(read("one") == read("two"), "{file}");
     }
-    // Nothing is written over.
+    // Nothing is overwritten.
     run(&folder, &["simulate-grasps", "--count=1", "--out=one"])
         .refused(&["labels.csv", "--force"]);
     run(&folder, &["simulate-grasps", "--count=0"]).refused(&["--count"]);
 }
 
 #[test]
-fn thresholds_of_simulated_grasps_are_held_against_recordings() {
+fn thresholds_of_simulated_grasps_are_applied_to_recordings() {
     let folder = folder("score-slip-transfer");
     grasps(&folder);
     simulate(&folder, "sim", &["--count=8", "--seed=1"]);
@@ -105,7 +105,7 @@ fn thresholds_of_simulated_grasps_are_held_against_recordings() {
         text.contains("thresholds of sim/recordings: 8 recordings"),
         "{text}"
     );
-    // The threshold is that which the simulated grasps choose where nothing else is known.
+    // The transferred threshold equals the one that is chosen on the simulated grasps alone.
     let threshold = said(&text, "contact loss", "transfer threshold");
     assert_eq!(threshold, said(&alone.stdout, "contact loss", "threshold"));
     let scores = rows(&folder.join("slip/scores.csv"));
@@ -125,7 +125,7 @@ fn thresholds_of_simulated_grasps_are_held_against_recordings() {
     }
     let percent = 100.0 * right as f64 / own.len() as f64;
     assert!((number(&text, "contact loss", "transfer accuracy (%)") - percent).abs() < 0.06);
-    // A sensor's own unit means nothing on another.
+    // Thresholds in the unit of a sensor are not transferred.
     let rate = scores
         .iter()
         .find(|row| row["detector"] == "shear_rate")
@@ -137,7 +137,7 @@ fn thresholds_of_simulated_grasps_are_held_against_recordings() {
 }
 
 #[test]
-fn thresholds_from_nothing_are_refused() {
+fn missing_threshold_recordings_are_refused() {
     let folder = folder("score-slip-transfer-refused");
     grasps(&folder);
     let with = |others: &[&str]| {

@@ -1,11 +1,11 @@
-//! `feeler sweep`, through the program.
+//! `feeler sweep`.
 
 use crate::program::{Ended, document, experiment, feeler, folder, rows, run, summary};
 use std::collections::HashMap;
 use std::fs;
 use std::path::Path;
 
-/// A sweep of short trials of the reference experiment.
+/// Arguments of a sweep of short trials of the reference experiment.
 fn sweep<'a>(more: &[&'a str]) -> Vec<&'a str> {
     let mut arguments = vec![
         "sweep",
@@ -22,7 +22,7 @@ fn sweep<'a>(more: &[&'a str]) -> Vec<&'a str> {
 }
 
 #[test]
-fn jobs_shards_and_stops_change_nothing() {
+fn jobs_shards_and_interruptions_do_not_change_the_result() {
     let folder = folder("sweep-same");
     run(&folder, &sweep(&["--jobs=1", "-o=one"])).done();
     run(&folder, &sweep(&["--jobs=2", "-o=two"])).done();
@@ -36,7 +36,7 @@ fn jobs_shards_and_stops_change_nothing() {
     run(&folder, &["sweep", "merge", "a", "b", "-o", "c"]).done();
     assert_eq!(whole, fs::read(folder.join("c/trials.csv")).unwrap());
 
-    // As after a stop: two rows are finished, a third is torn.
+    // State after an interruption: two rows are complete, a third is truncated.
     let lines: Vec<_> = whole.split_inclusive(|&b| b == b'\n').collect();
     let torn = &lines[3][..lines[3].len() / 2];
     let left = [lines[0], lines[2], lines[1], torn].concat();
@@ -60,16 +60,16 @@ fn jobs_shards_and_stops_change_nothing() {
 }
 
 #[test]
-fn many_machines_are_the_python_packages() {
+fn ray_engine_refers_to_the_python_package() {
     let folder = folder("sweep-ray");
     run(&folder, &sweep(&["--engine=ray", "-o=one"])).refused(&["Python", "docs/sweeps.md"]);
     assert!(!folder.join("one").exists());
 }
 
 #[test]
-fn a_trial_runs_again_from_its_row_bit_for_bit() {
+fn trial_can_be_rerun_from_its_row_bit_for_bit() {
     let folder = folder("sweep-again");
-    // Whole runs, so that every claim is measured.
+    // Complete runs, so that every claim is measured.
     let arguments = sweep(&["-o=sweep", "--set=time_limit=60", "--trials=3"]);
     let arguments: Vec<_> = arguments
         .into_iter()
@@ -108,7 +108,7 @@ fn a_trial_runs_again_from_its_row_bit_for_bit() {
     run(&folder, &["run", "--trial", "nowhere", "0"]).refused(&["folder of a sweep"]);
 }
 
-/// The header and the rows of a sweep, and what was said of it.
+/// Runs a sweep with a control law. Returns the header and the rows of its table, and its output.
 fn of_law(folder: &Path, name: &str, law: &str, more: &[&str]) -> (String, Rows, String) {
     let (law, out) = (format!("--set=control.law={law}"), format!("-o={name}"));
     let sweep = [
@@ -139,12 +139,12 @@ const FIVE: [&str; 5] = [
 ];
 
 #[test]
-fn another_law_is_judged_by_the_claims_of_any_hand() {
+fn other_laws_are_judged_by_the_claims_of_any_hand() {
     let folder = folder("sweep-law");
     let (papers, _, said) = of_law(&folder, "papers", "tri-axial", &[]);
     assert!(said.contains("all its claims pass"), "{said}");
     let (header, rows, said) = of_law(&folder, "best", "best", &[]);
-    assert_eq!(header, papers, "the same columns");
+    assert_eq!(header, papers, "columns differ");
     assert!(said.contains("all five claims of any hand pass"), "{said}");
     for row in &rows {
         assert_eq!(row["outcome"], "done");
@@ -161,7 +161,7 @@ fn another_law_is_judged_by_the_claims_of_any_hand() {
         let held = held.count();
         assert_eq!(row["claims_held"], held.to_string());
         assert_eq!(row["success"] == "1", held == 5);
-        // This law closes the cap and harms nothing.
+        // This law closes the cap and overloads nothing.
         for id in ["hand-closes-cap", "hand-overloads-nothing"] {
             assert_eq!(row[&format!("claim.{id}")], "1", "{id}");
         }
@@ -169,7 +169,7 @@ fn another_law_is_judged_by_the_claims_of_any_hand() {
     let page = document(&folder.join("best/summary.html"));
     assert!(page.contains("five claims of any hand") && !page.contains("no-damage"));
 
-    // A cap that has farther to turn than four strokes take it is not closed, however well they went.
+    // A cap that needs more than four strokes is not closed, even if the strokes are good.
     let open = ["--set=sim.object.cap.motion.thread.seat_angle=9.0"];
     let (_, rows, said) = of_law(&folder, "open", "best", &open);
     assert!(said.contains("0 of 3"), "{said}");
@@ -178,7 +178,7 @@ fn another_law_is_judged_by_the_claims_of_any_hand() {
             .all(|row| row["outcome"] == "done" && row["claim.hand-closes-cap"] == "0")
     );
 
-    // Where laws differ from trial to trial, all are judged alike, and the claims counted where they apply.
+    // If the law differs from trial to trial, all trials are judged alike, and claims are counted only if they apply.
     let laws = [
         "--vary=control.law=choice(\"tri-axial\",\"best\")",
         "--seed=1",
@@ -205,7 +205,7 @@ fn another_law_is_judged_by_the_claims_of_any_hand() {
     assert!(page.contains(&of), "not of {}", papers.len());
     assert!(page.contains("hand-closes-cap</td><td class=\"number\">6</td>"));
 
-    // Too few strokes for these claims: what became of the cap is left.
+    // With too few strokes for these claims, only the final state of the cap is judged.
     let two = ["--set=task.screw.strokes=2"];
     let (header, _, said) = of_law(&folder, "two", "best", &two);
     assert!(said.contains("the cap is closed"), "{said}");
@@ -213,7 +213,7 @@ fn another_law_is_judged_by_the_claims_of_any_hand() {
 }
 
 #[test]
-fn what_cannot_vary_is_refused_before_anything_runs() {
+fn invalid_variations_are_refused_before_the_first_trial() {
     let folder = folder("sweep-refused");
     for (vary, words) in [
         ("friction", ["NAME=DISTRIBUTION", ""]),
@@ -241,7 +241,7 @@ fn what_cannot_vary_is_refused_before_anything_runs() {
 }
 
 #[test]
-fn a_trial_that_goes_wrong_is_a_row_and_the_sweep_goes_on() {
+fn invalid_trials_are_rows_and_the_sweep_continues() {
     let folder = folder("sweep-wrong");
     let arguments = sweep(&["--vary=touch_force=normal(0.1,0.2)", "--trials=12", "-o=s"]);
     let arguments: Vec<_> = arguments
@@ -262,7 +262,7 @@ fn a_trial_that_goes_wrong_is_a_row_and_the_sweep_goes_on() {
 
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_disk_is_said_and_what_is_finished_is_kept() {
+fn full_disk_is_reported_and_finished_trials_are_kept() {
     let folder = folder("sweep-full");
     let sweep = |more: &[&'static str]| {
         let mut arguments = sweep(more);
@@ -273,7 +273,7 @@ fn a_full_disk_is_said_and_what_is_finished_is_kept() {
     run(&folder, &sweep(&["--jobs=1", "-o=whole"])).done();
     let whole = fs::read(folder.join("whole/trials.csv")).unwrap();
 
-    // No file may grow past this number of blocks of 512 bytes: the disk is full within a row.
+    // The file size limit, in blocks of 512 bytes, is reached within a row.
     let blocks = (whole.len() / 2 / 512).to_string();
     let limited = "trap '' XFSZ; ulimit -f $1; shift; exec \"$@\"";
     let mut command = std::process::Command::new("sh");
@@ -285,7 +285,7 @@ fn a_full_disk_is_said_and_what_is_finished_is_kept() {
     let kept = part.matches('\n').count() - 1;
     assert!(
         kept >= 1 && !part.ends_with('\n'),
-        "{kept} rows and no torn one"
+        "{kept} rows and no truncated one"
     );
     assert!(
         said.contains(&format!("the {kept} trials finished are kept")),
@@ -298,7 +298,7 @@ fn a_full_disk_is_said_and_what_is_finished_is_kept() {
 
 #[cfg(unix)]
 #[test]
-fn a_stopped_sweep_goes_on_where_it_was() {
+fn interrupted_sweep_keeps_its_rows() {
     let folder = folder("sweep-stopped");
     experiment(&folder, "time_limit = 60.0", "time_limit = 5.0");
     let arguments = [
@@ -316,7 +316,10 @@ fn a_stopped_sweep_goes_on_where_it_was() {
     let part = folder.join("s/trials.csv.part");
     let lines = || fs::read_to_string(&part).map_or(0, |text| text.lines().count());
     while lines() < 4 {
-        assert!(child.try_wait().unwrap().is_none(), "it ended by itself");
+        assert!(
+            child.try_wait().unwrap().is_none(),
+            "the program ended by itself"
+        );
         std::thread::yield_now();
     }
     let id = child.id().to_string();

@@ -1,10 +1,10 @@
-//! `feeler tune`, through the program.
+//! `feeler tune`.
 
 use crate::program::{document, experiment, folder, run};
 use std::fs;
 use std::path::Path;
 
-/// Identified values of `my.toml`, both fingers alike.
+/// Identified values for `my.toml`, the same for both fingers.
 fn identified() -> String {
     let estimate = |key: &str, value: f64, half: f64| {
         let (low, high) = (value - half, value + half);
@@ -32,7 +32,7 @@ fn identified() -> String {
     )
 }
 
-/// A folder with `my.toml` and `identified.toml`.
+/// Writes `my.toml` and `identified.toml` to a new folder.
 fn prepared(name: &str) -> std::path::PathBuf {
     let folder = folder(name);
     experiment(&folder, "seed = 0", "seed = 0");
@@ -49,7 +49,7 @@ fn read(folder: &Path, name: &str) -> String {
 }
 
 #[test]
-fn the_tuned_file_differs_in_tuned_values_alone_and_runs() {
+fn tuned_file_differs_only_in_tuned_values_and_is_valid() {
     let folder = prepared("tune");
     let said = run(&folder, &tune(&["-o=tuned.toml"])).done();
     assert!(said.contains("predicted success: "), "{said}");
@@ -74,7 +74,7 @@ fn the_tuned_file_differs_in_tuned_values_alone_and_runs() {
 }
 
 #[test]
-fn a_search_of_so_many_runs_is_reproducible() {
+fn search_with_a_fixed_number_of_runs_is_reproducible() {
     let folder = prepared("tune-search");
     run(
         &folder,
@@ -93,7 +93,7 @@ fn a_search_of_so_many_runs_is_reproducible() {
 }
 
 #[test]
-fn bad_input_is_refused() {
+fn invalid_input_is_refused() {
     let folder = prepared("tune-bad");
     let refused = |identified: &str, words: &[&str]| {
         fs::write(folder.join("bad.toml"), identified).unwrap();

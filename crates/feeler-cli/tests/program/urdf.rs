@@ -1,9 +1,9 @@
-//! `feeler urdf` describes the hand of any experiment.
+//! `feeler urdf`, which describes the hand of any experiment.
 
 use crate::program::{folder, run};
 
 #[test]
-fn every_hand_is_described() {
+fn urdf_describes_every_hand() {
     let folder = folder("urdf");
     for (experiment, fingers) in [("cap-closing", 2), ("three-fingers", 3)] {
         let text = run(&folder, &["urdf", experiment]).done();
@@ -22,7 +22,7 @@ fn every_hand_is_described() {
 }
 
 #[test]
-fn a_hand_that_is_none_is_refused() {
+fn invalid_hands_are_refused() {
     let folder = folder("urdf-refused");
     let refused = run(&folder, &["urdf", "no-such.toml"]);
     refused.refused(&["no-such.toml"]);

@@ -1,4 +1,4 @@
-//! A trial of every built-in experiment is a success by what the experiment is for.
+//! Success criteria of the built-in experiments.
 
 use crate::program::{folder, run, summary};
 
@@ -6,7 +6,7 @@ const PAPERS: &str = "the task was completed and all its claims pass";
 const CLOSED: &str =
     "the task was completed, the cap was closed at the last stroke, and no element was overloaded";
 
-/// Each built-in experiment and what its description promises.
+/// The built-in experiments with their success criteria.
 const EXPERIMENTS: [(&str, &str); 14] = [
     ("cap-closing", PAPERS),
     ("any-hand", "all five claims of any hand pass"),
@@ -28,7 +28,7 @@ const EXPERIMENTS: [(&str, &str); 14] = [
 ];
 
 #[test]
-fn every_built_in_experiment_succeeds_at_what_it_is_for() {
+fn every_built_in_experiment_meets_its_criterion() {
     let folder = folder("verdicts");
     let listed = run(&folder, &["list"]).done();
     for (experiment, words) in EXPERIMENTS {
@@ -51,7 +51,7 @@ fn every_built_in_experiment_succeeds_at_what_it_is_for() {
 }
 
 #[test]
-fn a_report_judges_as_a_sweep_does() {
+fn reports_and_sweeps_use_the_same_criterion() {
     let folder = folder("verdicts-run");
     let thread = "sim.object.cap.motion.thread";
     let tight = format!("--set={thread}.seat_angle=-0.5");
@@ -98,9 +98,9 @@ fn a_report_judges_as_a_sweep_does() {
     }
 }
 
-/// More strokes than the paper's are judged by what four are: a peak a stroke, and a cap that is closed.
+/// More strokes than in the paper are judged like four: by a peak in each stroke, and a closed cap.
 #[test]
-fn a_cap_that_is_closed_in_more_strokes_is_a_success() {
+fn closing_the_cap_in_more_strokes_is_a_success() {
     let folder = folder("verdicts-strokes");
     let arguments = [
         "sweep",

@@ -1,4 +1,4 @@
-//! Video files as sources, through the program and ffmpeg.
+//! Video files as sources, decoded by ffmpeg.
 
 use crate::program::{Ended, feeler, folder, rows, run};
 use crate::skip::skipped;
@@ -8,7 +8,7 @@ use std::fs;
 use std::path::Path;
 use std::process::{Command, Stdio};
 
-/// ffmpeg, or `None` (the test is skipped) if there is none.
+/// The ffmpeg program. If it is missing, reports the test as skipped and returns `None`.
 pub fn ffmpeg() -> Option<OsString> {
     let program = std::env::var_os("FEELER_FFMPEG").unwrap_or_else(|| "ffmpeg".into());
     let mut version = Command::new(&program);
@@ -16,11 +16,11 @@ pub fn ffmpeg() -> Option<OsString> {
     if version.status().is_ok_and(|status| status.success()) {
         return Some(program);
     }
-    skipped("there is no ffmpeg; set FEELER_FFMPEG");
+    skipped("ffmpeg not found; set FEELER_FFMPEG");
     None
 }
 
-/// Runs ffmpeg in `folder`; whether it succeeded.
+/// Runs ffmpeg in `folder`, and returns whether it succeeded.
 fn encode(ffmpeg: &OsString, folder: &Path, arguments: &str) -> bool {
     let mut command = Command::new(ffmpeg);
     command.args(["-nostdin", "-v", "error", "-y"]);
@@ -32,7 +32,7 @@ fn encode(ffmpeg: &OsString, folder: &Path, arguments: &str) -> bool {
 const SIZE: (u32, u32) = (150, 120);
 const FRAMES: usize = 12;
 
-/// `20` round spots, moved to the right by `shift` px.
+/// Renders 20 round spots, moved to the right by `shift` px.
 fn spots(shift: f32) -> GrayImage {
     GrayImage::from_fn(SIZE.0, SIZE.1, |x, y| {
         let near = |v: f32| ((v + 12.5) % 25.0 - 12.5).powi(2);
@@ -47,7 +47,8 @@ fn spots(shift: f32) -> GrayImage {
     })
 }
 
-/// Pictures `p/00.png` to `p/11.png`, the first black, and `clip.mkv` of them without loss, 25 frames per second.
+/// Writes images `p/00.png` to `p/11.png`, the first black, and `clip.mkv`, a lossless video of them with 25 frames per
+/// second.
 fn clip(ffmpeg: &OsString, folder: &Path) {
     fs::create_dir(folder.join("p")).unwrap();
     for number in 0..FRAMES {
@@ -71,14 +72,14 @@ fn read(folder: &Path, name: &str) -> String {
 }
 
 #[test]
-fn a_frame_of_a_video_is_located_like_its_picture() {
+fn video_frame_is_located_like_its_image() {
     let Some(ffmpeg) = ffmpeg() else { return };
     let folder = folder("video-locate");
     clip(&ffmpeg, &folder);
     run(&folder, &["locate", "p/01.png", "-o", "picture.toml"]).done();
     run(&folder, &["locate", "clip.mkv@0.05", "-o", "frame.toml"]).done();
     assert_eq!(read(&folder, "picture.toml"), read(&folder, "frame.toml"));
-    // The first frame is black, as its picture.
+    // The first frame is black, like its image.
     let words = run(&folder, &["locate", "p/00.png", "-o", "no.toml"]).refused(&["feeler: "]);
     run(&folder, &["locate", "clip.mkv", "-o", "no.toml"]).refused(&[words.trim_end()]);
     run(&folder, &["locate", "clip.mkv@2", "-o", "no.toml"])
@@ -90,7 +91,7 @@ fn a_frame_of_a_video_is_located_like_its_picture() {
 }
 
 #[test]
-fn a_video_is_sensed_like_its_pictures_at_the_times_of_its_frames() {
+fn video_is_sensed_like_its_images_with_its_frame_times() {
     let Some(ffmpeg) = ffmpeg() else { return };
     let folder = folder("video-sense");
     clip(&ffmpeg, &folder);
@@ -105,7 +106,7 @@ fn a_video_is_sensed_like_its_pictures_at_the_times_of_its_frames() {
     let video = sense("clip.mkv", &[], "v.csv");
     assert_eq!(video, pictures);
     assert_eq!(sense("clip.mkv", &["--rate=25"], "r.csv"), pictures);
-    // Every third and every fifth frame, at their own times.
+    // Every third and every fifth frame, with their original times.
     let some = "-i clip.mkv -vf select='not(mod(n,3))+not(mod(n,5))' -fps_mode passthrough -c:v ffv1 some.mkv";
     assert!(encode(&ffmpeg, &folder, some));
     sense("some.mkv", &[], "s.csv");
@@ -124,7 +125,7 @@ fn a_video_is_sensed_like_its_pictures_at_the_times_of_its_frames() {
 }
 
 #[test]
-fn a_video_is_rotated_as_it_says() {
+fn rotation_of_a_video_is_applied() {
     let Some(ffmpeg) = ffmpeg() else { return };
     let folder = folder("video-rotated");
     clip(&ffmpeg, &folder);
@@ -151,7 +152,7 @@ fn a_video_is_rotated_as_it_says() {
 }
 
 #[test]
-fn what_a_truncated_video_gives_stays_partial() {
+fn truncated_video_gives_a_partial_table() {
     let Some(ffmpeg) = ffmpeg() else { return };
     let folder = folder("video-truncated");
     clip(&ffmpeg, &folder);
@@ -170,7 +171,7 @@ fn what_a_truncated_video_gives_stays_partial() {
 }
 
 #[test]
-fn what_is_no_video_is_refused() {
+fn invalid_videos_are_refused() {
     let folder = folder("video-bad");
     fs::write(folder.join("empty.mp4"), "").unwrap();
     fs::write(folder.join("text.MP4"), "nothing").unwrap();
@@ -210,7 +211,7 @@ fn what_is_no_video_is_refused() {
 }
 
 #[test]
-fn frames_of_a_video_make_the_same_calibration_as_their_pictures() {
+fn video_frames_make_the_same_calibration_as_images() {
     let Some(ffmpeg) = ffmpeg() else { return };
     let folder = folder("video-calibrate");
     let simulated = ["calibrate", "--simulated", "--loads=20", "-o", "s.toml"];
@@ -241,7 +242,7 @@ fn frames_of_a_video_make_the_same_calibration_as_their_pictures() {
     assert_eq!(read(&folder, "c.toml"), expected);
 
     let refused = |picture: &str, words: &[&str]| {
-        // The first row is of a later frame than the second.
+        // The first row refers to a later frame than the second.
         let text =
             format!("picture,element,f_x,f_y,f_z\nclip.mkv@0.5,0,0,0,1\n{picture},0,0,0,1\n");
         fs::write(folder.join("loads/BAD.csv"), text).unwrap();

@@ -1,8 +1,8 @@
-//! What a page of the book shows of a program's output, against what was printed.
+//! Comparison of the output that a page of the documentation quotes with the printed output.
 
 use std::collections::BTreeSet;
 
-/// The lines of the blocks of this `language` in a `page`.
+/// Lines of the code blocks in `language` on a `page`.
 pub fn blocks(page: &'static str, language: &str) -> impl Iterator<Item = &'static str> {
     let begin = format!("```{language}\n");
     let blocks: Vec<_> = page.split(begin.as_str()).skip(1).collect();
@@ -12,21 +12,21 @@ pub fn blocks(page: &'static str, language: &str) -> impl Iterator<Item = &'stat
     bodies.flat_map(|(body, _)| body.lines())
 }
 
-/// Line by line what was printed, numbers and the bus's name taken out.
+/// Printed lines, with numbers and the name of the port replaced.
 #[derive(Default)]
 pub struct Printed(BTreeSet<String>);
 
 impl Printed {
-    /// Adds what a program printed.
+    /// Adds the output of a program.
     pub fn add(&mut self, text: &str) {
         self.0.extend(text.lines().map(without_numbers));
     }
 
-    /// Requires every line that a page shows to have been printed.
+    /// Asserts that every line that a page shows was printed.
     pub fn check(&self, shown: impl Iterator<Item = &'static str>) {
         for line in shown.filter(|line| !line.is_empty()) {
             let was_printed = self.0.contains(&without_numbers(line));
-            assert!(was_printed, "nothing printed {line:?}: {:#?}", self.0);
+            assert!(was_printed, "{line:?} was not printed: {:#?}", self.0);
         }
     }
 }

@@ -1,6 +1,6 @@
-//! Runs the `feeler` program in a folder of the test's own.
+//! Runs the `feeler` program in a separate folder for each test.
 
-// Not every test program uses all of it.
+// Not every test binary uses all items.
 #![allow(dead_code)]
 
 use serde_json::Value;
@@ -9,7 +9,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Output, Stdio};
 
-/// An empty folder for the test called `name`.
+/// Creates an empty folder for the test called `name`.
 pub fn folder(name: &str) -> PathBuf {
     let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR"))
         .join("program")
@@ -19,7 +19,7 @@ pub fn folder(name: &str) -> PathBuf {
     path
 }
 
-/// The program, to be run in `folder`.
+/// Command that runs the program in `folder`.
 pub fn feeler(folder: &Path, arguments: &[&str]) -> Command {
     let mut command = Command::new(env!("CARGO_BIN_EXE_feeler"));
     command
@@ -29,7 +29,7 @@ pub fn feeler(folder: &Path, arguments: &[&str]) -> Command {
     command
 }
 
-/// What came of a run of the program.
+/// An ended run of the program.
 #[derive(Debug)]
 pub struct Ended {
     pub status: Option<i32>,
@@ -48,14 +48,14 @@ impl Ended {
         ended
     }
 
-    /// Asserts that it ended well, with nothing on standard error.
+    /// Asserts success without output on standard error, and returns standard output.
     pub fn done(self) -> String {
         assert_eq!(self.status, Some(0), "{self:?}");
         assert_eq!(self.stderr, "", "{self:?}");
         self.stdout
     }
 
-    /// Asserts that the input was refused with a message that holds all of `words`.
+    /// Asserts that the input was refused with a message that contains all of `words`, and returns standard error.
     pub fn refused(self, words: &[&str]) -> String {
         assert_eq!(self.status, Some(2), "{self:?}");
         for word in words {
@@ -70,7 +70,7 @@ pub fn run(folder: &Path, arguments: &[&str]) -> Ended {
     Ended::of(feeler(folder, arguments).output().expect("the program"))
 }
 
-/// Makes a whole run called `run` in `folder`; its folder.
+/// Makes a complete run called `run` in `folder`, and returns its folder.
 pub fn whole_run(folder: &Path) -> PathBuf {
     let arguments = ["run", "cap-closing", "--sensing", "direct", "--out", "run"];
     run(folder, &arguments).done();
@@ -83,7 +83,7 @@ pub fn summary(run_folder: &Path) -> Value {
     serde_json::from_str(&text).expect("JSON")
 }
 
-/// The value of the claims' part called `name` in a summary.
+/// Value of the part called `name` of the claims in a summary.
 pub fn part(summary: &Value, name: &str) -> f64 {
     let claims = summary["claims"].as_array().expect("claims").iter();
     let mut parts = claims.flat_map(|claim| claim["parts"].as_array().expect("parts"));
@@ -92,14 +92,14 @@ pub fn part(summary: &Value, name: &str) -> f64 {
         .unwrap_or_else(|| panic!("no {name:?} in {summary}"))
 }
 
-/// The rows of a table with a header, each by the columns' names.
+/// Rows of a table with a header, as maps from column names to cells.
 pub fn rows(path: &Path) -> Vec<HashMap<String, String>> {
     let mut reader = csv::Reader::from_path(path).expect("a table");
     let rows = reader.deserialize().map(|row| row.expect("a row"));
     rows.collect()
 }
 
-/// Writes an experiment into `folder`: the reference one, `from` replaced by `to`.
+/// Writes an experiment to `folder`: the reference experiment with `from` replaced by `to`.
 pub fn experiment(folder: &Path, from: &str, to: &str) {
     let text = include_str!("../../../feeler-lab/experiments/cap-closing.toml");
     assert!(text.contains(from), "{from:?} is not in the experiment");
@@ -111,7 +111,7 @@ pub fn experiment(folder: &Path, from: &str, to: &str) {
     fs::write(folder.join(name), calibration).expect("a calibration");
 }
 
-/// A page without its program and that one's data, which packed may spell any word: what a reader without scripts sees.
+/// The part of a page that is shown without scripts. The compressed data in the scripts may contain any word.
 pub fn document(path: &Path) -> String {
     let page = fs::read_to_string(path).unwrap();
     let (document, _) = page.split_once("<script").expect("a program");

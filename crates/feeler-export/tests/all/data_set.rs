@@ -265,7 +265,7 @@ fn unfit_images_are_refused_with_a_reason() {
         &["other: no image: expected the recorded image at 0.02 s"],
     );
     fs::write(path("torn.mcap"), [0; 100]).unwrap();
-    refused((elsewhere, path("torn.mcap")), &["other: no picture"]);
+    refused((elsewhere, path("torn.mcap")), &["other: no image"]);
     // Below the encoder's minimum width of 16 px.
     let (tiny, file) = seen("tiny.mcap", Some((9, 1)));
     let error = add_file(&mut DataSet::new(&folder), "tiny", &tiny, &file).unwrap_err();

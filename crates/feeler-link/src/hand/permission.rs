@@ -13,7 +13,7 @@ pub enum Permission {
     /// Move: all data is fresh, and no stop is active.
     Move,
     /// ActiveStop. `Some` contains a stop order or stale data; `None` means that earlier stops are still active.
-    Hold(Option<StopReason>),
+    ActiveStop(Option<StopReason>),
 }
 
 impl HandInbox {
@@ -79,7 +79,7 @@ impl HandInbox {
         };
         match self.holds.in_force().is_empty() {
             true => Permission::Move,
-            false => Permission::Hold(told().or(stale)),
+            false => Permission::ActiveStop(told().or(stale)),
         }
     }
 }

@@ -28,8 +28,8 @@ pub struct HandInbox {
     pub sent: SentSteps,
     /// Active stops.
     pub holds: ActiveStops,
-    /// In lockstep, the number of the last answered state. The hand is woken only when the next state and the forces of
-    /// all fingers have arrived.
+    /// In lockstep, the sequence number of the last answered state. The hand is woken only when the next state and the
+    /// forces of all fingers have arrived.
     pub(crate) answered: Option<u64>,
 }
 

@@ -19,7 +19,7 @@ pub struct RigInbox {
     clock: u64,
     /// Current time of the rig (s), set by the caller.
     pub time: f64,
-    /// Maximum age of the data behind a command (s).
+    /// Maximum age of the data that a command is based on (s).
     limit: f64,
     command: Option<Command>,
     commands: Sequence,

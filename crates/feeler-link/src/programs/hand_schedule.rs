@@ -31,7 +31,7 @@ pub(super) struct Lockstep {
     pub network: Arc<dyn Network>,
     /// Last command sent.
     pub command: Shared<Option<CommandMessage>>,
-    /// Number of the state behind the latest step.
+    /// Sequence number of the state that the latest step is based on.
     pub answered: u64,
     pub steps: u64,
 }

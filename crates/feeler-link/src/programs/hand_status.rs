@@ -132,11 +132,11 @@ impl HandStatus {
                 self.warn(control_loop, "resuming");
                 true
             }
-            Permission::Hold(Some(reason)) => {
+            Permission::ActiveStop(Some(reason)) => {
                 controller.stop(reason);
                 false
             }
-            Permission::Move | Permission::Hold(None) => false,
+            Permission::Move | Permission::ActiveStop(None) => false,
         }
     }
 

@@ -36,9 +36,9 @@ pub(super) struct HandSupervisor<'a, F> {
     went_on: bool,
     /// `true` if the hand was already stopped at the start of the current step.
     stands_still: bool,
-    /// Number of the state behind the previous step.
+    /// Sequence number of the state that the previous step was based on.
     answered: u64,
-    /// Number of the state behind the current step.
+    /// Sequence number of the state that the current step is based on.
     answers: u64,
     /// Instrument readings of that state.
     instruments: Option<InstrumentsMessage>,

@@ -33,7 +33,7 @@ pub struct RigProgram<R> {
     pub(super) exposed: Vec<Option<Exposed>>,
     pub(super) missed: u64,
     pub(super) warning: String,
-    /// Number of drive failures, and the time of the last stop order for them (s).
+    /// Number of drive failures, and time of the last stop order that they caused (s).
     pub(super) faults: (u64, f64),
     /// Latest readings, kept for resending in lockstep.
     pub(super) published: Vec<Reading>,

@@ -1,4 +1,4 @@
-//! The messages between programs read back as they were written, and their ROS 2 texts say what is written.
+//! Messages between programs decode to the encoded values, and their encoding matches their ROS 2 message texts.
 
 use feeler_link::messages::message::{
     CommandMessage, DirectForces, HandMode, Heartbeat, InstrumentsMessage, MessageHeader,
@@ -11,10 +11,10 @@ use serde_json::{Map, Value, json};
 use std::collections::HashMap;
 use std::fmt::Debug;
 
-/// Fields (type, name) of the types of a message text, by the types' names; the message's own is "".
+/// Fields (type, name) of each type in a message text, by type name. The message's own type is "".
 type Types<'a> = HashMap<&'a str, Vec<(&'a str, &'a str)>>;
 
-/// Reads a ROS 2 message text. Constants are no fields.
+/// Parses a ROS 2 message text, without its constants.
 fn parse(schema: &str) -> Types<'_> {
     let mut types = Types::from([("", Vec::new())]);
     let mut current = "";
@@ -23,7 +23,7 @@ fn parse(schema: &str) -> Types<'_> {
         if let Some(name) = line.strip_prefix("MSG: ") {
             current = name;
             let before = types.insert(name, Vec::new());
-            assert!(before.is_none(), "{name} stands twice");
+            assert!(before.is_none(), "{name} is defined twice");
         } else if !line.is_empty() && !line.starts_with("====") && !line.contains('=') {
             let (kind, name) = line.split_once(' ').expect("a type and a name");
             types.get_mut(current).unwrap().push((kind, name.trim()));
@@ -32,7 +32,7 @@ fn parse(schema: &str) -> Types<'_> {
     types
 }
 
-/// Reads CDR by nothing but a message text.
+/// Decodes CDR with only a message text.
 struct Walker<'a> {
     types: Types<'a>,
     body: &'a [u8],
@@ -60,7 +60,7 @@ impl Walker<'_> {
             "bool" => match self.bytes() {
                 [0_u8] => json!(false),
                 [1] => json!(true),
-                other => panic!("{other:?} is no bool"),
+                other => panic!("{other:?} is not a bool"),
             },
             "uint8" => json!(u8::from_le_bytes(self.bytes())),
             "int32" => json!(i32::from_le_bytes(self.bytes())),
@@ -91,7 +91,7 @@ impl Walker<'_> {
     }
 }
 
-/// What is written reads back, and reads the same by the message's text: every field by its name.
+/// Checks that `message` decodes to itself, and that its text decodes to the same fields by name.
 fn check<M: Message + PartialEq + Debug>(message: &M) {
     let mut bytes = Vec::new();
     cdr::encode(message, &mut bytes).unwrap();
@@ -163,7 +163,7 @@ proptest! {
     }
 
     #[test]
-    fn what_the_rig_shows(
+    fn images_and_forces(
         header in header(), [finger, width, height] in any::<[u32; 3]>(), frame: u64, pixels: Vec<u8>,
         forces in vec(vector(), 0..5),
     ) {
@@ -200,10 +200,10 @@ proptest! {
     }
 }
 
-/// The walker itself: it would see two lines swapped.
+/// Checks the walker itself, which must detect two swapped fields.
 #[test]
 #[should_panic(expected = "left == right")]
-fn a_swapped_line_is_seen() {
+fn swapped_fields_are_detected() {
     #[derive(Debug, PartialEq, serde::Serialize, serde::Deserialize)]
     struct Swapped {
         first: u32,

@@ -1,4 +1,5 @@
-//! The tests of this crate, but for those that need a process of their own: linked once, and all at once over the processors.
+//! All tests of this crate in one binary, which links once and runs in parallel, except those that need a separate
+//! process.
 
 #[path = "../support/how_many.rs"]
 mod how_many;

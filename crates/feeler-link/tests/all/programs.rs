@@ -1,4 +1,4 @@
-//! Hand, rig and sensor programs over a network in memory: the same run as in one control loop.
+//! Hand, rig and sensor programs over an in-memory network give the same run as a single control loop.
 
 use feeler::control::ControlLoop;
 use feeler::control::FlaggedSensor;
@@ -55,7 +55,7 @@ impl Config {
     }
 }
 
-/// A finger whose drives do at once what they are told, and whose feelers are springs on a wall.
+/// Finger with ideal drives, whose feelers are springs on a wall.
 #[derive(Clone)]
 struct Toy {
     finger: FingerGeometry,
@@ -127,7 +127,7 @@ impl Rig for Toy {
     }
 }
 
-/// The toy behind the seams of a control loop in one process.
+/// The toy as hand and sensor of a control loop in one process.
 #[derive(Clone)]
 struct Shared(std::rc::Rc<std::cell::RefCell<Toy>>);
 
@@ -156,7 +156,7 @@ impl TactileSensor for Shared {
     }
 }
 
-/// After so long a program is taken to hang.
+/// Time after which a program counts as hanging.
 const HANGS: Duration = Duration::from_secs(60);
 
 /// Joint angles, grasp force and phase of every step.
@@ -182,11 +182,11 @@ fn in_one_process(config: &Config) -> Trace {
     trace
 }
 
-/// Carries messages between threads of this process, at once.
+/// Network that delivers messages between threads of this process immediately.
 #[derive(Clone, Default)]
 struct Hub(Arc<Mutex<Vec<(usize, Topic, MessageHandler)>>>);
 
-/// A program's way to the others: what it sends does not come back to it.
+/// Connection of a program to the hub. It does not receive its own messages.
 struct Port {
     hub: Hub,
     number: usize,
@@ -221,7 +221,7 @@ impl Network for Port {
     }
 }
 
-/// A way to the others on which one command in fifty is lost.
+/// Connection that loses one command in fifty.
 struct Lossy {
     port: Arc<dyn Network>,
     commands: AtomicUsize,
@@ -286,7 +286,7 @@ fn rig(config: &Config, network: Arc<dyn Network>) -> RigProgram<Toy> {
     RigProgram::new(Toy::new(config), &rig, network).unwrap()
 }
 
-/// Runs rig and sensor beside `hand_side`, until that is over.
+/// Runs rig and sensor programs in the background until `hand_side` returns.
 fn beside_rig_and_sensor<T>(hub: &Hub, hand_side: impl FnOnce() -> T) -> T {
     let over = AtomicBool::new(false);
     thread::scope(|scope| {
@@ -314,7 +314,7 @@ fn beside_rig_and_sensor<T>(hub: &Hub, hand_side: impl FnOnce() -> T) -> T {
 }
 
 #[test]
-fn three_programs_in_lockstep_do_what_one_control_loop_does() {
+fn three_programs_in_lockstep_match_one_control_loop() {
     let config = Config::new();
     let hub = Hub::default();
     let (trace, instruments) = beside_rig_and_sensor(&hub, || {
@@ -338,13 +338,13 @@ fn three_programs_in_lockstep_do_what_one_control_loop_does() {
     });
     assert_eq!(trace, in_one_process(&config));
     assert!(trace.iter().any(|(_, force, _)| *force > 0.4));
-    // What the rig read with each state is handed on with it.
+    // Instrument readings are passed on with the state they were read with.
     let counted: Vec<_> = (0..trace.len()).map(|step| Some(step as f64)).collect();
     assert_eq!(instruments, counted);
 }
 
 #[test]
-fn commands_that_are_lost_are_said_again_to_a_rig_that_waits_for_them() {
+fn lost_commands_are_sent_again_in_lockstep() {
     let config = Config::new();
     let hub = Hub::default();
     let network = Arc::new(Lossy {
@@ -369,13 +369,13 @@ fn commands_that_are_lost_are_said_again_to_a_rig_that_waits_for_them() {
     });
     assert!(
         sent > trace.len() + 1,
-        "{sent} commands, some of them twice"
+        "{sent} commands, some of them repeated"
     );
     assert_eq!(trace, in_one_process(&config));
 }
 
 #[test]
-fn a_run_ends_with_what_its_callback_breaks_with() {
+fn a_run_returns_the_value_of_its_callbacks_break() {
     let config = Config::new();
     let hub = Hub::default();
     let broke = beside_rig_and_sensor(&hub, || {
@@ -395,7 +395,7 @@ fn a_run_ends_with_what_its_callback_breaks_with() {
 }
 
 #[test]
-fn an_order_to_stop_is_warned_of_and_obeyed() {
+fn a_stop_order_is_reported_and_obeyed() {
     let config = Config::new();
     let hub = Hub::default();
     let warnings = Arc::new(Mutex::new(Vec::new()));
@@ -442,15 +442,15 @@ fn an_order_to_stop_is_warned_of_and_obeyed() {
     );
 }
 
-/// A resume that arrives between a step's look at the orders and its end is no less one.
+/// A resume order is not lost if it arrives during a step.
 #[test]
-fn a_stop_that_is_resumed_within_a_step_is_over() {
+fn a_stop_can_be_resumed_within_a_step() {
     let config = Config::new();
     let hub = Hub::default();
     let somebody = hub.port(9);
     let commands = Arc::new(AtomicUsize::new(0));
     let counted = commands.clone();
-    // Commands leave in the middle of a step, and each port hears at once what another sends.
+    // Commands are sent in the middle of a step, and delivered immediately.
     let resume_in_time: MessageHandler = Arc::new(move |_, _| {
         if counted.fetch_add(1, Ordering::Relaxed) == 30 {
             let resume = ResumeMessage {
@@ -491,9 +491,9 @@ fn a_stop_that_is_resumed_within_a_step_is_over() {
     assert_eq!(steps, (10..=30).collect::<Vec<_>>());
 }
 
-/// A rig that waits for the hand, and hangs, stops it until somebody says that it is to go on.
+/// A rig in lockstep that hangs stops the hand until the stop is resumed.
 #[test]
-fn a_rig_that_hangs_stops_the_hand_that_it_waits_for() {
+fn a_hanging_rig_in_lockstep_stops_the_hand() {
     let config = Config::new();
     let hub = Hub::default();
     let (mut reasons, never) = (Vec::new(), AtomicBool::new(false));
@@ -504,7 +504,7 @@ fn a_rig_that_hangs_stops_the_hand_that_it_waits_for() {
         assert_eq!(broke.unwrap(), Some(()));
         program
     });
-    // Rig and sensor are gone now. They may have answered the last command before: then there is a step of that first.
+    // Rig and sensor have ended. They may have answered the last command, which gives one more step.
     program
         .run(&never, |after, _| {
             reasons.push(after.controller().stop_reason().cloned());
@@ -522,7 +522,7 @@ fn a_rig_that_hangs_stops_the_hand_that_it_waits_for() {
 }
 
 #[test]
-fn a_hand_waits_for_what_is_missing_and_refuses_what_does_not_agree() {
+fn a_hand_waits_for_missing_programs_and_refuses_mismatching_ones() {
     let config = Config::new();
     let hub = Hub::default();
     let mut program = hand(&config, hub.port(0));
@@ -541,7 +541,7 @@ fn a_hand_waits_for_what_is_missing_and_refuses_what_does_not_agree() {
     };
     let _rig = RigProgram::new(Toy::new(&config), &other, hub.port(1)).unwrap();
     interrupted.store(false, Ordering::Relaxed);
-    // It says so, and waits on for one that agrees.
+    // It warns, and keeps waiting for a matching program.
     let warnings = Arc::new(Mutex::new(Vec::new()));
     let heard = warnings.clone();
     program.set_warn(Box::new(move |text| {
@@ -562,9 +562,9 @@ fn a_hand_waits_for_what_is_missing_and_refuses_what_does_not_agree() {
     assert!(refused.contains("runs experiment another"), "{refused}");
 }
 
-/// A picture echoes the step that had arrived when it came in, however long sensing it took.
+/// An image echoes the latest step at its arrival, regardless of the duration of sensing.
 #[test]
-fn a_picture_of_a_camera_is_as_old_as_its_arrival_says() {
+fn age_of_an_image_is_counted_from_its_arrival() {
     let config = Config::new();
     let hub = Hub::default();
     let heard = Arc::new(Mutex::new(Vec::new()));
@@ -614,7 +614,7 @@ fn a_picture_of_a_camera_is_as_old_as_its_arrival_says() {
     } = update.header;
     assert_eq!((sequence, stamp, instance), (5, -3.0, clock));
     assert_eq!((echo_step, echo_token), (1, 1001));
-    // Two clocks are looked at, one after the other.
+    // The clocks are read one after the other.
     let waited = arrived.duration_since(first).as_secs_f64();
     assert!(
         (waited..waited + 0.02).contains(&echo_age),

@@ -1,4 +1,4 @@
-//! What gets through with which certificate, over real connections.
+//! Messages that certificates permit, over real connections.
 #![cfg(feature = "zenoh")]
 
 use crate::lab::{HERE, connecting, heard, lab, listening, of, until_heard};
@@ -23,7 +23,7 @@ const ALL: [Topic; 6] = [
 ];
 
 #[test]
-fn a_sensor_gets_through_what_its_finger_feels_and_nothing_else() {
+fn a_sensor_may_send_only_the_forces_of_its_finger() {
     let lab = lab("sense", &["hand", "sense-0", "order"]);
     let (hand, endpoint) = listening(&of(&lab, "hand"));
     let at_hand = heard(&hand, &ALL);
@@ -31,7 +31,7 @@ fn a_sensor_gets_through_what_its_finger_feels_and_nothing_else() {
     let got = until_heard(&[(&sense, &ALL)], &at_hand, Topic::Tactile(0));
     assert!(got.iter().all(|t| *t == Topic::Tactile(0)), "{got:?}");
 
-    // The same messages arrive of those who may send them.
+    // The same messages arrive if sent with the required rights.
     let order = connecting(&of(&lab, "order"), &endpoint);
     let got = until_heard(&[(&order, &ALL)], &at_hand, Topic::Stop);
     assert!(got.contains(&Topic::Resume), "{got:?}");
@@ -40,7 +40,7 @@ fn a_sensor_gets_through_what_its_finger_feels_and_nothing_else() {
 }
 
 #[test]
-fn a_sensor_reads_nothing_that_is_not_its_own() {
+fn a_sensor_may_receive_only_data_of_its_finger() {
     let lab = lab("reads", &["hand", "sense-0", "watch"]);
     let (hand, endpoint) = listening(&of(&lab, "hand"));
     let sense = connecting(&of(&lab, "sense-0"), &endpoint);
@@ -54,7 +54,7 @@ fn a_sensor_reads_nothing_that_is_not_its_own() {
 }
 
 #[test]
-fn a_stop_button_stops_and_does_not_let_go_on() {
+fn a_stop_certificate_cannot_resume() {
     let lab = lab("button", &["hand", "stop"]);
     let (hand, endpoint) = listening(&of(&lab, "hand"));
     let at_hand = heard(&hand, &ALL);
@@ -64,10 +64,10 @@ fn a_stop_button_stops_and_does_not_let_go_on() {
 }
 
 #[test]
-fn strangers_and_expired_and_withdrawn_certificates_get_nothing_through() {
+fn foreign_expired_and_withdrawn_certificates_are_rejected() {
     let lab = lab("refused", &["hand", "sense-0", "sense-1"]);
     let strangers = crate::lab::lab("strangers", &["sense-1"]);
-    // A stranger who knows this lab's authority, and so would not refuse the hand.
+    // A certificate of another lab, whose holder trusts this lab's authority and so accepts the hand.
     fs::copy(lab.join("ca.pem"), of(&strangers, "sense-1").join("ca.pem")).unwrap();
     let mut authority = Authority::open(&lab).unwrap();
     authority
@@ -92,7 +92,7 @@ fn strangers_and_expired_and_withdrawn_certificates_get_nothing_through() {
     assert!(got.iter().all(|t| *t == Topic::Tactile(0)), "{got:?}");
     drop(withdrawn);
 
-    // The same certificate of a computer whose certificate is good.
+    // A renewed certificate for the same right is accepted.
     authority
         .renew(HERE, &[Right::Sense(1)], Validity::days(1))
         .unwrap();
@@ -102,13 +102,13 @@ fn strangers_and_expired_and_withdrawn_certificates_get_nothing_through() {
 }
 
 #[test]
-fn nobody_but_a_hand_is_taken_for_one() {
+fn programs_connect_only_to_a_hand() {
     let lab = lab("false-hand", &["hand", "sense-0", "watch"]);
     let mut authority = Authority::open(&lab).unwrap();
     authority
         .certify("stolen", &[Right::Hand], Validity::days(1))
         .unwrap();
-    // A program that has not been told what is withdrawn.
+    // A program without the list of withdrawn certificates.
     let untold = lab.join("untold/watch");
     fs::create_dir_all(&untold).unwrap();
     for file in ["ca.pem", "cert.pem", "key.pem"] {
@@ -132,13 +132,13 @@ fn nobody_but_a_hand_is_taken_for_one() {
 }
 
 #[test]
-fn a_program_is_told_what_is_wrong_with_its_certificate() {
+fn errors_of_a_programs_own_certificate_are_reported() {
     let lab = lab("own", &["hand", "sense-0", "watch"]);
     let mut authority = Authority::open(&lab).unwrap();
     let read = |folder: &Path, right| OwnCertificate::read(folder, &[right]);
     let fine = read(&of(&lab, "hand"), Right::Hand).unwrap();
     assert_eq!(fine.name.to_string(), "hand.1");
-    // It is valid for a day.
+    // The certificate is valid for one day, so a warning is due.
     let warning = fine.warning().unwrap();
     assert!(warning.contains("hand.1 expires on"), "{warning}");
     let other = read(&of(&lab, "sense-0"), Right::Sense(1)).unwrap_err();
@@ -181,7 +181,7 @@ fn a_program_is_told_what_is_wrong_with_its_certificate() {
 
 #[cfg(unix)]
 #[test]
-fn nobody_else_reads_the_keys() {
+fn keys_are_readable_by_their_owner_only() {
     use std::os::unix::fs::PermissionsExt;
     let lab = lab("keys", &["hand", "stop"]);
     let mut authority = Authority::open(&lab).unwrap();
@@ -197,7 +197,7 @@ fn nobody_else_reads_the_keys() {
 
 #[test]
 #[ignore = "a measurement"]
-fn how_long_the_rules_take() {
+fn measure_the_duration_of_access_rules() {
     let lab = lab("time", &["hand", "watch"]);
     let config = |right: &str| LinkConfig {
         rig: "bench".into(),

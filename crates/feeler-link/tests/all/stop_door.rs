@@ -1,4 +1,4 @@
-//! Stopping a hand through its stop door, whatever else arrives there.
+//! Stopping a hand through its stop door, also under floods and attacks.
 #![cfg(feature = "zenoh")]
 
 use crate::lab::{lab, listening, of};
@@ -20,7 +20,7 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::Duration;
 
-/// A hand that counts its orders.
+/// Handler that counts its orders.
 fn counting() -> impl Fn(u64, &str) -> StopAnswer + Send + Sync + 'static {
     let orders = AtomicU64::new(0);
     move |_, from| StopAnswer {
@@ -29,7 +29,7 @@ fn counting() -> impl Fn(u64, &str) -> StopAnswer + Send + Sync + 'static {
     }
 }
 
-/// A door at a new port by the certificate in `folder`, and its endpoint.
+/// Opens a stop door on an unused port with the certificate in `folder`, and returns its endpoint.
 fn door(folder: &Path) -> (StopServer, [String; 1]) {
     let endpoints = [unused_endpoint().replace("tcp", "tls")];
     let door = StopServer::open(&endpoints, Some(folder), "bench", counting());
@@ -44,7 +44,7 @@ fn refused(called: Result<StopAnswer, StopCallError>) -> String {
 }
 
 #[test]
-fn a_call_is_one_order_and_is_told_what_the_hand_is_about() {
+fn a_call_is_one_order_and_returns_the_hands_answer() {
     let endpoints = [unused_endpoint()];
     let _door = StopServer::open(&endpoints, None, "bench", counting()).expect("a door");
     let first = call_stop(&endpoints, None, "bench", (1, "the \x1b[31mswitch")).expect("an answer");
@@ -61,7 +61,7 @@ fn a_call_is_one_order_and_is_told_what_the_hand_is_about() {
 }
 
 #[test]
-fn who_may_stop_is_who_has_a_certificate_for_it() {
+fn only_certificates_with_the_right_may_stop() {
     let lab = lab("door", &["hand", "order", "stop", "sense-0", "watch"]);
     let mut authority = Authority::open(&lab).unwrap();
     authority
@@ -84,7 +84,7 @@ fn who_may_stop_is_who_has_a_certificate_for_it() {
     assert!(why(&lab.join("lost/order")).contains("order.2 is withdrawn"));
     assert!(why(&lab.join("old/order")).contains("order.3: CertExpired"));
     assert!(why(&of(&strangers, "order")).contains("expected a valid one of this lab"));
-    // A certificate without its key.
+    // A certificate with the key of another one.
     let copy = lab.join("copy");
     fs::create_dir(&copy).unwrap();
     for (right, file) in [
@@ -99,7 +99,7 @@ fn who_may_stop_is_who_has_a_certificate_for_it() {
 }
 
 #[test]
-fn an_answer_counts_only_from_a_hand() {
+fn answers_are_accepted_only_from_a_hand() {
     let lab = lab("door-false", &["order", "sense-0"]);
     let (_door, endpoints) = door(&of(&lab, "sense-0"));
     let called = call_stop(&endpoints, Some(&of(&lab, "order")), "bench", (5, "me"));
@@ -111,7 +111,7 @@ fn an_answer_counts_only_from_a_hand() {
 }
 
 #[test]
-fn a_call_gets_through_a_flood_and_past_connections_that_say_nothing() {
+fn calls_succeed_under_floods_and_idle_connections() {
     let lab = lab("door-flood", &["hand", "order"]);
     let (_hand, endpoint) = listening(&of(&lab, "hand"));
     let endpoints = [endpoint];
@@ -135,7 +135,7 @@ fn a_call_gets_through_a_flood_and_past_connections_that_say_nothing() {
         nonce: [1; 16],
         cookie: [2; 32],
         rig: "bench".into(),
-        from: "nobody".into(),
+        from: "attacker".into(),
         proof: None,
     };
     let floods = [flood(vec![7; 1400]), flood(garbage.bytes())];
@@ -153,7 +153,7 @@ fn a_call_gets_through_a_flood_and_past_connections_that_say_nothing() {
     drop(silent);
 }
 
-/// A guard with `secret`, and the callers that it was told of.
+/// StopGuard with `secret`, and the senders of its orders.
 fn guard(folder: &Path, secret: u8) -> (StopGuard, Arc<Mutex<Vec<String>>>) {
     let callers = Arc::new(Mutex::new(Vec::new()));
     let told = Arc::clone(&callers);
@@ -168,7 +168,7 @@ fn guard(folder: &Path, secret: u8) -> (StopGuard, Arc<Mutex<Vec<String>>>) {
     (guard, callers)
 }
 
-/// The call of `caller`, as it answers the challenge of `guard` at the time `now`.
+/// Stop datagram of `caller` after the challenge of `guard` at the time `now` (s).
 fn call(
     guard: &mut StopGuard,
     certificate: &Path,
@@ -204,7 +204,7 @@ fn call(
 }
 
 #[test]
-fn a_call_that_is_replayed_is_no_second_order() {
+fn replayed_calls_are_not_new_orders() {
     let lab = lab("door-replay", &["hand", "order"]);
     let (hand, order) = (of(&lab, "hand"), of(&lab, "order"));
     let caller: SocketAddr = "10.0.0.6:5000".parse().unwrap();
@@ -221,12 +221,12 @@ fn a_call_that_is_replayed_is_no_second_order() {
         })
     );
     assert!(taken);
-    // Again, at once and while its challenge is still good: the same answer, and no order.
+    // Repeated immediately and while its challenge is valid: the same answer, and no new order.
     for now in [9, 19] {
         assert_eq!(first.answer(caller, &stop, time(now)), Some(answer.clone()));
     }
     assert_eq!(*callers.lock().unwrap(), ["me"]);
-    // Later, from elsewhere, after the hand was started again.
+    // Rejected if late, from another address, or after a restart of the hand.
     assert_eq!(first.answer(caller, &stop, time(20)), None);
     assert_eq!(first.answer(other, &stop, time(9)), None);
     let (mut second, callers) = guard(&hand, 2);
@@ -235,7 +235,7 @@ fn a_call_that_is_replayed_is_no_second_order() {
 }
 
 #[test]
-fn one_address_cannot_use_up_the_checks_of_all() {
+fn one_address_cannot_exhaust_the_signature_checks() {
     let lab = lab("door-budget", &["hand", "order", "sense-0"]);
     let (mut guard, callers) = guard(&of(&lab, "hand"), 1);
     let many: SocketAddr = "10.0.0.6:5000".parse().unwrap();

@@ -1,4 +1,4 @@
-//! The datagrams of the stop door, sound and hostile.
+//! Valid and hostile datagrams of the stop door.
 
 use feeler_link::stop_door::wire::{Datagram, MAX_BYTES, Proof, StopAnswer, Verdict, parse};
 use proptest::prelude::*;
@@ -60,11 +60,11 @@ proptest! {
 
     #[test]
     fn any_bytes_are_read_without_a_panic(bytes in prop::collection::vec(any::<u8>(), 0..1500)) {
-        // By themselves they hardly ever begin as a datagram does.
+        // Random bytes hardly ever start with the magic bytes.
         let _ = parse(&bytes);
         for kind in 0..5 {
             let datagram = [b"feelstop\x01", &[kind][..], &bytes].concat();
-            // What is read is what it was read from.
+            // A parsed datagram encodes to the same bytes.
             if let Some(read) = parse(&datagram) {
                 prop_assert_eq!(read.bytes(), datagram);
             }

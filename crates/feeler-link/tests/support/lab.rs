@@ -1,4 +1,4 @@
-//! A lab of certificates for tests, and links by them.
+//! Labs with certificates for tests, and links that use them.
 
 use super::ports::unused_endpoint;
 use feeler_link::security::Authority;
@@ -14,13 +14,13 @@ use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};
 use std::time::Duration;
 
-/// The computer of all tests.
+/// Name of the computer in all tests.
 pub const HERE: &str = "127.0.0.1";
 
-/// A new lab called `name` with certificates of `rights`; its folder.
+/// Creates the lab `name` with one certificate for each of `rights`, and returns its folder.
 pub fn lab(name: &str, rights: &[&str]) -> PathBuf {
     let lab = std::env::temp_dir().join(format!("feeler-{name}-{}", std::process::id()));
-    // Of a process that had the same number.
+    // Left over from a process with the same id.
     let _ = std::fs::remove_dir_all(&lab);
     let mut authority = Authority::open_or_make(&lab).expect("an authority");
     let rights: Vec<Right> = rights.iter().map(|r| r.parse().expect("a right")).collect();
@@ -30,12 +30,12 @@ pub fn lab(name: &str, rights: &[&str]) -> PathBuf {
     lab
 }
 
-/// Folder of the certificate that gives `right`.
+/// Folder of the certificate for `right`.
 pub fn of(lab: &Path, right: &str) -> PathBuf {
     lab.join(HERE).join(right)
 }
 
-/// A program that listens with the certificate in `folder`, and its endpoint.
+/// Opens a link that listens with the certificate in `folder`, and returns its endpoint.
 pub fn listening(folder: &Path) -> (Link, String) {
     let endpoint = unused_endpoint().replace("tcp", "tls");
     let config = LinkConfig {
@@ -48,7 +48,7 @@ pub fn listening(folder: &Path) -> (Link, String) {
     (Link::open(&config).expect("a link"), endpoint)
 }
 
-/// A program that connects to `endpoint` with the certificate in `folder`.
+/// Opens a link to `endpoint` with the certificate in `folder`.
 pub fn connecting(folder: &Path, endpoint: &str) -> Link {
     let config = LinkConfig {
         rig: "bench".into(),
@@ -59,29 +59,29 @@ pub fn connecting(folder: &Path, endpoint: &str) -> Link {
     Link::open(&config).expect("a link")
 }
 
-/// What `link` hears of `topics` from now on.
+/// Subscribes `link` to `topics` and returns the topics of received messages.
 pub fn heard(link: &Link, topics: &[Topic]) -> Receiver<Topic> {
     let (sender, receiver) = channel();
     for topic in topics {
         let sender = sender.clone();
         let note = move |topic: Topic, _: &[u8]| {
-            // Nobody hears it once the test is over.
+            // The receiver is gone once the test is over.
             let _ = sender.send(topic);
         };
-        link.listen(*topic, Arc::new(note)).expect("to hear");
+        link.listen(*topic, Arc::new(note)).expect("a subscription");
     }
     receiver
 }
 
-/// Lets each of `talkers` say its topics, one after the other, again and again until `last` has been heard often; what
-/// was heard until then.
+/// Lets each of `talkers` send on its topics repeatedly, until a message on `last` has arrived in ten rounds. Returns
+/// the topics of all received messages.
 pub fn until_heard(
     talkers: &[(&Link, &[Topic])],
     receiver: &Receiver<Topic>,
     last: Topic,
 ) -> Vec<Topic> {
-    // Ten times, with a pause each time: another program has had the time to connect, too.
-    let (mut heard, mut times) = (Vec::new(), 0);
+    // Ten rounds with pauses give other programs the time to connect.
+    let (mut received, mut times) = (Vec::new(), 0);
     for _ in 0..6000 {
         for (link, topics) in talkers {
             for topic in *topics {
@@ -91,10 +91,10 @@ pub fn until_heard(
         std::thread::sleep(Duration::from_millis(100));
         let new: Vec<Topic> = receiver.try_iter().collect();
         times += usize::from(new.contains(&last));
-        heard.extend(new);
+        received.extend(new);
         if times >= 10 {
-            return heard;
+            return received;
         }
     }
-    panic!("{last} is not heard, only {heard:?}");
+    panic!("no message on {last}, only {received:?}");
 }

@@ -3,8 +3,8 @@
 use std::net::TcpListener;
 use std::sync::atomic::{AtomicU16, Ordering};
 
-/// An endpoint of this computer at a port that nobody listens at. It is below the ports that systems give out by
-/// themselves, so that nobody gets it before the program under test listens there, and no two tests have the same.
+/// Returns a local endpoint with an unused port, different for each call. The port is below the range from which
+/// systems assign ports, so it stays free until the program under test listens on it.
 pub fn unused_endpoint() -> String {
     static NEXT: AtomicU16 = AtomicU16::new(0);
     let first = 10_000 + (std::process::id() % 1000) as u16 * 20;

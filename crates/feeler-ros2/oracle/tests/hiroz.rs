@@ -1,4 +1,5 @@
-//! Keys and liveliness tokens, compared with those of another implementation of `rmw_zenoh` in Rust, for any name, type and quality of service.
+//! Keys and liveliness tokens compared with another Rust implementation of `rmw_zenoh`, for arbitrary names, types and
+//! qualities of service.
 
 use feeler_ros2::key::{dds_type, key};
 use feeler_ros2::name::NodeName;
@@ -53,7 +54,7 @@ fn kind() -> impl Strategy<Value = (EndpointKind, TheirKind)> {
     ]
 }
 
-/// A part of a name, as ROS 2 has them.
+/// One part of a ROS 2 name.
 const PART: &str = "[a-zA-Z][a-zA-Z0-9]{0,8}";
 
 fn parts(most: usize) -> impl Strategy<Value = String> {
@@ -63,7 +64,7 @@ fn parts(most: usize) -> impl Strategy<Value = String> {
 
 proptest! {
     #[test]
-    fn keys_and_tokens_are_theirs(
+    fn keys_and_tokens_match_hiroz(
         (domain, session) in (0..=232_u32, "[1-9a-f][0-9a-f]{30}[1-9a-f]"),
         (namespace, node, topic) in (parts(3), PART, (parts(2), PART)),
         (package, type_name, bytes) in ("[a-z][a-z0-9]{0,8}", "[A-Z][a-zA-Z0-9]{0,8}", any::<[u8; 32]>()),
@@ -111,7 +112,7 @@ proptest! {
         prop_assert_eq!(token.to_string(), whole.0.to_string());
         let of_topic = RmwZenohFormatter::topic_key_expr(&endpoint).expect("a key");
         prop_assert_eq!(key(domain, &topic, &canonical, &hash), of_topic.to_string());
-        // Each reads what the other writes.
+        // Each implementation parses the other's tokens.
         prop_assert_eq!(whole.0.as_str().parse::<Token>().as_ref(), Ok(&token));
         let ours = &token.to_string().try_into().expect("a key expression");
         let read = RmwZenohFormatter::parse_liveliness(ours).expect("an entity");

@@ -2,32 +2,32 @@
 
 use serde::{Deserialize, Serialize};
 
-/// Numbers, and how they are to be read.
+/// Multidimensional array of numbers.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Float64MultiArray {
-    /// How they are to be read.
+    /// Layout of the array.
     pub layout: MultiArrayLayout,
     /// The numbers.
     pub data: Vec<f64>,
 }
 
-/// How an array's numbers are to be read.
+/// Layout of an array.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MultiArrayLayout {
-    /// Its dimensions.
+    /// Dimensions, outermost first.
     pub dim: Vec<MultiArrayDimension>,
-    /// Numbers before the first.
+    /// Number of elements before the first one.
     pub data_offset: u32,
 }
 
-/// A dimension of an array.
+/// One dimension of an array.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct MultiArrayDimension {
-    /// What it is called.
+    /// Name of the dimension.
     pub label: String,
-    /// How long it is.
+    /// Number of elements.
     pub size: u32,
-    /// Numbers from one to the next.
+    /// Stride in elements.
     pub stride: u32,
 }
 

@@ -3,10 +3,10 @@
 use feeler_record::ros::Time;
 use serde::{Deserialize, Serialize};
 
-/// The time of a simulation or a replay.
+/// Time of a simulation or replay.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct Clock {
-    /// That time.
+    /// Current time.
     pub clock: Time,
 }
 

@@ -3,50 +3,50 @@
 use feeler_record::ros::Header;
 use serde::{Deserialize, Serialize};
 
-/// How all parts of a system are.
+/// Diagnostics of all parts of a system.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DiagnosticArray {
-    /// When that was so.
+    /// Time of the diagnostics.
     pub header: Header,
-    /// One for each part.
+    /// Status of each part.
     pub status: Vec<DiagnosticStatus>,
 }
 
-/// How a part is.
+/// Status of one part.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct DiagnosticStatus {
-    /// How bad it is: a [`DiagnosticLevel`].
+    /// Severity, a [`DiagnosticLevel`].
     pub level: u8,
-    /// Which part it is.
+    /// Name of the part.
     pub name: String,
-    /// What there is to be said.
+    /// Description of the status.
     pub message: String,
-    /// Which device it is.
+    /// Identifier of the hardware.
     pub hardware_id: String,
-    /// What is known of it.
+    /// Measured values and other details.
     pub values: Vec<KeyValue>,
 }
 
-/// How bad something is.
+/// Severity of a status.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 #[repr(u8)]
 pub enum DiagnosticLevel {
-    /// All is well.
+    /// No problem.
     Ok = 0,
-    /// It works, and somebody should look.
+    /// Works, but requires attention.
     Warn = 1,
-    /// It does not work.
+    /// Does not work.
     Error = 2,
-    /// Nothing is heard of it.
+    /// No recent data.
     Stale = 3,
 }
 
-/// Something that is known.
+/// Name and value of a detail.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct KeyValue {
-    /// What it is called.
+    /// Name.
     pub key: String,
-    /// What it is.
+    /// Value.
     pub value: String,
 }
 

@@ -1,20 +1,20 @@
-//! What `rcl_interfaces` says of parameters.
+//! Messages of `rcl_interfaces` about parameters.
 
 use serde::{Deserialize, Serialize};
 
-/// A parameter.
+/// Name and value of a parameter.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Parameter {
-    /// What it is called.
+    /// Name of the parameter.
     pub name: String,
-    /// What it is.
+    /// Value of the parameter.
     pub value: ParameterValue,
 }
 
-/// What a parameter is: the field that `type` says.
+/// Tagged value of a parameter; `type` selects the field that contains it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct ParameterValue {
-    /// Which field counts: 0 for none, then from 1 in their order.
+    /// Tag: 0 if the parameter is not set, otherwise the type of the field that contains the value.
     pub r#type: u8,
     /// Type 1.
     pub bool_value: bool,
@@ -37,68 +37,68 @@ pub struct ParameterValue {
 }
 
 impl ParameterValue {
-    /// [`bool_value`](Self::bool_value) counts.
+    /// Type of [`bool_value`](Self::bool_value).
     pub const BOOL: u8 = 1;
-    /// [`integer_value`](Self::integer_value) counts.
+    /// Type of [`integer_value`](Self::integer_value).
     pub const INTEGER: u8 = 2;
-    /// [`double_value`](Self::double_value) counts.
+    /// Type of [`double_value`](Self::double_value).
     pub const DOUBLE: u8 = 3;
-    /// [`string_value`](Self::string_value) counts.
+    /// Type of [`string_value`](Self::string_value).
     pub const STRING: u8 = 4;
-    /// [`double_array_value`](Self::double_array_value) counts.
+    /// Type of [`double_array_value`](Self::double_array_value).
     pub const DOUBLE_ARRAY: u8 = 8;
-    /// [`string_array_value`](Self::string_array_value) counts.
+    /// Type of [`string_array_value`](Self::string_array_value).
     pub const STRING_ARRAY: u8 = 9;
 }
 
-/// What there is to be known of a parameter.
+/// Description of a parameter.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct ParameterDescriptor {
-    /// What it is called.
+    /// Name of the parameter.
     pub name: String,
-    /// As [`ParameterValue::type`].
+    /// Type of the value; see [`ParameterValue::type`].
     pub r#type: u8,
-    /// What it means.
+    /// Meaning and unit.
     pub description: String,
-    /// What it can be, in words.
+    /// Constraints that the ranges do not express.
     pub additional_constraints: String,
-    /// Whether it cannot be set.
+    /// `true` if the parameter cannot be set.
     pub read_only: bool,
-    /// Whether it can change its type.
+    /// `true` if the type of the value may change.
     pub dynamic_typing: bool,
-    /// What a number can be: none or one.
+    /// Range of a floating-point value: at most one entry.
     pub floating_point_range: Vec<FloatingPointRange>,
-    /// What a whole number can be: none or one.
+    /// Range of an integer value: at most one entry.
     pub integer_range: Vec<IntegerRange>,
 }
 
-/// What a number can be.
+/// Range of a floating-point parameter.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct FloatingPointRange {
-    /// The least.
+    /// Minimum, inclusive.
     pub from_value: f64,
-    /// The greatest.
+    /// Maximum, inclusive.
     pub to_value: f64,
-    /// From one to the next; 0 for any.
+    /// Step between valid values, or 0 if any value in the range is valid.
     pub step: f64,
 }
 
-/// What a whole number can be.
+/// Range of an integer parameter.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct IntegerRange {
-    /// The least.
+    /// Minimum, inclusive.
     pub from_value: i64,
-    /// The greatest.
+    /// Maximum, inclusive.
     pub to_value: i64,
-    /// From one to the next; 0 for any.
+    /// Step between valid values, or 0 if any value in the range is valid.
     pub step: u64,
 }
 
-/// Whether a parameter was set.
+/// Result of setting a parameter.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SetParametersResult {
-    /// Whether it was.
+    /// `true` if the parameter was set.
     pub successful: bool,
-    /// Why not.
+    /// Reason if it was not set.
     pub reason: String,
 }

@@ -1,49 +1,49 @@
-//! The services of `rcl_interfaces` by which tools see a node's parameters.
+//! Services of `rcl_interfaces` that give tools access to a node's parameters.
 
 use super::parameter::{Parameter, ParameterDescriptor, ParameterValue, SetParametersResult};
 use crate::type_description::Service;
 use serde::{Deserialize, Serialize};
 
-/// Which parameters there are.
+/// Names of parameters.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ListParametersResult {
-    /// Their names.
+    /// Full names of the parameters.
     pub names: Vec<String>,
-    /// What stands before their last dot.
+    /// Prefixes of the names, up to their last dot.
     pub prefixes: Vec<String>,
 }
 
-/// Asks which parameters there are.
+/// Request of [`ListParameters`].
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ListParametersRequest {
-    /// What stands before a dot in their names; nothing for all.
+    /// Prefixes of the names to list; empty for all.
     pub prefixes: Vec<String>,
-    /// How many dots may follow; 0 for any.
+    /// Maximum depth of names below a prefix; 0 for any.
     pub depth: u64,
 }
 
-/// Asks of some parameters.
+/// Request about parameters by name. `KIND` distinguishes the services that use it.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct NamesRequest<const KIND: u8> {
-    /// Their names.
+    /// Names of the parameters.
     pub names: Vec<String>,
 }
 
-/// Asks to set some parameters.
+/// Request to set parameters, each separately or `ATOMICALLY`.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct SetParametersRequest<const ATOMICALLY: bool> {
-    /// What they are to be.
+    /// Names and new values.
     pub parameters: Vec<Parameter>,
 }
 
-/// Lists parameters.
+/// Service that lists parameters.
 #[derive(Debug, Clone, Copy)]
 pub enum ListParameters {}
 
-/// What [`ListParameters`] answers.
+/// Response of [`ListParameters`].
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ListParametersResponse {
-    /// What there is.
+    /// Names of the parameters.
     pub result: ListParametersResult,
 }
 
@@ -53,14 +53,14 @@ impl Service for ListParameters {
     type Response = ListParametersResponse;
 }
 
-/// Tells values.
+/// Service that returns values of parameters.
 #[derive(Debug, Clone, Copy)]
 pub enum GetParameters {}
 
-/// What [`GetParameters`] answers.
+/// Response of [`GetParameters`].
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct GetParametersResponse {
-    /// One for each name; of type 0 where there is no such parameter.
+    /// Value for each name, of type 0 if there is no such parameter.
     pub values: Vec<ParameterValue>,
 }
 
@@ -70,14 +70,14 @@ impl Service for GetParameters {
     type Response = GetParametersResponse;
 }
 
-/// Tells types.
+/// Service that returns types of parameters.
 #[derive(Debug, Clone, Copy)]
 pub enum GetParameterTypes {}
 
-/// What [`GetParameterTypes`] answers.
+/// Response of [`GetParameterTypes`].
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct GetParameterTypesResponse {
-    /// One for each name; 0 where there is no such parameter.
+    /// Type for each name, 0 if there is no such parameter.
     pub types: Vec<u8>,
 }
 
@@ -87,14 +87,14 @@ impl Service for GetParameterTypes {
     type Response = GetParameterTypesResponse;
 }
 
-/// Describes parameters.
+/// Service that describes parameters.
 #[derive(Debug, Clone, Copy)]
 pub enum DescribeParameters {}
 
-/// What [`DescribeParameters`] answers.
+/// Response of [`DescribeParameters`].
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct DescribeParametersResponse {
-    /// One for each name.
+    /// Descriptor for each name.
     pub descriptors: Vec<ParameterDescriptor>,
 }
 
@@ -104,14 +104,14 @@ impl Service for DescribeParameters {
     type Response = DescribeParametersResponse;
 }
 
-/// Sets parameters, each on its own.
+/// Service that sets parameters, each separately.
 #[derive(Debug, Clone, Copy)]
 pub enum SetParameters {}
 
-/// What [`SetParameters`] answers.
+/// Response of [`SetParameters`].
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SetParametersResponse {
-    /// One for each parameter.
+    /// Result for each parameter.
     pub results: Vec<SetParametersResult>,
 }
 
@@ -121,14 +121,14 @@ impl Service for SetParameters {
     type Response = SetParametersResponse;
 }
 
-/// Sets all of some parameters, or none.
+/// Service that sets either all given parameters or none.
 #[derive(Debug, Clone, Copy)]
 pub enum SetParametersAtomically {}
 
-/// What [`SetParametersAtomically`] answers.
+/// Response of [`SetParametersAtomically`].
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SetParametersAtomicallyResponse {
-    /// For all.
+    /// Result for all parameters together.
     pub result: SetParametersResult,
 }
 

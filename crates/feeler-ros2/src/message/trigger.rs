@@ -3,23 +3,23 @@
 use crate::type_description::Service;
 use serde::{Deserialize, Serialize};
 
-/// The service that does one thing.
+/// Service that triggers an action without arguments.
 #[derive(Debug, Clone, Copy)]
 pub enum Trigger {}
 
-/// Asks for it.
+/// Request of [`Trigger`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TriggerRequest {
-    /// Without meaning: what has no field has this one.
+    /// Placeholder: messages without fields have this one.
     pub structure_needs_at_least_one_member: u8,
 }
 
-/// What came of it.
+/// Response of [`Trigger`].
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TriggerResponse {
-    /// Whether it was done.
+    /// `true` if the action was done.
     pub success: bool,
-    /// What there is to be said.
+    /// Details for a person.
     pub message: String,
 }
 

@@ -1,4 +1,4 @@
-//! A node's parameters: what tools see of its settings.
+//! Read-only parameters of a node, through which tools read its settings.
 
 #[cfg(test)]
 mod tests;
@@ -13,25 +13,25 @@ use crate::message::{
 use serde_json::Value;
 use value::parameter_value;
 
-/// What parts of a name stand between.
+/// Separator between the parts of a name.
 const SEPARATOR: char = '.';
 
-/// Parameters that can be read, and not set.
+/// Read-only parameters.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Parameters {
     all: Vec<ValueDescription>,
-    /// Why they cannot be set.
+    /// Reason why they cannot be set.
     reason: String,
 }
 
-/// What there is to be known of a parameter besides its value.
+/// Description of a parameter.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Meaning {
-    /// Unit and meaning.
+    /// Meaning and unit.
     pub description: String,
-    /// What it must be, in words; empty where nothing is required.
+    /// Valid values in words; empty if all are valid.
     pub expected: String,
-    /// The least and the greatest that a number can be, where that is all.
+    /// Minimum and maximum of a number, if they are its only constraint.
     pub range: Option<[f64; 2]>,
 }
 
@@ -42,7 +42,7 @@ struct ValueDescription {
 }
 
 impl Parameters {
-    /// None yet; `reason` says why none can be set.
+    /// Creates an empty set of parameters. `reason` is the answer to attempts to set one.
     pub fn new(reason: &str) -> Self {
         Self {
             all: Vec::new(),
@@ -50,7 +50,8 @@ impl Parameters {
         }
     }
 
-    /// Adds a value, or all values of a table, each called by the keys on the way to it; a list of tables by the places there.
+    /// Adds a value, or each value of a table. A value's name consists of the keys that lead to it; entries of a list
+    /// of tables are named by their index.
     pub fn add(&mut self, name: &str, value: &Value) {
         let below = |key: &str| format!("{name}{SEPARATOR}{key}");
         match value {
@@ -77,7 +78,7 @@ impl Parameters {
         }
     }
 
-    /// Tells of each parameter, by its name, what `meaning` knows.
+    /// Describes each parameter with the result of `meaning` for its name.
     pub fn describe_by(&mut self, meaning: impl Fn(&str) -> Option<Meaning>) {
         for one in &mut self.all {
             one.meaning = meaning(&one.parameter.name).unwrap_or_default();
@@ -88,7 +89,7 @@ impl Parameters {
         self.all.iter().find(|one| one.parameter.name == name)
     }
 
-    /// Which there are, as `request` asks.
+    /// Lists the parameters that match `request`.
     pub fn list(&self, request: &ListParametersRequest) -> ListParametersResponse {
         let depth = usize::try_from(request.depth).unwrap_or(usize::MAX);
         let shallow = |rest: &str| depth == 0 || rest.matches(SEPARATOR).count() < depth;
@@ -118,7 +119,7 @@ impl Parameters {
         ListParametersResponse { result }
     }
 
-    /// The values of some.
+    /// Values of the parameters `names`.
     pub fn get(&self, names: &[String]) -> GetParametersResponse {
         let value = |name: &String| self.find(name).map(|one| one.parameter.value.clone());
         GetParametersResponse {
@@ -129,7 +130,7 @@ impl Parameters {
         }
     }
 
-    /// The types of some.
+    /// Types of the parameters `names`.
     pub fn types(&self, names: &[String]) -> GetParameterTypesResponse {
         let kind = |name: &String| self.find(name).map_or(0, |one| one.parameter.value.r#type);
         GetParameterTypesResponse {
@@ -137,7 +138,7 @@ impl Parameters {
         }
     }
 
-    /// What there is to be known of some.
+    /// Descriptors of the parameters `names`.
     pub fn describe(&self, names: &[String]) -> DescribeParametersResponse {
         let describe = |name: &String| match self.find(name) {
             Some(one) => self.descriptor(one),
@@ -186,7 +187,7 @@ impl Parameters {
         descriptor
     }
 
-    /// Refuses to set some, each on its own.
+    /// Rejects a request to set parameters, with a reason for each.
     pub fn set(&self, wanted: &[Parameter]) -> SetParametersResponse {
         SetParametersResponse {
             results: wanted
@@ -196,11 +197,11 @@ impl Parameters {
         }
     }
 
-    /// Refuses to set some together.
+    /// Rejects a request to set parameters atomically.
     pub fn set_atomically(&self, wanted: &[Parameter]) -> SetParametersAtomicallyResponse {
         let result = wanted.first().map(|parameter| self.refuse(parameter));
         SetParametersAtomicallyResponse {
-            // Of nothing, all is set.
+            // An empty request succeeds.
             result: result.unwrap_or(SetParametersResult {
                 successful: true,
                 reason: String::new(),

@@ -33,7 +33,7 @@ fn tables_become_names_with_dots() {
 }
 
 #[test]
-fn prefix_and_depth_choose() {
+fn prefix_and_depth_filter_names() {
     let list = |prefix: &str, depth| {
         let prefixes = vec![prefix.to_string()];
         some()
@@ -50,7 +50,7 @@ fn prefix_and_depth_choose() {
 }
 
 #[test]
-fn nothing_can_be_set_and_it_is_said_why() {
+fn parameters_cannot_be_set_and_the_reason_is_reported() {
     let wanted = |name: &str| Parameter {
         name: name.into(),
         ..Parameter::default()
@@ -64,7 +64,7 @@ fn nothing_can_be_set_and_it_is_said_why() {
 }
 
 #[test]
-fn meanings_and_ranges_are_told_by_type() {
+fn descriptors_contain_meanings_and_ranges_by_type() {
     let mut parameters = some();
     parameters.describe_by(|name| {
         name.starts_with("control.l").then(|| Meaning {
@@ -82,7 +82,7 @@ fn meanings_and_ranges_are_told_by_type() {
     );
     assert_eq!(speed.integer_range[0].to_value, 5);
     assert!(speed.floating_point_range.is_empty());
-    // A text has no range.
+    // Strings have no range.
     assert!(described[1].floating_point_range.is_empty());
     assert_eq!(described[2].additional_constraints, "it is fixed");
 }

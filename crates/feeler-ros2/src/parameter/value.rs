@@ -1,9 +1,9 @@
-//! A value of an experiment as that of a parameter.
+//! Conversion of an experiment's values to parameter values.
 
 use crate::message::ParameterValue;
 use serde_json::Value;
 
-/// A value that is no table; none where it is of no type that parameters have.
+/// Converts a value. `None` if parameters have no such type.
 pub(super) fn parameter_value(value: &Value) -> Option<ParameterValue> {
     let of_type = |r#type| ParameterValue {
         r#type,

@@ -1,4 +1,4 @@
-//! Clouds of forces: what is published is read back, and nonsense is refused.
+//! Clouds of forces: published clouds are read back, and invalid ones rejected.
 
 use feeler::sensor::fingertip::SensingElement;
 use feeler_record::ros::PointCloud2;
@@ -13,7 +13,7 @@ const TIPS: [DVec3; 3] = [
     DVec3::new(0.003, -0.012, 0.012),
 ];
 
-/// A cloud of forces, N, each in the frame of its element.
+/// Cloud of forces (N), each in the frame of its element.
 fn cloud(forces: &[DVec3]) -> PointCloud2 {
     let elements = TIPS.map(|tip| (SensingElement::facing(tip.normalize()), tip));
     let mut elements = Elements::new(elements.into());
@@ -24,7 +24,7 @@ fn cloud(forces: &[DVec3]) -> PointCloud2 {
 }
 
 #[test]
-fn forces_come_back_in_the_frames_of_their_elements() {
+fn forces_are_read_back_in_element_frames() {
     let forces = [
         DVec3::new(0.1, -0.2, 0.5),
         DVec3::NAN,
@@ -32,19 +32,19 @@ fn forces_come_back_in_the_frames_of_their_elements() {
     ];
     let mut read = [DVec3::ZERO; 3];
     read_forces(&cloud(&forces), &mut read).expect("forces");
-    // The cloud has numbers of 32 bits.
+    // The cloud contains 32-bit numbers.
     assert!(read[0].abs_diff_eq(forces[0], 1e-6), "{read:?}");
     assert!(read[1].is_nan(), "{read:?}");
     assert!(read[2].abs_diff_eq(forces[2], 1e-6), "{read:?}");
 }
 
 #[test]
-fn other_clouds_are_refused() {
+fn invalid_clouds_are_rejected() {
     let good = cloud(&[DVec3::ONE; 3]);
     let refused = |change: &dyn Fn(&mut PointCloud2)| {
         let mut cloud = good.clone();
         change(&mut cloud);
-        read_forces(&cloud, &mut [DVec3::ZERO; 3]).expect_err("it is refused")
+        read_forces(&cloud, &mut [DVec3::ZERO; 3]).expect_err("a rejected cloud")
     };
     let points = refused(&|cloud| cloud.width = 4);
     assert!(matches!(
@@ -83,7 +83,7 @@ fn other_clouds_are_refused() {
 
 proptest! {
     #[test]
-    fn whatever_a_cloud_says_nothing_panics(
+    fn arbitrary_clouds_do_not_panic(
         height in 0..4_u32, width in any::<u32>(), few in 0..4_u32, point_step in any::<u32>(), short in 0..64_u32,
         offsets in proptest::collection::vec(prop_oneof![0..64_u32, any::<u32>()], 8), kind in 0..9_u8,
         data in proptest::collection::vec(any::<u8>(), 0..200),

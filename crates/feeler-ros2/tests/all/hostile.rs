@@ -1,4 +1,4 @@
-//! Whatever arrives: an error or a value, and never a panic.
+//! Arbitrary input is decoded or rejected, without a panic.
 
 use feeler_record::ros::{JointState, PointCloud2, WrenchStamped};
 use feeler_record::wire::{Message, cdr};
@@ -8,12 +8,12 @@ use feeler_ros2::Token;
 use feeler_ros2::message::*;
 use proptest::prelude::*;
 
-/// What was read is written and read again.
+/// Decodes a message and, if it is valid, encodes and decodes it again.
 fn decode<M: Message>(bytes: &[u8]) {
     if let Ok(message) = cdr::decode::<M>(bytes) {
         let mut again = Vec::new();
-        cdr::encode(&message, &mut again).expect("what was read can be written");
-        cdr::decode::<M>(&again).expect("what was written can be read");
+        cdr::encode(&message, &mut again).expect("a decoded message can be encoded");
+        cdr::decode::<M>(&again).expect("an encoded message can be decoded");
     }
 }
 

@@ -1,6 +1,6 @@
-//! The tests of this crate: linked once, and all at once over the processors.
+//! All tests of this crate in one binary, which links once and runs in parallel.
 //!
-//! They run under an allocator that ends the process when a control period allocates.
+//! Their allocator aborts the process if a control period allocates.
 
 mod cloud;
 mod hostile;

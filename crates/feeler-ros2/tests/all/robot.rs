@@ -1,4 +1,4 @@
-//! A robot as a hand: what it takes, and what is sent to it.
+//! A robot as a hand: joint states are received, and velocities sent.
 
 #![cfg(feature = "zenoh")]
 
@@ -24,7 +24,7 @@ use std::time::{Duration, SystemTime, UNIX_EPOCH};
 
 const NAMES: [&str; 3] = ["a", "b", "c"];
 
-/// A robot that does nothing, and tells what it is told.
+/// Robot that does not move and stores the commands it receives.
 struct Robot {
     states: Publisher<JointState>,
     told: Receiver<Vec<f64>>,
@@ -58,7 +58,7 @@ impl Robot {
         }
     }
 
-    /// Publishes joint states of now.
+    /// Publishes joint states with the current time.
     fn say(&mut self) {
         let now = SystemTime::now()
             .duration_since(UNIX_EPOCH)
@@ -74,7 +74,7 @@ impl Robot {
     }
 }
 
-/// A hand whose joint states may be `most_age` s old, and a robot that it hears.
+/// Hand with a limit of `most_age` (s) on joint states, its robot and node, after the first joint states arrived.
 fn hand_and_robot(most_age: f64) -> (RosHand, Robot, Node) {
     let endpoint = unused_endpoint();
     let mut node = Node::open(NodeConfig {
@@ -122,13 +122,13 @@ fn reading_and_commanding_allocate_nothing() {
 }
 
 #[test]
-fn zeros_are_sent_where_the_control_loop_hangs_and_at_the_end() {
+fn zeros_are_sent_if_the_control_loop_hangs_and_on_drop() {
     let (mut hand, mut robot, _node) = hand_and_robot(1.0);
     let moving = command(DVec3::new(1.0, 2.0, 3.0));
-    // Until the robot has heard of it, which joined but now.
+    // Repeat until the robot, which has just joined, receives a command.
     let moved = loop {
         robot.say();
-        // On a busy computer what it said may be stale.
+        // On a busy computer, joint states may be stale.
         let _ = hand.command(&moving);
         match robot.told.recv_timeout(Duration::from_millis(50)) {
             Ok(told) if told != [0.0; 3] => break told,
@@ -136,10 +136,10 @@ fn zeros_are_sent_where_the_control_loop_hangs_and_at_the_end() {
         }
     };
     assert_eq!(moved, [1.0, 2.0, 3.0]);
-    // Nothing more is commanded: in the end it is told to stop. Nobody says when, on a busy computer.
+    // Without further commands the robot is stopped, on a busy computer at some later time.
     let last = robot.told.iter().find(|told| *told != moved);
     assert_eq!(last.expect("an end"), [0.0; 3]);
-    // What is commanded from joint states that are too old meanwhile is refused.
+    // Commands based on joint states that have become too old are rejected.
     sleep(Duration::from_millis(1100));
     let stale = hand.command(&moving).expect_err("stale").to_string();
     assert!(stale.contains("/joint_states: data"), "{stale}");
@@ -148,7 +148,7 @@ fn zeros_are_sent_where_the_control_loop_hangs_and_at_the_end() {
 }
 
 #[test]
-fn who_ends_while_the_robot_moves_stops_it() {
+fn dropping_a_moving_hand_stops_the_robot() {
     let (mut hand, mut robot, node) = hand_and_robot(600.0);
     let moving = command(DVec3::ONE);
     while robot.told.recv_timeout(Duration::from_millis(50)).is_err() {

@@ -1,4 +1,4 @@
-//! Keys, liveliness tokens and ids, compared with those of pyzeros, which `references/tokens.py` prints.
+//! Keys, liveliness tokens and source ids compared with pyzeros, whose output `references/tokens.py` prints.
 
 use feeler_ros2::NodeName;
 use feeler_ros2::key;
@@ -12,7 +12,7 @@ fn hash() -> String {
     format!("RIHS01_{}", "a".repeat(64))
 }
 
-/// A token of the node `feeler`, whose topic is resolved by its name.
+/// Token of the node `feeler`, or of an endpoint whose topic is resolved by the node's name.
 fn token(
     namespace: &str,
     entity_id: u64,
@@ -36,7 +36,7 @@ fn token(
 }
 
 #[test]
-fn they_are_those_of_another_implementation() {
+fn tokens_and_keys_match_pyzeros() {
     use EndpointKind::{Client, Publisher, Server, Subscriber};
     let history = |history| Qos {
         history,

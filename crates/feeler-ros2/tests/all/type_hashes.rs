@@ -1,4 +1,4 @@
-//! The hashes of all types that are used, compared with those of ROS 2's own generator, which `references/type_hashes.py` prints.
+//! Hashes of all used types compared with ROS 2's own generator, whose output `references/type_hashes.py` prints.
 
 use feeler_record::ros::{JointState, PointCloud2, TFMessage, Text, WrenchStamped};
 use feeler_record::wire::Message;
@@ -17,7 +17,7 @@ fn service<S: Service>() -> (String, String) {
 }
 
 #[test]
-fn they_are_those_of_the_official_generator() {
+fn hashes_match_the_official_generator() {
     let reference = include_str!("../references/type_hashes.txt");
     let expected: BTreeMap<String, String> = reference
         .lines()
@@ -46,7 +46,7 @@ fn they_are_those_of_the_official_generator() {
 }
 
 #[test]
-fn the_package_for_ros_has_the_text_that_is_hashed() {
+fn ros_package_contains_the_hashed_text() {
     let package = include_str!("../../../../ros2/feeler_msgs/msg/TactileState.msg");
     assert_eq!(
         package,

@@ -1,4 +1,4 @@
-"""Prints keys, liveliness tokens and ids as pyzeros makes them: `pip install pyzeros==0.1.0`."""
+"""Prints keys, liveliness tokens and source ids of pyzeros: `pip install pyzeros==0.1.0`."""
 
 import zenoh
 from pyzeros import node, pub, service_common, sub

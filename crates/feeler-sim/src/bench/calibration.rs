@@ -72,15 +72,15 @@ impl Default for CalibrationBenchConfig {
 }
 
 impl CalibrationBenchConfig {
-    /// Loads for a fingertip: `combined` combined loads, and other kinds in proportion. Above 41 elements, loads are
-    /// reduced so that the total remains the same. On a skin with markers, the radius of patches is three times its
-    /// spread.
+    /// Loads for a fingertip: `combined` combined loads, and other kinds in proportion. With more than 41 elements,
+    /// forces are reduced so that the total force stays the same. On a skin with markers, the radius of patches is
+    /// three times its spread.
     pub fn of_fingertip(
         fingertip: &FingertipConfig,
         optics: &OpticsConfig,
         combined: usize,
     ) -> Self {
-        /// Number of elements that the default values are for.
+        /// Number of elements for which the default values are chosen.
         const ELEMENTS: f64 = 41.0;
         let default = Self::default();
         let share = |count: usize| (count * combined).div_ceil(default.combined);

@@ -37,7 +37,7 @@ pub struct ElementConfig {
 }
 
 impl ElementConfig {
-    /// `usual` with these overrides.
+    /// Applies the overrides to the parameters `usual`.
     pub fn feeler(&self, usual: &FeelerConfig) -> FeelerConfig {
         FeelerConfig {
             normal_stiffness: self.normal_stiffness.unwrap_or(usual.normal_stiffness),
@@ -56,7 +56,7 @@ impl ElementConfig {
         }
     }
 
-    /// Applies the overrides.
+    /// Applies the overrides to the feelers of `fingers`.
     ///
     /// # Errors
     /// If the finger or an element does not exist.

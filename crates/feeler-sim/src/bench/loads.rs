@@ -41,8 +41,8 @@ impl Load {
     }
 }
 
-/// All loads for one element: in random order, then the cycles. With patches, the unloaded samples come first, so that
-/// all elements are unloaded at the same time.
+/// Sequence of loads for one element: loads in random order, then the cycles. With patches, the unloaded samples come
+/// first, so that all elements are unloaded at the same time.
 pub(crate) fn program(bench: &CalibrationBenchConfig, rng: &mut Pcg64) -> Vec<Load> {
     let mut loads = vec![Load::None; bench.unloaded];
     for step in 1..=bench.normal_sweep {

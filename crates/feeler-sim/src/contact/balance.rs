@@ -14,13 +14,13 @@ use std::f64::consts::TAU;
 /// second round is the last; the bound limits the duration of a step.
 const MAX_BALANCE_ROUNDS: usize = 8;
 
-/// Maximum number of rounds of shifting and turning; each changes the balance of the other only slightly.
+/// Maximum number of rounds of shifting and turning. Each affects the balance of the other only slightly.
 const MAX_GIVING_ROUNDS: usize = 8;
 
 /// Maximum number of Newton steps of a shift along both axes.
 const MAX_SHIFT_ITERATIONS: usize = 16;
 
-/// Shift below which a bottle is in balance (m): a force of 0.1 uN on the feelers of a fingertip.
+/// Shift below which a bottle is in balance (m). It corresponds to a force of 0.1 uN on the feelers of a fingertip.
 const SHIFT_TOLERANCE: f64 = 1e-11;
 
 /// Turns an object, alternating with slips of feelers, until torques balance and nothing slips.
@@ -31,7 +31,7 @@ pub(crate) fn balance(model: &WorldModel, state: &mut State, object: usize, hing
         state.objects[object].last_turn = (0.0, 0.0);
         return;
     }
-    // Initial guess for the first round only: further turning, due to slips, cannot be predicted.
+    // Initial guess for the first round only, as further turning due to slips cannot be predicted.
     let mut ahead = state.objects[object].last_turn;
     for round in 0..MAX_BALANCE_ROUNDS {
         match &model.sides {
@@ -40,8 +40,8 @@ pub(crate) fn balance(model: &WorldModel, state: &mut State, object: usize, hing
             }
             _ => turn(model, state, object, hinge, std::mem::take(&mut ahead)),
         }
-        // In the first round the step's motion overloads feelers steadily; in later ones, slips of other feelers do so
-        // instantaneously.
+        // In the first round, feelers are overloaded steadily by the step's motion; in later rounds, instantaneously by
+        // slips of other feelers.
         let overload = if round == 0 {
             Overload::Steady
         } else {
@@ -57,8 +57,8 @@ pub(crate) fn balance(model: &WorldModel, state: &mut State, object: usize, hing
 
 /// Shifts and turns an object until both the forces and the torque on it balance.
 ///
-/// Forces are balanced before each turn, so the object never turns too far. Otherwise a later shift could reduce the
-/// torque, and the thread would hold the object at the larger angle.
+/// Forces are balanced before each turn, to avoid overshoot: a later shift could reduce the torque, and the thread
+/// would hold the object at the larger angle.
 fn shift_and_turn(
     model: &WorldModel,
     state: &mut State,

@@ -1,5 +1,5 @@
-//! Contact of one feeler: an anisotropic spring between its undeformed tip and an anchor on the object's surface,
-//! where Coulomb friction holds it.
+//! Contact of one feeler: an anisotropic spring between its undeformed tip and an anchor on the object's surface, which
+//! Coulomb friction holds in place.
 
 pub use super::feeler_config::{FeelerConfig, Friction};
 
@@ -21,7 +21,7 @@ pub struct Anchor {
     pub normal: DVec3,
 }
 
-/// The undeformed tip of a feeler relative to an object.
+/// Undeformed tip of a feeler relative to an object.
 #[derive(Debug, Clone, Copy)]
 pub struct Tip {
     /// Centre of the undeformed tip's sphere in the object's frame (m).
@@ -40,8 +40,8 @@ impl Tip {
     }
 }
 
-/// The tip of a feeler whose axis in the fingertip frame `T` is `axis` and whose creep displacement in the object's
-/// frame is `set` (m). `seen` is the pose, in the object's frame, of the dome of `dome_radius` (m).
+/// Undeformed tip of a feeler whose axis in the fingertip frame `T` is `axis` and whose creep displacement in the
+/// object's frame is `set` (m). `seen` is the pose of the dome in the object's frame, and `dome_radius` its radius (m).
 #[inline(always)]
 pub(crate) fn tip_of(dome_radius: f64, seen: &Pose, axis: DVec3, set: DVec3) -> Tip {
     let axis = seen.rotation * axis;
@@ -146,7 +146,8 @@ impl FeelerConfig {
     }
 
     /// Stick-slip return mapping: returns the anchor and the force on the object (N), in the object's frame, after
-    /// slipping if the shear force exceeds the static friction limit. `None` if the contact would pull, and separates.
+    /// slipping if the shear force exceeds the static friction limit. `None` if the normal force is not compressive, so
+    /// that the contact separates.
     ///
     /// The feeler has no mass, so a slip completes within the step: the shear force falls to the kinetic limit, and the
     /// tip sticks again. Drives are slow compared with slips, so under steady motion the shear force is a sawtooth
@@ -185,7 +186,7 @@ impl FeelerConfig {
     }
 }
 
-/// Limits the shear of `force` (on the object, N) to the static friction cone; zero if the force pulls.
+/// Limits the shear of `force` (on the object, N) to the static friction cone. Zero if the force is tensile.
 #[inline(always)]
 pub fn within_cone(force: DVec3, normal: DVec3, friction: Friction) -> DVec3 {
     let (normal_force, shear) = split(force, normal);

@@ -14,10 +14,10 @@ pub(crate) const BLOCK: usize = 8;
 /// Number of SIMD lanes; the used part of a block is padded to a multiple of it.
 const LANES: usize = 4;
 
-/// A number per contact of a block.
+/// One number per contact of a block.
 pub(crate) type Column = [f64; BLOCK];
 
-/// A vector per contact of a block.
+/// One vector per contact of a block.
 #[derive(Debug, Clone, Copy, Default)]
 pub(crate) struct Vectors {
     x: Column,
@@ -190,7 +190,8 @@ pub struct Contacts {
 }
 
 impl Contacts {
-    /// Creates an empty collection for a finger with `elements` and a world with `objects`.
+    /// Creates an empty collection for a world with this number of `objects` and a finger with this number of
+    /// `elements`.
     pub(crate) fn none(objects: usize, elements: usize) -> Self {
         let nothing = OnObject {
             count: 0,

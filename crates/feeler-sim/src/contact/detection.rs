@@ -45,7 +45,7 @@ pub(crate) fn touch(
     let mut soonest = [f64::INFINITY; GROUP];
     let (groups, _) = watch.due.as_chunks_mut::<GROUP>();
     for (number, group) in groups.iter_mut().enumerate() {
-        // Usually none is due.
+        // Usually no feeler is due.
         if group
             .iter()
             .fold(false, |any, &due| any | (due <= travelled))
@@ -71,14 +71,14 @@ pub(crate) fn touch(
     watch.soonest = soonest.into_iter().fold(f64::INFINITY, f64::min);
 }
 
-/// Total number of moves of all objects.
+/// Total number of motions of all objects.
 pub(crate) fn moves(objects: &[ObjectState]) -> u64 {
     objects.iter().map(|object| object.moves).sum()
 }
 
 impl FingerState {
-    /// Returns `true` if no feeler can touch anything after the joints have turned by another `turn` (rad) and objects
-    /// have moved `moves` times in total. The exact pose of the fingertip is irrelevant then.
+    /// Returns `true` if no feeler can make contact after the joints have turned by another `turn` (rad) and objects
+    /// have moved `moves` times in total. The fingertip's exact pose is then irrelevant.
     pub(crate) fn stays_free(&mut self, finger: &Finger, turn: DVec3, moves: u64) -> bool {
         let watch = &mut self.watch;
         watch.unseen += finger.reach.dot(turn.abs());
@@ -90,7 +90,8 @@ impl FingerState {
     }
 }
 
-/// Clearance of a free feeler (m): distance that it may travel without contact. Also its contact, if it touches.
+/// Narrow-phase query of a free feeler: its clearance, the distance that it can travel without contact (m), and its
+/// contact, if it touches.
 fn look(
     finger: &Finger,
     sets: &[DVec3],
@@ -121,7 +122,7 @@ fn look(
     if contact.is_some() {
         return (f64::INFINITY, contact);
     }
-    // A feeler that recovers from creep moves by itself, at most by its whole set.
+    // A feeler that recovers from creep also moves relative to the fingertip, at most by its whole set.
     (clearance - sets[element].length(), None)
 }
 

@@ -1,4 +1,4 @@
-//! Load of the feelers on an object along a degree of freedom, and its derivative with respect to the object's motion.
+//! Load of the feelers on an object along a degree of freedom, and its derivative by the object's motion.
 
 use super::columnar_feeler::{Anchor, FeelerConfig, Friction, Tip, split, tip_of, within_cone};
 use super::contacts::{BLOCK, Block, Column, Share};
@@ -165,9 +165,9 @@ impl Fingertip<'_> {
 /// Displacement (m) and duration (s) of a tip at rest.
 const STILL: (DVec3, f64) = (DVec3::ZERO, 1.0);
 
-/// Load of one feeler along a degree of freedom, and `true` if it sticks. If it does not, the load is that of the
-/// limited force with `SLIPS`, else that of the force while sticking. `moved` is the tip's displacement (m) and its
-/// duration (s).
+/// Load of one feeler along a degree of freedom, and `true` if it sticks. If it does not stick, the load is computed
+/// from the limited force with `SLIPS`, otherwise from the trial force of a sticking contact. `moved` is the tip's
+/// displacement (m) and its duration (s).
 #[inline(always)]
 fn contact_grip<const SLIPS: bool>(
     feeler: &FeelerConfig,
@@ -326,7 +326,7 @@ mod tests {
 
     #[test]
     fn a_feeler_neither_slips_nor_sticks_within_its_room() {
-        // Over the range of friction coefficients the contact changes from slip to stick; neighbours of the change are
+        // Over the range of friction coefficients the contact changes from slip to stick. Steps next to the change are
         // near the limit.
         for step in 1..200 {
             let static_friction = 0.01 * f64::from(step);

@@ -37,9 +37,9 @@ struct FingerContacts<'a> {
 struct Held {
     /// Forces on the object in W (N).
     force: Vectors,
-    /// Contacts that press and stick.
+    /// Compressed contacts that stick.
     is_held: Mask,
-    /// Contacts that press and slip.
+    /// Compressed contacts that slip.
     slips: Mask,
 }
 
@@ -107,7 +107,7 @@ pub(crate) fn settle(
             }
         }
         if gone {
-            // A feeler in contact has no distance to be checked at; a separated one has.
+            // The bound is infinite for feelers in contact, and finite for separated ones.
             let due = &state.watch.due;
             contacts.retain(|element| due[element] == f64::INFINITY);
         }

@@ -5,8 +5,8 @@ use glam::DVec3;
 
 /// Maximum number of Newton steps along the surface; on a cylinder two or three suffice.
 pub(crate) const MAX_SLIP_ITERATIONS: usize = 16;
-/// Tolerance of the final shear force, as a fraction of the normal force: above the limit, and on a cylinder also
-/// below it.
+/// Tolerance of the final shear force above the limit, as a fraction of the normal force. On a cylinder it also applies
+/// below the limit.
 const SLIP_TOLERANCE: f64 = 1e-9;
 
 /// Returns `true` if a tip with `normal_force` sticks under a `shear` force (both in N).
@@ -32,7 +32,7 @@ pub(crate) struct Slip {
     /// Curvature of the surface along the slip (1/m) on the side of a cylinder; 0 elsewhere. A step that assumes a flat
     /// surface does not overshoot on a convex one, and so does not cross an edge.
     pub bend: f64,
-    /// Residual shear force above the kinetic limit at the end of the slip (N), as far as the static limit permits.
+    /// Residual shear force above the kinetic limit at the end of the slip (N), before limiting to the static limit.
     pub rebuilt: f64,
 }
 
@@ -90,8 +90,8 @@ impl Slip {
         self.anchor.position + way * self.direction
     }
 
-    /// The slip after it has moved to `anchor`. `curvature` (1/m) is that of the tips' path around a cylinder, 0 on
-    /// other shapes.
+    /// The slip after it has moved to `anchor`. `curvature` (1/m) is the curvature of the path of tips around a
+    /// cylinder, and 0 on other shapes.
     #[inline(always)]
     pub fn go_on(&self, feeler: &FeelerConfig, tip: &Tip, anchor: Anchor, curvature: f64) -> Self {
         Self {

@@ -76,9 +76,9 @@ impl Slips {
     }
 }
 
-/// Return mapping of the contacts in `lanes` that `slips` selects, from the tips and anchors of `start`; each as in
-/// [`FeelerConfig::settle`]. The returned mask selects contacts that were resolved; of the selected ones, those that
-/// left the cylinder's side are missing.
+/// Return mapping of the contacts in `lanes` that `slips` selects, from the tips and anchors of `start`, each as in
+/// [`FeelerConfig::settle`]. Also returns a mask of the resolved contacts: the selected ones, except those that left
+/// the cylinder's side.
 #[inline(always)]
 #[expect(
     clippy::needless_range_loop,

@@ -19,7 +19,8 @@ use rapier3d_f64::prelude::{
 const MAX_PHASE: f64 = 1.5;
 /// Maximum number of substeps.
 const MAX_PARTS: usize = 64;
-/// Length unit of rapier's tolerances (m). They are made for bodies of a metre; those here have a few centimetres.
+/// Length unit of rapier's tolerances (m), whose defaults are for bodies of a metre. Bodies here measure a few
+/// centimetres.
 const LENGTH_UNIT: f64 = 0.01;
 
 /// Softness of contacts with fixed bodies.
@@ -62,11 +63,11 @@ impl FreeBodies {
         parameters.length_unit = LENGTH_UNIT;
         // Recomputes contact points in each step; recycled ones may be off by half a millimetre.
         parameters.contact_recycling = false;
-        // Stiff contacts: a body must neither sink by a tenth of a millimetre into its table nor creep along it.
+        // Stiff contacts, so that a body neither sinks by a tenth of a millimetre into its table nor creeps along it.
         parameters.static_contact_softness = CONTACT;
         parameters.friction_in_bias_pass = true;
-        // One solver iteration per substep: with more, rapier would assume constant feeler forces within a substep,
-        // which adds energy. (Symplectic Euler integration does not.)
+        // One solver iteration per substep. With more, rapier would assume constant feeler forces within a substep,
+        // which adds energy; symplectic Euler integration does not.
         parameters.num_solver_iterations = 1;
         parameters.num_internal_stabilization_iterations = 2;
         parameters.normalized_max_linear_velocity = f64::MAX;
@@ -92,7 +93,7 @@ impl FreeBodies {
                 Motion::Turns(_) => (RigidBodyBuilder::kinematic_position_based(), true),
                 _ => (RigidBodyBuilder::fixed(), false),
             };
-            // The pair's coefficient is that of the free body.
+            // The coefficient of the pair equals the free body's.
             let collider = collider
                 .friction(1.0)
                 .friction_combine_rule(CoefficientCombineRule::Multiply);

@@ -57,7 +57,7 @@ pub struct PlaySpring {
     /// Stiffness beyond the play, and its reciprocal.
     stiffness: f64,
     compliance: f64,
-    /// Deflection to either side without load.
+    /// Free deflection to either side.
     play: f64,
 }
 
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn a_spring_with_play_settles_where_the_loads_balance_from_anywhere() {
+    fn newton_steps_find_the_balance_from_any_start() {
         let (stiffness, play, pull) = (50.0, 0.2, 8.0);
         let spring = PlaySpring::new(stiffness, play);
         for drive in [-1.0, -0.21, -0.1, 0.0, 0.15, 0.3, 2.0_f64] {
@@ -150,7 +150,7 @@ mod tests {
     }
 
     #[test]
-    fn a_bottle_that_nothing_touches_stays_within_its_play() {
+    fn an_unloaded_bottle_stays_within_its_play() {
         let spring = PlaySpring::new(50.0, 0.2);
         assert_eq!(spring.give(0.13, 0.0, 0.0), 0.13);
         assert_eq!(spring.give(-0.2, 0.0, 0.0), -0.2);

@@ -1,4 +1,4 @@
-//! Objects: a shape, and a motion that is fixed, on a hinge or thread, or free.
+//! Objects: their shape, and their motion (none, on a hinge or thread, or free).
 
 use super::pose::Pose;
 use super::thread::{Hinge, HingeConfig, ThreadConfig};

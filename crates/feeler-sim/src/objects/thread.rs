@@ -53,7 +53,7 @@ pub struct FingerLoad {
     pub load: f64,
     /// Decrease of the load per motion of the object (N·m/rad or N/m), valid for motions up to `room`.
     pub stiffness: f64,
-    /// Stiffness if all feelers stuck, at least 0.
+    /// Stiffness if all feelers were sticking, at least 0.
     pub firm: f64,
     /// Lower bound of the motion (rad or m) before a feeler changes between stick and slip; 0 if unknown.
     pub room: f64,
@@ -130,7 +130,7 @@ impl Hinge {
             thread.static_factor
         };
         let (start, breakaway) = (state.angle, factor * thread.resisting_torque(state.angle));
-        // Within the play the twist stays where the fingers left it.
+        // With play, the twist is not predicted: within the play it stays where the fingers left it.
         if !shaft.has_play() {
             state.twist += ahead.1;
         }
@@ -195,7 +195,7 @@ impl Hinge {
                 self.turn_further(&mut step, onward, shaft, stiffness);
                 shaft.way(onward.1 * self.thread.resisting_torque(step.angle))
             }
-            // Without turning, the grip moves only with the shaft.
+            // Without turning, the object moves only with the shaft.
             None => shaft.give(state.twist, torque, stiffness),
         };
         if self.on_torque_sensor {
@@ -217,7 +217,7 @@ impl Hinge {
         let (thread, torque, before) = (&self.thread, step.torque, step.angle);
         let resisting = thread.resisting_torque(before);
         let rise = thread.resistance_slope(before, torque);
-        // The support twists as the thread resists, which reduces the grip's torque.
+        // The thread's resistance twists the support, which reduces the torque of the grip.
         let (lag, follows) = match self.on_torque_sensor {
             true => {
                 let lag = shaft.way(direction * resisting) - step.twist;
@@ -285,7 +285,7 @@ mod tests {
     }
 
     #[test]
-    fn a_seated_cap_stops_where_the_spring_and_the_seat_balance() {
+    fn a_seated_cap_stops_in_balance_with_the_spring() {
         let (cap, mut state, spring_stiffness) = (cap(), Turn::default(), 0.3);
         for drive in 1..=600 {
             cap.turn(
@@ -376,7 +376,7 @@ mod tests {
     }
 
     #[test]
-    fn crossed_threads_resist_before_the_seat_and_stripped_ones_never() {
+    fn crossed_threads_resist_before_the_seat_and_stripped_threads_never() {
         let Hinge { thread, .. } = cap();
         let crossed = ThreadConfig {
             fault: Some(ThreadFault::CrossThreaded {
@@ -385,7 +385,7 @@ mod tests {
             }),
             ..thread.clone()
         };
-        // By hand: 3 mN·m, 0.04 * 0.2, and on the seat 0.04 * 0.3 + 0.5 * 0.05.
+        // Computed by hand: 3 mN·m, 0.04 * 0.2, and on the seat 0.04 * 0.3 + 0.5 * 0.05.
         assert!((crossed.resisting_torque(0.3) - 0.011).abs() < 1e-12);
         assert!((crossed.resisting_torque(0.4) - 0.040).abs() < 1e-12);
         let stripped = ThreadConfig {

@@ -21,7 +21,7 @@ pub struct PictureNoise {
 const BYTE_SUM_MEAN: i16 = 510;
 /// Standard deviation of the sum of four bytes, sqrt(4 (256² - 1) / 12).
 pub const BYTE_SUM_DEVIATION: f32 = 147.801_22;
-/// Multipliers of the network's rounds. With three rounds an image's spectrum has lines, with four it is white.
+/// Multipliers of the network's rounds. With three rounds, the spectrum of an image has lines; with four it is white.
 const ROUNDS: [u16; 4] = [0x9e37, 0x85eb, 0xc2b3, 0x27d5];
 
 impl PictureNoise {
@@ -87,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn samples_of_neighbours_and_of_other_pictures_are_uncorrelated() {
+    fn samples_of_neighbours_and_of_other_images_are_uncorrelated() {
         let count = 1 << 20;
         let (one, other) = (samples(11, count), samples(12, count));
         let correlation = |a: &[f32], b: &[f32]| {

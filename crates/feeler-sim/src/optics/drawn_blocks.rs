@@ -76,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn blocks_without_a_pixel_are_left_out() {
+    fn blocks_without_a_pixel_are_not_selected() {
         let pixels = [(0, 0), (15, 0), (33, 0), (47, 0), (48, 0), (16, 2)];
         let some = DrawnBlocks::with_pixels(64, 3, pixels.into_iter());
         assert_eq!(some.in_row(0).collect::<Vec<_>>(), [0..1, 2..4]);

@@ -185,7 +185,7 @@ mod tests {
     }
 
     #[test]
-    fn every_lane_is_xoshiro128_plus_plus() {
+    fn every_lane_matches_xoshiro128_plus_plus() {
         let seed: [Words; 4] = std::array::from_fn(|part| {
             std::array::from_fn(|lane| {
                 0x9e37_79b9_u32.wrapping_mul((1 + part * LANES + lane) as u32)
@@ -207,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn functions_are_those_of_the_standard_library() {
+    fn functions_match_the_standard_library() {
         for step in 1..=10_000 {
             let (angle, number) = (FRAC_PI_4 * step as f32 / 1e4, step as f32 / 1e4);
             // A few rounding errors of 6e-8 for numbers up to 1.

@@ -21,19 +21,19 @@ use std::f64::consts::{PI, TAU};
 const LAST: f64 = 6.0;
 /// Number of rows of the table per standard deviation of the load.
 const PARTS: f64 = 3.0;
-/// Limit of `x`: beyond it hyperbolic functions equal exponentials, and later overflow.
+/// Upper limit of `x`. Hyperbolic functions equal exponentials beyond it, and overflow for larger values.
 const DEEP: f64 = 300.0;
 
 /// Displacement of the surface at some distance from a force of 1 N (m).
 #[derive(Debug, Clone, Copy, Default)]
 struct Compliance {
-    /// Displacement along a tangential force, ahead of it.
+    /// Tangential displacement in the direction of a tangential force, at a point ahead of it.
     along: f64,
-    /// Displacement along a tangential force, beside it.
+    /// Tangential displacement in the direction of a tangential force, at a point to its side.
     across: f64,
-    /// Displacement outward from a normal force.
+    /// Tangential displacement away from a normal force.
     outward: f64,
-    /// Displacement inward under a normal force.
+    /// Normal displacement into the gel due to a normal force.
     sunk: f64,
 }
 
@@ -99,8 +99,8 @@ impl GelLayer {
         moved.extend(between(|c| c.sunk) * force.z - outward * ahead)
     }
 
-    /// Displacements (m) along and across a shear load of 1 Pa, outward for a pressure gradient of 1 Pa times q, and
-    /// inward for a pressure of 1 Pa.
+    /// Amplitudes of the displacement (m) under a load wave of amplitude 1 Pa and `wave_number` (rad/m): tangential
+    /// along and across the wave for a shear load, then outward along the surface and inward for a pressure.
     fn response_of(&self, wave_number: f64) -> [f64; 4] {
         let x = (wave_number * self.thickness).min(DEEP);
         let doubled = 2.0 * x;
@@ -159,7 +159,7 @@ mod tests {
 
     /// Abramowitz and Stegun, table 9.1: J0 and J1 at 1 and 5.
     #[test]
-    fn bessel_functions_are_those_of_the_tables() {
+    fn bessel_functions_match_tables() {
         let known = [
             (0, 1.0, 0.765_197_686_6),
             (1, 1.0, 0.440_050_585_7),
@@ -175,7 +175,7 @@ mod tests {
     /// w = P / 4 pi G r and u = T / 2 pi G r ahead of the force, half of that beside it. The relative error is about r
     /// / h; here h = 60 r.
     #[test]
-    fn a_thick_gel_is_a_half_space() {
+    fn a_thick_gel_matches_a_half_space() {
         let (modulus, apart) = (5e4, 2e-3);
         let gel = GelLayer::new(0.12, modulus, 2e-4, 2.2e-3);
         let unit = 1.0 / (4.0 * PI * modulus * apart);
@@ -195,7 +195,7 @@ mod tests {
 
     /// A thin gel: shear stiffness G / h, and by lubrication theory h^2 / 2 G times the pressure gradient outward.
     #[test]
-    fn a_thin_gel_is_sheared_and_squeezed_out() {
+    fn a_thin_gel_matches_lubrication_theory() {
         let (thickness, modulus, spread) = (1e-4, 5e4, 2e-3);
         let gel = GelLayer::new(thickness, modulus, spread, 8e-3);
         let pressure = |r: f64| (-r * r / (2.0 * spread * spread)).exp() / (TAU * spread * spread);

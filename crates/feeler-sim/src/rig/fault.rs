@@ -106,7 +106,7 @@ pub enum FaultKind {
         finger: usize,
         /// Index of the joint: theta1 is joint 0.
         joint: usize,
-        /// Ratio of the shown to the actual rotation; negative if reversed.
+        /// Ratio of the measured to the actual rotation; negative if reversed.
         gain: f64,
     },
     /// A joint's encoder whose angle jumps by an offset.
@@ -115,7 +115,7 @@ pub enum FaultKind {
         finger: usize,
         /// Index of the joint: theta1 is joint 0.
         joint: usize,
-        /// Offset of the shown angle (rad).
+        /// Offset of the measured angle (rad).
         angle: f64,
     },
     /// Swapped connections of two fingers' sensors, during the whole run.

@@ -33,7 +33,7 @@ impl FaultConfig {
                 &format!("{key}.until"),
                 until.to_string(),
                 until.is_finite() && until > self.from,
-                &format!("more than {key}.from = {}, or no until at all", self.from),
+                &format!("more than {key}.from = {}, or no until", self.from),
             );
         }
         let always = self.from == 0.0 && self.until.is_none();
@@ -41,7 +41,7 @@ impl FaultConfig {
             &format!("{key}.from"),
             format!("{} until {:?}", self.from, self.until),
             always || !matches!(self.kind, FaultKind::SwappedSensors { .. }),
-            "neither from nor until: sensors are swapped all through a run",
+            "no from and no until: sensors are swapped during the whole run",
         );
         let key = format!("{key}.kind.{}", self.kind.name());
         self.kind.check(&key, targets, checker);
@@ -149,7 +149,7 @@ impl FaultKind {
 }
 
 impl FaultTargets<'_> {
-    /// Checks that `object` names an object that is `fit`.
+    /// Checks that `object` is the name of an object that satisfies `fit`.
     fn require_object(
         &self,
         key: &str,

@@ -15,7 +15,7 @@ pub struct RigFaults {
 enum Part {
     Stall(usize, usize),
     Backlash(usize, usize, f64),
-    /// Encoder of a joint with a wrong gain from the angle (rad) that it showed when the fault began.
+    /// Encoder of a joint with a wrong gain, from the angle (rad) that it measured at the start of the fault.
     Gain(usize, usize, f64, Option<f64>),
     /// Encoder of a joint with an offset (rad).
     Jump(usize, usize, f64),
@@ -45,7 +45,7 @@ impl MassChange {
 }
 
 impl RigFaults {
-    /// Selects those of `faults` that affect the rig of `model`.
+    /// Selects the `faults` that affect the rig of `model`.
     pub fn new(faults: &[FaultConfig], model: &WorldModel) -> Self {
         let part = |fault: &FaultConfig| match fault.kind {
             FaultKind::ServoStall { finger, joint } => Some(Part::Stall(finger, joint)),
@@ -111,7 +111,7 @@ impl RigFaults {
 }
 
 impl Part {
-    /// Removes the fault; `backlash` is that of a joint without a fault (rad).
+    /// Removes the fault. `backlash` is the backlash of a joint without a fault (rad).
     fn mend(&self, state: &mut State, backlash: f64) {
         match self {
             &Self::Stall(finger, joint) => stall(state.fingers.get_mut(finger), joint, false),

@@ -37,8 +37,8 @@ pub struct Arrival {
 }
 
 impl SensorFaults {
-    /// Selects those of `faults` that affect the sensor of `finger`, which has `elements` and is exposed every `period`
-    /// (s). `seed` determines random losses.
+    /// Selects the `faults` that affect the sensor of `finger`, which has this number of `elements` and is exposed
+    /// every `period` (s). `seed` determines random losses.
     pub fn new(
         faults: &[FaultConfig],
         finger: usize,

@@ -74,12 +74,12 @@ impl Joints {
     }
 }
 
-/// Errors of a finger's encoders: they show `gain * angle + offset`.
+/// Errors of a finger's encoders, which measure `gain * angle + offset`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Encoders {
-    /// Ratio of the shown to the actual rotation.
+    /// Ratio of the measured to the actual rotation.
     pub gain: DVec3,
-    /// Offset of the shown angle (rad).
+    /// Offset of the measured angle (rad).
     pub offset: DVec3,
 }
 
@@ -94,7 +94,7 @@ impl Default for Encoders {
 }
 
 impl Encoders {
-    /// Shown angles for the joint angles `position` (rad).
+    /// Measured angles for the joint angles `position` (rad).
     pub fn show(&self, position: DVec3) -> DVec3 {
         self.gain * position + self.offset
     }

@@ -288,7 +288,7 @@ mod tests {
     }
 
     #[test]
-    fn a_half_space_has_no_bounds_and_the_rest_has() {
+    fn all_shapes_except_half_spaces_have_bounds() {
         assert!(shape(&ShapeConfig::HalfSpace).bounds().is_none());
         let upright = shape(&ShapeConfig::Cylinder {
             radius: 0.01,

@@ -26,7 +26,7 @@ pub struct WorldModel {
     pub torque_sensor: TorqueSensorConfig,
     /// Torsion spring with play that holds objects on a thread: the bottle's play and the torque sensor's shaft.
     pub shaft: PlaySpring,
-    /// Springs with play that hold them along W's x and y, or `None` if they cannot shift.
+    /// Springs with play that hold objects on a thread along W's x and y, or `None` if they cannot shift.
     pub sides: Option<[PlaySpring; 2]>,
     /// The drives.
     pub servo: ServoConfig,
@@ -56,7 +56,7 @@ pub struct Finger {
     pub feelers: Vec<FeelerConfig>,
     /// Encoder readings minus joint angles (rad).
     pub encoder_offset: DVec3,
-    /// The feeler that represents all, if they are identical and pure springs.
+    /// Parameters of all feelers, if they are identical pure springs.
     pub(crate) springs: Option<FeelerConfig>,
     /// Maximum distance of any point of the dome from the axis of each joint (m).
     pub(crate) reach: DVec3,

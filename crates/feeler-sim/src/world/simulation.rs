@@ -58,11 +58,11 @@ impl World {
     }
 
     /// Advances by `steps` time steps. The result is bit-identical to that many calls of [`step`](Self::step), but
-    /// intermediate states are computed only as far as later ones need them. The check for finite values follows the
+    /// intermediate states are only computed as far as later ones depend on them. Checks for finite values after the
     /// last step.
     ///
     /// # Errors
-    /// As [`step`](Self::step).
+    /// Same as [`step`](Self::step).
     pub fn advance(&mut self, steps: usize) -> Result<(), SimError> {
         for left in (0..steps).rev() {
             self.faults.apply(&mut self.state);
@@ -73,18 +73,18 @@ impl World {
         self.state.check_finite(&self.model)
     }
 
-    /// The constant part of the world.
+    /// Constant part of the world.
     pub fn model(&self) -> &WorldModel {
         &self.model
     }
 
-    /// The current state.
+    /// Current state.
     pub fn state(&self) -> &State {
         &self.state
     }
 
-    /// The object whose surface is nearest to `point` (in W, m), and its distance (m), negative inside the object.
-    /// `None` if the world has no objects.
+    /// Object whose surface is nearest to `point` (in W, m), and its distance (m), negative inside the object. `None`
+    /// if the world has no objects.
     pub fn nearest_object(&self, point: DVec3) -> Option<(&str, f64)> {
         let objects = self.model.objects.iter().zip(&self.state.objects);
         let distances = objects.map(|(object, now)| {

@@ -1,4 +1,4 @@
-//! The part of the world that changes in a run.
+//! Variable part of the world.
 
 use super::model::WorldModel;
 use crate::contact::columnar_feeler::Anchor;
@@ -10,7 +10,7 @@ use crate::rig::servo::Joints;
 use feeler::hand::kinematics::fingertip_pose;
 use glam::{DMat3, DVec3};
 
-/// Number of feelers in a group; groups without a feeler that is due are skipped.
+/// Number of feelers per group. Groups in which no feeler is due for a distance query are skipped.
 pub(crate) const GROUP: usize = 8;
 
 /// Ground truth of the simulated world.
@@ -43,9 +43,9 @@ pub struct ObjectState {
     pub outside: (DVec3, DVec3),
     /// Mass of a free body (kg); 0 for other objects.
     pub mass: f64,
-    /// Factor on the friction coefficients of contacts with the object.
+    /// Factor on the friction coefficients of feelers on the object.
     pub friction_factor: f64,
-    /// Number of times that its hinge, thread or support has moved it.
+    /// Number of motions by its hinge, thread or support.
     pub(crate) moves: u64,
     /// Changes of angle and twist in the last step (rad); initial guess for the next step.
     pub(crate) last_turn: (f64, f64),
@@ -95,10 +95,10 @@ pub struct Contact {
     pub tip_before: DVec3,
 }
 
-/// Conservative advancement of a fingertip: distance travelled, and distance at which each free feeler can touch
-/// something at the earliest.
+/// Conservative advancement of a fingertip: the distance travelled, and the lower bound of the travelled distance at
+/// which each free feeler can make contact (its time of impact, measured in distance).
 ///
-/// Distances from a surface change no faster than the tip moves relative to it. A feeler that was 5 mm
+/// The distance of a tip from a surface changes no faster than the tip moves relative to it. A feeler that was 5 mm
 /// away needs no query before the fingertip has moved by 5 mm.
 #[derive(Debug, Clone, PartialEq)]
 pub(crate) struct Watch {
@@ -106,14 +106,14 @@ pub(crate) struct Watch {
     pub seen: Vec<Pose>,
     /// Upper bound of the distance that any tip has travelled relative to any object (m).
     pub travelled: f64,
-    /// Travelled distance at which each feeler is checked again (m). Infinite while it touches, and for the padding of
-    /// the last group.
+    /// Travelled distance before which each feeler cannot make contact (m); its distance is queried again then.
+    /// Infinite while it touches, and for the padding of the last group.
     pub due: Vec<f64>,
     /// Minimum of `due` (m).
     pub soonest: f64,
     /// Upper bound of the distance that any tip has travelled since the last update (m).
     pub unseen: f64,
-    /// Number of moves of all objects at the last update.
+    /// Total number of motions of all objects at the last update.
     pub moves: u64,
 }
 
@@ -197,7 +197,7 @@ impl ObjectState {
         }
     }
 
-    /// Moves the object to `pose`, as its hinge, thread or support does.
+    /// Moves the object to `pose` by its hinge, thread or support, and counts the motion.
     pub(crate) fn move_to(&mut self, pose: Pose) {
         self.moves += u64::from(pose != self.pose);
         self.pose = pose;

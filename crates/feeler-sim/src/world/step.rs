@@ -16,7 +16,7 @@ use multiversion::multiversion;
 
 /// Advances `state` by one time step of `model`; `bodies` are its free bodies. Allocates only within `rapier3d`.
 ///
-/// If `is_seen` is `false`, poses of fingertips that cannot touch anything are not updated. Later steps give the same
+/// If `is_seen` is `false`, poses of fingertips that cannot make contact are not updated. Later steps give the same
 /// result in either case.
 pub(crate) fn step(
     model: &WorldModel,
@@ -28,7 +28,7 @@ pub(crate) fn step(
         fingers, objects, ..
     } = state;
     let moves = moves(objects);
-    // One loop per stage: within a stage, the fingers are independent of each other.
+    // One loop per stage, because fingers are independent of each other within a stage.
     for (finger, own) in model.fingers.iter().zip(&mut *fingers) {
         let before = own.joints.link;
         move_joints(model, finger, own);
@@ -86,8 +86,8 @@ fn place_fingertips(model: &WorldModel, fingers: &mut [FingerState]) {
     }
 }
 
-/// The undeformed tip of `element`, for the pose `seen` of the fingertip in some frame and the creep displacements
-/// `sets` of the feelers.
+/// Undeformed tip of `element`, for the pose `seen` of the fingertip in some frame and the creep displacements `sets`
+/// of the feelers.
 pub(crate) fn undeformed(finger: &Finger, sets: &[DVec3], seen: &Pose, element: usize) -> Tip {
     let relaxes = finger.feeler(element).relaxation.is_some();
     let set = if relaxes {

@@ -1,9 +1,9 @@
-//! Random faults over a rig of real processes, and what must hold whatever they were.
+//! Injects random faults into a rig of real processes, and checks the safety invariants.
 //!
-//! A seed gives a schedule: which programs are killed, frozen and started again, when somebody stops and resumes the
-//! hand, how bad the network is, and when somebody says garbage. What came of it is read from the hand's record.
-//! `FEELER_CAMPAIGN` says how many schedules are played (2 unless said otherwise), `FEELER_CAMPAIGN_SEED` from which
-//! seed on. Each that fails is named by its seed, and none ends the campaign.
+//! A seed generates a schedule: which programs are killed, frozen and restarted, when the hand is stopped and resumed,
+//! how impaired the network is, and when a peer sends garbage. The result is read from the hand's recording.
+//! `FEELER_CAMPAIGN` sets the number of schedules (default 2), `FEELER_CAMPAIGN_SEED` the first seed. Each failed
+//! schedule is reported with its seed; the campaign then continues.
 
 #![cfg(unix)]
 
@@ -14,7 +14,7 @@ use crate::how_many::how_many;
 use schedule::Schedule;
 
 #[test]
-fn whatever_fails_no_hand_moves_on_stale_data_or_after_a_stop() {
+fn random_faults_cause_no_motion_on_stale_data_or_after_a_stop() {
     let first = how_many("FEELER_CAMPAIGN_SEED", 0);
     let seeds = first..first + how_many("FEELER_CAMPAIGN", 2);
     let mut failed = Vec::new();

@@ -1,4 +1,4 @@
-//! Plays a schedule, and reads from the record whether all went as it must.
+//! Runs a schedule of faults, and checks the hand's recording for violations.
 
 use super::schedule::{Event, Program, SPEED, Schedule};
 use crate::rig::{Rig, Running, Setup, ages_of_moves, connect};
@@ -9,17 +9,18 @@ use std::collections::HashSet;
 use std::fs;
 use std::time::{Duration, Instant};
 
-/// Age at which data are stale by the reference experiment, s, and what rounding may add to one.
+/// Age above which data are stale in the reference experiment (s), with a margin for rounding.
 const STALE: f64 = 0.035 + 1e-9;
 
-/// A rig on which a schedule is played.
+/// A rig under test, with the pending actions of its schedule.
 struct Player {
     rig: Rig,
     hand: Running,
-    /// What is to be done later: when, and what.
+    /// Pending actions with their times.
     due: Vec<(Instant, Later)>,
-    /// Stops that were given, of which the hand said that it heeds them, and that were resumed, by their numbers here.
+    /// Number of requested stops.
     stops: usize,
+    /// Numbers of the stops that were resumed.
     resumed: HashSet<usize>,
 }
 
@@ -29,10 +30,10 @@ enum Later {
     Resume(usize),
 }
 
-/// Plays `schedule`; what came of it, in words.
+/// Runs `schedule` and returns a summary.
 ///
 /// # Errors
-/// What must not be.
+/// If the hand violated an invariant or ended unexpectedly.
 pub fn play(schedule: &Schedule) -> Result<String, String> {
     let settings = [
         "time_limit=1e5",
@@ -53,7 +54,7 @@ pub fn play(schedule: &Schedule) -> Result<String, String> {
     };
     let came = player.play(schedule);
     drop(player);
-    // What failed is kept to be looked at.
+    // Keep the files of a failed run for inspection.
     if came.is_ok() {
         let _ = fs::remove_dir_all(folder);
     }
@@ -77,7 +78,7 @@ impl Player {
         self.check(&self.rig.setup.recording(), &said)
     }
 
-    /// Does what is due until `end`.
+    /// Performs the actions that are due before `end`, then waits until `end`.
     fn wait_until(&mut self, end: Instant) {
         loop {
             self.due.sort_by_key(|(due, _)| std::cmp::Reverse(*due));
@@ -113,7 +114,7 @@ impl Player {
                 self.later(after, Later::Start(program));
             }
             Event::Freeze(program, after) => {
-                // One that was killed meanwhile is not there to be frozen.
+                // The program may have been killed meanwhile.
                 if self.program(program).is_running() {
                     self.program(program).signal("STOP");
                     self.later(after, Later::Thaw(program));
@@ -123,14 +124,14 @@ impl Player {
                 self.stops += 1;
                 let number = self.stops;
                 let said = self.rig.setup.order_from("stop", &name(number));
-                // A hand that is frozen does not say that it heeds it; then it is resumed nonetheless.
+                // A frozen hand does not confirm the stop; the stop is resumed nonetheless.
                 let _ = said;
                 if let Some(after) = resume {
                     self.later(after, Later::Resume(number));
                 }
             }
             Event::Resume => {
-                let _ = self.rig.setup.order_from("resume", "nobody");
+                let _ = self.rig.setup.order_from("resume", "a bystander");
             }
             Event::Garbage => {
                 let peer = connect(&self.rig.setup.endpoint);
@@ -164,11 +165,11 @@ impl Player {
         let ages = ages_of_moves(recording);
         let oldest = ages.iter().copied().fold(0.0, f64::max);
         if oldest > STALE {
-            return Err(format!("a move on data {oldest} s old: {said}"));
+            return Err(format!("the hand moved on data {oldest} s old: {said}"));
         }
         let task = &recording.task;
         if let Some(pair) = task.windows(2).find(|pair| pair[1].stamp < pair[0].stamp) {
-            return Err(format!("time went back at {} s: {said}", pair[1].stamp));
+            return Err(format!("time decreased at {} s: {said}", pair[1].stamp));
         }
         for number in (1..=self.stops).filter(|number| !self.resumed.contains(number)) {
             let told = |reason: &str| reason.ends_with(&name(number));
@@ -178,7 +179,7 @@ impl Player {
             if let Some(step) = task[at..].iter().find(|step| step.phase != Phase::Stopped) {
                 let stamp = step.stamp;
                 return Err(format!(
-                    "it went on at {stamp} s after stop {number}: {said}"
+                    "the hand moved at {stamp} s despite stop {number}: {said}"
                 ));
             }
         }
@@ -190,7 +191,7 @@ impl Player {
     }
 }
 
-/// Who gives stop `number`.
+/// Name of the client that requests stop `number`.
 fn name(number: usize) -> String {
     format!("campaigner {number}")
 }

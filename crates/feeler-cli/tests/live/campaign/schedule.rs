@@ -1,25 +1,26 @@
-//! What happens when, drawn by a seed.
+//! Random schedules of faults.
 
 use rand::seq::IndexedRandom;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-/// How long a schedule is, s of the rig's time, and how fast that goes.
+/// Length of a schedule (s of the rig's time).
 pub const LENGTH: f64 = 20.0;
+/// Ratio of the rig's time to real time.
 pub const SPEED: &str = "2";
 
-/// Somebody or something that interferes.
+/// A fault or an order.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Event {
-    /// Kills a program, and starts it again a while later, s.
+    /// Kills a program and restarts it after the given time (s).
     Restart(Program, f64),
-    /// Freezes a program for a while, s.
+    /// Freezes a program for the given time (s).
     Freeze(Program, f64),
-    /// Somebody stops the hand, and resumes his stop a while later, s; or never.
+    /// Stops the hand, and resumes that stop after the given time (s), or never if `None`.
     Stop(Option<f64>),
-    /// Somebody resumes what nobody has stopped.
+    /// Sends a resume order without a matching stop.
     Resume,
-    /// Somebody says garbage.
+    /// Sends garbage on all topics.
     Garbage,
 }
 
@@ -28,17 +29,17 @@ pub enum Event {
 pub enum Program {
     World,
     Sense(usize),
-    /// Only to be frozen.
+    /// Only frozen, never killed.
     Hand,
 }
 
-/// What happens when.
+/// Timed faults drawn from a seed.
 #[derive(Debug, Clone)]
 pub struct Schedule {
     pub seed: u64,
-    /// How bad the hand's network is.
+    /// Impairment of the hand's network, as a `--rehearse` argument.
     pub rehearse: String,
-    /// Times from the hand's first step, s of the computer's time, in order.
+    /// Events with their times since the hand's first step (s of real time), in order.
     pub events: Vec<(f64, Event)>,
 }
 

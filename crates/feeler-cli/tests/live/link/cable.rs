@@ -1,4 +1,4 @@
-//! A cable between two hosts that is cut and mended: network namespaces, where the system lets us.
+//! A cable between two hosts that is cut and reconnected, simulated with network namespaces if permitted.
 
 use super::faults::{LastWords, NO_HURRY, check};
 use crate::rig::Setup;
@@ -6,28 +6,28 @@ use crate::skip::not_permitted;
 use std::process::Command;
 use std::time::Duration;
 
-/// Addresses of the hand's host and of the rig's.
+/// Addresses of the hand's host and the rig's host.
 const ADDRESSES: [&str; 2] = ["10.77.0.1", "10.77.0.2"];
 
-/// Two network namespaces with a cable between them.
+/// Two network namespaces connected by a virtual cable.
 struct Cable {
     namespaces: [String; 2],
 }
 
-/// Runs `ip`; whether it did what it was told.
+/// Runs `ip` and returns whether it succeeded.
 fn ip(arguments: &str) -> bool {
     let output = Command::new("ip").args(arguments.split(' ')).output();
     output.is_ok_and(|output| output.status.success())
 }
 
 impl Cable {
-    /// None where the system does not let us. Of each `name` there is one at a time.
+    /// Creates the namespaces, or returns `None` if not permitted. Each `name` may be in use only once at a time.
     fn lay(name: &str) -> Option<Self> {
         let id = std::process::id();
         let namespaces = ["hand", "rig"].map(|host| format!("{name}-{id}-{host}"));
         let [hand, rig] = &namespaces;
         let laid = ip(&format!("netns add {hand}"));
-        // From here on, dropped where it is laid but in part.
+        // Created first, so that a partial set-up is removed on drop.
         let cable = Self {
             namespaces: namespaces.clone(),
         };
@@ -57,7 +57,7 @@ impl Drop for Cable {
     }
 }
 
-/// Cuts the cable for so long (s) while the hand moves, over TLS.
+/// Cuts the cable for `seconds` while the hand moves, over TLS. With `by_itself`, the hand must resume automatically.
 fn cut(name: &str, seconds: u64, by_itself: bool) {
     let setup = Setup::new(name).with(&[NO_HURRY]);
     let resume = format!(
@@ -66,7 +66,7 @@ fn cut(name: &str, seconds: u64, by_itself: bool) {
     );
     let mut setup = setup.with(&[&resume]);
     let Some(cable) = Cable::lay(name) else {
-        not_permitted("a cable needs `ip` and the right to make network namespaces");
+        not_permitted("cutting a cable requires `ip` and permission to create network namespaces");
         return;
     };
     setup = setup.with_certificates(ADDRESSES[0], ADDRESSES[1]);
@@ -88,13 +88,13 @@ fn cut(name: &str, seconds: u64, by_itself: bool) {
 }
 
 #[test]
-fn a_cable_that_is_cut_for_a_second_stops_the_hand_until_it_is_told_to_go_on() {
+fn cut_cable_stops_the_hand_until_it_is_resumed() {
     cut("link-cable", 1, false);
 }
 
-/// Both ends give the connection up meanwhile. A minute where `FEELER_LONG_TESTS` is set.
+/// The cut is long enough that both ends close the connection. It lasts a minute if `FEELER_LONG_TESTS` is set.
 #[test]
-fn after_a_long_cut_the_programs_find_each_other_again() {
+fn programs_reconnect_after_a_long_cut() {
     let long = std::env::var_os("FEELER_LONG_TESTS").is_some();
     cut("link-long-cable", if long { 60 } else { 5 }, true);
 }

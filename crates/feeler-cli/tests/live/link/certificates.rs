@@ -1,11 +1,11 @@
-//! A lab's certificates, as its keeper makes, withdraws and renews them.
+//! The command `certificates`: creating, withdrawing and renewing the certificates of a lab.
 
 use crate::program::run;
 use crate::rig::{Setup, certificates};
 use std::fs;
 
 #[test]
-fn certificates_are_not_written_over() {
+fn existing_certificates_are_not_overwritten() {
     let folder = Setup::new("link-lab").folder;
     certificates(&folder, "lab", "127.0.0.1");
     let again = run(&folder, &["certificates", "lab", "127.0.0.1=rig"]);
@@ -19,7 +19,7 @@ fn certificates_are_not_written_over() {
 }
 
 #[test]
-fn what_is_withdrawn_is_listed_and_handed_out() {
+fn withdrawn_certificates_are_listed_and_distributed() {
     let folder = Setup::new("link-withdrawn").folder;
     let lab = |arguments: &[&str]| run(&folder, &[&["certificates", "lab"], arguments].concat());
     let made = lab(&["a=hand,order", "b=sense-0", "c"]).done();
@@ -67,7 +67,7 @@ fn what_is_withdrawn_is_listed_and_handed_out() {
 }
 
 #[test]
-fn a_program_without_its_right_is_told_so() {
+fn order_without_the_right_is_refused() {
     let setup = Setup::new("link-right");
     run(&setup.folder, &["certificates", "lab", "a=sense-0"]).done();
     let link = ["--certificates", "lab/a/sense-0"].map(String::from);

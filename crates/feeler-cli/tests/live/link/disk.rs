@@ -1,4 +1,4 @@
-//! A disk that is full or takes nothing holds up no hand: its record says what is missing.
+//! A full or hanging disk does not stop the hand; the recording reports the missing part.
 
 use super::faults::NO_HURRY;
 use crate::rig::{QUARTER, Rig, Running, Setup};
@@ -7,12 +7,12 @@ use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::Duration;
 
-/// A file system of its own, on a file.
+/// A file system in an image file.
 struct Disk {
     place: PathBuf,
 }
 
-/// Runs a program; whether it did what it was told.
+/// Runs a program and returns whether it succeeded.
 fn does(program: &str, arguments: &[&str]) -> bool {
     let output = Command::new(program).args(arguments).output();
     output.is_ok_and(|output| output.status.success())
@@ -23,7 +23,7 @@ fn text(path: &Path) -> &str {
 }
 
 impl Disk {
-    /// None where the system does not let us.
+    /// Mounts a file system in `folder`, or returns `None` if not permitted.
     fn mount(folder: &Path) -> Option<Self> {
         let (image, place) = (folder.join("disk.img"), folder.join("disk"));
         let file = std::fs::File::create(&image).expect("a file");
@@ -32,7 +32,7 @@ impl Disk {
         let made = does("mkfs.ext4", &["-q", "-F", text(&image)])
             && does("mount", &["-o", "loop", text(&image), text(&place)]);
         let disk = made.then_some(Self { place })?;
-        // Whether it may be frozen, too.
+        // Freezing must be permitted, too.
         (disk.freeze(true) && disk.freeze(false)).then_some(disk)
     }
 
@@ -49,11 +49,11 @@ impl Drop for Disk {
     }
 }
 
-/// A hand that moves while its disk, where the folder `run` is, takes nothing; none where the system does not let us.
+/// Runs `test` on a moving hand whose output folder `run` is on a frozen disk. Skips the test if not permitted.
 fn on_a_frozen_disk(setup: Setup, test: impl FnOnce(&mut Rig, &mut Running, &Disk)) {
     let folder = setup.folder.clone();
     let Some(disk) = Disk::mount(&folder) else {
-        not_permitted("a disk that hangs needs `mkfs.ext4`, `fsfreeze` and the right to mount");
+        not_permitted("a hanging disk requires `mkfs.ext4`, `fsfreeze` and permission to mount");
         return;
     };
     std::os::unix::fs::symlink(folder.join("disk"), folder.join("run")).expect("a link");
@@ -64,7 +64,7 @@ fn on_a_frozen_disk(setup: Setup, test: impl FnOnce(&mut Rig, &mut Running, &Dis
 }
 
 #[test]
-fn a_disk_that_hangs_leaves_a_gap_and_stops_no_hand() {
+fn hanging_disk_leaves_a_gap_and_does_not_stop_the_hand() {
     let setup = Setup::new("link-frozen-disk").with(&[NO_HURRY]).at(QUARTER);
     on_a_frozen_disk(setup, |rig, hand, disk| {
         hand.wait_for("recording: the disk accepts no data");
@@ -76,7 +76,7 @@ fn a_disk_that_hangs_leaves_a_gap_and_stops_no_hand() {
         assert!(said.contains("the recording is partial"), "{said}");
         let recording = rig.setup.recording();
         assert!(!recording.gaps.is_empty() && !recording.complete);
-        // The loop went on at its period meanwhile: what follows the gap is later by what is missing.
+        // The loop kept its period: the first step after the gap is later by the missing duration.
         let gap = recording.gaps[0];
         let after = recording.task[gap.steps_before].stamp;
         assert!(after > gap.missing.end && gap.missing.end > gap.missing.start);
@@ -84,7 +84,7 @@ fn a_disk_that_hangs_leaves_a_gap_and_stops_no_hand() {
 }
 
 #[test]
-fn a_disk_that_hangs_stops_the_hand_where_the_experiment_says_so() {
+fn hanging_disk_stops_the_hand_if_configured() {
     let stop = "control.on_recording_failure=stop";
     let setup = Setup::new("link-disk-stops")
         .with(&[NO_HURRY, stop])
@@ -98,12 +98,12 @@ fn a_disk_that_hangs_stops_the_hand_where_the_experiment_says_so() {
 }
 
 #[test]
-fn the_end_waits_for_a_disk_that_hangs_but_not_for_ever() {
+fn program_waits_for_a_hanging_disk_for_a_limited_time() {
     let setup = Setup::new("link-disk-end").with(&[NO_HURRY]).at(QUARTER);
     on_a_frozen_disk(setup, |rig, hand, disk| {
         hand.wait_for("recording: the disk accepts no data");
         hand.signal("INT");
-        // The system lets go of the program only once its disk answers, but it has said all before.
+        // The process ends only once the disk responds, but it has printed everything before.
         hand.wait_for("the recording is partial");
         assert!(hand.said().contains("has no end record"), "{}", hand.said());
         assert!(disk.freeze(false));
@@ -113,9 +113,9 @@ fn the_end_waits_for_a_disk_that_hangs_but_not_for_ever() {
     });
 }
 
-/// The system refuses a file that grows beyond a limit, as a full disk does.
+/// The system rejects writes beyond a file size limit, like a full disk.
 #[test]
-fn a_full_disk_ends_the_record_and_not_the_hand() {
+fn full_disk_ends_the_recording_but_not_the_hand() {
     let mut rig = Setup::new("link-full-disk")
         .with(&[NO_HURRY])
         .at(QUARTER)

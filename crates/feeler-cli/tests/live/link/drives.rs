@@ -1,4 +1,4 @@
-//! Servos as the rig of the programs: they close the cap; what fails stops the hand, by name, and moves nothing.
+//! Servos as the rig of a distributed hand: they close the cap, and every failure stops the hand and is named.
 
 use super::faults::{GOES_ON, NO_HURRY, STALE};
 use super::restarts::film;
@@ -12,28 +12,28 @@ use std::io::Write;
 use std::process::{ChildStdin, Stdio};
 use std::time::Duration;
 
-/// The pages that show how a servo fails.
+/// Pages whose console blocks show a servo failure.
 const YOUR_RIG: &str = include_str!("../../../../../docs/your-rig.md");
 const DRIVES: &str = include_str!("../../../../../docs/drives.md");
 
-/// So slow that data stay fresh for 3.3 s of the computer's time.
+/// Slow enough that data stay fresh for 3.3 s of real time.
 const SPEED: &str = "0.03";
 
-/// At that speed, 6.7 s for answers and 3.3 s before the watchdogs.
+/// At [`SPEED`], a timeout of 6.7 s for responses and of 3.3 s for the watchdogs.
 const PATIENT: [&str; 2] = ["drives.reply_timeout=0.2", "drives.bus_watchdog=0.1"];
 
-/// The servos of the template, emulated by a program of their own; rig, sensors and hand.
+/// The template's servos, emulated by a separate process, with rig, sensors and hand.
 struct Bench {
     hand: Running,
     faults: ChildStdin,
     port: String,
     bus: Running,
-    /// Released last: it holds back the other tests.
+    /// Dropped last, because it locks out other tests.
     rig: Rig,
 }
 
 impl Bench {
-    /// All of it, with the hand moving.
+    /// Starts all programs and waits until the hand moves.
     fn start(name: &str) -> Self {
         let setup = Setup::new(name).of("bench-rig").at(SPEED);
         let mut setup = setup.with(&PATIENT).with(&[NO_HURRY]);
@@ -71,27 +71,27 @@ impl Bench {
         writeln!(self.faults, "{fault}").expect("the bus");
     }
 
-    /// What was said on the bus.
+    /// Packets on the bus so far.
     fn log(&self) -> Vec<Said> {
         let folder = &self.rig.setup.folder;
         let text = std::fs::read_to_string(folder.join("bus.csv.part")).expect("a log");
-        // The last line may not be whole yet.
+        // The last line may be incomplete.
         let (whole, _) = text.rsplit_once('\n').unwrap_or_default();
         whole.lines().skip(1).map(Said::read).collect()
     }
 
-    /// How often the servos were told to move.
+    /// Number of commands to move so far.
     fn moves(&self) -> usize {
         self.log().iter().filter(|said| said.moves()).count()
     }
 
-    /// Waits until the servos are told to move once more.
+    /// Waits for another command to move.
     fn moves_again(&self) {
         let before = self.moves();
         within_reason(&self.hand, || self.moves() > before);
     }
 
-    /// What `feeler resume` says.
+    /// Output of `feeler resume`.
     fn resume(&self, more: &[&str]) -> String {
         let setup = &self.rig.setup;
         let mut command = setup.command(0, &["resume", setup.experiment]);
@@ -101,7 +101,7 @@ impl Bench {
         String::from_utf8(said).expect("text")
     }
 
-    /// Resumes the hand's own stop, and the rig's by the number that is said then; what was said first.
+    /// Resumes the hand's stop, and the rig's stop by the number in the output. Returns the output of the first resume.
     fn resume_those_of_the_rig(&self) -> String {
         let said = self.resume(&[]);
         let listed = said.split_once(": the rig: ");
@@ -111,7 +111,7 @@ impl Bench {
         said
     }
 
-    /// The same until the hand goes on; all that was said.
+    /// Repeats [`Self::resume_those_of_the_rig`] until the hand has resumed, and returns all output.
     fn resume_all(&self) -> Printed {
         let mut printed = Printed::default();
         within_reason(&self.hand, || {
@@ -122,7 +122,7 @@ impl Bench {
         printed
     }
 
-    /// Reads, as another master, whether the watchdog of servo `id` has stopped it.
+    /// Reads, as a second master, whether the watchdog of servo `id` has stopped it.
     fn is_stopped_by_watchdog(&self, id: u8) -> bool {
         let speed = SPEED.parse().expect("a number");
         let clock = RigClock::at_speed(speed);
@@ -134,8 +134,8 @@ impl Bench {
         fired && bus.read(id, registers.goal_velocity).expect("an answer") == 0
     }
 
-    /// Ends hand and rig, and holds them to the promises: a reason on record that has all of `words`; no move by stale data; no goal
-    /// but right after a reading of all joints, and none between a reading that failed and the next time that the servos got torque.
+    /// Ends hand and rig, and checks the recording and the bus log: a recorded reason contains all `words`, no move
+    /// used stale data, and goals were sent only as [`check_log`] permits.
     fn check(mut self, words: &[&str]) {
         self.hand.signal("INT");
         let (status, said) = self.hand.wait();
@@ -145,15 +145,15 @@ impl Bench {
         let named = |reason: &String| words.iter().all(|word| reason.contains(word));
         assert!(reasons.iter().any(named), "{reasons:?}, {said}");
         let ages = ages_of_moves(&recording);
-        assert!(!ages.is_empty(), "it never moved: {said}");
-        // The template's 5 periods of 0.02 s.
+        assert!(!ages.is_empty(), "the hand never moved: {said}");
+        // The template's limit of 5 periods of 0.02 s.
         let oldest = ages.into_iter().fold(0.0, f64::max);
         assert!(oldest <= 0.1 + 1e-9, "{oldest} s, {said}");
         self.rig.world.signal("INT");
         let (status, said) = self.rig.world.wait();
         assert_eq!(status, Some(0), "{said}");
         assert!(said.contains("torque is off"), "{said}");
-        // Twice, as nobody answers that it arrived.
+        // Sent twice, because the servos do not acknowledge it.
         within_reason(&self.bus, || {
             let log = self.log();
             log.iter().rev().take(2).all(|said| said.switches_off(6))
@@ -185,7 +185,7 @@ impl Said {
         }
     }
 
-    /// The values that are written to all servos from `address` on, without their ids.
+    /// Values written to all servos at `address`, without their ids, or `None` for other packets.
     fn written(&self, address: u8) -> Option<Vec<&[u8]>> {
         match &self.bytes[..] {
             [low, 0, length, 0, values @ ..]
@@ -198,25 +198,25 @@ impl Said {
         }
     }
 
-    /// Goal velocities of which one is not 0.
+    /// Returns `true` if the packet sets a nonzero goal velocity.
     fn moves(&self) -> bool {
         let goals = self.written(104);
         goals.is_some_and(|goals| goals.concat().iter().any(|&byte| byte != 0))
     }
 
-    /// Takes the torque of so many `servos` away.
+    /// Returns `true` if the packet disables the torque of `servos` servos.
     fn switches_off(&self, servos: usize) -> bool {
         self.written(64) == Some(vec![&[0_u8][..]; servos])
     }
 
-    /// Gives a servo torque.
+    /// Returns `true` if the packet enables the torque of a servo.
     fn switches_on(&self) -> bool {
         self.by_master && self.instruction == "write" && self.bytes == [64, 0, 1]
     }
 }
 
-/// Servos are told to move only by joint angles that all of them have told since they were told before, and not at all from a reading
-/// that failed on until they get torque again.
+/// Checks that every goal follows a complete reading of all joints since the previous goal, and that no goal is sent
+/// between a failed reading and the next time a servo's torque is enabled.
 fn check_log(log: &[Said]) {
     let whole = log.iter().filter(|said| !said.by_master);
     let whole = whole.map(|said| said.bytes.len()).max().expect("answers");
@@ -229,7 +229,7 @@ fn check_log(log: &[Said]) {
         } else if said.switches_on() {
             has_failed = false;
         } else if said.by_master && is_asked {
-            // Something else is said though not all have answered.
+            // Another instruction was sent before all servos had responded.
             (has_failed, is_asked) = (true, false);
         }
         if said.moves() {
@@ -240,12 +240,12 @@ fn check_log(log: &[Said]) {
 }
 
 #[test]
-fn servos_make_a_stroke_under_hand_and_sensors() {
+fn servos_perform_a_stroke() {
     let setup = Setup::new("link-drives-stroke").at(QUARTER);
     let setup = setup.with(&[NO_HURRY, GOES_ON, "task.screw.strokes=1"]);
     let rig = setup.driven(&["--drives=emulated"]).start();
     let mut hand = rig.setup.hand(&[]);
-    // A computer that is too busy for a tenth of the rig's second makes servos fail, and somebody looks after that.
+    // On a computer that stalls for 0.1 s of the rig's time, the servos fail, and their stop must be resumed.
     while hand.is_running() {
         if let Some(by) = stopped_by_rig(&hand.said()) {
             let from = format!("--from={by}");
@@ -261,12 +261,12 @@ fn servos_make_a_stroke_under_hand_and_sensors() {
     let ages = ages_of_moves(&recording);
     assert!(ages.len() > 100, "{said}");
     assert!(ages.iter().all(|age| *age <= STALE), "{said}");
-    // As in the first stroke of a run in one process.
+    // Like the first stroke of a single-process run.
     let cap = recording.cap.last().expect("the cap").angle;
     assert!(cap > 0.4, "{cap} rad, {said}");
 }
 
-/// Who stopped the hand, by what it says, where that was the rig and the hand has not gone on since.
+/// Name of the rig, if it requested the latest stop and the hand has not resumed since.
 fn stopped_by_rig(said: &str) -> Option<&str> {
     let (_, newest) = said.rsplit_once("stop requested by ")?;
     let (by, since) = newest.split_once('\n')?;
@@ -274,7 +274,7 @@ fn stopped_by_rig(said: &str) -> Option<&str> {
 }
 
 #[test]
-fn a_servo_that_falls_silent_stops_the_hand_by_name_until_it_answers_again() {
+fn silent_servo_is_named_and_stops_the_hand_until_it_responds() {
     let mut bench = Bench::start("link-drives-silent");
     bench.inject("silent=3");
     bench
@@ -283,7 +283,7 @@ fn a_servo_that_falls_silent_stops_the_hand_by_name_until_it_answers_again() {
     bench.rig.world.wait_for("servo 3");
     let refused = bench.rig.setup.order("resume", &[]);
     assert_ne!(refused.status, Some(0), "{refused:?}");
-    // Somebody resumes it though it is dead: that is said once more.
+    // A resume while the servo is still silent repeats the message.
     bench.resume_those_of_the_rig();
     let again = "the drives stay stopped until the stop is resumed";
     bench.rig.world.wait_for_times(again, 2);
@@ -292,7 +292,7 @@ fn a_servo_that_falls_silent_stops_the_hand_by_name_until_it_answers_again() {
 }
 
 #[test]
-fn servos_that_start_afresh_move_again_when_somebody_says_so() {
+fn rebooted_servos_move_again_after_a_resume() {
     let mut bench = Bench::start("link-drives-reboot");
     bench.inject("reboot=3");
     bench.hand.wait_for("stop requested by the rig: ");
@@ -307,11 +307,11 @@ fn servos_that_start_afresh_move_again_when_somebody_says_so() {
 }
 
 #[test]
-fn a_rig_program_that_is_killed_leaves_the_servos_to_their_watchdogs() {
+fn watchdogs_stop_the_servos_if_the_rig_program_is_killed() {
     let mut bench = Bench::start("link-drives-killed");
     bench.rig.world.signal("KILL");
     bench.hand.wait_for("stopped: the joint angles");
-    // Their tenth of a second, and what the emulator may be late.
+    // The watchdog's 0.1 s, and a possible delay of the emulator.
     std::thread::sleep(bench.rig.setup.takes(0.12));
     for id in 1..=6 {
         assert!(bench.is_stopped_by_watchdog(id), "servo {id}");
@@ -324,7 +324,7 @@ fn a_rig_program_that_is_killed_leaves_the_servos_to_their_watchdogs() {
 }
 
 #[test]
-fn a_rig_program_that_is_frozen_finds_its_servos_stopped_and_waits_for_somebody() {
+fn frozen_rig_program_waits_for_a_resume_after_the_watchdogs_fire() {
     let mut bench = Bench::start("link-drives-frozen");
     bench.rig.world.signal("STOP");
     bench.hand.wait_for("stopped: the joint angles");

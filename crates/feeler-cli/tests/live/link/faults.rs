@@ -1,25 +1,25 @@
-//! What goes wrong stops the hand, and is said; it goes on when told to.
+//! Failures stop the hand with a reason; it moves again after a resume.
 
 use crate::rig::{Rig, Running, SLOW, Setup, ages_of_moves, reasons};
 use std::time::Duration;
 
-/// Age at which data are stale by the reference experiment, s, and what rounding may add to one.
+/// Age above which data are stale in the reference experiment (s), with a margin for rounding.
 pub const STALE: f64 = 0.035 + 1e-9;
 
-/// A busy machine may stop a hand for want of fresh data, and then it goes on.
+/// Resumes automatically after stale data, which a busy computer may cause.
 pub const GOES_ON: &str = "control.resume=fresh";
 
-/// Longer than any test takes.
+/// Time limit that no test reaches.
 pub const NO_HURRY: &str = "time_limit=600";
 
-/// What programs say in the end.
+/// Final output of the programs.
 pub struct LastWords {
     pub hand: String,
     pub world: String,
 }
 
-/// Ends the hand and holds its record to the promises: a reason for each stop, among them `words`, and no
-/// move on stale data. What hand and world say in the end.
+/// Ends the hand and checks its recording: a stop reason contains `words`, and no move used stale data. Returns the
+/// final output of hand and world.
 pub fn check(rig: &mut Rig, mut hand: Running, words: &str) -> LastWords {
     hand.signal("INT");
     let (status, said) = hand.wait();
@@ -29,7 +29,7 @@ pub fn check(rig: &mut Rig, mut hand: Running, words: &str) -> LastWords {
     let named = reasons.iter().any(|reason| reason.contains(words));
     assert!(named, "{reasons:?}, {said}");
     let ages = ages_of_moves(&recording);
-    assert!(!ages.is_empty(), "it never moved: {said}");
+    assert!(!ages.is_empty(), "the hand never moved: {said}");
     let oldest = ages.into_iter().fold(0.0, f64::max);
     assert!(oldest <= STALE, "{oldest} s, {said}");
     LastWords {
@@ -47,7 +47,7 @@ fn worlds_end(rig: &mut Rig) -> String {
 }
 
 #[test]
-fn a_sensor_program_that_is_killed_stops_the_hand_until_it_is_told_to_go_on() {
+fn killed_sensor_program_stops_the_hand_until_it_is_resumed() {
     let mut rig = Setup::new("link-killed").with(&[NO_HURRY]).start();
     let mut hand = rig.moving_hand(&[]);
     rig.senses[1].signal("KILL");
@@ -62,7 +62,7 @@ fn a_sensor_program_that_is_killed_stops_the_hand_until_it_is_told_to_go_on() {
 }
 
 #[test]
-fn a_sensor_program_that_is_frozen_stops_the_hand_which_may_go_on_by_itself() {
+fn frozen_sensor_program_stops_the_hand_until_data_are_fresh() {
     let setup = Setup::new("link-frozen").with(&[NO_HURRY, GOES_ON]);
     let mut rig = setup.start();
     let mut hand = rig.moving_hand(&[]);
@@ -74,7 +74,7 @@ fn a_sensor_program_that_is_frozen_stops_the_hand_which_may_go_on_by_itself() {
 }
 
 #[test]
-fn a_world_that_is_frozen_stops_the_hand() {
+fn frozen_world_stops_the_hand() {
     let mut rig = Setup::new("link-still").with(&[NO_HURRY]).start();
     let mut hand = rig.moving_hand(&[]);
     rig.world.signal("STOP");
@@ -84,26 +84,26 @@ fn a_world_that_is_frozen_stops_the_hand() {
 }
 
 #[test]
-fn a_bad_network_stops_the_hand_and_never_makes_it_move_on_stale_data() {
+fn impaired_network_stops_the_hand_and_causes_no_motion_on_stale_data() {
     let mut rig = Setup::new("link-bad").with(&[NO_HURRY]).start();
-    // Half of what data may be old here.
+    // The jitter is a large part of the 3.5 s after which data are stale at this speed.
     let mut hand = rig.moving_hand(&["--rehearse=loss=0.2,jitter=0.9,duplicate=0.1"]);
     hand.wait_for("stopped:");
     check(&mut rig, hand, "s old (limit");
 }
 
 #[test]
-fn a_hand_that_is_killed_leaves_the_rig_to_its_watchdog() {
+fn watchdog_stops_the_rig_if_the_hand_is_killed() {
     let mut rig = Setup::new("link-watchdog").with(&[NO_HURRY]).start();
     rig.moving_hand(&[]).signal("KILL");
-    // More than the 0.045 s after which the drives are stopped.
+    // Longer than the 0.045 s after which the watchdog stops the drives.
     std::thread::sleep(rig.setup.takes(0.06) + Duration::from_millis(500));
     let said = worlds_end(&mut rig);
     assert!(said.contains("1 stops by the watchdog"), "{said}");
 }
 
 #[test]
-fn programs_that_do_not_agree_are_refused_and_both_are_named() {
+fn programs_of_different_experiments_are_refused_and_named() {
     let rig = Setup::new("link-other").start();
     let mut hand = rig.setup.hand(&["--seed=9"]);
     hand.wait_for("refused: world runs experiment");
@@ -114,7 +114,7 @@ fn programs_that_do_not_agree_are_refused_and_both_are_named() {
 }
 
 #[test]
-fn a_rig_of_another_speed_is_refused() {
+fn rig_with_another_speed_is_refused() {
     let rig = Setup::new("link-speed").start();
     let mut setup = rig.setup.clone();
     setup.speed = "max";

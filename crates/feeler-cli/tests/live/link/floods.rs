@@ -1,4 +1,4 @@
-//! A hand that nobody can connect to is stopped all the same.
+//! Stops reach the hand even while its endpoint is flooded.
 
 use super::faults::{GOES_ON, NO_HURRY, check};
 use crate::rig::{Rig, Setup, connect};
@@ -15,13 +15,13 @@ use std::sync::{Arc, Mutex};
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// Where the hand of `setup` listens, without the protocol.
+/// Address of the hand's endpoint, without the protocol.
 fn address(setup: &Setup) -> &str {
     setup.endpoint.split_once('/').expect("an endpoint").1
 }
 
 #[test]
-fn failed_handshakes_keep_no_stop_out() {
+fn stop_arrives_during_failed_handshakes() {
     let setup = Setup::new("link-handshakes").with(&[NO_HURRY]);
     let mut rig = setup.with_certificates("127.0.0.1", "127.0.0.1").start();
     let mut hand = rig.moving_hand(&[]);
@@ -30,9 +30,9 @@ fn failed_handshakes_keep_no_stop_out() {
     thread::scope(|scope| {
         scope.spawn(|| {
             while !over.load(Ordering::Relaxed) {
-                // After each that fails, Zenoh takes nobody for a tenth of a second.
+                // After each failed handshake, Zenoh accepts no connection for 0.1 s.
                 if let Ok(mut stream) = TcpStream::connect(&address) {
-                    let _ = stream.write_all(b"this is no handshake\r\n\r\n");
+                    let _ = stream.write_all(b"not a handshake\r\n\r\n");
                 }
                 thread::sleep(Duration::from_millis(10));
             }
@@ -51,7 +51,7 @@ fn failed_handshakes_keep_no_stop_out() {
 }
 
 #[test]
-fn silent_connections_keep_no_stop_out() {
+fn stop_arrives_despite_silent_connections() {
     let mut rig = Setup::new("link-silent").with(&[NO_HURRY]).start();
     let mut hand = rig.moving_hand(&[]);
     let connect = || TcpStream::connect(address(&rig.setup)).expect("a connection");
@@ -66,7 +66,7 @@ fn silent_connections_keep_no_stop_out() {
     check(&mut rig, hand, "stop requested by the test");
 }
 
-/// Garbage on all topics, as fast as it goes.
+/// Sends garbage on all topics as fast as possible, until `over`.
 fn flood_with_messages(endpoint: &str, over: &AtomicBool) {
     let peer = connect(endpoint);
     let noise: Vec<u8> = (0..200u32).map(|k| (k * k * 31 + 7) as u8).collect();
@@ -77,7 +77,7 @@ fn flood_with_messages(endpoint: &str, over: &AtomicBool) {
     }
 }
 
-/// Connections that say nothing, as many as there were before they are closed.
+/// Opens 120 silent connections every second and closes the previous ones, until `over`.
 fn flood_with_connections(address: &str, over: &AtomicBool) {
     while !over.load(Ordering::Relaxed) {
         let silent: Vec<_> = (0..120).map(|_| TcpStream::connect(address)).collect();
@@ -86,7 +86,7 @@ fn flood_with_connections(address: &str, over: &AtomicBool) {
     }
 }
 
-/// How long after a stop it is answered, and the hand commands its drives to stand still, s.
+/// Requests a stop and returns the times (s) until it is answered and until the hand commands zero velocity.
 fn stop_once(rig: &Rig, still: &Mutex<Option<Instant>>) -> (f64, f64) {
     let endpoints = [rig.setup.endpoint.clone()];
     *still.lock().expect("the notes") = None;
@@ -111,7 +111,7 @@ fn stop_once(rig: &Rig, still: &Mutex<Option<Instant>>) -> (f64, f64) {
         number,
     };
     let peer = connect(&endpoints[0]);
-    // Until it goes on: under a flood, connecting takes a while, and messages are dropped.
+    // Repeat until the hand moves: under a flood, connecting takes time and messages are dropped.
     while still.lock().expect("the notes").is_some() {
         send(&*peer, Topic::Resume, &resume).expect("a link");
         thread::sleep(Duration::from_millis(100));
@@ -119,7 +119,9 @@ fn stop_once(rig: &Rig, still: &Mutex<Option<Instant>>) -> (f64, f64) {
     (answered.as_secs_f64(), stood_still.as_secs_f64())
 }
 
-/// `cargo test --release ... --test live how_long -- --ignored --nocapture`; the figures are in docs/benchmarks.md.
+/// Measures the latency of a stop. The results are in docs/benchmarks.md.
+///
+/// `cargo test --release ... --test live how_long -- --ignored --nocapture`
 #[test]
 #[ignore = "a measurement"]
 fn how_long_a_stop_takes() {
@@ -167,7 +169,7 @@ fn how_long_a_stop_takes() {
         let (median, most) = (times[times.len() / 2], times[times.len() - 1]);
         let slowest = times.iter().map(|time| time.0).fold(0.0, f64::max);
         eprintln!(
-            "{name}: answered within {slowest:.3} s; commands to stand still after {:.4} s (median), {:.4} s (at most)",
+            "{name}: answered within {slowest:.3} s; zero velocity commanded after {:.4} s (median), {:.4} s (maximum)",
             median.1, most.1
         );
         hand.signal("INT");

@@ -1,4 +1,4 @@
-//! A hostile peer on the same network: whatever it says is dropped and counted, and nothing moves by it.
+//! A hostile peer on the same network: its messages are dropped and counted, and cause no motion.
 
 use super::faults::{NO_HURRY, check};
 use crate::rig::{QUARTER, Setup, connect, within_reason};
@@ -27,10 +27,10 @@ const NOT_A_NUMBER: Vector3 = Vector3 {
 };
 
 #[test]
-fn a_hostile_peer_is_counted_and_moves_nothing() {
+fn hostile_messages_are_counted_and_cause_no_motion() {
     let mut rig = Setup::new("link-hostile").with(&[NO_HURRY]).start();
     let mut hand = rig.moving_hand(&[]);
-    // A hand that is told to stop stays so, whatever comes.
+    // A stopped hand must stay stopped.
     rig.setup.order("stop", &[]).done();
     hand.wait_for("stopped: stop requested by the test");
     let peer = connect(&rig.setup.endpoint);
@@ -43,7 +43,7 @@ fn a_hostile_peer_is_counted_and_moves_nothing() {
         std::thread::sleep(Duration::from_millis(10));
     }
     assert!(!hand.said().contains("resuming"), "{}", hand.said());
-    // What can be taken for a stop is one, whoever says it: here somebody without a name.
+    // Any message that decodes as a stop is obeyed, even without a sender name, as here.
     within_reason(&hand, || stops.lock().expect("the notes").len() > 1);
     let told = rig.setup.order("resume", &[]);
     assert!(told.stdout.contains("unknown"), "{told:?}");
@@ -57,9 +57,9 @@ fn a_hostile_peer_is_counted_and_moves_nothing() {
     }
 }
 
-/// What was recorded of a rig, said again to another hand, moves nothing: it proves nothing to that.
+/// A recorded session that is replayed to another hand causes no motion.
 #[test]
-fn a_session_that_is_replayed_to_another_hand_moves_nothing() {
+fn replayed_session_does_not_move_another_hand() {
     let setup = Setup::new("link-replayed").with(&[NO_HURRY]);
     let mut rig = setup.at(QUARTER).start();
     let mut hand = rig.moving_hand(&[]);
@@ -71,7 +71,7 @@ fn a_session_that_is_replayed_to_another_hand_moves_nothing() {
     });
     let topics = [Topic::State, Topic::Tactile(0), Topic::Tactile(1)];
     for topic in topics.into_iter().chain(Topic::heartbeats()) {
-        peer.listen(topic, note.clone()).expect("what is said");
+        peer.listen(topic, note.clone()).expect("a subscription");
     }
     thread::sleep(Duration::from_secs(2));
     let session = std::mem::take(&mut *session.lock().expect("the tape"));
@@ -94,10 +94,10 @@ fn a_session_that_is_replayed_to_another_hand_moves_nothing() {
     hand.signal("INT");
     let (status, said) = hand.wait();
     assert_eq!(status, Some(1), "{said}");
-    assert!(!first.exists(), "it began: {said}");
+    assert!(!first.exists(), "the run started: {said}");
 }
 
-/// The instances of all programs that work, by what they are.
+/// Instances of the running programs, by program name.
 fn spy(peer: &Link) -> HashMap<String, u64> {
     let heard = Arc::new(Mutex::new(HashMap::new()));
     let notes = heard.clone();
@@ -125,16 +125,17 @@ fn spy(peer: &Link) -> HashMap<String, u64> {
     }
 }
 
-/// Nothing, noise, a message that is cut off, and one that is too long, on all topics.
+/// Sends on all topics: an empty message, noise, a truncated message, an excessive length field, a message that is too
+/// long.
 fn say_garbage(peer: &Link) {
     let mut whole = Vec::new();
     cdr::encode(&StateMessage::default(), &mut whole).expect("its bytes");
     let noise: Vec<u8> = (0..200u32).map(|k| (k * k * 31 + 7) as u8).collect();
-    // Its first field says that it is as long as can be.
+    // Its first length field has the maximum value.
     let boast = [&cdr::ENCAPSULATION[..], &[0xff; 60]].concat();
     let long = vec![0; Topic::Tactile(0).most_bytes() + 1];
     for topic in Topic::all(0) {
-        // An order is an order from whoever is in the link: without certificates, everybody on the computer.
+        // Orders are accepted from every participant: without certificates, from any program on this computer.
         let pieces = [&[][..], &noise, &whole[..whole.len() - 9], &boast, &long];
         for piece in pieces {
             peer.send(topic, piece.to_vec()).expect("a link");
@@ -142,7 +143,7 @@ fn say_garbage(peer: &Link) {
     }
 }
 
-/// Messages that hold no numbers or too many, by programs that are known.
+/// Sends messages with NaN or with too many elements in the name of known programs.
 fn say_in_the_name_of_others(peer: &Link, instances: &HashMap<String, u64>) {
     let header = |program: &str| MessageHeader {
         protocol: PROTOCOL,
@@ -180,8 +181,8 @@ fn say_in_the_name_of_others(peer: &Link, instances: &HashMap<String, u64>) {
     send(peer, Topic::State, &state).expect("a link");
 }
 
-/// Says garbage, speaks in the name of others and of programs that do not exist, stops the hand and lets it go on,
-/// and connects to say nonsense, until it is `over`; again from the beginning every few seconds, by a new connection.
+/// Sends garbage, impersonates known and unknown programs, stops and resumes the hand, and opens connections that send
+/// nonsense, until `over`. Reconnects every few seconds.
 pub fn be_hostile(endpoint: &str, over: &AtomicBool) {
     let address = endpoint.split_once('/').expect("an endpoint").1;
     while !over.load(Ordering::Relaxed) {
@@ -203,14 +204,14 @@ pub fn be_hostile(endpoint: &str, over: &AtomicBool) {
             if turn % 10 == 0
                 && let Ok(mut stream) = TcpStream::connect(address)
             {
-                let _ = stream.write_all(b"this is no handshake\r\n\r\n");
+                let _ = stream.write_all(b"not a handshake\r\n\r\n");
             }
             thread::sleep(Duration::from_millis(10));
         }
     }
 }
 
-/// Keeps the numbers of the stops in force.
+/// Stores the numbers of the active stops in `stops`.
 fn listen_for_stops(peer: &Link, stops: &Arc<Mutex<Vec<u64>>>) {
     let notes = stops.clone();
     let note = move |_: Topic, bytes: &[u8]| {
@@ -237,14 +238,14 @@ fn resume(peer: &Link, stops: &Mutex<Vec<u64>>) {
     for number in stops.into_iter().chain([draw_instance()]) {
         let resume = ResumeMessage {
             protocol: PROTOCOL,
-            from: "somebody".into(),
+            from: "a stranger".into(),
             number,
         };
         send(peer, Topic::Resume, &resume).expect("a link");
     }
 }
 
-/// A sensor program, a rig and a hand that were never seen before, and are not again.
+/// Announces a sensor program, a rig and a hand that do not exist.
 fn introduce_somebody(peer: &Link) {
     let programs = [
         (ProgramKind::Sense, 0),

@@ -1,4 +1,4 @@
-//! Sensors, hand and world as programs of their own.
+//! Sensors, hand and world as separate processes.
 
 #![cfg(unix)]
 

@@ -1,4 +1,4 @@
-//! Orders from anywhere, and who may give them.
+//! Stop and resume orders, and the rights to give them.
 
 use super::faults::{NO_HURRY, check};
 use crate::rig::{Setup, certificates, connect};
@@ -11,7 +11,7 @@ use std::thread;
 use std::time::Duration;
 
 #[test]
-fn a_hand_stops_when_told_to_and_goes_on_when_told_to() {
+fn hand_obeys_stop_and_resume_orders() {
     let mut rig = Setup::new("link-orders").with(&[NO_HURRY]).start();
     let mut hand = rig.moving_hand(&[]);
     let told = rig.setup.order("stop", &[]).done();
@@ -29,14 +29,14 @@ fn a_hand_stops_when_told_to_and_goes_on_when_told_to() {
 }
 
 #[test]
-fn stops_of_two_need_two_resumes() {
+fn stops_by_two_clients_need_two_resumes() {
     let mut rig = Setup::new("link-two-stops").with(&[NO_HURRY]).start();
     let mut hand = rig.moving_hand(&[]);
     let order = |order: &str, more: &[&str]| {
         let more: Vec<String> = more.iter().map(ToString::to_string).collect();
         rig.setup.order(order, &more)
     };
-    // `order` says that it is the test; who gives a name later is that.
+    // `order` uses the name "the test"; `order_from` uses the given one.
     order("stop", &[]).done();
     let of_door = rig.setup.order_from("stop", "the door\u{1b}[2J").done();
     assert!(of_door.contains("stop "), "{of_door}");
@@ -45,7 +45,7 @@ fn stops_of_two_need_two_resumes() {
     let listed = first.stdout.contains("the door\\u{1b}[2J") && !first.stdout.contains('\u{1b}');
     assert!(listed, "{first:?}");
     assert!(!hand.said().contains("resuming") && !hand.said().contains('\u{1b}'));
-    // The only one that is left is the door's, and nobody else's.
+    // Only the door's stop is left, and other clients need its number to resume it.
     let passer_by = rig.setup.order_from("resume", "a passer-by");
     assert_eq!(passer_by.status, Some(2), "{passer_by:?}");
     assert!(passer_by.stderr.contains("--number"), "{passer_by:?}");
@@ -54,9 +54,9 @@ fn stops_of_two_need_two_resumes() {
     check(&mut rig, hand, "stop requested by the test");
 }
 
-/// Whoever resumes all that he can think of resumes no stop that is yet to come.
+/// Resume messages with guessed numbers do not resume later stops.
 #[test]
-fn a_stop_holds_against_resumes_that_do_not_name_it() {
+fn stop_ignores_resumes_with_other_numbers() {
     let mut rig = Setup::new("link-resumes").with(&[NO_HURRY]).start();
     let hand = rig.moving_hand(&[]);
     let peer = connect(&rig.setup.endpoint);
@@ -76,7 +76,7 @@ fn a_stop_holds_against_resumes_that_do_not_name_it() {
                 thread::sleep(Duration::from_millis(5));
             }
         });
-        // The first has the number that the flood names.
+        // The first stop has a number that the flood contains.
         let orders = [(); 2].map(|()| rig.setup.order("stop", &[]));
         thread::sleep(Duration::from_millis(500));
         over.store(true, Ordering::Relaxed);
@@ -92,9 +92,9 @@ fn a_stop_holds_against_resumes_that_do_not_name_it() {
     assert!(held.iter().all(|step| step.phase == Phase::Stopped));
 }
 
-/// A name that would make heartbeat and mode too large for all is cut short.
+/// A client name that would make heartbeat and mode messages too large is truncated.
 #[test]
-fn a_long_name_hides_no_hand() {
+fn long_client_name_is_truncated() {
     let mut rig = Setup::new("link-long-name").with(&[NO_HURRY]).start();
     let mut hand = rig.moving_hand(&[]);
     let name = "x".repeat(65_519);
@@ -107,15 +107,15 @@ fn a_long_name_hides_no_hand() {
 }
 
 #[test]
-fn only_who_has_a_certificate_of_the_lab_takes_part() {
+fn only_programs_with_a_certificate_of_the_lab_can_connect() {
     let setup = Setup::new("link-certificates").with(&[NO_HURRY]);
     let mut setup = setup.with_certificates("127.0.0.1", "127.0.0.1");
     let elsewhere = certificates(&setup.folder, "elsewhere", "127.0.0.1");
     let lab = std::mem::replace(&mut setup.link, elsewhere.clone());
     let mut strangers = setup.start();
     let hand = strangers.setup.hand(&[]);
-    // An order is given up when nothing of the hand was heard for five seconds: time for a stranger's
-    // sensors and world to be heard, if they could be.
+    // An order fails after five seconds without a message from the hand. In that time a stranger's sensors and world
+    // would have connected, if they could.
     let by = |link: &[String]| strangers.setup.order("stop", link);
     by(&elsewhere).refused(&["no hand of rig"]);
     by(&[]).refused(&["--certificates"]);
@@ -141,7 +141,7 @@ fn only_who_has_a_certificate_of_the_lab_takes_part() {
 }
 
 #[test]
-fn nobody_listens_beyond_this_computer_unasked() {
+fn listening_on_all_interfaces_requires_insecure() {
     let mut setup = Setup::new("link-open");
     setup.endpoint = setup.endpoint.replace("127.0.0.1", "0.0.0.0");
     let (status, said) = setup.hand(&[]).wait();

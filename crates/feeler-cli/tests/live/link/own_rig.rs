@@ -1,4 +1,4 @@
-//! A rig of a user's own, without `[sim]`, under `feeler hand`: the example `own_rig` and its experiment.
+//! A custom rig without `[sim]`, controlled by `feeler hand`: the example `own_rig` and its experiment.
 
 #[path = "../../../examples/own_rig.rs"]
 mod example;
@@ -19,7 +19,7 @@ use std::sync::atomic::{AtomicBool, Ordering};
 const SETTINGS: [&str; 2] = [GOES_ON, NO_HURRY];
 
 #[test]
-fn a_hand_without_a_simulator_runs_a_rig_of_ones_own_and_its_run_is_reported() {
+fn hand_controls_a_custom_rig_and_writes_a_report() {
     let _alone = alone();
     let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/own_rig.toml");
     let file = file.to_str().expect("a path");
@@ -62,13 +62,13 @@ fn a_hand_without_a_simulator_runs_a_rig_of_ones_own_and_its_run_is_reported() {
     let summary = std::fs::read_to_string(folder.join("run/summary.json")).expect("a summary");
     let summary: serde_json::Value = serde_json::from_str(&summary).expect("JSON");
     assert_eq!(summary["state"], "done", "{summary}");
-    // A stop cuts the stroke in two.
+    // A stop splits the stroke into two entries.
     let strokes = summary["strokes"].as_array().expect("strokes");
     let first = strokes.iter().filter(|stroke| stroke["index"] == 1);
     assert!(!strokes.is_empty() && first.count() == strokes.len());
     let stops = reasons(&recording).len();
     assert!(strokes.len() <= 1 + stops, "{stops} stops, {summary}");
-    // Nobody screws here, and nothing is held to the paper.
+    // No cap is turned, so none of the paper's claims apply.
     assert_eq!(summary["claims"].as_array().map(Vec::len), Some(0));
     assert!(folder.join("run/report.html").exists());
 }

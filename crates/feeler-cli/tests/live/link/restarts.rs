@@ -1,4 +1,4 @@
-//! Any program of a rig may end and start again at any time: the hand stops, and goes on when it is told to.
+//! Any program of a rig may end and restart at any time: the hand stops, and moves again after a resume.
 
 use super::faults::{NO_HURRY, check};
 use crate::how_many::how_many;
@@ -17,12 +17,12 @@ use std::io::Write;
 use std::thread;
 use std::time::Duration;
 
-/// How often each program is started again; as often in a row as `FEELER_RESTARTS` says.
+/// Number of restarts of each program, set by `FEELER_RESTARTS` (default 3).
 fn times() -> usize {
     how_many("FEELER_RESTARTS", 3)
 }
 
-/// Resumes the hand after it has stopped for the `nth` time.
+/// Waits for the hand's `nth` stop with `words`, and resumes it.
 fn resume_after(rig: &Rig, hand: &mut Running, words: &str, nth: usize) {
     hand.wait_for_times(words, nth);
     rig.resume(hand);
@@ -30,7 +30,7 @@ fn resume_after(rig: &Rig, hand: &mut Running, words: &str, nth: usize) {
 }
 
 #[test]
-fn a_world_may_start_again_any_number_of_times() {
+fn world_can_be_restarted_repeatedly() {
     let mut rig = Setup::new("link-worlds").with(&[NO_HURRY]).start();
     let mut hand = rig.moving_hand(&[]);
     for nth in 1..=times() {
@@ -44,12 +44,12 @@ fn a_world_may_start_again_any_number_of_times() {
         let recording = rig.setup.recording();
         recording.task.iter().map(|task| task.stamp).collect()
     };
-    // The run's time goes on over all worlds.
+    // The run's time never decreases, even across restarts of the world.
     assert!(stamps.windows(2).all(|pair| pair[1] >= pair[0]));
 }
 
 #[test]
-fn a_sensor_program_may_start_again_any_number_of_times() {
+fn sensor_program_can_be_restarted_repeatedly() {
     let mut rig = Setup::new("link-senses").with(&[NO_HURRY]).start();
     let mut hand = rig.moving_hand(&[]);
     for nth in 1..=times() {
@@ -62,7 +62,7 @@ fn a_sensor_program_may_start_again_any_number_of_times() {
 }
 
 #[test]
-fn a_hand_may_start_again_beside_its_rig() {
+fn hand_can_be_restarted_while_its_rig_runs() {
     let mut rig = Setup::new("link-hands").with(&[NO_HURRY]).start();
     for nth in 1..=times() {
         let mut hand = rig.moving_hand(&[]);
@@ -78,20 +78,20 @@ fn a_hand_may_start_again_beside_its_rig() {
     check(&mut rig, hand, "stop requested");
 }
 
-/// A picture of an unloaded fingertip of the reference rig.
+/// An image of an unloaded fingertip of the reference rig.
 fn unloaded(finger: usize) -> Picture {
     let experiment = Experiment::load("cap-closing", &["sensing=image".into()]).expect("a rig");
     let mut played = SimRigServer::new(&experiment).expect("a rig");
     match played.expose(finger) {
         Ok(Some(SensorOutput::Picture(frame))) => frame.picture.clone(),
-        other => panic!("a picture expected, {other:?}"),
+        other => panic!("expected an image, got {other:?}"),
     }
 }
 
-/// Pictures of a camera in a second: few enough that a busy computer senses them, and fresh enough for a slow rig.
+/// Frame rate of the test's camera (Hz): low enough for a busy computer, high enough that a slow rig's data stay fresh.
 const CAMERA_RATE: u64 = 5;
 
-/// A camera of the test's own: writes pictures of an unloaded fingertip to a sensor program, until that ends.
+/// A camera simulated by the test: writes images of an unloaded fingertip to a sensor program until that ends.
 pub fn film(rig: &Rig, finger: usize) -> Running {
     let (picture, number) = (unloaded(finger), finger.to_string());
     let size = format!("--raw={}x{}", picture.width, picture.height);
@@ -105,7 +105,7 @@ pub fn film(rig: &Rig, finger: usize) -> Running {
     thread::spawn(move || {
         let mut random = Pcg64::seed_from_u64(finger as u64);
         loop {
-            // Of a real camera, no picture is like the one before.
+            // Consecutive images of a real camera are never identical.
             let noisy = picture
                 .pixels
                 .iter()
@@ -120,7 +120,7 @@ pub fn film(rig: &Rig, finger: usize) -> Running {
 }
 
 #[test]
-fn sensors_with_clocks_of_their_own_may_start_again() {
+fn sensor_programs_with_separate_clocks_can_be_restarted() {
     let mut setup = Setup::new("link-cameras").with(&[NO_HURRY]);
     setup.settings[0] = "--sensing=image".into();
     let mut rig = setup.start();
@@ -136,7 +136,7 @@ fn sensors_with_clocks_of_their_own_may_start_again() {
 }
 
 #[test]
-fn a_picture_of_another_size_is_skipped_and_counted() {
+fn image_of_another_size_is_skipped_and_reported() {
     let folder = folder("link-other-size");
     let Picture {
         width,
@@ -150,7 +150,7 @@ fn a_picture_of_another_size_is_skipped_and_counted() {
         picture.save(folder.join(name)).expect("a file");
     }
     let mut arguments = vec!["sense", "--publish", "--finger=0", "--sensing=image"];
-    // Nobody listens there: what is published is lost.
+    // No program listens at this endpoint, so published messages are lost.
     let nowhere = format!("--connect={}", unused_endpoint());
     arguments.push(&nowhere);
     arguments.extend(names.iter().map(String::as_str));

@@ -1,4 +1,4 @@
-//! A finger whose fingertip is a taxel array moves like any other.
+//! A finger whose fingertip is a taxel array works like any other.
 
 use super::faults::{NO_HURRY, check};
 use crate::rig::{Rig, Running, Setup};
@@ -10,13 +10,14 @@ use std::io::Write as _;
 use std::thread;
 use std::time::Duration;
 
-/// Rows in a second: few enough that a busy computer senses them, and fresh enough for a slow rig.
+/// Rows per second: low enough for a busy computer, high enough that a slow rig's data stay fresh.
 const RATE: u64 = 5;
-/// The taxel that feels something, and what, N.
+/// The loaded taxel.
 const FELT: usize = 5;
+/// Force on the loaded taxel (N).
 const FORCE: DVec3 = DVec3::new(0.01, 0.02, 0.03);
 
-/// Taxels where the reference fingertip has its elements.
+/// A taxel layout with the element positions of the reference fingertip.
 fn layout() -> String {
     let mut text = "version = 1\nname = 'dome'\nunit = 'N'\n\
                     columns = { x = 't{n}_x', y = 't{n}_y', z = 't{n}_z' }\n"
@@ -29,7 +30,7 @@ fn layout() -> String {
     text
 }
 
-/// A driver of the test's own: writes rows to a sensor program, until that ends.
+/// A taxel driver simulated by the test: writes rows to a sensor program until that ends.
 fn drive(rig: &Rig) -> Running {
     fs::write(rig.setup.folder.join("dome.toml"), layout()).expect("a layout");
     let rate = format!("--rate={RATE}");
@@ -48,7 +49,7 @@ fn drive(rig: &Rig) -> Running {
         let count = LayoutConfig::default().element_count();
         let header = (0..count).map(|n| format!("t{n}_x,t{n}_y,t{n}_z"));
         let mut row = header.collect::<Vec<_>>().join(",");
-        // Of a real array, no row is like the one before.
+        // Consecutive rows of a real array are never identical.
         for number in 0_u32.. {
             if writeln!(input, "{row}").is_err() {
                 return;
@@ -65,7 +66,7 @@ fn drive(rig: &Rig) -> Running {
 }
 
 #[test]
-fn a_hand_moves_on_what_taxels_feel() {
+fn hand_moves_with_the_forces_of_a_taxel_array() {
     let mut rig = Setup::new("link-taxels").with(&[NO_HURRY]).start();
     rig.senses[0].signal("KILL");
     rig.senses[0] = drive(&rig);
@@ -79,7 +80,7 @@ fn a_hand_moves_on_what_taxels_feel() {
     let felt = frames.iter().map(|frame| DVec3::from(frame.forces[FELT]));
     let close = felt.filter(|felt| (*felt - FORCE).length() < 1e-6).count();
     assert!(close > 0, "of {} frames, none has the force", frames.len());
-    // Beside the hand, everything is written, if only to a part: the program may have been killed.
+    // The sensor program also writes all rows to a file, which is still partial if the program was killed.
     let files = ["forces.jsonl", "forces.jsonl.part"];
     let texts = files.map(|name| fs::read_to_string(rig.setup.folder.join(name)));
     let rows: usize = texts

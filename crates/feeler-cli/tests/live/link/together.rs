@@ -1,4 +1,4 @@
-//! Several programs close the cap as one does.
+//! A distributed hand closes the cap like a single process.
 
 use super::faults::{GOES_ON, NO_HURRY, STALE};
 use crate::program::run;
@@ -14,7 +14,7 @@ fn digest(folder: &Path) -> String {
 }
 
 #[test]
-fn a_world_that_waits_gives_the_run_of_one_process_bit_for_bit() {
+fn lockstep_run_equals_the_run_of_one_process_bit_for_bit() {
     let runs = [
         ("cap-closing", "direct"),
         ("cap-closing", "image"),
@@ -28,7 +28,7 @@ fn a_world_that_waits_gives_the_run_of_one_process_bit_for_bit() {
         setup.settings.remove(0);
         let rig = setup.start();
         let (status, said) = rig.setup.hand(&[]).wait();
-        // It ends at the time limit, before the task is done.
+        // The run ends at the time limit, before the task is done.
         assert_eq!(status, Some(1), "{said}");
         let mut one = vec!["run", experiment, "--out=one"];
         one.extend(rig.setup.settings.iter().map(String::as_str));
@@ -39,8 +39,8 @@ fn a_world_that_waits_gives_the_run_of_one_process_bit_for_bit() {
 }
 
 #[test]
-fn the_cap_is_closed_on_the_clock_and_the_record_replays() {
-    // Two strokes close it, if not tightly.
+fn hand_closes_the_cap_in_real_time_and_the_recording_replays() {
+    // Two strokes close the cap, though not tightly.
     let rig = Setup::new("link-on-the-clock").with(&[NO_HURRY, GOES_ON, "task.screw.strokes=2"]);
     let rig = rig.at(QUARTER).start();
     let (status, said) = rig.setup.hand(&[]).wait();

@@ -1,4 +1,4 @@
-//! What `feeler top` shows of a rig, and that its keys reach the hand.
+//! `feeler top`: its display of a rig, and its keys.
 
 use super::faults::{GOES_ON, NO_HURRY};
 use super::soak::number_before;
@@ -12,13 +12,13 @@ use std::process::Command;
 use std::thread;
 use std::time::{Duration, Instant};
 
-/// The phases of a stroke. The one that the hand is in is written large.
+/// Labels of a stroke's phases. The current phase is shown in capitals.
 const PHASES: [&str; 4] = [" SEARCH ", " MOVE ", " RELEASE ", " RETURN "];
 
-/// Wide enough for a program's state in words.
+/// Wide enough for the state of a program in words.
 const WIDE: (u16, u16) = (120, 40);
 
-/// What `feeler top --once` prints of `rig`, with `more` arguments.
+/// Output of `feeler top --once` for `rig`, with `more` arguments.
 fn picture(rig: &Rig, more: &[&str]) -> String {
     let Setup {
         endpoint,
@@ -32,7 +32,7 @@ fn picture(rig: &Rig, more: &[&str]) -> String {
     run(folder, &arguments).done()
 }
 
-/// `feeler top` of `rig` in a terminal, where there can be one.
+/// Starts `feeler top` for `rig` in a terminal. Returns `None` if that is not possible here.
 fn viewer(rig: &Rig) -> Option<InTerminal> {
     let feeler = env!("CARGO_BIN_EXE_feeler");
     let (endpoint, settings) = (&rig.setup.endpoint, rig.setup.settings.join(" "));
@@ -40,7 +40,7 @@ fn viewer(rig: &Rig) -> Option<InTerminal> {
     InTerminal::start_in(&rig.setup.folder, WIDE, &command)
 }
 
-/// The number before `unit` in the line of `picture` that begins with `name`.
+/// The number before `unit` in the line of `picture` that contains `name`.
 fn shown_before(picture: &str, name: &str, unit: &str) -> Option<f64> {
     let line = picture.lines().find(|line| line.contains(name))?;
     let (_, rest) = line.split_once(name)?;
@@ -49,7 +49,7 @@ fn shown_before(picture: &str, name: &str, unit: &str) -> Option<f64> {
 }
 
 #[test]
-fn a_rig_is_shown_with_its_programs_flags_and_phase() {
+fn top_shows_programs_flags_and_phase() {
     let rig = Setup::new("link-top")
         .with(&[NO_HURRY, GOES_ON])
         .at(QUARTER)
@@ -66,7 +66,7 @@ fn a_rig_is_shown_with_its_programs_flags_and_phase() {
             && PHASES.iter().filter(|phase| shown.contains(*phase)).count() == 1
             && rates.all(|rate| rate.is_some_and(|rate| rate > 1.0))
     };
-    // It takes a moment until all are, and until each has told its rate; and no phase is lit while the hand is stopped.
+    // It takes a moment until all programs run and their rates are known. A stopped hand has no current phase.
     let start = Instant::now();
     let mut shown = picture(&rig, &[]);
     while !at_work(&shown) {
@@ -80,14 +80,14 @@ fn a_rig_is_shown_with_its_programs_flags_and_phase() {
         shown.contains("N·m") && shown.contains(" missed here"),
         "{shown}"
     );
-    // Of a bad network, the picture says that it may be incomplete.
+    // On an impaired network, missed messages are counted.
     let bad = picture(&rig, &["--rehearse=loss=0.3"]);
     let missed = shown_before(&bad, "╰ last", " missed here");
     assert!(missed.is_some_and(|missed| missed > 0.0), "{bad}");
 }
 
 #[test]
-fn keys_reach_the_hand_and_it_is_missed_when_it_is_gone() {
+fn keys_stop_and_resume_the_hand_and_a_silent_hand_is_shown() {
     let rig = Setup::new("link-top-keys").with(&[NO_HURRY]).start();
     let mut hand = rig.setup.hand(&[]);
     let Some(mut terminal) = viewer(&rig) else {
@@ -97,7 +97,7 @@ fn keys_reach_the_hand_and_it_is_missed_when_it_is_gone() {
     terminal.press("s");
     terminal.wait_for("STOPPED");
     hand.wait_for("stopped: stop requested by the keyboard of feeler top");
-    // A busy machine may have stopped the hand for want of fresh data, too.
+    // A busy computer may also have stopped the hand because of stale data.
     within_reason(&hand, || {
         terminal.press("r");
         thread::sleep(Duration::from_secs(1));
@@ -111,9 +111,9 @@ fn keys_reach_the_hand_and_it_is_missed_when_it_is_gone() {
 }
 
 #[test]
-fn a_viewer_that_is_frozen_holds_up_nobody() {
+fn frozen_viewer_does_not_delay_the_hand() {
     if !sees_its_descriptors() {
-        not_permitted("this system does not let a process see its own descriptors");
+        not_permitted("this system does not let a process access its own file descriptors");
         return;
     }
     let setup = Setup::new("link-top-frozen").with(&[NO_HURRY, GOES_ON]);
@@ -126,29 +126,29 @@ fn a_viewer_that_is_frozen_holds_up_nobody() {
     let process = child_of(terminal.child.id());
     let signal = |signal: &str| Command::new("kill").args([signal, &process]).status();
     assert!(signal("-STOP").expect("kill").success());
-    // Its link is closed after a second. What it had not read by then would be waited for for ten seconds.
+    // Its link is closed after a second. Otherwise, sending its unread data would block for ten seconds.
     let frozen = Duration::from_secs(13);
     thread::sleep(frozen);
     hand.signal("INT");
     let (_, said) = hand.wait();
-    // `script` froze itself with it.
+    // `script` was frozen with it.
     assert!(signal("-KILL").expect("kill").success());
     terminal.child.kill().expect("kill");
     terminal.child.wait().expect("its state");
-    // Ten of the thirteen seconds would have been lost; a busy computer loses some.
+    // A blocked send would lose ten of the thirteen seconds. A busy computer loses some.
     let lost = number_before(&said, " tactile updates lost");
     let published = 2.0 * frozen.as_secs_f64() / rig.setup.takes(0.01).as_secs_f64();
     assert!(lost < 0.3 * published, "{said}");
 }
 
-/// Whether sockets can be kept from lingering here.
+/// Returns `true` if this process can access its own file descriptors, and thus keep sockets from lingering.
 fn sees_its_descriptors() -> bool {
     use rustix::process::{PidfdFlags, PidfdGetfdFlags, getpid, pidfd_getfd, pidfd_open};
     let this = pidfd_open(getpid(), PidfdFlags::empty());
     this.is_ok_and(|this| pidfd_getfd(this, 0, PidfdGetfdFlags::empty()).is_ok())
 }
 
-/// The process that the process `parent` started.
+/// First child of the process `parent`.
 fn child_of(parent: u32) -> String {
     let children = fs::read_to_string(format!("/proc/{parent}/task/{parent}/children"));
     let children = children.expect("its children");
@@ -156,9 +156,9 @@ fn child_of(parent: u32) -> String {
 }
 
 #[test]
-fn a_rig_that_is_not_there_is_not_shown() {
+fn missing_rig_is_refused() {
     let endpoint = unused_endpoint();
     let arguments = ["top", "cap-closing", "--once", "--connect", &endpoint];
-    let nobody = run(&folder("link-top-nobody"), &arguments);
-    nobody.refused(&["no program of rig \"cap-closing\""]);
+    let missing = run(&folder("link-top-missing"), &arguments);
+    missing.refused(&["no program of rig \"cap-closing\""]);
 }

@@ -1,4 +1,4 @@
-//! Another maker's robot as a hand.
+//! A ros2_control robot as a [`Hand`].
 
 use super::peers::{Running, Words, pyzeros, script};
 use crate::ports::unused_endpoint;
@@ -14,12 +14,12 @@ use std::process::Stdio;
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// After this a robot is taken to hang: far longer than any needs on a busy machine.
+/// Time after which a robot is considered hung, far longer than any needs on a busy computer.
 const PATIENCE: Duration = Duration::from_secs(400);
-/// Joint states are refused when they are older, s: a busy computer holds the robot up.
+/// Maximum age of joint states (s), long enough for a busy computer.
 const MAX_AGE: f64 = 2.0;
 
-/// Calls `attempt` until it has something.
+/// Repeats `attempt` until it returns a value.
 pub fn until<T>(what: &str, mut attempt: impl FnMut() -> Option<T>) -> T {
     let begin = Instant::now();
     loop {
@@ -32,7 +32,7 @@ pub fn until<T>(what: &str, mut attempt: impl FnMut() -> Option<T>) -> T {
 }
 
 #[test]
-fn a_robot_of_ros2_control_is_a_hand() {
+fn ros2_control_robot_works_as_a_hand() {
     let Some(python) = pyzeros() else { return };
     let endpoint = unused_endpoint();
     let mut node = Node::open(NodeConfig {
@@ -55,7 +55,7 @@ fn a_robot_of_ros2_control_is_a_hand() {
         .expect_err("no robot is there")
         .to_string();
     assert!(
-        nothing.contains("/joint_states: nothing was heard"),
+        nothing.contains("/joint_states: no message received"),
         "{nothing}"
     );
 
@@ -71,7 +71,7 @@ fn a_robot_of_ros2_control_is_a_hand() {
     let mut orders = robot.0.stdin.take().expect("its input");
     until("joint states", || hand.read(&mut state).ok());
 
-    // What is commanded is what the joints do, each as it is told.
+    // The joints follow the commanded velocities.
     let velocity = DVec3::new(0.5, -1.0, 2.0);
     let mut command = HandCommand::stop(1);
     command.relay(&[velocity]);
@@ -84,16 +84,16 @@ fn a_robot_of_ros2_control_is_a_hand() {
     let ratio = state.joints[0].position / velocity;
     assert!((ratio - ratio.x).abs().max_element() < 1e-9, "{ratio}");
 
-    // No joint states: the hand fails, and so stops all that its control loop moves.
+    // Without joint states, reading fails, which stops the control loop.
     orders.write_all(b"silent\n").expect("an order");
     let stale = until("stale joint states", || hand.read(&mut state).err()).to_string();
     assert!(stale.starts_with("/joint_states: data"), "{stale}");
 
-    // What is commanded from them is refused, and zeros are sent.
+    // Commands based on stale states are refused, and zero velocities are sent.
     let refused = hand.command(&command).expect_err("stale").to_string();
     assert!(refused.starts_with("/joint_states: data"), "{refused}");
 
-    // Stamps tell the age, too: of a past, or of a future.
+    // Stamps in the past or in the future are detected, too.
     for late in ["late 5", "late -5"] {
         orders
             .write_all(format!("{late}\n").as_bytes())
@@ -111,7 +111,7 @@ fn a_robot_of_ros2_control_is_a_hand() {
     orders.write_all(b"well\n").expect("an order");
     until("joint states again", || hand.read(&mut state).ok());
 
-    // Who goes leaves the robot standing.
+    // Dropping the hand stops the robot.
     drop(hand);
     sleep(Duration::from_millis(300));
     orders.write_all(b"end\n").expect("an order");

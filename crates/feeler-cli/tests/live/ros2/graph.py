@@ -1,4 +1,4 @@
-"""What the tests' Python peers have in common: a session that connects to the node under test."""
+"""Common code of the tests' Python peers: a session that connects to the node under test."""
 
 import json
 import logging
@@ -8,7 +8,7 @@ import time
 import zenoh
 from zenoh.ext import HistoryConfig, declare_advanced_subscriber
 
-# Messages that a peer does not look at are no news.
+# Messages that a peer ignores cause irrelevant warnings.
 logging.disable(logging.WARNING)
 
 
@@ -28,14 +28,14 @@ def session(endpoint: str) -> zenoh.Session:
 
 
 def tokens_of(opened: zenoh.Session) -> list[str]:
-    """The liveliness tokens of nodes but for the watcher."""
+    """The liveliness tokens of all nodes except the watcher."""
     replies = opened.liveliness().get("@ros2_lv/**")
     tokens = [str(reply.ok.key_expr) for reply in replies if reply.ok]
     return sorted(token for token in tokens if "/watcher" not in token)
 
 
 def late(opened: zenoh.Session, tokens: list[str], topic: str) -> bytes:
-    """What was said under `topic`, in domain 0 and without a namespace, before anybody listened."""
+    """The message of `topic`, in domain 0 without a namespace, that was published before this session subscribed."""
     heard = []
     parts = next(token for token in tokens if f"/%{topic}/" in token).split("/")
     listening = declare_advanced_subscriber(

@@ -1,4 +1,4 @@
-"""Comes late: waits until a node is there, and asks for what it said before. One line of JSON for what does not move."""
+"""Joins late: waits for a node, then reads its latched messages. Prints a line of JSON with description and frames."""
 
 import sys
 import time
@@ -12,7 +12,7 @@ while not all(any(f"/%{topic}/" in token for token in tokens) for topic in ("rob
     time.sleep(0.1)
     tokens = tokens_of(opened)
 description = String.deserialize(late(opened, tokens, "robot_description"))
-# pyzeros has no type for it: the names of the frames are in it as they are.
+# pyzeros has no type for this message, but its bytes contain the frame names as plain text.
 still = late(opened, tokens, "tf_static").decode("latin-1")
 say(description=description.data[:60], frames=still)
 opened.close()

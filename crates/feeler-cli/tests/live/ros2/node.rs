@@ -1,4 +1,4 @@
-//! A recording as a node, and wrong command lines.
+//! A replayed recording as a ROS 2 node, and invalid command lines.
 
 use super::peers::{Running, Words, pyzeros, script};
 use crate::ports::unused_endpoint;
@@ -6,7 +6,7 @@ use crate::program::{Ended, feeler, folder, run};
 use std::path::Path;
 use std::process::Stdio;
 
-/// Asserts what the watcher sees of a node whose topics are those of a hand of two fingers.
+/// Asserts that the watcher receives the topics and services of a hand with two fingers.
 pub fn assert_seen(words: &mut Words) {
     let tokens = words.next()["tokens"].clone();
     let tokens: Vec<&str> = tokens
@@ -44,7 +44,7 @@ pub fn assert_seen(words: &mut Words) {
     }
 }
 
-/// Runs one stroke in `folder`, and starts the node that replays it, slowly, with `arguments`.
+/// Records one stroke in `folder`, then starts a node with `arguments` that replays it slowly.
 pub fn replay(folder: &Path, arguments: &[&str]) -> Running {
     let stroke = "--set=task.screw.strokes=1";
     run(
@@ -66,7 +66,7 @@ pub fn replay(folder: &Path, arguments: &[&str]) -> Running {
 }
 
 #[test]
-fn another_implementation_sees_a_replayed_recording() {
+fn independent_peer_receives_a_replayed_recording() {
     let Some(python) = pyzeros() else { return };
     let (endpoint, router) = (unused_endpoint(), unused_endpoint());
     let places = ["--ros-listen", &endpoint, "--ros-connect", &router];
@@ -78,7 +78,7 @@ fn another_implementation_sees_a_replayed_recording() {
 }
 
 #[test]
-fn wrong_command_lines_are_refused() {
+fn invalid_command_lines_are_refused() {
     let folder = folder("ros2-refused");
     let refused = |arguments: &[&str], words: &[&str]| {
         let arguments = [&["ros2"], arguments].concat();

@@ -1,5 +1,5 @@
-"""Watches a node in domain 7 by pyzeros, with stamps as they are: a line of JSON for its tokens, one for what each topic says, one for each
-service of its parameters. Besides, whether the usual domain hears anything."""
+"""Watches a node in domain 7 with pyzeros, and prints lines of JSON: its tokens, stamped messages of its topics, and
+the responses of its parameter services. Also reports messages in the default domain."""
 
 import asyncio
 import sys
@@ -22,7 +22,7 @@ from ros2_pyterfaces.cyclone.sensor_msgs.msg import JointState
 
 DOMAIN = 7
 COUNT = 30
-NAMES = ["control.slip_threshold", "control.law", "task.screw.strokes", "use_sim_time", "nobody"]
+NAMES = ["control.slip_threshold", "control.law", "task.screw.strokes", "use_sim_time", "missing"]
 
 
 def ns(stamp):
@@ -30,7 +30,7 @@ def ns(stamp):
 
 
 async def some(type_, topic, of):
-    """What `of` says of some messages, with the time at which each came, s since 1970."""
+    """The values `of(message)` of `COUNT` messages, each with its arrival time (s since 1970)."""
     sub = pyzeros.Sub(type_, topic)
     said = []
     async for message in sub.listen():

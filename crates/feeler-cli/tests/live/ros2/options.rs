@@ -1,4 +1,4 @@
-//! The node's options: whose time, which domain, which names; and its parameters.
+//! Options of the node (clock, domain and names), and its parameters.
 
 use super::peers::{Running, Words, pyzeros, script};
 use crate::ports::unused_endpoint;
@@ -8,15 +8,15 @@ use serde_json::{Value, json};
 use std::process::Stdio;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// How fast the recording is replayed: slow enough that who watches finds its middle.
+/// Speed of the replay, slow enough that the watcher receives its middle part.
 const SPEED: f64 = 0.2;
 
-/// A stamp of a recording, ns.
+/// A recorded stamp in ns.
 fn nanoseconds(stamp: f64) -> i64 {
     (stamp * 1e9).round() as i64
 }
 
-/// What was said, and the time at which it came, s since 1970.
+/// Received values with their arrival times (s since 1970).
 fn said(words: &Value) -> Vec<(Value, f64)> {
     let all = words.as_array().expect("a list").iter();
     all.map(|pair| (pair[0].clone(), pair[1].as_f64().expect("a time")))
@@ -24,7 +24,7 @@ fn said(words: &Value) -> Vec<(Value, f64)> {
 }
 
 #[test]
-fn a_replay_keeps_the_time_of_its_data_in_its_domain_and_namespace() {
+fn replay_uses_recorded_stamps_and_the_given_domain_and_namespace() {
     let Some(python) = pyzeros() else { return };
     let folder = folder("ros2-options");
     let arguments = [
@@ -75,7 +75,7 @@ fn a_replay_keeps_the_time_of_its_data_in_its_domain_and_namespace() {
     let heard = words.next();
     assert_eq!(heard["elsewhere"], json!([]));
 
-    // Each stamp is one of the recording's, with the joints of that time.
+    // Each stamp is a recorded one, with the joints of that time.
     let recorded = |finger: usize, stamp: &Value| {
         let joints = recording.fingers[finger].joints.iter();
         let found = joints
@@ -90,7 +90,7 @@ fn a_replay_keeps_the_time_of_its_data_in_its_domain_and_namespace() {
             .flat_map(|finger| recorded(finger, &joint[0]).expect("a recorded stamp"))
             .collect();
         assert_eq!(joint[1], json!(both));
-        // No message comes before it is due.
+        // No message arrives before it is due.
         let due = (joint[0].as_i64().expect("ns") - first) as f64 * 1e-9 / SPEED;
         assert!(came - since >= due, "{came} {since} {due}");
     }
@@ -117,7 +117,7 @@ fn a_replay_keeps_the_time_of_its_data_in_its_domain_and_namespace() {
     assert!(watcher.0.wait().expect("its end").success());
 }
 
-/// Asserts what the services say of parameters.
+/// Asserts the responses of the parameter services.
 fn assert_parameters(words: &mut Words) {
     let listed = words.next();
     let names = listed["names"].to_string();
@@ -127,7 +127,7 @@ fn assert_parameters(words: &mut Words) {
         "{names}"
     );
     let values = words.next()["values"].clone();
-    // Type, then the fields for a number, a text, a whole number and a truth.
+    // The type, followed by the fields for double, string, integer and bool.
     assert_eq!(values[0][0], 3, "{values}");
     assert!(values[0][1].as_f64() > Some(0.0), "{values}");
     assert_eq!(

@@ -1,4 +1,4 @@
-//! Programs in Python, and programs that end with the test.
+//! Python peers, and processes that are killed on drop.
 
 use crate::skip;
 use serde_json::Value;
@@ -6,18 +6,18 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 use std::process::{Child, ChildStdout, Command, Stdio};
 
-/// A program that ends with the test, however that ends.
+/// A process that is killed on drop.
 pub struct Running(pub Child);
 
 impl Drop for Running {
     fn drop(&mut self) {
-        // One that has ended needs no end.
+        // The process may have ended already.
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
 }
 
-/// The Python of `variable`, if it can `import` so.
+/// The Python interpreter named by `variable`, or `None` if it cannot execute the statement `import`.
 pub fn python(variable: &str, import: &str) -> Option<String> {
     let python = std::env::var(variable).unwrap_or_else(|_| "python3".into());
     let mut probe = Command::new(&python);
@@ -32,33 +32,33 @@ pub fn python(variable: &str, import: &str) -> Option<String> {
     None
 }
 
-/// The Python that has pyzeros.
+/// The Python interpreter, or `None` if it does not have pyzeros.
 pub fn pyzeros() -> Option<String> {
     python("FEELER_PYTHON", "import pyzeros")
 }
 
-/// A script beside this file.
+/// Command that runs a script of this folder.
 pub fn script(python: &str, name: &str, arguments: &[&str]) -> Command {
     let folder = Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/live/ros2");
     let mut command = Command::new(python);
     command.arg(folder.join(name)).args(arguments);
-    // pyzeros compiles what it needs, and keeps it where it runs.
+    // pyzeros compiles code on demand and caches it in the working directory.
     command.current_dir(env!("CARGO_TARGET_TMPDIR"));
     command.env("PYTHONDONTWRITEBYTECODE", "1");
     command.stdout(Stdio::piped());
     command
 }
 
-/// What a script says, line by line.
+/// Output of a script, as lines of JSON.
 pub struct Words(BufReader<ChildStdout>);
 
 impl Words {
     pub fn of(running: &mut Running) -> Self {
-        let words = running.0.stdout.take().expect("its words");
+        let words = running.0.stdout.take().expect("its output");
         Self(BufReader::new(words))
     }
 
-    /// The next line.
+    /// Reads the next line.
     pub fn next(&mut self) -> Value {
         let mut line = String::new();
         self.0.read_line(&mut line).expect("a line");

@@ -1,4 +1,4 @@
-//! Nodes, routers and hands that end and begin anew.
+//! Nodes, routers and hands that are restarted.
 
 use super::node::replay;
 use super::peers::{Running, Words, pyzeros, script};
@@ -16,7 +16,7 @@ fn router(python: &str, endpoint: &str) -> Running {
     router
 }
 
-/// Asserts that who comes late, by the router at `endpoint`, is told what does not move.
+/// Asserts that a late subscriber, connected through the router at `endpoint`, receives the latched messages.
 fn assert_told_late(python: &str, endpoint: &str) {
     let watcher = script(python, "late.py", &[endpoint]).spawn();
     let mut watcher = Running(watcher.expect("a watcher"));
@@ -29,13 +29,13 @@ fn assert_told_late(python: &str, endpoint: &str) {
 }
 
 #[test]
-fn who_comes_after_the_router_was_started_again_is_told_what_was_said_before() {
+fn late_subscriber_receives_latched_messages_after_a_router_restart() {
     let Some(python) = pyzeros() else { return };
     let endpoint = unused_endpoint();
-    // The node is there first, and waits for the router.
+    // The node starts first and waits for the router.
     let mut node = replay(&folder("ros2-router"), &["--ros-connect", &endpoint]);
     for _ in 0..2 {
-        // It ends like one that is killed.
+        // Dropping the router kills it.
         let _router = router(&python, &endpoint);
         assert_told_late(&python, &endpoint);
     }
@@ -43,7 +43,7 @@ fn who_comes_after_the_router_was_started_again_is_told_what_was_said_before() {
 }
 
 #[test]
-fn a_node_outlives_its_hand_and_a_frozen_one_holds_none_up() {
+fn node_survives_its_hand_and_does_not_block_it_when_frozen() {
     let Some(python) = pyzeros() else { return };
     let rig = Setup::new("ros2-restarts")
         .with(&["time_limit=600"])

@@ -1,4 +1,4 @@
-//! A running rig as a node: its hand is stopped and resumed by services.
+//! A running rig as a ROS 2 node whose services stop and resume the hand.
 
 use super::node::assert_seen;
 use super::peers::{self, Words, pyzeros, script};
@@ -6,7 +6,7 @@ use crate::ports::unused_endpoint;
 use crate::program::feeler;
 use crate::rig::{Rig, Running, Setup};
 
-/// Starts `feeler ros2` of a rig, whose node is at `graph`.
+/// Starts `feeler ros2` for a rig; the node listens at `graph`.
 pub fn node(rig: &Rig, name: &str, graph: &str) -> Running {
     let Setup {
         folder,
@@ -25,7 +25,7 @@ pub fn node(rig: &Rig, name: &str, graph: &str) -> Running {
 }
 
 #[test]
-fn another_implementation_stops_and_resumes_the_hand_of_a_rig() {
+fn independent_peer_stops_and_resumes_the_hand() {
     let Some(python) = pyzeros() else { return };
     let rig = Setup::new("ros2-rig")
         .at("0.1")

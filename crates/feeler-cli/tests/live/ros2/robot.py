@@ -1,13 +1,13 @@
-"""A simulated robot of ros2_control by pyzeros: a joint_state_broadcaster, a forward_command_controller for velocities, and on request a
-fingertip that is springs on a wall, in a time of its own. Arguments: where to connect, and what it is, as JSON. Lines on the standard input
-say what is wrong with it:
+"""Simulates a ros2_control robot with pyzeros: a joint_state_broadcaster, a forward_command_controller for velocities,
+and on request a fingertip whose elements are springs against a wall, and simulated time.
+Arguments: the endpoint to connect to, and the configuration as JSON. Lines on standard input select a fault:
 
-  well                  nothing
-  silent                no joint states come
-  late SECONDS          all stamps are of so long ago; ahead, where that is negative
-  numb                  no forces come
-  nan                   forces are no numbers
-  end                   it ends, and says what it was told to do
+well                  no fault
+silent                no joint states are published
+late SECONDS          stamps are SECONDS in the past, or in the future if negative
+numb                  no forces are published
+nan                   forces are NaN
+end                   the robot ends and prints a summary of its commands
 """
 
 import bisect
@@ -31,7 +31,7 @@ FLOAT32 = 7
 
 robot = json.loads(sys.argv[2])
 commanded = robot["joints"]
-# As broadcasters have them: in another order, and more than one asks for.
+# Like real broadcasters: in another order, and with an additional joint.
 names = ["wheel", *reversed(commanded)]
 position = dict(zip(commanded, robot["home"])) | {"wheel": 0.0}
 velocity = dict.fromkeys(names, 0.0)
@@ -42,7 +42,7 @@ is_over = threading.Event()
 
 
 def take(sample):
-    """Does what it is told, and remembers when that was sent (ns since 1970)."""
+    """Executes a command, and stores when it was sent (ns since 1970)."""
     data = list(Float64MultiArray.deserialize(sample.payload.to_bytes()).data)
     sent = struct.unpack_from("<q", sample.attachment.to_bytes(), 8)[0]
     commands.append((sent, data))
@@ -73,7 +73,7 @@ def joint_states(now):
 
 
 def tips(finger):
-    """Where the elements are in the world: x, m. The finger's base is not turned."""
+    """x coordinates of the elements in the world frame (m). The finger's base is not rotated."""
     theta1, theta2, theta3 = (position[name] for name in commanded)
     l2, l3, l4 = finger["links"]
     c1, s1 = math.cos(theta1), math.sin(theta1)
@@ -84,7 +84,7 @@ def tips(finger):
 
 
 def cloud(finger, now):
-    """The force on the fingertip by the wall, element by element, along the inward normal."""
+    """Forces of the wall on the fingertip's elements, along their inward normals."""
     fields = ["x", "y", "z", "fx", "fy", "fz"]
     data = bytearray()
     for tip, x in zip(finger["elements"], tips(finger)):
@@ -107,7 +107,7 @@ def cloud(finger, now):
 
 
 def most_age():
-    """How long before a command to move the newest good joint states had come at most, s of real time."""
+    """Maximum time from the latest valid joint states to a command to move (s of real time)."""
     ages = [0.0]
     for sent, data in commands:
         if any(data):
@@ -138,7 +138,7 @@ with pyzeros.auto_context(node="robot", zenoh_session=opened):
             states.publish(joint_states(stamped))
         if robot["finger"] and what != "numb":
             felt.publish(cloud(robot["finger"], stamped))
-    # What was sent before it was told to end may still be on its way.
+    # Commands that were sent before the end order may still arrive.
     hangs = time.time() + 400
     while commands and any(commands[-1][1]) and time.time() < hangs:
         time.sleep(PERIOD)

@@ -1,4 +1,4 @@
-//! `feeler ros2-rig`: an experiment on another maker's robot, with another maker's fingertip.
+//! `feeler ros2-rig`: an experiment on a third-party ROS 2 robot with a third-party fingertip.
 
 use super::peers::{self, Words, pyzeros, script};
 use crate::ports::unused_endpoint;
@@ -15,14 +15,14 @@ use std::path::{Path, PathBuf};
 use std::process::{ChildStdin, Stdio};
 use std::sync::MutexGuard;
 
-/// How fast time goes, and how long data are fresh.
+/// Clock of the robot, and freshness of its data.
 #[derive(Clone, Copy)]
 struct Timing {
-    /// Whether the robot has a clock of its own.
+    /// `true` if the robot publishes simulated time.
     sim_time: bool,
-    /// How fast that goes.
+    /// Ratio of the robot's time to real time.
     speed: f64,
-    /// In periods of 10 ms: longer than a busy computer holds anybody up.
+    /// Number of periods of 10 ms after which data are stale: longer than a busy computer delays a program.
     stale_periods: f64,
     strokes: u32,
 }
@@ -37,14 +37,14 @@ const REAL: Timing = Timing {
     sim_time: false,
     speed: 1.0,
     stale_periods: 200.0,
-    // More than a test has time for.
+    // More than fit in the test's time.
     strokes: 1000,
 };
 
-/// Time between what decides that velocities are fresh and their stamp, s: a few instructions, which a busy computer holds up.
+/// Maximum delay from the freshness check of a command to its stamp (s): a few instructions on a busy computer.
 const HELD_UP: f64 = 0.5;
 
-/// Writes the experiment `own_rig` with a table [ros2] into `folder`; the experiment.
+/// Writes the experiment `own_rig` with a table `[ros2]` to `folder`, and loads it.
 fn experiment(folder: &Path) -> Experiment {
     let examples = Path::new(env!("CARGO_MANIFEST_DIR")).join("examples/own_rig.toml");
     let text = fs::read_to_string(examples).expect("an experiment");
@@ -60,7 +60,7 @@ fn experiment(folder: &Path) -> Experiment {
     Experiment::load(path.to_str().expect("a path"), &[]).expect("an experiment")
 }
 
-/// A robot, the hand and what connects them.
+/// A robot, its rig program and its hand.
 struct Lab {
     folder: PathBuf,
     link: String,
@@ -70,7 +70,7 @@ struct Lab {
     robot: peers::Running,
     words: Words,
     orders: ChildStdin,
-    /// Released last: after the programs have ended.
+    /// Dropped last, after the programs have ended.
     _alone: MutexGuard<'static, ()>,
 }
 
@@ -100,18 +100,18 @@ impl Lab {
         lab
     }
 
-    /// Waits until the hand controls the robot: its record is there then.
+    /// Waits until the hand controls the robot, which is when its recording exists.
     fn wait_for_control(&self) {
         let record = self.folder.join("run/recording.mcap");
         within_reason(&self.hand, || record.exists());
     }
 
-    /// Says what is wrong with the robot.
+    /// Sends a fault or the end order to the robot.
     fn order(&mut self, order: &str) {
         writeln!(self.orders, "{order}").expect("an order");
     }
 
-    /// What the robot says at its end, which has been told to move, and to stop in the end.
+    /// Ends the robot and returns its last output. Asserts that it has moved, and that it was stopped at the end.
     fn robots_end(&mut self) -> Value {
         self.order("end");
         let told = self.words.next();
@@ -126,7 +126,7 @@ impl Lab {
     }
 }
 
-/// What a robot is told of itself: `experiment`'s finger at home, and a wall.
+/// Configuration of the simulated robot: the finger of `experiment` at home, and a wall.
 fn robot(experiment: &Experiment, timing: Timing) -> Value {
     let (_, home) = fingers_at_home(&experiment.config).expect("a finger");
     let layout = ElementLayout::new(&LayoutConfig::default());
@@ -145,7 +145,7 @@ fn robot(experiment: &Experiment, timing: Timing) -> Value {
     })
 }
 
-/// What all programs are told of the experiment: the hand goes on by itself when data are fresh again, and has time.
+/// Settings of all programs: the hand resumes automatically when data are fresh again, and has a long time limit.
 fn settings(timing: Timing) -> [String; 4] {
     [
         format!("--set=control.stale_periods={}", timing.stale_periods),
@@ -180,7 +180,7 @@ fn hand(folder: &Path, timing: Timing, link: &str) -> Running {
 }
 
 #[test]
-fn a_robot_and_its_fingertip_do_a_whole_experiment() {
+fn robot_and_fingertip_complete_an_experiment() {
     let Some(python) = pyzeros() else { return };
     let mut lab = Lab::start("ros2-robot", &python, SIMULATED);
     let (status, said) = lab.hand.wait();
@@ -203,7 +203,7 @@ fn a_robot_and_its_fingertip_do_a_whole_experiment() {
 }
 
 #[test]
-fn whatever_is_wrong_with_a_robot_or_its_fingertip_stops_the_hand() {
+fn faults_of_robot_and_fingertip_stop_the_hand() {
     let Some(python) = pyzeros() else { return };
     let mut lab = Lab::start("ros2-robot-faults", &python, REAL);
     lab.wait_for_control();
@@ -222,14 +222,14 @@ fn whatever_is_wrong_with_a_robot_or_its_fingertip_stops_the_hand() {
         lab.order("well");
         lab.hand.wait_for_times("resuming", resumed + 1);
     }
-    // Forces that are no numbers are no matter of age: somebody has to look.
+    // NaN forces are not a matter of age, so the hand must be resumed explicitly.
     lab.order("nan");
     lab.hand
         .wait_for("stopped: element 0 of finger 0 has no valid force");
     lab.order("well");
     let resumed = count(&lab, "resuming");
     within_reason(&lab.hand, || {
-        // Before good forces have come it stops again.
+        // The hand stops again if valid forces have not arrived yet.
         let told = run(
             &lab.folder,
             &["resume", "robot.toml", "--connect", &lab.link],
@@ -241,18 +241,18 @@ fn whatever_is_wrong_with_a_robot_or_its_fingertip_stops_the_hand() {
     for words in ["receiving the robot's joint states", "ahead of the clock"] {
         assert!(said.contains(words), "{words}: {said}");
     }
-    // Of a robot that is silent, the stamps are too old a moment before or after nothing came for too long: who looks says one of both.
+    // For a silent robot, the message reports either old stamps or the time without messages; this extracts the latter.
     let silences = said
         .split("/joint_states: ")
-        .filter_map(|told| told.split_once(" s none came"))
-        .filter_map(|(told, _)| told.rsplit_once("for ")?.1.parse().ok());
+        .filter_map(|told| told.split_once("no message for "))
+        .filter_map(|(_, told)| told.split_once(" s")?.0.parse().ok());
     let silence = silences.fold(0.0, f64::max);
     assert!(silence > 0.005 * REAL.stale_periods, "{silence} s: {said}");
     lab.hand.signal("INT");
     lab.hand.wait();
     lab.rig.signal("INT");
     lab.rig.wait();
-    // Nothing that moves the robot was sent from older data than may be.
+    // No command to move was based on older data than permitted.
     let most = REAL.stale_periods * 0.01 + HELD_UP;
     let told = lab.robots_end();
     assert!(told["most_age"].as_f64() <= Some(most), "{told}");
@@ -260,11 +260,11 @@ fn whatever_is_wrong_with_a_robot_or_its_fingertip_stops_the_hand() {
 }
 
 #[test]
-fn a_robot_whose_programs_are_killed_is_served_again() {
+fn robot_works_again_after_its_programs_were_killed() {
     let Some(python) = pyzeros() else { return };
     let mut lab = Lab::start("ros2-robot-killed", &python, SIMULATED);
     lab.wait_for_control();
-    // Without a hand the rig stops the robot, and takes the next hand.
+    // Without a hand, the rig stops the robot and accepts the next hand.
     lab.hand.kill();
     let link = unused_endpoint();
     lab.rig.kill();

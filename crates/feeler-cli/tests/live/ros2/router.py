@@ -1,4 +1,4 @@
-"""A router of Zenoh, as `rmw_zenohd` is one: sessions that connect to it learn of each other."""
+"""A Zenoh router like `rmw_zenohd`: sessions that connect to it discover each other."""
 
 import sys
 import threading

@@ -1,5 +1,5 @@
-"""Publishes messages of other makers' sensors by pyzeros. Each line of the input is one, as JSON: its type, its fields, and how long ago it was
-measured, s."""
+"""Publishes messages of third-party sensors with pyzeros. Each line of the input is a message as JSON: its type, its
+fields and its age (s)."""
 
 import json
 import sys

@@ -1,4 +1,4 @@
-//! Other makers' sensors as fingertips: their messages come from pyzeros.
+//! Third-party sensors as fingertips, with messages published by pyzeros.
 
 use super::client::until;
 use super::peers::{Running, Words, pyzeros, script};
@@ -15,10 +15,10 @@ use std::io::Write;
 use std::process::{ChildStdin, Stdio};
 use std::time::Duration;
 
-/// Data are refused when they are older, s: longer than a busy computer holds a message up.
+/// Maximum age of data (s), longer than a busy computer delays a message.
 const MAX_AGE: f64 = 30.0;
 
-/// A node that a sensor of another maker's connects to.
+/// A node with a connected third-party sensor.
 struct Bench {
     node: Node,
     input: ChildStdin,
@@ -45,7 +45,7 @@ impl Bench {
         }
     }
 
-    /// Has `message` published until `sensor` has heard one, `late` s old; what it reads then.
+    /// Publishes `message` with an age of `late` seconds until `sensor` receives it, and returns the frame.
     fn read(
         &mut self,
         sensor: &mut RosSensor,
@@ -53,7 +53,7 @@ impl Bench {
         late: f64,
     ) -> Result<TactileFrame, String> {
         let mut frame = TactileFrame::unloaded(sensor.element_count());
-        // What was heard before.
+        // Skip earlier messages.
         let _ = sensor.read(&mut frame);
         let (before, mut told) = (frame.sequence, message.clone());
         told["late"] = json!(late);
@@ -66,7 +66,7 @@ impl Bench {
         let measured = sensor
             .read_measured(&mut frame)
             .map_err(|e| e.to_string())?;
-        // It is as old as its stamp says, and no older than it came.
+        // The measurement is at least as old as its stamp.
         assert!(measured.elapsed().as_secs_f64() >= late.max(0.0) - 1e-3);
         Ok(frame)
     }
@@ -81,7 +81,7 @@ fn age() -> SensorAge {
 }
 
 #[test]
-fn a_wrench_is_the_force_on_a_fingertip_of_one_element() {
+fn wrench_is_read_as_the_force_of_a_single_element() {
     let Some(python) = pyzeros() else { return };
     let mut bench = Bench::start(&python);
     let mut sensor = RosSensor::wrench(&mut bench.node, "/wrench", age()).expect("a sensor");
@@ -90,11 +90,11 @@ fn a_wrench_is_the_force_on_a_fingertip_of_one_element() {
         .expect_err("nothing")
         .to_string();
     assert!(
-        nothing.contains("/wrench: nothing was heard yet"),
+        nothing.contains("/wrench: no message received yet"),
         "{nothing}"
     );
 
-    // What presses it pushes it inward: against z.
+    // A pressing force points inward, against z.
     let pressed = json!({ "force": [0.25, -0.5, -2.0] });
     let old = bench
         .read(&mut sensor, &pressed, 2.0 * MAX_AGE)
@@ -104,7 +104,7 @@ fn a_wrench_is_the_force_on_a_fingertip_of_one_element() {
         let frame = bench.read(&mut sensor, &pressed, late).expect("a force");
         assert_eq!(frame.forces, [DVec3::new(0.25, -0.5, 2.0)]);
     }
-    // What is no number is not known: the controller refuses it.
+    // A NaN force is returned as invalid; the controller rejects it.
     let unknown = json!({ "force": ["nan", 0.0, 0.0] });
     let frame = bench.read(&mut sensor, &unknown, 0.0).expect("a frame");
     assert!(frame.forces[0].is_nan());
@@ -119,7 +119,8 @@ fn a_wrench_is_the_force_on_a_fingertip_of_one_element() {
     assert!(two.contains('2') && two.contains('1'), "{two}");
 }
 
-/// A cloud of 64-bit numbers, in an order of its own, with something between that nobody asks for: forces that press by 1 N and 2 N.
+/// A cloud of 64-bit values in an unusual field order, with an unused field and padding. The forces press with 1 N and
+/// 2 N.
 fn cloud() -> PointCloud2 {
     let names = ["fz", "intensity", "fy", "fx", "z", "y", "x"];
     let field = |(place, name): (usize, &&str)| PointField {
@@ -151,7 +152,7 @@ fn cloud() -> PointCloud2 {
 }
 
 #[test]
-fn a_cloud_of_another_layout_is_the_force_on_each_element_and_a_wrong_one_is_refused() {
+fn clouds_of_any_layout_are_read_and_invalid_ones_refused() {
     let Some(python) = pyzeros() else { return };
     let mut bench = Bench::start(&python);
     let mut sensor = RosSensor::cloud(&mut bench.node, "/cloud", 2, age()).expect("a sensor");
@@ -169,10 +170,10 @@ fn a_cloud_of_another_layout_is_the_force_on_each_element_and_a_wrong_one_is_ref
     };
     let refused = [
         (wrong(|cloud| cloud.is_bigendian = true), "little-endian"),
-        (wrong(|cloud| cloud.width = 3), "2 points expected"),
+        (wrong(|cloud| cloud.width = 3), "a cloud of 2 points"),
         (
             wrong(|cloud| cloud.data.truncate(100)),
-            "128 bytes expected, found 100",
+            "128 bytes, got 100",
         ),
         (wrong(|cloud| cloud.point_step = 0), "field"),
         (wrong(|cloud| cloud.fields[0].datatype = 2), "field fz"),
@@ -182,7 +183,7 @@ fn a_cloud_of_another_layout_is_the_force_on_each_element_and_a_wrong_one_is_ref
     for (message, words) in refused {
         let error = bench.read(&mut sensor, &message, 0.0).expect_err(words);
         assert!(error.contains(words) && error.contains("/cloud"), "{error}");
-        // The next good one is taken.
+        // The next valid message is accepted.
         bench
             .read(&mut sensor, &told(&cloud()), 0.0)
             .expect("forces");

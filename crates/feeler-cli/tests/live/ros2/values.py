@@ -1,5 +1,5 @@
-"""Decodes and encodes messages by rclpy. Each line of the input is a type and bytes in hexadecimal digits; of each, the values by the
-names of the fields, and the bytes that rclpy makes of them."""
+"""Decodes and encodes messages with rclpy. Each line of the input is a type and the message bytes in hexadecimal. For
+each, prints the field values and the bytes that rclpy serializes."""
 
 import importlib
 import json

@@ -1,4 +1,4 @@
-//! The values of each message, as rclpy decodes them, and what rclpy encodes.
+//! Message values as decoded and encoded by rclpy.
 
 use super::peers::{Running, Words, python, script};
 use feeler_record::ros::{
@@ -25,10 +25,10 @@ fn vector(x: f64) -> Vector3 {
     }
 }
 
-/// Judges what rclpy answers of a message.
+/// Checks rclpy's answer for one message.
 type Judge = Box<dyn Fn(&serde_json::Value)>;
 
-/// What rclpy is asked, and how its answers are judged.
+/// Messages for rclpy, with the checks of its answers.
 #[derive(Default)]
 struct Questions {
     lines: String,
@@ -43,7 +43,7 @@ impl Questions {
         writeln!(self.lines, "{} {digits}", M::SCHEMA_NAME).expect("text");
         self.judges.push(Box::new(move |answer| {
             let mut values = serde_json::to_value(&message).expect("values");
-            // rclpy does not show it.
+            // rclpy does not report this field.
             let fields = values.as_object_mut().expect("fields");
             fields.remove("structure_needs_at_least_one_member");
             assert_eq!(answer["values"], values, "{}", M::SCHEMA_NAME);
@@ -130,7 +130,7 @@ fn questions() -> Questions {
     all
 }
 
-/// Requests and answers about parameters.
+/// Adds parameter requests and responses.
 fn services(all: &mut Questions) {
     let value = ParameterValue {
         r#type: 3,
@@ -195,7 +195,7 @@ fn services(all: &mut Questions) {
 }
 
 #[test]
-fn rclpy_reads_what_is_written_and_writes_what_is_read() {
+fn rclpy_decodes_and_encodes_the_messages_identically() {
     let Some(python) = python(
         "FEELER_ROS_PYTHON",
         "import rclpy.serialization, sensor_msgs.msg, diagnostic_msgs.msg, std_srvs.srv",

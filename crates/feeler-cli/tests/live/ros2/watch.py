@@ -1,4 +1,5 @@
-"""Watches a node by pyzeros, another implementation of rmw_zenoh: tokens, topics, services. One line of JSON for each."""
+"""Watches a node with pyzeros, an independent implementation of rmw_zenoh: tokens, topics, services. Prints a line of
+JSON for each."""
 
 import asyncio
 import sys
@@ -21,7 +22,7 @@ async def first(type_, topic):
 
 async def watch(opened, calls):
     with pyzeros.auto_context(node="watcher", zenoh_session=opened) as node:
-        # The node is whole when there is nothing new.
+        # The node is complete when no new tokens appear.
         tokens, before = [], None
         while not tokens or tokens != before:
             before = tokens
@@ -48,7 +49,7 @@ async def watch(opened, calls):
         wrench = await first(WrenchStamped, "/finger_1/wrench")
         say(points=cloud.width, bytes=len(cloud.data), frame=wrench.header.frame_id)
 
-        # What was said before this one came.
+        # Published before this subscriber joined.
         description = await asyncio.to_thread(late, opened, tokens, "robot_description")
         say(description=String.deserialize(description).data[:60])
 

@@ -1,4 +1,4 @@
-//! No size and no number breaks the screen.
+//! Arbitrary terminal sizes and values do not break the screen.
 
 use super::scenes::{finger, idle, program, screen, slipping, stopped};
 use feeler::control::Phase;
@@ -48,7 +48,7 @@ fn element() -> impl Strategy<Value = SensingElement> {
 }
 
 prop_compose! {
-    /// A finger that no sensor would deliver, its lists of any lengths.
+    /// A finger with implausible values and lists of arbitrary lengths.
     fn any_finger()(
         number in any::<usize>(),
         [touch, slip, over] in any::<[bool; 3]>(),
@@ -127,9 +127,9 @@ proptest! {
     }
 }
 
-/// A number that is not known does not take the known ones with it.
+/// An invalid force does not hide the valid ones.
 #[test]
-fn an_invalid_force_is_marked_and_the_others_stay() {
+fn invalid_force_is_marked_and_valid_ones_are_shown() {
     let mut snapshot = slipping();
     snapshot.fingers[1].forces[3] = DVec3::NAN;
     let screen = screen(&snapshot, 80, 24);

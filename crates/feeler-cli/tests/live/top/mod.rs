@@ -1,4 +1,4 @@
-//! The terminal view: what it shows, that no size and no number breaks it, and `feeler run --top` in a terminal.
+//! The terminal view: its content, its robustness against sizes and values, and `feeler run --top` in a terminal.
 
 mod any_input;
 mod no_terminal;

@@ -1,10 +1,10 @@
-//! Without a terminal there is no view, and nothing is begun.
+//! Without a terminal, the view is refused before anything starts.
 
 use crate::program::{folder, run};
 use feeler_watch::{View, ViewError};
 
 #[test]
-fn without_a_terminal_the_run_is_refused_before_it_begins() {
+fn run_with_top_is_refused_without_a_terminal() {
     let folder = folder("top-no-terminal");
     let arguments = ["run", "cap-closing", "--top", "--out=run"];
     run(&folder, &arguments).refused(&["--top", "standard error is not a terminal"]);
@@ -15,7 +15,7 @@ fn without_a_terminal_the_run_is_refused_before_it_begins() {
 }
 
 #[test]
-fn without_a_terminal_a_rig_is_shown_once_or_not_at_all() {
+fn top_without_a_terminal_suggests_once() {
     let folder = folder("top-no-terminal-rig");
     let refused = run(&folder, &["top", "cap-closing"]);
     refused.refused(&["standard error is not a terminal", "--once"]);

@@ -1,4 +1,4 @@
-//! Snapshots to be drawn, and the drawing of them.
+//! Snapshots of typical situations, and their rendering.
 
 use feeler::control::Phase;
 use feeler::control::{FingerFlags, FlagThresholds};
@@ -7,7 +7,7 @@ pub use feeler_watch::text as screen;
 use feeler_watch::{Fault, Finger, Program, ProgramState, Snapshot, TaskState, TimeBase, Torque};
 use glam::DVec3;
 
-/// A finger of the reference fingertip that feels nothing.
+/// A finger with an unloaded reference fingertip.
 pub fn finger(number: usize) -> Finger {
     let elements = ElementLayout::new(&LayoutConfig::default()).elements;
     Finger {
@@ -40,7 +40,7 @@ pub fn program(name: &str, finger: Option<usize>) -> Program {
     }
 }
 
-/// Two fingers on their way to a cap.
+/// Two fingers that approach a cap.
 pub fn idle() -> Snapshot {
     Snapshot {
         title: "cap-closing".into(),
@@ -71,7 +71,7 @@ pub fn idle() -> Snapshot {
     }
 }
 
-/// Finger 1 slips on the cap that it turns.
+/// Finger 1 slips on the cap while turning it.
 pub fn slipping() -> Snapshot {
     let mut snapshot = idle();
     snapshot.task = Some(TaskState {
@@ -99,7 +99,7 @@ pub fn slipping() -> Snapshot {
     snapshot
 }
 
-/// A hand that stopped.
+/// A stopped hand.
 pub fn stopped() -> Snapshot {
     let mut snapshot = slipping();
     snapshot.task = Some(TaskState {
@@ -115,7 +115,7 @@ pub fn stopped() -> Snapshot {
     snapshot
 }
 
-/// A network on which one program is not heard and one is refused, and no simulation.
+/// A network on which one program is silent and one is refused, without simulation.
 pub fn silent() -> Snapshot {
     let mut snapshot = idle();
     snapshot.clock = TimeBase::Real;

@@ -1,11 +1,11 @@
-//! What can be read on a screen.
+//! Text on the screens.
 
 use super::scenes::{idle, screen, silent, slipping, stopped};
 use feeler_watch::{Fault, Snapshot};
 
 const SIZES: [(u16, u16); 2] = [(80, 24), (120, 40)];
 
-/// Asserts that all of `words` stand on the screen, and none of `absent`.
+/// Asserts that the screen contains all of `words` and none of `absent`.
 fn check(snapshot: &Snapshot, words: &[&str], absent: &[&str]) {
     for (width, height) in SIZES {
         let screen = screen(snapshot, width, height);
@@ -19,7 +19,7 @@ fn check(snapshot: &Snapshot, words: &[&str], absent: &[&str]) {
 }
 
 #[test]
-fn an_idle_hand() {
+fn screen_of_an_idle_hand() {
     let words = [
         "feeler  cap-closing",
         "0.50 s simulated, 1.0 × real time",
@@ -46,7 +46,7 @@ fn an_idle_hand() {
 }
 
 #[test]
-fn a_finger_that_slips() {
+fn screen_of_a_slipping_finger() {
     let words = [
         " search › MOVE › release",
         "stroke 2 of 4",
@@ -60,21 +60,21 @@ fn a_finger_that_slips() {
         "█",
     ];
     check(&slipping(), &words, &["STOPPED"]);
-    // The largest element, with its number where there is room.
+    // The largest element, with its number if there is space.
     assert!(screen(&slipping(), 80, 24).contains('◉'));
     assert!(screen(&slipping(), 120, 40).contains("[ 6 ]"));
 }
 
-/// Element 6 is on the ring of eight next to the apex at 225 degrees from y of `T`: below and left. Pushed
-/// away from the apex, its arrow points further that way.
+/// Element 6 is in the ring of eight next to the apex, at 225 degrees from y of `T`: below and left. The arrow of a
+/// force away from the apex points further in that direction.
 #[test]
-fn shear_points_where_it_is_seen() {
+fn shear_arrow_points_in_the_direction_of_the_force() {
     let screen = screen(&slipping(), 80, 24);
     let lines: Vec<Vec<char>> = screen.lines().map(|line| line.chars().collect()).collect();
     let find = |wanted| {
         let rows = lines.iter().enumerate();
         let mut found = rows.filter_map(|(row, line)| {
-            // In the right panel, where the picture stands left of the list.
+            // Search in the right panel, where the drawing is left of the list.
             let column = line[40..59].iter().position(|&c| c == wanted)?;
             Some((row, 40 + column))
         });
@@ -87,7 +87,7 @@ fn shear_points_where_it_is_seen() {
 }
 
 #[test]
-fn a_hand_that_stopped() {
+fn screen_of_a_stopped_hand() {
     let words = [
         " search › move › release › return  STOPPED   stroke 2",
         "✗ 3.21 s: the forces of finger 1 are 0.0400 s old (limit 0.035 s)",
@@ -99,7 +99,7 @@ fn a_hand_that_stopped() {
 }
 
 #[test]
-fn a_program_that_is_silent_and_one_that_is_refused() {
+fn silent_and_refused_programs_are_shown() {
     let words = ["2.5 s", "✗ REFUSE", " 0.50 s", "7 missed here"];
     check(&silent(), &words, &["simulated", "truth"]);
     let wide = screen(&silent(), 120, 40);
@@ -111,13 +111,13 @@ fn a_program_that_is_silent_and_one_that_is_refused() {
 }
 
 #[test]
-fn nothing_is_known_yet() {
+fn screen_without_data() {
     let words = ["no hand found", "no fingers found yet", "no torque sensor"];
     check(&Snapshot::default(), &words, &["stop the hand"]);
 }
 
 #[test]
-fn what_does_not_fit_is_said_so() {
+fn omitted_content_is_marked() {
     let mut snapshot = idle();
     snapshot.programs = vec![snapshot.programs[0].clone(); 40];
     check(&snapshot, &["and 3"], &[]);
@@ -129,9 +129,9 @@ fn what_does_not_fit_is_said_so() {
     check(&snapshot, &["long lo", "…\n", " q  quit"], &[]);
 }
 
-/// Where panels are narrow, words go before figures do.
+/// In narrow panels, words are dropped before numbers.
 #[test]
-fn three_and_five_fingers_find_room() {
+fn three_and_five_fingers_fit() {
     let mut snapshot = slipping();
     snapshot.title = "a title as long as the line that it stands on, and that is long".into();
     for (fingers, width, height) in [(3, 80, 24), (5, 120, 40)] {

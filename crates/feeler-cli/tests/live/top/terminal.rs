@@ -1,4 +1,4 @@
-//! The view in a terminal of its own.
+//! The view in a pseudo-terminal.
 
 use crate::in_terminal::InTerminal;
 use crate::program::{experiment, folder, run, whole_run};
@@ -19,29 +19,29 @@ fn digest(run: &Path) -> serde_json::Value {
 }
 
 #[test]
-fn a_watched_run_is_the_run_that_nobody_watches() {
+fn run_with_top_equals_the_run_without() {
     let folder = folder("top-same");
     let unwatched = digest(&whole_run(&folder));
     let feeler = env!("CARGO_BIN_EXE_feeler");
     let arguments = "run cap-closing --sensing direct --top --speed max --out watched";
     let started = InTerminal::start(&folder, &format!("{feeler} {arguments}"));
     let Some(mut terminal) = started else { return };
-    // It stays to be looked at when the run is over; the report is made by then.
+    // The view stays open after the run until it is quit; the report exists by then.
     terminal.wait_for("leaves");
     assert!(folder.join("watched/report.html").exists());
     terminal.press("q");
     let (drawn, status) = terminal.end();
     assert_eq!(status, Some(0), "{drawn}");
-    let (screen, said) = drawn.split_once(LEAVE).expect("the terminal given back");
+    let (screen, said) = drawn.split_once(LEAVE).expect("the terminal is restored");
     assert!(screen.contains(ENTER) && screen.contains("DONE"), "{drawn}");
     assert!(said.contains("s simulated in"), "{said}");
     assert_eq!(digest(&folder.join("watched")), unwatched);
 }
 
 #[test]
-fn keys_stop_the_hand_and_let_it_go_on_and_leave() {
+fn keys_stop_and_resume_the_hand_and_quit() {
     let folder = folder("top-keys");
-    // Strokes go on for ever: the cap never meets its seat.
+    // Strokes continue forever: the cap never reaches its seat.
     experiment(&folder, "seat_angle = 0.59", "seat_angle = 1e6");
     let feeler = env!("CARGO_BIN_EXE_feeler");
     let endless = "--set=task.screw.strokes=1000 --set=time_limit=90000 --sensing direct";
@@ -58,21 +58,21 @@ fn keys_stop_the_hand_and_let_it_go_on_and_leave() {
     let (drawn, status) = terminal.end();
     assert_eq!(status, Some(1), "{drawn}");
     assert!(drawn.contains("STOPPED"), "{drawn}");
-    let (_, said) = drawn.split_once(LEAVE).expect("the terminal given back");
+    let (_, said) = drawn.split_once(LEAVE).expect("the terminal is restored");
     assert!(said.contains("interrupted"), "{said}");
-    // What was recorded is whole, and says who stopped the hand.
+    // The recording is complete and names the source of the stop.
     run(&folder, &["report", "run"]).done();
     let recording = fs::read(folder.join("run/recording.mcap")).expect("a recording");
     let words = b"stop requested by the keyboard";
     assert!(recording.windows(words.len()).any(|part| part == words));
 }
 
-/// A run in `folder` that never ends, and its number among the system's programs.
+/// Starts an endless run in `folder`, and returns its terminal and its process id.
 fn endless(folder: &Path) -> Option<(InTerminal, String)> {
     experiment(folder, "seat_angle = 0.59", "seat_angle = 1e6");
     let feeler = env!("CARGO_BIN_EXE_feeler");
     let endless = "--set=task.screw.strokes=1000 --set=time_limit=90000 --sensing direct";
-    // Replaces the shell, so that the number is its own.
+    // `exec` replaces the shell, so that the process id is that of the program.
     let command = format!("{feeler} run my.toml {endless} --top --speed 5 --out run");
     let command = format!("sh -c 'echo $$ > number; exec {command}'");
     let mut terminal = InTerminal::start(folder, &command)?;
@@ -81,9 +81,9 @@ fn endless(folder: &Path) -> Option<(InTerminal, String)> {
     Some((terminal, number.trim().to_string()))
 }
 
-/// The system's signals and the key end it alike.
+/// Signals and the key `q` end the program alike.
 #[test]
-fn who_is_told_to_end_gives_the_terminal_back_and_keeps_the_record() {
+fn ended_program_restores_the_terminal_and_keeps_the_recording() {
     for how in ["TERM", "INT", "q"] {
         let folder = folder(&format!("top-ended-by-{how}"));
         let Some((mut terminal, number)) = endless(&folder) else {
@@ -98,19 +98,19 @@ fn who_is_told_to_end_gives_the_terminal_back_and_keeps_the_record() {
         }
         let (drawn, status) = terminal.end();
         assert_eq!(status, Some(1), "{how}: {drawn}");
-        let (_, said) = drawn.split_once(LEAVE).expect("the terminal given back");
+        let (_, said) = drawn.split_once(LEAVE).expect("the terminal is restored");
         assert!(said.contains("interrupted"), "{how}: {said}");
         run(&folder, &["report", "run"]).done();
     }
 }
 
-/// Taking the terminal from there would halt the program, and then it hears no signal.
+/// A background process that accesses the terminal would be suspended, and would then receive no signals.
 #[test]
-fn in_the_background_the_run_is_refused() {
+fn run_in_the_background_is_refused() {
     let folder = folder("top-background");
     let feeler = env!("CARGO_BIN_EXE_feeler");
     let command = format!("{feeler} run cap-closing --sensing direct --top --out run");
-    // With its jobs on, a shell puts each in a group of its own.
+    // With job control, a shell runs each job in a separate process group.
     let command = format!("sh -c 'set -m; {command} & wait $!; echo it ended with $?'");
     let Some(terminal) = InTerminal::start(&folder, &command) else {
         return;
@@ -121,9 +121,9 @@ fn in_the_background_the_run_is_refused() {
     assert!(!folder.join("run").exists());
 }
 
-/// Whoever closes the window ends the run as with Ctrl-C.
+/// Closing the terminal window ends the run like Ctrl-C.
 #[test]
-fn a_terminal_that_goes_away_ends_the_run() {
+fn closed_terminal_ends_the_run() {
     let folder = folder("top-gone");
     let Some((mut terminal, number)) = endless(&folder) else {
         return;
@@ -137,9 +137,9 @@ fn a_terminal_that_goes_away_ends_the_run() {
     run(&folder, &["report", "run"]).done();
 }
 
-/// This program's own test below, in a terminal.
+/// Runs [`panics_in_view`] of this test binary in a terminal.
 #[test]
-fn a_panic_is_told_on_the_terminal_as_it_was() {
+fn panic_message_is_printed_after_the_terminal_is_restored() {
     let test = std::env::current_exe().expect("this program");
     let test = format!(
         "{} --exact top::terminal::panics_in_view --ignored --nocapture",
@@ -149,7 +149,7 @@ fn a_panic_is_told_on_the_terminal_as_it_was() {
         return;
     };
     let (drawn, _) = terminal.end();
-    let (screen, said) = drawn.split_once(LEAVE).expect("the terminal given back");
+    let (screen, said) = drawn.split_once(LEAVE).expect("the terminal is restored");
     assert!(screen.contains(ENTER), "{drawn}");
     assert!(said.contains("as if by mistake"), "{drawn}");
 }

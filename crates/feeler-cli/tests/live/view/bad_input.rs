@@ -1,10 +1,10 @@
-//! What cannot be served is refused in words.
+//! Invalid requests are refused with an explanation.
 
 use crate::program::{folder, run};
 use std::net::TcpListener;
 
 #[test]
-fn a_port_that_is_taken_is_told_before_anything_begins() {
+fn occupied_port_is_reported_before_the_run_starts() {
     let folder = folder("view-port");
     let taken = TcpListener::bind("127.0.0.1:0").expect("a port");
     let port = taken.local_addr().expect("its address").port().to_string();
@@ -22,7 +22,7 @@ fn a_port_that_is_taken_is_told_before_anything_begins() {
 }
 
 #[test]
-fn what_is_neither_a_recording_nor_an_experiment_is_refused() {
+fn path_that_is_neither_recording_nor_experiment_is_refused() {
     let folder = folder("view-nothing");
     run(&folder, &["view", ".", "--no-open"]).refused(&["recording.mcap"]);
     run(&folder, &["view", "none.mcap", "--no-open"]).refused(&["none.mcap"]);

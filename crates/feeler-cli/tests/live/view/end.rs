@@ -1,4 +1,4 @@
-//! What pages are told when a run ends.
+//! Messages to pages when a run ends.
 
 use super::viewed::{Viewed, next_row, wait_for};
 use crate::program::{Ended, feeler, folder};
@@ -8,7 +8,7 @@ use std::process::Command;
 use tungstenite::{Message, WebSocket};
 
 #[test]
-fn the_end_of_the_run_is_told() {
+fn page_receives_the_end_of_the_run() {
     let folder = folder("view-end");
     let viewed = Viewed::run(&folder, &["--speed=0.05", "--set=time_limit=0.5"]);
     let mut socket = viewed.socket();
@@ -16,14 +16,14 @@ fn the_end_of_the_run_is_told() {
     let words = state["state"].as_str().expect("words");
     assert!(words.starts_with("The run was given up: "), "{words}");
     assert!(words.contains("time limit"), "{words}");
-    // The server leaves properly.
+    // The server closes the connection properly.
     while socket.read().is_ok() {}
     let ended = viewed.wait();
     assert!(ended.stdout.contains("report.html"), "{ended:?}");
 }
 
 #[test]
-fn an_interrupt_is_told() {
+fn page_receives_an_interrupt() {
     let viewed = Viewed::run(&folder("view-interrupted"), &["--speed=0.5"]);
     let mut socket = viewed.socket();
     next_row(&mut socket);
@@ -32,14 +32,14 @@ fn an_interrupt_is_told() {
     assert!(said.contains("The run was interrupted: "), "{said}");
 }
 
-/// Two questions after its last answer a page is behind, and gets no more rows; six after it, it is left. The run
-/// ends between the two.
+/// A page lags after two unanswered pings and then gets no more rows; after six, it is considered gone. The run ends in
+/// between.
 #[test]
-fn a_page_that_is_behind_is_told_the_end_too() {
+fn lagging_page_receives_the_end() {
     let folder = folder("view-behind");
     let mut viewed = Viewed::run(&folder, &["--speed=0.1", "--set=time_limit=0.3"]);
     let mut socket = viewed.socket();
-    // The run is over then; pages have a moment left.
+    // The run has ended; pages are served for a moment longer.
     viewed.says("simulated in");
     let said = last_state(&mut socket);
     assert!(said.contains(r#""over":true"#), "{said}");
@@ -48,18 +48,18 @@ fn a_page_that_is_behind_is_told_the_end_too() {
 }
 
 #[test]
-fn who_reads_nothing_does_not_keep_the_program() {
+fn client_that_reads_nothing_does_not_delay_the_end() {
     let folder = folder("view-reads-nothing");
     let viewed = Viewed::run(&folder, &["--speed=0.1", "--set=time_limit=0.1"]);
     let mut sockets: Vec<_> = (0..8).map(|_| viewed.socket()).collect();
-    // They are all there still.
+    // All sockets are still connected.
     assert!(viewed.wait().stdout.contains("report.html"));
     let first = sockets.iter_mut().map(|socket| socket.read());
     assert!(first.into_iter().all(|message| message.is_ok()));
 }
 
 #[test]
-fn a_run_that_fails_is_told() {
+fn page_receives_a_failure() {
     let folder = folder("view-fails");
     let viewed = Viewed::spawn(with_files_up_to(300, &folder));
     let mut socket = viewed.socket();
@@ -72,8 +72,8 @@ fn a_run_that_fails_is_told() {
     assert!(stderr.contains("recording.mcap"), "{stderr}");
 }
 
-/// A run whose files the system lets grow to so many blocks (512 B, or 1 KiB by some shells); what exceeds it is an
-/// error then, and not the end.
+/// A run with a file size limit of `blocks` blocks (512 B, or 1 KiB in some shells). A write beyond the limit fails
+/// instead of ending the program.
 fn with_files_up_to(blocks: usize, folder: &Path) -> Command {
     let arguments = ["run", "cap-closing", "--sensing=direct", "--out=run"];
     let live = [
@@ -91,7 +91,7 @@ fn with_files_up_to(blocks: usize, folder: &Path) -> Command {
     command
 }
 
-/// The last text of a socket.
+/// The last text message of a socket.
 fn last_state(socket: &mut WebSocket<TcpStream>) -> String {
     let mut said = String::new();
     while let Ok(message) = socket.read() {

@@ -1,4 +1,4 @@
-//! Who is let in.
+//! Access control of the live page.
 
 use super::viewed::{SLOWLY, Viewed};
 use crate::program::folder;
@@ -11,7 +11,7 @@ const UPGRADE: [&str; 4] = [
 ];
 
 #[test]
-fn only_who_knows_the_token_and_comes_by_the_address_gets_the_page() {
+fn page_requires_the_token_and_the_right_host() {
     let viewed = Viewed::run(&folder("view-let-in"), &[SLOWLY]);
     let (host, path) = (format!("Host: {}", viewed.host()), viewed.path());
     let page = format!("GET {path}");
@@ -51,7 +51,7 @@ fn only_who_knows_the_token_and_comes_by_the_address_gets_the_page() {
 }
 
 #[test]
-fn a_socket_is_for_the_page_alone() {
+fn socket_requires_the_origin_of_the_page() {
     let viewed = Viewed::run(&folder("view-socket-let-in"), &[SLOWLY]);
     let (host, path) = (format!("Host: {}", viewed.host()), viewed.path());
     let socket = format!("GET {path}live");
@@ -67,7 +67,7 @@ fn a_socket_is_for_the_page_alone() {
     let headers = [&UPGRADE[..], &[&host, &origin]].concat();
     let wrong = format!("GET /{}/live", "f".repeat(path.len() - 2));
     assert_eq!(viewed.ask(&wrong, &headers).0, 403);
-    // Who is let in may look; only eight at a time.
+    // At most eight authorized clients are accepted at a time.
     let mut sockets: Vec<_> = (0..8).map(|_| viewed.socket()).collect();
     let (status, _, body) = viewed.ask(&socket, &headers);
     assert!(status == 503 && body.contains("8 pages"), "{body}");
@@ -76,7 +76,7 @@ fn a_socket_is_for_the_page_alone() {
 }
 
 #[test]
-fn connections_that_ask_for_nothing_keep_no_run_and_no_page_up() {
+fn silent_connections_block_neither_the_run_nor_the_page() {
     let viewed = Viewed::run(&folder("view-silent"), &[SLOWLY]);
     let mut silent = Vec::new();
     for _ in 0..8 {

@@ -1,6 +1,6 @@
-//! The live page: who is let in, what comes over its socket, what its orders do, and that a run does not notice it.
+//! The live page: access control, rows over its socket, its orders, and that it does not affect the run.
 
-// Programs are ended by signals.
+// Programs are ended with signals.
 #![cfg(unix)]
 
 mod bad_input;

@@ -1,4 +1,4 @@
-//! What the page's buttons do.
+//! The buttons of the live page.
 
 use super::viewed::{Viewed, next_row, wait_for};
 use crate::program::folder;
@@ -6,7 +6,7 @@ use feeler_record::{Phase, Recording};
 use tungstenite::Message;
 
 #[test]
-fn the_buttons_stop_the_hand_and_let_it_go_on() {
+fn buttons_stop_and_resume_the_hand() {
     let folder = folder("view-orders");
     let viewed = Viewed::run(&folder, &["--speed=0.5"]);
     let mut socket = viewed.socket();
@@ -27,7 +27,7 @@ fn the_buttons_stop_the_hand_and_let_it_go_on() {
     socket
         .send(Message::text(r#"{"order":"resume"}"#))
         .expect("an order");
-    // What makes no sense stopped nothing: this comes after it.
+    // The invalid messages have stopped nothing: this state follows them.
     let resumed = wait_for(&mut socket, |state| state["answer"].is_string());
     assert_eq!(
         (&resumed["stopped"], &resumed["answer"]),
@@ -44,7 +44,7 @@ fn the_buttons_stop_the_hand_and_let_it_go_on() {
         .send(Message::text(r#"{"order":"resume"}"#))
         .expect("an order");
     wait_for(&mut socket, |state| state["stopped"] == false);
-    // A later step than the one after which it was let go on.
+    // Wait for a step after the resume.
     next_row(&mut socket);
     viewed.interrupt();
     let recording = Recording::read(folder.join("run/recording.mcap")).expect("a recording");
@@ -57,10 +57,10 @@ fn the_buttons_stop_the_hand_and_let_it_go_on() {
 }
 
 #[test]
-fn a_message_that_is_too_long_ends_its_connection_alone() {
+fn oversized_message_closes_only_its_connection() {
     let viewed = Viewed::run(&folder("view-too-long"), &["--speed=0.1"]);
     let mut socket = viewed.socket();
-    // The server may close while this is on its way.
+    // The server may close the connection during this send.
     let _ = socket.send(Message::text("x".repeat(100_000)));
     while socket.read().is_ok() {}
     wait_for(&mut viewed.socket(), |state| state["stopped"] == false);

@@ -17,18 +17,18 @@ fn a_recording_is_shown_as_its_report() {
         assert!(data["live"].is_null());
         assert_eq!(viewed.interrupt().status, Some(0));
     }
-    // Nothing is written beside it.
+    // No file is written next to the recording.
     assert!(!made.join("report.html").exists());
     let refused = run(&folder, &["view", "run", "--seed=1", "--no-open"]);
     refused.refused(&["--seed requires a rig", "got the recording run"]);
 }
 
 #[test]
-fn the_link_to_the_recording_gets_that_file_and_no_other() {
+fn recording_link_serves_only_that_file() {
     let folder = folder("view-download");
     let made = whole_run(&folder);
     let recorded = fs::read(made.join("recording.mcap")).expect("a recording");
-    // Whatever the file is called, the page has the same link.
+    // The page uses the same link for any file name.
     fs::copy(made.join("recording.mcap"), folder.join("other.mcap")).expect("a copy");
     let viewed = Viewed::start(&folder, &["view", "other.mcap"]);
     assert!(viewed.page().contains(r#"href="recording.mcap""#));
@@ -66,7 +66,7 @@ fn the_link_to_the_recording_gets_that_file_and_no_other() {
 }
 
 #[test]
-fn a_recording_that_is_being_made_is_not_given_away() {
+fn unfinished_recording_is_not_served() {
     let viewed = Viewed::run(&folder("view-no-download"), &[SLOWLY]);
     let (host, path) = (format!("Host: {}", viewed.host()), viewed.path());
     let (status, _, body) = viewed.ask(&format!("GET {path}recording.mcap"), &[&host]);

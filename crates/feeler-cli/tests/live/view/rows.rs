@@ -1,11 +1,11 @@
-//! What comes over the socket.
+//! Rows sent over the socket.
 
 use super::viewed::{Viewed, next_row};
 use crate::program::folder;
 use feeler_record::Recording;
 use serde_json::Value;
 
-/// Where the numbers of a column begin in a row, after its time.
+/// Index of the first value of a column in a row, not counting the time.
 fn place(data: &Value, name: &str) -> usize {
     let columns = data["run"]["columns"].as_array().expect("columns");
     let before = columns[1..]
@@ -17,7 +17,7 @@ fn place(data: &Value, name: &str) -> usize {
 }
 
 #[test]
-fn rows_are_what_the_recording_holds() {
+fn rows_equal_the_recording() {
     let folder = folder("view-rows");
     let viewed = Viewed::run(&folder, &["--speed=0.5"]);
     let data = viewed.data();
@@ -32,7 +32,7 @@ fn rows_are_what_the_recording_holds() {
     let mut socket = viewed.socket();
     let rows: Vec<_> = (0..40).map(|_| next_row(&mut socket)).collect();
     for pair in rows.windows(2) {
-        assert!(pair[0].0 < pair[1].0, "time does not rise");
+        assert!(pair[0].0 < pair[1].0, "time does not increase");
     }
     drop(socket);
     assert_eq!(viewed.interrupt().status, Some(1));

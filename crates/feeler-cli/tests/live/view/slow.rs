@@ -6,11 +6,11 @@ use std::thread;
 use std::time::Duration;
 use tungstenite::Message;
 
-/// Longer than anybody is waited for.
+/// Longer than the server waits for any client.
 const ASLEEP: Duration = Duration::from_secs(10);
 
 #[test]
-fn a_run_is_the_same_whoever_looks() {
+fn viewers_do_not_change_the_run() {
     let folder = folder("view-digest");
     let limit = "--set=time_limit=1";
     let arguments = [
@@ -31,7 +31,7 @@ fn a_run_is_the_same_whoever_looks() {
 }
 
 #[test]
-fn who_stops_reading_misses_rows_and_is_left_alone() {
+fn client_that_stops_reading_misses_rows_and_is_disconnected() {
     let viewed = Viewed::run(&folder("view-asleep"), &["--speed=0.2"]);
     let mut socket = viewed.socket();
     next_row(&mut socket);
@@ -40,9 +40,9 @@ fn who_stops_reading_misses_rows_and_is_left_alone() {
     while let Ok(message) = socket.read() {
         rows += usize::from(matches!(message, Message::Binary(_)));
     }
-    // Those of two seconds, and some that were on their way; not the three hundred that there were.
+    // The rows of two seconds and some in transit, not all three hundred.
     assert!(rows <= 100, "{rows}");
-    // The run went on, and others may look.
+    // The run continues, and other clients can connect.
     next_row(&mut viewed.socket());
     viewed.interrupt();
 }

@@ -1,4 +1,4 @@
-//! A program that serves a page, and a browser that is none.
+//! A program that serves a page, and a minimal client in place of a browser.
 
 use crate::program::{Ended, feeler};
 use serde_json::Value;
@@ -9,12 +9,12 @@ use std::process::{Child, ChildStdout, Command, Stdio};
 use tungstenite::client::IntoClientRequest;
 use tungstenite::{Message, WebSocket, client};
 
-/// Steps of 10 ms in half a second: a run lasts until a test has seen enough.
+/// One control step of 10 ms takes half a second, so that a run outlasts a test.
 pub const SLOWLY: &str = "--speed=0.02";
 
 /// A program that serves a page.
 pub struct Viewed {
-    /// None once it has ended.
+    /// `None` once the program has ended.
     child: Option<Child>,
     output: BufReader<ChildStdout>,
     /// The address of the page.
@@ -34,12 +34,12 @@ impl Viewed {
         Self::start(folder, &[&arguments[..], more].concat())
     }
 
-    /// Starts the program with these arguments.
+    /// Starts the program with `arguments`.
     pub fn start(folder: &Path, arguments: &[&str]) -> Self {
         Self::spawn(feeler(folder, &[arguments, &["--no-open"]].concat()))
     }
 
-    /// The same by a `command` that starts the program.
+    /// Like [`Self::start`], but with a complete `command`.
     pub fn spawn(mut command: Command) -> Self {
         let piped = command.stdout(Stdio::piped()).stderr(Stdio::piped());
         let mut child = piped.spawn().expect("the program");
@@ -68,13 +68,13 @@ impl Viewed {
         format!("/{token}/")
     }
 
-    /// Status, head and body of the answer to a request with this line and these headers.
+    /// Sends a request with this request line and these headers. Returns status, head and body of the response.
     pub fn ask(&self, line: &str, headers: &[&str]) -> (u16, String, String) {
         let (status, head, body) = self.ask_bytes(line, headers);
         (status, head, String::from_utf8(body).expect("text"))
     }
 
-    /// The same, the body as bytes.
+    /// Like [`Self::ask`], but returns the body as bytes.
     pub fn ask_bytes(&self, line: &str, headers: &[&str]) -> (u16, String, Vec<u8>) {
         let mut stream = TcpStream::connect(self.host()).expect("a connection");
         let headers = [headers, &["Connection: close"]].concat().join("\r\n");
@@ -89,7 +89,7 @@ impl Viewed {
         (status.expect("a status"), head, body[4..].to_vec())
     }
 
-    /// The page, as a browser asks for it.
+    /// Requests the page like a browser.
     pub fn page(&self) -> String {
         let host = format!("Host: {}", self.host());
         let (status, _, body) = self.ask(&format!("GET {}", self.path()), &[&host]);
@@ -97,12 +97,12 @@ impl Viewed {
         body
     }
 
-    /// The page's data.
+    /// The data embedded in the page.
     pub fn data(&self) -> Value {
         page_data(&self.page())
     }
 
-    /// The page's socket.
+    /// Opens the page's WebSocket.
     pub fn socket(&self) -> WebSocket<TcpStream> {
         let socket = self.data()["live"]["socket"]
             .as_str()
@@ -119,17 +119,17 @@ impl Viewed {
         socket
     }
 
-    /// Waits until it prints a line with these words.
+    /// Waits until the program prints a line that contains `words`.
     pub fn says(&mut self, words: &str) {
         let mut line = String::new();
         while !line.contains(words) {
             line.clear();
             let read = self.output.read_line(&mut line).expect("a line");
-            assert!(read > 0, "it ended without {words:?}");
+            assert!(read > 0, "the program ended without {words:?}");
         }
     }
 
-    /// Ends the program as Ctrl-C does.
+    /// Interrupts the program like Ctrl-C, and waits for its end.
     pub fn interrupt(self) -> Ended {
         let id = self.child.as_ref().expect("the program").id().to_string();
         let status = Command::new("kill").args(["-INT", &id]).status();
@@ -137,7 +137,7 @@ impl Viewed {
         self.wait()
     }
 
-    /// Waits for its end.
+    /// Waits until the program ends.
     pub fn wait(mut self) -> Ended {
         let mut rest = Vec::new();
         self.output.read_to_end(&mut rest).expect("its output");
@@ -148,25 +148,25 @@ impl Viewed {
     }
 }
 
-/// It ends with a test that failed, too.
+/// Kills the program if it still runs, for example after a failed test.
 impl Drop for Viewed {
     fn drop(&mut self) {
         if let Some(child) = &mut self.child {
-            // It may have ended by itself.
+            // The program may have ended already.
             let _ = child.kill();
             let _ = child.wait();
         }
     }
 }
 
-/// The data in a page.
+/// The data embedded in `page`.
 pub fn page_data(page: &str) -> Value {
     let (_, rest) = page.split_once(r#"id="page-data">"#).expect("page data");
     let (data, _) = rest.split_once("</script>").expect("its end");
     serde_json::from_str(data).expect("JSON")
 }
 
-/// The next row of a socket: its time and its numbers.
+/// Waits for the next row of a socket, and returns its time and its values.
 pub fn next_row(socket: &mut WebSocket<TcpStream>) -> (f64, Vec<f32>) {
     loop {
         if let Message::Binary(bytes) = socket.read().expect("a message") {
@@ -179,7 +179,7 @@ pub fn next_row(socket: &mut WebSocket<TcpStream>) -> (f64, Vec<f32>) {
     }
 }
 
-/// The next state of a socket that is as wanted.
+/// Waits for the next state of a socket for which `is_wanted` returns `true`.
 pub fn wait_for(socket: &mut WebSocket<TcpStream>, is_wanted: impl Fn(&Value) -> bool) -> Value {
     loop {
         if let Message::Text(text) = socket.read().expect("a message") {

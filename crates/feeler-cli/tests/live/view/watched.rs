@@ -1,4 +1,4 @@
-//! A rig of several programs in the browser.
+//! A distributed rig in the browser.
 
 use super::viewed::{Viewed, next_row, wait_for};
 use crate::rig::{QUARTER, Setup};
@@ -8,7 +8,7 @@ use glam::DQuat;
 use serde_json::Value;
 use tungstenite::Message;
 
-/// Longer than any test takes; and data that become fresh again stop nobody for good.
+/// A time limit that no test reaches, and automatic resumption after stale data.
 const SETTINGS: [&str; 2] = ["time_limit=600", "control.resume=fresh"];
 
 fn says(state: &Value, words: &str) -> bool {
@@ -25,8 +25,8 @@ fn viewed(setup: &Setup) -> Viewed {
 }
 
 #[test]
-fn an_object_that_is_carried_is_where_the_rig_has_it() {
-    /// Numbers of a pose, the last of a row.
+fn page_shows_the_recorded_pose_of_a_carried_object() {
+    /// Number of values of a pose, at the end of a row.
     const POSE: usize = 7;
     let setup = Setup::new("view-rig-lift").of("lift");
     let rig = setup.with(&SETTINGS).at(QUARTER).start();
@@ -57,7 +57,7 @@ fn an_object_that_is_carried_is_where_the_rig_has_it() {
 }
 
 #[test]
-fn a_rig_is_seen_and_ordered_from_its_page() {
+fn page_shows_and_controls_a_rig() {
     let rig = Setup::new("view-rig").with(&SETTINGS).at(QUARTER).start();
     let viewed = viewed(&rig.setup);
     let mut socket = viewed.socket();

@@ -7,11 +7,11 @@ use crate::program::{folder, run};
 use feeler_record::Recording;
 use serde_json::{Value, json};
 
-/// Of a statistic, relative to numbers up to 1000: rounding of sums of numbers of 32 bits in 64.
+/// Tolerance of statistics of values up to 1000: rounding of sums of 32-bit numbers in 64-bit arithmetic.
 const STATS_TOLERANCE: f64 = 1e-9;
 
 #[test]
-fn lerobots_reader_finds_what_was_recorded() {
+fn lerobot_reader_reads_the_recorded_data() {
     let folder = folder("export-data-set");
     short_run(&folder, "one", "1");
     short_run(&folder, "two", "2");
@@ -73,7 +73,7 @@ fn values_are_those_on_record(values: &Value, recordings: &[Recording; 2]) {
         };
         recordings.iter().flat_map(of_run).collect()
     };
-    // As numbers of 32 bits.
+    // As 32-bit numbers.
     let short = |number: f64| f64::from(number as f32);
     let expected = joined(&|_, step| json!(short(step as f64 / 100.0)));
     assert_eq!(values["timestamp"], expected);
@@ -107,11 +107,11 @@ fn values_are_those_on_record(values: &Value, recordings: &[Recording; 2]) {
     assert_eq!(values["observation.tactile.finger_0.flags"], expected);
 }
 
-/// Columns and rows of pictures, px.
+/// Width and height of the images (px).
 const SIZE: (usize, usize) = (96, 64);
 
 #[test]
-fn lerobots_reader_sees_the_pictures_on_record() {
+fn lerobot_reader_reads_the_recorded_images() {
     let folder = folder("export-pictures");
     let steps = [23, 12];
     for (name, steps) in ["one.mcap", "two.mcap"].into_iter().zip(steps) {
@@ -130,7 +130,7 @@ fn lerobots_reader_sees_the_pictures_on_record() {
     let Some(found) = read_by("read_data_set.py", &modules, &folder.join("set")) else {
         return;
     };
-    assert_eq!(found["colour"], 0, "grey");
+    assert_eq!(found["colour"], 0, "images are not gray");
     let steps = steps.into_iter().flat_map(|steps| 0..steps);
     for (frame, step) in steps.enumerate() {
         for finger in 0..2 {
@@ -144,7 +144,7 @@ fn lerobots_reader_sees_the_pictures_on_record() {
                 } else {
                     0.0
                 };
-                // Grey levels: the bar moves by half its width, so another picture is off by 255.
+                // The bar moves by half its width in each step, so that another image would differ by 255 gray levels.
                 assert!(
                     (grey - expected).abs() < 64.0,
                     "{finger}, {step}, {column}: {grey}"

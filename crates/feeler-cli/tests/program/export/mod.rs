@@ -1,7 +1,7 @@
-//! `feeler export`: what other programs read in its files is what was recorded.
+//! `feeler export`: other programs read the recorded data from its files.
 //!
-//! Needs `pip install av datasets pandas polars pyarrow` in the Python named by `FEELER_PYTHON` (default `python3`); without them those
-//! tests say that they are skipped, or fail where `FEELER_REQUIRE_ALL` is set.
+//! Requires `pip install av datasets pandas polars pyarrow` in the Python named by `FEELER_PYTHON` (default `python3`).
+//! Without them the tests report that they are skipped, or fail if `FEELER_REQUIRE_ALL` is set.
 
 mod data_sets;
 #[path = "../../../../feeler-export/tests/support/mod.rs"]
@@ -13,7 +13,7 @@ mod tables;
 
 use std::path::Path;
 
-/// Makes a run of 3 s called `name` in `folder`.
+/// Records a run of 3 s called `name` in `folder`.
 fn short_run(folder: &Path, name: &str, seed: &str) {
     let arguments = [
         "run",
@@ -25,6 +25,6 @@ fn short_run(folder: &Path, name: &str, seed: &str) {
         folder,
         &[&arguments[..], &["--seed", seed, "--out", name]].concat(),
     );
-    // Its time is up before the task is done.
+    // The time limit ends the run before the task is done.
     assert_eq!(ended.status, Some(1), "{ended:?}");
 }

@@ -1,4 +1,4 @@
-//! What is refused, and what is left of an export that failed.
+//! Refused exports, and the files that failed exports leave.
 
 use super::made_up::{MadeUp, recording_file};
 use super::short_run;
@@ -8,7 +8,7 @@ use std::path::Path;
 use std::process::{Command, Stdio};
 use std::thread::yield_now;
 
-/// The names of what is in a folder.
+/// Sorted names of the entries of a folder.
 fn names(folder: &Path) -> Vec<String> {
     let entries = fs::read_dir(folder).unwrap();
     let name = |entry: std::io::Result<fs::DirEntry>| entry.unwrap().file_name();
@@ -18,7 +18,7 @@ fn names(folder: &Path) -> Vec<String> {
 }
 
 #[test]
-fn tables_replace_nothing_unless_told_to() {
+fn tables_replace_files_only_with_force() {
     let folder = folder("export-refused-tables");
     short_run(&folder, "one", "1");
     let export = |arguments: &[&str]| run(&folder, &[&["export", "parquet"], arguments].concat());
@@ -27,7 +27,7 @@ fn tables_replace_nothing_unless_told_to() {
     let first = fs::read(folder.join("one.parquet")).unwrap();
     let exists = ["--output one.parquet", "exists already", "--force"];
     export(&["one", "-o", "one.parquet"]).refused(&exists);
-    // The recording itself is a run, too, and called as its folder is.
+    // The recording itself is accepted, too, and is named after its folder.
     export(&["one/recording.mcap", "-o", "one.parquet", "--force"]).done();
     assert!(fs::read(folder.join("one.parquet")).unwrap() == first);
     let onto_input = ["one", "-o", "one/recording.mcap", "--force"];
@@ -42,7 +42,7 @@ fn tables_replace_nothing_unless_told_to() {
 }
 
 #[test]
-fn a_table_that_fails_leaves_none() {
+fn failed_table_export_leaves_no_files() {
     let folder = folder("export-failed-tables");
     short_run(&folder, "one", "1");
     fs::create_dir(folder.join("bad")).unwrap();
@@ -53,7 +53,7 @@ fn a_table_that_fails_leaves_none() {
 }
 
 #[test]
-fn a_table_of_a_recording_that_was_cut_off_says_so() {
+fn incomplete_recording_is_exported_with_an_error() {
     let folder = folder("export-cut-tables");
     short_run(&folder, "one", "1");
     let bytes = fs::read(folder.join("one/recording.mcap")).unwrap();
@@ -64,11 +64,11 @@ fn a_table_of_a_recording_that_was_cut_off_says_so() {
 }
 
 #[test]
-fn a_data_set_replaces_only_a_data_set() {
+fn export_replaces_only_data_sets() {
     let folder = folder("export-refused-set");
     short_run(&folder, "one", "1");
     let export = |arguments: &[&str]| run(&folder, &[&["export", "lerobot"], arguments].concat());
-    // An empty folder is as good as none.
+    // An empty folder is accepted like a new one.
     fs::create_dir(folder.join("set")).unwrap();
     export(&["one", "-o", "set"]).done();
     export(&["one", "-o", "set"]).refused(&["--output set", "exists already", "--force"]);
@@ -86,7 +86,7 @@ fn a_data_set_replaces_only_a_data_set() {
     }
     let above = ["one", "-o", "../export-refused-set", "--force"];
     export(&above).refused(&["the input one/recording.mcap is in it"]);
-    // Whoever puts a recording into a data set keeps it.
+    // A recording inside of the data set is not deleted.
     fs::copy(
         folder.join("one/recording.mcap"),
         folder.join("set/in.mcap"),
@@ -98,7 +98,7 @@ fn a_data_set_replaces_only_a_data_set() {
 }
 
 #[test]
-fn a_data_set_that_fails_leaves_none() {
+fn failed_data_set_export_leaves_no_files() {
     let folder = folder("export-failed-set");
     short_run(&folder, "one", "1");
     run(
@@ -119,9 +119,9 @@ fn a_data_set_that_fails_leaves_none() {
 
 #[cfg(unix)]
 #[test]
-fn a_data_set_that_is_interrupted_leaves_none() {
+fn interrupted_data_set_export_leaves_no_files() {
     let folder = folder("export-interrupted-set");
-    // Pictures for minutes.
+    // Enough images for minutes.
     let made_up = MadeUp {
         steps: 4000,
         pictures: Some((320, 240)),
@@ -133,7 +133,7 @@ fn a_data_set_that_is_interrupted_leaves_none() {
     let mut export = export.spawn().expect("the program");
     while !folder.join("set.part/videos").exists() {
         let ended = export.try_wait().expect("its state");
-        assert!(ended.is_none(), "it ended by itself: {ended:?}");
+        assert!(ended.is_none(), "the export ended by itself: {ended:?}");
         yield_now();
     }
     let kill = Command::new("kill")

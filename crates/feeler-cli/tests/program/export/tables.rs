@@ -7,7 +7,7 @@ use feeler_record::Recording;
 use serde_json::{Value, json};
 
 #[test]
-fn data_frames_have_what_was_recorded() {
+fn data_frames_contain_the_recorded_data() {
     let folder = folder("export-tables");
     short_run(&folder, "one", "1");
     short_run(&folder, "two", "2");
@@ -29,7 +29,7 @@ fn data_frames_have_what_was_recorded() {
     assert_eq!(found["runs"], json!(["one", "two"]));
     assert_eq!(found["rows"], json!(one.task.len() + two.task.len()));
     assert_eq!(found["digest"], json!(one.digest.to_string()));
-    // Bit for bit: JSON has the shortest text that is the same number.
+    // Bit-identical, because JSON contains the shortest text that parses to the same number.
     let times: Vec<_> = one.task.iter().map(|task| task.stamp).collect();
     assert_eq!(found["timestamp"], json!(times));
     let phases: Vec<_> = one.task.iter().map(|task| task.phase.to_string()).collect();

@@ -22,12 +22,12 @@ pub fn session(settings: &[&str], faults: &str) -> Session {
     Session::new(&load(settings, faults)).expect("a session")
 }
 
-/// The control step that begins at `time`, s.
+/// Index of the control step that starts at `time` (s).
 pub fn step_at(time: f64) -> usize {
     (time / PERIOD).round() as usize
 }
 
-/// What the fingers felt in `steps` control steps, and the true state at the begin of each.
+/// Runs `steps` control steps. Returns the fingers' tactile frames of each, and the true state at the start of each.
 pub fn watch(session: &mut Session, steps: usize) -> (Vec<Vec<TactileFrame>>, Vec<State>) {
     let mut felt = Vec::new();
     let mut states = Vec::new();

@@ -1,4 +1,4 @@
-//! Faults: each changes what it should, when it should, and nothing else.
+//! Faults: each has its effect, at the specified time, and no other.
 
 mod bench;
 mod refused;

@@ -1,9 +1,9 @@
-//! Faults that make no sense are refused, and likely mistakes are warned of.
+//! Invalid faults are refused, and likely mistakes cause warnings.
 
 use crate::program::{experiment, folder, run};
 use feeler_lab::config::Experiment;
 
-/// `feeler check` of the reference experiment with `faults` is refused with all of `words`.
+/// Asserts that `feeler check` refuses the reference experiment with `faults`, with all of `words`.
 fn refused(name: &str, faults: &str, words: &[&str]) {
     let folder = folder(&format!("faults-{name}"));
     let set = format!("--set=sim.fault=[{faults}]");
@@ -11,7 +11,7 @@ fn refused(name: &str, faults: &str, words: &[&str]) {
 }
 
 #[test]
-fn what_is_not_there_cannot_break() {
+fn faults_of_missing_parts_are_refused() {
     let cases: [(&str, &str, &[&str]); 20] = [
         (
             "finger",
@@ -49,14 +49,14 @@ fn what_is_not_there_cannot_break() {
             &["swapped_sensors.other = 1", "another finger"],
         ),
         (
-            "swapped with nobody",
+            "swapped with a missing finger",
             "{kind.swapped_sensors={finger=0, other=2}}",
             &["swapped_sensors.other = 2", "0 to 1"],
         ),
         (
             "swapped for a while",
             "{from=1.0, kind.swapped_sensors={finger=0, other=1}}",
-            &["sim.fault[0].from", "all through a run"],
+            &["sim.fault[0].from", "during the whole run"],
         ),
         (
             "row",
@@ -123,7 +123,7 @@ fn what_is_not_there_cannot_break() {
 }
 
 #[test]
-fn stuck_rows_without_pictures_are_warned_of() {
+fn stuck_rows_without_images_cause_a_warning() {
     let folder = folder("faults-no-pictures");
     let fault = "--set=sim.fault=[{kind.stuck_rows={finger=0, first=0, count=9, gray=0}}]";
     let said = run(
@@ -141,7 +141,7 @@ fn stuck_rows_without_pictures_are_warned_of() {
 }
 
 #[test]
-fn faults_stand_in_an_experiment_file_as_the_readme_says() {
+fn runs_of_an_experiment_file_with_faults_are_reproducible() {
     let folder = folder("faults-in-a-file");
     let faults = "[[sim.fault]]\nkind.dead_element = { finger = 0, element = 3 }\n\n\
         [[sim.fault]]\nkind.friction_drop = { object = \"cap\", factor = 0.3 }\nfrom = 2.0\nuntil = 3.0\n\n\
@@ -161,7 +161,7 @@ fn faults_stand_in_an_experiment_file_as_the_readme_says() {
 }
 
 #[test]
-fn caps_that_are_oval_or_off_their_centre_are_closed() {
+fn oval_and_eccentric_caps_are_closed() {
     let folder = folder("faults-odd-caps");
     let odd = [
         "--set=sim.object.cap.offset=[0.0005, 0.0, 0.0]",
@@ -182,7 +182,7 @@ fn caps_that_are_oval_or_off_their_centre_are_closed() {
 }
 
 #[test]
-fn what_the_documentation_shows_can_be_put_into_an_experiment() {
+fn documented_tables_are_valid_in_an_experiment() {
     let mut text = include_str!("../../../../feeler-lab/experiments/cap-closing.toml").to_string();
     let readme = include_str!("../../../../../docs/experiment-files.md")
         .split("```toml\n")

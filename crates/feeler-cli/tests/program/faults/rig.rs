@@ -5,7 +5,7 @@ use feeler_sim::rig::{Joints, ServoConfig};
 use glam::DVec3;
 
 #[test]
-fn a_stalled_joint_stands_still_and_the_others_go_on() {
+fn stalled_joint_stops_while_the_others_move() {
     let fault = "{from=0.3, until=0.5, kind.servo_stall={finger=1, joint=2}}";
     let mut session = session(&["sensing=direct"], fault);
     let (_, states) = watch(&mut session, step_at(0.6));
@@ -15,12 +15,13 @@ fn a_stalled_joint_stands_still_and_the_others_go_on() {
     assert!(from.x != during.x || from.y != during.y);
     assert_ne!(position(0.29).z, from.z);
     assert_ne!(position(0.55).z, until.z);
-    // The encoders see it.
+    // The encoders measure the true angle.
     let encoded = session.control_loop().state().joints[1].position.z;
     assert!((encoded - states[step_at(0.59)].fingers[1].joints.position.z).abs() < 1e-4);
 }
 
-/// What the encoder of joint 2 of finger 1 shows in each step, and its true angle then, rad. The controller believes it.
+/// For each step, the encoder reading of joint 2 of finger 1 and its true angle (rad). The monitor's checks are
+/// disabled.
 fn shown(fault: &str) -> Vec<(f64, f64)> {
     let settings = [
         "sensing=direct",
@@ -37,8 +38,8 @@ fn shown(fault: &str) -> Vec<(f64, f64)> {
 }
 
 #[test]
-fn a_faulty_encoder_shows_another_angle_and_then_the_true_one_again() {
-    // Of a turn from 0.3 s on, this part; and so much more.
+fn faulty_encoder_deviates_only_during_the_fault() {
+    // Gain of the rotation since 0.3 s, and offset.
     for (kind, gain, offset) in [
         ("joint_freeze={finger=1, joint=2}", 0.0, 0.0),
         ("joint_gain={finger=1, joint=2, gain=0.5}", 0.5, 0.0),
@@ -48,7 +49,7 @@ fn a_faulty_encoder_shows_another_angle_and_then_the_true_one_again() {
         let shown = shown(&format!("{{from=0.3, until=0.5, kind.{kind}}}"));
         let broke_at = shown[step_at(0.3)].1;
         for (step, (shown, truth)) in shown.into_iter().enumerate() {
-            // The state at a time is that after the step to it.
+            // The state at a given time is the one after the step that ends then.
             let broken = (step_at(0.3) + 1..=step_at(0.5)).contains(&step);
             let expected = match broken {
                 true => broke_at + gain * (truth - broke_at) + offset,
@@ -61,9 +62,9 @@ fn a_faulty_encoder_shows_another_angle_and_then_the_true_one_again() {
     }
 }
 
-/// Each controller's finger feels what the other one does.
+/// Each finger's sensor delivers the forces on the other finger.
 #[test]
-fn swapped_sensors_feel_the_other_finger() {
+fn swapped_sensors_measure_the_other_finger() {
     let settings = [
         "sensing=direct",
         "sim.direct_sensing.normal_noise=0.0",
@@ -86,7 +87,7 @@ fn swapped_sensors_feel_the_other_finger() {
 }
 
 #[test]
-fn a_joint_with_backlash_goes_round_the_loop_of_a_play() {
+fn backlash_follows_its_hysteresis_loop() {
     let servo = ServoConfig {
         lag: 0.0,
         encoder_resolution: 1e-5,
@@ -103,14 +104,14 @@ fn a_joint_with_backlash_goes_round_the_loop_of_a_play() {
             let motor = joints.position.y;
             // Rounding of numbers of about 0.1.
             assert!((joints.link.y - expected(motor)).abs() < 1e-15, "{motor}");
-            // The other joints have none.
+            // The other joints have no backlash.
             assert_eq!((joints.link.x, joints.link.z), (motor, motor));
         }
     };
     let half = band / 2.0;
-    // From the middle the motor goes half the band by itself, and then takes the link along.
+    // From the middle of the band, the motor moves by half the band alone, and then moves the link.
     drive(1.0, 50, &|motor| (motor - half).max(0.0));
-    // Turning back, it goes the whole band by itself.
+    // After a reversal, it moves by the whole band alone.
     let high = swing - half;
     drive(-1.0, 100, &|motor| (motor + half).min(high));
     let low = -swing + half;
@@ -118,7 +119,7 @@ fn a_joint_with_backlash_goes_round_the_loop_of_a_play() {
 }
 
 #[test]
-fn the_fingertip_follows_the_link_and_the_encoder_the_motor() {
+fn fingertip_follows_the_link_and_encoder_follows_the_motor() {
     let fault = "{from=0.3, kind.backlash={finger=0, joint=1, angle=0.004}}";
     let mut session = session(&["sensing=direct"], fault);
     let (_, states) = watch(&mut session, step_at(0.7));
@@ -128,7 +129,7 @@ fn the_fingertip_follows_the_link_and_the_encoder_the_motor() {
     }
     let end = &states[step_at(0.69)].fingers[0];
     let lag = end.joints.position.y - end.joints.link.y;
-    // The approach turns the joint one way, so that the link is half the band behind.
+    // The approach turns the joint in one direction, so that the link lags by half the band.
     assert!((lag.abs() - 0.002).abs() < 1e-12, "{lag}");
     let geometry = &session.rig().world().model().fingers[0].geometry.clone();
     let by = |theta| feeler::hand::fingertip_pose(geometry, theta).0;
@@ -139,7 +140,7 @@ fn the_fingertip_follows_the_link_and_the_encoder_the_motor() {
 }
 
 #[test]
-fn backlash_of_the_drives_is_that_of_a_fault_from_the_beginning() {
+fn configured_backlash_equals_a_permanent_backlash_fault() {
     let faults = [0, 1].map(|finger| {
         let joint =
             |joint| format!("{{kind.backlash={{finger={finger}, joint={joint}, angle=0.004}}}}");
@@ -147,13 +148,13 @@ fn backlash_of_the_drives_is_that_of_a_fault_from_the_beginning() {
     });
     let run = |settings: &[&str], faults: &str| {
         let (felt, states) = watch(&mut session(settings, faults), step_at(1.5));
-        // The first state is that before any fault.
+        // Skip the first state, which is before any fault.
         (felt, states[1..].to_vec())
     };
     let broken = run(&["sensing=direct"], &faults.join(", "));
     let loose = ["sensing=direct", "sim.servo.backlash=0.004"];
     assert_eq!(run(&loose, ""), broken);
-    // A fault of a joint comes on top of it, and goes again.
+    // The fault of a joint adds to the configured backlash, while it lasts.
     let fault = "{from=0.3, until=0.5, kind.backlash={finger=0, joint=1, angle=0.01}}";
     let (_, states) = watch(&mut session(&loose, fault), step_at(0.7));
     let bands = [0.2, 0.4, 0.6].map(|time| states[step_at(time)].fingers[0].joints.backlash.y);
@@ -161,7 +162,7 @@ fn backlash_of_the_drives_is_that_of_a_fault_from_the_beginning() {
 }
 
 #[test]
-fn a_fingertip_comes_home_to_where_its_backlash_leaves_it() {
+fn backlash_spreads_the_home_positions() {
     let home = |settings: &[&str]| {
         let mut session = session(settings, "");
         let mut homes = Vec::new();
@@ -169,7 +170,7 @@ fn a_fingertip_comes_home_to_where_its_backlash_leaves_it() {
             session.step().expect("a step");
             let stroke = session.control_loop().controller().task().stroke() as usize;
             let tip = session.rig().world().state().fingers[0].tip.position;
-            // The last position of each stroke.
+            // Keep the last position of each stroke.
             homes.truncate(stroke.saturating_sub(1));
             homes.push(tip);
         }
@@ -181,18 +182,18 @@ fn a_fingertip_comes_home_to_where_its_backlash_leaves_it() {
     };
     let settings = ["sensing=direct", "sim.servo.backlash=0.004"];
     let (tight, loose) = (home(&settings[..1]), home(&settings));
-    // Tight joints come home within `home_tolerance` of it, from wherever; loose ones to where their motors came home.
+    // Joints without backlash return to within `home_tolerance`. With backlash, only the motors do.
     assert!(spread(&tight) < 4e-4, "{tight:?}");
     assert!(spread(&loose) > spread(&tight), "{loose:?}");
     let apart = loose[0].distance(tight[0]);
     assert!(apart > 2e-4, "{apart} m");
 }
 
-/// Friction lost by a factor lowers the largest torque that the fingers can hold by that factor: with
-/// the cap seated hard, so that it does not turn, and the feelers pressed as before.
+/// A friction drop reduces the largest torque that the fingers can hold by its factor, if the cap is seated hard and
+/// does not turn, and the feelers press as before.
 #[test]
-fn lost_friction_lowers_the_torque_by_its_factor() {
-    // The seat at the start and stiff: the cap stays where it is and the fingers slide along.
+fn friction_drop_reduces_the_torque_by_its_factor() {
+    // A stiff seat at the initial angle: the cap does not turn, and the fingers slide over it.
     let settings = [
         "sensing=direct",
         "control.recompression_speed=0.0",
@@ -212,14 +213,14 @@ fn lost_friction_lowers_the_torque_by_its_factor() {
         "{from=1.5, kind.friction_drop={object=\"cap\", factor=0.5}}",
         time,
     );
-    // The normal forces change a little with the shear that is gone: a feeler leans on a round cap.
+    // The normal forces change slightly with the reduced shear, because feelers lean on a round cap.
     assert!((wet / dry - 0.5).abs() < 0.05, "{wet} of {dry} N m");
     let over = "{from=0.95, until=1.0, kind.friction_drop={factor=0.5}}";
     let factor = |faults: &str, time: f64| {
         let (_, states) = watch(&mut session(&settings, faults), step_at(time) + 1);
         states[step_at(time)].objects[0].friction_factor
     };
-    // The state at a time is that after the step to it.
+    // The state at a given time is the one after the step that ends then.
     assert_eq!(factor(over, 0.95), 1.0);
     assert_eq!(factor(over, 0.96), 0.5);
     assert_eq!(factor(over, 1.0), 0.5);
@@ -227,8 +228,8 @@ fn lost_friction_lowers_the_torque_by_its_factor() {
 }
 
 #[test]
-fn a_dead_element_changes_nothing_in_the_world() {
-    // Until the hand reacts to it.
+fn dead_element_does_not_affect_the_world() {
+    // Compared only until the hand reacts.
     let fault = "{from=1.6, kind.dead_element={finger=0, element=0}}";
     let [good, bad] = ["", fault].map(|fault| {
         let mut session = session(&["sensing=direct"], fault);

@@ -1,5 +1,5 @@
-//! A picture without a valid force somewhere stops the hand at the same frame, for the same reason, however
-//! the picture reaches it: in a run, from a recording, over the link.
+//! An image with an invalid force stops the hand at the same frame and for the same reason in a run, in a replay and
+//! over the link.
 
 use super::bench::{load, step_at};
 use feeler::control::ControlLoop;
@@ -34,24 +34,24 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 
-/// When the camera of finger 1 breaks, s.
+/// Time at which the camera of finger 1 fails (s).
 const FROM: f64 = 0.05;
-/// Control steps that are tried at most.
+/// Maximum number of control steps.
 const STEPS: usize = 10;
-/// Upper half of the picture, saturated and dark.
+/// Upper half of the image saturated, or dark.
 const FAULTS: [&str; 2] = [
     "{from=0.05, kind.stuck_rows={finger=1, first=0, count=240, gray=255}}",
     "{from=0.05, kind.stuck_rows={finger=1, first=0, count=240, gray=0}}",
 ];
 
-/// In which control step the hand stopped, and why.
+/// Control step in which the hand stopped, and the reason.
 type Stopped = (usize, StopReason);
 
 fn stopped(step: usize, controller: &Controller) -> Option<Stopped> {
     Some((step, controller.stop_reason()?.clone()))
 }
 
-/// A run of `experiment`, recorded at `path` with its pictures.
+/// Runs `experiment` and records it at `path` with its images.
 fn in_a_run(experiment: &Experiment, path: &Path) -> Option<Stopped> {
     let options = RecordOptions {
         calibrations: experiment.calibration_texts().unwrap(),
@@ -74,7 +74,7 @@ fn in_a_run(experiment: &Experiment, path: &Path) -> Option<Stopped> {
     found
 }
 
-/// A replay of the recording, which must give what is on record, bit for bit.
+/// Replays the recording. The replay must give the recorded data bit for bit.
 fn in_a_replay(recording: &Recording, from: ReplayFrom<'_>) -> Option<Stopped> {
     let experiment = recorded_experiment(recording, &[]).unwrap();
     let mut replay = Replay::new(recording, from, &experiment).unwrap();
@@ -88,7 +88,7 @@ fn in_a_replay(recording: &Recording, from: ReplayFrom<'_>) -> Option<Stopped> {
     found
 }
 
-/// Where the hand's commands go: nowhere.
+/// Discards the hand's commands.
 struct Nowhere;
 
 impl Outlet for Nowhere {
@@ -97,10 +97,10 @@ impl Outlet for Nowhere {
     }
 }
 
-/// Instance of the rig's program; those of the sensor programs follow.
+/// Instance of the rig program. The sensor programs have the following numbers.
 const WORLD: u64 = 1;
 
-/// A hand program without a network: sensor programs and rig put their messages into its inbox.
+/// A hand program without a network: messages of sensor programs and rig are put directly into its inbox.
 struct LinkedHand {
     rig: SimRigServer,
     sensors: Vec<(SensingChain, TactileReading, FlagAnalyzer)>,
@@ -205,11 +205,11 @@ impl LinkedHand {
         }
     }
 
-    /// What the sensor program of `finger` publishes.
+    /// The message that the sensor program of `finger` publishes.
     fn sense(&mut self, finger: usize, now: MessageHeader) -> TactileUpdate {
         let (sensing, touch, analyzer) = &mut self.sensors[finger];
         let Some(SensorOutput::Picture(frame)) = self.rig.expose(finger).unwrap() else {
-            panic!("a picture expected")
+            panic!("expected an image")
         };
         let mut readings = vec![Default::default(); sensing.element_count()];
         sensing.sense(&frame.picture, &mut readings).unwrap();
@@ -239,7 +239,7 @@ fn file(name: &str) -> PathBuf {
 }
 
 #[test]
-fn a_saturated_or_dark_picture_stops_run_replay_and_hand_at_the_same_frame() {
+fn unusable_image_stops_run_replay_and_linked_hand_at_the_same_frame() {
     for (index, fault) in FAULTS.into_iter().enumerate() {
         let experiment = load(&["sensing=image"], fault);
         let path = file(&index.to_string());
@@ -257,7 +257,7 @@ fn a_saturated_or_dark_picture_stops_run_replay_and_hand_at_the_same_frame() {
     assert_eq!(in_a_linked_hand(&load(&["sensing=image"], "")), None);
 }
 
-/// With drift correction, other forces; and the same again in a replay.
+/// Drift correction changes the forces, and a replay reproduces them.
 #[test]
 fn drift_is_corrected_in_a_run_and_in_its_replay() {
     let forces = |settings: &[&str], name: &str| {

@@ -13,16 +13,17 @@ use feeler_sim::rig::SensorFaults;
 use feeler_sim::rig::SimRig;
 use glam::DVec3;
 
-/// The fingers turn the cap from about 1.5 s on.
+/// Number of control steps. The fingers turn the cap from about 1.5 s on.
 const STEPS: usize = 180;
+/// Time at which the faults begin (s).
 const FROM: f64 = 1.6;
 
-/// What both fingers feel without and with `faults`, which begin at [`FROM`].
+/// Tactile frames of both fingers without and with `faults`, which begin at [`FROM`].
 fn both(sensing: &str, faults: &str) -> [Vec<Vec<TactileFrame>>; 2] {
     ["", faults].map(|faults| watch(&mut session(&[sensing], faults), STEPS).0)
 }
 
-/// One of each.
+/// One fault of each kind.
 const ALL: &str = "{from=1.6, kind.dead_element={finger=0, element=0}}, \
         {from=1.6, kind.stuck_rows={finger=0, first=100, count=20, gray=255}}, \
         {from=1.6, kind.frozen_frame={finger=1}}, \
@@ -33,7 +34,7 @@ const ALL: &str = "{from=1.6, kind.dead_element={finger=0, element=0}}, \
         {from=1.6, kind.friction_drop={factor=0.1}}";
 
 #[test]
-fn nothing_changes_before_a_fault() {
+fn faults_have_no_effect_before_they_begin() {
     for sensing in ["sensing=direct", "sensing=image"] {
         let [good, bad] = both(sensing, ALL);
         let from = step_at(FROM);
@@ -43,7 +44,7 @@ fn nothing_changes_before_a_fault() {
 }
 
 #[test]
-fn faults_allocate_nothing_on_the_way() {
+fn faults_do_not_allocate() {
     for sensing in ["sensing=direct", "sensing=image"] {
         let mut session = session(&[sensing], &ALL.replace("1.6", "0.1"));
         let failed = assert_no_alloc(|| (0..40).find_map(|_| session.step().err()));
@@ -52,8 +53,8 @@ fn faults_allocate_nothing_on_the_way() {
 }
 
 #[test]
-fn a_fault_that_is_over_has_left_the_sensor_as_it_was() {
-    // While the finger touches nothing, so that the fault does not change what the hand does.
+fn sensor_recovers_after_a_fault() {
+    // The finger touches nothing, so that the fault does not affect the hand's motion.
     let faults = "{from=0.1, until=0.2, kind.dead_element={finger=0, element=0}}, \
         {from=0.1, until=0.2, kind.camera_latency={finger=0, delay=0.02}}, \
         {from=0.1, until=0.2, kind.dropped_frames={finger=1, probability=0.0}}";
@@ -66,7 +67,7 @@ fn a_fault_that_is_over_has_left_the_sensor_as_it_was() {
     }
 }
 
-/// The element that presses hardest, and with what, N.
+/// Index and normal force (N) of the element with the largest normal force.
 fn largest(frame: &TactileFrame) -> (usize, f64) {
     let forces = frame.forces.iter().map(|f| f.z).enumerate();
     forces.fold(
@@ -76,15 +77,15 @@ fn largest(frame: &TactileFrame) -> (usize, f64) {
 }
 
 #[test]
-fn a_dead_element_feels_nothing_and_the_others_the_same() {
+fn dead_element_reads_zero_and_the_others_are_unaffected() {
     for sensing in ["sensing=direct", "sensing=image"] {
         let from = step_at(FROM);
         let (element, force) = largest(&both(sensing, "")[0][from][0]);
         assert!(force > 0.2, "{force} N");
         let fault = format!("{{from=1.6, kind.dead_element={{finger=0, element={element}}}}}");
         let [good, bad] = both(sensing, &fault);
-        // The hand has not yet reacted. Only noise is left: 2 mN in direct sensing, and less than
-        // 10 mN through a picture, whose noise is drawn the same but rounds otherwise near the spots.
+        // The hand has not reacted yet. Only noise remains: 2 mN in direct sensing, and less than 10 mN with images,
+        // whose noise is the same but is rounded differently near the spots.
         let (good, bad) = (&good[from], &bad[from]);
         assert!(
             bad[0].forces[element].length() < 0.05,
@@ -102,7 +103,7 @@ fn a_dead_element_feels_nothing_and_the_others_the_same() {
 }
 
 #[test]
-fn a_frozen_picture_comes_with_new_stamps() {
+fn frozen_images_have_new_stamps() {
     for sensing in ["sensing=direct", "sensing=image"] {
         let [good, bad] = both(sensing, "{from=1.6, kind.frozen_frame={finger=1}}");
         let last = &bad[step_at(FROM) - 1][1];
@@ -126,7 +127,7 @@ fn lost_frames_stop_the_hand_within_the_limit() {
             session.step().unwrap();
         }
         let control_loop = session.control_loop();
-        // The last frame is that of 0.89 s; 3.5 periods are allowed, so that 0.93 s is too late.
+        // The last frame is from 0.89 s. 3.5 periods are allowed, so that it is stale at 0.93 s.
         assert!((control_loop.state().stamp - 0.93).abs() < 1e-9);
         let reason = control_loop.controller().stop_reason();
         let Some(&StopReason::StaleForces {
@@ -144,7 +145,7 @@ fn lost_frames_stop_the_hand_within_the_limit() {
 }
 
 #[test]
-fn as_many_frames_are_lost_as_the_probability_says() {
+fn frames_are_dropped_with_the_given_probability() {
     let settings = ["sensing=direct", "control.stale_periods=500"];
     let lost = |faults: &str| {
         let steps = 1000;
@@ -170,17 +171,17 @@ fn as_many_frames_are_lost_as_the_probability_says() {
         lost("{kind.dropped_frames={finger=0, probability=0.0}}").0,
         0.0
     );
-    // A fault draws from a stream of its own: one in another place loses other frames.
+    // Each fault has a separate random stream, selected by its index: at another index, it drops other frames.
     let second = format!("{{kind.frozen_frame={{finger=1}}}}, {fault}");
     assert_ne!(lost(&second).0, count);
 }
 
 #[test]
-fn late_frames_show_the_world_of_their_stamp() {
+fn delayed_frames_show_the_world_at_their_stamp() {
     for (delay, periods) in [(0.02, 2), (0.014, 2), (0.03, 3), (0.0, 0)] {
         for sensing in ["sensing=direct", "sensing=image"] {
             let fault = format!("{{kind.camera_latency={{finger=0, delay={delay}}}}}");
-            // Noise is drawn when a picture is drawn, which is now at another time.
+            // Noise is drawn when an image is rendered, which is now at another time.
             let quiet = [
                 sensing,
                 "sim.direct_sensing.normal_noise=0.0",
@@ -199,7 +200,7 @@ fn late_frames_show_the_world_of_their_stamp() {
                 );
                 assert_eq!(felt.sequence, exposed as u64);
                 for (felt, truth) in felt.forces.iter().zip(&world[exposed].1) {
-                    // Exactly, or as well as the calibration knows compression.
+                    // Exactly, or to the accuracy of the calibration in compression.
                     let tolerance = if sensing == "sensing=direct" {
                         0.0
                     } else {
@@ -212,7 +213,7 @@ fn late_frames_show_the_world_of_their_stamp() {
     }
 }
 
-/// What finger 0 feels in each control step, and the true forces at the begin of it.
+/// For each control step, the tactile frame of finger 0 and the true forces at the start of the step.
 fn world_forces(session: &mut Session, steps: usize) -> Vec<(TactileFrame, Vec<DVec3>)> {
     let step = |_| {
         let mut truth = vec![DVec3::ZERO; session.layouts()[0].elements.len()];
@@ -224,7 +225,7 @@ fn world_forces(session: &mut Session, steps: usize) -> Vec<(TactileFrame, Vec<D
 }
 
 #[test]
-fn frames_that_are_later_than_the_limit_stop_the_hand() {
+fn frames_delayed_beyond_the_limit_stop_the_hand() {
     let mut session = session(
         &[],
         "{from=0.5, kind.camera_latency={finger=0, delay=0.05}}",
@@ -237,12 +238,12 @@ fn frames_that_are_later_than_the_limit_stop_the_hand() {
         matches!(reason, Some(StopReason::StaleForces { finger: 0, .. })),
         "{reason:?}"
     );
-    // The last frame in time is that of 0.49 s.
+    // The last frame without delay is from 0.49 s.
     assert!((session.control_loop().state().stamp - 0.53).abs() < 1e-9);
 }
 
 #[test]
-fn stuck_rows_are_all_that_differs_in_a_picture() {
+fn stuck_rows_change_only_these_rows() {
     let fault = "{from=0.05, kind.stuck_rows={finger=0, first=470, count=10, gray=200}}";
     let [good, bad] = ["", fault].map(|fault| {
         let experiment = load(&[], fault);
@@ -274,7 +275,7 @@ fn stuck_rows_are_all_that_differs_in_a_picture() {
     for (number, (good, bad)) in good.iter().zip(&bad).enumerate() {
         assert_eq!(good[..rows], bad[..rows]);
         let stuck = bad[rows..].iter().all(|&pixel| pixel == 200);
-        assert_eq!(stuck, number >= 5, "picture {number}");
+        assert_eq!(stuck, number >= 5, "image {number}");
         assert_eq!(good == bad, number < 5);
     }
 }

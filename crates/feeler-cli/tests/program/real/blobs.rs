@@ -1,16 +1,16 @@
-//! Finds round spots by a way of its own, to compare with what `locate` finds: what stands out of the picture after a morphological
-//! closing (dark spots) or opening (bright ones), in connected components.
+//! Independent detection of round spots, as a reference for `locate`: connected components that differ from a
+//! morphological closing (dark spots) or opening (bright spots) of the image.
 
 use feeler::sensor::image::Picture;
 
 /// One connected component.
 #[derive(Debug, Clone)]
 pub struct Blob {
-    /// Column and row of the mean of its pixels, px.
+    /// Centroid of its pixels (column and row, px).
     pub centre: [f64; 2],
-    /// Pixels.
+    /// Number of pixels.
     pub area: usize,
-    /// Whether it reaches the picture's outermost two rows or columns.
+    /// `true` if it reaches the outermost two rows or columns of the image.
     pub at_border: bool,
 }
 
@@ -19,18 +19,18 @@ impl Blob {
         (self.area as f64 / std::f64::consts::PI).sqrt()
     }
 
-    /// Column and row, from this blob's centre to `place`, px.
+    /// Distance from the blob's centre to `place` (column and row, px).
     pub fn distance(&self, place: [f64; 2]) -> f64 {
         (place[0] - self.centre[0]).hypot(place[1] - self.centre[1])
     }
 }
 
-/// The spots of a picture. `part` is the contrast that belongs to a spot, over that of the strongest fiftieth of the pixels; what has less
-/// than a tenth of the median area is left out.
+/// Finds the spots of an image. `part` is the minimum contrast of a spot, relative to the 98th percentile of the
+/// contrast of all pixels. Spots with less than a tenth of the median area are omitted.
 pub fn blobs(picture: &Picture, dark: bool, part: f64) -> Vec<Blob> {
     let size = (picture.width, picture.height);
     let gray = picture.pixels.iter().map(|&pixel| f64::from(pixel));
-    // Bright spots are dark ones of the negative; of dark ones the light that is missing counts, relative to the light there is.
+    // Bright spots are dark spots of the negative. The contrast of dark spots is relative to the background.
     let gray: Vec<f64> = gray.map(|g| if dark { g } else { 255.0 - g }).collect();
     let smooth = mean(&gray, size, 1);
     let reach = size.1 / 16;
@@ -54,21 +54,21 @@ pub fn blobs(picture: &Picture, dark: bool, part: f64) -> Vec<Blob> {
     blobs
 }
 
-/// Median of the areas of all blobs, pixels; 0 of none.
+/// Median area of the blobs in pixels, or 0 if there are no blobs.
 pub fn median_area(blobs: &[Blob]) -> usize {
     let mut areas: Vec<usize> = blobs.iter().map(|blob| blob.area).collect();
     areas.sort_unstable();
     areas.get(areas.len() / 2).copied().unwrap_or(0)
 }
 
-/// Mean over a square that reaches `reach` pixels to each side.
+/// Mean over a square window that extends by `reach` pixels to each side.
 fn mean(values: &[f64], size: (usize, usize), reach: usize) -> Vec<f64> {
     filter(values, size, reach, &|window| {
         window.iter().sum::<f64>() / window.len() as f64
     })
 }
 
-/// The largest or smallest over such a square.
+/// Maximum or minimum over such a window.
 fn extreme(
     values: &[f64],
     size: (usize, usize),
@@ -80,7 +80,7 @@ fn extreme(
     })
 }
 
-/// A filter along rows, then along columns.
+/// Applies a filter along rows, then along columns.
 fn filter(
     values: &[f64],
     (width, height): (usize, usize),
@@ -102,7 +102,7 @@ fn filter(
     turned(&along(&turned(&rows, width), height), height)
 }
 
-/// Components of pixels that touch by their sides.
+/// Finds the 4-connected components.
 fn components(mut left: Vec<bool>, (width, height): (usize, usize)) -> Vec<Blob> {
     let mut found = Vec::new();
     for start in 0..left.len() {

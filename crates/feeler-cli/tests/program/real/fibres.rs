@@ -1,4 +1,4 @@
-//! A fingertip of bright fibres, with the total force on it.
+//! A fingertip of bright fibres under a known total force.
 
 use super::blobs::{blobs, median_area};
 use crate::program::{folder, rows, run};
@@ -16,7 +16,7 @@ fn force(row: &Row, axis: &str) -> Option<f64> {
     row[axis].parse().ok()
 }
 
-/// The rows of each recording: pictures whose names differ in their last number alone.
+/// Groups the rows by recording. The image names of a recording differ only in their last number.
 fn by_recording(rows: &[Row]) -> Vec<Vec<Row>> {
     let mut recordings = BTreeMap::<String, Vec<Row>>::new();
     for row in rows {
@@ -30,14 +30,15 @@ fn by_recording(rows: &[Row]) -> Vec<Vec<Row>> {
     recordings.into_values().collect()
 }
 
-/// Root of the mean square of a force in some rows, N.
+/// RMS of a force component in some rows (N).
 fn strength(rows: &[Row], axis: &str) -> f64 {
     let forces: Vec<f64> = rows.iter().filter_map(|row| force(row, axis)).collect();
     let sum: f64 = forces.iter().map(|f| f * f).sum();
     (sum / forces.len().max(1) as f64).sqrt()
 }
 
-/// The recordings' folder, and a folder with a layout of the elements in the picture of least compression, if they are at hand.
+/// Locates the elements in the image with the least compression. Returns the folder of the recordings and a folder with
+/// the layout, or `None` if the recordings are not available.
 pub fn located(test: &str) -> Option<(PathBuf, PathBuf)> {
     let data = recordings("optofiber-force", test)?;
     let folder = folder(test);
@@ -53,7 +54,7 @@ pub fn located(test: &str) -> Option<(PathBuf, PathBuf)> {
     let arguments = ["locate", picture.to_str().unwrap(), "-o", "layout.toml"];
     let ended = run(&folder, &arguments);
     assert_eq!(ended.status, Some(0), "{ended:?}");
-    // As many as there are spots to another eye, each at one of them.
+    // There are as many elements as independently detected spots, and each is on one of them.
     let spots = blobs(&read_picture(&picture).unwrap(), false, 0.25);
     let typical = median_area(&spots);
     let spots: Vec<_> = spots
@@ -74,7 +75,8 @@ pub fn located(test: &str) -> Option<(PathBuf, PathBuf)> {
     Some((data, folder))
 }
 
-/// Writes `FORCES.csv` with some rows, calibrates by them, and returns the mean absolute error in each axis by blocks of time, N.
+/// Writes some rows to `FORCES.csv` and calibrates with them. Returns the mean absolute error of each axis over blocks
+/// of time (N).
 fn calibrated(data: &Path, folder: &Path, rows: &[Row]) -> HashMap<WrenchAxis, f64> {
     let mut table = String::from("picture,f_x,f_y,f_z\n");
     for row in rows {
@@ -114,11 +116,11 @@ fn held(errors: &HashMap<WrenchAxis, f64>, bounds: &[(WrenchAxis, f64)]) {
     }
 }
 
-/// All recordings together. Bounds: in shear, what a ridge on the spots' brightness is known to reach from one recording to another; in
-/// compression, the error over all of a range that is three times as large as that of shear.
+/// All recordings together. Bounds: in shear, the known error of a ridge regression on the spots' brightness from one
+/// recording to another; in compression, the error over a range that is three times as large as that of shear.
 #[test]
-fn forces_on_a_fingertip_of_fibres_are_learnt() {
-    let Some((data, folder)) = located("forces_on_a_fingertip_of_fibres_are_learnt") else {
+fn forces_on_a_fingertip_of_fibres_are_calibrated() {
+    let Some((data, folder)) = located("forces_on_a_fingertip_of_fibres_are_calibrated") else {
         return;
     };
     let all = rows(&data.join("FORCES.csv"));
@@ -133,10 +135,11 @@ fn forces_on_a_fingertip_of_fibres_are_learnt() {
     );
 }
 
-/// The recording of most shear alone, 30 pictures: within a twelfth of the 9 N to either side; compression within 1 N.
+/// The recording with the most shear alone, 30 images. Shear must be within a twelfth of the 9 N to either side,
+/// compression within 1 N.
 #[test]
-fn shear_is_learnt_from_its_recording_alone() {
-    let Some((data, folder)) = located("shear_is_learnt_from_its_recording_alone") else {
+fn shear_is_calibrated_from_a_single_recording() {
+    let Some((data, folder)) = located("shear_is_calibrated_from_a_single_recording") else {
         return;
     };
     let recordings = by_recording(&rows(&data.join("FORCES.csv")));
@@ -155,10 +158,10 @@ fn shear_is_learnt_from_its_recording_alone() {
     );
 }
 
-/// The longest recording alone, which presses without shear.
+/// The longest recording alone, which contains presses without shear.
 #[test]
-fn presses_are_learnt_from_their_recording_alone() {
-    let Some((data, folder)) = located("presses_are_learnt_from_their_recording_alone") else {
+fn compression_is_calibrated_from_a_single_recording() {
+    let Some((data, folder)) = located("compression_is_calibrated_from_a_single_recording") else {
         return;
     };
     let recordings = by_recording(&rows(&data.join("FORCES.csv")));

@@ -1,22 +1,23 @@
-//! Fits a spot to a picture, by least squares: an elliptical one, flat on top or Gaussian, on a sloping ground.
+//! Least-squares fit of a spot to an image: elliptical, flat-topped or Gaussian, on a sloping background.
 
 use super::blobs::Blob;
 use feeler::sensor::image::Picture;
 use nalgebra::{SMatrix, SVector};
 
-/// Centre (column, row), ground and its two slopes, depth, logarithms of two inverse widths, and correlation.
+/// Centre (column, row), background and its two slopes, depth, logarithms of two inverse widths, and correlation.
 type Parameters = SVector<f64, 9>;
 
-/// Radii of the blob within which pixels count. Fewer leave ground and depth undetermined, more reach the next marker.
+/// Radius of the fitted region, in radii of the blob. A smaller region leaves background and depth undetermined, a
+/// larger one reaches the next marker.
 const REACH: f64 = 2.2;
 const MAX_STEPS: usize = 40;
 
-/// How deep a spot is at a scaled distance of which `square` is the square.
+/// Depth of a spot as a function of the squared scaled distance from its centre.
 #[derive(Clone, Copy)]
 pub enum Profile {
     /// `exp(-square / 2)`.
     Gaussian,
-    /// `exp(-square² / 2)`: nearly a disc, which is what markers are.
+    /// `exp(-square² / 2)`: nearly a disc, like a real marker.
     Flat,
 }
 
@@ -29,7 +30,7 @@ impl Profile {
     }
 }
 
-/// Centre (column, row) of the spot of `picture` that `blob` is, px.
+/// Fits the spot `blob` of `picture`, and returns its centre (column and row, px).
 pub fn centre(picture: &Picture, blob: &Blob, profile: Profile) -> [f64; 2] {
     let pixels = pixels(picture, blob);
     let light: Vec<f64> = pixels.iter().map(|pixel| pixel[2]).collect();
@@ -47,7 +48,7 @@ pub fn centre(picture: &Picture, blob: &Blob, profile: Profile) -> [f64; 2] {
     [blob.centre[0] + fitted[0], blob.centre[1] + fitted[1]]
 }
 
-/// Column and row from the blob's centre, px, and gray level.
+/// Pixels near a blob: column and row relative to its centre (px), and gray level.
 fn pixels(picture: &Picture, blob: &Blob) -> Vec<[f64; 3]> {
     let reach = REACH * blob.radius();
     let places = (0..picture.height).flat_map(|row| (0..picture.width).map(move |c| (c, row)));
@@ -66,7 +67,7 @@ fn value(p: &Parameters, [x, y]: [f64; 2], profile: Profile) -> f64 {
     p[2] + p[3] * x + p[4] * y - p[5] * profile.depth(square)
 }
 
-/// Levenberg and Marquardt's method.
+/// Levenberg-Marquardt method.
 fn least_squares(start: Parameters, residuals: &dyn Fn(&Parameters) -> Vec<f64>) -> Parameters {
     let cost = |errors: &[f64]| errors.iter().map(|e| e * e).sum::<f64>();
     let (mut at, mut damping) = (start, 1e-3);

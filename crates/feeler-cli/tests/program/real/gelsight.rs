@@ -1,4 +1,4 @@
-//! Videos of a marker gel: where markers are, and following them.
+//! Videos of a marker gel: locating and tracking the markers.
 
 use super::blobs::{Blob, blobs, median_area};
 use super::fit::{Profile, centre};
@@ -16,23 +16,24 @@ use std::io::Write;
 use std::path::Path;
 use std::process::Stdio;
 
-/// Number of the frame from which on markers are followed; before, the lamps settle.
+/// First frame in which markers are tracked. In earlier frames, the lamps settle.
 const SETTLED: usize = 12;
 
-/// The given part of the values lies below what is returned.
+/// Quantile of the values: the fraction `part` of them is below the result.
 fn quantile(values: &mut [f64], part: f64) -> f64 {
     values.sort_by(f64::total_cmp);
     values[((values.len() - 1) as f64 * part).round() as usize]
 }
 
-/// The element nearest to a blob, if it lies within its radius, px.
+/// The element nearest to a blob, if its distance is at most `radius` (px).
 fn element_of(located: &Located, blob: &Blob, radius: f64) -> Option<[f64; 2]> {
     let elements = located.elements.iter().map(|e| e.centre_px.to_array());
     let nearest = elements.min_by(|a, b| blob.distance(*a).total_cmp(&blob.distance(*b)));
     nearest.filter(|place| blob.distance(*place) <= radius)
 }
 
-/// Checks that all whole spots are elements and all elements are spots; each whole spot with its element's place, px.
+/// Asserts that all whole spots are elements and all elements are spots. Returns each whole spot with the position of
+/// its element (px).
 fn compared(name: &str, picture: &Picture, located: &Located) -> Vec<(Blob, [f64; 2])> {
     let strong = blobs(picture, true, 0.5);
     let typical = median_area(&strong);
@@ -48,7 +49,8 @@ fn compared(name: &str, picture: &Picture, located: &Located) -> Vec<(Blob, [f64
         (blob, element)
     });
     let pairs: Vec<_> = pairs.collect();
-    // A worn marker has half of the contrast of others, and is none of the whole ones. There, a shade may join a marker.
+    // A worn marker has half of the contrast of others, and is not among the whole ones. At that contrast, a shadow may
+    // merge with a marker.
     let faint = [strong, blobs(picture, true, 0.25)].concat();
     for element in &located.elements {
         let place = element.centre_px.to_array();
@@ -58,11 +60,11 @@ fn compared(name: &str, picture: &Picture, located: &Located) -> Vec<(Blob, [f64
     pairs
 }
 
-/// On the first frame of every video. The bound is a tenth of a pixel at the median, against spots that are flat on top, as markers are,
-/// and against Gaussian ones.
+/// Uses the first frame of every video. The median distance to fitted spots must be at most 0.1 px, for flat-topped
+/// spots, which resemble the markers, and for Gaussian ones.
 #[test]
-fn all_whole_markers_are_found_and_none_invented() {
-    let test = "all_whole_markers_are_found_and_none_invented";
+fn all_whole_markers_are_located_without_false_positives() {
+    let test = "all_whole_markers_are_located_without_false_positives";
     let Some((data, ffmpeg)) = recordings("gelsight-slip", test).zip(ffmpeg(test)) else {
         return;
     };
@@ -93,7 +95,7 @@ fn all_whole_markers_are_found_and_none_invented() {
     }
 }
 
-/// Where the markers of the newest frame in a table of tracks are, px.
+/// Positions of the markers in the last frame of a table of tracks (px).
 fn last_places(folder: &Path) -> Vec<[f64; 2]> {
     let text = fs::read_to_string(folder.join("gel.toml")).unwrap();
     let layout = LocatedLayout::from_toml(&text).unwrap();
@@ -107,7 +109,8 @@ fn last_places(folder: &Path) -> Vec<[f64; 2]> {
     places.collect()
 }
 
-/// How markers were followed: rows of the table and those in which a marker is lost; markers, and those that are at no spot in the last frame.
+/// Result of tracking: numbers of table rows, of rows with a lost marker, of markers, and of markers that are not on a
+/// spot in the last frame.
 #[derive(Debug, Default, Clone, Copy)]
 struct Followed {
     rows: usize,
@@ -116,7 +119,7 @@ struct Followed {
     off_spots: usize,
 }
 
-/// Follows the markers of `video` through the program, from the frame in which they were located to the end.
+/// Tracks the markers of `video` with the program, from the frame in which they are located to the end.
 fn followed(ffmpeg: &OsString, video: &Path, folder: &Path) -> Followed {
     let Picture {
         width,
@@ -171,7 +174,7 @@ fn followed(ffmpeg: &OsString, video: &Path, folder: &Path) -> Followed {
     }
 }
 
-/// How many of `places` are on a spot of `picture`; checks that none of them is two markers.
+/// Number of `places` on a spot of `picture`. Asserts that no spot has two of them.
 fn on_spots(name: &str, picture: &Picture, places: &[[f64; 2]]) -> usize {
     let spots = blobs(picture, true, 0.5);
     let radius = (median_area(&spots) as f64 / std::f64::consts::PI).sqrt();
@@ -189,11 +192,12 @@ fn on_spots(name: &str, picture: &Picture, places: &[[f64; 2]]) -> usize {
     taken.iter().sum()
 }
 
-/// From the 13th frame to the end of every video. Of the markers of all frames, one in a hundred may be lost for a moment: those that the
-/// gel carries out of the picture, and those that fade where something presses. In the last frames, one in fifty may be at no spot.
+/// Tracks from the 13th frame to the end of every video. At most 1 % of the markers in all frames may be lost: those
+/// that leave the image with the gel, and those that fade under pressure. In the last frames, at most 2 % may be off a
+/// spot.
 #[test]
-fn markers_are_followed_to_the_end_of_videos() {
-    let test = "markers_are_followed_to_the_end_of_videos";
+fn markers_are_tracked_to_the_end_of_videos() {
+    let test = "markers_are_tracked_to_the_end_of_videos";
     let Some((data, ffmpeg)) = recordings("gelsight-slip", test).zip(ffmpeg(test)) else {
         return;
     };

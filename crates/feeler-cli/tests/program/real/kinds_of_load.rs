@@ -1,15 +1,15 @@
-//! Whether a wrench calibration knows what it was not made for.
+//! Validity of a wrench calibration under loads that it was not made with.
 
 use super::fibres::located;
 use feeler::sensor::wrench::{WrenchAxis, WrenchCalibration, WrenchEstimator, WrenchSample, fit};
 use feeler_lab::sensor::{ForcesFile, SensorGeometry};
 
-/// A prediction is far off from here on, in root mean square errors that the calibration states.
+/// Error above which a prediction is far off, in RMS errors stated by the calibration.
 const FAR_OFF: f64 = 3.0;
-/// Parts that a recording is cut into, one after the other in time.
+/// Number of consecutive parts into which a recording is divided.
 const PARTS: usize = 5;
 
-/// Pictures that were counted.
+/// Counts of images.
 #[derive(Debug, Default)]
 struct Counted {
     pictures: usize,
@@ -19,7 +19,7 @@ struct Counted {
 }
 
 impl Counted {
-    /// Looks at `samples` by a calibration.
+    /// Counts the predictions of a calibration for `samples`.
     fn add(&mut self, calibration: &WrenchCalibration, samples: &[WrenchSample]) {
         let mut estimator = WrenchEstimator::new(calibration.clone()).unwrap();
         for sample in samples {
@@ -39,12 +39,13 @@ impl Counted {
     }
 }
 
-/// Calibrated on each recording alone, at most one in twenty of the pictures of the others that are far off is taken for valid. Calibrated on
-/// all but one, one in ten: where another one is of the same load, pictures are alike, and drift between the two is in none of them. Of parts
-/// that were left out of all recordings, at least nine in ten are valid.
+/// Calibrated on each recording alone, at most one in twenty of the far-off images of the others may be valid.
+/// Calibrated on all recordings but one, one in ten: if another recording has the same load, the images are similar,
+/// and the drift between the two is in neither. Of parts that were left out of all recordings, at least nine in ten
+/// must be valid.
 #[test]
-fn what_is_far_off_under_another_load_is_not_valid() {
-    let Some((data, folder)) = located("what_is_far_off_under_another_load_is_not_valid") else {
+fn far_off_predictions_under_another_load_are_invalid() {
+    let Some((data, folder)) = located("far_off_predictions_under_another_load_are_invalid") else {
         return;
     };
     let sensor = SensorGeometry::read_layout(&folder.join("layout.toml")).unwrap();
@@ -66,7 +67,7 @@ fn what_is_far_off_under_another_load_is_not_valid() {
     for recording in 0..names.len() {
         let rest: Vec<_> = (0..names.len()).filter(|&r| r != recording).collect();
         let rest: Vec<_> = rest.into_iter().flat_map(of).collect();
-        // One that is too short to learn from is not calibrated on.
+        // A recording that is too short for a calibration is skipped.
         if let Ok(calibration) = learn(&of(recording)) {
             others.add(&calibration, &rest);
             println!("{} alone, others: {others:?} so far", names[recording]);

@@ -1,5 +1,5 @@
-//! What docs/real-data.md says of recordings of real sensors that others made, where they are at hand (`FEELER_DATA`). Counts and names
-//! are taken from the recordings, so that others of the same kind serve as well.
+//! Statements of docs/real-data.md, checked on public recordings of real sensors if they are available (`FEELER_DATA`).
+//! Counts and names are taken from the recordings, so that similar recordings can be used as well.
 
 mod blobs;
 mod fibres;

@@ -1,4 +1,4 @@
-//! Slip in videos of a marker gel, told by `feeler score-slip`.
+//! Slip in videos of a marker gel, detected by `feeler score-slip`.
 
 use super::video::{ffmpeg, videos};
 use crate::program::{folder, run};
@@ -6,7 +6,7 @@ use crate::recordings::recordings;
 use std::fs;
 use std::process::Command;
 
-/// The number in a detector's line of what the program says.
+/// The number in line `line` of a detector in the program's output.
 fn number(text: &str, detector: &str, line: &str) -> f64 {
     let own = text
         .split_once(&format!("{detector}\n"))
@@ -19,11 +19,11 @@ fn number(text: &str, detector: &str, line: &str) -> f64 {
     first.parse().unwrap_or_else(|_| panic!("{said:?}"))
 }
 
-/// By object left out. Bounds: above 20 features of tracks, which are known to reach 0.749 and 0.828 over more trials of the same
-/// set. Frames are thinned to four a second, to save time.
+/// Cross-validated by object. The bounds are above the results of 20 features of tracks, which are known to reach 0.749
+/// and 0.828 over more trials of the same set. Frames are reduced to four per second to save time.
 #[test]
-fn lost_objects_are_told_in_videos() {
-    let test = "lost_objects_are_told_in_videos";
+fn lost_objects_are_detected_in_videos() {
+    let test = "lost_objects_are_detected_in_videos";
     let Some((data, ffmpeg)) = recordings("gelsight-slip", test).zip(ffmpeg(test)) else {
         return;
     };
@@ -51,6 +51,6 @@ fn lost_objects_are_told_in_videos() {
     let right = number(&text, "contact loss", "accuracy (%)");
     println!("area {area}, {right} % right");
     assert!(area >= 0.87 && right >= 80.0, "{text}");
-    // All were read and scored.
+    // All videos were read and scored.
     assert_eq!(number(&text, "contact loss", "unknown"), 0.0, "{text}");
 }

@@ -1,4 +1,4 @@
-//! Frames of videos, by ffmpeg.
+//! Frames of videos, decoded by ffmpeg.
 
 use crate::recordings::cannot;
 use feeler::sensor::image::Picture;
@@ -8,7 +8,7 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use std::process::{Command, Stdio};
 
-/// ffmpeg, if it is there; if not, the test called `test` is skipped.
+/// The ffmpeg program. If it is missing, reports the test called `test` as skipped and returns `None`.
 pub fn ffmpeg(test: &str) -> Option<OsString> {
     let program = std::env::var_os("FEELER_FFMPEG").unwrap_or_else(|| "ffmpeg".into());
     let mut version = Command::new(&program);
@@ -19,7 +19,7 @@ pub fn ffmpeg(test: &str) -> Option<OsString> {
     if version.status().is_ok_and(|status| status.success()) {
         return Some(program);
     }
-    cannot(test, "there is no ffmpeg; set FEELER_FFMPEG");
+    cannot(test, "ffmpeg not found; set FEELER_FFMPEG");
     None
 }
 
@@ -35,7 +35,7 @@ pub fn videos(folder: &Path) -> Vec<PathBuf> {
     videos
 }
 
-/// The bytes that ffmpeg writes for the frames of `video` from number `first` on, with more arguments.
+/// Output of ffmpeg for the frames of `video` from number `first` on, with more arguments.
 pub fn decode(ffmpeg: &OsString, video: &Path, first: usize, arguments: &[&str]) -> Vec<u8> {
     let mut command = Command::new(ffmpeg);
     command.args(["-nostdin", "-v", "error", "-i"]).arg(video);

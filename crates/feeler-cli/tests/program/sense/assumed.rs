@@ -1,17 +1,17 @@
-//! Pictures of nobody knows what: the built-in fingertip is not assumed of those that cannot be of it.
+//! Images without a layout: the built-in fingertip is assumed only if they can be of it.
 
 use super::rendered::{image, pictures, save};
 use crate::program::{folder, run};
 use image::{GrayImage, Luma};
 use std::fs;
 
-/// Columns and rows of the fingertip's pictures, px.
+/// Width and height of the fingertip's images (px).
 const SIZE: (u32, u32) = (640, 480);
 
 #[test]
-fn of_pictures_of_the_fingertip_it_is_said_that_they_were_taken_for_such() {
+fn assumed_fingertip_is_reported() {
     let folder = folder("sense-assumed");
-    // Untouched, pressed all over, and under a lamp a little dimmer.
+    // Untouched, pressed all over, and with a slightly dimmer lamp.
     let mut pictures = pictures(3);
     for pixel in &mut pictures[2].picture.pixels {
         *pixel = (f64::from(*pixel) * 0.97) as u8;
@@ -33,7 +33,7 @@ fn of_pictures_of_the_fingertip_it_is_said_that_they_were_taken_for_such() {
 }
 
 #[test]
-fn pictures_of_something_else_are_refused_with_what_to_do() {
+fn images_of_other_fingertips_are_refused_with_instructions() {
     let folder = folder("sense-assumed-not");
     let refused = |name: &str, picture: GrayImage| {
         fs::create_dir_all(folder.join(name)).unwrap();
@@ -51,11 +51,11 @@ fn pictures_of_something_else_are_refused_with_what_to_do() {
     for gray in (0..=255).step_by(51) {
         refused("even", of(&|_, _| f64::from(gray)));
     }
-    // A lamp on a gel, brightest in the middle.
+    // A gel under a lamp, brightest in the middle.
     for peak in [60.0, 200.0] {
         refused("gel", of(&|x, y| peak - 0.2 * (x - 320.0).hypot(y - 240.0)));
     }
-    // White pins on black, of many spacings; one is in the middle of the picture.
+    // White pins on black, with various spacings, one of them in the middle of the image.
     for spacing in [16, 24, 36, 52] {
         for radius in [2.0, 5.0] {
             let s = f64::from(spacing);
@@ -64,13 +64,13 @@ fn pictures_of_something_else_are_refused_with_what_to_do() {
             refused("pins", of(&|x, y| if pin(x, y) { 255.0 } else { 0.0 }));
         }
     }
-    // The fingertip, but moved farther than any load moves an element.
+    // The fingertip, but shifted farther than any load displaces an element.
     let tip = image(&pictures(1)[0].picture).to_luma8();
     let mut moved = GrayImage::new(SIZE.0, SIZE.1);
     image::imageops::overlay(&mut moved, &tip, 30, 0);
     refused("moved", moved);
     refused("small", image::imageops::thumbnail(&tip, 320, 240));
-    // It is the first picture that counts, and one that cannot be read is none.
+    // The first image decides, and unreadable images are skipped.
     fs::write(folder.join("even/0.png"), "no picture").unwrap();
     run(&folder, &["sense", "even"]).refused(&["skipped: even/0.png", "feeler locate"]);
 }

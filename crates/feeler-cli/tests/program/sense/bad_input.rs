@@ -1,4 +1,4 @@
-//! Bad input is named, with what was expected; what can be sensed is.
+//! Invalid input is reported with the expected input, and valid frames are still sensed.
 
 use super::rendered::{CALIBRATION, image, pictures, save};
 use super::table::{WITH_FORCES, WITHOUT_FORCES, rows};
@@ -6,7 +6,7 @@ use crate::program::{Ended, folder, run};
 use std::fs;
 
 #[test]
-fn a_damaged_file_is_skipped_and_the_rest_goes_on() {
+fn damaged_files_are_skipped() {
     let folder = folder("sense-damaged");
     let pictures = pictures(6);
     let files = folder.join("pictures");
@@ -37,7 +37,7 @@ fn a_damaged_file_is_skipped_and_the_rest_goes_on() {
     let rows = rows(&ended.stdout, WITH_FORCES);
     let frames: Vec<_> = rows.chunks(41).map(|rows| rows[0].frame).collect();
     assert_eq!(frames, [0, 1, 5]);
-    // A folder of nothing else is refused.
+    // Input without any valid image is refused.
     run(&folder, &["sense", "pictures/frame4.png"]).refused(&[
         "no frame",
         "1 skipped, the first: pictures/frame4.png: ",
@@ -45,10 +45,10 @@ fn a_damaged_file_is_skipped_and_the_rest_goes_on() {
     ]);
 }
 
-/// One is gone before it is its turn, as of a disk that is taken out.
+/// Files disappear before they are read, as if a disk had been removed.
 #[cfg(unix)]
 #[test]
-fn a_folder_whose_reading_fails_halfway_is_named_with_the_cause() {
+fn files_that_disappear_are_reported_with_the_cause() {
     let folder = folder("sense-halfway");
     let files = folder.join("pictures");
     save(&pictures(4), &files);
@@ -68,7 +68,7 @@ fn a_folder_whose_reading_fails_halfway_is_named_with_the_cause() {
 }
 
 #[test]
-fn a_picture_of_another_size_is_skipped_and_the_rest_goes_on() {
+fn images_of_another_size_are_skipped() {
     let folder = folder("sense-size");
     save(&pictures(3), &folder.join("pictures"));
     let small = image::GrayImage::new(320, 240);
@@ -84,7 +84,7 @@ fn a_picture_of_another_size_is_skipped_and_the_rest_goes_on() {
     ] {
         assert!(ended.stderr.contains(said), "{ended:?}");
     }
-    // A folder of nothing else is refused.
+    // Input without any valid image is refused.
     small.save(folder.join("frame2.png")).unwrap();
     let named = ["sense", "frame2.png", "--experiment=cap-closing"];
     run(&folder, &named).refused(&["no frame", "1 skipped", "frame2.png"]);
@@ -100,7 +100,7 @@ fn a_picture_of_another_size_is_skipped_and_the_rest_goes_on() {
 }
 
 #[test]
-fn a_picture_that_comes_twice_is_kept_and_said() {
+fn repeated_image_is_kept_and_reported() {
     let folder = folder("sense-twice");
     let files = folder.join("pictures");
     save(&pictures(4), &files);
@@ -118,7 +118,7 @@ fn a_picture_that_comes_twice_is_kept_and_said() {
 }
 
 #[test]
-fn sources_that_are_none() {
+fn invalid_sources_are_refused() {
     let folder = folder("sense-sources");
     fs::create_dir(folder.join("empty")).unwrap();
     fs::write(folder.join("notes.txt"), "text").unwrap();
@@ -182,7 +182,7 @@ fn sources_that_are_none() {
 }
 
 #[test]
-fn calibrations_that_do_not_fit() {
+fn missing_and_unsuitable_calibrations_are_refused() {
     let folder = folder("sense-calibration");
     save(&pictures(1), &folder.join("pictures"));
     let text = fs::read_to_string(CALIBRATION).unwrap();
@@ -209,7 +209,7 @@ fn calibrations_that_do_not_fit() {
 }
 
 #[test]
-fn outputs_that_cannot_be_written() {
+fn unwritable_outputs_are_refused() {
     let folder = folder("sense-unwritable");
     save(&pictures(1), &folder.join("pictures"));
     let cases = [
@@ -236,7 +236,7 @@ fn outputs_that_cannot_be_written() {
 }
 
 #[test]
-fn options_that_would_change_nothing_are_refused() {
+fn options_without_effect_are_refused() {
     let folder = folder("sense-no-effect");
     save(&pictures(1), &folder.join("pictures"));
     let cases = [
@@ -251,7 +251,7 @@ fn options_that_would_change_nothing_are_refused() {
 }
 
 #[test]
-fn what_fails_leaves_a_good_table() {
+fn failures_keep_an_existing_table() {
     let folder = folder("sense-keeps");
     save(&pictures(3), &folder.join("pictures"));
     let sense = ["sense", "pictures", "-o", "out.csv"];
@@ -264,21 +264,21 @@ fn what_fails_leaves_a_good_table() {
     let forced = run(&folder, &[&sense[..], &["--force"]].concat());
     assert_eq!(forced.status, Some(0), "{forced:?}");
     unchanged();
-    // Nothing is sensed.
+    // No frame can be sensed.
     fs::create_dir(folder.join("none")).unwrap();
     fs::write(folder.join("none/a.png"), "no picture").unwrap();
     let none = ["sense", "none", "-o", "out.csv", "--force"];
     run(&folder, &none).refused(&["no frame"]);
     unchanged();
     assert!(!folder.join("out.csv.part").exists());
-    // What a program that was killed has left is no less safe than a table.
+    // The partial file of a killed program is not overwritten either.
     let another = ["sense", "pictures/frame0.png", "-o", "new.csv"];
     fs::write(folder.join("new.csv.part"), &good[..good.len() / 2]).unwrap();
     run(&folder, &another).refused(&["new.csv.part: exists already"]);
 }
 
 #[test]
-fn an_input_is_never_written_over() {
+fn inputs_are_never_overwritten() {
     let folder = folder("sense-inputs");
     save(&pictures(1), &folder.join("pictures"));
     fs::copy(CALIBRATION, folder.join("c.csv")).unwrap();
@@ -314,11 +314,11 @@ fn an_input_is_never_written_over() {
 
 #[cfg(unix)]
 #[test]
-fn a_full_disk_is_no_success_and_tears_no_row() {
+fn full_disk_is_an_error_and_leaves_complete_rows() {
     let folder = folder("sense-full");
     save(&pictures(40), &folder.join("pictures"));
     for name in ["full.csv", "full.jsonl", "full.mcap"] {
-        // No file may grow past 16 blocks of 512 bytes: the disk is full within a row.
+        // The file size limit of 16 blocks of 512 bytes is reached within a row.
         let limited = "trap '' XFSZ; ulimit -f 16; exec \"$@\"";
         let mut command = std::process::Command::new("sh");
         command.args(["-c", limited, "sh", env!("CARGO_BIN_EXE_feeler")]);

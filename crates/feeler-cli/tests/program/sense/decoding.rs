@@ -1,4 +1,4 @@
-//! Decoding pictures from hostile bytes: never a panic, and never half a picture for a whole one.
+//! Decoding images from arbitrary bytes never panics, and never returns a partial image as a complete one.
 
 use feeler_sources::decode_picture;
 use image::{DynamicImage, GrayImage, ImageFormat, Luma};
@@ -6,10 +6,10 @@ use proptest::prelude::*;
 use std::io::Cursor;
 use std::sync::LazyLock;
 
-/// Number of files: three pictures in six formats.
+/// Number of files: three images in six formats.
 const COUNT: usize = 18;
 
-/// A small picture in each format.
+/// Small images in each format.
 static FILES: LazyLock<Vec<Vec<u8>>> = LazyLock::new(|| {
     let gray = GrayImage::from_fn(33, 17, |x, y| Luma([(x * 7 + y * 13) as u8]));
     let gray = DynamicImage::from(gray);
@@ -41,7 +41,7 @@ proptest! {
 
     #[test]
     fn any_bytes(bytes in prop::collection::vec(any::<u8>(), 0..400), file in 0..COUNT, keep in 0_usize..60) {
-        // Bare, and behind the start of a picture.
+        // The bytes alone, and after the start of an image.
         let _ = decode_picture(&bytes);
         let head = &FILES[file];
         let _ = decode_picture(&[&head[..keep.min(head.len())], &bytes].concat());
@@ -63,7 +63,7 @@ proptest! {
     }
 
     #[test]
-    fn a_file_cut_short_is_an_error_or_whole(file in 0..COUNT, at in any::<prop::sample::Index>()) {
+    fn truncated_file_is_an_error_or_complete(file in 0..COUNT, at in any::<prop::sample::Index>()) {
         let bytes = &FILES[file];
         let whole = decode_picture(bytes).expect("a picture");
         if let Ok(cut) = decode_picture(&bytes[..at.index(bytes.len())]) {
@@ -72,7 +72,7 @@ proptest! {
     }
 }
 
-/// So many damaged frames of Motion JPEG are decoded as `FEELER_FUZZ_JPEG` says.
+/// Decodes damaged Motion JPEG frames. `FEELER_FUZZ_JPEG` sets their number.
 #[cfg(all(feature = "camera", target_os = "linux"))]
 #[test]
 fn damaged_motion_jpeg() {

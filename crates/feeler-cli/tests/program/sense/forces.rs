@@ -13,7 +13,7 @@ use std::io::Write;
 use std::path::Path;
 use std::process::Stdio;
 
-/// The rows for what `source` names in `folder`, calibrated; it must end well.
+/// Senses `source` in `folder` with the reference calibration, and returns the rows. Asserts success without warnings.
 fn sensed(folder: &Path, source: &str) -> Vec<Row> {
     let ended = run(folder, &["sense", source, "--calibration", CALIBRATION]);
     assert_eq!(ended.status, Some(0), "{ended:?}");
@@ -30,14 +30,14 @@ fn sensed_raw(folder: &Path, raw: &[u8], arguments: &[&str]) -> Ended {
     let mut child = command.spawn().expect("the program");
     let mut stdin = child.stdin.take().expect("its input");
     let raw = raw.to_vec();
-    // It may end before it has read all.
+    // The program may end before it has read everything.
     let writer = std::thread::spawn(move || stdin.write_all(&raw).is_ok());
     let ended = Ended::of(child.wait_with_output().expect("its end"));
     writer.join().expect("the writer");
     ended
 }
 
-/// Root mean square of the differences, N, along x, y, z.
+/// Root mean square of the differences (N) along x, y and z.
 fn rms(differences: impl Iterator<Item = DVec3>) -> DVec3 {
     let (mut sum, mut count) = (DVec3::ZERO, 0.0);
     for difference in differences {
@@ -56,9 +56,9 @@ fn error(rows: &[Row], pictures: &[Loaded]) -> DVec3 {
 }
 
 #[test]
-fn known_loads_are_felt_within_the_calibrations_error() {
+fn known_loads_are_sensed_within_the_calibrations_error() {
     let folder = folder("sense-png");
-    // More than ten, so that frame10 must come after frame9.
+    // More than ten, to check that frame10 follows frame9.
     let pictures = pictures(13);
     save(&pictures, &folder.join("pictures"));
     let rows = sensed(&folder, "pictures");
@@ -72,26 +72,26 @@ fn known_loads_are_felt_within_the_calibrations_error() {
     let expected = rms(calibration.elements.iter().map(|e| e.quality.held_out.rms));
     let found = error(&rows[41..], &pictures);
     println!("error {found} N, the calibration's {expected} N");
-    // 492 loads of the kind that the calibration's error was found on: their root mean square is
-    // known to 3 % (1 / sqrt(2 * 492)), twice that for the long tails of shear; four times this.
+    // 492 loads of the kind with which the calibration's error was determined. Their RMS is known to 3 %
+    // (1 / sqrt(2 * 492)), or twice that for the long tails of shear. The tolerance is four times as large.
     assert!(
         found.cmple(1.25 * expected).all(),
         "{found}, expected {expected}"
     );
-    // Without load, noise alone is left of the normal force.
+    // Without load, only the noise of the normal force remains.
     let unloaded = error(&rows[..41], &pictures);
     assert!(unloaded.z < 0.02, "{unloaded}");
 }
 
 #[test]
-fn all_lossless_kinds_give_the_same_numbers() {
+fn lossless_formats_give_the_same_values() {
     let folder = folder("sense-lossless");
     let pictures = pictures(2);
     save(&pictures, &folder.join("png"));
     let expected = sensed(&folder, "png");
     let wide = |picture: &DynamicImage| {
         let mut wide = picture.to_luma16();
-        // Up to half a step of 8 bits off: it is rounded away.
+        // A change of less than half an 8-bit step, which rounding removes.
         wide.iter_mut()
             .for_each(|value| *value = value.saturating_add(120));
         DynamicImage::from(wide)
@@ -120,12 +120,12 @@ fn all_lossless_kinds_give_the_same_numbers() {
             change(&image(&loaded.picture)).save(path).unwrap();
         }
         let found = sensed(&folder, of_kind.to_str().unwrap());
-        assert!(found == expected, "{kind} gives other numbers");
+        assert!(found == expected, "{kind} gives other values");
     }
 }
 
 #[test]
-fn jpeg_costs_no_more_than_the_cameras_noise() {
+fn jpeg_errors_are_below_the_camera_noise() {
     let folder = folder("sense-jpeg");
     let pictures = pictures(5);
     save(&pictures, &folder.join("png"));
@@ -140,9 +140,9 @@ fn jpeg_costs_no_more_than_the_cameras_noise() {
     let pairs = || exact.iter().zip(&coded);
     let forces = rms(pairs().map(|(a, b)| a.force().unwrap() - b.force().unwrap()));
     println!("JPEG of quality 95 changes forces by {forces} N");
-    // Quality 95 rounds the picture's cosines to a few grey levels, which comes to about one grey
-    // level in a pixel: no more than the camera's own noise, of which the sensor may make 5 mN (normal)
-    // and 10 mN (shear) at 3 sigma. Half of these, as a root mean square.
+    // Quality 95 rounds the cosine coefficients of the image to a few gray levels, which causes errors of about one
+    // gray level per pixel. This is at most the camera noise, for which the sensor is allowed 5 mN (normal) and 10 mN
+    // (shear) at 3 sigma. The bounds are half of these values as an RMS.
     assert!(
         forces.cmple(DVec3::new(5e-3, 5e-3, 2.5e-3)).all(),
         "{forces}"
@@ -150,7 +150,7 @@ fn jpeg_costs_no_more_than_the_cameras_noise() {
 }
 
 #[test]
-fn raw_frames_give_the_same_numbers_as_files() {
+fn raw_frames_give_the_same_values_as_files() {
     let folder = folder("sense-raw");
     let pictures = pictures(3);
     save(&pictures, &folder.join("pictures"));
@@ -163,7 +163,7 @@ fn raw_frames_give_the_same_numbers_as_files() {
         rows(&ended.stdout, WITH_FORCES),
         sensed(&folder, "pictures")
     );
-    // A list of files is as good as their folder; stamps count by the rate.
+    // A list of files is equivalent to their folder; the rate determines the stamps.
     let files = [
         "pictures/frame0.png",
         "pictures/frame1.png",
@@ -175,7 +175,7 @@ fn raw_frames_give_the_same_numbers_as_files() {
 }
 
 #[test]
-fn a_stream_that_ends_within_a_frame_is_reported() {
+fn stream_that_ends_within_a_frame_is_reported() {
     let folder = folder("sense-partial");
     let raw = raw(&pictures(2));
     let ended = sensed_raw(&folder, &raw[..raw.len() - 1000], &["--raw=640x480"]);
@@ -184,10 +184,10 @@ fn a_stream_that_ends_within_a_frame_is_reported() {
     assert!(ended.stderr.contains(partial), "{ended:?}");
     assert!(ended.stderr.contains("1 frame sensed"), "{ended:?}");
     assert_eq!(rows(&ended.stdout, WITHOUT_FORCES).len(), 41);
-    // Nothing but garbage shorter than a frame is no picture at all.
+    // Data shorter than a frame are not an image.
     sensed_raw(&folder, b"garbage", &["--raw=640x480"]).refused(&["no frame", "1 skipped"]);
     sensed_raw(&folder, b"", &["--raw=640x480"]).refused(&["no frame", "expected at least 1"]);
-    // Garbage of a frame's length is a picture like any other.
+    // Arbitrary data of a frame's length are sensed like any image.
     let noise: Vec<u8> = (0..307_200_u32)
         .map(|i| (i.wrapping_mul(2_654_435_761) >> 24) as u8)
         .collect();
@@ -196,7 +196,7 @@ fn a_stream_that_ends_within_a_frame_is_reported() {
 }
 
 #[test]
-fn without_a_calibration_displacements_count_from_the_reference() {
+fn displacements_without_a_calibration_are_relative_to_the_reference() {
     let folder = folder("sense-reference");
     let pictures = pictures(4);
     save(&pictures, &folder.join("pictures"));
@@ -213,7 +213,7 @@ fn without_a_calibration_displacements_count_from_the_reference() {
     );
     assert!(first.iter().all(|row| row.force().is_none()));
     assert_eq!(first, sensed(&["--reference", "pictures/frame0.png"]));
-    // The mean over all frames makes the mean displacement nought, to rounding at micrometres.
+    // Relative to the mean over all frames, the mean displacement is zero, up to rounding.
     let mean = sensed(&["--unloaded", "4"]);
     let sum: f64 = mean
         .iter()
@@ -230,7 +230,7 @@ fn without_a_calibration_displacements_count_from_the_reference() {
 }
 
 #[test]
-fn every_output_holds_the_same() {
+fn all_outputs_contain_the_same_data() {
     let folder = folder("sense-outputs");
     save(&pictures(2), &folder.join("pictures"));
     let expected = sensed(&folder, "pictures");
@@ -279,7 +279,7 @@ fn every_output_holds_the_same() {
 }
 
 #[test]
-fn a_recorded_run_gives_its_forces_out() {
+fn forces_are_read_from_a_recorded_run() {
     let folder = folder("sense-recorded");
     let recording = Recording::read(whole_run(&folder).join("recording.mcap")).unwrap();
     for (source, finger) in [("run", 0), ("run/recording.mcap", 1)] {
@@ -319,7 +319,7 @@ fn a_recorded_run_gives_its_forces_out() {
 }
 
 #[test]
-fn what_cannot_be_felt_is_left_out_and_named() {
+fn unusable_elements_are_omitted_and_reported() {
     let folder = folder("sense-exposure");
     let mut pictures = pictures(4);
     let fingertip = fingertip();
@@ -368,7 +368,7 @@ fn what_cannot_be_felt_is_left_out_and_named() {
 }
 
 #[test]
-fn a_dimming_lamp_is_taken_out_with_drift_correction() {
+fn drift_correction_compensates_a_dimming_lamp() {
     let folder = folder("sense-drift");
     let pictures = dimming(30);
     save(&pictures, &folder.join("pictures"));
@@ -386,7 +386,7 @@ fn a_dimming_lamp_is_taken_out_with_drift_correction() {
             .map(|row| (row.force().expect("a force").z - 1.0).abs())
             .fold(0.0, f64::max)
     };
-    // 2 % of the full scale of 2 N; a tenth of the light is a tenth of the force and more.
+    // 2 % of the full scale of 2 N is 0.04 N. A tenth less light changes the forces by a tenth or more.
     let (uncorrected, corrected) = (last(&[]), last(&["--drift-correction"]));
     assert!(
         uncorrected > 0.08 && corrected < 0.04,

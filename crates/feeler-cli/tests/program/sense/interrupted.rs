@@ -1,4 +1,4 @@
-//! An endless stream that is interrupted leaves a good output.
+//! Interrupting an endless stream leaves valid output.
 
 use super::table::{WITHOUT_FORCES, rows};
 use crate::program::{Ended, feeler, folder};
@@ -8,9 +8,9 @@ use std::path::Path;
 use std::process::{Child, Command, Stdio};
 use std::thread::{JoinHandle, spawn, yield_now};
 
-/// Starts sensing frames that do not end.
+/// Starts sensing an endless stream of frames.
 fn start(folder: &Path, arguments: &[&str]) -> (Child, JoinHandle<()>) {
-    // The frames are of no fingertip.
+    // The frames do not show a fingertip, so the experiment must be named.
     let source = ["sense", "-", "--raw=640x480", "--experiment=cap-closing"];
     let all = [&source, arguments].concat();
     let mut command = feeler(folder, &all);
@@ -26,12 +26,12 @@ fn start(folder: &Path, arguments: &[&str]) -> (Child, JoinHandle<()>) {
 fn wait_for(path: &Path, bytes: u64, child: &mut Child) {
     while fs::metadata(path).map_or(true, |m| m.len() < bytes) {
         let ended = child.try_wait().expect("its state");
-        assert!(ended.is_none(), "it ended by itself: {ended:?}");
+        assert!(ended.is_none(), "the program ended by itself: {ended:?}");
         yield_now();
     }
 }
 
-/// Sends what Ctrl-C sends, and waits for the end.
+/// Sends the signal of Ctrl-C, and waits for the end of the program.
 pub fn interrupt(child: Child) -> Ended {
     let id = child.id().to_string();
     let sent = Command::new("kill").args(["-INT", &id]).status();
@@ -40,7 +40,7 @@ pub fn interrupt(child: Child) -> Ended {
 }
 
 #[test]
-fn the_output_is_closed_properly() {
+fn interrupted_output_is_closed_properly() {
     let folder = folder("sense-interrupted");
     for name in ["out.csv", "out.mcap"] {
         let (mut child, writer) = start(&folder, &["-o", name]);
@@ -58,24 +58,24 @@ fn the_output_is_closed_properly() {
 }
 
 #[test]
-fn a_silent_stream_is_interrupted_too() {
+fn silent_stream_can_be_interrupted() {
     let folder = folder("sense-silent");
     let mut command = feeler(&folder, &["sense", "-", "--raw=640x480", "-o", "out.csv"]);
     command.stdin(Stdio::piped());
     let command = command.stdout(Stdio::piped()).stderr(Stdio::piped());
     let mut child = command.spawn().expect("the program");
-    // Waiting for the end would close its input.
+    // Waiting for the end would close standard input.
     let stdin = child.stdin.take();
     wait_for(&folder.join("out.csv.part"), 0, &mut child);
     let ended = interrupt(child);
     assert_eq!(ended.status, Some(1), "{ended:?}");
     drop(stdin);
-    // There was nothing to write.
+    // No data were received, so no file is left.
     assert_eq!(fs::read_dir(&folder).unwrap().count(), 0);
 }
 
 #[test]
-fn a_reader_that_has_had_enough_ends_it() {
+fn closed_output_ends_the_program() {
     let folder = folder("sense-head");
     let (mut child, writer) = start(&folder, &[]);
     let mut stdout = child.stdout.take().expect("its output");
@@ -87,14 +87,14 @@ fn a_reader_that_has_had_enough_ends_it() {
     assert_eq!(ended.status, Some(0), "{ended:?}");
 }
 
-/// Nothing is closed: the file is as the system has it.
+/// A killed program does not close its files; they contain the data that were written before.
 #[test]
-fn a_program_that_is_killed_leaves_whole_rows() {
+fn killed_program_leaves_complete_rows() {
     let folder = folder("sense-killed");
     for name in ["out.csv", "out.jsonl"] {
         let part = folder.join(format!("{name}.part"));
         let (mut child, writer) = start(&folder, &["-o", name]);
-        // More than is handed on at a time.
+        // More than a single write.
         wait_for(&part, 300_000, &mut child);
         child.kill().expect("the kill");
         let ended = child.wait().expect("its end");

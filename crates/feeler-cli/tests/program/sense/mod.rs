@@ -1,4 +1,4 @@
-//! `feeler sense`, through the program: forces from pictures of known loads, and bad input.
+//! `feeler sense`: forces from images of known loads, and invalid input.
 
 mod assumed;
 mod bad_input;

@@ -1,11 +1,11 @@
-//! Pictures that are kept beside what was sensed, and sensed anew.
+//! Images that are recorded with the sensed data, and sensed again.
 
 use super::rendered::{CALIBRATION, pictures, save};
 use crate::program::{folder, run};
 use std::fs;
 use std::path::Path;
 
-/// Senses with these arguments; it must end well. The table that it wrote.
+/// Senses with `arguments`, asserts success, and returns the table.
 fn sensed(folder: &Path, source: &str, arguments: &[&str]) -> String {
     let output = ["-o", "out.csv", "--force"];
     let ended = run(
@@ -16,7 +16,7 @@ fn sensed(folder: &Path, source: &str, arguments: &[&str]) -> String {
     fs::read_to_string(folder.join("out.csv")).unwrap()
 }
 
-/// Keeps the pictures of the folder `pictures` in `name`.
+/// Records the images of the folder `pictures` to `name`.
 fn record(folder: &Path, name: &str, arguments: &[&str]) {
     let record = ["sense", "pictures", "--record-frames", "-o", name];
     let ended = run(folder, &[&record[..], arguments].concat());
@@ -24,7 +24,7 @@ fn record(folder: &Path, name: &str, arguments: &[&str]) {
 }
 
 #[test]
-fn pictures_on_record_are_sensed_anew_to_the_bit() {
+fn recorded_images_are_sensed_again_bit_identically() {
     let folder = folder("sense-record-frames");
     save(&pictures(6), &folder.join("pictures"));
     run(&folder, &["locate", "pictures/frame0.png", "-o", "l.toml"]).done();
@@ -48,7 +48,7 @@ fn pictures_on_record_are_sensed_anew_to_the_bit() {
             assert!(found == expected, "{recording} {arguments:?}");
         }
     }
-    // From one recording into another.
+    // From one recording to another.
     let again = ["sense", "plain.mcap", "--record-frames", "-o", "again.mcap"];
     assert_eq!(run(&folder, &again).status, Some(0));
     assert_eq!(
@@ -58,7 +58,7 @@ fn pictures_on_record_are_sensed_anew_to_the_bit() {
 }
 
 #[test]
-fn pictures_are_where_viewers_look_for_them() {
+fn images_are_recorded_on_the_topics_of_viewers() {
     let folder = folder("sense-record-topic");
     let pictures = pictures(3);
     save(&pictures, &folder.join("pictures"));
@@ -87,7 +87,7 @@ fn pictures_are_where_viewers_look_for_them() {
 }
 
 #[test]
-fn recordings_that_hold_no_whole_pictures_are_named() {
+fn recordings_without_complete_images_are_reported() {
     let folder = folder("sense-record-cut");
     save(&pictures(10), &folder.join("pictures"));
     record(&folder, "whole.mcap", &["--calibration", CALIBRATION]);
@@ -107,7 +107,7 @@ fn recordings_that_hold_no_whole_pictures_are_named() {
 }
 
 #[test]
-fn pictures_go_into_mcap_alone() {
+fn images_are_recorded_only_to_mcap() {
     let folder = folder("sense-record-refused");
     save(&pictures(1), &folder.join("pictures"));
     let cases: [(&[&str], &[&str]); 4] = [
@@ -127,7 +127,7 @@ fn pictures_go_into_mcap_alone() {
         run(&folder, &all).refused(words);
     }
     assert_eq!(fs::read_dir(&folder).unwrap().count(), 1);
-    // An input is not written over.
+    // An input is not overwritten.
     record(&folder, "x.mcap", &[]);
     let onto_itself = [
         "sense",

@@ -1,4 +1,4 @@
-//! Pictures of the reference fingertip under known loads.
+//! Rendered images of the reference fingertip under known loads.
 
 use feeler::sensor::fingertip::Fingertip;
 use feeler::sensor::image::Picture;
@@ -12,7 +12,7 @@ use rand_pcg::Pcg64;
 use std::f64::consts::TAU;
 use std::path::Path;
 
-/// The calibration that comes with the reference experiment.
+/// The calibration that is shipped with the reference experiment.
 pub const CALIBRATION: &str = concat!(
     env!("CARGO_MANIFEST_DIR"),
     "/../feeler-lab/experiments/reference-fingertip.calibration.toml"
@@ -24,13 +24,13 @@ pub fn fingertip() -> Fingertip {
     Fingertip::new(&experiment.config.sensor.fingertip).expect("a fingertip")
 }
 
-/// A picture and the forces that it was taken under.
+/// An image and the forces under which it was rendered.
 pub struct Loaded {
     pub forces: Vec<DVec3>,
     pub picture: Picture,
 }
 
-/// Takes pictures of the reference fingertip.
+/// Renders images of the reference fingertip.
 struct Renderer {
     model: OpticsModel,
     scratch: OpticsScratch,
@@ -64,8 +64,8 @@ impl Renderer {
     }
 }
 
-/// So many pictures, the first of them without load. Loads lie in the friction cone that the
-/// calibration was made in: up to 2 N, friction up to 0.9.
+/// Renders `count` images, the first without load. The loads are in the friction cone of the calibration: up to 2 N,
+/// friction up to 0.9.
 pub fn pictures(count: usize) -> Vec<Loaded> {
     let mut renderer = Renderer::new();
     let elements = fingertip().layout.elements.len();
@@ -77,7 +77,7 @@ pub fn pictures(count: usize) -> Vec<Loaded> {
     all
 }
 
-/// So many pictures under 1 N on nine elements each, while the lamp dims by a tenth.
+/// Renders `count` images, all but the first under 1 N on each of nine elements, while the lamp dims by a tenth.
 pub fn dimming(count: usize) -> Vec<Loaded> {
     let mut renderer = Renderer::new();
     let elements = fingertip().layout.elements.len();
@@ -102,14 +102,14 @@ fn load(rng: &mut Pcg64) -> DVec3 {
     (shear * DVec2::from_angle(TAU * rng.random::<f64>())).extend(normal)
 }
 
-/// The picture, to be saved in any format.
+/// Converts an image to save it in any format.
 pub fn image(picture: &Picture) -> DynamicImage {
     let (width, height) = (picture.width as u32, picture.height as u32);
     let gray = GrayImage::from_raw(width, height, picture.pixels.clone()).expect("a picture");
     gray.into()
 }
 
-/// Writes the pictures into `folder` as `frame0.png`, `frame1.png`, …
+/// Writes the images to `folder` as `frame0.png`, `frame1.png`, …
 pub fn save(pictures: &[Loaded], folder: &Path) {
     std::fs::create_dir_all(folder).expect("a folder");
     for (index, loaded) in pictures.iter().enumerate() {
@@ -118,7 +118,7 @@ pub fn save(pictures: &[Loaded], folder: &Path) {
     }
 }
 
-/// The pictures' gray values, one after the other.
+/// Gray values of all images, one after the other.
 pub fn raw(pictures: &[Loaded]) -> Vec<u8> {
     let pixels = pictures.iter().map(|loaded| &loaded.picture.pixels);
     pixels.flatten().copied().collect()

@@ -1,9 +1,9 @@
-//! Reads what the program writes.
+//! Parser of the program's tables.
 
 use glam::DVec3;
 use serde::Deserialize;
 
-/// One row.
+/// A row of a table.
 #[derive(Debug, Clone, PartialEq, Deserialize)]
 pub struct Row {
     pub frame: u64,
@@ -28,10 +28,10 @@ impl Row {
 
 /// Header of a table with forces.
 pub const WITH_FORCES: &str = "frame,stamp,element,integrated_gray,u_x,u_y,f_x,f_y,f_z";
-/// Header of a table without.
+/// Header of a table without forces.
 pub const WITHOUT_FORCES: &str = "frame,stamp,element,integrated_gray,u_x,u_y";
 
-/// The rows of a table with this header.
+/// Parses the rows of a table with this header.
 pub fn rows(text: &str, header: &str) -> Vec<Row> {
     assert_eq!(text.lines().next(), Some(header));
     let mut reader = csv::Reader::from_reader(text.as_bytes());

@@ -1,4 +1,4 @@
-//! Recordings of taxel arrays that others made, where they are at hand.
+//! Public recordings of taxel arrays, if they are available.
 
 use crate::program::{folder, rows, run};
 use crate::recordings::recordings;
@@ -8,11 +8,11 @@ use std::fs::{self, File};
 use std::io::copy;
 use std::path::{Path, PathBuf};
 
-/// Rows over which the shear rate is taken: 0.1 s at the rate that the layout assumes. From row to row, it is that of
-/// the noise, 12 counts, and of touching down, which says nothing of slip.
+/// Number of rows over which the shear rate is computed: 0.1 s at the rate of the layout. From row to row, the rate is
+/// that of the noise, 12 counts, and of the first touch, which do not indicate slip.
 const RATE_ROWS: usize = 10;
 
-/// All tables that `wanted` likes, below `folder`.
+/// Collects all tables below `folder` whose names are `wanted`.
 fn tables(folder: &Path, wanted: &dyn Fn(&str) -> bool, found: &mut Vec<PathBuf>) {
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
@@ -25,8 +25,8 @@ fn tables(folder: &Path, wanted: &dyn Fn(&str) -> bool, found: &mut Vec<PathBuf>
 }
 
 #[test]
-fn uskin_grasps_are_read_whole() {
-    let name = "uskin_grasps_are_read_whole";
+fn uskin_grasps_are_read_completely() {
+    let name = "uskin_grasps_are_read_completely";
     let Some(data) = recordings("uskin-grasps", name) else {
         return;
     };
@@ -71,9 +71,9 @@ fn uskin_grasps_are_read_whole() {
     }
 }
 
-/// Shears (x, y) of each taxel in a frame.
+/// Shear (x, y) of each taxel in a frame.
 type Shears = Vec<[f64; 2]>;
-/// Frames by sequence.
+/// Frames of each sequence.
 type Sequences = BTreeMap<String, Vec<Shears>>;
 
 fn sequences(table: &Path) -> Sequences {
@@ -90,7 +90,7 @@ fn sequences(table: &Path) -> Sequences {
     sequences
 }
 
-/// Largest change of any taxel's shear from frame to frame that `lag` apart.
+/// Largest change of any taxel's shear between frames that are `lag` apart.
 fn largest_change(frames: &[Shears], lag: usize) -> f64 {
     let pairs = frames.iter().zip(frames.iter().skip(lag));
     let taxels = pairs.flat_map(|(before, now)| before.iter().zip(now));
@@ -103,7 +103,7 @@ fn largest_shear(frames: &[Shears]) -> f64 {
     shears.fold(0.0, f64::max)
 }
 
-/// Area under the curve of scores, each with whether it slipped.
+/// Area under the ROC curve of scores, each with its label (`true` for slip).
 fn area(scores: &[(f64, bool)]) -> f64 {
     let of = |slip: bool| scores.iter().filter(move |s| s.1 == slip).map(|s| s.0);
     let wins = of(true).flat_map(|slip| {
@@ -112,7 +112,7 @@ fn area(scores: &[(f64, bool)]) -> f64 {
     wins.sum::<f64>() / (of(true).count() * of(false).count()) as f64
 }
 
-/// Standard error of an area of `area` over so many that slip and that do not (Hanley and McNeil 1982).
+/// Standard error of an AUC of `area` over `slips` positives and `others` negatives (Hanley and McNeil 1982).
 fn standard_error(area: f64, slips: f64, others: f64) -> f64 {
     let square = area * area;
     let (q1, q2) = (area / (2.0 - area), 2.0 * square / (1.0 + area));
@@ -120,11 +120,11 @@ fn standard_error(area: f64, slips: f64, others: f64) -> f64 {
     ((area * (1.0 - area) + pairs) / (slips * others)).sqrt()
 }
 
-/// What the data's README knows of simple rules: the largest shear of a sequence tells slip at 0.970, the largest shear
-/// rate at 0.78. Each is to be found within three standard errors of such an area on so many sequences.
+/// Results of simple rules in the README of the data: the largest shear of a sequence detects slip with an AUC of
+/// 0.970, the largest shear rate with 0.78. Both must be reproduced within three standard errors.
 #[test]
-fn eflesh_sequences_tell_slip_as_they_are_known_to() {
-    let name = "eflesh_sequences_tell_slip_as_they_are_known_to";
+fn eflesh_sequences_reproduce_known_slip_scores() {
+    let name = "eflesh_sequences_reproduce_known_slip_scores";
     let Some(data) = recordings("eflesh-slip", name) else {
         return;
     };
@@ -153,7 +153,7 @@ fn eflesh_sequences_tell_slip_as_they_are_known_to() {
         let sensed = sequences(&folder.join("out.csv"));
         assert!(
             sensed.keys().eq(slips.keys()),
-            "other sequences than labels"
+            "sequences and labels differ"
         );
         let scored = |score: &dyn Fn(&[Shears]) -> f64| {
             let scores = sensed
@@ -174,7 +174,7 @@ fn eflesh_sequences_tell_slip_as_they_are_known_to() {
             let off = (found - known).abs();
             assert!(
                 off <= 3.0 * error,
-                "{prefix}: {found} +- {error}, {known} known"
+                "{prefix}: {found} +- {error}, expected {known}"
             );
         }
     }

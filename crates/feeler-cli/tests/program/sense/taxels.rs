@@ -1,4 +1,4 @@
-//! `feeler sense TABLE --taxels LAYOUT`, through the program.
+//! `feeler sense TABLE --taxels LAYOUT`.
 
 use crate::program::{Ended, feeler, folder, run};
 use feeler::sensor::taxel::BUILT_IN_TAXELS;
@@ -25,7 +25,7 @@ taxel = [{ place = [0.0, -0.004, 0.0] }, { place = [0.0, 0.004, 0.0] }]
 ";
 const TABLE: &str =
     "p0_x,p0_y,p0_z,p1_x,p1_y,p1_z\n0,0,0,0,0,0\n0.5,-0.25,1.5,,0,2\n0.5,-0.25,1.5,0,0,2\n";
-/// What the table says of the second row's taxels, and of all rows as they are written.
+/// Expected output for [`TABLE`].
 const WRITTEN: &str = "\
 frame,stamp,element,f_x,f_y,f_z
 0,0.0,0,0.0,0.0,0.0
@@ -49,7 +49,7 @@ fn sense(folder: &Path, more: &[&str]) -> Ended {
 }
 
 #[test]
-fn a_table_of_another_program_is_sensed_alike() {
+fn tables_in_other_formats_are_sensed_alike() {
     let folder = prepare("taxels-of-others", PILLARS);
     let german = TABLE.replace(',', ";").replace('.', ",");
     let german = german
@@ -77,7 +77,7 @@ fn a_table_of_another_program_is_sensed_alike() {
 }
 
 #[test]
-fn a_packed_table_is_unpacked() {
+fn compressed_table_is_read() {
     let folder = prepare("taxels-packed", PILLARS);
     let packed = fs::File::create(folder.join("forces.csv.gz")).unwrap();
     let mut packed = GzEncoder::new(packed, Compression::fast());
@@ -86,14 +86,14 @@ fn a_packed_table_is_unpacked() {
     let arguments = ["sense", "forces.csv.gz", "--taxels", "pillars.toml"];
     let ended = run(&folder, &arguments);
     assert_eq!((ended.status, ended.stdout.as_str()), (Some(0), WRITTEN));
-    // What is cut off is told, after what was whole.
+    // A truncated file is reported after its readable rows.
     let whole = fs::read(folder.join("forces.csv.gz")).unwrap();
     fs::write(folder.join("forces.csv.gz"), &whole[..whole.len() - 12]).unwrap();
     run(&folder, &arguments).refused(&["forces.csv.gz"]);
 }
 
 #[test]
-fn every_output_holds_the_forces() {
+fn all_outputs_contain_the_forces() {
     let folder = prepare("taxels-outputs", PILLARS);
     let shown = sense(&folder, &[]);
     assert_eq!((shown.status, shown.stdout.as_str()), (Some(0), WRITTEN));
@@ -116,7 +116,7 @@ fn every_output_holds_the_forces() {
     let (tactile, topics, facts) = recorded(&folder.join("out.mcap"));
     assert_eq!(tactile[2].forces[1].z, 2.0);
     assert!(DVec3::from(tactile[1].forces[1]).is_nan());
-    // The scene once; at 30 Hz the cloud of the first frame only; forces and their sum in every frame.
+    // The scene once; the cloud, limited to 30 Hz, for the first frame only; forces and their sum for every frame.
     let expected = [
         ("/finger/0/taxels", 1),
         ("/finger/0/wrench", 3),
@@ -134,14 +134,14 @@ fn every_output_holds_the_forces() {
     assert!(facts["layout"].contains("p{n}_x"));
 }
 
-/// A JSON object's text with its keys in order, as `Value` has them.
+/// Text of a JSON object with its keys in order, like that of `Value`.
 fn sorted(text: &str) -> String {
     serde_json::from_str::<Value>(text).unwrap().to_string()
 }
 
 type Facts = BTreeMap<String, String>;
 
-/// Tactile frames, messages on each topic, and the metadata of the taxels.
+/// Tactile frames, number of messages per topic, and metadata of the taxels.
 fn recorded(path: &Path) -> (Vec<Tactile>, BTreeMap<String, usize>, Facts) {
     let file = fs::read(path).unwrap();
     let (mut tactile, mut topics) = (Vec::new(), BTreeMap::new());
@@ -160,9 +160,9 @@ fn recorded(path: &Path) -> (Vec<Tactile>, BTreeMap<String, usize>, Facts) {
     (tactile, topics, facts.into_iter().next().unwrap())
 }
 
-/// Whoever reads any of them sees that they are no newtons.
+/// Every output states that the values are counts, not newtons.
 #[test]
-fn counts_are_called_counts_everywhere() {
+fn all_outputs_state_the_unit_counts() {
     let counts = PILLARS.replace("'N'", "'counts'");
     let folder = prepare("taxels-counts", &counts);
     let shown = sense(&folder, &[]);
@@ -179,7 +179,7 @@ fn counts_are_called_counts_everywhere() {
     let (_, topics, facts) = recorded(&folder.join("out.mcap"));
     assert_eq!(facts["unit"], "counts");
     assert!(!topics.contains_key("/finger/0/wrench"), "{topics:?}");
-    // Known counts make newtons.
+    // With known counts per newton, forces are in newtons.
     let known = counts.replace("rate", "counts_per_newton = [2.0, 2.0, 4.0]\nrate");
     fs::write(folder.join("pillars.toml"), known).unwrap();
     let shown = sense(&folder, &["--rate", "10"]);
@@ -217,9 +217,9 @@ fn sequences_and_prefixes_are_chosen_by_argument() {
     sense(&folder, &[]).refused(&["expected another prefix: \"a\""]);
 }
 
-/// One row in, one frame out, before the next row comes.
+/// Each row gives a frame before the next row arrives.
 #[test]
-fn rows_on_standard_input_are_sensed_as_they_come() {
+fn rows_on_standard_input_are_sensed_immediately() {
     let folder = prepare("taxels-live", PILLARS);
     let mut command = feeler(&folder, &["sense", "-", "--taxels", "pillars.toml"]);
     command
@@ -238,7 +238,7 @@ fn rows_on_standard_input_are_sensed_as_they_come() {
         for _ in 0..2 {
             assert_eq!(frames.next().unwrap().unwrap(), expected.next().unwrap());
         }
-        // What is no row at all changes nothing.
+        // A line that is not a row changes nothing.
         writeln!(rows, "warning: 3 fingers").unwrap();
     }
     drop(rows);
@@ -254,10 +254,10 @@ fn rows_on_standard_input_are_sensed_as_they_come() {
     assert!(ended.stderr.contains("3 frames sensed") && ended.stderr.contains("4 skipped"));
 }
 
-/// Rows that never come hold nobody up, and who has read enough ends it.
+/// A stream without rows can be interrupted, and closing the output ends the program.
 #[cfg(unix)]
 #[test]
-fn a_silent_stream_is_interrupted_and_a_closed_pipe_is_no_error() {
+fn silent_stream_can_be_interrupted_and_a_closed_pipe_is_not_an_error() {
     let folder = prepare("taxels-silent", PILLARS);
     let arguments = ["sense", "-", "--taxels", "pillars.toml"];
     let start = || {
@@ -280,7 +280,7 @@ fn a_silent_stream_is_interrupted_and_a_closed_pipe_is_no_error() {
     let mut child = start();
     let mut stdin = child.stdin.take().unwrap();
     let rows = TABLE.replace("0,0,0,0,0,0\n", &"1,1,1,1,1,1\n".repeat(100_000));
-    // It may end before it has read all.
+    // The program may end before it has read everything.
     let writer = std::thread::spawn(move || stdin.write_all(rows.as_bytes()));
     let mut some = [0; 1000];
     child
@@ -296,7 +296,7 @@ fn a_silent_stream_is_interrupted_and_a_closed_pipe_is_no_error() {
 }
 
 #[test]
-fn bad_input_is_refused() {
+fn invalid_input_is_refused() {
     let folder = prepare("taxels-bad", PILLARS);
     let table = |text: &str| {
         fs::write(folder.join("bad.csv"), text).unwrap();
@@ -331,7 +331,7 @@ fn bad_input_is_refused() {
     sense(&["forces.csv", "--taxels", "pillars.toml", "--prefix", "x"])
         .refused(&["columns.prefix", "{prefix}"]);
     sense(&["forces.csv", "--prefix", "x"]).refused(&["--taxels"]);
-    // No hand knows such fingertips.
+    // The experiment has no fingertip of two taxels.
     let publish = ["forces.csv", "--taxels", "pillars.toml", "--publish"];
     sense(&publish).refused(&["2 taxels", "41 elements"]);
     sense(&["forces.csv", "--taxels", "pillars.toml", "--finger", "1"])
@@ -356,7 +356,7 @@ fn bad_input_is_refused() {
     .refused(&[".csv, .jsonl or .mcap"]);
 }
 
-/// A layout that is printed can be changed and used.
+/// Printed layouts are complete, so that they can be edited and used.
 #[test]
 fn built_in_layouts_are_listed_and_printed() {
     let folder = folder("taxels-list");

@@ -1,16 +1,19 @@
-//! Dark markers on uneven ground, located and followed through the program.
+//! Dark markers on an uneven background: locating and tracking.
 
 use crate::program::{folder, run};
 use std::fs;
 use std::path::Path;
 
-/// Columns and rows of markers, their spacing and radius, px.
+/// Columns and rows of markers.
 const GRID: (i32, i32) = (9, 7);
+/// Spacing of the markers (px).
 const SPACING: f64 = 30.0;
+/// Radius of a marker (px).
 const RADIUS: f64 = 5.0;
+/// Width and height of the images (px).
 const SIZE: (u32, u32) = (300, 240);
 
-/// Where a marker of the grid is when the middle of the gel is dragged by `drag`, px.
+/// Position of a marker of the grid (px) when the middle of the gel is dragged by `drag` (px).
 fn place((column, row): (i32, i32), drag: [f64; 2]) -> [f64; 2] {
     let at = |number: i32, count: i32| f64::from(2 * number - count + 1) / f64::from(count - 1);
     let (x, y) = (at(column, GRID.0), at(row, GRID.1));
@@ -25,7 +28,7 @@ fn markers() -> impl Iterator<Item = (i32, i32)> {
     (0..GRID.1).flat_map(|row| (0..GRID.0).map(move |column| (column, row)))
 }
 
-/// Saves a picture of the gel, brighter to the right, with one marker that the border cuts.
+/// Saves an image of the gel, brighter to the right, with an additional marker that the border cuts.
 fn save(path: &Path, drag: [f64; 2]) {
     let places: Vec<[f64; 2]> = markers().map(|marker| place(marker, drag)).collect();
     let picture = image::GrayImage::from_fn(SIZE.0, SIZE.1, |column, row| {
@@ -42,7 +45,7 @@ fn save(path: &Path, drag: [f64; 2]) {
     picture.save(path).unwrap();
 }
 
-/// The rows of a table: frame, element, displacement (px), confidence.
+/// Parses the rows of a table: frame, element, displacement (px), confidence.
 fn rows(table: &str) -> Vec<(usize, usize, [f64; 2], f64)> {
     let mut lines = table.lines();
     assert_eq!(
@@ -62,7 +65,7 @@ fn rows(table: &str) -> Vec<(usize, usize, [f64; 2], f64)> {
 }
 
 #[test]
-fn dark_markers_are_located_and_followed_beyond_their_spacing() {
+fn dark_markers_are_tracked_beyond_their_spacing() {
     let folder = folder("sense-track");
     fs::create_dir(folder.join("pictures")).unwrap();
     let drag = |frame: usize| [frame as f64 * 2.0, frame as f64 * -0.5];
@@ -85,7 +88,8 @@ fn dark_markers_are_located_and_followed_beyond_their_spacing() {
             let marker = (element as i32 % GRID.0, element as i32 / GRID.0);
             let (from, to) = (place(marker, [0.0, 0.0]), place(marker, drag(frame)));
             let error = (u[0] - to[0] + from[0]).hypot(u[1] - to[1] + from[1]);
-            // The middle has moved by a spacing in frame 15. From then on markers at the rim touch, so that two are one spot.
+            // The middle has moved by a spacing in frame 15. From then on, markers at the rim touch, so that two form
+            // one spot.
             if how == "--track=single" && frame > 15 {
                 continue;
             }
@@ -93,7 +97,8 @@ fn dark_markers_are_located_and_followed_beyond_their_spacing() {
                 confidence > 0.3,
                 "{how}, frame {frame}, element {element}: {confidence}"
             );
-            // Grey levels are rounded and the ground slopes: a tenth of a pixel or two; a swap would be off by 30.
+            // Gray levels are rounded and the background is sloped, which causes 0.1 to 0.2 px. A swap would cause 30
+            // px.
             assert!(
                 error < 0.3,
                 "{how}, frame {frame}, element {element}: {error} px"
@@ -103,7 +108,7 @@ fn dark_markers_are_located_and_followed_beyond_their_spacing() {
 }
 
 #[test]
-fn a_picture_without_markers_is_said_and_the_rest_goes_on() {
+fn images_without_markers_are_reported() {
     let folder = folder("sense-track-without");
     fs::create_dir(folder.join("pictures")).unwrap();
     save(&folder.join("reference.png"), [0.0, 0.0]);
@@ -133,16 +138,16 @@ fn a_picture_without_markers_is_said_and_the_rest_goes_on() {
 }
 
 #[test]
-fn tracking_needs_a_layout() {
+fn tracking_requires_a_layout() {
     let folder = folder("sense-track-layout");
     save(&folder.join("0.png"), [0.0, 0.0]);
     run(&folder, &["sense", "0.png", "--track"]).refused(&["--track", "--layout LAYOUT.toml"]);
 }
 
 #[test]
-fn what_is_no_pattern_of_markers_is_refused() {
+fn image_without_a_pattern_of_markers_is_refused() {
     let folder = folder("locate-texture");
-    // Noise, blurred: grains of every size.
+    // Blurred noise, with grains of all sizes.
     let mut state = 1_u64;
     let noise = image::GrayImage::from_fn(SIZE.0, SIZE.1, |_, _| {
         state = state

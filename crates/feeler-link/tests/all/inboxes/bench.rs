@@ -1,4 +1,4 @@
-//! Sound messages to be spoiled, and inboxes that know a hand, a world and a sensor program.
+//! Valid messages, to be invalidated by tests, and inboxes that have accepted a hand, a world and a sensor program.
 
 use feeler_link::hand::{RigSpeed, RunClock};
 use feeler_link::inboxes::Expected;
@@ -20,13 +20,13 @@ use feeler_record::wire::{Message, Vector3};
 pub const HAND: u64 = 1;
 pub const WORLD: u64 = 2;
 pub const SENSE: u64 = 3;
-/// Somebody who has not said what he is.
+/// A program that has not sent a heartbeat.
 pub const NOBODY: u64 = 9;
 
-/// Sensing elements of the hand's only finger.
+/// Number of sensing elements of the hand's only finger.
 pub const ELEMENTS: usize = 3;
 
-/// Age from which on data are stale, s.
+/// Age above which data are stale (s).
 pub const STALE: f64 = 0.035;
 
 pub fn expected() -> Expected {
@@ -52,7 +52,7 @@ pub fn heartbeat(program: &str, instance: u64) -> Heartbeat {
     }
 }
 
-/// What becomes of `message`.
+/// Passes `message` to `inbox` and returns the result.
 pub fn put<M: Message>(
     inbox: &mut dyn Inbox,
     topic: Topic,
@@ -62,7 +62,7 @@ pub fn put<M: Message>(
     inbox.take(topic, &encode(message).unwrap(), now)
 }
 
-/// What becomes of a heartbeat.
+/// Passes a heartbeat to `inbox` and returns the result.
 pub fn hear(inbox: &mut dyn Inbox, heartbeat: &Heartbeat, now: f64) -> Result<(), Rejection> {
     let place = heartbeat.place().unwrap();
     put(inbox, Topic::Heartbeat(place), heartbeat, now)
@@ -74,7 +74,7 @@ fn introduce(inbox: &mut dyn Inbox, programs: &[(&str, u64)]) {
     }
 }
 
-/// A hand of one finger in real time that has sent steps 1 to 100, one each 10 ms, until 1 s.
+/// Inbox of a hand with one finger, in real time, which has sent steps 1 to 100 every 10 ms until 1 s.
 pub fn hand() -> HandInbox {
     let clock = RunClock::new(RigSpeed::Times(1.0), 0.01, 3.5);
     let mut inbox = HandInbox::new(&[ELEMENTS], clock, expected());
@@ -85,7 +85,7 @@ pub fn hand() -> HandInbox {
     inbox
 }
 
-/// A rig of one finger.
+/// Inbox of a rig with one finger.
 pub fn rig() -> RigInbox {
     let mut inbox = RigInbox::new((1, WORLD), STALE + 0.01, expected());
     introduce(&mut inbox, &[("hand", HAND), ("sense", SENSE)]);
@@ -93,14 +93,14 @@ pub fn rig() -> RigInbox {
     inbox
 }
 
-/// A sensor program with pictures of 2x1 px.
+/// Inbox of a sensor program with images of 2x1 px.
 pub fn sense() -> SenseInbox {
     let mut inbox = SenseInbox::new((0, ELEMENTS), (2, 1), expected());
     introduce(&mut inbox, &[("hand", HAND), ("world", WORLD)]);
     inbox
 }
 
-/// A header that echoes the step 100 at once, by the hand's `sent`.
+/// Header that immediately echoes step 100, with its token from the hand's `sent`.
 pub fn echoing(sent: &SentSteps, instance: u64, sequence: u64, stamp: f64) -> MessageHeader {
     let echo = Echo {
         step: 100,

@@ -1,4 +1,4 @@
-//! What the hand takes of states, forces and orders.
+//! States, forces and orders that the hand accepts or rejects.
 
 use super::bench::{
     ELEMENTS, NOBODY, SENSE, STALE, WORLD, echoing, hand, hear, heartbeat, put, state, update,
@@ -17,7 +17,7 @@ use feeler_link::transport::encode;
 use feeler_record::wire::Vector3;
 use glam::DQuat;
 
-/// When messages come, s on the hand's clock.
+/// Arrival time of messages (s, on the hand's clock).
 const NOW: f64 = 1.002;
 
 fn sound_state(hand: &HandInbox, sequence: u64) -> StateMessage {
@@ -28,7 +28,7 @@ fn sound_update(hand: &HandInbox, sequence: u64) -> TactileUpdate {
     update(echoing(&hand.sent, SENSE, sequence, 5.0))
 }
 
-/// A hand that has taken a state.
+/// Inbox of a hand that has accepted a state.
 fn hand_with_state() -> HandInbox {
     let mut hand = hand();
     let first = sound_state(&hand, 1);
@@ -36,7 +36,7 @@ fn hand_with_state() -> HandInbox {
     hand
 }
 
-/// What becomes of a state that is spoiled in one thing.
+/// Result for a state after the change `spoil`.
 fn spoiled_state(spoil: impl Fn(&mut StateMessage)) -> Result<(), Rejection> {
     let mut hand = hand_with_state();
     let mut message = sound_state(&hand, 2);
@@ -44,7 +44,7 @@ fn spoiled_state(spoil: impl Fn(&mut StateMessage)) -> Result<(), Rejection> {
     put(&mut hand, Topic::State, &message, NOW)
 }
 
-/// What becomes of an update that is spoiled in one thing.
+/// Result for an update after the change `spoil`.
 fn spoiled_update(spoil: impl Fn(&mut TactileUpdate)) -> Result<(), Rejection> {
     let mut hand = hand_with_state();
     let mut message = sound_update(&hand, 2);
@@ -56,7 +56,7 @@ fn x(x: f64) -> Vector3 {
     Vector3 { x, y: 0.0, z: 0.0 }
 }
 
-/// What is wrong with a header, and for what it is refused.
+/// Change that makes a header invalid, and the reason for its rejection.
 type Spoiled = (fn(&mut MessageHeader), Rejection);
 
 const HEADERS: [Spoiled; 9] = [
@@ -72,12 +72,12 @@ const HEADERS: [Spoiled; 9] = [
 ];
 
 #[test]
-fn headers_are_refused_for_one_thing_each() {
+fn each_invalid_header_field_is_rejected() {
     assert_eq!(spoiled_state(|_| {}), Ok(()));
     assert_eq!(spoiled_update(|_| {}), Ok(()));
     for (index, (spoil, rejection)) in HEADERS.into_iter().enumerate() {
         let refused = spoiled_state(|state| spoil(&mut state.header));
-        // The first update of a program may have any number.
+        // The first update of a program may have any sequence number.
         assert_eq!(refused, Err(rejection), "{index}");
         if rejection != Rejection::Implausible {
             let refused = spoiled_update(|update| spoil(&mut update.header));
@@ -87,7 +87,7 @@ fn headers_are_refused_for_one_thing_each() {
 }
 
 #[test]
-fn states_are_refused_for_one_thing_each() {
+fn each_invalid_state_field_is_rejected() {
     type Spoil = fn(&mut StateMessage);
     let cases: [(Spoil, Rejection); 14] = [
         (|s| s.header.instance = SENSE, Rejection::Stranger),
@@ -116,7 +116,7 @@ fn states_are_refused_for_one_thing_each() {
         ),
         (
             |s| {
-                // As zeroed memory has it: no rotation at all.
+                // Zeroed memory is not a valid rotation.
                 let object_orientation = DQuat::from_array([0.0; 4]).into();
                 s.instruments = vec![InstrumentsMessage {
                     object_orientation,
@@ -132,7 +132,7 @@ fn states_are_refused_for_one_thing_each() {
 }
 
 #[test]
-fn updates_are_refused_for_one_thing_each() {
+fn each_invalid_update_field_is_rejected() {
     type Spoil = fn(&mut TactileUpdate);
     let cases: [(Spoil, Rejection); 11] = [
         (|u| u.header.instance = WORLD, Rejection::Stranger),
@@ -151,7 +151,7 @@ fn updates_are_refused_for_one_thing_each() {
     for (index, (spoil, rejection)) in cases.into_iter().enumerate() {
         assert_eq!(spoiled_update(spoil), Err(rejection), "{index}");
     }
-    // Nor is there a finger 1.
+    // There is no finger 1.
     let mut hand = hand_with_state();
     let message = sound_update(&hand, 2);
     let refused = put(&mut hand, Topic::Tactile(1), &message, NOW);
@@ -159,7 +159,7 @@ fn updates_are_refused_for_one_thing_each() {
 }
 
 #[test]
-fn what_is_no_message_is_counted() {
+fn malformed_messages_are_counted() {
     let mut hand = hand_with_state();
     let long = vec![0; Topic::State.most_bytes() + 1];
     let cut = &encode(&sound_state(&hand, 2)).unwrap()[..40];
@@ -177,7 +177,7 @@ fn what_is_no_message_is_counted() {
 }
 
 #[test]
-fn the_true_sender_wins_over_one_that_uses_its_name() {
+fn forged_sequence_numbers_do_not_lock_out_the_sender() {
     let mut hand = hand_with_state();
     for number in [u64::MAX, u64::MAX - 1, 1 << 40] {
         let forged = sound_state(&hand, number);
@@ -188,9 +188,9 @@ fn the_true_sender_wins_over_one_that_uses_its_name() {
     assert_eq!(put(&mut hand, Topic::State, &next, NOW), Ok(()));
 }
 
-/// Ages are told from when the picture was taken, by the echo, not from when anything was sensed or came.
+/// The age follows from the echo of the exposure, not from the time of sending or arrival.
 #[test]
-fn data_are_as_old_as_what_they_echo() {
+fn age_is_bounded_by_the_echo() {
     let mut hand = hand_with_state();
     let late = 1.0 + STALE;
     let newer = StateMessage {
@@ -212,7 +212,7 @@ fn data_are_as_old_as_what_they_echo() {
 }
 
 #[test]
-fn a_camera_with_a_clock_of_its_own_is_placed_by_its_age() {
+fn time_of_a_camera_with_a_separate_clock_follows_from_its_age() {
     let mut hand = hand_with_state();
     for (sequence, stamp) in [(1, -3.0), (2, 1e9)] {
         let own = TactileUpdate {
@@ -233,9 +233,9 @@ fn a_camera_with_a_clock_of_its_own_is_placed_by_its_age() {
 }
 
 #[test]
-fn another_rigs_states_go_on_in_the_runs_time() {
+fn states_of_another_rig_continue_the_run_time() {
     let mut hand = hand_with_state();
-    // The first rig was silent for more than a second.
+    // The first rig has been silent for more than a second.
     for step in 101..=350 {
         hand.sent.sent(step, 0.01 * step as f64);
     }
@@ -255,7 +255,7 @@ fn another_rigs_states_go_on_in_the_runs_time() {
 }
 
 #[test]
-fn a_stop_of_any_version_is_taken_and_only_its_own_number_resumes_it() {
+fn stops_of_any_version_are_accepted_and_resumed_by_their_number() {
     let mut hand = hand();
     let stop = StopMessage {
         protocol: 77,
@@ -265,7 +265,7 @@ fn a_stop_of_any_version_is_taken_and_only_its_own_number_resumes_it() {
     put(&mut hand, Topic::Stop, &stop, NOW).unwrap();
     let by = hand.holds.ordered_by().unwrap();
     assert_eq!(by.len(), 256);
-    // As version 2 has it: without an id.
+    // Format of version 2, without an id.
     let mut earlier = vec![0, 1, 0, 0, 2, 0, 0, 0, 3, 0, 0, 0];
     earlier.extend(b"me\0");
     assert_eq!(hand.take(Topic::Stop, &earlier, NOW), Ok(()));
@@ -286,9 +286,10 @@ fn a_stop_of_any_version_is_taken_and_only_its_own_number_resumes_it() {
     assert_eq!(hand.holds.ordered_by(), Some("me"));
 }
 
-/// Who stops a hand that had no fresh data, and resumes his stop, keeps it from nothing: it goes on by itself.
+/// After a stop order has been given and resumed, a hand that was also stopped for stale data still resumes
+/// automatically.
 #[test]
-fn a_stop_meanwhile_does_not_keep_a_hand_from_going_on_by_itself() {
+fn automatic_resumption_works_after_a_resumed_order() {
     let mut hand = hand_with_state();
     let felt = sound_update(&hand, 1);
     put(&mut hand, Topic::Tactile(0), &felt, NOW).unwrap();
@@ -296,27 +297,30 @@ fn a_stop_meanwhile_does_not_keep_a_hand_from_going_on_by_itself() {
     let late = hand.verdict(NOW + 1.0, STALE, true);
     assert!(matches!(
         late,
-        Permission::Hold(Some(StopReason::StaleState { .. }))
+        Permission::ActiveStop(Some(StopReason::StaleState { .. }))
     ));
     let number = hand.holds.order(5, "me").unwrap();
     let told = hand.verdict(NOW, STALE, true);
     assert!(matches!(
         told,
-        Permission::Hold(Some(StopReason::Requested { .. }))
+        Permission::ActiveStop(Some(StopReason::Requested { .. }))
     ));
     hand.holds.resume(number);
     assert_eq!(hand.verdict(NOW, STALE, true), Permission::Move);
-    // Where it is to be told, both stops are to be resumed.
+    // Without automatic resumption, both stops must be resumed.
     hand.verdict(NOW + 1.0, STALE, false);
     hand.holds.order(6, "me");
     hand.holds.resume(hand.holds.newest());
-    assert_eq!(hand.verdict(NOW, STALE, false), Permission::Hold(None));
+    assert_eq!(
+        hand.verdict(NOW, STALE, false),
+        Permission::ActiveStop(None)
+    );
 }
 
-/// Where data are never stale, as their rig waits for the hand, they must have come nevertheless: a hand that began
-/// before would wait for a rig that has not heard of it.
+/// In lockstep data are never stale, but must have arrived: a hand that started earlier would wait for a rig that does
+/// not know it yet.
 #[test]
-fn a_hand_begins_when_it_has_heard_from_all() {
+fn a_hand_starts_when_data_of_all_programs_have_arrived() {
     let mut hand = hand();
     let (now, never) = (1.0, f64::INFINITY);
     assert!(hand.missing(now).is_empty());

@@ -1,4 +1,4 @@
-//! Which programs are taken for what.
+//! Acceptance of programs by their heartbeats.
 
 use super::bench::{NOBODY, SENSE, WORLD, expected, hand, hear, heartbeat, put};
 use feeler_link::inboxes::Inbox;
@@ -9,7 +9,7 @@ use feeler_link::messages::message::Heartbeat;
 use feeler_link::transport::encode;
 use feeler_link::transport::{Place, Topic};
 
-/// Why a program of this heartbeat is refused.
+/// Reason for refusing a program with this heartbeat, if any.
 fn refused(heartbeat: &Heartbeat) -> Option<Mismatch> {
     let mut peers = Peers::new(expected());
     let place = heartbeat.place().unwrap();
@@ -18,7 +18,7 @@ fn refused(heartbeat: &Heartbeat) -> Option<Mismatch> {
 }
 
 #[test]
-fn who_does_not_agree_is_refused_by_name() {
+fn mismatching_programs_are_refused_by_name() {
     for program in ["hand", "world", "sense", "order"] {
         assert_eq!(refused(&heartbeat(program, NOBODY)), None, "{program}");
     }
@@ -57,7 +57,7 @@ fn who_does_not_agree_is_refused_by_name() {
 }
 
 #[test]
-fn heartbeats_are_refused_for_one_thing_each() {
+fn each_invalid_heartbeat_field_is_rejected() {
     type Spoil = fn(&mut Heartbeat);
     let cases: [(Spoil, Rejection); 10] = [
         (|h| h.sequence = 1, Rejection::Old),
@@ -78,14 +78,14 @@ fn heartbeats_are_refused_for_one_thing_each() {
         let taken = put(&mut hand(), Topic::Heartbeat(Place::World), &beat, 0.1);
         assert_eq!(taken, Err(rejection), "{index}");
     }
-    // Under the key of another place, too.
+    // On the topic of another place, too.
     let beat = heartbeat("world", NOBODY);
     let taken = put(&mut hand(), Topic::Heartbeat(Place::Hand), &beat, 0.1);
     assert_eq!(taken, Err(Rejection::Stranger));
 }
 
 #[test]
-fn what_is_said_is_fit_for_a_screen() {
+fn texts_of_heartbeats_are_escaped() {
     let mut hand = hand();
     let beat = Heartbeat {
         sequence: 2,
@@ -99,7 +99,7 @@ fn what_is_said_is_fit_for_a_screen() {
 }
 
 #[test]
-fn a_place_is_free_when_its_program_was_silent_for_a_second() {
+fn a_place_is_free_after_a_second_of_silence() {
     let mut hand = hand();
     hear(&mut hand, &heartbeat("world", 20), 0.9).unwrap();
     let refusal = |hand: &feeler_link::inboxes::HandInbox| {
@@ -115,7 +115,7 @@ fn a_place_is_free_when_its_program_was_silent_for_a_second() {
     };
     hear(&mut hand, &again, 1.05).unwrap();
     assert_eq!(refusal(&hand), None);
-    // Should the first speak again, it is a second one.
+    // If the first program returns, it counts as a second one.
     let first = Heartbeat {
         sequence: 3,
         ..heartbeat("world", WORLD)

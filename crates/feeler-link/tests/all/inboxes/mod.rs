@@ -1,4 +1,5 @@
-//! What inboxes take and what they refuse: each reason by a message that is sound but for one thing.
+//! Accepted and rejected messages of the inboxes. Each rejection is tested with a message that is valid except for one
+//! field.
 
 mod bench;
 mod hand;

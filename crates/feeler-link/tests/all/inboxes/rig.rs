@@ -1,4 +1,4 @@
-//! What a rig obeys.
+//! Commands that a rig executes or rejects.
 
 use super::bench::{HAND, NOBODY, SENSE, STALE, command, hear, heartbeat, mode, put, rig};
 use feeler_link::messages::Rejection;
@@ -7,7 +7,7 @@ use feeler_link::transport::Topic;
 use feeler_record::wire::Vector3;
 use glam::DVec3;
 
-/// What becomes of a command to move that is spoiled in one thing, after command 5.
+/// Result for command 6, a motion, after the change `spoil`. Command 5 has been accepted before.
 fn spoiled(spoil: impl Fn(&mut CommandMessage)) -> Result<(), Rejection> {
     let mut rig = rig();
     put(&mut rig, Topic::Command, &command(5, 0.1), 1.0).unwrap();
@@ -20,7 +20,7 @@ fn spoiled(spoil: impl Fn(&mut CommandMessage)) -> Result<(), Rejection> {
 }
 
 #[test]
-fn commands_are_refused_for_one_thing_each() {
+fn each_invalid_command_field_is_rejected() {
     type Spoil = fn(&mut CommandMessage);
     let cases: [(Spoil, Rejection); 13] = [
         (|c| c.header.protocol = 2, Rejection::Protocol),
@@ -28,9 +28,9 @@ fn commands_are_refused_for_one_thing_each() {
         (|c| c.header.instance = SENSE, Rejection::Stranger),
         (|c| c.header.sequence = 5, Rejection::Old),
         (|c| c.header.sequence = u64::MAX, Rejection::Implausible),
-        // Made from the data of the rig before this one.
+        // Based on data of the previous rig.
         (|c| c.header.clock = NOBODY, Rejection::Clock),
-        // Made from stale data, from data to come, from no data.
+        // Based on stale data, future data, no data.
         (|c| c.header.stamp = 1.0 - STALE - 0.011, Rejection::Old),
         (|c| c.header.stamp = 1.0 + STALE + 0.011, Rejection::Old),
         (|c| c.header.stamp = f64::NAN, Rejection::Old),
@@ -49,7 +49,7 @@ fn commands_are_refused_for_one_thing_each() {
 }
 
 #[test]
-fn a_command_of_stale_data_is_counted_and_one_to_stand_still_is_obeyed() {
+fn stale_motions_are_counted_and_stale_stops_executed() {
     let mut rig = rig();
     let mut old = command(1, 0.1);
     old.header.stamp = 0.9;
@@ -62,25 +62,25 @@ fn a_command_of_stale_data_is_counted_and_one_to_stand_still_is_obeyed() {
 }
 
 #[test]
-fn drives_stand_still_when_commands_do_not_come() {
+fn watchdog_stops_the_drives_without_commands() {
     let mut rig = rig();
     put(&mut rig, Topic::Command, &command(1, 0.1), 1.0).unwrap();
     assert!(rig.drive(1.0 + STALE, STALE).is_some());
     assert!(rig.drive(1.0 + STALE + 1e-6, STALE).is_none());
     assert_eq!(rig.watchdog_stops, 1);
-    // Time that runs backwards brings no command back.
+    // A clock that runs backwards does not reactivate a command.
     assert!(rig.drive(1.0, STALE).is_none());
 }
 
 #[test]
-fn the_newest_step_is_echoed_with_its_token() {
+fn the_latest_step_is_echoed_with_its_token() {
     let mut rig = rig();
     put(&mut rig, Topic::Mode, &mode(7), 1.0).unwrap();
     assert_eq!(
         (rig.echo.step, rig.echo.token, rig.echo.arrived),
         (7, 1007, 1.0)
     );
-    // The mode of a step follows its command.
+    // The mode of a step is sent after its command.
     put(&mut rig, Topic::Command, &command(8, 0.1), 1.01).unwrap();
     assert_eq!(put(&mut rig, Topic::Mode, &mode(8), 1.011), Ok(()));
     assert_eq!((rig.echo.step, rig.echo.arrived), (8, 1.01));
@@ -93,14 +93,14 @@ fn the_newest_step_is_echoed_with_its_token() {
 }
 
 #[test]
-fn a_stranger_that_runs_ahead_in_the_hands_name_does_not_get_its_place() {
+fn forged_heartbeats_do_not_free_the_place_of_the_hand() {
     let mut rig = rig();
     let mut own = heartbeat("hand", HAND);
     for sequence in [u64::MAX - 1, u64::MAX] {
         own.sequence = sequence;
         assert_eq!(hear(&mut rig, &own, 0.1), Err(Rejection::Implausible));
     }
-    // The true hand goes on, and a stranger's heartbeat finds its place taken.
+    // The actual hand continues, so another program's heartbeat finds the place taken.
     for beat in 2..=30 {
         own.sequence = beat;
         assert_eq!(hear(&mut rig, &own, 0.1 * beat as f64), Ok(()));

@@ -1,4 +1,4 @@
-//! What the sensor program of a finger senses, and what it echoes.
+//! Images and forces that the sensor program of a finger accepts or rejects, and the steps that it echoes.
 
 use super::bench::{ELEMENTS, HAND, NOBODY, WORLD, hear, heartbeat, mode, put, sense};
 use feeler_link::messages::Rejection;
@@ -27,7 +27,7 @@ fn forces(sequence: u64) -> DirectForces {
     }
 }
 
-/// What becomes of picture 6, spoiled in one thing, after picture 5.
+/// Result for image 6 after the change `spoil`. Image 5 has been accepted before.
 fn spoiled(spoil: impl Fn(&mut PictureMessage)) -> Result<(), Rejection> {
     let mut sense = sense();
     put(&mut sense, Topic::Picture(0), &picture(5), 1.0).unwrap();
@@ -37,7 +37,7 @@ fn spoiled(spoil: impl Fn(&mut PictureMessage)) -> Result<(), Rejection> {
 }
 
 #[test]
-fn pictures_are_refused_for_one_thing_each() {
+fn each_invalid_image_field_is_rejected() {
     type Spoil = fn(&mut PictureMessage);
     let cases: [(Spoil, Rejection); 9] = [
         (|p| p.header.protocol = 2, Rejection::Protocol),
@@ -51,7 +51,7 @@ fn pictures_are_refused_for_one_thing_each() {
         (|p| p.pixels.truncate(1), Rejection::Size),
     ];
     assert_eq!(spoiled(|_| {}), Ok(()));
-    // The same again, of a rig that waits for an answer.
+    // A repetition, by a rig in lockstep that waits for an answer, is accepted.
     assert_eq!(spoiled(|picture| picture.header.sequence = 5), Ok(()));
     for (index, (spoil, rejection)) in cases.into_iter().enumerate() {
         assert_eq!(spoiled(spoil), Err(rejection), "{index}");
@@ -59,7 +59,7 @@ fn pictures_are_refused_for_one_thing_each() {
 }
 
 #[test]
-fn forces_are_held_to_the_finger() {
+fn each_invalid_forces_field_is_rejected() {
     type Spoil = fn(&mut DirectForces);
     let cases: [(Spoil, Rejection); 4] = [
         (|f| f.header.protocol = 2, Rejection::Protocol),
@@ -76,7 +76,7 @@ fn forces_are_held_to_the_finger() {
 }
 
 #[test]
-fn pictures_wait_in_order_and_too_many_are_lost() {
+fn images_are_queued_in_order_and_the_oldest_are_dropped() {
     let mut sense = sense();
     for sequence in 1..=10 {
         put(&mut sense, Topic::Picture(0), &picture(sequence), 1.0).unwrap();
@@ -90,7 +90,7 @@ fn pictures_wait_in_order_and_too_many_are_lost() {
 }
 
 #[test]
-fn a_picture_echoes_the_step_before_it() {
+fn an_image_echoes_the_latest_step_before_it() {
     let mut sense = sense();
     assert_eq!(sense.echo_at(1.0).step, 0);
     for step in 1..=5 {
@@ -106,17 +106,13 @@ fn a_picture_echoes_the_step_before_it() {
 }
 
 #[test]
-fn another_hands_steps_begin_anew() {
+fn steps_of_a_new_hand_replace_those_of_the_previous_one() {
     let mut sense = sense();
     put(&mut sense, Topic::Mode, &mode(500), 1.0).unwrap();
     hear(&mut sense, &heartbeat("hand", NOBODY), 3.0).unwrap();
     let mut first = mode(1);
     first.header.instance = NOBODY;
     put(&mut sense, Topic::Mode, &first, 3.1).unwrap();
-    assert_eq!(
-        sense.echo_at(2.0).step,
-        0,
-        "nothing of the hand that is gone"
-    );
+    assert_eq!(sense.echo_at(2.0).step, 0, "no step of the previous hand");
     assert_eq!(sense.echo_at(3.2).step, 1);
 }

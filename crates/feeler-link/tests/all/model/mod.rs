@@ -1,12 +1,12 @@
-//! A model of the protocol: every order in which messages can come, be late and get lost, and programs can end and start
-//! again, as far as the checker goes.
+//! Model checking of the protocol: explores sequences of delayed, lost and duplicated messages, and of ending and
+//! starting programs.
 //!
-//! The model holds the programs' own inboxes. Its steps call what the programs call (`take`, `verdict`, `may_begin`,
-//! `hand_ahead`, `drive`, `echo_at`), on bytes as they go over the network, so it cannot say otherwise than the code.
-//! Only what calls them in a loop is written anew: what a hand, a rig and a sensor program do in a control period.
+//! The model uses the real inboxes. Its steps call the same functions as the programs (`take`, `verdict`, `may_begin`,
+//! `hand_ahead`, `drive`, `echo_at`), on encoded messages. Only the loops that call them are modelled: the work of a
+//! hand, a rig and a sensor program in a control period.
 //!
-//! `FEELER_MODEL_DEPTH` says how many periods are searched exhaustively (4 unless said otherwise), `FEELER_MODEL_STATES`
-//! how many states random walks visit.
+//! `FEELER_MODEL_DEPTH` is the number of periods that are searched exhaustively (default 4), `FEELER_MODEL_STATES` the
+//! number of states that random walks visit.
 
 mod periods;
 mod rig;
@@ -17,7 +17,7 @@ use rig::{Rig, Violation};
 use stateright::{Checker, HasDiscoveries, Model, Property, UniformChooser};
 use std::hash::{Hash, Hasher};
 
-/// Everything that is the case in a control period.
+/// State of all programs in a control period.
 #[derive(Debug, Clone)]
 struct Case(Box<Rig>);
 
@@ -40,7 +40,7 @@ impl Model for Protocol {
     type Action = Period;
 
     fn init_states(&self) -> Vec<Case> {
-        // Neither begun, nor at work: both beginnings are searched.
+        // Two initial states: before the hand starts, and while it moves.
         vec![Case(Box::new(Rig::new())), Case(Box::new(Rig::at_work()))]
     }
 
@@ -76,10 +76,10 @@ impl Model for Protocol {
     }
 }
 
-/// Whether a state is sound.
+/// Predicate on a state.
 type ActiveStops = fn(&Protocol, &Case) -> bool;
 
-/// What holds always.
+/// Invariants, by name.
 const SOUND: [(&str, ActiveStops); 4] = [
     ("no hand moves on stale data", |_, case| {
         without(case, Violation::MovedOnStaleData)
@@ -90,7 +90,7 @@ const SOUND: [(&str, ActiveStops); 4] = [
     ("no stop is lost", |_, case| {
         without(case, Violation::MovedWhileStopped)
     }),
-    ("no drive moves on by itself", |_, case| {
+    ("no drive moves without its hand", |_, case| {
         without(case, Violation::DroveOnByItself)
     }),
 ];
@@ -106,7 +106,7 @@ fn assert_sound(checked: &impl Checker<Protocol>) {
 }
 
 #[test]
-fn nothing_goes_wrong_in_any_order_of_events() {
+fn invariants_hold_in_all_short_sequences() {
     let depth = how_many("FEELER_MODEL_DEPTH", 4);
     let searched = Protocol
         .checker()
@@ -115,7 +115,7 @@ fn nothing_goes_wrong_in_any_order_of_events() {
         .spawn_dfs()
         .join();
     println!(
-        "{} states, {} of them different",
+        "{} states, {} of them unique",
         searched.state_count(),
         searched.unique_state_count()
     );
@@ -124,7 +124,7 @@ fn nothing_goes_wrong_in_any_order_of_events() {
 }
 
 #[test]
-fn nothing_goes_wrong_on_long_ways() {
+fn invariants_hold_on_long_random_walks() {
     let states = how_many("FEELER_MODEL_STATES", 100_000);
     let walked = Protocol
         .checker()

@@ -1,43 +1,43 @@
-//! What can happen in a control period.
+//! Events and message faults of a control period.
 
 use super::rig::Rig;
 
-/// A control period: what happens in it, and what becomes of the messages.
+/// A control period, with its event and the fate of its messages.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Period {
     pub happening: Happening,
     pub fate: Fate,
 }
 
-/// Something that programs or people do.
+/// Action of a program or an operator.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Happening {
     Nothing,
-    /// The rig's program is killed.
+    /// The rig program is killed.
     KillRig,
-    /// It starts again.
+    /// The rig program is restarted.
     StartRig,
     KillSensor,
     StartSensor,
     /// The first hand is killed.
     KillHand,
-    /// It hangs, and goes on later: its clock goes on meanwhile.
+    /// The first hand hangs. Its clock continues.
     FreezeHand,
     ThawHand,
     /// The second hand starts.
     StartSecondHand,
-    /// Somebody stops the hand.
+    /// An operator stops the hand.
     Stop,
-    /// Somebody resumes the oldest stop.
+    /// An operator resumes the oldest stop.
     Resume,
-    /// Somebody resumes a number that is not in force.
+    /// An operator resumes a number that is not active.
     ResumeAnother,
-    /// Everything that was ever said to the hands, as far as it is kept, is said again.
+    /// All stored messages to the hands are sent again.
     Replay,
 }
 
 impl Happening {
-    /// What can happen to `rig`.
+    /// Events that are possible for `rig`.
     pub fn all(rig: &Rig) -> impl Iterator<Item = Self> + use<> {
         let possible = [
             (Self::Nothing, true),
@@ -60,7 +60,7 @@ impl Happening {
     }
 }
 
-/// A way that messages take.
+/// Kind of messages that a fault affects.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Channel {
     /// Joint states, to the hands.
@@ -88,16 +88,16 @@ impl Channel {
     ];
 }
 
-/// What becomes of the messages of a period.
+/// Fate of the messages in a period.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Fate {
-    /// All come within it.
+    /// All are delivered in the period.
     Calm,
-    /// Those of a channel are held back, to come with those of a later period.
+    /// Messages of a channel are delayed to a later period.
     Held(Channel),
-    /// Those of a channel are lost.
+    /// Messages of a channel are lost.
     Lost(Channel),
-    /// Those of a channel come twice, the newest first.
+    /// Messages of a channel are delivered twice, first in reverse order.
     Twice(Channel),
 }
 

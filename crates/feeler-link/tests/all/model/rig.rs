@@ -1,4 +1,4 @@
-//! A rig of one finger whose programs do what the real ones do in a control period.
+//! Model of a rig with one finger, whose programs do the same as the real ones in a control period.
 
 use super::periods::{Channel, Fate, Happening, Period};
 use feeler_link::hand::Permission;
@@ -16,19 +16,19 @@ use feeler_link::transport::Topic;
 use feeler_link::transport::{encode, header};
 use feeler_record::wire::{Message, Vector3};
 
-/// The control period, s.
+/// Control period (s).
 const PERIOD: f64 = 0.01;
-/// Age from which on data are stale, s.
+/// Age above which data are stale (s).
 const STALE: f64 = 0.035;
-/// Of the rig's watchdog, and of the data of commands that it obeys, s.
+/// Timeout of the rig's watchdog, and maximum age of the data that its commands are based on (s).
 const WATCHDOG: f64 = STALE + PERIOD;
-/// The programs' clocks, as far as they are ahead of the first hand's, s.
+/// Offsets of the programs' clocks from the first hand's clock (s).
 const RIG_AHEAD: f64 = 100.0;
 const SENSOR_AHEAD: f64 = -7.0;
-/// Messages to the hands that are kept to be said again.
+/// Number of messages to the hands that are stored for replay.
 const KEPT: usize = 12;
 
-/// What must never be.
+/// Violation of an invariant.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Violation {
     MovedOnStaleData,
@@ -37,15 +37,16 @@ pub enum Violation {
     DroveOnByItself,
 }
 
-/// A program that controls.
+/// A hand program.
 #[derive(Debug, Clone)]
 struct HandProgram {
     instance: u64,
     inbox: HandInbox,
     began: bool,
     moves: bool,
-    /// Orders that have arrived and that nobody has resumed, and those that somebody has.
+    /// Ids of orders that have arrived and have not been resumed.
     stopped_by: Vec<u64>,
+    /// Ids of resumed orders.
     resumed: Vec<u64>,
 }
 
@@ -61,7 +62,7 @@ struct SensorProgram {
     inbox: SenseInbox,
 }
 
-/// A message on its way.
+/// A message in flight.
 #[derive(Debug, Clone)]
 struct Sent {
     channel: Channel,
@@ -69,17 +70,17 @@ struct Sent {
     bytes: Vec<u8>,
 }
 
-/// All programs, and what is on its way between them.
+/// All programs, and the messages in flight between them.
 #[derive(Debug, Clone)]
 pub struct Rig {
-    /// Control periods since the beginning.
+    /// Number of control periods since the start.
     period: u64,
     hands: Vec<HandProgram>,
     has_first_hand: bool,
     is_frozen: bool,
     rig: Option<RigProgram>,
     sensor: Option<SensorProgram>,
-    /// Programs that were started, for their instances.
+    /// Number of programs that were started, which defines their instances.
     started: u64,
     on_its_way: Vec<Sent>,
     kept: Vec<Sent>,
@@ -100,7 +101,7 @@ fn x(x: f64) -> Vector3 {
 }
 
 impl Rig {
-    /// Nobody has heard of anybody yet.
+    /// State before any message has been sent.
     pub fn new() -> Self {
         let mut rig = Self {
             period: 1,
@@ -121,7 +122,7 @@ impl Rig {
         rig
     }
 
-    /// A hand that moves.
+    /// State with a hand that moves.
     pub fn at_work() -> Self {
         let mut rig = Self::new();
         let calm = Period {
@@ -130,7 +131,7 @@ impl Rig {
         };
         while !rig.moves() {
             rig.go_through(calm);
-            assert!(rig.period < 50, "it does not begin");
+            assert!(rig.period < 50, "the hand does not start");
         }
         rig
     }
@@ -163,7 +164,7 @@ impl Rig {
         self.hands.iter().any(|hand| hand.moves)
     }
 
-    /// The first hand's clock, s.
+    /// Time on the first hand's clock (s).
     fn now(&self) -> f64 {
         self.period as f64 * PERIOD
     }
@@ -198,7 +199,7 @@ impl Rig {
         self.sensor = Some(SensorProgram { instance, inbox });
     }
 
-    /// Goes on by a control period.
+    /// Simulates a control period.
     pub fn go_through(&mut self, Period { happening, fate }: Period) {
         self.happen(happening);
         self.beat();
@@ -243,7 +244,7 @@ impl Rig {
         self.stops_said += 1;
         let stop = StopMessage {
             protocol: PROTOCOL,
-            from: "somebody".into(),
+            from: "operator".into(),
             id: self.stops_said,
         };
         self.send(Channel::Orders, Topic::Stop, &stop);
@@ -252,7 +253,7 @@ impl Rig {
     fn order_resume(&mut self, number: u64) {
         let resume = ResumeMessage {
             protocol: PROTOCOL,
-            from: "somebody".into(),
+            from: "operator".into(),
             number,
         };
         self.send(Channel::Orders, Topic::Resume, &resume);
@@ -267,7 +268,7 @@ impl Rig {
         });
     }
 
-    /// All programs say that they are there.
+    /// Sends the heartbeats of all programs.
     fn beat(&mut self) {
         let now = self.now();
         let frozen = self.is_frozen;
@@ -309,7 +310,7 @@ impl Rig {
         }
     }
 
-    /// Rig and sensor tell what they measure. A message's number tells the period in which it was taken.
+    /// Sends the measurements of rig and sensor. A message's sequence number is the period of the measurement.
     fn measure(&mut self) {
         let (now, period) = (self.now(), self.period);
         if let Some(rig) = &mut self.rig {
@@ -339,7 +340,7 @@ impl Rig {
         }
     }
 
-    /// Hands over what has this `fate`, of `channels`.
+    /// Delivers the messages of `channels` according to `fate`.
     fn deliver(&mut self, fate: Fate, channels: &[Channel]) {
         let of_now = |sent: &Sent| channels.contains(&sent.channel);
         let (mut now, mut later): (Vec<_>, Vec<_>) = self.on_its_way.drain(..).partition(of_now);
@@ -366,7 +367,7 @@ impl Rig {
         }
     }
 
-    /// Gives a message to all programs that listen to such.
+    /// Delivers a message to all its receivers.
     fn hand_over(&mut self, sent: &Sent) {
         let now = self.now();
         if matches!(sent.channel, Channel::States | Channel::Forces) {
@@ -392,7 +393,7 @@ impl Rig {
         }
     }
 
-    /// A control step of each hand that is not frozen.
+    /// Executes a control step of each hand that is not frozen.
     fn decide(&mut self) {
         let (now, period) = (self.now(), self.period);
         let frozen = self.is_frozen.then_some(0);
@@ -426,7 +427,7 @@ impl Rig {
         }
     }
 
-    /// The drives do what they were told, for as long as that is fresh.
+    /// Drives the rig by its latest command, while that is fresh.
     fn drive(&mut self) {
         let now = self.now() + RIG_AHEAD;
         let is_there = |instance| self.hands.iter().any(|hand| hand.instance == instance);
@@ -435,7 +436,7 @@ impl Rig {
             .inbox
             .drive(now, WATCHDOG)
             .is_some_and(|v| v[0].x != 0.0);
-        // Its hand has gone or stands still for longer than the watchdog waits, and messages may have been held back.
+        // The hand has been gone for longer than the watchdog's timeout. One more second allows for delayed messages.
         let hand = rig
             .inbox
             .peers()
@@ -451,7 +452,7 @@ impl Rig {
 }
 
 impl HandProgram {
-    /// What a stop or a resume among the messages means, told apart from how the hand keeps it.
+    /// Tracks stop and resume orders independently of the hand's own list.
     fn note_orders(&mut self, sent: &Sent, before: &[feeler_link::hand::ActiveStop]) {
         use feeler_link::hand::Cause;
         match sent.topic {
@@ -488,7 +489,7 @@ impl HandProgram {
         }
     }
 
-    /// What is wrong with moving in this `period`: by when data were taken in truth.
+    /// Violations by moving in this `period`, judged by the true times of the measurements.
     fn violations(&self, period: u64) -> Vec<Violation> {
         if !self.moves {
             return Vec::new();

@@ -19,7 +19,7 @@ pub(super) enum Light {
 }
 
 impl Light {
-    /// Rows of its box.
+    /// Rows that the light can affect.
     pub fn rows(&self, model: &OpticsModel) -> Range<usize> {
         match self {
             Self::Spot(spot) => spot.rows.clone(),
@@ -29,7 +29,7 @@ impl Light {
         }
     }
 
-    /// Columns of its box.
+    /// Columns that the light can affect.
     #[inline(always)]
     pub fn columns(&self, model: &OpticsModel) -> Range<usize> {
         match self {
@@ -40,7 +40,7 @@ impl Light {
         }
     }
 
-    /// Columns in which the image differs from that at rest, if any.
+    /// Columns in which the light changes the image at rest, if any.
     #[inline(always)]
     pub fn changes(&self, model: &OpticsModel) -> Option<Range<usize>> {
         match self {
@@ -49,7 +49,7 @@ impl Light {
         }
     }
 
-    /// Adds its light to one of its rows.
+    /// Adds the light to row `row` of the image.
     #[inline(always)]
     pub fn light_row(&self, model: &OpticsModel, row: usize, lit: &mut [f32]) {
         match self {

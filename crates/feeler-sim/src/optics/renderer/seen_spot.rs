@@ -122,7 +122,7 @@ mod tests {
 
     /// Distances are measured between points of the dome, independently of the spot's box.
     #[test]
-    fn a_spot_reaches_no_pixel_outside_of_its_box() {
+    fn a_spot_lights_no_pixel_outside_its_box() {
         let fingertip = Fingertip::new(&FingertipConfig::default()).expect("a fingertip");
         let (layout, projection) = (&fingertip.layout, &fingertip.projection);
         let optics = OpticsConfig::default();
