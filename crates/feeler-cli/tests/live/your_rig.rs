@@ -262,7 +262,7 @@ fn check_list_works_with_emulated_servos() {
     let (real, _) = text.split_once("\n[sim]\n").expect("a simulated world");
     fs::write(folder.join("real.toml"), real).expect("a file");
     let checked = run(&folder, &["check", "real.toml"]).done();
-    assert!(checked.contains("a real rig"), "{checked}");
+    assert!(checked.contains("real rig"), "{checked}");
     let rig = ["rig", "real.toml"].map(String::from);
     let nowhere = format!("--connect={}", unused_endpoint());
     let mut rig = Running::start(&folder, "rig", &[&rig[..], &[nowhere]].concat());

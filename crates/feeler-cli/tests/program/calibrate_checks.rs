@@ -146,7 +146,7 @@ fn wrong_signs_and_axes_are_refused_or_converted() {
         &["--force-on", "object"],
         &[
             "the spots move against f_x and f_y",
-            "--force-axes x,y,-z alone converts",
+            "use --force-axes x,y,-z instead to convert it",
         ],
     );
     bench.refuses(

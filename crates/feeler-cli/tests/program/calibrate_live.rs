@@ -299,7 +299,7 @@ fn invalid_input_is_refused_with_an_explanation() {
     refused(&["--exposure=0.01"], &["--exposure", "--live"]);
     refused(
         &["--live=-", sensor, "--trigger=software"],
-        &["--trigger requires --live"],
+        &["--trigger requires a camera"],
     );
     refused(&["--wrench", "--full-scale-normal=1"], &["--live"]);
     refused(

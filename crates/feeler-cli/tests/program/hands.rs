@@ -200,7 +200,7 @@ fn number_of_sensors_must_match_number_of_fingers() {
     let folder = folder("hands-too-few-sensors");
     hand(&folder, 3, "[[sensor.finger]]\n\n[[sensor.finger]]\n\n");
     run(&folder, &["check", "my.toml"])
-        .refused(&["sensor.finger = 2 fingers", "hand.finger has, 3"]);
+        .refused(&["sensor.finger = 2 fingers", "as many as hand.finger (3)"]);
     let bad = SMALL.replace("elements = 8", "elements = 0");
     hand(&folder, 1, &format!("[[sensor.finger]]\n{bad}\n"));
     run(&folder, &["check", "my.toml"])

@@ -133,7 +133,7 @@ fn probe_without_contact_or_rectangle_is_refused() {
         ],
         &[
             "the hand stopped before the probe was complete",
-            "lost the object",
+            "lost contact",
         ],
     );
     refused(

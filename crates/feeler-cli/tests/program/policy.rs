@@ -95,10 +95,10 @@ fn run_replays_with_the_recorded_policy() {
     write(&folder.join("other.safetensors"), &drawn(3));
     let other = ["--set=control.law={ policy = { file = \"other.safetensors\" } }"];
     let said = replay("run", &other);
-    assert!(said.stdout.contains("first of commands"), "{said:?}");
+    assert!(said.stdout.contains("first difference of commands"), "{said:?}");
     replay("run", &["--set=control.law.policy.file=gone.safetensors"]).refused(&[
         "control.law.policy.file = \"gone.safetensors\"",
-        "expected a policy file",
+        "expected the file of a policy",
     ]);
     run(&folder, &arguments).refused(&[
         "control.law.policy.file = \"my.safetensors\"",
@@ -162,7 +162,7 @@ fn invalid_policies_are_refused_before_the_run() {
     for (name, words) in [
         (
             "gone.safetensors",
-            &["gone.safetensors", "expected a policy file"][..],
+            &["gone.safetensors", "expected the file of a policy"][..],
         ),
         (
             "text.safetensors",

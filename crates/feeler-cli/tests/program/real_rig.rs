@@ -19,7 +19,7 @@ fn real_rig_is_checked_and_refused_by_simulating_commands() {
     let folder = real_rig("real-rig");
     let good = run(&folder, &["check", "my.toml"]).done();
     assert!(
-        good.contains("2 fingers of 41 elements") && good.contains("a real rig"),
+        good.contains("2 fingers of 41 elements") && good.contains("real rig"),
         "{good}"
     );
     for command in [

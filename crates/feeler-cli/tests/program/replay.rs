@@ -163,7 +163,7 @@ fn differences_are_counted_and_reported() {
     });
     let ended = replay(&folder, "other.mcap", &["--from=forces"]);
     assert_eq!((ended.status, &*ended.stderr), (Some(1), ""), "{ended:?}");
-    let said = "first of flags: step 150 (1.500 s), finger 1, ";
+    let said = "first difference of flags: step 150 (1.500 s), finger 1, ";
     assert!(ended.stdout.contains(said), "{ended:?}");
     assert!(!ended.stdout.contains("bit for bit"), "{ended:?}");
     let (compared, differing) = counts(&ended.stdout, "flags").unwrap();
@@ -245,7 +245,7 @@ fn impossible_replays_are_refused() {
     replay(&folder, "run", &[]).refused(&["--from"]);
     replay(&folder, "run", &["--from=above"]).refused(&["frames", "forces"]);
     for (setting, words) in [
-        ("control.period=0.02", "control.period (s): 0.01 on record"),
+        ("control.period=0.02", "control.period (s): 0.01 in the recording"),
         (
             "sensor.fingertip.layout.rings.1.elements=7",
             "elements of finger 0: 41",

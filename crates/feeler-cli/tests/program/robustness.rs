@@ -219,7 +219,7 @@ fn invalid_arguments_are_refused_before_the_first_trial() {
         ),
         (
             &RANGES.replace(", factor = -1.0", ""),
-            ["start", "expected the same"],
+            ["start", "expected equal values"],
         ),
         (
             &RANGES.replace("\"search_speed\"", "\"sim.feeler.normal_stiffness\""),

@@ -129,7 +129,7 @@ fn invalid_input_is_refused() {
     );
     refused(
         &good.replace("\"cap-closing\"", "\"contour\""),
-        &["\"contour\"", "expected those of \"cap-closing\""],
+        &["\"contour\"", "expected values of the experiment \"cap-closing\""],
     );
     let one = good.rsplit_once("[[finger]]").unwrap().0;
     refused(one, &["values of 1 fingers", "expected 2"]);

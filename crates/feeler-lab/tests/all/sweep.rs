@@ -165,7 +165,7 @@ fn rows_of_another_machine_are_taken_in_once_and_whole_or_not_at_all() {
         (b"trial,seed\n1,2\n".to_vec(), "columns"),
         (torn[..torn.len() - 2].to_vec(), "within a line"),
         ([&torn[..torn.len() / 2], b"\n"].concat(), "columns"),
-        (Vec::new(), "whole"),
+        (Vec::new(), "complete lines"),
     ] {
         let error = store.push_table(plan, &wrong).expect_err(expected);
         assert!(error.to_string().contains(expected), "{error}");

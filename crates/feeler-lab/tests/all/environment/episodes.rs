@@ -163,9 +163,9 @@ fn what_makes_no_sense_is_refused_in_words() {
     no_such(config("cap-losing", &[]), "cap-losing");
     no_such(
         config("friction-scan", &[]),
-        "no rewards for task.friction_scan",
+        "no rewards are defined for task.friction_scan",
     );
-    no_such(config("cap-opening", &[]), "no rewards for task.screw");
+    no_such(config("cap-opening", &[]), "no rewards are defined for task.screw");
     no_such(
         config("cap-closing", &["control.period=-1"]),
         "control.period",

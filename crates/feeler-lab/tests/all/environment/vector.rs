@@ -140,7 +140,7 @@ fn who_is_not_reset_by_itself_is_reset_by_a_mask_alone() {
     assert!(
         error
             .to_string()
-            .starts_with("environment 0: there is no episode"),
+            .starts_with("environment 0: no episode is active"),
         "{error}"
     );
     let mask = [false, true, false, true, false];
@@ -177,7 +177,7 @@ fn what_makes_no_sense_is_refused_in_words_and_names_the_environment() {
     };
     told(
         vector.step(&actions, &mut buffers.batch()),
-        "environment 3: action[1]: a finite number",
+        "environment 3: action[1]: expected a finite number",
     );
     told(
         vector.step(&actions[1..], &mut buffers.batch()),

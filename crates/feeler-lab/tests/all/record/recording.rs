@@ -95,7 +95,7 @@ fn what_cannot_be_written_is_refused_with_what_was_expected() {
     assert!(
         error
             .to_string()
-            .contains("approach: unit vectors expected"),
+            .contains("approach: expected unit vectors"),
         "{error}"
     );
     facts = support::facts();
