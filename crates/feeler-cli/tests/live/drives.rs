@@ -188,7 +188,7 @@ fn dry_runs_have_no_effect_and_invalid_arguments_are_refused() {
     with_drives(&folder);
     let scan = run(&folder, &["drives", "scan", "/dev/not-there", "--dry-run"]).done();
     assert!(
-        scan.contains("would ask Dynamixel servos 0 to 30 on /dev/not-there at 57600 Bd"),
+        scan.contains("would ping Dynamixel servos 0 to 30 on /dev/not-there at 57600 Bd"),
         "{scan}"
     );
     let check = run(&folder, &["drives", "check", "my.toml", "--dry-run"]).done();

@@ -110,7 +110,7 @@ fn live_loads_make_the_same_calibration_as_their_table() {
     assert_eq!(ended.status, Some(2), "{ended:?}");
     for words in [
         "the camera stream has ended",
-        "of 5 rounds are done",
+        "of 5 rounds done",
         "bench/FORCES.csv --wrench",
     ] {
         assert!(ended.stderr.contains(words), "no {words:?} in {ended:?}");

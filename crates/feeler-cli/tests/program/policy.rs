@@ -41,7 +41,7 @@ fn policy_of_zeros_equals_the_papers_law_without_its_reflex() {
         "-o=c",
     ];
     let said = run(&folder, &arguments).done();
-    for words in ["tri-axial (", "nil.v1\n", "drawn against tri-axial: "] {
+    for words in ["tri-axial (", "nil.v1\n", "drawn compared with tri-axial: "] {
         assert!(said.contains(words), "no {words:?} in {said}");
     }
     let [paper, zero, other] = ["tri-axial", "nil.v1", "drawn"]
@@ -95,7 +95,7 @@ fn run_replays_with_the_recorded_policy() {
     write(&folder.join("other.safetensors"), &drawn(3));
     let other = ["--set=control.law={ policy = { file = \"other.safetensors\" } }"];
     let said = replay("run", &other);
-    assert!(said.stdout.contains("first of commands"), "{said:?}");
+    assert!(said.stdout.contains("first difference of commands"), "{said:?}");
     replay("run", &["--set=control.law.policy.file=gone.safetensors"]).refused(&[
         "control.law.policy.file = \"gone.safetensors\"",
         "expected a policy file",
@@ -197,7 +197,7 @@ fn invalid_policies_are_refused_before_the_run() {
         ("small.safetensors", &["small.safetensors", "for 40"]),
         (
             "best.safetensors",
-            &["--policy best.safetensors", "there is a best already"],
+            &["--policy best.safetensors", "the name best is already taken"],
         ),
         (
             "odd name.safetensors",

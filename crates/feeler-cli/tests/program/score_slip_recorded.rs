@@ -425,7 +425,7 @@ fn thresholds_are_transferred_from_taxel_tables() {
     let text = run(&folder, &[&OF_FRAMES[..], &others].concat()).stdout;
     assert!(
         text.starts_with("600 frames in 3 groups")
-            && text.contains("thresholds of grasps: 600 frames"),
+            && text.contains("thresholds from grasps: 600 frames"),
         "{text}"
     );
     // Tracks also provide thresholds of drag for taxels, because its unit is the noise of each sensor; not of other
@@ -434,7 +434,7 @@ fn thresholds_are_transferred_from_taxel_tables() {
     grasps(&folder);
     let text = judged(["flat", "flat.csv", "tracks", "labels.csv"]);
     assert!(
-        text.contains("thresholds of tracks: 12 recordings"),
+        text.contains("thresholds from tracks: 12 recordings"),
         "{text}"
     );
     assert!(

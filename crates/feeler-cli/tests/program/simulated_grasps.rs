@@ -102,7 +102,7 @@ fn thresholds_of_simulated_grasps_are_applied_to_recordings() {
     assert_eq!(ended.status, Some(0), "{ended:?}");
     let text = ended.stdout;
     assert!(
-        text.contains("thresholds of sim/recordings: 8 recordings"),
+        text.contains("thresholds from sim/recordings: 8 recordings"),
         "{text}"
     );
     // The transferred threshold equals the one that is chosen on the simulated grasps alone.

@@ -288,7 +288,7 @@ fn full_disk_is_reported_and_finished_trials_are_kept() {
         "{kept} rows and no truncated one"
     );
     assert!(
-        said.contains(&format!("the {kept} trials finished are kept")),
+        said.contains(&format!("the {kept} finished trials are kept")),
         "{said}"
     );
 

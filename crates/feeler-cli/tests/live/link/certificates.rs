@@ -33,7 +33,7 @@ fn withdrawn_certificates_are_listed_and_distributed() {
     );
     let renewed = lab(&["--renew", "b", "--days", "7"]).done();
     assert!(
-        renewed.contains("not withdrawn, and valid until they expire: sense-0.1"),
+        renewed.contains("not withdrawn, valid until they expire: sense-0.1"),
         "{renewed}"
     );
     let withdrawn = lab(&["--withdraw", "b=sense-0", "a=order"]).done();

@@ -302,7 +302,7 @@ fn experiments_without_a_robot_are_refused() {
     );
     set(
         "ros2.finger.0.joints.1=first",
-        &["ros2.finger[0].joints", "of their own"],
+        &["ros2.finger[0].joints", "a different name for each joint"],
     );
     set("ros2.commands=", &["ros2.commands"]);
 }

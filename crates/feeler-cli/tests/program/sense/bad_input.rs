@@ -78,7 +78,7 @@ fn images_of_another_size_are_skipped() {
     assert_eq!(rows(&ended.stdout, WITHOUT_FORCES).len(), 2 * 41);
     for said in [
         "skipped: pictures/frame1.png",
-        "640x480 px expected",
+        "expected an image of 640x480 px",
         "320x240",
         "1 skipped, 0 dropped",
     ] {
