@@ -308,7 +308,7 @@ fn invalid_input_is_refused_with_an_explanation() {
     );
     refused(
         &["--live=-", "--force-sensor=ros2:wrench"],
-        &["\"wrench\" is no topic", "ros2:/TOPIC"],
+        &["\"wrench\" is not a topic", "ros2:/TOPIC"],
     );
     refused(&["--live=-", sensor, "--force-axes=x,y"], &["too few axes"]);
     refused(

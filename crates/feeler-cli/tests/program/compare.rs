@@ -57,7 +57,7 @@ fn laws_are_compared_on_the_same_trials_and_best_beats_the_papers_law() {
     let folder = folder("compare-laws");
     let said = run(&folder, &compare(&["--trials=24", "-o=c"])).done();
     assert!(
-        said.contains("best against tri-axial: more torque at less force"),
+        said.contains("best compared with tri-axial: more torque at less force"),
         "{said}"
     );
     let tables: Vec<_> = LAWS

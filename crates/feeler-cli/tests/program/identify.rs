@@ -54,7 +54,7 @@ fn identify_estimates_the_reference_hand_and_writes_a_page() {
         within(&finger.dead_time, 0.0, 0.004);
     }
     for words in [
-        "Identified: cap-closing",
+        "Identification: cap-closing",
         "No warnings",
         "Pressing",
         "Sliding",

@@ -41,7 +41,7 @@ fn policy_of_zeros_equals_the_papers_law_without_its_reflex() {
         "-o=c",
     ];
     let said = run(&folder, &arguments).done();
-    for words in ["tri-axial (", "nil.v1\n", "drawn against tri-axial: "] {
+    for words in ["tri-axial (", "nil.v1\n", "drawn compared with tri-axial: "] {
         assert!(said.contains(words), "no {words:?} in {said}");
     }
     let [paper, zero, other] = ["tri-axial", "nil.v1", "drawn"]
@@ -197,7 +197,7 @@ fn invalid_policies_are_refused_before_the_run() {
         ("small.safetensors", &["small.safetensors", "for 40"]),
         (
             "best.safetensors",
-            &["--policy best.safetensors", "there is a best already"],
+            &["--policy best.safetensors", "the name best is already taken"],
         ),
         (
             "odd name.safetensors",

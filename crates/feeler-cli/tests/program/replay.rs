@@ -176,7 +176,7 @@ fn differences_are_counted_and_reported() {
     });
     let ended = replay(&folder, "other.mcap", &["--from=forces"]);
     assert_eq!(counts(&ended.stdout, "commands"), Some((402, 1)));
-    let said = "first of commands: step 7 (0.070 s), finger 0, joint_velocity[2]: ";
+    let said = "first difference of commands: step 7 (0.070 s), finger 0, joint_velocity[2]: ";
     assert!(ended.stdout.contains(said), "{ended:?}");
 }
 

@@ -132,7 +132,7 @@ fn invalid_input_is_refused() {
         &["\"contour\"", "expected values of the experiment \"cap-closing\""],
     );
     let one = good.rsplit_once("[[finger]]").unwrap().0;
-    refused(one, &["values of 1 fingers", "expected 2"]);
+    refused(one, &["expected values of 2 fingers", "got 1"]);
     refused("seed = 1", &["bad.toml", "experiment"]);
     let good = "--identified=identified.toml";
     run(
@@ -153,5 +153,5 @@ fn invalid_input_is_refused() {
         &folder,
         &["tune", "contour", "--identified=contour.toml", "-o=t.toml"],
     )
-    .refused(&["its task is contour", "[task.screw]"]);
+    .refused(&["got task.contour", "[task.screw]"]);
 }

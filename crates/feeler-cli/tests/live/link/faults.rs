@@ -107,7 +107,7 @@ fn programs_of_different_experiments_are_refused_and_named() {
     let rig = Setup::new("link-other").start();
     let mut hand = rig.setup.hand(&["--seed=9"]);
     hand.wait_for("refused: world runs experiment");
-    assert!(hand.said().contains("this by"), "{}", hand.said());
+    assert!(hand.said().contains(", this program "), "{}", hand.said());
     hand.signal("INT");
     let (status, said) = hand.wait();
     assert_eq!(status, Some(1), "{said}");
