@@ -154,7 +154,11 @@ fn missing_and_unsuitable_calibrations_are_refused() {
         "picture-layout",
         "elements = 12",
         "elements = 13",
-        &["another fingertip", "elements", "= 13 in the configuration, 12 in the calibration"],
+        &[
+            "another fingertip",
+            "elements",
+            "= 13 in the configuration, 12 in the calibration",
+        ],
     );
     let name = "reference-fingertip.coupled.calibration.toml";
     refused(

@@ -145,7 +145,10 @@ fn a_calibration_can_be_made_and_used() {
         "-o",
         "reference-fingertip.coupled.calibration.toml",
     ];
-    run(&folder, &["check", "my.toml"]).refused(&["elements", "= 11 in the configuration, 12 in the calibration"]);
+    run(&folder, &["check", "my.toml"]).refused(&[
+        "elements",
+        "= 11 in the configuration, 12 in the calibration",
+    ]);
     let arguments = [&["calibrate", "--simulated", "my.toml"][..], &calibration].concat();
     let said = run(&folder, &arguments).done();
     assert!(said.contains("reference-fingertip"), "{said}");

@@ -58,7 +58,10 @@ fn scan_measures_both_coefficients_and_a_replay_reproduces_them() {
     );
     // Other strokes give other findings.
     let printed = replay(&["--set=task.friction_scan.strokes=3"]).done();
-    assert!(printed.contains("first difference of findings: "), "{printed}");
+    assert!(
+        printed.contains("first difference of findings: "),
+        "{printed}"
+    );
     assert!(
         printed.contains("outcome: recorded \"\", replayed \"measured\""),
         "{printed}"

@@ -95,7 +95,10 @@ fn run_replays_with_the_recorded_policy() {
     write(&folder.join("other.safetensors"), &drawn(3));
     let other = ["--set=control.law={ policy = { file = \"other.safetensors\" } }"];
     let said = replay("run", &other);
-    assert!(said.stdout.contains("first difference of commands"), "{said:?}");
+    assert!(
+        said.stdout.contains("first difference of commands"),
+        "{said:?}"
+    );
     replay("run", &["--set=control.law.policy.file=gone.safetensors"]).refused(&[
         "control.law.policy.file = \"gone.safetensors\"",
         "expected the file of a policy",
@@ -197,7 +200,10 @@ fn invalid_policies_are_refused_before_the_run() {
         ("small.safetensors", &["small.safetensors", "for 40"]),
         (
             "best.safetensors",
-            &["--policy best.safetensors", "the name best is already taken"],
+            &[
+                "--policy best.safetensors",
+                "the name best is already taken",
+            ],
         ),
         (
             "odd name.safetensors",

@@ -245,7 +245,10 @@ fn impossible_replays_are_refused() {
     replay(&folder, "run", &[]).refused(&["--from"]);
     replay(&folder, "run", &["--from=above"]).refused(&["frames", "forces"]);
     for (setting, words) in [
-        ("control.period=0.02", "control.period (s): 0.01 in the recording"),
+        (
+            "control.period=0.02",
+            "control.period (s): 0.01 in the recording",
+        ),
         (
             "sensor.fingertip.layout.rings.1.elements=7",
             "elements of finger 0: 41",

@@ -129,7 +129,10 @@ fn invalid_input_is_refused() {
     );
     refused(
         &good.replace("\"cap-closing\"", "\"contour\""),
-        &["\"contour\"", "expected values of the experiment \"cap-closing\""],
+        &[
+            "\"contour\"",
+            "expected values of the experiment \"cap-closing\"",
+        ],
     );
     let one = good.rsplit_once("[[finger]]").unwrap().0;
     refused(one, &["expected values of 2 fingers", "got 1"]);

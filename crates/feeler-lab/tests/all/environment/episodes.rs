@@ -165,7 +165,10 @@ fn what_makes_no_sense_is_refused_in_words() {
         config("friction-scan", &[]),
         "no rewards are defined for task.friction_scan",
     );
-    no_such(config("cap-opening", &[]), "no rewards are defined for task.screw");
+    no_such(
+        config("cap-opening", &[]),
+        "no rewards are defined for task.screw",
+    );
     no_such(
         config("cap-closing", &["control.period=-1"]),
         "control.period",

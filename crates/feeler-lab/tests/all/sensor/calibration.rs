@@ -396,7 +396,10 @@ fn the_file_holds_a_coupled_calibration_and_refuses_a_wrong_one() {
     let (_, after) = text.split_once("normal = [").unwrap();
     let first = after.split(',').next().unwrap();
     let cut = refused(&text.replacen(&format!("normal = [{first},"), "normal = [", 1));
-    assert!(cut.contains("element 0: expected normal to have one of"), "{cut}");
+    assert!(
+        cut.contains("element 0: expected normal to have one of"),
+        "{cut}"
+    );
     let nan = refused(&text.replacen(&format!("normal = [{first},"), "normal = [nan,", 1));
     assert!(nan.contains("finite coefficients"), "{nan}");
 }
