@@ -129,7 +129,7 @@ struct TaxelArguments {
     sequence: Option<String>,
 }
 
-/// How consecutive images are related.
+/// Relation of consecutive images.
 #[derive(Debug, Clone, Copy, clap::ValueEnum)]
 enum Tracking {
     /// Images follow each other in time.

@@ -1,8 +1,8 @@
-//! How a program ends.
+//! Results of a program.
 
 use feeler_record::{RunEnd, RunState};
 
-/// How a program ended whose input was valid.
+/// Result of a program whose input was valid.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outcome {
     /// Completed.

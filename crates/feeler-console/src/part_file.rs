@@ -18,7 +18,7 @@ pub enum OutputError {
         argument: &'static str,
         /// The path.
         path: PathBuf,
-        /// What is wrong and what was expected.
+        /// The problem and the expected input.
         problem: String,
     },
     /// The file cannot be written.

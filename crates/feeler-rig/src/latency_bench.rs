@@ -40,7 +40,7 @@ pub struct LatencyBench {
 }
 
 fn experiment() -> Result<Experiment, CommandError> {
-    // The joints of the bench do not move, whatever the hand commands.
+    // The joints of the bench ignore commands.
     let settings = [
         "sensing=direct",
         "control.monitor.joint_deviation=0",

@@ -1,4 +1,4 @@
-//! How a program takes part in the link of a rig.
+//! Connection options of a program of a rig.
 
 use feeler_console::CommandError;
 use feeler_link::security::Right;
@@ -23,7 +23,7 @@ pub struct LinkOptions {
 pub struct ListenOptions {
     /// Endpoints; if empty, the default endpoint of this computer.
     pub listen: Vec<String>,
-    /// Whether other computers may connect without certificates.
+    /// `true` if other computers may connect without certificates.
     pub insecure: bool,
 }
 

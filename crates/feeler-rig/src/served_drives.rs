@@ -25,16 +25,16 @@ use std::path::Path;
 /// Folder of pseudo-terminals. Servos there are emulated and may run at any speed.
 const PSEUDO_TERMINALS: &str = "/dev/pts";
 
-/// How servos are served.
+/// Options of serving servos.
 #[derive(Debug, Clone)]
 pub struct DrivesOptions {
     /// Serial port in place of the experiment's, if given.
     pub port: Option<String>,
-    /// Whether to emulate the bus, with the simulated world behind it.
+    /// `true` to emulate the bus, with the simulated world behind it.
     pub emulated: bool,
-    /// Whether to print the planned changes only, without writing to a servo.
+    /// `true` to print the planned changes only, without writing to a servo.
     pub dry_run: bool,
-    /// Whether to request real-time scheduling.
+    /// `true` to request real-time scheduling.
     pub real_time: bool,
     /// Seconds of the experiment per second; other than 1 for emulated servos only.
     pub speed: RigSpeed,

@@ -84,11 +84,11 @@ fn finger_model(side: f64) -> FingerModel {
 /// What there is beside the hand.
 #[derive(Debug, Clone, Copy)]
 pub struct Rig {
-    /// Whether it is simulated: what the cap and feelers do in truth is known.
+    /// `true` if it is simulated: what the cap and feelers do in truth is known.
     pub simulated: bool,
     /// When the torque sensor begins to tell, s; none without one.
     pub torque_from: Option<f64>,
-    /// Whether the hand tells what it feels of the cap, and in the end what became of it.
+    /// `true` if the hand tells what it feels of the cap, and in the end what became of it.
     pub feels: bool,
 }
 

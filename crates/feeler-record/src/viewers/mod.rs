@@ -1,4 +1,4 @@
-//! What viewers draw of a recording: scene, markers, robot description.
+//! Topics and files for viewers: scene, markers, robot description.
 
 pub(crate) mod scene;
 pub(crate) mod urdf;

@@ -32,7 +32,7 @@ pub fn domain_of_environment() -> Result<u32, CommandError> {
     }
 }
 
-/// How a node takes part in its graph.
+/// Connection and name of a node in its graph.
 #[derive(Debug, Clone, Default)]
 pub struct GraphOptions {
     /// Endpoints of the router or of other nodes; if empty, the default router of this computer.

@@ -23,7 +23,7 @@ use std::path::{Path, PathBuf};
 /// File name of the page.
 const PAGE: &str = "slip.html";
 
-/// What to score slip detectors on.
+/// Data on which slip detectors are scored.
 #[derive(Debug, Clone)]
 pub struct SlipScoreOptions {
     /// Experiment (a file or a built-in name) or, with labels, recordings.
@@ -40,9 +40,9 @@ pub struct SlipScoreOptions {
     pub recorded: RecordedOptions,
     /// Folder of the page.
     pub out: PathBuf,
-    /// Whether to replace existing outputs.
+    /// `true` to replace existing outputs.
     pub force: bool,
-    /// Whether to print JSON instead of text.
+    /// `true` to print JSON instead of text.
     pub json: bool,
 }
 

@@ -31,7 +31,7 @@ pub struct RecordedOptions {
     pub layout: Option<PathBuf>,
     /// Rows (frames) per second, in place of any time column.
     pub rate: Option<f64>,
-    /// Whether recordings begin untouched.
+    /// `true` if recordings begin untouched.
     pub untouched: bool,
     /// Column of the labels that groups recordings.
     pub group: Option<String>,

@@ -39,7 +39,7 @@ const EXPERIMENT: &str = "cap-closing";
 /// Default frame rate (Hz).
 const DEFAULT_RATE: f64 = 30.0;
 
-/// What to sense, with which sensor, and where the readings go.
+/// Source, sensor and output of the readings.
 #[derive(Debug, Clone, Default)]
 pub struct SenseOptions {
     /// Images, folders, a video, a recording, a camera, `rig:`, or `-` for standard input.
@@ -50,13 +50,13 @@ pub struct SenseOptions {
     pub experiment: Option<String>,
     /// Calibration file.
     pub calibration: Option<PathBuf>,
-    /// Whether to correct for a drifting lamp.
+    /// `true` to correct for a drifting lamp.
     pub drift_correction: bool,
     /// Output file (.csv, .jsonl or .mcap), or `None` for a table on standard output.
     pub output: Option<PathBuf>,
-    /// Whether to replace an existing output.
+    /// `true` to replace an existing output.
     pub force: bool,
-    /// Whether to store the images in the recording.
+    /// `true` to store the images in the recording.
     pub record_frames: bool,
     /// Size of raw frames on standard input (columns, rows).
     pub raw: Option<(usize, usize)>,
@@ -66,7 +66,7 @@ pub struct SenseOptions {
     pub rate: Option<f64>,
     /// Camera settings.
     pub camera: CameraOptions,
-    /// How to track markers by identity, or `None` to measure moments.
+    /// Mode of tracking markers by identity, or `None` to measure moments.
     pub track: Option<Track>,
     /// Image without load from which displacements are measured.
     pub reference: Option<PathBuf>,
@@ -76,7 +76,7 @@ pub struct SenseOptions {
     pub max_saturated: Option<f64>,
     /// Finger of the recording or experiment.
     pub finger: Option<usize>,
-    /// Whether to publish the readings for a hand.
+    /// `true` to publish the readings for a hand.
     pub publish: bool,
     /// Layout of a taxel array, if the source is one.
     pub taxels: TaxelOptions,

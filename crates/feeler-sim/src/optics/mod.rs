@@ -1,4 +1,4 @@
-//! What the camera in a fingertip sees: spots of conical feelers, printed markers, gels, image noise.
+//! Simulated images of the camera in a fingertip: spots of conical feelers, printed markers, gels, noise.
 
 pub(crate) mod camera;
 pub(crate) mod camera_noise;

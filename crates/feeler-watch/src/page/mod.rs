@@ -18,11 +18,11 @@ pub use live_run::LiveRun;
 pub use recording::serve_recording;
 pub use rig::serve_rig;
 
-/// How a page is served.
+/// Options of a page's server.
 #[derive(Debug, Clone, Copy, Default)]
 pub struct ServerOptions {
     /// Port on this computer; 0 for any free one.
     pub port: u16,
-    /// Whether to open the page in the default browser.
+    /// `true` to open the page in the default browser.
     pub open: bool,
 }

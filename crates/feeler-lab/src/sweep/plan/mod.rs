@@ -1,4 +1,4 @@
-//! What the trials of a sweep vary, and how values are drawn.
+//! Parameters of a sweep and the distributions of their values.
 
 pub(crate) mod design;
 pub(crate) mod distribution;

@@ -180,7 +180,7 @@ fn the_keys_of_the_summary_are_stable() {
     );
 }
 
-/// Whether each claim of any hand holds, and its value.
+/// `true` if each claim of any hand holds, and its value.
 fn of_hand(data: &RunData) -> [(bool, Option<f64>); 5] {
     let claims = of_any_hand(data, &data.stroke_measures());
     let claims: Vec<_> = claims.iter().map(|c| (c.holds, c.value)).collect();

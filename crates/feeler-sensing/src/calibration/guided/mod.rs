@@ -39,7 +39,7 @@ const WAITING: usize = 32;
 /// Time to wait for an image before checking for forces and Ctrl-C.
 const WAIT: Duration = Duration::from_millis(20);
 
-/// Camera and force sensor of a guided calibration, and what it calibrates.
+/// Camera, force sensor, goal and model of a guided calibration.
 pub struct GuideOptions<'a> {
     /// Camera, or `-` for raw grey frames on standard input.
     pub camera: &'a Path,
