@@ -116,7 +116,7 @@ fn servos_are_found_checked_homed_and_turned() {
     );
     assert!(checked.contains("all servos passed the check"), "{checked}");
 
-    // The hand is at home, so the computed offsets equal those in the file.
+    // The hand is in its home position, so the computed offsets equal those in the file.
     let home = [
         "drives",
         "home",
