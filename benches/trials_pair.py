@@ -1,7 +1,8 @@
-"""Two tables of the same trials: which measures differ, and by how many standard errors their means do.
+"""Compares two tables of the same trials: measures that differ, and differences of means in standard errors.
 
-Usage: trials_pair.py BASE/trials.csv OWN/trials.csv. Trials of one number have the same draws, so that they are compared pair by pair. Of many
-measures that differ by chance alone, one in 370 is off by more than three standard errors. The exit status is 1 if one is by more than four.
+Usage: trials_pair.py BASE/trials.csv OWN/trials.csv. Trials with the same number have the same random parameters and are compared
+in pairs. By chance alone, one in 370 measures differs by more than three standard errors. The exit status is 1 if one differs by more
+than four.
 """
 
 import csv
@@ -44,7 +45,7 @@ def main(base_path, own_path):
         reference = statistics.fmean(before for before, _ in pairs)
         measures.append((abs(mean) / error if error else math.inf, name, reference, mean, error))
     measures.sort(reverse=True)
-    print(f"{len(base)} and {len(own)} trials; {same} measures are the same to the bit, {len(measures)} are not")
+    print(f"{len(base)} and {len(own)} trials; {same} measures are bit-identical, {len(measures)} are not")
     for off, name, reference, mean, error in measures[:SHOWN]:
         print(f"{off:5.1f} standard errors  {name}: {reference:.6g} {mean:+.2g} ± {error:.1g}")
     held = [name for name in names if name == "success" or name.startswith("claim.") and name.count(".") == 1]

@@ -1,4 +1,4 @@
-//! What the control law promises: definitions, limits, and that it neither allocates nor panics.
+//! Properties of control: definitions, limits, and freedom from allocation and panics.
 
 mod config;
 mod grasp_slip;

@@ -1,4 +1,4 @@
-//! What is made of small pictures: readings, layouts, elements.
+//! Readings, layouts and elements computed from small images.
 
 mod finding;
 mod groups;
