@@ -1,10 +1,10 @@
 #!/bin/bash
-# Processor time that `feeler hand` takes at 1 kHz with two fingers and its recording, as a share of one core:
-# user and system time of the process, and the share and context switches per second of each thread (woken: after waiting;
-# preempted: by another thread).
-# Prints the figures of docs/benchmarks.md. Linux.
+# Processor time of `feeler hand` at 1 kHz with two fingers and a recording, as a share of one core: user and system time
+# of the process, and the share and context switches per second of each thread (woken: after waiting; preempted: by
+# another thread). Prints the figures of docs/benchmarks.md. Linux.
 #
-# usage: benches/hand_cpu.sh [SECONDS] [FEELER[@ENDPOINT]...]     (defaults: 12, and target/release/feeler@tcp/127.0.0.1:7472)
+# usage: benches/hand_cpu.sh [SECONDS] [FEELER[@ENDPOINT]...]
+#        (defaults: 12, and target/release/feeler@tcp/127.0.0.1:7472)
 #   cargo build --release -p feeler-cli --features link
 # Measures each program at its endpoint in turn; repeat two of them to get pairs. PARTS selects from
 #   sensors  one program publishes joints and two fingers, as `feeler bench link` does: four messages each millisecond

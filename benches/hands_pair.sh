@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Compares many hands at once between this commit and another: control steps per second (interleaved), instructions per control step
-# if valgrind is installed, and equality of the rewards of all episodes.
+# Compares many hands at once between this commit and another: control steps per second (interleaved), instructions per
+# control step if valgrind is installed, and equality of the rewards of all episodes.
 #
 # usage: benches/hands_pair.sh BASE [HANDS] [THREADS] [STEPS] [ROUNDS]     (defaults: - 64 1 1860 3)
 set -euo pipefail
@@ -31,5 +31,5 @@ count() {  # side, steps
 }
 for side in base own; do
     few=$(count "$side" 1) all=$(count "$side" "$steps")
-    echo "$side: $(((all - few) / (steps - 1))) instructions a control step"
+    echo "$side: $(((all - few) / (steps - 1))) instructions per control step"
 done

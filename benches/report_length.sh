@@ -3,7 +3,8 @@
 # page's size. Prints the figures of docs/benchmarks.md. Needs GNU time; one hour of a run requires 2.1 GB of disk;
 # each recording is removed before the next.
 #
-# usage: benches/report_length.sh [FEELER] [OTHER] [STROKES...]     (defaults: target/release/feeler, none (""), 13 128 768 1536)
+# usage: benches/report_length.sh [FEELER] [OTHER] [STROKES...]
+#        (defaults: target/release/feeler, none (""), 13 128 768 1536)
 #
 # With OTHER, another build of the program (e.g. of an earlier commit), both report each recording alternately.
 set -euo pipefail
@@ -32,7 +33,7 @@ for count in "${strokes[@]}"; do
     "$feeler" run cap-closing --sensing direct --set task.screw.strokes="$count" --set time_limit=100000 --out "$run" >/dev/null
     for _ in 1 2 3; do
         [ -z "$other" ] || report before "$other" "$run"
-        report today "$feeler" "$run"
+        report after "$feeler" "$run"
     done
     rm -r "$run"
 done

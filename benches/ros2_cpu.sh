@@ -1,6 +1,7 @@
 #!/bin/bash
-# Processor time that `feeler ros2` takes at 100 Hz with two fingers, as a share of one core (user and system time of its process), with one
-# subscriber to all topics: for a replayed recording, then for a running rig. Prints the figures of docs/benchmarks.md. Linux.
+# Processor time of `feeler ros2` at 100 Hz with two fingers, as a share of one core (user and system time of its
+# process), with one subscriber to all topics: for a replayed recording, then for a running rig. Prints the figures of
+# docs/benchmarks.md. Linux.
 #
 # usage: benches/ros2_cpu.sh [SECONDS] [PARTS]     (defaults: 20, and recording rig)
 #   cargo build --release -p feeler-cli --features ros2
@@ -33,7 +34,8 @@ measure() {  # name, process
 for part in $parts; do
     case $part in
     recording)
-        # The node ends with the recording after about 20 s. Playback at half speed would not be 100 Hz, so the measurement must fit.
+        # The node ends with the recording after about 20 s, so the measurement must be shorter. Slower playback would
+        # not be 100 Hz.
         "$listen" tcp/127.0.0.1:7461 $((seconds < 14 ? seconds + 4 : 18)) >listen-recording.txt &
         listener=$!
         sleep 1

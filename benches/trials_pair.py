@@ -1,8 +1,8 @@
 """Compares two tables of the same trials: measures that differ, and differences of means in standard errors.
 
-Usage: trials_pair.py BASE/trials.csv OWN/trials.csv. Trials with the same number have the same random parameters and are compared
-in pairs. By chance alone, one in 370 measures differs by more than three standard errors. The exit status is 1 if one differs by more
-than four.
+Usage: trials_pair.py BASE/trials.csv OWN/trials.csv. Trials with the same number have the same random parameters and are
+compared in pairs. By chance alone, one in 370 measures differs by more than three standard errors. The exit status is 1 if
+one differs by more than four.
 """
 
 import csv

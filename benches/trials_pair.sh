@@ -1,9 +1,9 @@
 #!/usr/bin/env bash
-# Compares trials of a sweep between this commit and another: trials per second (interleaved), and significant changes of the means of
+# Compares trials of a sweep between this commit and another: trials per second, and significant changes of the means of
 # measures. Detects changes of physics or control that no test covers.
 #
 # usage: benches/trials_pair.sh BASE TRIALS [SWEEP ARGUMENTS]
-#        benches/trials_pair.sh HEAD~1 3000 cap-closing --sensing direct --vary 'friction=uniform(0.4,1.2)'      (the default)
+#        benches/trials_pair.sh HEAD~1 3000 cap-closing --sensing direct --vary 'friction=uniform(0.4,1.2)' (default)
 #        benches/trials_pair.sh HEAD~1 200 contour --sensing direct
 set -euo pipefail
 cd "$(dirname "$0")/.."
@@ -27,6 +27,6 @@ mkdir -p "$out/trials"
 for side in base own; do
     start=$(date +%s.%N)
     "$out/$side-feeler" sweep "$@" --trials "$trials" -o "$out/trials/$side" >/dev/null
-    echo "$side: $(echo "$trials $start $(date +%s.%N)" | awk '{ printf "%.1f trials a second", $1 / ($3 - $2) }')"
+    echo "$side: $(echo "$trials $start $(date +%s.%N)" | awk '{ printf "%.1f trials per second", $1 / ($3 - $2) }')"
 done
 python3 benches/trials_pair.py "$out/trials/base/trials.csv" "$out/trials/own/trials.csv"

@@ -1,7 +1,7 @@
 """Measures median times from an image to the moments of 41 dewarped squares with OpenCV on one thread.
 
-Usage: opencv.py FOLDER, where FOLDER holds what `examples/moments_speed.rs` wrote, and its printout
-as `feeler.txt`. Prints OpenCV's medians and their ratios to feeler's in the same run.
+Usage: opencv.py FOLDER. FOLDER contains the files written by `examples/moments_speed.rs`, and its output as
+`feeler.txt`. Prints OpenCV's medians and their ratios to feeler's in the same run.
 """
 
 import pathlib
@@ -27,7 +27,8 @@ def median_us(work):
 
 
 def fastest_us(work):
-    """Enables or disables Intel's primitives, which slow down `cv2.moments` of small images on some processors."""
+    """Minimum of the medians with and without Intel's primitives, which slow down `cv2.moments` of small images on some
+    processors."""
     times = []
     for with_ipp in (True, False):
         cv2.ipp.setUseIPP(with_ipp)
@@ -101,11 +102,11 @@ def main(folder):
         for what in ("own", "squares")
     )
     print(f"OpenCV {cv2.__version__}, numpy {numpy.__version__}, one thread")
-    print(f"{'feeler, picture to forces':48} own sub-regions {own:8.2f} us, squares {squares:8.2f} us")
+    print(f"{'feeler, image to forces':48} own sub-regions {own:8.2f} us, squares {squares:8.2f} us")
     for name, work in [
         ("natural: remap, blur, threshold, 41 moments", lambda: natural(picture)),
         ("best: remap of the squares, threshold, moments", only_squares),
-        ("rougher: the same, nearest pixel", only_squares_nearest),
+        ("rougher: like best, nearest pixel", only_squares_nearest),
         ("without dewarp: threshold, moments", no_dewarp),
     ]:
         time_us = fastest_us(work)

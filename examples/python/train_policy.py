@@ -47,19 +47,20 @@ SETTINGS: dict[str, Any] = {"sim.variation.friction": 0.0, "sim.object.cap.offse
 
 FINGERTIP = feeler.Fingertip(experiment="cap-closing")
 ELEMENTS, FRAMES = FINGERTIP.element_count, FINGERTIP.rotations
-# A finger's observation: forces; joint angles, velocities and directions; of them the direction towards the object; a flag.
+# Slices of a finger's observation: forces; joint angles, velocities and directions; the direction towards the object,
+# which is one of these; the flag that requests to keep the grasp.
 INPUTS, FORCES, MOTION, TOWARDS, KEEP_GRASP = 3 * ELEMENTS + 21, slice(0, 123), slice(127, 142), slice(139, 142), 143
 # Divisors of inputs: N for forces, then flags, N, rad, rad/s, m/s twice, directions, flags.
 SCALE = np.repeat(np.array([0.1, 1, 1, 0.3, 0.1, 0.01, 0.01, 0.3, 1], np.float32), [123, 3, 1, 3, 3, 3, 3, 3, 2])
 TURNED = np.array([1.0, -1.0, -1.0], np.float32)  # a vector in T after half a turn about the axis
-RESIDUAL_SPEED = 0.010  # m/s, most that the policy adds to the plan along each axis
+RESIDUAL_SPEED = 0.010  # m/s, maximum that the policy adds to the plan along each axis
 SATURATED = 100.0  # tanh is 1 there
 # `best`, tuned by tune_law.py: friction, margin, least grasp force, element force, slip share, gain, pressing speed.
 TEACHER = (0.6, 2.891, 0.8, 0.4413, 0.1289, 0.2, 0.01072)
 
 
 def half_turn() -> tuple[Array, Array]:
-    """Index and sign that map a finger's observation to that after half a turn about its axis, i.e. of the other finger."""
+    """Index and sign that rotate a finger's observation by half a turn about its axis, to that of the opposite finger."""
     turned = FINGERTIP.tips * TURNED
     order = np.linalg.norm(turned[:, None] - FINGERTIP.tips, axis=-1).argmin(axis=1)
     index, sign = np.arange(INPUTS), np.ones(INPUTS, np.float32)
@@ -73,7 +74,7 @@ INDEX, SIGN = half_turn()
 
 
 def demonstration(observation: Array) -> Array:
-    """Velocity added to the plan by `best` (m/s in T, [..., 3]) for observations [..., 144], without friction estimation."""
+    """Velocity (m/s in T, [..., 3]) that `best` adds to the plan for observations [..., 144], without friction estimation."""
     friction, margin, least, most, share, gain, speed = TEACHER
     force = observation[..., FORCES].reshape(*observation.shape[:-1], ELEMENTS, 3) * [1.0, 1.0, -1.0]
     pressed = np.where(force[..., 2] < -0.02, -force[..., 2], 0.0)
@@ -91,7 +92,7 @@ def demonstration(observation: Array) -> Array:
 
 
 class Network(nn.Module):
-    """A small perceptron that is zero where the plan does not ask to keep a grasp: its whole first layer is saturated there."""
+    """A small perceptron with output zero if the plan does not keep a grasp, because its first layer is then saturated."""
 
     width: int
 
@@ -104,13 +105,13 @@ class Network(nn.Module):
 
 
 def residual(network: Network, parameters: Any, observation: Any) -> jax.Array:
-    """What the policy adds to the plan, m/s in T: the mean over both ways to look at a finger, as it is and turned by half."""
+    """Velocity (m/s in T) that the policy adds to the plan: the mean for the observation as it is and after half a turn."""
     both: Any = network.apply(parameters, jnp.stack([observation, observation[..., INDEX] * SIGN]) / SCALE)
     return RESIDUAL_SPEED * jnp.tanh(0.5 * (both[0] + both[1] * TURNED))
 
 
 def save(path: Path, parameters: Any, description: str) -> None:
-    """Writes the policy as one network of twice the width, which is what the mean over both ways comes to."""
+    """Writes the policy as one network of twice the width, which is equivalent to the mean in `residual`."""
     layers = [jax.tree.map(np.array, parameters["params"][f"Dense_{k}"]) for k in range(3)]
     (w0, w1, w2), (b0, b1) = [layer["kernel"].T for layer in layers], [layer["bias"] for layer in layers[:2]]
     w0[:, KEEP_GRASP] += SATURATED
@@ -143,8 +144,8 @@ class Caps:
         self.envs = make("feeler/CapClosing-v0", num_envs=count, vary=CAPS, settings=SETTINGS, copy=False)
 
     def tighten(self, seeds: Sequence[int], act: Callable[[Array], Any]) -> tuple[Array, Array]:
-        """Final torque (mN·m; 0 if the strokes did not end in time) and peak force on an element (N) of each cap, where `act`
-        says what is added to the plan, [n, 2, 3], for observations [n, 2, 144]."""
+        """Final torque (mN·m; 0 if the strokes did not end in time) and peak force on an element (N) of each cap. `act`
+        returns the velocities to add to the plan, [n, 2, 3], for observations [n, 2, 144]."""
         observation, _ = self.envs.reset(seed=list(seeds))
         over, torque, peak = np.zeros(self.count, bool), np.zeros(self.count), np.zeros(self.count)
         while not over.all():
@@ -157,7 +158,7 @@ class Caps:
 
 
 def imitate(network: Network, parameters: Any, arguments: argparse.Namespace) -> Any:
-    """Learns what the teacher would do: on its own caps first, and then where the policy itself gets (DAgger)."""
+    """Imitates the teacher: first on the teacher's runs, then on the states that the policy itself reaches (DAgger)."""
     caps, random = Caps(arguments.demonstrations), np.random.default_rng(arguments.seed)
     optimizer = optax.adam(optax.cosine_decay_schedule(2e-3, arguments.rounds * arguments.steps))
     state, seen, shown = optimizer.init(parameters), [], []
@@ -191,8 +192,9 @@ def imitate(network: Network, parameters: Any, arguments: argparse.Namespace) ->
 
 
 def evolve(network: Network, parameters: Any, arguments: argparse.Namespace, start: float) -> None:
-    """Evolution strategies on all layers but the first: mirrored perturbations on the same cap, and a step along the
-    differences that they make. A newton above the budget has a price, which rises as long as the policy presses too hard."""
+    """Improves all layers except the first by evolution strategies: mirrored perturbations on the same cap, and a step
+    along the difference of their fitness. Force above the budget has a price per newton, which rises while the policy
+    presses too hard."""
     pairs, price, best, random = arguments.pairs, 200.0, -np.inf, np.random.default_rng(arguments.seed)
     caps, check = Caps(2 * pairs), Caps(arguments.checks)
     layers = dict(parameters["params"])
@@ -236,25 +238,25 @@ def evolve(network: Network, parameters: Any, arguments: argparse.Namespace, sta
 def main() -> None:
     """Trains a policy and prints the duration."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("-o", "--out", type=Path, default=Path("policy.safetensors"), help="the policy's file")
+    parser.add_argument("-o", "--out", type=Path, default=Path("policy.safetensors"), help="policy file to write")
     parser.add_argument("--force", action="store_true", help="overwrite an existing file")
     add = parser.add_argument
     add("--seed", type=int, default=100, help="seed of network, perturbations and training caps")
     add("--minutes", type=float, default=27.0, help="minutes after which the next generation ends the training")
-    add("--width", type=int, default=24, help="neurons of a layer; the file's network has twice as many")
-    add("--demonstrations", type=int, default=32, help="caps of a round of imitation")
+    add("--width", type=int, default=24, help="neurons per layer; the file's network has twice as many")
+    add("--demonstrations", type=int, default=32, help="caps per round of imitation")
     add("--rounds", type=int, default=4, help="rounds of imitation")
-    add("--steps", type=int, default=2000, help="gradient steps of a round")
+    add("--steps", type=int, default=2000, help="gradient steps per round")
     add("--generations", type=int, default=180, help="generations of evolution")
-    add("--pairs", type=int, default=64, help="pairs of perturbations of a generation")
+    add("--pairs", type=int, default=64, help="pairs of perturbations per generation")
     add("--sigma", type=float, default=0.02, help="standard deviation of the perturbations")
-    add("--rate", type=float, default=0.004, help="learning rate, which goes down to a tenth")
-    add("--budget", type=float, default=0.513, help="N, mean peak force on an element")
-    add("--every", type=int, default=5, help="generations from one check to the next")
-    add("--checks", type=int, default=128, help="caps of a check")
+    add("--rate", type=float, default=0.004, help="initial learning rate, which decays to a tenth")
+    add("--budget", type=float, default=0.513, help="limit of the mean peak force on an element, N")
+    add("--every", type=int, default=5, help="generations between checks")
+    add("--checks", type=int, default=128, help="caps per check")
     arguments = parser.parse_args()
     if arguments.out.exists() and not arguments.force:
-        sys.exit(f"{arguments.out} is there already; expected a new file, or --force")
+        sys.exit(f"{arguments.out} already exists; expected a new file, or --force")
     start = time.monotonic()
     network = Network(arguments.width)
     parameters = network.init(jax.random.key(arguments.seed), jnp.zeros(INPUTS))

@@ -38,7 +38,7 @@ CAPS = {
 }
 SETTINGS: dict[str, feeler.Value] = {"sim.variation.friction": 0.0, "sim.object.cap.offset": [0.0, 0.0, 0.0]}
 
-# Parameters of the law: default, least and greatest value.
+# Parameters of the law: default, minimum and maximum.
 SEARCHED = {
     "margin": (3.0, 1.0, 10.0),
     "element_force": (0.47, 0.3, 0.505),
@@ -50,7 +50,7 @@ DEFAULTS = {name: default for name, (default, _, _) in SEARCHED.items()}
 
 
 def best(parameters: dict[str, float]) -> dict[str, feeler.Value]:
-    """The settings that choose the law with these parameters."""
+    """Settings that select the law with these parameters."""
     return {f"control.law.best.{name}": value for name, value in parameters.items()}
 
 
@@ -66,14 +66,14 @@ def tighten(law: dict[str, feeler.Value], caps: int, seed: int) -> tuple[Array, 
 
 
 def parameters_at(place: Array) -> dict[str, float]:
-    """The parameters at a place in the unit cube."""
+    """Parameters at a place in the unit cube."""
     ranges = [(least, most) for _, least, most in SEARCHED.values()]
     values = [float(f"{least + share * (most - least):.4g}") for share, (least, most) in zip(place, ranges, strict=True)]
     return dict(zip(SEARCHED, values, strict=True))
 
 
 def search(arguments: argparse.Namespace) -> dict[str, float]:
-    """The best parameters found."""
+    """Searches the parameters; returns the best ones."""
     torque, peak = tighten(best(DEFAULTS), arguments.caps, arguments.seed)
     budget = peak.mean()
     found, most = dict(DEFAULTS), torque.mean()
@@ -96,7 +96,7 @@ def search(arguments: argparse.Namespace) -> dict[str, float]:
             strategy.tell(places, costs)
             print(f"{(time.monotonic() - began) / 60:5.1f} min, generation {generation}: {most:.2f} mN·m", flush=True)
     except KeyboardInterrupt:
-        print("interrupted: the best so far")
+        print("interrupted: the best parameters so far")
     return found
 
 
@@ -105,7 +105,7 @@ def main() -> None:
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seed", type=int, default=100, help="seed of the caps and of the search")
     parser.add_argument("--caps", type=int, default=64, help="caps tightened by each candidate")
-    parser.add_argument("--population", type=int, default=8, help="candidates of a generation")
+    parser.add_argument("--population", type=int, default=8, help="candidates per generation")
     parser.add_argument("--generations", type=int, default=12, help="number of generations")
     parser.add_argument("--price", type=float, default=300.0, help="penalty of peak force above that of the defaults, mN·m/N")
     parser.add_argument("--held-out", type=int, default=500, help="number of other caps for the comparison with the defaults")

@@ -1,11 +1,11 @@
-"""Shows a run in Rerun: hand, cap and elements in 3-D, the forces on the elements as arrows, plots, pictures.
+"""Shows a run in Rerun: hand, cap and elements in 3-D, the forces on the elements as arrows, plots and images.
 
     pip install rerun-sdk==0.41.0
     python examples/python/view_in_rerun.py runs/NAME/recording.mcap
     python examples/python/view_in_rerun.py runs/NAME/recording.mcap --save run.rrd    # for `rerun run.rrd`
 
-Rerun reads the recording itself; lenses make arrows of taxels, and lines of wrenches, grasp forces and torques.
-docs/recordings.md says what the topics carry.
+Rerun reads the recording itself; lenses convert taxels to arrows, and wrenches, grasp forces and torques to plots.
+docs/recordings.md describes the topics.
 """
 
 import argparse
@@ -48,8 +48,8 @@ def run_constants(path):
 
 
 def arrows(touch_force):
-    """A lens that makes arrows of taxels, in their frame: one from the tip of each element that is pressed by more than
-    `touch_force`, N, along the force on the finger by what it touches."""
+    """Lens that converts taxels to arrows in their frame: one from the tip of each element that is pressed by more than
+    `touch_force` (N), along the force of the object on the finger."""
 
     def pressed(data):
         """Pressed elements of one message. Unknown forces are NaN and compare as not pressed."""
@@ -80,7 +80,7 @@ def arrows(touch_force):
 
 
 def lines():
-    """Lenses that make numbers of messages, for plots."""
+    """Lenses that convert messages to scalars for plots."""
     wrench = DeriveLens("geometry_msgs.msg.WrenchStamped:message")
     return [
         wrench.to_scalars("wrench.force.x", "wrench.force.y", "wrench.force.z"),
@@ -90,7 +90,7 @@ def lines():
 
 
 def blueprint(topics):
-    """A 3-D view, and beside it a plot or a picture of each of the `topics` that has one."""
+    """A 3-D view, and next to it the plots and images of `topics`."""
     fingers = sorted(int(topic.split("/")[2]) for topic in topics if re.fullmatch(r"/finger/\d+/taxels", topic))
     scene = rrb.Spatial3DView(
         name="Hand",
@@ -119,7 +119,7 @@ def blueprint(topics):
 
 
 def plot(name, series):
-    """A plot of entities, each with the names of its lines."""
+    """A plot of entities with the names of their lines."""
     return rrb.TimeSeriesView(name=name, contents=list(series), overrides=series)
 
 
@@ -142,7 +142,7 @@ def main():
     parser.add_argument("--save", type=Path, metavar="FILE.rrd", help="write the view to a file instead of showing it")
     arguments = parser.parse_args()
     if not arguments.recording.is_file():
-        sys.exit(f"there is no file {arguments.recording}")
+        sys.exit(f"{arguments.recording}: expected the recording.mcap of a run, got no file")
     try:
         show(arguments.recording, arguments.save)
     except (ValueError, KeyError, OSError) as error:

@@ -18,13 +18,13 @@ import zenoh
 from mcap.records import Schema
 from mcap_ros2.decoder import DecoderFactory
 
-PROTOCOL = 4  # version of the messages that this program knows
+PROTOCOL = 4  # supported version of the messages
 NOBODY = 0xFFFFFFFF  # no element, no finger
 PRINT_INTERVAL = 0.1  # s between two lines of one finger
 
 
 def decoder(feeler, name):
-    """Reads messages of a type: CDR, as `feeler schema NAME` describes it."""
+    """Decoder of a CDR message type, by the definition that `feeler schema NAME` prints."""
     asked = subprocess.run([feeler, "schema", name], check=True, capture_output=True)
     schema = Schema(id=1, name=f"feeler_msgs/msg/{name}", encoding="ros2msg", data=asked.stdout)
     return DecoderFactory().decoder_for("cdr", schema)
@@ -37,7 +37,7 @@ def protocol_of(data):
 
 def stop_message(sender):
     """A Stop in CDR: little endian, version, length of the text with its zero byte, text, and an id of 0 at a multiple
-    of eight bytes: stops of this sender are one, until it is resumed."""
+    of eight bytes. With id 0, all stops of this sender count as one until it is resumed."""
     text = sender.encode() + b"\0"
     text += bytes(-len(text) % 8)
     length = len(sender.encode()) + 1
@@ -79,7 +79,7 @@ class Watcher:
     def heartbeat(self, sample):
         data = sample.payload.to_bytes()
         if protocol_of(data) != PROTOCOL:
-            print(f"a program speaks version {protocol_of(data)} of the messages, this one {PROTOCOL}", flush=True)
+            print(f"expected messages of version {PROTOCOL}, got version {protocol_of(data)} from a program", flush=True)
             return
         program = self.decode_heartbeat(data)
         with self.lock:
@@ -87,7 +87,7 @@ class Watcher:
             self.programs.add(program.instance)
         if is_new:
             of_finger = "" if program.finger == NOBODY else f" of finger {program.finger}"
-            print(printable(f"there is {program.program}{of_finger}, feeler {program.version}"), flush=True)
+            print(printable(f"found {program.program}{of_finger}, feeler {program.version}"), flush=True)
 
     def update(self, sample):
         data = sample.payload.to_bytes()
@@ -110,7 +110,7 @@ class Watcher:
         self.stop.put(stop_message(self.sender))
         if update.finger not in self.above:
             self.above.add(update.finger)
-            print(f"{line(update)}: more than {self.limit} N, hand told to stop", flush=True)
+            print(f"{line(update)}: more than {self.limit} N, sent a stop to the hand", flush=True)
 
 
 def printable(text):
@@ -130,12 +130,12 @@ def line(update):
 
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
-    parser.add_argument("rig", help="name of the rig: that of the experiment, unless its programs were given another")
+    parser.add_argument("rig", help="name of the rig; by default, the name of its experiment")
     parser.add_argument("--connect", default="tcp/127.0.0.1:7447", help="the hand's endpoint [default: %(default)s]")
     parser.add_argument("--stop-above", type=float, metavar="N", help="grasp force of a finger that stops the hand, N")
-    parser.add_argument("--certificates", metavar="DIR", help="a certificate of the right order or watch, for tls/ endpoints")
-    parser.add_argument("--from", dest="sender", default="watch_forces.py", help="who says stop [default: %(default)s]")
-    parser.add_argument("--feeler", default="feeler", help="the program, to ask for the messages [default: %(default)s]")
+    parser.add_argument("--certificates", metavar="DIR", help="folder of a certificate with the right order or watch")
+    parser.add_argument("--from", dest="sender", default="watch_forces.py", help="sender of the stop [default: %(default)s]")
+    parser.add_argument("--feeler", default="feeler", help="program that prints message definitions [default: %(default)s]")
     arguments = parser.parse_args()
     with zenoh.open(configuration(arguments)) as session:
         watcher = Watcher(session, arguments)

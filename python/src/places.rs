@@ -56,7 +56,7 @@ impl Places {
     }
 }
 
-/// NaN for an element that the camera cannot see; a fingertip with such an element has no kernel.
+/// Returns the image position of each element (px); NaN if the camera cannot see it, in which case the fingertip has no kernel.
 fn centres(layout: &ElementLayout, projection: &DomeProjection) -> Vec<DVec2> {
     let tips = (0..layout.elements.len()).map(|index| layout.tip(index));
     tips.map(|tip| projection.project(tip).unwrap_or(DVec2::NAN))

@@ -75,7 +75,7 @@ def test_an_existing_policy_is_kept_without_force(trained: tuple[Path, str]) -> 
     out, _ = trained
     before = out.read_bytes()
     refused = run("train_policy.py", "-o", out)
-    assert refused.returncode == 1 and "is there already; expected a new file, or --force" in refused.stderr
+    assert refused.returncode == 1 and "already exists; expected a new file, or --force" in refused.stderr
     assert out.read_bytes() == before
     forced = run("train_policy.py", "-o", out, "--force", *NO_TIME, "--generations=0", "--seed=1")
     assert forced.returncode == 0 and out.read_bytes() != before

@@ -17,7 +17,7 @@ pub enum NameError {
     Part {
         /// Kind of name.
         what: &'static str,
-        /// Full name.
+        /// Full name of the node, with its namespace.
         name: String,
         /// Invalid part.
         part: String,

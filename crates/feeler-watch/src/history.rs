@@ -9,7 +9,7 @@ pub struct History {
     interval: f64,
     length: usize,
     values: VecDeque<f64>,
-    /// Start of the newest value's interval (s).
+    /// Time at which the interval of the newest value began (s).
     begun: f64,
 }
 

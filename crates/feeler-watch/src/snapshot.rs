@@ -110,8 +110,8 @@ pub struct Program {
     pub age: f64,
     /// Number of messages received, or `None` if unknown.
     pub received: Option<u64>,
-    /// Number of messages lost according to their sequence numbers: messages of this program, or if the program
-    /// counts itself, messages to it.
+    /// Number of lost messages, from gaps in sequence numbers: those sent by this program, or those sent to it if the program
+    /// reports its own count.
     pub lost: u64,
     /// Number of periods in which it was late, or `None` if it has no deadline.
     pub late: Option<u64>,

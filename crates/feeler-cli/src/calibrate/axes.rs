@@ -6,7 +6,7 @@ use feeler::sensor::calibration::ForceAxes;
 /// Body on which the measured forces act.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default, clap::ValueEnum)]
 enum Body {
-    /// The fingertip.
+    /// Forces on the fingertip, exerted by the object.
     #[default]
     Finger,
     /// The object that touches the fingertip.

@@ -198,7 +198,7 @@ fn even(trials: u64) -> Result<u64, CommandError> {
     }
 }
 
-/// Prints the shares and the deciding parameters.
+/// Prints the share of hands on which each claim passes, and the parameters that influence it most.
 fn print(page: &RobustnessPage, out: &mut dyn Write) -> std::io::Result<()> {
     let infeasible = page.rows - page.hands;
     writeln!(

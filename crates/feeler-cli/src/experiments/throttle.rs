@@ -90,7 +90,7 @@ impl Throttle {
 }
 
 impl Schedule for Throttle {
-    /// A step overran if it begins after the next one was due.
+    /// Waits for the next step. A step is marked as overrun if it begins after the one that follows it was due.
     fn next_tick(&mut self, interrupted: &AtomicBool) -> Option<Tick> {
         self.steps += 1;
         let mut tick = Tick::on_time(self.steps);

@@ -79,7 +79,7 @@ pub struct ResumeArguments {
     link: LinkArguments,
 }
 
-/// Name of the caller on the command line.
+/// Name under which orders of the command line are displayed and recorded.
 const BY: &str = "the command line";
 
 /// Stops the hand of a rig, and prints whether it stopped.

@@ -17,7 +17,7 @@ pub struct Arguments {
     link: LinkArguments,
 }
 
-/// Shows a rig.
+/// Shows a running rig on the terminal until the user quits, or prints one snapshot.
 #[cfg(feature = "top")]
 pub fn top(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     use feeler_link::security::Right;

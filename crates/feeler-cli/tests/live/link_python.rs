@@ -88,7 +88,7 @@ fn watcher(python: &str, endpoint: &str) -> Command {
 fn read_until_all_are_there(said: &mut BufReader<ChildStdout>) -> String {
     let mut text = String::new();
     let expected = ["hand", "sense of finger 0", "sense of finger 1"];
-    let heard = |text: &str, what: &&str| text.contains(&format!("there is {what}, feeler "));
+    let heard = |text: &str, what: &&str| text.contains(&format!("found {what}, feeler "));
     while !expected.iter().all(|what| heard(&text, what)) {
         let read = said.read_line(&mut text).expect("lines");
         assert!(read > 0, "the watcher ended: {text}");
@@ -139,7 +139,7 @@ fn python_program_reads_forces_and_stops_the_hand() {
         assert!(text.lines().any(|line| whole(&line)), "{text}");
     }
     assert!(
-        text.contains("more than 1.0 N, hand told to stop"),
+        text.contains("more than 1.0 N, sent a stop to the hand"),
         "{text}"
     );
     let reason = format!("stop requested by {WATCHER}");

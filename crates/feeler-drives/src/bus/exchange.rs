@@ -98,7 +98,7 @@ impl Bus {
         !sent.is_empty() && arrived.len() >= sent.len() && arrived.starts_with(sent)
     }
 
-    /// Sends an instruction with `parameters`. Discards responses to earlier requests.
+    /// Sends instruction `code` with the buffered parameters to servo `id`. Discards responses to earlier requests.
     pub(super) fn send(&mut self, id: u8, code: u8) -> Result<(), BusError> {
         encode(self.protocol, (id, code), &self.parameters, &mut self.sent)?;
         self.port.discard_input()?;

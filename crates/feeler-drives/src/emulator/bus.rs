@@ -169,7 +169,7 @@ impl EmulatedBus {
         self.go_on(now);
     }
 
-    /// Advances the mechanism to `now`, s, without events on the wire.
+    /// Advances the emulated mechanism to the time `now` (s), in which no byte is transferred.
     fn go_on(&mut self, now: f64) {
         while self.time + STEP < now {
             self.time += STEP;

@@ -65,7 +65,7 @@ impl Protocol {
     }
 }
 
-/// Instructions.
+/// Instruction codes of both protocols.
 pub mod instruction {
     /// Requests model number and firmware (Feetech: an empty response).
     pub const PING: u8 = 0x01;

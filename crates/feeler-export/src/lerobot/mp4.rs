@@ -207,7 +207,7 @@ fn encode(atom: &impl Encode, bytes: &mut Vec<u8>) -> io::Result<()> {
 
 /// The `mdat` header for media data of `length` bytes.
 fn media_head(length: u64) -> [u8; MEDIA_HEAD as usize] {
-    /// Marks a 64-bit length after the type.
+    /// Value of a box's 32-bit length field if a 64-bit length follows the type.
     const LONG: u32 = 1;
     let mut head = [0; MEDIA_HEAD as usize];
     head[..4].copy_from_slice(&LONG.to_be_bytes());

@@ -44,14 +44,14 @@ fn datagram() -> impl Strategy<Value = Datagram> {
 
 proptest! {
     #[test]
-    fn what_is_sent_arrives(datagram in datagram()) {
+    fn datagrams_round_trip(datagram in datagram()) {
         let bytes = datagram.bytes();
         prop_assert!(bytes.len() <= MAX_BYTES);
         prop_assert_eq!(parse(&bytes), Some(datagram));
     }
 
     #[test]
-    fn what_is_cut_or_longer_is_nothing(datagram in datagram(), cut in any::<prop::sample::Index>()) {
+    fn truncated_and_extended_datagrams_are_rejected(datagram in datagram(), cut in any::<prop::sample::Index>()) {
         let mut bytes = datagram.bytes();
         prop_assert_eq!(parse(&bytes[..cut.index(bytes.len())]), None);
         bytes.push(0);
@@ -59,7 +59,7 @@ proptest! {
     }
 
     #[test]
-    fn any_bytes_are_read_without_a_panic(bytes in prop::collection::vec(any::<u8>(), 0..1500)) {
+    fn any_bytes_are_parsed_without_a_panic(bytes in prop::collection::vec(any::<u8>(), 0..1500)) {
         // Random bytes hardly ever start with the magic bytes.
         let _ = parse(&bytes);
         for kind in 0..5 {
@@ -72,7 +72,7 @@ proptest! {
     }
 
     #[test]
-    fn a_changed_byte_changes_what_is_signed(datagram in datagram(), at in any::<prop::sample::Index>()) {
+    fn a_changed_byte_changes_the_signed_content(datagram in datagram(), at in any::<prop::sample::Index>()) {
         let mut bytes = datagram.bytes();
         let at = at.index(bytes.len());
         bytes[at] ^= 1;

@@ -35,7 +35,7 @@ impl TrackTables {
         }
     }
 
-    /// Reads the recording in the table of `source`.
+    /// Reads the recordings in the table of `source`.
     ///
     /// # Errors
     /// If the table cannot be read.

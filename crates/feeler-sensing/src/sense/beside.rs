@@ -33,7 +33,7 @@ pub struct BackgroundReporter {
 }
 
 impl ConsoleReporter {
-    /// Creates a printer. The progress is hidden unless standard error is a terminal.
+    /// Creates a reporter, which may block on the terminal if `waits`. Progress is hidden unless standard error is a terminal.
     pub fn new(waits: bool) -> Self {
         let bar = ProgressBar::new_spinner();
         let style = ProgressStyle::with_template("{spinner} {msg}");

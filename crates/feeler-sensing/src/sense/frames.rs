@@ -131,7 +131,7 @@ impl Stage<'_> {
         Ok(())
     }
 
-    /// Rejects a first image whose size differs from the assumed fingertip's images.
+    /// Returns an error if the camera error `error` is that of a first image whose size differs from the assumed fingertip's.
     fn check_size(&self, error: &CameraError) -> Result<(), CommandError> {
         match (&self.assumed, error) {
             (

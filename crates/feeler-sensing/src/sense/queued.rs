@@ -45,7 +45,7 @@ pub struct BackgroundOutput {
     ended: Receiver<Result<Option<PathBuf>, String>>,
     say: Say,
     dropped: u64,
-    /// Number of dropped images, whose frames may have been written.
+    /// Number of images that were dropped; the readings of their frames may have been written.
     dropped_pictures: u64,
     is_dropping: bool,
 }

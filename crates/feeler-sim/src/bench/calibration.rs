@@ -72,7 +72,7 @@ impl Default for CalibrationBenchConfig {
 }
 
 impl CalibrationBenchConfig {
-    /// Loads for a fingertip: `combined` combined loads, and other kinds in proportion. With more than 41 elements,
+    /// Configuration for a fingertip with `combined` combined loads, and loads of other kinds in proportion. With more than 41 elements,
     /// forces are reduced so that the total force stays the same. On a skin with markers, the radius of patches is
     /// three times its spread.
     pub fn of_fingertip(

@@ -133,7 +133,8 @@ impl Fingertip<'_> {
         limited
     }
 
-    /// Loads of arbitrary feelers, one at a time. `duration` is the time since their tips were stored (s).
+    /// Computes the grips of feelers that differ from each other, one at a time. `duration` is the time since their tips were
+    /// stored (s).
     fn feelers(
         &self,
         sets: &[DVec3],

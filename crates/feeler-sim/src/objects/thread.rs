@@ -239,7 +239,7 @@ impl Hinge {
 
 /// Result of a Newton step.
 struct Step {
-    /// New angle (rad).
+    /// Angle of the cap after the step (rad).
     angle: f64,
     /// New twist (rad).
     twist: f64,

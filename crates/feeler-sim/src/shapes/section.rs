@@ -25,7 +25,7 @@ pub fn section(object: &Object, height: f64) -> Vec<[f64; 2]> {
     points.unwrap_or_default()
 }
 
-/// Intersection with the surface of a ray along `-direction` that starts at a distance of `reach` from the origin.
+/// Point (x, y) at `height` in which the ray along `-direction` from `reach * direction` meets the surface. `None` if it misses.
 fn meet(object: &Object, height: f64, direction: DVec2, reach: f64) -> Option<[f64; 2]> {
     let origin = object.start.position.with_z(height);
     let mut distance = reach;

@@ -31,7 +31,7 @@ pub struct VariationConfig {
     pub bottle_position: f64,
     /// Maximum relative change of all friction coefficients.
     pub friction: f64,
-    /// Maximum additional relative change of the kinetic coefficients, which never exceed the static ones.
+    /// Maximum relative variation of the kinetic friction coefficients between feelers. They never exceed the static ones.
     pub kinetic_friction: f64,
     /// Maximum relative change of the seat angle.
     pub seat_angle: f64,

@@ -86,7 +86,7 @@ impl NetFtEmulator {
         format!("netft://{}?cpf={counts}&cpt={counts}", self.address)
     }
 
-    /// Address without counts, which the emulated web page provides.
+    /// Returns the address without the counts per newton; a client reads them from the emulated web page.
     pub fn bare_address(&self) -> String {
         format!("netft://{}?web={}", self.address, self.web.port())
     }

@@ -47,7 +47,7 @@ pub(super) struct FrameClock {
 struct Last {
     stamp: f64,
     sequence: u64,
-    /// The driver's number.
+    /// Sequence number of the latest frame, as the driver counts.
     counted: Option<u32>,
 }
 

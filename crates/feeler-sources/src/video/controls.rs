@@ -11,8 +11,9 @@ const AUTO_EXPOSURE: [&str; 2] = ["Auto Exposure", "Exposure, Auto"];
 const MANUAL_EXPOSURE: i32 = 1;
 /// Unit of the exposure time, s.
 const EXPOSURE_UNIT: f64 = 1e-4;
-/// Names of the control for the gain (in the driver's unit), and of the control that must be off before.
+/// Possible names of the control for the gain (in the driver's unit).
 const GAIN: [&str; 2] = ["Gain", "Analogue Gain"];
+/// Possible names of the control that must be off before the gain is set.
 const AUTO_GAIN: [&str; 2] = ["Gain, Automatic", "Gain, Auto"];
 
 /// Sets exposure time and gain from `config`.

@@ -108,7 +108,7 @@ impl Feed {
         }
     }
 
-    /// Calls `fill` to write the last moment, whether or not one was requested.
+    /// Calls `fill` to write the final state of the page, even if no page has requested one.
     pub fn offer_last(&self, fill: impl FnOnce(&mut Moment)) {
         let mut newest = self
             .newest

@@ -82,7 +82,7 @@ pub enum StopReason {
     StuckSensorDetector {
         /// Index of the finger.
         finger: usize,
-        /// Number of consecutive repetitions.
+        /// Number of consecutive frames with unchanged forces.
         frames: u32,
     },
     /// A joint angle is far outside of the joint's limits.

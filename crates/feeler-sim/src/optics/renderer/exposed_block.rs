@@ -44,7 +44,7 @@ fn whole(value: f32) -> i16 {
     (value + 8_388_608.0).to_bits() as i16
 }
 
-/// Parameters of the gray levels of a row.
+/// Exposure parameters that convert light to gray levels in a row of pixels.
 pub(super) struct Exposure {
     background: f32,
     contrast: f32,

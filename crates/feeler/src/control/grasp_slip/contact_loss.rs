@@ -62,7 +62,7 @@ pub enum Contact {
 enum Reference {
     /// No reference.
     Unknown,
-    /// The vectors of this number of elements are 0 without contact.
+    /// The vectors are 0 without contact. The argument is the number of elements.
     Untouched(usize),
     /// Without contact, the positions of the elements are a regular pattern seen through a lens.
     Pattern(Box<LensFit>),
@@ -129,7 +129,7 @@ impl ContactLoss {
         Ok(Self::new(config, scale, Reference::Pattern(Box::new(fit))))
     }
 
-    /// Creates a detector for elements without a known reference. The contact stays unknown.
+    /// Creates a detector for elements whose values without contact are unknown. It never reports contact or its loss.
     pub fn without_reference() -> Self {
         Self::new(ContactLossConfig::default(), 1.0, Reference::Unknown)
     }

@@ -28,8 +28,8 @@ pub struct BestConfig {
     /// Maximum force on an element (N). Limited to F2 (`control.over_force`) when the law is created, so that one
     /// value works for hands with differently rated elements.
     pub element_force: f64,
-    /// Share of an element's total force that may become compression when the element slips. An inclined element
-    /// supports the surface with its shear, too.
+    /// Maximum compression that is requested of a slipping element, as a fraction of its total force before the slip. An
+    /// inclined element also supports the surface with its shear.
     pub slip_share: f64,
     /// Pressing speed per missing force of an element, m/(N·s).
     pub gain: f64,
@@ -209,7 +209,7 @@ impl Load {
     }
 }
 
-/// Mean of the touching elements' outward dome normals, weighted by force.
+/// Direction into the object: mean of the touching elements' outward dome normals, weighted by force. `None` without contact.
 fn inward(finger: &FingerReadings<'_>) -> Option<DVec3> {
     let forces = finger.touch.frame.forces.iter().enumerate();
     let weighted = forces.filter(|(_, force)| force.z > NOISE);

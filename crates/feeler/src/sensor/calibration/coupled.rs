@@ -21,8 +21,8 @@ use serde::{Deserialize, Serialize};
 /// requires; with all terms of second order; with terms of third and higher order.
 pub const NORMAL_ORDERS: [usize; 4] = [2, 7, 12, 20];
 
-/// Numbers of terms of `F_x` and `F_y` that form complete models: tilting alone; with its curvature and the growth;
-/// with the other displacement; with squares of displacements.
+/// Numbers of polynomial terms of `F_x` and `F_y` that form complete models: linear in the displacement along the axis; with
+/// its square and the growth of the integrated gray value; with the other displacement; with squares of displacements.
 pub const SHEAR_ORDERS: [usize; 4] = [2, 5, 10, 17];
 
 const NORMAL_TERMS: usize = NORMAL_ORDERS[3];

@@ -102,7 +102,7 @@ pub enum DomeError {
 /// A point of the image, mapped to the tangent plane of an element.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Dewarped {
-    /// Position relative to the element's axis in x, y of the element's frame `E_i`, m.
+    /// Position of the point on the dome, relative to the element's axis, in x, y of the frame `E_i` (m).
     pub point: DVec2,
     /// Area of the tangent plane covered by one pixel, m² per px².
     pub area: f64,

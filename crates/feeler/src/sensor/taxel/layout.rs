@@ -107,7 +107,7 @@ pub struct TaxelDrift {
     /// Time after a touch without correction, because the skin still creeps, s.
     #[serde(default = "one_second")]
     pub settle: f64,
-    /// Maximum total correction of each column of a taxel, N (or counts).
+    /// Maximum total correction of each force component of a taxel (N, or counts).
     pub most: f64,
 }
 

@@ -93,13 +93,13 @@ impl Axes {
 /// A column with a sign.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 pub enum SignedAxis {
-    /// Column x.
+    /// Column x of the table.
     #[serde(rename = "x", alias = "+x")]
     X,
-    /// Column y.
+    /// Column y of the table.
     #[serde(rename = "y", alias = "+y")]
     Y,
-    /// Column z.
+    /// Column z of the table.
     #[serde(rename = "z", alias = "+z")]
     Z,
     /// Column x, negated.

@@ -116,7 +116,7 @@ pub struct ElementStandard {
     pub used: bool,
     /// Mean integrated gray value G_0, gray levels times m² (px² for a planar layout).
     pub gray: f64,
-    /// Mean centroid c_0, m (px) in x, y of the element's plane.
+    /// Mean centroid c_0 of the element without load, in x, y of its plane (m; px if the layout has no dome).
     pub centroid: DVec2,
     /// Mean of each feature.
     pub mean: [f64; PER_ELEMENT],

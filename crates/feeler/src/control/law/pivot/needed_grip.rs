@@ -147,8 +147,8 @@ impl NeededGrip {
         self.detector.predict_shear(sense)
     }
 
-    /// Updates slip, friction and load with a new frame of a finger that `turns` the object. The object has followed
-    /// the share `along` of the fingertip's motion, 0 to 1.
+    /// Updates the estimates of slip, friction and load with a new frame of a finger. `turns` is `true` while the finger turns
+    /// the object; `along` is the fraction of the fingertip's motion that the object has followed, 0 to 1.
     pub fn feel(&mut self, sense: &FingerReadings<'_>, surface: Surface, turns: bool, along: f64) {
         if !std::mem::take(&mut self.is_new) {
             return;

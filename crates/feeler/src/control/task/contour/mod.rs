@@ -41,9 +41,11 @@ pub struct Contour {
     lean: f64,
     /// Force along the normal (N); 0 without touch.
     force: f64,
-    /// Times at which the finger began to follow, last touched and last decided (s).
+    /// Time at which the finger began to follow the outline (s).
     began: f64,
+    /// Time of the latest contact (s).
     touched: f64,
+    /// Time of the previous step (s).
     previous: f64,
     /// Position at which it released the object (m, in W).
     release_start: DVec3,

@@ -147,7 +147,7 @@ impl Finger {
         SHEAR * config.press_force / self.stiffness.max(1.0)
     }
 
-    /// Depth of an element that slides (m).
+    /// Depth to which an element is pressed in for the sliding test (m).
     fn slide_depth(&self, config: &ProbeConfig) -> f64 {
         self.slide_force(config) / self.stiffness.max(1.0)
     }

@@ -61,7 +61,7 @@ pub enum Seen {
     Enough {
         /// The touched element.
         element: usize,
-        /// Force on it in its frame, N.
+        /// Force on the element, in its frame (N).
         force: DVec3,
     },
     /// A new sample.

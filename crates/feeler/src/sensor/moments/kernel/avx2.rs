@@ -24,7 +24,7 @@ use std::arch::x86_64::*;
 /// Number of strips in a vector: half a tile.
 const LANES: usize = 8;
 
-/// Correction of the sum of both halves' `E`, which start at the minimum of 16 bits so that 64 rows of up to 1020
+/// Correction of the sum of two 16-bit accumulators, which start at the minimum of their type so that 64 rows of up to 1020
 /// fit.
 const TOO_FEW: i32 = 1 << 16;
 
