@@ -141,6 +141,11 @@ pub fn read_layout(path: &Path) -> Result<LocatedLayout, GeometryError> {
 /// Reads the text of a layout or calibration file.
 pub(super) fn read_text(path: &Path) -> Result<String, std::io::Error> {
     let mut text = String::new();
-    File::open(path)?.take(MAX_TEXT).read_to_string(&mut text)?;
+    File::open(path)?
+        .take(MAX_TEXT + 1)
+        .read_to_string(&mut text)?;
+    if text.len() as u64 > MAX_TEXT {
+        return Err(std::io::Error::other("expected at most 16 MiB of text"));
+    }
     Ok(text)
 }

@@ -2,7 +2,7 @@
 # Compares the time from image to forces before and after a change: runs two builds of the example moments_speed
 # interleaved on one core, so that other load affects both. Prints the smallest median of all turns for each line.
 #
-#   benches/by_turns.sh BEFORE AFTER [TURNS]
+#   benches/compare_builds.sh BEFORE AFTER [TURNS]
 set -euo pipefail
 [ $# -ge 2 ] || { sed -n '2,/^$/s/^# \?//p' "$0"; exit 2; }
 before=$1 after=$2 turns=${3:-3}
