@@ -192,7 +192,8 @@ impl Experiment {
     }
 }
 
-/// Returns a valid `text` with all defaults spelled out if any of `settings` indexes a list, else `None`.
+/// Returns the experiment file `text` with all default values written out, so that `settings` can index lists that it
+/// omits. `None` if no setting indexes a list, or `text` is invalid.
 pub(super) fn with_defaults(text: &str, settings: &[String]) -> Option<DocumentMut> {
     let is_index = |part: &str| part.trim().parse::<usize>().is_ok();
     let key = |setting: &'_ String| setting.split('=').next().map(str::to_string);

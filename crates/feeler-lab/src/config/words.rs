@@ -13,7 +13,7 @@ const TYPES: [(&[&str], &str); 6] = [
     (&["a map"], "a table"),
 ];
 
-/// Descriptions of found values in parser messages, and in messages to users.
+/// Prefixes of parser messages that describe the actual value, and their replacements in messages to users.
 const FOUND: [(&str, &str); 7] = [
     ("invalid type: string ", "the text "),
     ("invalid type: integer ", "the whole number "),

@@ -158,8 +158,8 @@ impl Environment {
         Ok(seed)
     }
 
-    /// Executes one control step with `action`, three numbers per finger. The task then plans with the new tactile
-    /// data, which is the next [observation](Self::observation). Does not allocate.
+    /// Executes one control step with `action`: three velocities per finger, as defined by the [`ActionKind`]. The task
+    /// then plans with the new tactile data, which is the next [observation](Self::observation). Does not allocate.
     ///
     /// # Errors
     /// If no episode is active, or `action` has the wrong length or a number that is not finite; the environment is

@@ -54,7 +54,7 @@ pub(super) fn at(index: usize) -> impl Fn(EnvironmentError) -> VectorError {
     }
 }
 
-/// Requires a number to be `expected`.
+/// Returns an error about `what` unless `actual` equals `expected`.
 pub(super) fn check_count(
     what: &'static str,
     expected: usize,

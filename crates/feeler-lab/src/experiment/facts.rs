@@ -72,8 +72,8 @@ fn facts_with(config: &ExperimentConfig, layouts: &[ElementLayout]) -> RunFacts 
     }
 }
 
-/// Returns the constants of a run of `config` in `world`, with ground truth: the friction of objects that have
-/// separate values.
+/// Returns the constants of a run of `config` in `world`. They include ground truth: the static and kinetic friction
+/// coefficients of each object that defines its own friction.
 pub fn simulated_facts(
     config: &ExperimentConfig,
     layouts: &[ElementLayout],

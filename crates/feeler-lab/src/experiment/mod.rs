@@ -108,7 +108,7 @@ pub enum ExperimentError {
     /// The simulated world cannot be built.
     #[error(transparent)]
     Sim(#[from] SimError),
-    /// The task expects a specimen at a place without any object.
+    /// A finger cannot press on a specimen where the task expects one.
     #[error(transparent)]
     Specimen(#[from] SpecimenError),
     /// A sensor cannot be built.
@@ -162,7 +162,7 @@ pub struct Session {
     time_limit: f64,
     /// Maximum number of consecutive missed periods.
     max_missed: u64,
-    /// Number of frames taken by finger 0, if the frame rate is lower than the control rate.
+    /// Number of frames taken by the sensor of finger 0. Stays 0 if a frame is taken in every control period.
     taken: FrameCounter,
     /// `true` if the world advances independently of the steps.
     is_driven: bool,

@@ -179,7 +179,7 @@ impl ClosedRun {
 pub struct FinishedRun {
     /// The session after its last step.
     pub session: Session,
-    /// End of the run.
+    /// Outcome and reason of the end of the run.
     pub end: RunEnd,
     /// Duration of the run in wall-clock time (s).
     pub wall_time: f64,

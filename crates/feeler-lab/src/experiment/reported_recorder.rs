@@ -18,7 +18,7 @@ pub(super) struct ReportingRecorder {
 pub(super) type Recorded = (Recording, RunData);
 
 impl ReportingRecorder {
-    /// Records a run with these constants with `recorder`.
+    /// Creates a recorder that writes a run with the constants `facts` to `recorder`.
     ///
     /// # Errors
     /// If the constants are invalid.

@@ -13,7 +13,7 @@ const TOUCHING: f64 = 1e-4;
 /// Maximum number of search steps. A finger that passes very close to an object for long counts as touching.
 const MAX_STEPS: usize = 10_000;
 
-/// Error of a specimen that a finger cannot press on.
+/// Reason why a finger cannot press on the specimen.
 #[derive(Debug, thiserror::Error)]
 pub enum SpecimenError {
     /// The search path meets no object.

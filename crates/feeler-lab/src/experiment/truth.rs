@@ -53,8 +53,8 @@ pub(super) struct SlipMeter {
     newest: Option<(u64, [f64; MAX_FINGERS])>,
     /// Times of frames, if the frame rate is lower than the control rate.
     frames: Option<FrameTimes>,
-    /// Number of frames at the last reading and the frame counter, used instead of times if the world advances
-    /// independently.
+    /// Frame count at the last reading, and the frame counter. If present, they determine whether there is a new frame,
+    /// instead of `frames`, because the world advances independently of the control steps.
     taken: Option<(u64, FrameCounter)>,
 }
 

@@ -96,7 +96,8 @@ fn reach(config: &ExperimentConfig) -> f64 {
     reach.fold(0.0, f64::max)
 }
 
-/// Largest extent of an object along an axis of its shape (m). `None` if it is infinite or cannot be built.
+/// Largest side of the bounding box of an object in its own frame (m). `None` if the object is infinite or its shape
+/// is invalid.
 fn size(object: &ObjectConfig, experiment: &Experiment) -> Option<f64> {
     if object.shape == ShapeConfig::HalfSpace {
         return None;

@@ -226,8 +226,8 @@ fn object(circle: &Circle, [smallest, largest]: [f64; 2]) -> ObjectEstimates {
     }
 }
 
-/// Returns the 95 % interval of a quantity. Its standard deviation is the measured one times `factor`, combined with
-/// `floor`.
+/// Returns the estimate of a quantity with its 95 % interval. Its standard deviation is the root sum square of `floor`
+/// and `factor` times the measured standard deviation.
 fn interval(measured: Measured, (factor, floor): (f64, f64), method: &str) -> Estimate {
     let half = NORMAL * (factor * measured.deviation).hypot(floor);
     Estimate {

@@ -33,9 +33,9 @@ impl Identified {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ObjectEstimates {
-    /// x of the axis about which the object turns, in W (m).
+    /// x coordinate of the axis about which the object turns, in W (m).
     pub pivot_x: Estimate,
-    /// y of the axis about which the object turns, in W (m).
+    /// y coordinate of the axis about which the object turns, in W (m).
     pub pivot_y: Estimate,
     /// Radius of the object at the contacts (m).
     pub radius: Estimate,

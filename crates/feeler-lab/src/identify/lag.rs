@@ -11,7 +11,7 @@ const STRETCH: f64 = 1.0;
 const MAX_LAG: f64 = 0.2;
 const MAX_DELAY: f64 = 0.1;
 const MIN_LAG: f64 = 1e-4;
-/// Accuracy of the minimisation (s).
+/// Convergence tolerance of the golden-section search (s).
 const ACCURACY: f64 = 5e-5;
 
 /// Lag and delay of a finger's drives.
@@ -123,7 +123,7 @@ fn least_of((mut low, mut high): (f64, f64), cost: impl Fn(f64) -> f64) -> f64 {
 
 /// Curvature of the cost at the estimated lag and delay.
 struct Curvature {
-    /// Standard deviations of lag and delay at the minimum.
+    /// Standard deviations of the estimated lag and delay (s).
     deviations: (f64, f64),
 }
 

@@ -38,7 +38,7 @@ enum Frames {
 
 /// Content of one frame.
 pub enum NamedFrame {
-    /// The image, of the sensor's size.
+    /// An image with the resolution of the sensor.
     Picture(Picture),
     /// No image; the recorded moments have been copied to the caller's buffer.
     Sensed,

@@ -77,7 +77,7 @@ impl ForcesFile {
         }
     }
 
-    /// Returns the path as text.
+    /// Returns the path of the CSV file as text.
     pub fn name(&self) -> String {
         self.csv.display().to_string()
     }

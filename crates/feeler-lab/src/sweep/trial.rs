@@ -36,7 +36,7 @@ pub struct Trials {
     scheme: Option<Scheme>,
     /// Claims that have columns.
     claims: Vec<ClaimColumns>,
-    /// Criterion of a successful trial.
+    /// Criterion for the success of a trial.
     criterion: Criterion,
     /// Names of the findings that the task may report.
     findings: Vec<&'static str>,

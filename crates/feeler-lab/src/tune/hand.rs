@@ -12,7 +12,7 @@ use std::path::Path;
 /// Rated force (N) and stiffness (N/m) of the reference element.
 const RATED: (f64, f64) = (0.505, 205.0);
 
-/// Quantities used by the rules, in SI units.
+/// Properties of a hand from which the tuning rules compute its settings.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Hand {
     /// Contact stiffness of an element along its axis (N/m).
@@ -82,7 +82,7 @@ pub fn rated_force(normal_stiffness: f64) -> f64 {
 /// Returns the screw task of `experiment`.
 ///
 /// # Errors
-/// If the experiment has another task, or does not use the paper's law.
+/// If the experiment has another task or no fixed number of strokes, or its control law is not `tri-axial`.
 pub fn screw(experiment: &Experiment) -> Result<&ScrewConfig, TuneError> {
     let config = &experiment.config;
     let refuse = |message: String| TuneError::Untunable {

@@ -19,7 +19,7 @@ use crate::experiment::ExperimentError;
 use crate::sweep::SweepError;
 use std::path::PathBuf;
 
-/// Error of a hand that cannot be tuned.
+/// Error that prevents the tuning of a hand.
 #[derive(Debug, thiserror::Error)]
 pub enum TuneError {
     /// The file of identified values cannot be read.
@@ -46,7 +46,7 @@ pub enum TuneError {
         /// The problem and the expected content.
         message: String,
     },
-    /// No valid plausible hand could be drawn.
+    /// No hand drawn from the uncertain values is valid.
     #[error("no experiment with drawn values is valid; the last one: {0}")]
     NoHand(Box<ConfigError>),
     /// The experiment is invalid.

@@ -37,7 +37,7 @@ pub struct Problem<'a> {
     pub hand: Hand,
     /// Uncertain values of the hand.
     pub uncertainty: &'a Uncertainty,
-    /// Limit of commanded speeds (m/s).
+    /// Speed limit of the fingertips (m/s).
     pub fingertip_speed: f64,
     /// Number of threads.
     pub jobs: usize,

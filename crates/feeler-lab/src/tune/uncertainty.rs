@@ -29,7 +29,7 @@ pub struct Uncertainty {
 pub struct Draw {
     /// The experiment with the drawn values in `[sim]` and directly sensed forces.
     pub experiment: Experiment,
-    /// Values in the order of [`Uncertainty::names`].
+    /// Drawn values of the uncertain parameters, in the order of [`Uncertainty::names`].
     pub values: Vec<f64>,
 }
 

@@ -27,9 +27,9 @@ pub struct Change {
 /// Method by which settings were found, for comments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Origin {
-    /// The rules.
+    /// Computed by the tuning rules.
     Rules,
-    /// A search around the rules.
+    /// Found by a search around the values of the tuning rules.
     Search,
 }
 

@@ -20,9 +20,9 @@ pub struct FeelerShape {
 /// Contact stiffness of a feeler (N/m).
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Stiffness {
-    /// Stiffness along the axis.
+    /// Stiffness along the feeler's axis (N/m).
     pub normal: f64,
-    /// Stiffness across the axis.
+    /// Stiffness across the feeler's axis (N/m).
     pub shear: f64,
 }
 

@@ -40,7 +40,7 @@ pub enum Refusal {
          CAP_IPC_LOCK (`sudo setcap cap_ipc_lock+ep PROGRAM`)"
     )]
     MemoryLimit {
-        /// The user's limit, in bytes.
+        /// Maximum amount of memory that the user may lock, in bytes.
         limit: u64,
     },
     /// This operating system lacks the feature, or feeler does not support it there.

@@ -23,7 +23,7 @@ use feeler_sim::objects::Motion;
 const TURN: f64 = 1.0;
 /// Cost per newton above the limit and second (mN·m).
 const OVERLOAD: f64 = 10.0;
-/// Cost per joule of slip work (mN·m).
+/// Cost of slip work (mN·m/J).
 const SLIP: f64 = 50.0;
 
 /// The goal of closing a cap, with its state in the episode.

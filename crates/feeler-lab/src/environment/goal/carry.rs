@@ -40,8 +40,9 @@ pub(super) struct CarryGoal {
     /// Index of the object, and its initial pose.
     object: usize,
     start: Option<Pose>,
-    /// Index of the next waypoint, and the time for which the object has been at it (s).
+    /// Index of the next waypoint.
     next: usize,
+    /// Time for which the object has been at the next waypoint (s).
     held: f64,
     /// Displacement of the object in W (m), and remaining length of the path (m).
     moved: DVec3,
@@ -53,7 +54,7 @@ pub(super) struct CarryGoal {
 #[derive(Debug, Clone, Copy)]
 struct Waypoint {
     to: DVec3,
-    /// Duration for which the object must be held there (s).
+    /// Duration for which the object must stay at the waypoint (s).
     hold: f64,
     /// Length of the path from this waypoint to its end (m).
     rest: f64,

@@ -15,7 +15,7 @@ pub enum Kind {
     Forces,
     /// Flags, grasp force and shear rates of one finger.
     Flags,
-    /// Phase and stroke of the task.
+    /// Phase and stroke number of the task.
     Phases,
     /// Findings of the task.
     Findings,

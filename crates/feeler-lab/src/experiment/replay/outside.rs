@@ -29,8 +29,9 @@ impl Outside {
     }
 }
 
-/// Returns all external requests with the index of the step that they precede, in order. `experiment` must be the
-/// recorded experiment; its control law determines which stops were not external.
+/// Returns the stops and resumes that did not come from the controller, in order, each with the index of the control
+/// step before which it was requested. `experiment` must be the recorded experiment: its controller is replayed to
+/// recognise the stops that it caused itself.
 pub fn on_record(
     recording: &Recording,
     experiment: &Experiment,

@@ -14,7 +14,7 @@ pub enum LinkedError {
     /// The experiment is invalid.
     #[error(transparent)]
     Experiment(#[from] ExperimentError),
-    /// The program cannot join the link.
+    /// The program cannot connect to the other programs of the rig.
     #[error(transparent)]
     Program(#[from] ProgramError),
 }

@@ -25,7 +25,7 @@ use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::collections::BTreeMap;
 
-/// Experiment whose hand is used.
+/// Name of the built-in experiment that defines the hand.
 const HAND: &str = "lift";
 /// Duration of a grasp (s).
 const DURATION: f64 = 9.0;

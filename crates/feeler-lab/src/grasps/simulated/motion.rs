@@ -12,8 +12,9 @@ const CLOSING: f64 = 0.01;
 /// Maximum indentation relative to the gel's thickness, and waiting time before lifting (s).
 const DEEPEST: f64 = 0.7;
 const REST: f64 = 0.3;
-/// Duration of opening the fingers, and of a tug (s).
+/// Time in which the fingers open (s).
 const OPENING: f64 = 1.0;
+/// Duration of a tug (s).
 const TUG: f64 = 1.0;
 
 /// A hand of two fingers that face each other along the x axis of the hand.
@@ -98,7 +99,7 @@ impl<'a> Hand<'a> {
             .map_or(-1.0, |(_, gripped)| time - gripped - REST)
     }
 
-    /// Pose of the hand.
+    /// Returns the pose of the hand in W at `time` (s).
     fn frame(&self, time: f64) -> Pose {
         let (way, duration) = self.scenario.lift;
         let mut position = self.start + way * smooth(self.lifting(time) / duration) * DVec3::Z;

@@ -4,7 +4,7 @@ use super::interval::bootstrap_of;
 use crate::experiment::slip_bench::{DETECTORS, Sample};
 use feeler_report::pages::{OperatingPoint, Roc};
 
-/// An element's slip counts as a new one after more than this number of frames without slip.
+/// A slip of an element counts as new unless the element already slipped within this number of preceding frames.
 const QUIET: u32 = 5;
 /// Maximum delay in frames; a slip that is detected later counts as missed.
 const PATIENCE: u32 = 10;

@@ -18,12 +18,13 @@ pub const MAX_ROWS: u64 = 2 << 16;
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Design {
-    /// Number of rows with all parameters varied, alternating between A and B.
+    /// Number of rows with all parameters varied, taken alternately from the Saltelli matrices A and B.
     pub rows: u64,
     /// Number of control trials: for each group of parameters, this many rows with only that group varied, and the
     /// same number with only the seed varied.
     pub controls: u64,
-    /// Number of row pairs for which each factor is swapped individually.
+    /// Number of pairs of rows (A, B) that are also run once per factor, with only that factor of row A taken from
+    /// row B.
     pub pairs: u64,
 }
 

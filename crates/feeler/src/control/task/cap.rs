@@ -194,7 +194,7 @@ impl CapTask {
         self.outcome = self.outcome.or(Some(outcome));
     }
 
-    /// Updates the findings; `torque` is the current torque.
+    /// Updates the recorded findings; `torque` is the current torque on the cap (N·m).
     fn note(&mut self, torque: f64) {
         let grips = self.touch.fingers.iter().map(|finger| finger.grip);
         let found = [

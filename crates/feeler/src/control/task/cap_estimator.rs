@@ -50,7 +50,8 @@ struct Leading {
     sequence: u64,
 }
 
-/// Estimates from all fingers for a cap whose axis is known approximately.
+/// Estimates the torque on a cap, its radius and its rotation from the readings of all fingers. The position of the
+/// cap's axis is known only approximately.
 #[derive(Debug, Clone)]
 pub struct CapEstimator {
     /// Assumed position of the axis (m, in W).

@@ -106,7 +106,7 @@ mod tests {
         assert_eq!(curve.largest, 1e-3 * 59.0);
     }
 
-    /// Resists with 0.1 N·m/rad up to 42 mN·m, then with 0.5 N·m/rad up to 50 mN·m, sampled in steps of 10 µN·m.
+    /// Curve with a stiffness of 0.1 N·m/rad up to 42 mN·m, then 0.5 N·m/rad up to 50 mN·m, in steps of 10 µN·m.
     fn bent() -> ResistanceCurve {
         let mut curve = ResistanceCurve::default();
         for step in 0..=5000 {

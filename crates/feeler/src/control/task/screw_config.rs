@@ -66,7 +66,7 @@ pub struct FingerPathConfig {
 }
 
 impl ScrewConfig {
-    /// Requires every value of the table `key` to be in its range.
+    /// Checks that every value of the table `key` is within its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         checker.between(&format!("{key}.strokes"), self.strokes.into(), 1.0, 1e5);
         let positive = [

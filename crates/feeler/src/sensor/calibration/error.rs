@@ -65,7 +65,7 @@ pub enum CalibrationError {
         if *force == "f_z" { "compression, which is positive when pressed" } else { "shear along the displacement of the centroid" }
     )]
     Reversed {
-        /// Component of the force.
+        /// Name of the reversed force component.
         force: &'static str,
         /// Number of elements in which it is reversed.
         reversed: usize,

@@ -107,7 +107,7 @@ pub enum LoadsError {
     Twice {
         /// The later line.
         line: u64,
-        /// The earlier line.
+        /// Number of the earlier line, which already has a force for the element.
         before: u64,
         /// The image.
         picture: String,

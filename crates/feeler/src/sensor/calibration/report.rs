@@ -19,7 +19,7 @@ pub struct CalibrationReport<'a> {
 pub struct Errors {
     /// Root mean square on held-out loads.
     pub rms: DVec3,
-    /// Largest magnitude on held-out loads.
+    /// Largest absolute error on held-out loads.
     pub worst: DVec3,
     /// Largest standard deviation under the same load; zero if unknown.
     pub repeatability: DVec3,

@@ -174,7 +174,7 @@ fn located(
 /// Maximum number of pixels searched at full resolution; larger images are binned.
 const MAX_PIXELS: usize = 3_000_000;
 
-/// Finds the spots, with the configured polarity or else the one that makes the better pattern.
+/// Finds the spots, with the configured polarity or else the one whose pattern scores higher.
 fn find(
     reference: &ReferencePicture,
     config: &LocateConfig,

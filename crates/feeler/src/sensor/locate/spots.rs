@@ -35,7 +35,7 @@ pub(super) struct Spot {
 }
 
 impl Spot {
-    /// Diameter of the disc with the spot's scale, px.
+    /// Diameter of the disc whose blob response peaks at scale `sigma`, px.
     pub fn scale(&self) -> f64 {
         2.0 * SQRT_2 * self.sigma
     }

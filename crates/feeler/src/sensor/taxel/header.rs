@@ -14,8 +14,8 @@ pub fn is_comment(text: &[u8]) -> bool {
     text.is_empty() || text.starts_with(b"#")
 }
 
-/// Finds the columns from the header or, if the first row is already reached, from the layout. Returns the columns, the
-/// cells of the current line, and `true` if that line is a row.
+/// Determines the columns from the header or, if a row comes before any header, from the layout. Returns the columns,
+/// the cells of the current line, and `true` if that line is a row.
 pub fn find_header<R: BufRead>(
     lines: &mut Lines<R>,
     layout: &TaxelLayout,

@@ -11,7 +11,7 @@ const SEED: f64 = 0.35;
 const ALIKE: f64 = 0.15;
 /// Minimum number of six neighbours that must move like a seed.
 const AGREE: usize = 4;
-/// Deviation from the field above which a match counts against a matching, over the spacing.
+/// Deviation of a match from the displacement field, relative to the spacing, above which it lowers the score.
 const SMOOTH: f64 = 0.3;
 /// Fraction of the markers, or of the spots if there are fewer, whose match ends the search.
 const ENOUGH: f64 = 0.985;

@@ -38,7 +38,7 @@ const JUMPED: f64 = 0.2;
 const MISTAKEN: f64 = 0.02;
 /// Factor on the confidence in a doubtful marker.
 const DOUBT: f64 = 0.3;
-/// Minimum quality of a fast matching; below it, the full search is used.
+/// Minimum quality at which the result of the fast matching is accepted; below it, the full search runs.
 const QUICKLY_MATCHED: f64 = 0.95;
 /// Quality of a matching below which all markers are doubtful.
 const MIN_MATCHED: f64 = 0.85;

@@ -22,8 +22,9 @@ impl Fold {
     }
 }
 
-/// Cuts each recording into `count` contiguous blocks of time; fold k holds out the k-th block of each. A tenth of a
-/// block is also hidden on each side. `recording_of` contains the recording of each row; rows are in order of time.
+/// Splits each recording into `count` contiguous blocks; fold k holds out the k-th block of each. A guard interval of
+/// a tenth of a block on each side is excluded from training. `recording_of` contains the recording of each row; rows
+/// are in chronological order.
 pub(super) fn blocks(recording_of: &[usize], count: usize) -> Vec<Fold> {
     let mut folds = vec![
         Fold {

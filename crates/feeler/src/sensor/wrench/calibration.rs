@@ -60,7 +60,7 @@ pub struct WrenchModel {
 pub struct WrenchCalibration {
     /// [`KIND`].
     pub kind: String,
-    /// [`VERSION`].
+    /// Version of the file format, [`VERSION`].
     pub version: u32,
     /// `true` if forces outside the plausible range ([`FINGERTIP_RANGE`]) were confirmed during calibration.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]

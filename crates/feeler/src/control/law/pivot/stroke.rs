@@ -220,7 +220,7 @@ mod tests {
         record
     }
 
-    /// The lesson of a record whose finger may not leave the circle.
+    /// Parameters learned from `record` if the finger must stay on the circle.
     fn on_circle(record: &StrokeRecord, target: f64) -> StrokeParameters {
         record.lesson(target, STIFFNESS, 0.0).expect("a lesson")
     }

@@ -9,7 +9,7 @@ use glam::DVec3;
 /// Minimum mean squared distance of the tips from their centre (m²) for measuring a rotation.
 const ALONE: f64 = 1e-12;
 
-/// Accumulates the motion of the tips that stick.
+/// Estimates the motion of the held object by accumulating the motion of the tips that stick to it.
 #[derive(Debug, Clone)]
 pub struct Odometry {
     /// Position of each tip in the previous step (m, in W), or `None` if it did not touch.
@@ -42,7 +42,7 @@ impl Odometry {
         }
     }
 
-    /// Sets the object's motion to zero.
+    /// Resets the accumulated motion of the object to zero.
     pub fn reset(&mut self) {
         (self.moved, self.turned) = (DVec3::ZERO, 0.0);
     }

@@ -49,7 +49,7 @@ pub struct FrictionScanConfig {
     /// Duration of pressing before sliding (s). The noise of the forces is measured in its second half.
     #[serde(default = "default::settle_time")]
     pub settle_time: f64,
-    /// Speed of sliding (m/s).
+    /// Sliding speed (m/s).
     #[serde(default = "default::slide_speed")]
     pub slide_speed: f64,
     /// Sliding distance of a stroke after the first slip (m).

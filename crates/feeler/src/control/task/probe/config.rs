@@ -36,7 +36,7 @@ pub struct ProbeConfig {
     /// Sliding distance along the object's axis (m).
     #[serde(default = "default::slide_travel")]
     pub slide_travel: f64,
-    /// Distance between neighbouring places along the stroke (m).
+    /// Distance between neighbouring probing places along the stroke (m).
     #[serde(default = "default::spacing")]
     pub spacing: f64,
     /// Distance from the object at which a finger moves to its next place (m).

@@ -4,7 +4,7 @@ use crate::control::phase::Phase;
 
 /// A step of the probing routine, which all fingers perform together.
 ///
-/// Recordings contain these numbers as the finding `step`.
+/// Recordings store the numeric value as the finding `step`.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
 pub enum Step {
     /// Rests at home, to measure the noise of the forces.

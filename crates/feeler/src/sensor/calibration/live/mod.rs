@@ -39,7 +39,7 @@ pub enum Stage {
     },
     /// Presses, each followed by a release, to determine the latency.
     Presses {
-        /// Number of missing presses; 0 if all are done but images and forces do not correlate.
+        /// Number of presses still required; 0 if all are done but images and forces do not correlate.
         missing: u32,
         /// Result so far, if any.
         found: Option<Delay>,

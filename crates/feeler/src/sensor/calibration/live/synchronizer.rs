@@ -43,8 +43,9 @@ pub(super) struct Synchronizer {
     untouched: Option<Untouched>,
     /// Time and load on the fingertip, in its frame, including the tare.
     loads: VecDeque<(f64, Wrench)>,
-    /// Mean of the loads while nothing is touched, and their number.
+    /// Mean load while nothing is touched.
     tare: Wrench,
+    /// Number of loads averaged in the initial tare.
     tared: u32,
     /// Deviation of each image, while the delay is estimated.
     changes: Vec<Timed>,

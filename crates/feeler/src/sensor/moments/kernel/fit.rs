@@ -30,7 +30,7 @@ const BY_DEGREE: [usize; SUMS] = [0, 1, 4, 2, 5, 7, 3, 6, 8, 9];
 /// Maximum relative remainder of a sum that is considered linearly dependent on the previous ones.
 const INDEPENDENT: f64 = 1e-9;
 
-/// Tiles of sub-regions under construction.
+/// Tiles built so far for the sub-regions.
 #[derive(Debug, Default)]
 pub(super) struct Tiling {
     /// Tiles.
