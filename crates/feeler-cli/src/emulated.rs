@@ -8,7 +8,7 @@ use feeler_lab::experiment::rigs::driven;
 
 pub use feeler_lab::experiment::rigs::driven::EmulatedBus;
 
-/// Creates a session of `experiment` on an emulated servo bus whose clock runs at `speed`; returns both.
+/// Creates a session of `experiment` and the emulated servo bus that it uses, whose clock runs at `speed`.
 pub fn session(
     experiment: &Experiment,
     speed: f64,

@@ -20,7 +20,7 @@ fn main() -> std::process::ExitCode {
 #[cfg(all(target_os = "linux", target_env = "gnu"))]
 fn set_allocator() {
     use libc::{M_ARENA_MAX, M_MMAP_THRESHOLD, M_TRIM_THRESHOLD, c_int};
-    /// Subcommands that simulate runs, and soon reuse the memory that they free.
+    /// Subcommands that simulate runs; the memory that they free is kept, because they soon need it again.
     const RUNS: [&str; 4] = ["run", "sweep", "compare", "robustness"];
     /// Bytes of freed memory that are kept rather than returned to the system, which would have to clear them again;
     /// saves an eighth of a trial's time.

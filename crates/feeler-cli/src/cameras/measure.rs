@@ -21,7 +21,7 @@ const FIRST: Duration = Duration::from_secs(15);
 /// Time to wait for an image before checking whether to stop.
 const WAIT: Duration = Duration::from_millis(50);
 
-/// Measures the `named` camera, or the only one in `kinds`.
+/// Measures the camera `named`; by default the only one connected, found in the lists `kinds`.
 pub fn measure(
     arguments: &Arguments,
     named: Option<&Path>,

@@ -25,7 +25,7 @@ Examples:
   feeler sweep cap-closing --trials 10000 --vary 'cap.radius=normal(0.014,0.0002)' --shard 1/2 -o one
   feeler sweep merge one two -o both            merge the results of two machines";
 
-/// Ray sweeps run from Python.
+/// Error message for the engine Ray, which is available only from Python.
 const NO_RAY: &str = "--engine ray: expected threads; to use several machines, run the sweep from Python, as in \
      feeler.sweep(\"cap-closing\", engine=\"ray\") (see \"On many machines\" in docs/sweeps.md)";
 

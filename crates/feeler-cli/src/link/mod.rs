@@ -63,7 +63,7 @@ impl From<&LinkArguments> for LinkOptions {
 }
 
 impl LinkArguments {
-    /// Returns the first option that was given.
+    /// Returns the name of the first option on the command line, if any.
     pub fn given(&self) -> Option<&'static str> {
         let options = [
             ("--connect", !self.connect.is_empty()),
@@ -108,7 +108,7 @@ impl ExperimentArguments {
         self.rig.clone().unwrap_or_else(name)
     }
 
-    /// Returns the first option that was given.
+    /// Returns the name of the first of these options that is present on the command line, if any.
     pub fn given(&self) -> Option<&'static str> {
         let options = [
             ("--set", !self.settings.is_empty()),

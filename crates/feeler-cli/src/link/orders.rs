@@ -14,10 +14,10 @@ use serde::Serialize;
 use std::io::Write;
 use std::time::{Duration, Instant};
 
-/// Time to look for a hand, and for the hand to act_with_laws; it obeys between two control steps, which may be long.
+/// Maximum time to find a hand and for its answer. A hand answers between two control steps, which may be long.
 const LONGEST: Duration = Duration::from_secs(5);
 
-/// Time to send a stop over the connections before the answer of the stop server counts.
+/// Time to repeat a stop order to a connected hand; without confirmation, the stop server's answer counts.
 const DOOR_NEXT: Duration = Duration::from_secs(1);
 
 /// Time to wait for the hand's connection before the answer of the stop server suffices.

@@ -48,7 +48,7 @@ pub enum ConfigError {
         key: String,
         /// The file name used in the experiment.
         file: String,
-        /// Error that contains the path.
+        /// Cause of the failure, which contains the path of the file.
         source: Box<ConfigError>,
     },
     /// The text is not valid TOML, or a key is unknown, missing or of the wrong type.
@@ -107,7 +107,7 @@ pub enum ConfigError {
     PolicyFile {
         /// The file name used in the experiment.
         file: String,
-        /// Error that contains the path.
+        /// Cause of the failure, which contains the path of the file.
         source: Box<ConfigError>,
     },
     /// The policy file is invalid.

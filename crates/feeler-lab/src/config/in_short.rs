@@ -30,7 +30,7 @@ const USUAL: [&str; 22] = [
     "sim.feeler.kinetic_friction",
 ];
 
-/// Comment above the simulated world.
+/// Comment inserted above the `[sim]` table.
 const OVER_SIM: &str = "
 # The simulated world. A real rig has none: leave out [sim] and all that follows.
 ";

@@ -119,8 +119,8 @@ impl Experiment {
         }
     }
 
-    /// Returns the settings of the plausible hand for the seed, or `None` if the experiment does not draw a hand or
-    /// already contains the one for this seed.
+    /// Returns the settings of the plausible hand drawn with the experiment's seed, or `None` if the experiment has no
+    /// `plausible_hand` or already contains the settings for this seed.
     fn redrawn_hand(&self) -> Result<Option<Vec<String>>, ConfigError> {
         // TOML integers are signed.
         let seed = self.config.seed as i64;

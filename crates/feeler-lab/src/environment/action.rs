@@ -25,7 +25,7 @@ pub enum ActionKind {
 }
 
 impl ActionKind {
-    /// Names of all kinds.
+    /// Names of the action kinds, in the order of the variants.
     pub const NAMES: [&str; 3] = ["world", "fingertip", "joints"];
 
     /// Returns the kind with the given name, if any.
@@ -73,7 +73,7 @@ impl ActionKind {
     }
 }
 
-/// Requires an action of `expected` numbers.
+/// Checks that an action consists of `expected` numbers.
 pub(super) fn check_length(action: &[f64], expected: usize) -> Result<(), EnvironmentError> {
     match action.len() {
         actual if actual == expected => Ok(()),

@@ -33,7 +33,7 @@ struct Shared<T> {
     ends: Condvar,
 }
 
-/// A range of parts, aligned to a separate cache line.
+/// Range of part indices assigned to one thread, aligned so that no two shares are in the same cache line.
 #[repr(align(128))]
 struct Share {
     first: usize,
@@ -133,7 +133,7 @@ impl<T> Drop for Pool<T> {
 }
 
 impl<T> Shared<T> {
-    /// Begins a round by making the parts available.
+    /// Starts a round: makes all parts available and wakes sleeping threads.
     fn begin(&self) {
         // Must precede the release of the parts, as a thread may still be looking for parts of the previous round.
         self.left.store(self.parts.len(), Ordering::Relaxed);

@@ -142,7 +142,7 @@ pub type AnyHand = Box<dyn Hand + Send>;
 /// The control loop of a simulated rig.
 pub type SimulatedLoop = ControlLoop<Sensor, AnyHand>;
 
-/// Parts of the images that simulated cameras render.
+/// Extent of the images that simulated cameras render.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pictures {
     /// Whole images, for recording or display.

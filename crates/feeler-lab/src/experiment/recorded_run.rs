@@ -77,8 +77,8 @@ impl RecordedRun {
         })
     }
 
-    /// Prepares for a schedule in real time: the data of the report are read from the recording after the run instead
-    /// of being collected during it.
+    /// Disables the collection of report data during the run, which could delay a schedule in real time. The data are
+    /// read from the recording after the run instead.
     #[must_use]
     pub fn keeping_time(mut self) -> Self {
         self.log.recorder_mut().without_columns();

@@ -103,7 +103,8 @@ fn shapes(shape: &ShapeConfig) -> Vec<(SolidShape, DVec3)> {
     }
 }
 
-/// A prism of length `length` whose outline has `corners` vertices at equally spaced angles.
+/// Creates a prism of length `length` (m) whose outline has `corners` vertices. `corner` maps each of as many equally
+/// spaced angles (rad) to a vertex (m).
 fn prism(corners: u32, length: f64, corner: impl Fn(f64) -> [f64; 2]) -> SolidShape {
     let angles = (0..corners).map(|k| TAU * f64::from(k) / f64::from(corners));
     SolidShape::Prism {

@@ -53,8 +53,8 @@ pub(super) struct SlipMeter {
     newest: Option<(u64, [f64; MAX_FINGERS])>,
     /// Times of frames, if the frame rate is lower than the control rate.
     frames: Option<FrameTimes>,
-    /// Frame count at the last reading, and the frame counter. If present, they determine whether there is a new frame,
-    /// instead of `frames`, because the world advances independently of the control steps.
+    /// Frame count at the last reading, and the counter of taken frames. Present if the world advances independently of
+    /// the control steps; new frames are then detected by the counter instead of by `frames`.
     taken: Option<(u64, FrameCounter)>,
 }
 

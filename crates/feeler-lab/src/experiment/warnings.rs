@@ -20,7 +20,7 @@ pub enum Warning {
         /// `true` if the shape is in a file, whose unit may be wrong.
         from_file: bool,
     },
-    /// A fault of images is configured in an experiment without images.
+    /// A fault that affects only images is configured in an experiment without images.
     NoPictures {
         /// Index of the fault.
         fault: usize,

@@ -7,10 +7,10 @@ use super::outcome::{Judged, Labelled, best_threshold, judge, known};
 pub struct Transfer {
     /// Threshold chosen on the other data; infinite if one class is always the best answer there.
     pub threshold: f64,
-    /// Classification with that threshold.
+    /// Classification with [`threshold`](Self::threshold).
     pub alone: Judged,
-    /// Classification with thresholds that are chosen on the other data and the other groups together, with equal
-    /// total weights.
+    /// Classification of each group with a threshold chosen on the other data and the remaining groups together. The
+    /// other data and all groups have equal total weights.
     pub added: Judged,
 }
 

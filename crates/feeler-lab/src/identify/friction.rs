@@ -33,8 +33,8 @@ pub struct Slide {
     pub onset: usize,
 }
 
-/// Extracts the slides of a finger: at each place, that of the element with the largest load. `noise` is the standard
-/// deviation of the forces (N).
+/// Extracts the slide at each probed place from the trace of a finger, measured by the element with the largest load.
+/// Places without a detected slip are omitted. `noise` is the standard deviation of the forces (N).
 pub fn slides(
     trace: &FingerTrace,
     circle: &Circle,
@@ -93,8 +93,8 @@ fn slide(
     Some(slide)
 }
 
-/// Finds the first sample after the first slip by fitting a line before it and a constant after it. `None` if the
-/// ratio never stops rising.
+/// Returns the index of the first sample after the first slip, where a line fitted before it and a constant fitted
+/// after it leave the smallest residual. Returns `None` if the `ratio` of shear to normal force never stops rising.
 fn onset(ratio: &[f64]) -> Option<usize> {
     // The ratio first decreases while the shear left from pressing relaxes.
     let begin = (0..ratio.len()).min_by(|&a, &b| f64::total_cmp(&ratio[a], &ratio[b]))?;

@@ -16,7 +16,7 @@ pub struct Trace {
     pub probe: ProbeConfig,
     /// Control period (s).
     pub period: f64,
-    /// F1: force above which an element touches (N).
+    /// Force F1 above which an element is in contact (N).
     pub touch_force: f64,
     /// Traces of the fingers, in the order of the hand.
     pub fingers: Vec<FingerTrace>,

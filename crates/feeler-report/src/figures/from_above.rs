@@ -16,7 +16,7 @@ use std::f64::consts::TAU;
 pub const MM: f64 = 1e3;
 /// Line width of the main path.
 pub const BOLD: f64 = 2.6;
-/// Pen of the other touching elements.
+/// Pen of the touching elements other than the leading one.
 pub const TOUCHING: Pen = Pen::solid("#888888", 1.0);
 /// Pen of the planned line.
 pub const PLANNED: Pen = Pen::dashed(REFERENCE, 1.4);

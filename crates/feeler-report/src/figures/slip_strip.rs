@@ -76,8 +76,8 @@ fn draw((_, colour, spans): &Lane, middle: f64) -> Plot {
     Plot::Band(band.with_color(*colour).with_opacity(1.0))
 }
 
-/// Time spans of an event. The event at a row refers to the time since the previous row. `None` if it is unknown at any
-/// row.
+/// Time spans (s) in which `event` is true; its value at a row applies from the previous row to this row. `None` if it
+/// is unknown at any row.
 fn spans(
     time: &[f64],
     rows: Range<usize>,

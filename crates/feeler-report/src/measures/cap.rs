@@ -29,7 +29,7 @@ pub struct FeltStroke {
 }
 
 impl FeltStroke {
-    /// Values of a `stroke`, which must have a MOVE phase.
+    /// Computes the values over the MOVE phase of `stroke`, which must not be empty.
     pub(crate) fn new(felt: &Felt<'_>, data: &RunData, stroke: &Stroke) -> Self {
         let sense = data.facts.cap.map(|facts| facts.sense);
         let rows = stroke.moving.clone();

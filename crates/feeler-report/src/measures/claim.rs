@@ -92,7 +92,7 @@ pub struct Claim {
     pub id: &'static str,
     /// Statement of the claim, with the undefined quantities, if any.
     pub text: String,
-    /// Value of the first part (JSON number or null).
+    /// Measured value of the first of `parts`; `None` (JSON null) if the recording does not define it.
     pub value: Option<f64>,
     /// All bounds, as text.
     pub bound: String,

@@ -18,7 +18,8 @@ pub enum Criterion {
     AnyHand,
     /// The cap is closed and no element was overloaded: another hand under the paper's law.
     Closed,
-    /// The cap was turned and no element was damaged: too few strokes for the claims about a closed cap.
+    /// Every stroke turned the cap or it is closed, and no element was damaged: too few strokes are planned for the
+    /// claims about a closed cap.
     Turned,
     /// The cap was detected closed by touch, is tight, and no element was damaged.
     ClosedWell,

@@ -14,7 +14,7 @@ use std::io::Write;
 /// Maximum number of rows per second and per page, so that a browser draws the page within two seconds.
 const RATE: f64 = 100.0;
 const MAX_ROWS: usize = 30_000;
-/// Minimum resolution of forces (N): a quarter of a sensor's noise.
+/// Minimum step between stored force values (N): a quarter of a sensor's noise.
 const FORCE_STEP: f64 = 5e-4;
 /// Unknown value in 16-bit columns.
 const UNKNOWN: i16 = i16::MIN;

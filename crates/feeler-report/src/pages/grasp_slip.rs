@@ -38,13 +38,13 @@ pub struct GraspDetector {
     pub meaning: String,
     /// Area under the ROC curve; `None` if all or no units are slips, or if the detector has no scores.
     pub auc: Option<[f64; 3]>,
-    /// Fraction classified correctly with thresholds chosen on all other groups.
+    /// Fraction of units (0 to 1) classified correctly, each group with the threshold chosen on all other groups.
     pub accuracy: Option<[f64; 3]>,
     /// Threshold chosen on all groups; `None` if the detector has no scores.
     pub threshold: Option<f64>,
     /// Detected slips, missed slips, false alarms and correct rejections.
     pub confusion: [usize; 4],
-    /// Number of units without a score.
+    /// Number of labelled units (recordings or frames) to which the detector gives no score.
     pub unknown: usize,
     /// ROC curve.
     #[serde(skip)]

@@ -31,7 +31,7 @@ pub struct RobustnessPage {
     pub rows: u64,
     /// Number of hands among them: points with a valid experiment.
     pub hands: u64,
-    /// Number of point pairs from which the indices are estimated.
+    /// Number of pairs of design points from which the sensitivity indices are estimated.
     pub pairs: u64,
     /// Factors of the indices: each parameter, the run's seed, each group.
     pub factors: Vec<String>,
@@ -53,7 +53,8 @@ pub struct RobustnessPage {
 pub struct Measure {
     /// Name of the claim or combination.
     pub name: String,
-    /// Part of the apparatus that decides the claim; `None` (JSON null) for combinations and for claims of other tasks.
+    /// Part of the apparatus (hand, or hand and bottle) on which the result depends; `None` (JSON null) for all claims
+    /// together and for tasks other than screwing a cap.
     pub decided_by: Option<DecidedBy>,
     /// Fraction of hands that pass: with everything varied, with each group varied alone, and with only the seed
     /// varied.
@@ -110,7 +111,7 @@ pub struct Ending {
     pub outcome: String,
     /// Number of trials.
     pub trials: u64,
-    /// Reason given by one of the trials.
+    /// Reason for the outcome, as worded in one of the trials.
     pub reason: String,
 }
 

@@ -33,7 +33,7 @@ pub struct AxisPoints {
     pub unit: &'static str,
     /// Regression terms.
     pub terms: String,
-    /// Measured range.
+    /// Range of the measured values.
     pub range: [f64; 2],
     /// Root mean square error.
     pub rmse: f64,
@@ -43,7 +43,7 @@ pub struct AxisPoints {
     pub mean_rmse: f64,
     /// Coefficient of determination.
     pub r2: f64,
-    /// Mean error while the magnitude rises minus mean error while it falls, if known.
+    /// Mean error under growing load minus mean error under falling load; `None` if either has too few images.
     pub hysteresis: Option<f64>,
     /// For each recording with this component: name, errors with its blocks held out, and errors with the whole
     /// recording held out.

@@ -82,7 +82,7 @@ struct LongRun {
     cell: Option<f64>,
     /// Number of control steps at the start of the recording that have been converted to rows.
     aligned: usize,
-    /// Completed strokes, as ranges of all rows.
+    /// Completed strokes; their row ranges count all rows, not only retained ones.
     strokes: Vec<Stroke>,
     /// First retained row after the completed strokes.
     open: usize,

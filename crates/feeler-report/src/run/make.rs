@@ -66,7 +66,7 @@ pub struct ReportOutcome {
     pub readable_until: f64,
     /// Content of `summary.json`.
     pub summary: Summary,
-    /// Origin of the claims, as it follows the word "claims".
+    /// Origin of the claims, worded to follow "claims", such as "of the paper".
     pub whose: &'static str,
 }
 

@@ -304,7 +304,7 @@ impl Collected {
         Ok(())
     }
 
-    /// Divides the drag scores by the noise of the median recording, assuming that all are of the same sensor.
+    /// Divides the drag scores by the median noise of all recordings, which are assumed to be of the same sensor.
     pub fn normalize(&mut self) {
         self.noise.sort_by(f64::total_cmp);
         let noise = self.noise.get(self.noise.len() / 2).copied();

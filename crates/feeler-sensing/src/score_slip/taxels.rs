@@ -194,7 +194,7 @@ fn side_by_side(
     (0..most).map(frame).collect()
 }
 
-/// Joins `part` of frame `number` of all arrays, filling missing taxels with `missing`.
+/// Concatenates the values that `part` selects from frame `number` of each array; absent taxels get `missing`.
 fn joined<T: Copy>(
     arrays: &[(usize, &[GraspFrame])],
     number: usize,

@@ -122,7 +122,7 @@ impl SenseOptions {
         self.rig.clone().unwrap_or_else(name)
     }
 
-    /// Frames per second of images.
+    /// Frame rate of the images (frames per second).
     fn rate(&self) -> f64 {
         self.rate.unwrap_or(DEFAULT_RATE)
     }

@@ -42,9 +42,9 @@ pub trait Output: Send {
     fn begin_sequence(&mut self, _name: &str) -> Result<(), CommandError> {
         Ok(())
     }
-    /// Passes buffered data on unless this enlarges the file.
+    /// Writes buffered data to the file, except in formats whose files this would enlarge.
     fn flush(&mut self) -> Result<(), CommandError>;
-    /// Passes all buffered data on.
+    /// Writes all buffered data to the file.
     fn settle(&mut self) -> Result<(), CommandError> {
         self.flush()
     }
@@ -62,7 +62,7 @@ pub trait Output: Send {
 /// A writer of rows.
 pub type RowWriter = Box<dyn Write + Send>;
 
-/// Output content that can be written in each of the file formats.
+/// Kind of output data; creates a writer for each file format.
 pub trait Format {
     /// Comma-separated values.
     fn csv(&self, writer: RowWriter) -> Result<Box<dyn Output>, CommandError>;

@@ -20,7 +20,7 @@ use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
-/// Relation between successive images.
+/// Tracking mode: images are either a video or independent of each other.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Track {
     /// Images are consecutive in time; markers are tracked from one to the next.

@@ -65,7 +65,7 @@ trait Sink: Send {
         Ok(())
     }
 
-    /// Passes buffered data on unless this enlarges the file.
+    /// Writes buffered data to the file, except in formats where frequent writes make the file larger (MCAP).
     fn flush(&mut self) -> Result<(), CommandError>;
 
     /// Passes all buffered data on.

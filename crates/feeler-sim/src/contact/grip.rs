@@ -71,7 +71,7 @@ struct Fingertip<'a> {
     own: &'a ObjectState,
     /// Pose of the fingertip in the object's frame.
     seen: Pose,
-    /// Rotation of the fingertip since tips last rolled, in the object's frame (rad).
+    /// Rotation vector of the fingertip since the anchors were last updated for rolling, in the object's frame (rad).
     turned: DVec3,
 }
 

@@ -68,8 +68,9 @@ impl RelaxationConfig {
 
 /// Relaxes all feelers over one step, at the deformation at its end.
 ///
-/// The set therefore lags a changing deformation by half a step, an error of `step / (2 time)` of the energy
-/// dissipated per load cycle. In exchange, the stiffness within a step does not depend on the step's length.
+/// A feeler's *set* (creep displacement) is constant within a step, so it lags a changing deformation by half a step:
+/// a relative error of `step / (2 time)` of the energy dissipated per load cycle. In exchange, the stiffness within a
+/// step does not depend on the step's length.
 pub(crate) fn relax(model: &WorldModel, state: &mut State) {
     if !model.relaxes {
         return;

@@ -173,8 +173,9 @@ impl Hinge {
         }
     }
 
-    /// Newton step of an object in `state`, for the fingers' `torque` and its `stiffness` (N·m/rad). The object turns
-    /// `onward`, given by start angle and direction, or sticks if it is `None`.
+    /// Computes the Newton step of an object in `state`, for the fingers' `torque` (N·m) and its decrease per rotation,
+    /// `stiffness` (N·m/rad). `onward` is the start angle (rad) and direction (±1) of a turning object, or `None` if it
+    /// sticks.
     fn newton(
         &self,
         state: &Turn,
@@ -274,7 +275,7 @@ mod tests {
         })
     }
 
-    /// Load of a torsion spring of `stiffness` whose far end is at `drive`.
+    /// Load of a torsion spring of `stiffness` (N·m/rad) between the object and a drive at the angle `drive` (rad).
     fn spring(stiffness: f64, drive: f64) -> impl Fn(&Turn) -> FingerLoad {
         move |state| FingerLoad {
             load: stiffness * (drive - state.angle - state.twist),

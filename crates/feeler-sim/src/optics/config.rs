@@ -3,7 +3,8 @@
 use super::markers::MarkerConfig;
 use serde::{Deserialize, Serialize};
 
-/// Maximum camera noise (gray levels). Both together are 36 levels in the brightest pixel, the maximum for rendering.
+/// Maximum of `read_noise` (gray levels). With that of `shot_noise`, the standard deviation in the brightest pixel is
+/// 36 gray levels, the most that the renderer's 16-bit integers can represent.
 const MAX_READ_NOISE: f64 = 30.0;
 const MAX_SHOT_NOISE: f64 = 1.2;
 

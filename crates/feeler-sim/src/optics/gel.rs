@@ -114,7 +114,8 @@ impl GelLayer {
         ]
     }
 
-    /// Response to 1 N at `distance` (m).
+    /// Displacement of the surface at `distance` (m) from the centre of a force of 1 N, which has a normal distribution
+    /// of standard deviation `spread` (m). `reach` is the largest distance of the table (m).
     fn response(&self, distance: f64, spread: f64, reach: f64) -> Compliance {
         let last = LAST / spread;
         // Several points per period of the Bessel functions, which oscillate fastest at the largest distance.

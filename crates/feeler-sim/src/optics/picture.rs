@@ -41,9 +41,9 @@ pub enum PictureError {
     /// The buffer has the wrong length.
     #[error("an image of {width} x {height} pixels needs {expected} bytes, got {actual}")]
     Room {
-        /// Columns.
+        /// Width of the image (px).
         width: usize,
-        /// Rows.
+        /// Height of the image (px).
         height: usize,
         /// Required length: three bytes per pixel.
         expected: usize,

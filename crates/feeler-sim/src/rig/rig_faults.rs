@@ -15,7 +15,8 @@ pub struct RigFaults {
 enum Part {
     Stall(usize, usize),
     Backlash(usize, usize, f64),
-    /// Encoder of a joint with a wrong gain, from the angle (rad) that it measured at the start of the fault.
+    /// Encoder with a wrong gain: finger, joint, gain (0 if frozen), and the measured angle at the start of the fault
+    /// (rad), about which the gain acts; `None` until the fault starts.
     Gain(usize, usize, f64, Option<f64>),
     /// Encoder of a joint with an offset (rad).
     Jump(usize, usize, f64),

@@ -113,7 +113,7 @@ pub(crate) struct Watch {
     pub soonest: f64,
     /// Upper bound of the distance that any tip has travelled since the last update (m).
     pub unseen: f64,
-    /// Total number of motions of all objects at the last update.
+    /// Sum of [`ObjectState::moves`] over all objects at the last update; shows if an object has moved since.
     pub moves: u64,
 }
 

@@ -23,7 +23,7 @@ use feeler_sim::objects::Motion;
 const TURN: f64 = 1.0;
 /// Cost per newton above the limit and second (mN·m).
 const OVERLOAD: f64 = 10.0;
-/// Cost of slip work (mN·m/J).
+/// Cost per joule of slip work (mN·m).
 const SLIP: f64 = 50.0;
 
 /// The goal of closing a cap, with its state in the episode.
@@ -87,7 +87,7 @@ impl Goal for CapGoal {
         }
     }
 
-    /// Returns `true` if the cap is tight or, if the number of strokes is fixed, has met its seat.
+    /// Returns `true` if the cap is tight or, for a fixed number of strokes, has reached its seat.
     fn reached(&self) -> bool {
         match self.tight {
             Some(tight) => self.torque >= tight,

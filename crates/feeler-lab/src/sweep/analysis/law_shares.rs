@@ -61,8 +61,8 @@ fn finished(laws: &[LawTrials<'_>]) -> BTreeSet<u64> {
 }
 
 impl LawTrials<'_> {
-    /// Returns the fraction of `hands` that pass each claim of any hand, and the fraction that pass all of them and
-    /// finish the task.
+    /// Returns the fraction of the trials `hands` that pass each claim of any hand, followed by the fraction that pass
+    /// all of these claims and finish the task.
     fn shares(&self, hands: &[u64]) -> Vec<Share> {
         let claims: Vec<_> = self.trials.hand_claims().collect();
         let columns = claims.iter().map(|c| self.table.column(&c.holds()));

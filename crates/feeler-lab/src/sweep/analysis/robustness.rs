@@ -31,7 +31,7 @@ struct Judged {
     decided_by: Option<DecidedBy>,
     /// Columns that must be 1.
     holds: Vec<usize>,
-    /// Columns of the margins; the smallest margin counts.
+    /// Columns of margins. The smallest margin is that of the criterion.
     margins: Vec<usize>,
 }
 

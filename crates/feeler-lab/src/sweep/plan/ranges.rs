@@ -33,7 +33,8 @@ pub struct Entry {
     /// Key whose value scales the drawn value.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub of: Option<String>,
-    /// Exponent of the scaling. The keys are set to the drawn value times their factor times `of^power`. Default: 1.
+    /// Exponent of the value of key `of`. Each key is set to the drawn value times its factor times that value raised
+    /// to `power`. Default: 1.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub power: Option<f64>,
     /// Distribution, such as `log_uniform(250, 1500)`.

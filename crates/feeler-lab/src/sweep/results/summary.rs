@@ -120,7 +120,8 @@ fn column<'a>(table: &'a Table, name: &str) -> impl Iterator<Item = &'a str> + u
     rows.filter_map(move |row| row.get(column?).map(String::as_str))
 }
 
-/// Counts the trials and successes for each value.
+/// Counts the trials and successes for each distinct value. Each pair contains the value and the success field of a
+/// trial, which is `"1"` for a success.
 fn count<'a>(values: impl Iterator<Item = (&'a str, &'a str)>) -> Vec<Counted> {
     let mut counts: BTreeMap<&str, (u64, u64)> = BTreeMap::new();
     for (value, success) in values {

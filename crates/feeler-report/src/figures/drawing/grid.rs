@@ -12,7 +12,7 @@ pub type Panel = (Vec<Plot>, Layout);
 
 /// A row of panels.
 pub struct Row {
-    /// Height of the row.
+    /// Height of the row (SVG units).
     pub height: f64,
     /// Panels from left to right; a single panel spans the width of the figure.
     pub panels: Vec<Panel>,

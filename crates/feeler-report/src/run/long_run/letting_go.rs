@@ -97,7 +97,8 @@ pub fn shifted(rows: &Range<usize>, by: usize) -> Range<usize> {
     rows.start + by..rows.end + by
 }
 
-/// Range of retained rows within a range of all rows. `places` contains the index of each retained row among all rows.
+/// Converts a range of all rows to the range of the retained rows among them. `places` contains the index of each
+/// retained row among all rows.
 pub fn kept_rows(places: &[usize], rows: &Range<usize>) -> Range<usize> {
     let first_from = |row: usize| places.partition_point(|&place| place < row);
     first_from(rows.start)..first_from(rows.end)

@@ -14,7 +14,7 @@ use std::path::{Path, PathBuf};
 pub struct Pictures(Option<(usize, Image)>);
 
 impl Pictures {
-    /// Creates a writer for the images of `finger`, if any.
+    /// Creates a writer for the images of `finger`; with `None`, it writes nothing.
     pub fn of(finger: Option<usize>) -> Self {
         Self(finger.map(|finger| (finger, Image::of_finger(finger))))
     }

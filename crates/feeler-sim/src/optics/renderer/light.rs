@@ -65,7 +65,7 @@ impl Light {
 pub(crate) struct RestLight {
     rows: Range<usize>,
     columns: Range<usize>,
-    /// Light of the pixels, row by row.
+    /// Light of each pixel in `rows` and `columns`, row by row: 0 at the background's gray level, 1 at a spot's.
     light: Vec<f32>,
 }
 

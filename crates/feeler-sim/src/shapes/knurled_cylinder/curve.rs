@@ -117,7 +117,8 @@ impl Curve {
         (position, normal, if outside { distance } else { -distance })
     }
 
-    /// Nearest point of the curve: searches the cells on both sides of a first guess, within the reach of the minimum.
+    /// Finds the nearest point of the curve: searches the cells on both sides of a first guess, as far as
+    /// [`Self::reach`].
     fn nearest_sample(&self, point: DVec2) -> Sample {
         let angle = point.to_angle();
         let (guess, at) = self.first_guess(point, angle);
@@ -154,9 +155,9 @@ impl Curve {
         (self.sample(point, direction, self.phase(k)), k)
     }
 
-    /// Maximum angle (rad) between `point` and its nearest point on the curve, if some point of the curve is at the
-    /// squared distance `square`: extent of the circle around `point` with that radius, within the curve's range of
-    /// radii.
+    /// Upper bound of the polar angle (rad) between `point` and its nearest point on the curve, if some point of the
+    /// curve is at the squared distance `square` (m²). The nearest point is in the circle of that radius around
+    /// `point`, and within the curve's range of radii.
     fn reach(&self, point: DVec2, square: f64) -> f64 {
         let length = point.length();
         if square >= length * length {

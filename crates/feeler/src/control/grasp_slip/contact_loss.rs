@@ -7,7 +7,7 @@ use glam::DVec2;
 
 /// Load, in thresholds, above which contact counts as a grasp.
 const HELD: f64 = 1.5;
-/// Lower bound of the load in the score, below the resolution of any sensor.
+/// Lower bound of the load, in units of the scale, that keeps the score finite; below the resolution of any sensor.
 const LEAST: f64 = 1e-9;
 
 /// Parameters of [`ContactLoss`].
@@ -189,7 +189,8 @@ impl ContactLoss {
         self.load
     }
 
-    /// -ln L, or `None` while it is unknown. The higher the score, the more likely the object is lost.
+    /// Negative logarithm of the load, -ln L, or `None` while it is unknown. The higher the score, the more likely the
+    /// object is lost.
     pub fn score(&self) -> Option<f64> {
         self.load.map(|load| -load.max(LEAST).ln())
     }

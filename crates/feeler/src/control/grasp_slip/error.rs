@@ -32,9 +32,9 @@ pub enum GraspSlipError {
         "expected a pattern of at least 3 columns and 3 rows, got {columns} columns and {rows} rows"
     )]
     TooNarrow {
-        /// Number of distinct indices along the first step.
+        /// Number of columns of the pattern: distinct grid indices along its first direction.
         columns: usize,
-        /// Number of distinct indices along the second step.
+        /// Number of rows of the pattern: distinct grid indices along its second direction.
         rows: usize,
     },
     /// Values of the configuration are out of range.

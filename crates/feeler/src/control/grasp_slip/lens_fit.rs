@@ -4,7 +4,7 @@ use super::{GraspSlipError, Picture, RegularPattern, scaled};
 use glam::DVec2;
 use nalgebra::DMatrix;
 
-/// Number of parameters of the appearance of an untouched pattern.
+/// Number of parameters of the fit: plane (6), radial distortion (1), perspective (2), and decentring (2).
 const WAYS: usize = 11;
 /// Minimum diagonal entry of a triangular factor, relative to the largest, for independent columns.
 const RANK: f64 = 1e-8;

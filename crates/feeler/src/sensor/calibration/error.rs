@@ -54,7 +54,7 @@ pub enum CalibrationError {
         what: &'static str,
         /// Number of elements of the fingertip.
         expected: usize,
-        /// Number found.
+        /// Number of items found.
         actual: usize,
     },
     /// Forces contradict the images.

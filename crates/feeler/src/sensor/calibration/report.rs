@@ -25,7 +25,7 @@ pub struct Errors {
     pub repeatability: DVec3,
     /// Largest difference between rising and falling loads; zero if unknown.
     pub hysteresis: DVec3,
-    /// Three standard deviations without load; zero if unknown.
+    /// Three standard deviations of the reading without load: the smallest detectable force; zero if unknown.
     pub resolution: DVec3,
 }
 

@@ -29,8 +29,8 @@ pub(in crate::sensor) struct MountingCheck {
 }
 
 impl MountingCheck {
-    /// Checks the `moments` of the well-exposed elements, each with its calibration, out of `elements` in total. An
-    /// image with fewer than half of them is inconclusive; then the next image is checked.
+    /// Checks an image, unless an earlier one was conclusive. `lit` are the calibration and moments of each
+    /// well-exposed element, out of `elements` in total. An image in which fewer than half are lit is inconclusive.
     pub fn check<'a>(
         &mut self,
         elements: usize,

@@ -11,7 +11,7 @@ const FEWEST: usize = 6;
 struct Regularity {
     /// Deviation of the distance to the nearest spot.
     pub spacing: f64,
-    /// Deviation of the diameter.
+    /// Deviation of the diameter from the median of the nearest spots, as the logarithm of the ratio.
     pub size: f64,
     /// Deviation of the contrast.
     pub contrast: f64,

@@ -52,7 +52,7 @@ pub struct TaxelRows<R> {
     header: Vec<u8>,
     /// `true` while a row of units may follow.
     is_below_header: bool,
-    /// `true` if the current line is a row that was read during the search for a header.
+    /// `true` if the current line, read during the search for a header, is a row that has not been returned yet.
     is_waiting: bool,
     clock: Clock,
     times: Times,

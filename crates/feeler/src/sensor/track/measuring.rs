@@ -90,7 +90,7 @@ impl MarkerTracker {
         contrast >= (MIN_CONTRAST * usual).max(window::MIN_CONTRAST)
     }
 
-    /// Stores a measurement in `work` and `seen` and returns `true` if it is marker `own`.
+    /// Accepts `look` as marker `own` if its contrast is sufficient: stores it in `work` and `seen`, returns `true`.
     fn take(&mut self, own: usize, look: Look) -> bool {
         match look {
             Look::Seen(seen) if self.shows(own, seen.contrast) => {

@@ -17,7 +17,7 @@ use crate::sensor::moments::kernel::ElementMoments;
 use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
-/// Features of one element: growth, plain growth, displacement along x and along y.
+/// Number of features of one element: growth without common gain, plain growth, displacement along x and along y.
 pub const PER_ELEMENT: usize = 4;
 
 /// Minimum number of elements required to separate a common gain from the loads.

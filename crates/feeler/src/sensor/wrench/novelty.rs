@@ -17,8 +17,8 @@ use serde::{Deserialize, Serialize};
 const PART: f64 = 0.95;
 /// Maximum number of principal directions.
 pub(super) const MAX_DIRECTIONS: usize = 12;
-/// Quantile of the distances between the calibration's images and other blocks of time that counts as near; a few
-/// images are far from all others.
+/// Quantile of the distances of the calibration's images from those of other blocks of time. It defines the distance
+/// that counts as near; not the maximum, as a few images are far from all others.
 pub(super) const NEAR: f64 = 0.9;
 /// Factor on that distance up to which an image still counts as near.
 pub(super) const MARGIN: f64 = 1.25;

@@ -5,8 +5,8 @@ use glam::{DMat3, DVec3};
 
 /// Minimum sum of squared motion that defines a slope (m²).
 const MIN_MOTION: f64 = 1e-8;
-/// Shear stiffness relative to the normal stiffness if the closing motion has no shear: typical of incompressible
-/// rubber.
+/// Ratio of shear to normal stiffness assumed if the closing motion has too little shear to measure it; typical of
+/// incompressible rubber.
 const USUAL_RATIO: f64 = 0.5;
 /// Valid range of that ratio.
 const RATIO: (f64, f64) = (0.1, 1.0);
@@ -18,7 +18,7 @@ const RATIO: (f64, f64) = (0.1, 1.0);
 #[derive(Debug, Clone)]
 pub(super) struct StiffnessFit {
     elements: Vec<Touched>,
-    /// Slopes of earlier closing motions.
+    /// Slopes of force over motion, normal and in shear, from all contacts that have ended.
     normal: Slope,
     shear: Slope,
 }

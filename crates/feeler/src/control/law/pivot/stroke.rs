@@ -110,8 +110,9 @@ impl StrokeRecord {
         self.resisted
     }
 
-    /// Radius of the next stroke for a largest element force of `target` (N), and the best compliance; `None` if this
-    /// stroke was too short. `path_tolerance` (m) is the tolerated standard deviation of the radius.
+    /// Parameters of the next stroke, learned from this one; `None` if this one was too short. The largest element
+    /// force of the next stroke is expected to be `target` (N). `path_tolerance` (m) is the tolerated standard
+    /// deviation of the radius.
     ///
     /// A stiff finger follows the circle, and its grasp force varies; a compliant one leaves the circle to keep the
     /// force constant. The chosen compliance minimises the larger of both deviations, relative to their tolerances.

@@ -37,7 +37,7 @@ pub enum Stage {
         /// Number of missing images.
         missing: usize,
     },
-    /// Presses, each followed by a release, to determine the latency.
+    /// Presses, each followed by a release, are recorded to determine the latency.
     Presses {
         /// Number of presses still required; 0 if all are done but images and forces do not correlate.
         missing: u32,
@@ -51,7 +51,7 @@ pub enum Stage {
 /// Result of processing an image.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum Seen {
-    /// An image of the untouched fingertip, used for its statistics.
+    /// Image of the untouched fingertip, used for the mean and noise of the unloaded elements.
     Untouched,
     /// An image during the presses, or without contact.
     Nothing,

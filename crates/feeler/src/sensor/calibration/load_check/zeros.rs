@@ -6,7 +6,8 @@ use crate::sensor::moments::kernel::ElementMoments;
 use crate::sensor::wrench::recordings::recordings;
 use glam::DVec3;
 
-/// Maximum difference of unloaded images between two recordings, as a fraction of the range under load.
+/// Maximum difference of unloaded moments between two recordings (median over the elements), as a fraction of their
+/// range under load.
 const LARGEST_OF_PICTURES: f64 = 0.1;
 /// Maximum difference of forces between two recordings, as a fraction of the full scale and as a multiple of the RMS
 /// error. If all of the error is due to two different zeros, their difference is twice the RMS error.

@@ -192,7 +192,7 @@ fn met(target: &Target, weights: &[[f64; SUMS]; WEIGHTS]) -> bool {
 struct Direction {
     /// Value for each target; normalized, and orthogonal to all other directions.
     values: Vec<f64>,
-    /// Coefficient of each sum.
+    /// Coefficients of the linear combination, one per sum.
     combination: [f64; SUMS],
 }
 
