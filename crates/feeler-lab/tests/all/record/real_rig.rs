@@ -259,16 +259,16 @@ fn findings_about_an_object_are_drawn_without_ground_truth() {
         FindingName::MovedZ,
     ];
     let drawn = [FindingName::SurfaceX, FindingName::SurfaceY];
-    for (task, names, outcome) in [
-        (TaskKind::Carry, &moved[..], TaskOutcome::Carried),
-        (TaskKind::Contour, &drawn, TaskOutcome::Closed),
+    for (task, names, outcome, legend) in [
+        (TaskKind::Carry, &moved[..], TaskOutcome::Carried, "estimated"),
+        (TaskKind::Contour, &drawn, TaskOutcome::Closed, "measured"),
     ] {
         let recording = of_task(task.clone(), names, outcome);
         let data = RunData::new(&recording);
         let report = tasks::of_recording(&recording);
         let figures = report.figures(&recording, &data);
         let svg = figures[0].svg.as_ref().expect("a picture");
-        assert!(svg.contains("felt") && !svg.contains("true"), "{task}");
+        assert!(svg.contains(legend) && !svg.contains("true"), "{task}");
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{task}");
         assert!(!figures[0].caption.contains("simulator"), "{task}");
         let claims = report.claims(&recording, &data, &data.stroke_measures());
