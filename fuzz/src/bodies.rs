@@ -37,7 +37,7 @@ use feeler_link::messages::message::{
     Heartbeat, MessageHeader, NO_FINGER, PROTOCOL, ResumeMessage, StateMessage, StopMessage,
     TactileUpdate,
 };
-use feeler_link::stop_door::wire::parse as parse_datagram;
+use feeler_link::stop_server::wire::parse as parse_datagram;
 use feeler_link::transport::header;
 use feeler_link::transport::{Place, Topic};
 use feeler_record::wire::{Message, Vector3, cdr};
@@ -438,7 +438,7 @@ fn check_hand(hand: &mut HandInbox, now: f64) {
     }
 }
 
-/// Whatever arrives at the stop door reads back as what it is, or is none.
+/// Whatever arrives at the stop server reads back as what it is, or is none.
 pub fn stop_wire(bytes: &[u8]) -> bool {
     let Some(datagram) = parse_datagram(bytes) else {
         return false;

@@ -8,8 +8,8 @@ use feeler_link::hand::{Ack, HandClient, INTERVAL, STEADY};
 use feeler_link::hand::{Order, stop_to_resume};
 use feeler_link::messages::{HandMode, StopInForce};
 use feeler_link::security::Right;
-use feeler_link::stop_door::wire::StopAnswer;
-use feeler_rig::{LinkOptions, call_stop_door};
+use feeler_link::stop_server::wire::StopAnswer;
+use feeler_rig::{LinkOptions, call_stop_server};
 use serde::Serialize;
 use std::io::Write;
 use std::time::{Duration, Instant};
@@ -93,7 +93,7 @@ fn told_to_stop(arguments: &StopArguments) -> Result<Stopped, CommandError> {
     let rig = &rig_name(&arguments.rig)?;
     let (order, id) = Order::stop(&arguments.from);
     // Use both ways at once: the stop server answers even if connecting is impossible.
-    let door = call_stop_door(&link, rig, id, &arguments.from);
+    let door = call_stop_server(&link, rig, id, &arguments.from);
     let client = HandClient::new(link.connect(rig)?)?;
     if !client.wait_until(DOOR_FIRST, |_| true) {
         let start = Instant::now();

@@ -1,4 +1,4 @@
-//! Request handler of the stop door. Stateless until the caller's address is verified, with a bounded number of
+//! Request handler of the stop server. Stateless until the caller's address is verified, with a bounded number of
 //! signature checks per second.
 
 use super::proof::{Credentials, Denial};
