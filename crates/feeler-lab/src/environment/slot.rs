@@ -9,9 +9,9 @@ pub enum Autoreset {
     #[default]
     NextStep,
     /// In the step that ends the episode. The step returns the observation of the new episode;
-    /// [`VectorEnvironment::last`] returns the final one of the old episode.
+    /// `VectorEnvironment::last` returns the final one of the old episode.
     SameStep,
-    /// Only on [`VectorEnvironment::reset`]; an earlier step is an error.
+    /// Only on `VectorEnvironment::reset`; an earlier step is an error.
     Disabled,
 }
 

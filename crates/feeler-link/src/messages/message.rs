@@ -221,7 +221,7 @@ impl HandMode {
         self.phase == u8::from(Phase::Search) && !self.search
     }
 
-    /// Escapes control characters in all texts and limits their length, see [`printable`].
+    /// Escapes control characters in all texts and limits their length, see `printable`.
     pub fn make_printable(&mut self) {
         self.stopped = printable(&self.stopped);
         for stop in &mut self.stops {
