@@ -20,14 +20,14 @@ pub struct Change {
     pub before: f64,
     /// The tuned value.
     pub after: f64,
-    /// Ratio computed by the rule, and its physical reason.
+    /// Text of the rule: the ratio that it computes, and the physical reason for it.
     pub reason: String,
 }
 
 /// Method by which settings were found, for comments.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Origin {
-    /// The rules.
+    /// Settings computed from the hand's identified values by rules.
     Rules,
     /// A search around the rules.
     Search,

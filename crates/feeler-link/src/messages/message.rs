@@ -101,7 +101,7 @@ pub struct TactileUpdate {
     /// Mask of slipping elements: bit `i % 8` of byte `i / 8` is element `i`.
     #[serde(with = "serde_bytes")]
     pub slip_mask: Vec<u8>,
-    /// Mask of elements without a valid force (dark or saturated), same layout. Their forces are 0 N.
+    /// Bit mask of the elements without a valid force (dark or saturated), laid out like `slip_mask`. Their forces are 0 N.
     #[serde(with = "serde_bytes")]
     pub invalid_mask: Vec<u8>,
 }

@@ -28,7 +28,7 @@ const KEPT: usize = 64;
 /// Stops the hand, given the order's id and the sender's name, and returns the answer.
 pub type StopHandler = Arc<dyn Fn(u64, &str) -> StopAnswer + Send + Sync>;
 
-/// Request handler of one socket.
+/// Verifies and answers the stop requests that arrive at one UDP socket.
 pub struct StopGuard {
     secret: hmac::Key,
     rig: String,

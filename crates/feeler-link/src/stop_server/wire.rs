@@ -83,7 +83,7 @@ pub enum Datagram {
         nonce: Nonce,
         /// Result of the call.
         verdict: Verdict,
-        /// Proof that the answer is from the hand, over [`Datagram::signed`].
+        /// Proof that the answer is from the hand: a signature of [`Datagram::signed`].
         proof: Option<Proof>,
     },
 }

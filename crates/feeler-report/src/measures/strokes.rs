@@ -13,8 +13,8 @@ pub const TRUE_SLIP: f64 = 20e-6;
 /// Cap rotation relative to the first stroke up to which the cap counts as closed.
 pub const CLOSED_TURN: f64 = 0.05;
 
-/// `true` if the last stroke found the cap closed ([`CLOSED_TURN`]). `turns` are the cap rotations of all strokes
-/// (rad); `false` if the cap never turned.
+/// `true` if the last stroke found the cap closed ([`CLOSED_TURN`]), `false` otherwise or if the cap never turned.
+/// `turns` are the cap rotations of all strokes (rad).
 pub fn found_closed(turns: &[Option<f64>]) -> bool {
     let [first, .., last] = turns else {
         return false;

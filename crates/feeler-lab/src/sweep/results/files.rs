@@ -12,7 +12,7 @@ use std::path::{Component, Path, PathBuf};
 /// Contents of files, keyed by the file name used in the experiment.
 pub type Files = BTreeMap<String, Vec<u8>>;
 
-/// Last segment of the keys of calibration files. The keys of all other files end with [`FILE`].
+/// Last segment of the experiment keys that name a calibration file. Keys that name other files end with [`FILE`].
 const CALIBRATION: &str = "calibration";
 const FILE: &str = "file";
 
