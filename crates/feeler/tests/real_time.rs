@@ -1,8 +1,8 @@
-//! What is asked of the system for punctuality is granted, or refused with what would help.
+//! Requests for real-time scheduling are granted, or refused with advice.
 
 use feeler::pace::real_time::{self, MODERATE, Refusal};
 
-/// On a thread of its own, which takes its priority with it.
+/// On a separate thread, whose priority ends with it.
 #[test]
 fn a_priority_is_granted_or_the_limit_is_told() {
     std::thread::spawn(|| match real_time::raise_priority(MODERATE) {

@@ -177,7 +177,7 @@ fn inverse_kinematics_stays_in_the_posture_nearby() {
         if rate.damping > 0.0 || !inside {
             continue;
         }
-        // A tenth of the damping threshold: far less than what leads to a singularity.
+        // A tenth of the damping threshold, too little to reach a singularity.
         let step = 0.1 * damping_threshold(&geometry);
         let target = fingertip_pose(&geometry, start).0 + DVec3::splat(step / 3.0);
         let Ok(theta) = inverse_kinematics(&geometry, target, start) else {

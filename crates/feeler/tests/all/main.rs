@@ -1,4 +1,4 @@
-//! The tests of this crate, but for those that need a process of their own: linked once, and all at once over the processors.
+//! All tests of this crate that can share a process, linked once and run in parallel.
 //!
 //! They run under an allocator that ends the process when the control path allocates.
 

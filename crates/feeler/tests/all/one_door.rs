@@ -1,4 +1,4 @@
-//! Only the controller makes a command that moves anything, of what the limits apply_limits.
+//! Only the controller creates commands that move the hand, after the limits.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -59,7 +59,7 @@ fn only_the_rig_of_a_link_relays_commands() {
         let (_, code) = sources.iter().find(|(name, _)| name == file).expect("it");
         assert!(
             !code.contains("Controller"),
-            "{file} has a controller of its own"
+            "{file} creates its own controller"
         );
     }
 }

@@ -1,4 +1,4 @@
-//! The example of a hand of one's own, and what the loop does about missed periods.
+//! The example of a custom hand, and the response of the loop to missed periods.
 
 #[allow(dead_code, reason = "its main is the example's")]
 #[path = "../../examples/own_hand.rs"]
@@ -21,7 +21,7 @@ fn the_example_touches_the_wall_and_comes_home() {
     assert!((0.5..1.0).contains(&force), "{force} N");
 }
 
-/// A clock whose `late`-th sleep ends so many milliseconds late.
+/// A clock whose `late`-th sleep ends `by` milliseconds late.
 struct Oversleeping {
     now: Cell<Duration>,
     sleeps: Cell<u32>,
@@ -45,7 +45,7 @@ impl Clock for Oversleeping {
     }
 }
 
-/// Ten steps, of which the fifth comes so late; the loop's reason to stop, and whether the hand moved in the end.
+/// Runs ten steps, the fifth late by `by` milliseconds. Returns the stop reason, and `true` if the hand moved at the end.
 fn ten_steps(by: u64) -> (Option<StopReason>, bool) {
     let clock = Oversleeping {
         now: Cell::default(),

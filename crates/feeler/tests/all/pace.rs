@@ -11,17 +11,17 @@ use std::time::Duration;
 /// Deadlines are rounded to the nanosecond.
 const ROUNDING: f64 = 1e-9;
 
-/// A clock that stands still but for sleep, which is as late as it is told to be.
+/// A clock that advances only during sleep, which ends late by given amounts.
 #[derive(Clone, Default)]
 struct TestClock(Rc<TestClockState>);
 
 #[derive(Default)]
 struct TestClockState {
     now: Cell<Duration>,
-    /// How late the next sleeps end, the last first.
+    /// Lateness of the next sleeps, in reverse order.
     late: RefCell<Vec<Duration>>,
     sleeps: Cell<usize>,
-    /// What is raised, and when.
+    /// Interrupt flag, and the time at which it is raised.
     stop: AtomicBool,
     stop_at: Cell<Option<Duration>>,
 }
@@ -186,7 +186,7 @@ fn a_period_that_no_timer_keeps_is_refused() {
     }
 }
 
-/// That the system's clock goes on and sleep ends no earlier than asked for; how late does not matter.
+/// The system clock advances, and a sleep does not end early; its lateness does not matter.
 #[test]
 fn the_systems_clock_is_slept_to() {
     let clock = Monotonic::new();

@@ -8,7 +8,7 @@ use std::collections::BTreeMap;
 /// Numbers of an observation beside three for each element.
 const BESIDE_FORCES: usize = 21;
 
-/// What a file holds.
+/// Contents of a policy file.
 #[derive(Debug, Clone)]
 pub struct PolicyFile {
     pub metadata: BTreeMap<String, String>,
@@ -43,7 +43,7 @@ impl PolicyFile {
         file
     }
 
-    /// The same with numbers drawn from `seed`, so that no layer saturates.
+    /// Like [`zero`](Self::zero), with weights drawn from `seed` so that no layer saturates.
     pub fn drawn(elements: usize, hidden: &[usize], seed: u64) -> Self {
         let mut random = Pcg64::seed_from_u64(seed);
         let mut file = Self::zero(elements, hidden);

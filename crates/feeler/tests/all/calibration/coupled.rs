@@ -90,7 +90,8 @@ fn coefficients(orders: [usize; 3], seed: u64) -> [Vec<f64>; 3] {
     })
 }
 
-/// The same, each component negated that falls from the least to the greatest of its own input: such a calibration is refused.
+/// Negates each component that decreases from the smallest to the largest value of its input, since such a calibration
+/// is refused.
 fn rising(mut own: [Vec<f64>; 3]) -> [Vec<f64>; 3] {
     let [g, x, y] = RANGES;
     let half = 0.5 * g[1];
@@ -148,7 +149,7 @@ fn a_force_of_so_many_terms_gets_so_many_and_is_found_again() {
         let orders = [SHEAR_ORDERS[n], SHEAR_ORDERS[3 - n], NORMAL_ORDERS[n]];
         let own = rising(coefficients(orders, n as u64));
         let mut rng = Pcg64::seed_from_u64(5);
-        // Noise that is no more than a ten-thousandth of the force, so that exactness is no reason for a longer model.
+        // Noise of at most a ten-thousandth of the force, so that exact data do not favour a longer model.
         let places = places(300, 6);
         let noise: Vec<DVec3> = places
             .iter()
@@ -180,7 +181,7 @@ fn a_force_of_so_many_terms_gets_so_many_and_is_found_again() {
             assert!(error < 1e-4, "{error} N off at {inputs:?}");
         }
         let held_out = calibration.elements[0].quality.held_out;
-        // The noise's own: 1e-4 over the root of 3, and a tenth more for what the fit makes of it.
+        // RMS of the noise: 1e-4 / sqrt(3), and a tenth more for the error of the fit.
         assert!(held_out.rms.max_element() < 0.65e-4, "{held_out:?}");
         assert!(held_out.rms.min_element() > 0.5e-4, "{held_out:?}");
     }

@@ -41,7 +41,7 @@ pub fn places(count: usize, seed: u64) -> Vec<RelativeMoments> {
     corners.chain(between).map(inputs).collect()
 }
 
-/// What was recorded of an element that takes `force` to be where `inputs` say.
+/// Creates the record of an element whose force at `inputs` is `force(inputs)`.
 pub fn record(
     inputs: &[RelativeMoments],
     force: impl Fn(RelativeMoments) -> DVec3,

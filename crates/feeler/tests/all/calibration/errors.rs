@@ -1,4 +1,4 @@
-//! Loads that determine no calibration, and what is said of them.
+//! Loads that do not determine a calibration, and their error messages.
 
 use super::element::{fitted, inputs, made_for, moments, places, record};
 use feeler::sensor::calibration::RecordBuilder;
@@ -12,7 +12,7 @@ fn good() -> ElementRecord {
     })
 }
 
-/// What is said of a record, which is the second of two, after `change`.
+/// Returns the error for the second of two records after `change`.
 fn refused(choice: ModelChoice, change: impl Fn(&mut ElementRecord)) -> String {
     let mut records = [good(), good()];
     assert!(fitted(&records, choice).is_ok());
@@ -104,7 +104,8 @@ fn a_record_for_each_element_is_needed() {
     assert!(message.contains('3') && message.contains('1'), "{message}");
 }
 
-/// A picture without load on an element tells its rest; one with a load is fitted; one of which nothing is known is neither.
+/// An image without load on an element defines its rest position; one with a load is fitted; one with an unknown load is
+/// neither.
 #[test]
 fn records_are_gathered_picture_by_picture() {
     let mut builder = RecordBuilder::new(2);

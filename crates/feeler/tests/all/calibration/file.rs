@@ -1,4 +1,4 @@
-//! The calibration's file: what it holds, and what is refused in it.
+//! Calibration files: contents and refused values.
 
 use super::element::{fitted, made_for, places, record};
 use feeler::sensor::calibration::ModelChoice;
@@ -26,7 +26,7 @@ fn a_file_holds_all_of_a_calibration() {
     }
 }
 
-/// What is said of a calibration after `change`.
+/// Returns the error for a calibration after `change`.
 fn refused(choice: ModelChoice, change: impl Fn(&mut Calibration)) -> String {
     let mut calibration = calibration(choice);
     change(&mut calibration);

@@ -1,4 +1,4 @@
-//! What a calibration says of its own errors, of readings that are made up.
+//! Error estimates of a calibration, on synthetic readings.
 
 use super::element::{CENTROID, GRAY, fitted, inputs, moments, places, record};
 use feeler::sensor::calibration::{
@@ -39,7 +39,7 @@ fn errors_are_their_root_mean_square_and_their_largest() {
     assert_eq!(none, HeldOutError::default());
 }
 
-/// A series of loads along z and what was read under each, N.
+/// Repeatability and hysteresis of a series of loads along z and their readings (N).
 fn series(loads: &[(f64, f64)]) -> (Option<DVec3>, Option<DVec3>) {
     let reading = |&(load, reading): &(f64, f64)| CycledReading {
         force: load * DVec3::Z,
@@ -78,7 +78,7 @@ fn loads_reached_from_both_sides_twice_tell_the_hysteresis() {
     );
     let (_, once) = series(&cycle);
     assert_eq!(once, None);
-    // Three from below and one from above are no pair of means.
+    // Three readings from below and one from above do not give a pair of means.
     let one_sided = [
         (0.0, 0.0),
         (1.0, 1.0),

@@ -39,8 +39,8 @@ fn config() -> ContourConfig {
     }
 }
 
-/// A fingertip whose apex touches a surface at `point` with the outward `normal`, both of the plane, and which is pushed
-/// by `force` (N, in W): where it is, and what it feels.
+/// Returns the pose and the reading of a fingertip whose apex touches a surface at `point` with the outward `normal` (both
+/// in the plane), under `force` (N, in W).
 fn pressed(point: DVec2, normal: DVec2, force: DVec2) -> (FingertipPose, TactileReading) {
     let FeelerShape {
         normal_stiffness,

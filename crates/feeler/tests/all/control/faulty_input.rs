@@ -1,4 +1,4 @@
-//! Input that is no number stops the hand, wherever it stands.
+//! NaN in any input stops the hand.
 
 use super::rig::{controller, state, touch};
 use feeler::control::StopReason;
@@ -6,7 +6,7 @@ use feeler::control::TactileReading;
 use feeler::hand::{HandCommand, HandState};
 use glam::DVec3;
 
-/// Why the hand stops at this input, and what it is told.
+/// Returns the stop reason for this input, and the commanded velocity.
 fn decided(touch: &TactileReading, state: &HandState) -> (Option<StopReason>, DVec3) {
     let mut controller = controller();
     let mut command = HandCommand::stop(1);

@@ -89,7 +89,7 @@ fn slip_is_a_shear_rate_above_its_threshold_and_touches() {
         assert_eq!((flags.slip, flags.touch), (slip, slip), "{change} N");
         assert_eq!(flags.largest_element, None);
     }
-    // Fast compression is no slip, nor is the first frame.
+    // Neither fast compression nor the first frame is a slip.
     let pressed = analyze(&[(0.0, &[DVec3::ZERO]), (0.01, &[DVec3::Z])]);
     assert!(pressed.touch && !pressed.slip);
     assert!(!analyze(&[(0.0, &[DVec3::X * 9.0])]).slip);

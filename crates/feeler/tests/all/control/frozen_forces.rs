@@ -1,4 +1,4 @@
-//! New pictures that go on giving the same forces stop the hand.
+//! New images with unchanged forces stop the hand.
 
 use super::rig::{controller_with, state, touch};
 use feeler::control::Controller;
@@ -46,7 +46,7 @@ fn the_tenth_picture_like_the_one_before_stops_the_hand() {
     };
     assert_eq!(decide(&mut hand, 30, 0.4), Some(frozen.clone()));
     assert!(frozen.is_recoverable() && !frozen.is_stale());
-    // Somebody looks and lets it go on: it is counted anew, and stops again.
+    // After a resume the count restarts, and the hand stops again.
     hand.resume();
     for sequence in 31..41 {
         assert_eq!(decide(&mut hand, sequence, 0.4), None, "{sequence}");
@@ -63,7 +63,7 @@ fn another_force_begins_the_count_again() {
     }
 }
 
-/// The same picture again is an old one, for which there is another limit; no force at all may be what a sensor leaves out.
+/// A repeated image is stale, which has its own limit; a sensor may omit zero forces.
 #[test]
 fn old_pictures_and_untouched_fingers_do_not_count() {
     let mut hand = controller(3);

@@ -9,7 +9,7 @@ use glam::DVec3;
 
 const PERIOD: f64 = 0.01;
 
-/// What an encoder shows of the true angle and the angle at the start, rad, in a step.
+/// Encoder reading from the true angle, the initial angle (rad) and the step number.
 type Encoder = fn(DVec3, DVec3, usize) -> DVec3;
 
 fn honest(now: DVec3, _: DVec3, _: usize) -> DVec3 {
@@ -86,7 +86,7 @@ fn drives_with_lag_and_coarse_encoders_follow() {
         for encoder in [honest, coarse] {
             let mut rig = Rig::new(MonitorConfig::default(), lag);
             assert_eq!(rig.run(300, encoder), None, "{lag} s");
-            // The task goes on and on along y, and did.
+            // The task moves along y forever.
             let turned = (rig.position - state().joints[0].position).abs();
             assert!(turned.max_element() > 0.1, "{turned}");
         }
@@ -100,7 +100,7 @@ fn a_joint_that_does_not_show_what_it_is_told_stops_the_hand() {
     let half: Encoder = |now, start, _| start + 0.5 * (now - start);
     let reverse: Encoder = |now, start, _| start - (now - start);
     for (name, encoder) in [("stays", stays), ("half", half), ("reverse", reverse)] {
-        let reason = run(encoder).unwrap_or_else(|| panic!("{name}: goes on"));
+        let reason = run(encoder).unwrap_or_else(|| panic!("{name}: the hand does not stop"));
         let StopReason::JointDeviation {
             finger: 0,
             turn,
@@ -118,7 +118,7 @@ fn a_joint_that_does_not_show_what_it_is_told_stops_the_hand() {
         assert!(time < 2.5, "{name}: {time} s");
     }
     let reason = run(frozen);
-    assert!(reason.is_some(), "goes on");
+    assert!(reason.is_some(), "the hand does not stop");
 }
 
 #[test]
@@ -167,7 +167,7 @@ fn a_joint_that_cannot_be_there_stops_the_hand() {
     }
 }
 
-/// After a stop somebody may have moved the fingers: that is no jump, and what was before no lie.
+/// After a stop the fingers may have been moved by hand, which is neither a jump nor an implausible reading.
 #[test]
 fn after_a_stop_the_joints_are_watched_afresh() {
     let mut rig = Rig::new(MonitorConfig::default(), 0.0125);

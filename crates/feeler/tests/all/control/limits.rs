@@ -39,7 +39,7 @@ impl Finger {
         self.limits.apply_limits(&self.geometry, &request, PERIOD)
     }
 
-    /// Goes on for a period as an ideal drive does.
+    /// Advances by one period like an ideal drive.
     fn advance(&mut self, velocity: DVec3) -> LimitedCommand {
         let admitted = self.apply_limits(velocity).expect("finite");
         self.theta += PERIOD * admitted.joint_velocity;

@@ -1,4 +1,4 @@
-//! One finger with three elements, a task that only moves, and what they are tuned by.
+//! One finger with three elements, a task that only moves, and their configuration.
 
 use feeler::control::HandReadings;
 use feeler::control::MonitorConfig;
@@ -68,7 +68,7 @@ pub fn layout() -> ElementLayout {
     })
 }
 
-/// Goes on along y for ever, and counts how often it is asked.
+/// Moves along y forever, and counts its calls.
 #[derive(Debug, Clone, Default)]
 struct Along {
     asked: u32,
@@ -100,7 +100,7 @@ pub fn controller() -> Controller {
     controller_with(MonitorConfig::default())
 }
 
-/// The same, with sensors watched in another way.
+/// Like [`controller`], with a custom monitor configuration.
 pub fn controller_with(monitor: MonitorConfig) -> Controller {
     let config = ControlConfig {
         monitor,

@@ -1,4 +1,4 @@
-//! A hand that was stopped: which reason is kept, and what goes on meanwhile.
+//! A stopped hand: the reason that is kept, and the parts that continue.
 
 use super::rig::{controller, state, touch};
 use feeler::control::Phase;

@@ -1,4 +1,4 @@
-//! What files say of laws and tasks.
+//! Laws and tasks in experiment files.
 
 use super::rig::{Config, config};
 use feeler::control::Phase;

@@ -70,7 +70,7 @@ fn matrix() -> impl Strategy<Value = DMat2> {
 }
 
 proptest! {
-    /// Squares of some ten spacings cancel: to 1e-16 of some thousand, of which the root is taken.
+    /// Squares of about ten spacings cancel to 1e-16 of a few thousand; the result is the square root.
     #[test]
     fn a_pattern_that_moves_as_a_plane_bears_no_load(
         (at_first, later) in (matrix(), matrix()),
@@ -129,7 +129,7 @@ proptest! {
         prop_assert!((own - other).abs() < 1e-9 * (1.0 + own));
     }
 
-    /// The same as if the elements that are missing had never been there, but for what is made up for their freedom.
+    /// Missing elements give the same result as a smaller grid, except for the correction for degrees of freedom.
     #[test]
     fn missing_elements_do_not_count(
         missing in proptest::collection::hash_set(0..COLUMNS * ROWS, 0..12),
@@ -149,7 +149,7 @@ proptest! {
         prop_assert!((masked - without * made_up.sqrt()).abs() < 1e-9, "{masked} {without}");
     }
 
-    /// Whatever stamps and vectors come, ten seconds of sound frames later it is forgotten.
+    /// Ten seconds of valid frames after any stamps and vectors, the filters have recovered.
     #[test]
     fn nothing_poisons_the_filters(
         bad in proptest::collection::vec((interval(), number(), number()), 0..40),
@@ -186,7 +186,7 @@ proptest! {
     }
 }
 
-/// The grid with its first element pushed, without memory of its own.
+/// The grid with its first element pushed; does not allocate.
 fn grid_like(push: DVec2) -> impl Iterator<Item = DVec2> {
     (0..COLUMNS * ROWS).map(move |i| {
         let index = DVec2::new((i % COLUMNS) as f64, (i / COLUMNS) as f64);
@@ -333,7 +333,7 @@ fn drag_follows_a_step_as_the_two_filters_do() {
     drag.update(0.0, [DVec3::ZERO; 4]);
     for frame in 1..=3000 {
         let t = f64::from(frame) * 1e-3;
-        // One element says nothing, and is not counted.
+        // A single element without data is not counted.
         let (shear, press) = (DVec3::new(0.3, 0.4, 0.0), DVec3::new(0.0, 0.0, 0.5));
         let found = drag
             .update(1e-3, [shear, press, DVec3::NAN, shear])
@@ -363,7 +363,7 @@ fn an_element_that_comes_back_goes_on_where_time_would_have_it() {
         drag.drag().unwrap()
     };
     let (seen, missed) = (run(false), run(true));
-    // After three seconds, a twentieth of the step is left in the slow mean of what was seen all the time.
+    // After three seconds, a twentieth of the step remains in the slow mean of the elements present all the time.
     assert!(seen < 0.1 && missed < 0.25, "{seen} {missed}");
 }
 

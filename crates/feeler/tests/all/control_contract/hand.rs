@@ -1,9 +1,9 @@
-//! A hand that does exactly what it is told.
+//! A hand that follows its commands exactly.
 
 use feeler::hand::{Hand, HandCommand, HandError, HandState, JointState};
 use glam::DVec3;
 
-/// A hand that does exactly what it is told, and keeps no record of it: it allocates nothing.
+/// A hand that follows its commands exactly and does not allocate.
 pub struct IdealHand {
     pub stamp: f64,
     pub period: f64,

@@ -1,4 +1,4 @@
-//! Whatever arrives, the controller does not panic, and what it commands is finite and allowed.
+//! For any input, the controller does not panic, and its commands are finite and within limits.
 
 use super::rig::{Analyzers, ELEMENTS, config, controller, geometries, home};
 use feeler::control::Phase;

@@ -183,7 +183,7 @@ fn the_best_presses_along_what_it_feels_and_shares_between_elements() {
     assert_eq!(law.velocity(&search, &sense), MOVE.velocity);
 }
 
-/// What the law believes after an element's force went from `before` to `now`, each `(shear, normal)`, N.
+/// Returns the law's friction estimate after an element's force changed from `before` to `now`, each `(shear, normal)` (N).
 fn believed(before: (f64, f64), now: (f64, f64)) -> f64 {
     let layout = layout();
     let config = BestConfig {

@@ -1,5 +1,5 @@
-//! Sensors on threads of their own, and steps that follow their pictures. No outcome here depends on how fast the computer is: a test
-//! goes on when a sensor's thread asks for its next picture, by when what it made of the one before is at hand.
+//! Sensors on background threads, and steps triggered by their images. No result depends on the speed of the computer: a
+//! test continues when a sensor's thread requests its next image, after it has published the reading of the previous one.
 
 use super::hand::IdealHand;
 use super::rig::{ELEMENTS, config, controller, hand_at_home, pressed};
@@ -19,7 +19,7 @@ use std::time::Duration;
 
 type Reading = Result<TactileFrame, SensorError>;
 
-/// Waits for what the test gives it, and says each time that it does.
+/// Camera that waits for the images of the test, and signals each request.
 struct Given {
     asks: Sender<()>,
     given: Receiver<Reading>,
@@ -31,7 +31,7 @@ impl TactileSensor for Given {
     }
 
     fn read(&mut self, reading: &mut TactileFrame) -> Result<(), SensorError> {
-        // After the test's end nobody listens.
+        // The receiver is gone after the end of the test.
         let _ = self.asks.send(());
         let given = self.given.recv();
         let frame = given.unwrap_or(Err(SensorError::Ended { count: 0 }))?;
@@ -128,7 +128,7 @@ fn run(pictures: u64, fails: bool) -> (Vec<StopReason>, ControlLoop<BackgroundSe
         } else if fails {
             let ended = SensorError::Ended { count: next };
             givers[1].give.send(Err(ended)).expect("a sensor");
-            // Its thread lets go of it.
+            // Its thread drops it.
             assert!(givers[1].asked.recv().is_err());
         }
         next += 1;
@@ -152,7 +152,7 @@ fn run(pictures: u64, fails: bool) -> (Vec<StopReason>, ControlLoop<BackgroundSe
     (reasons, control_loop)
 }
 
-/// The steps go on without it, and it is found stale by the time of the data.
+/// The steps continue without it, and it is detected as stale by the time of the data.
 #[test]
 fn a_camera_that_stalls_stops_the_hand_as_stale_and_not_the_loop() {
     let (reasons, control_loop) = run(20, false);

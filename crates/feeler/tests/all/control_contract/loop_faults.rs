@@ -14,9 +14,9 @@ use glam::DVec3;
 enum Fault {
     /// Reads fail from this frame on.
     Fails(u64),
-    /// The same frame is read from this one on.
+    /// Repeats the same frame from this one on.
     Stalls(u64),
-    /// The same picture is read from this frame on, with a new stamp each time.
+    /// Repeats the same image from this frame on, with a new stamp each time.
     Repeats(u64),
     None,
 }

@@ -1,4 +1,4 @@
-//! Slip by missing shear: what sticks, what slips and what goes along with the fingertip.
+//! Slip by missing shear: sticking contacts, slipping contacts, and objects that move with the fingertip.
 
 use super::rig::{ELEMENTS, config, layout};
 use feeler::control::FeelerShape;
@@ -20,8 +20,8 @@ const TOUCHING: [usize; 2] = [0, 1];
 /// Pressed like this, N, with shear that the fingertip's way lets grow.
 const PRESSED: f64 = 0.8;
 
-/// Forces of elements that touch something after the fingertip went `WAY`, of which the object went along with the `share`
-/// and element 0 lost `slip` newtons more.
+/// Readings of touching elements before and after the fingertip moved by `WAY`, while the object moved by `share` of that
+/// and element 0 lost another `slip` newtons.
 fn frames(share: f64, slip: f64) -> [TactileReading; 2] {
     let (layout, feeler) = (layout(), FeelerShape::default());
     [0.0, 1.0].map(|gone| {
@@ -43,7 +43,7 @@ fn frames(share: f64, slip: f64) -> [TactileReading; 2] {
     })
 }
 
-/// What `detector` makes of the elements that touch.
+/// Returns the missing shear of the two touching elements.
 fn missing(mut detector: SlipDetector, share: f64, slip: f64) -> [f64; 2] {
     let layout = layout();
     let mut last = [0.0; 2];
@@ -95,7 +95,7 @@ fn what_all_elements_miss_alike_is_the_object_going_along() {
 
 #[test]
 fn nothing_goes_farther_along_than_the_fingertip() {
-    // Even if the one element that touches says so: it has slipped.
+    // A single touching element can only have slipped.
     let detect = |slip| {
         let mut detector = moving();
         let layout = layout();
@@ -159,8 +159,8 @@ fn the_law_presses_on_its_own_slip_and_not_on_that_of_the_flags() {
     assert_eq!(pressing(&felt), [0.0, 0.0, speed, speed, 0.0, 0.0]);
 }
 
-/// A feeler that sticks is a spring between its tip's rest and a place on what it touches, on which its sphere rolls: after
-/// whatever small motion, all that is held for missing is the doubt of 8 % of the change.
+/// A sticking feeler is a spring between its rest tip and a point of the object on which its sphere rolls. After any small
+/// motion, the missing shear is at most the uncertainty of 8 % of the change.
 #[test]
 fn what_sticks_misses_nothing_however_the_fingertip_goes_and_turns() {
     let (layout, feeler) = (layout(), FeelerShape::default());

@@ -1,4 +1,4 @@
-//! What the control law promises: definitions, limits, and that it neither allocates nor panics.
+//! Contracts of the control law: definitions, limits, no allocation, no panic.
 
 mod config;
 mod grasp_slip;

@@ -35,7 +35,7 @@ fn policy_config(file: &PolicyFile) -> LawConfig {
     })
 }
 
-/// A ring of so many elements.
+/// A ring of `elements` elements.
 fn ring(elements: usize) -> ElementLayout {
     ElementLayout::new(&LayoutConfig {
         dome_radius: 0.018,
@@ -81,7 +81,7 @@ fn evaluated(file: &PolicyFile, observation: &[f32]) -> [f64; 3] {
     [values[0], values[1], values[2]]
 }
 
-/// A finger in some pose that feels whatever is drawn.
+/// Draws a random pose and reading of a finger.
 fn drawn_touch(random: &mut Pcg64, elements: usize) -> (TactileReading, FingertipPose, JointState) {
     let mut vector =
         |size: f64| DVec3::from_array([0; 3].map(|_| random.random_range(-size..size)));
@@ -142,7 +142,7 @@ fn its_velocity_is_that_of_plain_loops_in_double_precision() {
     }
 }
 
-/// What numpy made of a policy that Python wrote.
+/// Outputs that NumPy computed for a policy written by Python.
 #[derive(Deserialize)]
 struct Reference {
     observation: Vec<f64>,

@@ -50,7 +50,7 @@ pub fn controller(config: &Config) -> Controller {
     .expect("a controller")
 }
 
-/// What the task is tuned by.
+/// Configuration of the task.
 pub fn screw(config: &mut Config) -> &mut ScrewConfig {
     let TaskConfig::Screw(screw) = &mut config.task else {
         panic!("a screw task")
@@ -73,7 +73,7 @@ pub fn hand_at_home(config: &Config) -> IdealHand {
     IdealHand::new(home(config), config.control.period)
 }
 
-/// What is known of `hand`.
+/// State of `hand`.
 pub fn state(hand: &IdealHand) -> HandState {
     HandState {
         stamp: hand.stamp,

@@ -1,4 +1,4 @@
-//! The screw task, with a hand that does exactly what it is told and an object that is a wall.
+//! The screw task, with a hand that follows its commands exactly and a wall as the object.
 
 use super::hand::IdealHand;
 use super::rig::{
@@ -12,7 +12,7 @@ use feeler::hand::kinematics::fingertip_pose;
 use feeler::hand::{Hand, HandCommand};
 use glam::DVec3;
 
-/// How far from home the wall is, m, and how hard, N/m.
+/// Distance of the wall from home (m). The next constant is its stiffness (N/m).
 const WALL: f64 = 0.004;
 const STIFFNESS: f64 = 2000.0;
 

@@ -132,7 +132,7 @@ fn a_group_with_spots_of_another_is_named_as_merged() {
     assert_eq!(times, 9.0 / 8.0);
 }
 
-/// Spots fit together into a diameter that is told, or do not.
+/// Spots are grouped into elements of a given diameter, or refused.
 #[test]
 fn the_size_of_elements_may_be_told() {
     let spots: Vec<DVec2> = middles().into_iter().flat_map(group).collect();
@@ -151,7 +151,7 @@ fn the_size_of_elements_may_be_told() {
     assert_eq!(count(30.0), (30, 8));
 }
 
-/// A lattice is none, in whatever way it may be cut into groups.
+/// A lattice is not a set of groups, however it is divided.
 #[test]
 fn spots_on_a_lattice_are_elements_themselves() {
     let lattice = grid(DVec2::splat(15.3), 14.0, 14, 12);

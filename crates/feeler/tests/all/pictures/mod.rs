@@ -1,4 +1,4 @@
-//! What is made of small pictures: readings, layouts, elements.
+//! Small images: readings, layouts, elements.
 
 mod finding;
 mod groups;

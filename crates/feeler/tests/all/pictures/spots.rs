@@ -9,7 +9,7 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64;
 
-/// What lies under all spots, grey levels.
+/// Background level under all spots (grey levels).
 pub const BACKGROUND: f64 = 20.0;
 
 /// Gaussian spots: where each is, px, its deviation, px, and its height, grey levels.
@@ -120,7 +120,7 @@ fn a_larger_radius_is_given_where_it_is_asked_for() {
     assert!((located.elements[7].radius_px - 16.0).abs() < 0.25);
 }
 
-/// Many small spots are stronger together than a few large ones, unless these are asked for.
+/// Many small spots outweigh a few large ones, unless a size is given.
 #[test]
 fn the_size_of_spots_may_be_told() {
     let mut spots = Spots::alike(&pins(), 1.5);
@@ -168,7 +168,7 @@ fn what_stands_apart_is_left_out_and_said() {
     assert_eq!(located.elements.len(), 17);
 }
 
-/// Where pins stand closely, what has hardly a neighbour and another size is none of them: a reflection.
+/// Among closely spaced pins, a spot with few neighbours and another size is a reflection.
 #[test]
 fn what_is_unlike_the_pins_at_the_rim_of_a_lattice_is_left_out() {
     let row = |r: usize| {

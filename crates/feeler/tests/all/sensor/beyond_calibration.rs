@@ -20,7 +20,7 @@ fn map() -> CoupledMap {
     }
 }
 
-/// The same three forces as functions of growth and displacements in SI units.
+/// The three forces as functions of growth and displacements, in SI units.
 fn normal(growth: f64) -> f64 {
     let g = growth / 2.0;
     1.5 * g + 0.4 * g * g
@@ -36,7 +36,7 @@ fn shear_y(y: f64) -> f64 {
     0.9 * y - 0.3 * y.powi(3)
 }
 
-/// What `force` is at `input` if it goes on from the end of `[low, high]` with its mean slope over that range.
+/// Extrapolates `force` to `input` from the nearer end of `[low, high]` with its mean slope over that range.
 fn continued(force: fn(f64) -> f64, input: f64, [low, high]: [f64; 2]) -> f64 {
     let end = input.clamp(low, high);
     force(end) + (input - end) * (force(high) - force(low)) / (high - low)

@@ -86,7 +86,7 @@ proptest! {
         }
     }
 
-    /// Every pixel's point lies on the dome, whatever the camera.
+    /// For any camera, the point of every pixel lies on the dome.
     #[test]
     fn pixels_see_the_dome(camera in camera(), x in 0.0..640.0, y in 0.0..480.0) {
         let projection = DomeProjection::new(&camera, DOME_RADIUS).unwrap();

@@ -1,4 +1,4 @@
-//! How much of what an element shows may be taken for creep.
+//! Limits on the change of an element that is corrected as creep.
 
 use feeler::sensor::calibration::{
     CALIBRATION_VERSION, Calibration, CalibrationTarget, CoupledMap, ElementCalibration,
@@ -42,8 +42,8 @@ fn calibration() -> Calibration {
     }
 }
 
-/// What is left of one element's moments when it has crept to a `gain` and a displacement `moved` (m) over `frames`
-/// frames, while the others stay as they are: growth, and displacement from its rest.
+/// Returns the remaining growth and displacement of one element that has crept to a `gain` and a displacement `moved` (m)
+/// over `frames` frames, while the others are unchanged.
 fn left_of_creep(gain: f64, moved: DVec2, frames: u32) -> (f64, DVec2) {
     let config = DriftConfig {
         tolerance: 0.03,
@@ -83,7 +83,10 @@ fn creep_within_the_bounds_is_taken_out() {
     // It follows with a lag of ten frames, in 2000: half a per cent of the way.
     assert!(growth.abs() < 0.006 * 0.04, "{growth}");
     let left = displacement.length() / UNMOVED;
-    assert!(left < 0.006 * 1.5, "{left} of what counts as unmoved");
+    assert!(
+        left < 0.006 * 1.5,
+        "{left} of the displacement limit of untouched elements"
+    );
 }
 
 #[test]

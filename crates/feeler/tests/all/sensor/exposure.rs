@@ -1,4 +1,4 @@
-//! How many saturated pixels an element may have.
+//! Maximum number of saturated pixels of an element.
 
 use feeler::sensor::image::Picture;
 use feeler::sensor::image::WeightedPixel;
@@ -7,7 +7,7 @@ use glam::DVec2;
 
 #[test]
 fn no_more_than_the_allowed_part_of_any_number_of_pixels_may_be_saturated() {
-    // In parts of which none has a multiple that is a whole number but for rounding.
+    // Fractions whose multiples are never integers only because of rounding.
     for (max_saturated, part) in [(0.0, (0, 1)), (0.0625, (1, 16)), (0.25, (1, 4))] {
         for pixels in 1..=70 {
             let region = (0..pixels).map(|column| WeightedPixel {

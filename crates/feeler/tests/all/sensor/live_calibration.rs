@@ -114,7 +114,7 @@ fn what_does_not_go_together_is_no_delay_and_no_sample() {
     let mut random = Pcg64::seed_from_u64(5);
     for tick in 0..1500 {
         let now = f64::from(tick) * FRAME;
-        // The sensor feels something else, then is not there, then says what is no force.
+        // The sensor measures another force, then is absent, then returns NaN.
         let force = match tick {
             0..900 => DVec3::splat(random.random::<f64>()),
             900..1200 => continue,

@@ -145,7 +145,7 @@ proptest! {
         }
     }
 
-    /// Whatever the picture: an answer or an error, no panic.
+    /// Any image gives a result or an error, never a panic.
     #[test]
     fn any_picture_is_answered(width in 0..40_usize, height in 0..40_usize, seed: u64, levels in 1..256_u32) {
         let mut rng = Pcg64::seed_from_u64(seed);

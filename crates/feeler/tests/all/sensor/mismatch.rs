@@ -20,7 +20,7 @@ fn fingertip() -> FingertipConfig {
     fingertip
 }
 
-/// A picture of one grey level, and of another one in so many columns from the right.
+/// An image of grey level `gray`, with level `other` in the last `columns` columns.
 fn picture(gray: u8, columns: usize, other: u8) -> Picture {
     let mut picture = Picture::black(160, 120);
     let width = picture.width;
@@ -86,7 +86,7 @@ fn pictures_of_another_fingertip_are_refused() {
     let mut sensing = sensing();
     let other = picture(90, 0, 0);
     assert_eq!(check(&mut sensing, &other), Err(refused.clone()));
-    // Whoever goes on nevertheless is told again.
+    // The next check returns the same error.
     assert_eq!(check(&mut sensing, &other), Err(refused.clone()));
     let words = refused.to_string();
     assert!(

@@ -1,4 +1,4 @@
-//! From pictures to moments to forces: whatever is known in closed form or by a slower way.
+//! From images to moments to forces, compared with closed forms and slower computations.
 
 mod beyond_calibration;
 mod dome;

@@ -167,7 +167,7 @@ fn dewarped_sums_are_those_of_the_definition() {
     }
 }
 
-/// One bright pixel, wherever it is, which no average can make up for.
+/// One bright pixel at any place, which no average can hide.
 #[test]
 fn every_single_pixel_is_right() {
     let config = FingertipConfig::default();

@@ -1,4 +1,4 @@
-//! Layout files of taxel arrays: the built-in ones, and what anyone may have written.
+//! Layout files of taxel arrays: the built-in ones, and arbitrary text.
 
 use feeler::sensor::fingertip::MAX_ELEMENTS;
 use feeler::sensor::taxel::{BUILT_IN_TAXELS, BuiltInTaxels, TaxelLayout, TaxelUnit};
@@ -132,7 +132,7 @@ fn what_is_wrong_is_named() {
 }
 
 proptest! {
-    /// Whatever stands in a file: it is refused, or reads back as it was written.
+    /// Any text is refused, or reads back as it was written.
     #[test]
     fn any_text_is_refused_or_read(place in 0usize..3000, cut in 0usize..40, text in "[ -~\n]{0,12}") {
         let whole = eflesh();

@@ -23,7 +23,7 @@ fn timed(unit: TimeUnit) -> TaxelLayout {
     layout
 }
 
-/// What was sensed: frames, and what was counted with the line of the first.
+/// Returns the frames of a table, and its problems with count and first line.
 fn sensed(layout: &TaxelLayout, table: &[u8]) -> (Vec<TactileFrame>, Vec<(Trouble, u64, u64)>) {
     let mut sensor = TaxelSensor::open(table, layout, None).unwrap();
     let mut frame = TactileFrame::unloaded(sensor.element_count());
@@ -205,7 +205,7 @@ fn wrong_headers_are_told() {
     ));
 }
 
-/// The same frames, whichever program wrote the table.
+/// Tables written by different programs give the same frames.
 #[test]
 fn tables_of_other_programs_are_read() {
     let plain = format!("{HEADER}0.5,-1,2.25,3,4,5\n7,8,9,10,11,12.75\n");
@@ -276,7 +276,7 @@ fn numbers_that_are_not_clear_and_other_units_are_not_guessed() {
     assert!(error.contains("is in \"mN\"; expected N"), "{error}");
 }
 
-/// Why the first row of a table is refused.
+/// Returns the error of the first row of a table.
 fn first_error(table: &str) -> String {
     let mut sensor = TaxelSensor::open(table.as_bytes(), &newtons(), None).unwrap();
     let read = sensor.read(&mut TactileFrame::unloaded(2));

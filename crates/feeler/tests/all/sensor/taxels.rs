@@ -61,7 +61,7 @@ fn the_zero_is_the_mean_of_the_first_valid_rows() {
     assert!(forces[1][0].is_nan() && !forces[1][1].is_nan());
     close(forces[2][0], DVec3::splat(1.5));
     close(forces[3][0], DVec3::splat(7.5));
-    // A taxel that said nothing has no zero.
+    // A taxel without data has no zero.
     let silent = [f64::NAN, f64::NAN, f64::NAN, 10.0].map(DVec3::splat);
     assert!(sense(&layout, 10.0, &silent)[3][0].is_nan());
 }

@@ -62,11 +62,11 @@ fn start((screw, cap): &(ScrewConfig, CapConfig)) -> Run<CapTask> {
 
 /// A cap that turns clockwise, as the strokes do, when the fingers' torque overcomes what resists it.
 struct Cap<F> {
-    /// What resists the cap at an angle (rad), N m.
+    /// Torque that resists the cap at an angle (rad), in N·m.
     resistance: F,
     friction: [f64; 2],
     angle: f64,
-    /// Where each tip is round the axis, rad, positive with the stroke, while it touches.
+    /// Angle of each touching tip about the axis (rad), positive in the direction of the stroke; `None` without contact.
     tips: [Option<f64>; 2],
     slips: u64,
     /// Of both fingers, N m.
@@ -140,8 +140,8 @@ impl<F: Fn(f64) -> f64> Cap<F> {
         let along = self.along(free);
         self.torque = Self::torque_of(along);
         for (i, finger) in fingers.iter_mut().enumerate() {
-            // As the surface stands where the tip is. Clockwise is against the perpendicular, and what acts on the feeler
-            // against the stroke.
+            // In the surface frame at the tip. Clockwise is against the perpendicular; the force on the feeler is against the
+            // stroke.
             let away = self.tips[i].map_or(DVec2::ZERO, |tip| DVec2::from_angle(-tip));
             finger.force = (pressed[i] * away + along[i] * away.perp()).extend(0.0);
         }
@@ -380,7 +380,7 @@ fn where_no_cap_is_found_there_is_none() {
     );
 }
 
-/// Knurls hold on harder than friction can: it drags no further than what no friction would hold.
+/// Knurls resist more than friction can: the finger drags no further than any friction would allow.
 #[test]
 fn what_holds_on_harder_than_friction_is_not_forced() {
     let mut config = config(Until::Open);

@@ -108,7 +108,7 @@ fn turn(fingers: &mut [Finger], angle: f64) {
     }
 }
 
-/// Grasps the box and goes on for `steps` more.
+/// Grasps the box and continues for `steps` steps.
 fn held(config: &CarryConfig, steps: u64) -> (Run<Carry>, Held) {
     let (mut run, mut held) = (start(config), Held::default());
     while run.task.phase() == Phase::Search {
@@ -151,7 +151,7 @@ fn two_fingers_lift_a_box_along_its_path() {
         if before == Phase::Move {
             let found = ["moved_x_m", "moved_y_m", "moved_z_m"].map(|name| run.finding(name));
             let found = DVec3::from_array(found);
-            // The tips tell all of the motion, but for what the box moved within the step in which it was taken.
+            // The tips measure the whole motion, except for that within the step of the grasp.
             assert!(
                 found.distance(held.moved) < 1e-4,
                 "{found} for {}",
@@ -204,7 +204,7 @@ fn a_box_that_was_turned_is_turned_back() {
         held.squeeze(&mut run.fingers);
         run.step().expect("no reason to stop");
         let found = run.finding("turned_rad");
-        // A turn has a sign, and is no more than what the fingers made, whose feelers' tips are pressed in by 4 %.
+        // The rotation has a sign, and is at most that of the fingers, whose feelers are compressed by 4 %.
         assert!(
             (0.9..=1.0).contains(&(held.turned / angle)),
             "{}",
@@ -247,7 +247,8 @@ fn a_grip_that_is_not_firm_waits() {
     assert!(velocities[3].0 > velocities[1].0 + 0.015, "{velocities:?}");
 }
 
-/// What becomes of a box that is held, when each feeler of finger 0 and 1 feels such a force in step `n`, N; and after how many.
+/// Returns the outcome for a held box if each feeler of fingers 0 and 1 measures `force(n)` (N) in step `n`, and the step of
+/// the outcome.
 fn outcome(config: &CarryConfig, force: impl Fn(u64) -> f64) -> (&'static str, u64) {
     let (mut run, _) = held(config, 5);
     for n in 0..500 {
@@ -273,10 +274,10 @@ fn a_box_that_is_gone_or_in_the_way_is_given_up() {
     // 9 N are one and a half times what would crush it.
     let (blocked, after) = outcome(&config(), |n| if n < 7 { 8.9 } else { 9.1 });
     assert_eq!((blocked, after), ("blocked", 7));
-    // It gives way under half of what is wanted, which is pressed after at 2 mm/(s N).
+    // It yields under half of the target force; the fingers follow at 2 mm/(s N).
     let (lost, after) = outcome(&config(), |_| 0.5);
     assert_eq!(lost, "lost");
-    // 4 mm at 1 mm/s of each finger, less the few tenths of what they had given way before.
+    // 4 mm at 1 mm/s of each finger, less the few tenths that it yielded before.
     assert!((330..=410).contains(&after), "{after}");
 }
 

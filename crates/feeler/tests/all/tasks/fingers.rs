@@ -70,7 +70,7 @@ impl Finger {
         }
     }
 
-    /// Where the tip would be without a force, m, in W.
+    /// Position of the tip without force (m, in W).
     pub fn free_tip(&self) -> DVec3 {
         self.position + DOME * self.axis
     }

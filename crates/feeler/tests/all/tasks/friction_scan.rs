@@ -41,7 +41,7 @@ struct Specimen {
     tilt: f64,
     static_friction: f64,
     kinetic_friction: f64,
-    /// Where the feeler holds on.
+    /// Anchor of the sticking feeler.
     anchor: Option<DVec3>,
     /// Slips so far in each stroke, and where the finger was at the first.
     slips: Vec<(u64, f64)>,
@@ -89,7 +89,7 @@ fn start(config: &FrictionScanConfig) -> Run<FrictionScan> {
     Run::new(FrictionScan::new(config), vec![finger])
 }
 
-/// Goes round until the task is done; whatever `seen` wants to see of each step: the phase, and the finger's velocity.
+/// Runs the task until it is done. Calls `seen` in each step with the phase and the velocity of the finger.
 fn run(
     run: &mut Run<FrictionScan>,
     specimen: &mut Specimen,
@@ -202,7 +202,7 @@ fn a_load_that_is_far_off_is_made_good_no_faster_than_it_searches() {
     };
     assert_eq!(press(&mut task, 0.1), 0.01);
     assert_eq!(press(&mut task, 9.0), -0.01);
-    // Too little to count as touching is no load.
+    // A force below the contact threshold is not a load.
     assert_eq!(press(&mut task, 0.04), 0.01);
 }
 

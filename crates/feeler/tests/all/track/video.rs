@@ -90,8 +90,8 @@ fn markers_that_fade_stay_the_same() {
     }
 }
 
-/// The whole pattern jumps by about a spacing between two frames: whatever is said of it, a marker that is called sure is the one that it is
-/// called, or the tracker says that it is lost.
+/// If the whole pattern jumps by about a spacing between two frames, each marker of high confidence is identified correctly,
+/// or the tracker reports that it is lost.
 #[test]
 fn a_jump_swaps_no_marker_silently() {
     for step in [8.0, 14.0, 20.0, 26.0, 34.0] {

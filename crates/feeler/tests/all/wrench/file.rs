@@ -59,7 +59,7 @@ fn what_cannot_be_used_is_named() {
 proptest! {
     // Each reads a whole file.
     #![proptest_config(ProptestConfig::with_cases(64))]
-    /// A file of which some numbers are others is refused, or gives finite numbers, whatever is seen.
+    /// A file with changed numbers is refused, or predicts finite values for any image.
     #[test]
     fn changed_numbers_are_refused_or_harmless(
         changes in proptest::collection::vec((any::<proptest::sample::Index>(), prop_oneof![

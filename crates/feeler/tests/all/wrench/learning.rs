@@ -1,4 +1,4 @@
-//! What is learned, against the law that made the pictures, and what is refused.
+//! Learned wrenches, compared with the law of the synthetic images; refused data.
 
 use super::world::{ELEMENTS, chain, layout, made_for, picture, read, samples};
 use assert_no_alloc::assert_no_alloc;
@@ -19,9 +19,9 @@ fn fitted(samples: &[WrenchSample], recordings: usize) -> WrenchEstimator {
     WrenchEstimator::new(fit.calibration).expect("an estimator")
 }
 
-/// Over a spot's 80 lit pixels of weights that add up to half of them, 2 grey levels of noise of 120 are some 0.3 % of its growth; a
-/// newton changes 16 spots by some 3 % each. The best combination leaves 0.3 / (3 * sqrt(16)) = 0.03 N of noise, and what ridge and the
-/// measurement's own 0.01 N add stays below three times that, over forces of 3 N.
+/// Over the 80 lit pixels of a spot, with weights that add up to half of them, 2 grey levels of noise out of 120 are about
+/// 0.3 % of its growth; a newton changes 16 spots by about 3 % each. The best combination leaves 0.3 / (3 * sqrt(16)) = 0.03 N
+/// of noise. Ridge regression and the 0.01 N of the measurement stay below three times that, over forces of 3 N.
 const TOLERANCE: f64 = 0.09;
 
 #[test]
@@ -88,8 +88,8 @@ fn held_out_errors_are_those_on_pictures_that_come_later() {
     }
 }
 
-/// A twist brightens spots as the usual forces do, so that only where they move tells: by 0.6 px on average, twice what a newton of
-/// shear moves them. Novelty's limit is five quarters of what nine tenths of the calibration's own pictures reach.
+/// A twist brightens spots like the usual forces, so that only their motion reveals it: 0.6 px on average, twice that of a
+/// newton of shear. The limit of novelty is 1.25 times the 90th percentile of the calibration's own images.
 #[test]
 fn a_load_of_another_kind_is_not_valid_even_where_spots_brighten_as_usual() {
     let mut estimator = fitted(&samples(150, 0, 1.0, 1), 1);

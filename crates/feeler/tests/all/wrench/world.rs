@@ -1,4 +1,4 @@
-//! Spots that brighten and move by a law: a fingertip of which everything is known.
+//! Synthetic fingertip whose spots brighten and move by a known law.
 
 use feeler::sensor::fingertip::{CalibrationTarget, LengthUnit};
 use feeler::sensor::fingertip::{ElementPlace, LAYOUT_VERSION, LocatedLayout};
@@ -53,7 +53,7 @@ pub fn chain() -> SensingChain {
     SensingChain::new(size, layout.kernel().expect("a kernel"), &regions, 0.01).expect("a chain")
 }
 
-/// What a calibration of the spots was made for.
+/// Target of a calibration of the spots.
 pub fn made_for() -> CalibrationTarget {
     CalibrationTarget::layout(
         &layout().to_toml().expect("text"),
@@ -90,7 +90,7 @@ fn sensitivity(index: usize) -> DVec3 {
     DVec3::from_array([(); 3].map(|()| random.random_range(-0.05..0.05)))
 }
 
-/// What a picture says of each spot.
+/// Reading of each spot in an image.
 pub fn read(chain: &mut SensingChain, picture: &Picture) -> Vec<ElementReading> {
     let mut readings = vec![ElementReading::default(); ELEMENTS];
     chain.sense(picture, &mut readings).expect("readings");
