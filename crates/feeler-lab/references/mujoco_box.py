@@ -1,7 +1,8 @@
-"""A free box on a table in MuJoCo: makes `mujoco_box.json`, poses over time.
+"""Simulates a free box on a table in MuJoCo and writes its poses over time to `mujoco_box.json`.
 
-Usage as `mujoco_cap.py`: mujoco_box.py OUTPUT. A box of 40 x 40 x 80 mm and 0.2 kg is dropped flat and tilted, and pushed by a
-constant horizontal force at a point of its own: low and weak (stays), low and strong (slides), high (tips).
+Usage, in the environment of `mujoco_cap.py`: mujoco_box.py OUTPUT. A box of 40 x 40 x 80 mm and 0.2 kg is dropped flat
+or tilted, or pushed by a constant horizontal force at a fixed point of the box: low and weak (stays), low and strong
+(slides), high (tips).
 """
 
 import json
@@ -9,8 +10,9 @@ import sys
 
 import mujoco
 
-SIZE, MASS, FRICTION, STEP, SAMPLE = [0.02, 0.02, 0.04], 0.2, 0.5, 0.0005, 0.02  # half sizes, m
-# name: start (m), tilt about y (rad), force along x (N), height of its point above the box's centre (m), end (s)
+# Half sizes (m), mass (kg), friction coefficient, time step (s) and sampling period (s).
+SIZE, MASS, FRICTION, STEP, SAMPLE = [0.02, 0.02, 0.04], 0.2, 0.5, 0.0005, 0.02
+# name: initial position (m), tilt about y (rad), force along x (N), its height above the box's centre (m), duration (s)
 CASES = {
     "dropped_flat": ([0, 0, 0.06], 0.0, 0.0, 0.0, 1.0),
     "dropped_tilted": ([0, 0, 0.07], 0.3, 0.0, 0.0, 1.5),

@@ -1,23 +1,23 @@
-"""Two fingertips of 41 feelers turn a cap, in MuJoCo: makes `mujoco_cap_*.json`.
+"""Simulates two fingertips of 41 feelers that turn a cap in MuJoCo, and writes `mujoco_cap_*.json`.
 
     python3 -m venv target/references
     target/references/bin/pip install mujoco==3.3.7 numpy==2.4.6
     target/references/bin/python references/mujoco_cap.py references
 
-`tests/all/sim/mujoco_cap.rs` replays the motion and compares cap angle and forces on the elements; `--time` prints instead
-what a step costs (for `benches/peers/mujoco.py`).
+`tests/all/sim/mujoco_cap.rs` replays the motion and compares the cap angle and the forces on the elements. With
+`--time`, the script prints the mean and median duration of a step (us) instead, for `benches/peers/mujoco.py`.
 
-The motion is a pure function of time: joint angles (rad) go from each knot to the next as 3 s^2 - 2 s^3, and a
-fingertip's pose follows from them by forward kinematics. An element is a small mass on three slides with springs,
-whose sphere touches the cap; the cap is a cylinder on a hinge, its thread a friction torque that rises on the seat.
-Forces are the springs', in the element's frame: F_x, F_y on the feeler by the cap, F_z compression.
+The motion is a function of time: joint angles (rad) are interpolated between knots by 3 s^2 - 2 s^3, and determine the
+poses of the fingertips by forward kinematics. An element is a small mass with a sphere that touches the cap, on three
+slide joints with springs. The cap is a cylinder on a hinge; its thread is a friction torque that increases on the seat.
+Forces are the spring forces in the element's frame: F_x, F_y on the feeler by the cap, F_z compression.
 
-There are two scenes: round tips, which roll on the cap as it turns under them, and tips that are nearly points, for which
-rolling plays no part; the centres of the tips lie on the same circle in both.
+There are two scenes: round tips, which roll on the turning cap, and almost point-like tips, for which rolling is
+negligible. The centres of the tips lie on the same circle in both.
 
-MuJoCo's settings are what this needs: elliptic cone, implicitfast, a few noslip iterations (without them shear that
-sticks leaks away), and contacts that are stiff against the springs. Static and kinetic friction are equal, as MuJoCo has one
-coefficient.
+The scene requires an elliptic cone, the implicitfast integrator, a few noslip iterations (otherwise shear decays in
+sticking contacts), and contacts that are stiff compared to the springs. Static and kinetic friction are equal, as
+MuJoCo has only one coefficient.
 """
 
 import json
@@ -29,18 +29,19 @@ import mujoco
 import numpy as np
 
 DOME = 0.018
-SCENES = {"round_tips": (0.0015, 0.014), "point_tips": (0.00002, 0.01548)}  # m, radii of tip and cap
+SCENES = {"round_tips": (0.0015, 0.014), "point_tips": (0.00002, 0.01548)}  # radii of tip and cap, m
 RINGS = [(1, 0.0), (8, 22.5), (12, 45.0), (20, 67.5)]
 NORMAL, SHEAR, FRICTION = 1180.0, 480.0, 0.8
 TIP = 0.0015
 CAP = {"radius": 0.014, "height": 0.020, "position": [0.0, 0.0, 0.1], "running_torque": 0.0025,
        "seat_angle": 0.15, "seat_stiffness": 0.75}
 LINKS = [0.030, 0.060, 0.055]
-BASES = [([-0.1655, 0.0, 0.0576], 0.0), ([0.1655, 0.0, 0.0576], math.pi)]  # m; turn about y, rad
-# kg, N s/m, of an element: so damped that a slip does not overshoot (which would ratchet the cap on), 5 mN at 3.5 mm/s.
+BASES = [([-0.1655, 0.0, 0.0576], 0.0), ([0.1655, 0.0, 0.0576], math.pi)]  # position, m; rotation about y, rad
+# Mass (kg) and damping (N s/m) of an element. The damping prevents overshoot after a slip, which would ratchet the cap
+# forward. It adds 5 mN at 3.5 mm/s.
 MASS, DAMPING = 1e-3, 1.4
 CAP_INERTIA, CAP_DAMPING = 2e-5, 2e-4  # kg m^2, N m s
-# Where the centres of the domes go, m, finger 0; finger 1 does the same turned by pi about z.
+# Knots of the motion of finger 0: times (s) and centres of the dome (m). Finger 1 moves likewise, turned by pi about z.
 TIMES = [0.0, 1.0, 4.0, 5.0]
 CENTRES = [[-0.0337, 0.0010, 0.1], [-0.0324, 0.0010, 0.1], [-0.0319, -0.0060, 0.1], [-0.0345, -0.0060, 0.1]]
 SAMPLE = 0.04
@@ -52,7 +53,7 @@ def rotation_y(a):
 
 
 def elements():
-    """Rotations of the elements' frames in the fingertip's, columns x (meridian), y, z (normal)."""
+    """Returns the rotation of each element's frame in the fingertip's: columns x (meridian), y, z (normal)."""
     frames = []
     for count, polar in RINGS:
         for j in range(count):
@@ -64,7 +65,7 @@ def elements():
 
 
 def pose(finger, theta):
-    """Centre of the dome (m) and rotation of the fingertip in the world: eqs. (2) and (3) of the paper."""
+    """Returns the centre of the dome (m) and the rotation of the fingertip in the world: eqs. (2), (3) of the paper."""
     base, phi = BASES[finger]
     b = rotation_y(phi)
     (s1, s2, s3), (c1, c2, c3) = np.sin(theta), np.cos(theta)
@@ -76,7 +77,7 @@ def pose(finger, theta):
 
 
 def solve(finger, target):
-    """Joint angles that bring the dome's centre to `target`, by Newton's method."""
+    """Returns the joint angles that place the dome's centre at `target`, by Newton's method."""
     theta = np.array([0.0, 0.78, -0.78]) * (1 if finger == 0 else -1)
     for _ in range(50):
         at = pose(finger, theta)[0]
@@ -116,7 +117,7 @@ def scene(step, solver="Newton"):
             bodies += (f'<body pos="{text(DOME * frame[:, 2])}" quat="{text(quaternion(frame))}">{slides}'
                        f'<inertial pos="0 0 0" mass="{MASS}" diaginertia="1e-9 1e-9 1e-9"/>'
                        f'<geom type="sphere" size="{TIP}" contype="1" conaffinity="0" {contact}/></body>')
-        # Its pose is prescribed: so heavy that no force moves it within a step.
+        # The pose is prescribed. The large mass keeps forces from moving the fingertip within a step.
         fingers += (f'<body name="finger{f}" pos="{1 - 2 * f} 0 0"><freejoint name="finger{f}"/>'
                     f'<inertial pos="0 0 0" mass="1000" diaginertia="10 10 10"/>{bodies}</body>')
     return f"""<mujoco><compiler angle="radian"/>
@@ -151,7 +152,7 @@ class Scene:
         return [(p, r, quaternion(r)) for p, r in poses]
 
     def place(self, n):
-        """Puts the fingertips where they are at step `n`, moving towards the next."""
+        """Sets the fingertips' poses at step `n` and their velocities to the next step."""
         m, d = self.model, self.data
         for f, j in enumerate(self.fingers):
             (p, r, q), (p1, _, q1) = self.poses[n][f], self.poses[min(n + 1, self.steps)][f]
@@ -198,7 +199,7 @@ def time_step():
 
 
 def converged_until(coarse, fine):
-    """Time (s) from which the cap angle depends on the step by more than 0.5 % of its final value."""
+    """Returns the time (s) at which the cap angles first differ by more than 0.5 % of the final angle."""
     apart = np.nonzero(np.abs(coarse - fine) > 0.005 * abs(fine[-1]))[0]
     return float(SAMPLE * (apart[0] if len(apart) else len(fine)))
 
@@ -212,7 +213,7 @@ def difference(a, b):
 
 
 def main(path):
-    """Writes the file of the scene that is set."""
+    """Simulates the scene set by `TIP` and `CAP`, and writes it to `path`."""
     coarse, fine = run(0.0005), run(0.00025)
     angles, forces = fine
     touching = np.abs(forces).max(axis=(0, 3)) > 1e-3

@@ -1,11 +1,12 @@
-"""Reads a recording as viewers do and prints what they find, as JSON: rosbags, the MCAP project's ROS 2 decoder, and Rerun
-with `examples/python/view_in_rerun.py`.
+"""Reads a recording with the libraries of viewers and prints a summary as JSON.
+
+The libraries are rosbags, the MCAP project's ROS 2 decoder, and Rerun with `examples/python/view_in_rerun.py`.
 
     pip install mcap==1.6.0 mcap-ros2-support==0.6.0 rosbags==0.11.9 rerun-sdk==0.41.0
     python crates/feeler-lab/references/read_by_viewers.py runs/NAME/recording.mcap
 
-`tests/all/record/viewers.rs` compares this with what feeler reads. Poses are composed here from transforms and, once more, from
-robot description and joint states.
+`tests/all/record/viewers.rs` compares the summary with feeler's own reader. Poses are computed twice: from transforms,
+and from the robot description and joint states.
 """
 
 import dataclasses
@@ -24,13 +25,13 @@ from rosbags.highlevel import AnyReader
 from rosbags.typesys import Stores, get_typestore
 
 EXAMPLE = Path(__file__).parents[3] / "examples/python/view_in_rerun.py"
-SLIPS = 0xD55E00FF  # colour of arrows of elements that slip, in the example
+SLIPS = 0xD55E00FF  # colour of the arrows of slipping elements in the example
 
 
 def plain(value):
-    """A decoded message as numbers, texts, lists and dicts."""
+    """Converts a decoded message to numbers, strings, lists and dicts."""
     if dataclasses.is_dataclass(value):
-        # Capitals are constants.
+        # Names in capitals are constants.
         names = [f.name for f in dataclasses.fields(value) if f.name != "__msgtype__" and not f.name.isupper()]
         return {name: plain(getattr(value, name)) for name in names}
     if hasattr(value, "__slots__"):
@@ -43,7 +44,7 @@ def plain(value):
 
 
 def by_mcap(path):
-    """How many messages of each topic the file says that it has, and their log times and content."""
+    """Returns the message count of each topic from the file's summary, and log time and content of each message."""
     found = {}
     with open(path, "rb") as file:
         reader = make_reader(file, decoder_factories=[DecoderFactory()])
@@ -56,7 +57,7 @@ def by_mcap(path):
 
 
 def by_rosbags(path):
-    """Counts and last messages by the definitions in the file, and whether those of standard types are ROS 2's own."""
+    """Returns message counts, last messages, and standard types whose definition in the file differs from ROS 2's."""
     counts, last = {}, {}
     with AnyReader([Path(path)]) as reader:
         for connection, _, data in reader.messages():
@@ -73,7 +74,7 @@ def plain_all(messages):
 
 
 def matrix(position, quaternion):
-    """A pose from position and quaternion x, y, z, w."""
+    """Returns the homogeneous transform of a position and a quaternion x, y, z, w."""
     x, y, z, w = quaternion
     pose = np.eye(4)
     pose[:3, :3] = np.eye(3) + 2 * (w * cross(x, y, z) + cross(x, y, z) @ cross(x, y, z))
@@ -86,7 +87,7 @@ def cross(x, y, z):
 
 
 def about(axis, angle):
-    """A rotation, as a pose."""
+    """Returns the homogeneous transform of a rotation by `angle` about `axis`."""
     return matrix([0, 0, 0], [*(np.sin(angle / 2) * np.array(axis)), np.cos(angle / 2)])
 
 
@@ -95,23 +96,23 @@ def xyz(vector):
 
 
 def placed(frame, tree):
-    """The pose of a frame in the world. `tree` has the parent of each, and the pose in it."""
+    """Returns the pose of a frame in the world. `tree` maps each frame to its parent and its pose in the parent."""
     pose = np.eye(4)
     while frame in tree:
         frame, in_parent = tree[frame]
         pose = in_parent @ pose
-    assert frame == "world", f"{frame} hangs from nothing"
+    assert frame == "world", f"expected the root frame world, got {frame}"
     return pose
 
 
 def tree_of(transforms):
-    """The tree of `TransformStamped` messages."""
+    """Returns the transform tree of `TransformStamped` messages."""
     in_parent = lambda t: matrix(xyz(t.translation), [*xyz(t.rotation), t.rotation.w])
     return {t.child_frame_id: (t.header.frame_id, in_parent(t.transform)) for t in transforms}
 
 
 def tree_of_robot(robot, angles):
-    """The tree of a robot description, its joints at `angles`; without what floats."""
+    """Returns the transform tree of a robot description at joint `angles`, without floating joints."""
     tree = {}
     for joint in robot.iter("joint"):
         if joint.get("type") == "floating":
@@ -127,11 +128,11 @@ def tree_of_robot(robot, angles):
 
 
 def poses(messages):
-    """Of each time with transforms: where in the world the ends of their tree are then, as columns of a matrix."""
+    """Returns the world poses of the transform tree's leaves (column-major matrices) at each time with transforms."""
     fixed = [t for _, message in messages["/tf_static"] for t in message.transforms]
     robot = ElementTree.fromstring(messages["/robot_description"][0][1].data)
     angles = {time: dict(zip(m.name, m.position)) for time, m in messages["/joint_states"]}
-    # What moves by itself has a message of its own at the same time.
+    # Moving objects have separate messages with the same time.
     moved = {}
     for time, message in messages["/tf"]:
         moved.setdefault(time, []).extend(message.transforms)
@@ -148,7 +149,7 @@ def poses(messages):
 
 
 def points(cloud):
-    """The points of a PointCloud2, by its own description of its fields."""
+    """Returns the points of a PointCloud2, decoded according to its field descriptions."""
     formats = {2: "u1", 7: "<f4"}
     return np.frombuffer(
         bytes(cloud.data),
@@ -162,7 +163,7 @@ def points(cloud):
 
 
 def felt(messages, finger):
-    """What the points of a finger add up to, against its wrenches; and its last points."""
+    """Returns the maximum difference between a finger's wrenches and the sums over its points, and its last points."""
     wrenches = {time: m.wrench for time, m in messages[f"/finger/{finger}/wrench"]}
     force_apart = torque_apart = largest = 0.0
     for time, cloud in messages[f"/finger/{finger}/taxels"]:
@@ -178,7 +179,7 @@ def felt(messages, finger):
 
 
 def drawn_forces(messages, finger):
-    """Tip, vector, and whether it slips, of each arrow of the scene's lines, message by message."""
+    """Returns the tips, vectors and slip flags of the arrows in the scene's lines, for each message."""
     found = []
     for _, message in messages["/scene"]:
         for marker in message.markers:
@@ -190,7 +191,7 @@ def drawn_forces(messages, finger):
 
 
 def by_rerun(path, messages):
-    """What Rerun's own loader and the example make of the recording."""
+    """Returns the entities that Rerun's loader and the example create from the recording."""
     frames, shapes, moves, clouds = {}, {}, {}, {}
     for chunk in McapReader(path).stream():
         batch, entity = chunk.to_record_batch(), chunk.entity_path
@@ -217,7 +218,7 @@ def by_rerun(path, messages):
 
 
 def by_example(path, messages):
-    """The example's arrows of each finger, compared with the lines of the scene."""
+    """Compares the example's arrows of each finger with the lines of the scene."""
     rows = {}
     with tempfile.TemporaryDirectory() as folder:
         saved = Path(folder) / "run.rrd"
@@ -232,7 +233,7 @@ def by_example(path, messages):
     for finger, arrows in rows.items():
         scene, apart = drawn_forces(messages, finger), 0.0
         for (_, *of_example, colours), (*of_scene, slips) in zip(sorted(arrows, key=lambda row: row[0]), scene, strict=True):
-            assert [colour == SLIPS for colour in colours] == slips, "other arrows than in the scene"
+            assert [colour == SLIPS for colour in colours] == slips, "slipping arrows differ from the scene"
             for ours, theirs in zip(of_example, of_scene):
                 apart = max(apart, np.abs(np.array(ours).reshape(-1, 3) - theirs).max(initial=0.0))
         found[finger] = {"count": sum(len(row[1]) for row in arrows), "from_scene_apart": apart}

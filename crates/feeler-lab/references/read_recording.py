@@ -1,9 +1,9 @@
-"""Reads a recording with the MCAP project's own Python packages and prints what it finds, as JSON.
+"""Reads a recording with the MCAP project's Python packages and prints a summary as JSON.
 
     pip install mcap mcap-ros2-support
     python crates/feeler-lab/references/read_recording.py runs/NAME/recording.mcap
 
-`tests/all/record/mcap_tools.rs` compares this with what feeler reads.
+`tests/all/record/mcap_tools.rs` compares the summary with feeler's own reader.
 """
 
 import json
@@ -14,7 +14,7 @@ from mcap_ros2.decoder import DecoderFactory
 
 
 def plain(value):
-    """A decoded message as numbers, texts, lists and dicts."""
+    """Converts a decoded message to numbers, strings, lists and dicts."""
     if hasattr(value, "__slots__"):
         return {name: plain(getattr(value, name)) for name in value.__slots__}
     if isinstance(value, (list, tuple, bytes, bytearray, memoryview)):

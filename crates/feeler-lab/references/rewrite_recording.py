@@ -1,9 +1,10 @@
-"""Writes a recording anew with the MCAP project's own Python packages, as tools that compress, sort, filter or merge do.
+"""Rewrites a recording with the MCAP project's Python packages, like tools that compress, sort, filter or merge.
 
     pip install mcap zstandard lz4
     python crates/feeler-lab/references/rewrite_recording.py runs/NAME/recording.mcap FOLDER
 
-Makes FOLDER/WAY.mcap for each way in WAYS. `tests/all/record/rewritten.rs` reads them all.
+Writes FOLDER/NAME.mcap for each entry of WAYS, and a truncated and recovered copy. `tests/all/record/rewritten.rs`
+reads all of them.
 """
 
 import json
@@ -14,11 +15,12 @@ from pathlib import Path
 from mcap.reader import make_reader
 from mcap.writer import CompressionType, Writer
 
-OTHER = "/someone/elses"
+# Topic of an additional channel without messages.
+OTHER = "/foreign"
 
 
 def copy(source, target, *, first="metadata", order=None, topics=None, twice=False, **options):
-    """Copies `source`; what is beside messages comes before them (`first`) or after them."""
+    """Copies `source`. Metadata and attachments precede the messages if `first` is "metadata", else follow them."""
     with open(source, "rb") as file:
         reader = make_reader(file)
         messages = list(reader.iter_messages())
@@ -31,7 +33,7 @@ def copy(source, target, *, first="metadata", order=None, topics=None, twice=Fal
     with open(target, "wb") as file:
         writer = Writer(file, **options)
         writer.start(profile=profile, library="rewrite_recording.py")
-        # So that all channels have other numbers.
+        # Shifts the ids of all other channels.
         writer.register_channel(OTHER, "json", writer.register_schema(OTHER, "jsonschema", b"{}"))
 
         def beside():
@@ -57,7 +59,7 @@ def copy(source, target, *, first="metadata", order=None, topics=None, twice=Fal
 
 
 def recover(source, target):
-    """Cuts the file in its last third, and copies what is left with the writer's usual settings."""
+    """Truncates the file to two thirds and copies the readable records with the writer's default settings."""
     from mcap.exceptions import EndOfFile, McapError
     from mcap.records import Attachment, Channel, Message, Metadata, Schema
     from mcap.stream_reader import StreamReader
@@ -102,7 +104,7 @@ WAYS = {
     "one-chunk": {"compression": LZ4, "chunk_size": 1 << 28, "first": "messages"},
     "unchunked": {"use_chunking": False, "first": "messages"},
     "merged-with-itself": {"twice": True, "first": "messages"},
-    # By topic instead of by time.
+    # Sorted by topic instead of time.
     "by-topic": {"compression": ZSTD, "order": lambda m: (m[1].topic, m[2].log_time), "first": "messages"},
     "backwards": {"order": lambda m: (-m[2].log_time, -m[1].id)},
     "filtered": {"topics": {"/task", "/finger/0/tactile", "/finger/0/flags"}, "first": "messages"},

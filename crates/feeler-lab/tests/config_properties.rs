@@ -1,4 +1,4 @@
-//! Whatever stands in an experiment, it is refused or it runs: no panic, no hang, no flood of memory.
+//! Any experiment is rejected or runs, without panic, hang or excessive memory.
 
 use feeler::sensor::calibration::CalibrationTarget;
 use feeler_lab::config::{Experiment, Sensing};
@@ -9,12 +9,12 @@ use std::fs;
 use std::path::{Path, PathBuf};
 use toml_edit::{DocumentMut, Item, Value};
 
-/// Refuses, and so aborts the test, what no experiment should ask for at once.
+/// Rejects single allocations larger than any experiment requires, which aborts the test.
 struct Bounded;
 
 const MAX_AT_ONCE: usize = 256 << 20;
 
-// SAFETY: every request is handed on to the system's allocator, or refused with a null pointer.
+// SAFETY: requests are forwarded to the system's allocator or rejected with a null pointer.
 #[allow(unsafe_code)]
 unsafe impl GlobalAlloc for Bounded {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
@@ -36,7 +36,7 @@ static ALLOCATOR: Bounded = Bounded;
 
 const STEPS: usize = 3;
 
-/// One fault of each kind.
+/// One sensor fault of each kind.
 const FAULTS: &str = "{from=0.0, until=1.0, kind.dead_element={finger=0, element=0}}, \
     {kind.stuck_rows={finger=0, first=100, count=20, gray=255}}, \
     {kind.frozen_frame={finger=1}}, \
@@ -50,7 +50,7 @@ const FAULTS: &str = "{from=0.0, until=1.0, kind.dead_element={finger=0, element
     {kind.backlash={finger=1, joint=2, angle=0.01}}, \
     {kind.friction_drop={factor=0.1}}";
 
-/// The reference experiment with a picture small enough to be drawn a thousand times, and with faults.
+/// The reference experiment with faults and with images small enough to render a thousand times.
 fn reference(sensing: &str) -> String {
     let text = include_str!("../experiments/cap-closing.toml");
     let settings = [
@@ -68,9 +68,9 @@ fn reference(sensing: &str) -> String {
         .toml
 }
 
-/// Runs a few steps of what `text` says, if it says anything: whether it ran.
+/// Runs a few steps of the experiment in `text`, or returns its error.
 ///
-/// A calibration is made up for whatever fingertip it is, so that pictures are taken in any case.
+/// A calibration is created for its fingertip, so that sensing by images always runs.
 fn try_to_run(text: &str, folder: &Path) -> Result<(), String> {
     let folder_of_calibration = Some(folder.to_path_buf());
     let experiment = Experiment::parse(text, "text", &[], folder_of_calibration);
@@ -107,7 +107,7 @@ fn folder(name: &str) -> PathBuf {
     path
 }
 
-/// Where the numbers of a document are.
+/// Path of a number in a document.
 type Key = Vec<String>;
 
 fn numbers(item: &Item, key: &mut Key, found: &mut Vec<Key>) {
@@ -130,7 +130,7 @@ fn numbers(item: &Item, key: &mut Key, found: &mut Vec<Key>) {
     }
 }
 
-/// `text` with the number at `key` replaced.
+/// Text of `document` with the number at `key` replaced.
 fn replaced(document: &DocumentMut, key: &Key, value: &Value) -> String {
     let mut document = document.clone();
     let mut item = document.as_item_mut();
@@ -144,9 +144,9 @@ fn replaced(document: &DocumentMut, key: &Key, value: &Value) -> String {
     document.to_string()
 }
 
-/// Every number of the experiment replaced by every bad one, with and without pictures.
+/// Replaces each number of the experiment by each extreme value, with and without images.
 #[test]
-fn any_number_replaced_is_refused_or_runs() {
+fn an_experiment_with_any_number_replaced_is_rejected_or_runs() {
     let bad = [
         "-1", "-1.0", "0", "0.0", "nan", "inf", "-inf", "1e300", "1e-300",
     ];
@@ -185,16 +185,16 @@ fn any_number_replaced_is_refused_or_runs() {
             }
         }
     }
-    println!("{ran} ran, {refused} were refused");
-    assert!(ran > 100 && refused > 1000, "{ran} ran, {refused} refused");
+    println!("{ran} ran, {refused} were rejected");
+    assert!(ran > 100 && refused > 1000, "{ran} ran, {refused} rejected");
 }
 
 proptest! {
     #![proptest_config(ProptestConfig { cases: 600, ..ProptestConfig::default() })]
 
-    /// Bytes replaced, put in or taken out anywhere.
+    /// Replaces, inserts or deletes bytes anywhere.
     #[test]
-    fn a_damaged_text_is_refused_or_runs(
+    fn a_damaged_experiment_is_rejected_or_runs(
         edits in prop::collection::vec((0.0..1.0f64, 0..3u8, any::<u8>(), any::<bool>()), 1..4),
         with_pictures in prop::bool::weighted(0.1),
     ) {
@@ -212,9 +212,9 @@ proptest! {
         let _ = try_to_run(&String::from_utf8_lossy(&bytes), &folder("damaged"));
     }
 
-    /// Digits of the numbers replaced, which is more often still an experiment.
+    /// Replaces digits of numbers, which more often gives a valid experiment.
     #[test]
-    fn other_digits_are_refused_or_run(
+    fn an_experiment_with_other_digits_is_rejected_or_runs(
         edits in prop::collection::vec((any::<prop::sample::Index>(), 0..13usize), 1..6),
     ) {
         let mut bytes = reference("direct").into_bytes();

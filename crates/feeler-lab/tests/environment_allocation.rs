@@ -4,12 +4,12 @@ use feeler_lab::environment::{Autoreset, Batch, EnvironmentConfig, VectorEnviron
 use std::alloc::{GlobalAlloc, Layout, System};
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// The system's allocator, with a count of what was asked of it by all threads.
+/// The system's allocator with a count of all threads' allocations.
 struct Counting;
 
 static COUNT: AtomicU64 = AtomicU64::new(0);
 
-// SAFETY: every request is handed on to the system's allocator.
+// SAFETY: all requests are forwarded to the system's allocator.
 #[allow(unsafe_code)]
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
@@ -27,9 +27,9 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// The only test of this program: others would be counted with it.
+/// Only test of this program, as allocations of others would be counted.
 #[test]
-fn steps_allocate_nothing() {
+fn steps_do_not_allocate() {
     for experiment in ["cap-closing", "cap-until-closed", "contour"] {
         let config = EnvironmentConfig {
             experiment: experiment.to_string(),
@@ -49,7 +49,7 @@ fn steps_allocate_nothing() {
         };
         let seeds: Vec<_> = (0..7).map(Some).collect();
         vector.reset(&seeds, None, &mut batch).expect("episodes");
-        // Along the domes' axes, until the fingers touch and press.
+        // Moves along the domes' axes until the fingers touch and press.
         let actions: Vec<f64> = (0..7 * vector.action_len())
             .map(|number| [0.01, 0.0, 0.0][number % 3])
             .collect();

@@ -1,4 +1,4 @@
-//! The report of a recording four times as long needs no more memory.
+//! The report of a recording four times as long does not require more memory.
 
 use feeler_record::Recorder;
 use feeler_report::run::make::page_of_rows;
@@ -12,13 +12,13 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 #[allow(dead_code, reason = "not every test program needs all of it")]
 mod support;
 
-/// Bytes that are allocated, and the most that ever were.
+/// Currently allocated bytes, and their maximum.
 static ALLOCATED: AtomicUsize = AtomicUsize::new(0);
 static PEAK: AtomicUsize = AtomicUsize::new(0);
 
 struct Counting;
 
-// SAFETY: every request is handed on to the system's allocator.
+// SAFETY: all requests are forwarded to the system's allocator.
 #[allow(unsafe_code)]
 unsafe impl GlobalAlloc for Counting {
     unsafe fn alloc(&self, layout: Layout) -> *mut u8 {
@@ -38,10 +38,10 @@ unsafe impl GlobalAlloc for Counting {
 #[global_allocator]
 static ALLOCATOR: Counting = Counting;
 
-/// Room for 1.5 to 2 thousand rows of two fingers.
+/// Memory (bytes) for 1.5 to 2 thousand rows of two fingers.
 const MEMORY: usize = 5 << 20;
 
-/// Bytes that reading a recording of so many strokes and making its page take at most, and bytes of the page.
+/// Peak memory (bytes) of reading a recording of `strokes` strokes and creating its page, and the page's size (bytes).
 fn peak(strokes: u32) -> (usize, usize) {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("report-memory");
     fs::create_dir_all(&folder).expect("a folder");
@@ -61,11 +61,11 @@ fn peak(strokes: u32) -> (usize, usize) {
 }
 
 #[test]
-fn a_report_of_a_longer_run_needs_no_more_memory() {
-    // Both leave rows out; a stroke has 300.
+fn a_report_of_a_longer_run_requires_no_more_memory() {
+    // Both runs omit rows; a stroke has 300.
     let [(short, page), (long, long_page)] = [20, 80].map(peak);
-    // What grows are strokes: 60 more, of some hundred bytes each of measures, and their columns in a table. How full the
-    // rows' room is when the recording ends is chance, and up to a quarter of it.
+    // Memory grows by the measures of 60 more strokes, some hundred bytes each, and their table columns. The fill level
+    // of the row buffers at the end varies by up to a quarter.
     let room = MEMORY / 4 + 60 * 4_000;
     assert!(long < short + room, "{short} bytes, then {long}");
     assert!(long < 8 * MEMORY, "{long} bytes");

@@ -1,5 +1,5 @@
-//! Subscribes to the topics of a hand's node and counts messages. No router is required: the hand connects to this
-//! program's endpoint.
+//! Subscribes to the topics of a hand's node and counts messages. Requires no router: the hand connects to the endpoint
+//! of this program.
 //!
 //! ```text
 //! cargo run --release -p feeler-ros2 --features zenoh --example listen -- tcp/127.0.0.1:7449 20

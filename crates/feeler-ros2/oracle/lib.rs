@@ -1,1 +1,1 @@
-//! Empty; see `tests`.
+//! Empty crate; its tests are in `tests`.

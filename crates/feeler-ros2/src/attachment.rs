@@ -3,10 +3,10 @@
 /// Identifier of a message's source: 16 bytes, derived from its liveliness token.
 pub type Gid = [u8; 16];
 
-/// Attachment of a message or service request.
+/// Attachment of a message, service request or response.
 ///
-/// The format is the one of `rmw_zenoh` since 0.2.4 (Jazzy), Kilted and Lyrical. Earlier Jazzy releases use a format of
-/// 77 bytes that includes field names, and abort if they receive another format.
+/// The format matches `rmw_zenoh` in Jazzy since 0.2.4, Kilted and Lyrical. Earlier Jazzy releases use a format of 77
+/// bytes that includes field names, and abort if they receive another format.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct Attachment {
     /// Sequence number of the message or request, counted by its source.
@@ -19,7 +19,7 @@ pub struct Attachment {
 
 /// Encoded length of an [`Attachment`] in bytes.
 pub const BYTES: usize = 33;
-/// Encoded length of the format of old releases in bytes.
+/// Length of an attachment from `rmw_zenoh` 0.2.0 to 0.2.3, in bytes.
 const OLD_BYTES: usize = 77;
 /// Length prefix of the source identifier.
 const GID_BYTES: u8 = 16;
@@ -27,15 +27,15 @@ const GID_BYTES: u8 = 16;
 /// Error when decoding an [`Attachment`].
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum AttachmentError {
-    /// The format of a release that is not supported.
+    /// The attachment has the format of a release that is not supported.
     #[error(
         "attachment: expected {BYTES} bytes, got {OLD_BYTES}; the sender uses rmw_zenoh 0.2.0 to 0.2.3, which is not supported: update it"
     )]
     Old,
-    /// Wrong length of the attachment.
+    /// The attachment has the wrong length.
     #[error("attachment: expected {BYTES} bytes, got {0}")]
     Length(usize),
-    /// Wrong length of the source identifier.
+    /// The length prefix of the source identifier is wrong.
     #[error("attachment: expected a source id of {GID_BYTES} bytes, got {0}")]
     Gid(u8),
 }

@@ -1,8 +1,8 @@
-//! Forces from `sensor_msgs/PointCloud2`, in the layout that `feeler ros2` publishes.
+//! Reads forces from `sensor_msgs/PointCloud2`, in the layout that `feeler ros2` publishes.
 //!
-//! Each point has the position of an element's tip `x`, `y`, `z` (m) and the force on the element by the touched object
-//! `fx`, `fy`, `fz` (N), both in the fingertip's frame `T`. If there is a field `valid`, forces are used only where it
-//! is not 0.
+//! Each point contains the position of an element's tip `x`, `y`, `z` (m) and the force on the element by the touched
+//! object `fx`, `fy`, `fz` (N), both in the fingertip's frame `T`. If the cloud has a field `valid`, a force is unknown
+//! if its value is 0.
 
 use feeler::sensor::fingertip::SensingElement;
 use feeler::sensor::forces::NO_FORCE;
@@ -15,7 +15,7 @@ const FLOAT64: u8 = 8;
 /// Error when reading forces from a cloud.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum CloudError {
-    /// Number of points differs from the number of elements.
+    /// The number of points differs from the number of elements.
     #[error("expected a cloud of {expected} points, got {height} rows of {width}")]
     Points {
         /// Number of elements of the fingertip.
@@ -25,27 +25,27 @@ pub enum CloudError {
         /// Number of points per row.
         width: u32,
     },
-    /// Big-endian numbers.
+    /// The cloud contains big-endian numbers.
     #[error("expected a cloud of little-endian numbers, got big-endian ones")]
     BigEndian,
-    /// A field is missing, has another type, or extends beyond its point.
-    #[error("expected a cloud with a field {0} of 32 or 64 bits within each point, found none")]
+    /// A field is missing, is not a floating-point number, or extends beyond its point.
+    #[error("expected a cloud with a 32- or 64-bit float field {0} within each point, found none")]
     Field(&'static str),
-    /// Too few bytes of data.
+    /// The cloud contains too few bytes.
     #[error("expected a cloud of {expected} bytes, got {actual}")]
     Bytes {
-        /// Number of bytes for the number and size of points.
+        /// Number of points times the size of a point.
         expected: usize,
         /// Actual number of bytes.
         actual: usize,
     },
 }
 
-/// Fills `forces` with the forces on the elements of a fingertip, each in the element's own frame as in a
-/// [`TactileFrame`](feeler::sensor::forces::TactileFrame).
+/// Reads the force on each element of a fingertip from `cloud` to `forces`, in the element's frame as in a
+/// [`TactileFrame`](feeler::sensor::forces::TactileFrame). The cloud must contain one point per element, in order.
 ///
 /// # Errors
-/// If the cloud has other points or fields. The contents of `forces` are then unspecified.
+/// If the cloud does not have the expected points and fields.
 pub fn read_forces(cloud: &PointCloud2, forces: &mut [DVec3]) -> Result<(), CloudError> {
     let (height, width) = (cloud.height, cloud.width);
     if u64::from(height) * u64::from(width) != forces.len() as u64 {
@@ -86,7 +86,7 @@ pub fn read_forces(cloud: &PointCloud2, forces: &mut [DVec3]) -> Result<(), Clou
     Ok(())
 }
 
-/// Location of a number in a point.
+/// Offset and size of a floating-point field in a point.
 #[derive(Clone, Copy)]
 struct Number {
     offset: usize,

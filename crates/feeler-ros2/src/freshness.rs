@@ -1,8 +1,8 @@
 //! Age limits for data from a ROS 2 graph.
 //!
-//! Stamps are wall-clock time or a simulation's time. Sender and receiver must use the same clock, so computers need
-//! synchronised clocks (unlike on feeler's own link). In addition, the time since the last message arrived is limited,
-//! which requires only the receiver's clock.
+//! Stamps are in wall-clock time or in a simulation's time. Unlike on feeler's own link, the clocks of sender and
+//! receiver must be synchronised. The time since the last message arrived is limited as well; it depends only on the
+//! receiver's clock.
 
 use crate::message::Clock;
 use crate::node::{Node, NodeError, Subscription, wall_clock_ns};
@@ -13,7 +13,7 @@ use std::fmt::Display;
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 use std::time::{Duration, Instant};
 
-/// Reason not to use data.
+/// Error for data that are missing or too old.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum StaleError {
     /// No message has arrived yet.
@@ -28,20 +28,20 @@ pub enum StaleError {
         topic: String,
         /// Age of the data by their stamp (s).
         age: f64,
-        /// Time since the last message arrived (s): about the age if the sender is silent, much less if messages arrive
-        /// late.
+        /// Time since the last message arrived (s): about `age` if the sender is silent, much less if messages are
+        /// delayed.
         silent: f64,
         /// Maximum age (s).
         most: f64,
     },
-    /// The stamp is in the future, so clocks differ.
+    /// The stamp is in the future, so the clocks are not synchronised.
     #[error(
-        "{topic}: data are stamped {ahead:.3} s ahead of the clock here; synchronise the clocks, or set use_sim_time on both sides"
+        "{topic}: data are stamped {ahead:.3} s ahead of the clock of this node; synchronise the clocks, or set use_sim_time on both sides"
     )]
     Ahead {
         /// Name of the topic.
         topic: String,
-        /// Difference of the stamp to this computer's clock (s).
+        /// Stamp minus the current time of the graph (s).
         ahead: f64,
     },
     /// No message has arrived for too long.
@@ -56,17 +56,17 @@ pub enum StaleError {
         /// Maximum time between messages (s).
         most: f64,
     },
-    /// No message of a simulation's clock has arrived yet.
+    /// The clock is simulated, and no message on `/clock` has arrived yet.
     #[error("no message on /clock received yet")]
     NoClock,
 }
 
-/// Clock of a graph. Clones of a simulated clock share its state.
+/// Clock of the stamps in a graph. Clones share the subscription of a simulated clock.
 #[derive(Clone)]
 pub enum GraphClock {
-    /// Wall clock.
+    /// Wall clock of this computer.
     TimeOfDay,
-    /// Clock of a simulation. Subscribed to `/clock` until the last clone is dropped.
+    /// Clock of a simulation, subscribed to `/clock` until the last clone is dropped.
     Simulated(Arc<SimulatedClock>),
 }
 
@@ -78,7 +78,7 @@ pub struct SimulatedClock {
 }
 
 impl GraphClock {
-    /// Creates a clock that follows `/clock`, subscribed by `node`.
+    /// Creates a simulated clock from a subscription of `node` to `/clock`.
     ///
     /// # Errors
     /// If the node's session is closed.
@@ -97,10 +97,10 @@ impl GraphClock {
         })))
     }
 
-    /// Current time (s): since 1970, or of the simulation.
+    /// Returns the current time (s): since 1970, or of the simulation.
     ///
     /// # Errors
-    /// If no message on `/clock` has arrived yet.
+    /// If the clock is simulated and no message on `/clock` has arrived yet.
     pub fn now(&self) -> Result<f64, StaleError> {
         match self {
             Self::TimeOfDay => Ok(wall_clock_ns() as f64 * 1e-9),
@@ -122,11 +122,11 @@ pub struct Freshness {
 }
 
 impl Freshness {
-    /// Returns the age of data (s of the graph's time) with `stamp` (s) that arrived at `arrived`: the larger of the
+    /// Returns the age (s of the graph's time) of data with `stamp` (s) that arrived at `arrived`: the larger of the
     /// ages by stamp and by arrival. Allocates only if it returns an error.
     ///
     /// # Errors
-    /// Describes why the data cannot be used: none arrived yet, `error` is set, or they are too old.
+    /// If no data have arrived yet, `error` is set, the data are too old, or their stamp is in the future.
     pub fn check(
         &self,
         stamp: f64,
@@ -142,15 +142,15 @@ impl Freshness {
         fresh.map_err(|e| e.to_string())
     }
 
-    /// Returns `true` if data with `stamp` (s) are newer than the latest, which have the stamp `newest` (s) and arrived
-    /// at `arrived`. A stamp that does not increase belongs to a message that was overtaken. After a silence it is
-    /// accepted, as the sender may have restarted or its clock may have been set.
+    /// Returns `true` if data with `stamp` (s) supersede the latest, which have the stamp `newest` (s) and arrived at
+    /// `arrived`. Data whose stamp is not newer arrived out of order. They are accepted only after a silence, as the
+    /// sender may have restarted or its clock may have been set.
     pub(crate) fn is_news(&self, stamp: f64, newest: f64, arrived: Option<Instant>) -> bool {
         let silent = arrived.is_none_or(|arrived| self.is_silent(arrived.elapsed()));
         silent || stamp > newest
     }
 
-    /// Returns `true` if the time `since` the last arrival is too long.
+    /// Returns `true` if the real time `since` the last arrival is too long.
     fn is_silent(&self, since: Duration) -> bool {
         since.as_secs_f64() * self.speed > self.most
     }
@@ -172,7 +172,7 @@ impl Freshness {
                 ahead: -age,
             });
         }
-        // NaN is not fresh.
+        // A NaN age counts as too old.
         match age <= most {
             true => Ok(age.max(silent)),
             false => Err(StaleError::Old {

@@ -1,4 +1,4 @@
-//! Messages that a hand publishes. They are reused, to avoid allocations.
+//! Messages that a hand's node publishes, reused to avoid allocations.
 
 use crate::message::TactileState;
 use feeler::control::FingerFlags;
@@ -12,9 +12,9 @@ use feeler_record::viewers::urdf;
 use feeler_record::{NO_ELEMENT, RunFacts};
 use glam::DVec3;
 
-/// The messages of a hand.
+/// Messages that describe the state of a hand.
 pub struct HandMessages {
-    /// Description of the hand as URDF.
+    /// Robot description (URDF).
     pub description: Text,
     /// Transforms of fixed frames.
     pub still: TFMessage,
@@ -28,25 +28,25 @@ pub struct HandMessages {
     frames: Vec<(usize, Frame)>,
 }
 
-/// The messages of one finger.
+/// Tactile messages of one finger.
 pub struct FingerMessages {
-    /// Force and torque on the fingertip, about the dome's centre.
+    /// Force (N) and torque (N m) on the fingertip, about the dome's centre.
     pub wrench: WrenchStamped,
-    /// Force on each element.
+    /// Tip position (m) of each element and force on it (N), in the dome's frame.
     pub taxels: PointCloud2,
-    /// Flags, and forces on the elements.
+    /// Flags, and force on each element in the element's frame (N).
     pub tactile: TactileState,
     elements: Elements,
 }
 
-/// Tactile state of one finger.
+/// Tactile state of one finger, computed from one image.
 #[derive(Debug, Clone, Copy)]
 pub struct Touch<'a> {
     /// Sequence number of the image.
     pub sequence: u64,
     /// Flags TOUCH, SLIP and OVER, the element with the largest force, and the grasp force.
     pub flags: &'a FingerFlags,
-    /// Force on each element in its own frame (N); NaN if unknown.
+    /// Force on each element in the element's frame (N); NaN if unknown.
     pub forces: &'a [DVec3],
     /// Shear rate |d(F_x, F_y)/dt| of each element (N/s).
     pub shear_rate: &'a [f64],
@@ -55,10 +55,10 @@ pub struct Touch<'a> {
 }
 
 impl HandMessages {
-    /// Creates the messages of the hand that `facts` describe.
+    /// Creates the messages of the hand described by `facts`.
     ///
     /// # Errors
-    /// If `facts` do not describe a hand, or are invalid.
+    /// If `facts` are invalid or do not describe a hand.
     pub fn new(facts: &RunFacts) -> Result<Self, RecordError> {
         if facts.hand.is_empty() {
             return Err(RecordError::Facts {
@@ -107,8 +107,8 @@ impl HandMessages {
         Ok(messages)
     }
 
-    /// Sets the joints of all fingers at `stamp`, in order: angles (rad) and velocities (rad/s). Transforms of missing
-    /// fingers do not change.
+    /// Sets the joint angles (rad) and velocities (rad/s) of the fingers, in order, and the transforms that depend on
+    /// them. Transforms of fingers beyond the end of `joints` do not change.
     pub fn set_joints(
         &mut self,
         stamp: Time,
@@ -132,7 +132,7 @@ impl HandMessages {
         }
     }
 
-    /// Sets the stamp of fixed transforms.
+    /// Sets the stamp of the fixed transforms.
     pub fn set_still(&mut self, stamp: Time) {
         for place in &mut self.still.transforms {
             place.header.stamp = stamp;
@@ -141,7 +141,7 @@ impl HandMessages {
 }
 
 impl FingerMessages {
-    /// Sets the tactile state of the finger from an image of `stamp`.
+    /// Sets all messages to the tactile state `touch`, measured at `stamp`.
     pub fn set(&mut self, stamp: Time, touch: &Touch) {
         for header in [
             &mut self.wrench.header,
@@ -185,7 +185,7 @@ impl FingerMessages {
     }
 }
 
-/// Transform of `frame` at joint angle 0.
+/// Returns the transform of `frame` to its parent at joint angle 0.
 fn transform(frame: &Frame) -> TransformStamped {
     TransformStamped {
         header: Header::of(frame.parent.as_str()),

@@ -25,8 +25,8 @@ struct FingerPublishers {
 }
 
 impl HandPublishers {
-    /// Creates the publishers of a hand with this number of `fingers`. With `clock`, the hand's time is published for
-    /// nodes with `use_sim_time`.
+    /// Creates the publishers of a hand with this number of `fingers`. If `clock` is `true`, also publishes the hand's
+    /// time on `/clock`, for nodes with `use_sim_time`.
     ///
     /// # Errors
     /// If the node's session is closed.
@@ -60,7 +60,7 @@ impl HandPublishers {
         })
     }
 
-    /// Publishes the robot description and fixed transforms. Late subscribers receive them, too.
+    /// Publishes the robot description and the fixed transforms. Late subscribers also receive them.
     ///
     /// # Errors
     /// If the session is closed.

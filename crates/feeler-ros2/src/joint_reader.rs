@@ -1,21 +1,21 @@
-//! Joints of a hand, selected by name from `sensor_msgs/JointState`.
+//! Reads the joints of a hand from `sensor_msgs/JointState` by name.
 
 use feeler::hand::{HandState, MAX_FINGERS};
 use feeler_record::ros::JointState;
 
-/// Names of the joints theta1..theta3 of each finger.
+/// Names of the joints `theta1` to `theta3` of each finger.
 pub type JointNames = Vec<[String; 3]>;
 
 /// Error when reading joints.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum JointError {
-    /// Too few or too many fingers.
+    /// The number of fingers is 0 or too large.
     #[error("expected joint names of 1 to {MAX_FINGERS} fingers, got {0}")]
     Fingers(usize),
-    /// A joint is missing in the message.
+    /// The message does not contain a joint.
     #[error("expected the joint state of {0}, found none")]
     Missing(String),
-    /// A joint has no value, or one that is not finite.
+    /// A joint's position or velocity is missing or not finite.
     #[error("{quantity} of {joint}: expected a finite number, got {actual:?}")]
     Value {
         /// Name of the quantity.
@@ -27,11 +27,11 @@ pub enum JointError {
     },
 }
 
-/// Reads the joints of a hand from messages.
+/// Reads the joints of a hand from messages that may list them in any order.
 #[derive(Debug, Clone)]
 pub struct JointReader {
     names: JointNames,
-    /// Index of each joint in the previous message, where it is searched first.
+    /// Index of each joint in the previous message, tried first in the next.
     places: Vec<usize>,
 }
 
@@ -55,12 +55,12 @@ impl JointReader {
         self.names.len()
     }
 
-    /// Copies the joints from `message` to `state`, which must have [`finger_count`](Self::finger_count) fingers. The
-    /// stamp of `state` does not change; other joints in the message are ignored.
+    /// Copies the joints from `message` to `state`, which must have [`finger_count`](Self::finger_count) fingers.
+    /// Ignores other joints in the message, and does not change the stamp of `state`.
     ///
     /// # Errors
-    /// If a joint is missing; `state` is then unchanged. If a joint has no finite position or velocity; `state` is then
-    /// unspecified.
+    /// Returns [`JointError::Missing`] if a joint is missing; `state` is then unchanged. Returns [`JointError::Value`]
+    /// if a position or velocity is missing or not finite; the joints of `state` are then unspecified.
     pub fn read(&mut self, message: &JointState, state: &mut HandState) -> Result<(), JointError> {
         for (name, place) in self.names.iter().flatten().zip(&mut self.places) {
             if message.name.get(*place) != Some(name) {
@@ -124,7 +124,7 @@ mod tests {
         let (mut reader, mut state) = (reader(), HandState::zero(1));
         reader.read(&message(), &mut state).unwrap();
         let (before, mut without) = (state.clone(), message());
-        // A message of another part of the robot has no effect.
+        // A message without one of the joints has no effect.
         (without.name[0], without.position[3]) = ("z".into(), 9.0);
         assert_eq!(
             reader.read(&without, &mut state),

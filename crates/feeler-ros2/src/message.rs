@@ -1,5 +1,4 @@
-//! Messages and services that recordings do not contain, with the structure and text of `rcl_interfaces` and
-//! `common_interfaces`.
+//! ROS 2 messages and services that recordings do not contain, as defined by ROS 2 and `feeler_msgs`.
 
 mod array;
 mod clock;

@@ -1,4 +1,4 @@
-//! Parser of `.msg` texts into the fields of a type description.
+//! Parser of `.msg` texts.
 
 use serde::Serialize;
 use std::collections::BTreeMap;
@@ -14,7 +14,7 @@ pub enum DescriptionError {
         /// Text of the line.
         line: String,
     },
-    /// A nested type has no text.
+    /// The definition of a nested type is missing.
     #[error("{type_name} uses {used}, whose text is missing")]
     Unknown {
         /// Type that uses the nested type.
@@ -24,6 +24,7 @@ pub enum DescriptionError {
     },
 }
 
+/// Name and fields of one type: `type_description_interfaces/msg/IndividualTypeDescription`.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct IndividualType {
     pub type_name: String,
@@ -44,10 +45,10 @@ pub struct FieldType {
     pub nested_type_name: String,
 }
 
-/// Start of a line that separates the texts of types.
+/// Start of the separator lines between the texts of types.
 const RULE: &str = "====";
 
-/// Identifiers of primitive types, from `type_description_interfaces/msg/FieldType`.
+/// Identifiers of primitive types, as in `type_description_interfaces/msg/FieldType`.
 const PRIMITIVES: [(&str, u8); 15] = [
     ("int8", 2),
     ("uint8", 3),
@@ -68,14 +69,14 @@ const PRIMITIVES: [(&str, u8); 15] = [
 const NESTED: u8 = 1;
 const STRING: u8 = 17;
 const WSTRING: u8 = 18;
-/// Offset of the identifier for strings of bounded length.
+/// Added to the identifier of a string type for strings of bounded length.
 const BOUNDED: u8 = 4;
-/// Offsets of the identifier for arrays, bounded sequences and unbounded sequences.
+/// Added to the identifier of the element type for arrays, bounded sequences and unbounded sequences.
 const ARRAY: u8 = 48;
 const BOUNDED_SEQUENCE: u8 = 96;
 const SEQUENCE: u8 = 144;
 
-/// Adds the type `name` to `types`, with all types whose texts follow its own in `text`.
+/// Parses `text`, the definition of the type `name` followed by those of nested types, and adds all of them to `types`.
 pub fn add_text(
     name: &str,
     text: &str,
@@ -112,7 +113,7 @@ pub fn add_text(
     Ok(())
 }
 
-/// Parses the field of a line in the text of the type `of`. `None` for a constant, a comment or an empty line.
+/// Parses one line in the text of the type `of`. Returns `None` for a constant, a comment or an empty line.
 fn field(line: &str, of: &str) -> Result<Option<Field>, DescriptionError> {
     let code = line.split('#').next().unwrap_or_default().trim();
     if code.is_empty() {
@@ -124,7 +125,7 @@ fn field(line: &str, of: &str) -> Result<Option<Field>, DescriptionError> {
     };
     let (kind, rest) = code.split_once(char::is_whitespace).ok_or_else(wrong)?;
     let rest = rest.trim_start();
-    // A default may follow the name; it is not part of the description.
+    // A default value may follow the name; it is not part of the description.
     let end = rest.find(|c: char| !c.is_ascii_alphanumeric() && c != '_');
     let (name, value) = rest.split_at(end.unwrap_or(rest.len()));
     if value.trim_start().starts_with('=') {
@@ -140,7 +141,7 @@ fn field(line: &str, of: &str) -> Result<Option<Field>, DescriptionError> {
     }
 }
 
-/// Parses a type such as `Point[<=3]` in the text of the type `of`. `None` if it is invalid.
+/// Parses a type such as `Point[<=3]` in the text of the type `of`. Returns `None` if it is invalid.
 fn field_type(text: &str, of: &str) -> Option<FieldType> {
     let (text, array) = match text.strip_suffix(']') {
         Some(array) => array
@@ -180,7 +181,8 @@ fn field_type(text: &str, of: &str) -> Option<FieldType> {
     })
 }
 
-/// Resolves the name of a type in the text of the type `of`, such as `Point` or `geometry_msgs/Point`.
+/// Returns the full name of a type, such as `geometry_msgs/msg/Point` for `geometry_msgs/Point`, or for `Point` in the
+/// text of a type `of` in `geometry_msgs`.
 fn whole_name(name: &str, of: &str) -> String {
     match name.split('/').count() {
         1 => format!("{}/msg/{name}", of.split('/').next().unwrap_or_default()),

@@ -4,7 +4,7 @@ use std::fmt;
 
 /// Maximum length of a name in bytes.
 const MAX_BYTES: usize = 255;
-/// Maximum domain id of DDS. Zenoh has no limit, but tools check this one.
+/// Maximum domain id of DDS. Zenoh does not require it, but ROS 2 tools do.
 pub const MAX_DOMAIN: u32 = 232;
 
 /// Error for an invalid name.
@@ -39,16 +39,16 @@ pub enum NameError {
 #[derive(Debug, Clone, PartialEq, Eq)]
 pub struct NodeName {
     domain: u32,
-    /// `/`, or a `/` before each part.
+    /// Namespace, such as `/` or `/lab/left`.
     namespace: String,
     name: String,
 }
 
 impl NodeName {
-    /// Creates the name of a node `name` in a `namespace`, which may be empty, and a `domain`.
+    /// Creates the name of a node. `namespace` may be empty.
     ///
     /// # Errors
-    /// If one of them is invalid.
+    /// If an argument is invalid.
     pub fn new(domain: u32, namespace: &str, name: &str) -> Result<Self, NameError> {
         if domain > MAX_DOMAIN {
             return Err(NameError::Domain(domain));
@@ -72,7 +72,7 @@ impl NodeName {
         self.domain
     }
 
-    /// Namespace: `/`, or a `/` before each part.
+    /// Namespace, such as `/` or `/lab/left`.
     pub fn namespace(&self) -> &str {
         &self.namespace
     }
@@ -82,8 +82,8 @@ impl NodeName {
         &self.name
     }
 
-    /// Resolves the name of a topic or service: `/a` is absolute, `a` is in the node's namespace, `~/a` is below the
-    /// node.
+    /// Resolves the name of a topic or service: `/a` is absolute, `a` is relative to the node's namespace, and `~/a` to
+    /// the node.
     ///
     /// # Errors
     /// If the resolved name is invalid.

@@ -1,4 +1,4 @@
-//! A node of a ROS 2 graph over Zenoh.
+//! ROS 2 nodes over Zenoh.
 
 use crate::attachment::Attachment;
 use crate::key::key;
@@ -56,27 +56,27 @@ impl From<zenoh::Error> for NodeError {
     }
 }
 
-/// A node. Its services end when it is dropped.
+/// A node of a ROS 2 graph. Dropping it ends its services.
 pub struct Node {
     session: Session,
     name: NodeName,
-    /// Identifier of the next endpoint.
+    /// Entity id of the next endpoint.
     next_id: u64,
     _token: LivelinessToken,
     servers: Vec<Server>,
 }
 
-/// Subscription to a topic, which ends when this is dropped.
+/// Subscription to a topic. Dropping it unsubscribes.
 pub struct Subscription {
     _subscriber: Subscriber<()>,
     _token: LivelinessToken,
 }
 
 impl Node {
-    /// Joins a graph.
+    /// Opens a Zenoh session and announces the node. Does not wait for connections.
     ///
     /// # Errors
-    /// If an endpoint is invalid, or the node cannot listen on it.
+    /// If an endpoint is invalid, or listening on it fails.
     pub fn open(config: NodeConfig) -> Result<Self, NodeError> {
         let session = zenoh::open(settings(&config)?).wait()?;
         let token = Token {
@@ -114,7 +114,7 @@ impl Node {
         router.or_else(|| info.peers_zid().wait().next()).is_some()
     }
 
-    /// Creates a new endpoint of a topic or service, and returns its key and token.
+    /// Returns the key and the token of a new endpoint of a topic or service.
     fn endpoint(
         &mut self,
         kind: EndpointKind,
@@ -137,7 +137,7 @@ impl Node {
         Ok((key(self.name.domain(), &topic, type_name, hash), token))
     }
 
-    /// Creates a publisher of `topic`, resolved by [`NodeName::resolve`].
+    /// Creates a publisher of `topic`, whose name is resolved with [`NodeName::resolve`].
     ///
     /// # Errors
     /// If `topic` is not a valid name, or the session is closed.
@@ -152,8 +152,9 @@ impl Node {
         Publisher::declare(&self.session, key, &token, qos)
     }
 
-    /// Subscribes to `topic`. Zenoh's thread, which must not be blocked, calls the callback with each message's bytes
-    /// and attachment. Messages without a valid attachment are not from a ROS 2 node, and are ignored.
+    /// Subscribes to `topic`, whose name is resolved with [`NodeName::resolve`]. The callback receives the bytes and
+    /// attachment of each message. It is called on Zenoh's thread, so it must not block. Messages without a valid
+    /// attachment are not from a ROS 2 node, and are ignored.
     ///
     /// # Errors
     /// If `topic` is not a valid name, or the session is closed.
@@ -188,10 +189,11 @@ impl Node {
         })
     }
 
-    /// Serves `service`. A dedicated thread calls `answer` for one request after another.
+    /// Serves `service`, whose name is resolved with [`NodeName::resolve`]. A dedicated thread calls `answer` for one
+    /// request at a time.
     ///
     /// # Errors
-    /// If `service` is not a valid name, the session is closed, or the thread could not be started.
+    /// If `service` is not a valid name, the session is closed, or the thread cannot be started.
     pub fn serve<S: Service>(
         &mut self,
         service: &str,
@@ -218,8 +220,8 @@ pub(crate) fn wall_clock_ns() -> i64 {
     })
 }
 
-/// Settings of a session, like those of `rmw_zenoh`: it finds other nodes through a router, and then connects to them
-/// directly.
+/// Returns the Zenoh configuration of a node. As with `rmw_zenoh`, a node discovers others through a router, and then
+/// connects to them directly.
 fn settings(config: &NodeConfig) -> Result<Config, NodeError> {
     let mut settings = Config::default();
     let places = |places: &[String]| serde_json::json!(places).to_string();
@@ -232,7 +234,7 @@ fn settings(config: &NodeConfig) -> Result<Config, NodeError> {
         ("listen/exit_on_failure", "true".into()),
         ("scouting/multicast/enabled", "false".into()),
         ("scouting/gossip/enabled", "true".into()),
-        // Caches for late subscribers require time stamps.
+        // Required by caches for late subscribers.
         ("timestamping/enabled", "true".into()),
         ("adminspace/enabled", "false".into()),
     ] {

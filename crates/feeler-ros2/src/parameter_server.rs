@@ -1,4 +1,4 @@
-//! Services that give tools access to a node's parameters.
+//! Parameter services of a node.
 
 use crate::message::{
     DescribeParameters, GetParameterTypes, GetParameters, ListParameters, SetParameters,
@@ -8,7 +8,7 @@ use crate::node::{Node, NodeError};
 use crate::parameter::Parameters;
 use std::sync::Arc;
 
-/// Serves `parameters` as the parameters of `node`.
+/// Serves `parameters` through the parameter services of `node`.
 ///
 /// # Errors
 /// If the node's session is closed.

@@ -11,12 +11,12 @@ use zenoh::qos::CongestionControl;
 use zenoh::{Session, Wait};
 use zenoh_ext::{AdvancedPublisher, AdvancedPublisherBuilderExt, CacheConfig};
 
-/// Publisher of messages of one type.
+/// Publisher of messages of type `M` on one topic. Dropping it ends the publisher.
 pub struct Publisher<M> {
     outlet: Outlet,
     gid: Gid,
     sequence: i64,
-    /// Buffer for encoded messages, reused.
+    /// Reused buffer for encoded messages.
     bytes: Vec<u8>,
     _token: LivelinessToken,
     _message: PhantomData<fn(M)>,
@@ -68,8 +68,8 @@ impl<M: Message> Publisher<M> {
         })
     }
 
-    /// Publishes `message`. It is dropped if the network is congested, unless the quality of service is reliable and
-    /// keeps all.
+    /// Publishes `message`. If the network is congested, drops the message, or blocks if the quality of service is
+    /// reliable and keeps all messages.
     ///
     /// # Errors
     /// If the message cannot be encoded, or the session is closed.

@@ -1,6 +1,6 @@
 //! Quality of service, and its encoding in liveliness tokens.
 
-/// Default depth of `rmw_zenoh`, which it omits from tokens.
+/// Default depth of `rmw_zenoh`, which is omitted from tokens.
 const DEFAULT_DEPTH: usize = 42;
 
 /// Quality of service of a publisher or subscriber. Deadline, lifespan and liveliness are unlimited.
@@ -17,7 +17,7 @@ pub struct Qos {
 /// Handling of lost messages.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Reliability {
-    /// Lost messages are sent again.
+    /// Lost messages are retransmitted.
     Reliable,
     /// Messages may be lost.
     BestEffort,
@@ -35,13 +35,13 @@ pub enum Durability {
 /// Number of messages that are kept.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum History {
-    /// The last messages, up to this number.
+    /// Up to this number of the latest messages.
     KeepLast(usize),
     /// All messages.
     KeepAll,
 }
 
-/// Error when decoding a quality of service.
+/// Error when decoding a quality of service from a token.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
 pub enum QosError {
     /// Wrong number of parts.
@@ -60,28 +60,28 @@ pub enum QosError {
 }
 
 impl Qos {
-    /// Default of ROS 2 topics: reliable, no messages for late subscribers, depth 10.
+    /// Default of ROS 2 topics: reliable, volatile, depth 10.
     pub const DEFAULT: Self = Self {
         reliability: Reliability::Reliable,
         durability: Durability::Volatile,
         history: History::KeepLast(10),
     };
 
-    /// Latched topic: reliable, late subscribers receive the latest message.
+    /// Latched topic: reliable, transient local, depth 1. Late subscribers receive the latest message.
     pub const LATCHED: Self = Self {
         durability: Durability::TransientLocal,
         history: History::KeepLast(1),
         ..Self::DEFAULT
     };
 
-    /// Sensor data and `/clock`: best effort, depth 5.
+    /// Sensor data and `/clock`: best effort, volatile, depth 5.
     pub const SENSOR_DATA: Self = Self {
         reliability: Reliability::BestEffort,
         history: History::KeepLast(5),
         ..Self::DEFAULT
     };
 
-    /// Encodes the quality of service. Default values are omitted.
+    /// Encodes the quality of service as in tokens. Default values are omitted.
     pub fn encode(&self) -> String {
         let reliability = match self.reliability {
             Reliability::Reliable => "",
@@ -99,7 +99,7 @@ impl Qos {
         format!("{reliability}:{durability}:{history}:,:,:,,")
     }
 
-    /// Decodes a quality of service. Deadline, lifespan and liveliness must be numbers, and are otherwise ignored.
+    /// Decodes a quality of service from a token. Deadline, lifespan and liveliness are validated, but ignored.
     ///
     /// # Errors
     /// If `text` is invalid.

@@ -1,4 +1,5 @@
-//! A ROS 2 robot as a hand: joints from `sensor_msgs/JointState`, velocities to a `forward_command_controller`.
+//! Uses a ROS 2 robot as a hand: reads joints from `sensor_msgs/JointState`, and sends velocities to a
+//! `forward_command_controller`.
 
 use crate::freshness::{Freshness, GraphClock, StaleError, lock, seconds};
 use crate::joint_reader::{JointError, JointNames, JointReader};
@@ -15,7 +16,7 @@ use std::time::{Duration, Instant};
 /// Joints and topics of a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RosHandConfig {
-    /// Names of the joints theta1..theta3 of each finger, in the controller's order.
+    /// Names of the joints `theta1` to `theta3` of each finger, in the controller's order.
     pub joints: JointNames,
     /// Topic of the joint states, such as `/joint_states`.
     pub joint_states: String,
@@ -27,13 +28,14 @@ pub struct RosHandConfig {
     pub speed: f64,
 }
 
-/// A robot of a ROS 2 graph as a [`Hand`]. Reading returns the latest joint states without waiting; the hand's time is
-/// their stamp. Velocities are sent by a background thread, so commanding neither blocks nor allocates; only the latest
-/// command is sent.
+/// Robot of a ROS 2 graph as a [`Hand`].
 ///
-/// No motion is sent if joint states are too old, or if the command is. A `forward_command_controller` keeps executing
-/// the last command, so zeros are sent instead, and when this is dropped. If the program is killed or the network
-/// fails, only the robot's own watchdog stops it.
+/// Reading returns the latest joint states and their stamp, without waiting. A background thread sends the latest
+/// command, so commanding neither blocks nor allocates.
+///
+/// A `forward_command_controller` executes the last velocities until it receives others. Zeros are therefore sent if
+/// joint states or commands are too old, and when this is dropped. If the program is killed or the network fails, only
+/// a watchdog in the robot can stop it.
 pub struct RosHand {
     newest: Arc<Mutex<Newest>>,
     freshness: Arc<Freshness>,
@@ -48,12 +50,12 @@ struct Newest {
     state: HandState,
     /// Time of arrival, or `None` before the first message.
     arrived: Option<Instant>,
-    /// Error that makes the latest message unusable.
+    /// Error in the latest message, if any.
     error: Option<JointError>,
 }
 
 impl Newest {
-    /// Updates the state from a message's bytes. Invalid and outdated messages are ignored.
+    /// Updates the state from the bytes of a message. Ignores undecodable and outdated messages.
     fn take(&mut self, bytes: &[u8], freshness: &Freshness) {
         let Ok(message) = cdr::decode::<JointState>(bytes) else {
             return;
@@ -86,7 +88,7 @@ pub enum RosHandError {
 }
 
 impl RosHand {
-    /// Subscribes to the robot's joint states, with stamps of `clock`. The robot does not move.
+    /// Subscribes to the robot's joint states, whose stamps are in the time of `clock`. Does not move the robot.
     ///
     /// # Errors
     /// If the configuration is invalid, or the node's session is closed.
@@ -114,7 +116,7 @@ impl RosHand {
         let subscription =
             node.subscribe::<JointState>(&freshness.topic, Qos::SENSOR_DATA, take)?;
         let commands = node.publish(&config.commands, Qos::DEFAULT)?;
-        // If the limit is not a valid duration, nothing may move.
+        // An invalid limit becomes zero, so that velocities expire at once.
         let most = Duration::try_from_secs_f64(config.most_age / config.speed).unwrap_or_default();
         Ok(Self {
             newest,
@@ -126,22 +128,22 @@ impl RosHand {
         })
     }
 
-    /// Current time of the graph (s).
+    /// Returns the current time of the graph (s).
     ///
     /// # Errors
-    /// If no message on `/clock` has arrived yet.
+    /// If the clock is simulated and no message on `/clock` has arrived yet.
     pub fn now(&self) -> Result<f64, StaleError> {
         self.freshness.clock.now()
     }
 
-    /// Age of the `newest` joint states (s of the graph's time), or an error if they are too old.
+    /// Returns the age of the joint states (s of the graph's time), or an error if they are too old or invalid.
     fn age(&self, newest: &Newest) -> Result<f64, HandError> {
         let (stamp, arrived) = (newest.state.stamp, newest.arrived);
         let fresh = self.freshness.check(stamp, arrived, newest.error.as_ref());
         fresh.map_err(HandError::Failed)
     }
 
-    /// Latest time at which a command from the current joint states may be sent.
+    /// Returns the time at which a command computed from the latest joint states expires.
     fn expiry(&self) -> Result<Instant, HandError> {
         let age = self.age(&lock(&self.newest))?;
         let Freshness { most, speed, .. } = *self.freshness;
@@ -173,7 +175,7 @@ impl Hand for RosHand {
             true => self.expiry(),
             false => Ok(Instant::now()),
         };
-        // If joint states are stale, the robot is stopped.
+        // Stale joint states stop the robot.
         let scale = if expiry.is_ok() { 1.0 } else { 0.0 };
         let values = velocities.iter().flat_map(|v| (scale * v).to_array());
         let until = *expiry.as_ref().unwrap_or(&Instant::now());

@@ -1,4 +1,4 @@
-//! A ROS 2 sensor as a fingertip: forces from `geometry_msgs/WrenchStamped` or `sensor_msgs/PointCloud2`.
+//! Uses a ROS 2 sensor as a fingertip: reads forces from `geometry_msgs/WrenchStamped` or `sensor_msgs/PointCloud2`.
 
 use crate::cloud::{CloudError, read_forces};
 use crate::freshness::{Freshness, GraphClock, lock, seconds};
@@ -22,8 +22,7 @@ pub struct SensorAge {
     pub speed: f64,
 }
 
-/// A sensor of a ROS 2 graph as a [`TactileSensor`]. Reading returns the latest forces without waiting; the sensor's
-/// time is their stamp.
+/// Sensor of a ROS 2 graph as a [`TactileSensor`]. Reading returns the latest forces and their stamp, without waiting.
 pub struct RosSensor {
     heard: Arc<Heard>,
     freshness: Arc<Freshness>,
@@ -37,26 +36,26 @@ struct Heard {
     changed: Condvar,
 }
 
-/// Latest forces.
+/// Latest forces, updated by the subscription.
 #[derive(Debug)]
 struct Newest {
     frame: TactileFrame,
     /// Time of arrival, or `None` before the first message.
     arrived: Option<Instant>,
-    /// Error that makes the latest message unusable.
+    /// Error in the latest message, if any.
     error: Option<CloudError>,
 }
 
 impl RosSensor {
-    /// Creates a fingertip with one element from the wrench on `topic`: the force on the fingertip by the touched
-    /// object (N), in a frame whose z axis points outward.
+    /// Creates a fingertip with one element from the wrenches on `topic`. Their force is on the fingertip by the
+    /// touched object (N), in a frame whose z axis points outward. Torques are ignored.
     ///
     /// # Errors
     /// If `topic` is not a valid name, or the node's session is closed.
     pub fn wrench(node: &mut Node, topic: &str, age: SensorAge) -> Result<Self, NodeError> {
         let read = |message: &WrenchStamped, forces: &mut [DVec3]| {
             let force = DVec3::from(message.wrench.force);
-            // Compression is positive along the inward normal.
+            // Compression is the force along the inward normal.
             forces.fill(force.with_z(-force.z));
             Ok(())
         };
@@ -64,7 +63,7 @@ impl RosSensor {
         Self::listen(node, (topic, 1), age, stamp, read)
     }
 
-    /// Creates a fingertip with this number of `elements` from the cloud on `topic`, as read by [`read_forces`].
+    /// Creates a fingertip with this number of `elements` from the clouds on `topic`, read with [`read_forces`].
     ///
     /// # Errors
     /// Same as [`wrench`](Self::wrench).
@@ -122,8 +121,8 @@ impl RosSensor {
         })
     }
 
-    /// Waits up to `longest` for data with a sequence number other than `sequence` (0 before the first). Returns `true`
-    /// if they arrived.
+    /// Waits for at most `longest` until the sequence number of the latest data differs from `sequence`, which is 0
+    /// before the first. Returns `false` on timeout.
     pub fn wait_for_next(&self, sequence: u64, longest: Duration) -> bool {
         let is_old = |newest: &mut Newest| newest.frame.sequence == sequence;
         let waited =
@@ -135,7 +134,7 @@ impl RosSensor {
     }
 
     /// Like [`read`](TactileSensor::read), but also returns the time of measurement on this computer's clock. Sets the
-    /// sequence number and stamp of `reading` even if the data are rejected.
+    /// sequence number and stamp of `reading` even if the data are too old or invalid.
     ///
     /// # Errors
     /// Same as [`read`](TactileSensor::read).

@@ -1,4 +1,4 @@
-//! Servers of services.
+//! Service servers.
 
 use crate::attachment::Attachment;
 use crate::node::{NodeError, wall_clock_ns};
@@ -11,7 +11,7 @@ use zenoh::liveliness::LivelinessToken;
 use zenoh::query::{Query, Queryable};
 use zenoh::{Session, Wait};
 
-/// Maximum number of waiting requests; further ones are rejected.
+/// Maximum number of waiting requests of a service; further ones are rejected.
 const MAX_WAITING: usize = 16;
 
 /// Handler of a service's requests.
@@ -19,7 +19,7 @@ pub trait Answer<S: Service>: FnMut(S::Request) -> S::Response + Send + 'static 
 
 impl<S: Service, F: FnMut(S::Request) -> S::Response + Send + 'static> Answer<S> for F {}
 
-/// Server of a service, which ends when this is dropped.
+/// Server of a service. Dropping it ends the service.
 pub(crate) struct Server {
     _queryable: Queryable<()>,
     _token: LivelinessToken,
@@ -33,7 +33,7 @@ impl Server {
         mut answer: impl Answer<S>,
     ) -> Result<Self, NodeError> {
         let (waiting, requests) = sync_channel::<Query>(MAX_WAITING);
-        // Ends when the queryable is dropped, which owns the sender.
+        // Ends when the queryable is dropped, as its callback owns the sender.
         let work = move || {
             for query in requests {
                 if let Err(why) = reply::<S>(&query, &mut answer) {
@@ -63,7 +63,10 @@ impl Server {
     }
 }
 
-/// Answers a request, or returns the reason why it is invalid.
+/// Replies to a request.
+///
+/// # Errors
+/// Returns the reason if the request is invalid or the reply fails.
 fn reply<S: Service>(query: &Query, answer: &mut impl Answer<S>) -> Result<(), String> {
     let beside = query
         .attachment()
@@ -73,7 +76,7 @@ fn reply<S: Service>(query: &Query, answer: &mut impl Answer<S>) -> Result<(), S
     let request = cdr::decode::<S::Request>(&request.to_bytes()).map_err(|e| e.to_string())?;
     let mut bytes = Vec::new();
     cdr::encode(&answer(request), &mut bytes).map_err(|e| e.to_string())?;
-    // The caller matches responses by its sequence number and source.
+    // The client matches the response to its request by sequence number and source.
     let beside = Attachment {
         stamp_ns: wall_clock_ns(),
         ..beside
@@ -83,8 +86,8 @@ fn reply<S: Service>(query: &Query, answer: &mut impl Answer<S>) -> Result<(), S
     reply.wait().map_err(|e| e.to_string())
 }
 
-/// Sends an error reply with the reason.
+/// Replies with an error that contains the reason.
 fn refuse(query: &Query, why: &str) {
-    // Ignore callers that have disconnected.
+    // The client may have disconnected.
     let _ = query.reply_err(why).wait();
 }

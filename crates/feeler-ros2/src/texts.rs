@@ -1,7 +1,7 @@
-//! Message texts from the files in `msg/`.
+//! Macros that build message texts from the files in `msg/`.
 
-/// Concatenates the texts of `msg/<name>.msg`, each with a header that names its type: the part of a message text that
-/// follows the type's own fields.
+/// Concatenates the files `msg/<name>.msg`, each under a header with its type's name. In a message text, these
+/// definitions of nested types follow the message's own fields.
 macro_rules! texts {
     ($($name:literal),* $(,)?) => {
         concat!($(
@@ -12,7 +12,7 @@ macro_rules! texts {
     };
 }
 
-/// Implements `Message` for a struct, from its ROS 2 name, its own text, and the names of all nested types.
+/// Implements `Message` for a struct, given its ROS 2 name, the text of its fields, and the names of all nested types.
 macro_rules! ros_message {
     ($type:ty, $name:literal, $own:expr $(, $part:literal)* $(,)?) => {
         impl feeler_record::wire::Message for $type {

@@ -1,8 +1,9 @@
 //! Liveliness tokens, by which nodes of a graph discover each other.
 //!
 //! The token of a node is `@ros2_lv/<domain>/<session>/<node id>/<node id>/NN/<enclave>/<namespace>/<name>`. The token
-//! of an endpoint (publisher, subscriber, server or client) has its own entity id, another kind, and ends with
-//! `/<topic>/<type>/<hash>/<quality of service>`. Slashes within a part are written as `%`.
+//! of an endpoint (publisher, subscriber, server or client) contains its entity id instead of the second node id and
+//! its kind instead of `NN`, followed by `/<topic>/<type>/<hash>/<quality of service>`. Slashes within a part are
+//! replaced by `%`.
 
 use crate::attachment::Gid;
 use crate::key::dds_type;
@@ -21,19 +22,19 @@ const NOTHING: &str = "%";
 pub struct Token {
     /// Domain id.
     pub domain: u32,
-    /// Zenoh session id, in hexadecimal digits.
+    /// Zenoh session id (hexadecimal).
     pub session: String,
     /// Identifier of the node in its session.
     pub node_id: u64,
-    /// Identifier of the node or endpoint in its session. For a node it equals `node_id`.
+    /// Identifier of the endpoint in its session; `node_id` for the token of a node.
     pub entity_id: u64,
     /// Security enclave; may be empty.
     pub enclave: String,
-    /// Namespace of the node: `/`, or a `/` before each part.
+    /// Namespace of the node, such as `/` or `/lab/left`.
     pub namespace: String,
     /// Name of the node.
     pub node: String,
-    /// The endpoint, or `None` for the token of a node.
+    /// Endpoint, or `None` for the token of a node.
     pub endpoint: Option<Endpoint>,
 }
 
@@ -66,7 +67,7 @@ pub enum EndpointKind {
 }
 
 impl Endpoint {
-    /// Creates an endpoint of a type with the ROS 2 name `type_name`.
+    /// Creates an endpoint. `type_name` is the ROS 2 name of its type, such as `sensor_msgs/msg/JointState`.
     pub fn new(kind: EndpointKind, topic: &str, type_name: &str, hash: &str, qos: Qos) -> Self {
         Self {
             kind,
@@ -100,7 +101,7 @@ pub enum TokenError {
 }
 
 impl Token {
-    /// Source identifier in attachments: the 128-bit XXH3 hash of the token, low half first.
+    /// Returns the source identifier for attachments: the 128-bit XXH3 hash of the token, little-endian.
     pub fn gid(&self) -> Gid {
         XxHash3_128::oneshot(self.to_string().as_bytes()).to_le_bytes()
     }
@@ -215,7 +216,7 @@ impl FromStr for Token {
     }
 }
 
-/// Encodes a part: replaces slashes by `%`, and an empty part by `%`.
+/// Encodes a part: replaces slashes by `%`, and an empty text by `%`.
 fn mangle(text: &str) -> String {
     match text {
         "" => NOTHING.into(),

@@ -1,5 +1,5 @@
-//! Type descriptions and their hashes, by which ROS 2 checks that two programs use the same type (REP 2016, RIHS01):
-//! SHA-256 of the description as JSON, without default values.
+//! Type descriptions and their RIHS01 hashes (REP 2016), by which ROS 2 checks that two programs use the same type.
+//! The hash is the SHA-256 of the description as JSON, without default values.
 
 pub use crate::message_text::DescriptionError;
 use crate::message_text::{IndividualType, add_text};
@@ -18,21 +18,21 @@ pub struct TypeDescription {
     referenced_type_descriptions: Vec<IndividualType>,
 }
 
-/// Nested types of a service's event, in addition to request and response.
+/// Definitions of the types nested in a service's event, except request and response.
 const EVENT_PARTS: &str = texts!("service_msgs/ServiceEventInfo", "builtin_interfaces/Time");
 
-/// A service with its request and response types.
+/// Type of a service, with its request and response messages.
 pub trait Service {
     /// ROS 2 name of the service type.
     const NAME: &'static str;
-    /// Request. Its name is the service's name with the suffix `_Request`.
+    /// Request message, named like the service with the suffix `_Request`.
     type Request: Message;
-    /// Response. Its name is the service's name with the suffix `_Response`.
+    /// Response message, named like the service with the suffix `_Response`.
     type Response: Message;
 }
 
 impl TypeDescription {
-    /// Description of a message.
+    /// Creates the description of a message type.
     ///
     /// # Errors
     /// If the message text is invalid.
@@ -42,7 +42,7 @@ impl TypeDescription {
         Self::collect(M::SCHEMA_NAME, &types)
     }
 
-    /// Description of a service: request, response, and the event by which tools observe calls.
+    /// Creates the description of a service type: its request, its response, and its service introspection event.
     ///
     /// # Errors
     /// If a message text is invalid.
@@ -64,7 +64,7 @@ impl TypeDescription {
         Self::collect(name, &types)
     }
 
-    /// Collects the type `name` and its nested types from `types`.
+    /// Creates the description of the type `name` and its nested types. `types` must contain all of them.
     fn collect(
         name: &str,
         types: &BTreeMap<String, IndividualType>,
@@ -98,7 +98,7 @@ impl TypeDescription {
         })
     }
 
-    /// Hash of the type as in keys and tokens: `RIHS01_` and 64 hexadecimal digits.
+    /// Returns the hash of the type as in keys and tokens: `RIHS01_` and 64 hexadecimal digits.
     pub fn hash(&self) -> String {
         let mut text = String::from("RIHS01_");
         for byte in Sha256::digest(self.json()) {
@@ -108,7 +108,7 @@ impl TypeDescription {
         text
     }
 
-    /// JSON text to be hashed.
+    /// Returns the JSON text to hash.
     fn json(&self) -> Vec<u8> {
         let mut json = Vec::new();
         let mut serializer = serde_json::Serializer::with_formatter(&mut json, Spaced);
@@ -118,7 +118,7 @@ impl TypeDescription {
     }
 }
 
-/// Formats JSON like Python: with a space after each comma and colon.
+/// Formats JSON like Python, with a space after each comma and colon.
 struct Spaced;
 
 impl serde_json::ser::Formatter for Spaced {

@@ -1,4 +1,4 @@
-//! Background thread that sends a robot's velocities, as publishing in Zenoh allocates and may block.
+//! Sends a robot's joint velocities on a background thread, because publishing with Zenoh allocates and may block.
 
 use crate::freshness::lock;
 use crate::message::Float64MultiArray;
@@ -8,7 +8,7 @@ use std::sync::{Arc, Condvar, Mutex, PoisonError};
 use std::thread::{self, JoinHandle};
 use std::time::{Duration, Instant};
 
-/// Sends the latest velocities, unless the data they were computed from have become too old. Sends zeros if no new
+/// Background sender of joint velocities. Sends the latest velocities unless they have expired. Sends zeros if no new
 /// velocities are set for too long, and when dropped.
 pub(crate) struct VelocitySender {
     waiting: Arc<Waiting>,
@@ -23,7 +23,7 @@ struct Waiting {
 /// Velocities to send, shared with the thread.
 struct Velocities {
     values: Vec<f64>,
-    /// Latest time to send them, or `None` once sent.
+    /// Time at which `values` expire, or `None` if they have been sent.
     until: Option<Instant>,
     /// Error of the last attempt to send.
     failed: Option<String>,
@@ -31,8 +31,8 @@ struct Velocities {
 }
 
 impl VelocitySender {
-    /// Starts a thread that publishes `joints` velocities per message, and zeros if none are set for longer than
-    /// `most`.
+    /// Starts a thread that publishes messages of `joints` velocities. It publishes zeros if none are set for longer
+    /// than `most`.
     ///
     /// # Errors
     /// If the thread could not be started.
@@ -59,10 +59,10 @@ impl VelocitySender {
         })
     }
 
-    /// Sets velocities (rad/s) to be sent before `until`. Neither blocks nor allocates.
+    /// Sets the velocities (rad/s) to send next, which expire at `until`. Neither blocks nor allocates.
     ///
     /// # Errors
-    /// If earlier velocities could not be sent.
+    /// If sending earlier velocities failed. The new ones are sent nevertheless.
     pub fn give(
         &self,
         velocities: impl Iterator<Item = f64>,
@@ -90,7 +90,7 @@ impl Drop for VelocitySender {
 }
 
 impl Waiting {
-    /// Sends velocities until the sender is dropped, and finally zeros.
+    /// Sends velocities until the sender is dropped, then zeros.
     fn send_all(&self, mut publisher: Publisher<Float64MultiArray>, joints: usize, most: Duration) {
         let mut message = Float64MultiArray {
             data: vec![0.0; joints],
@@ -109,8 +109,8 @@ impl Waiting {
         }
     }
 
-    /// Waits for the velocities to send next, up to `longest` if given. Writes zeros if none are set in time, they have
-    /// expired, or the sender was dropped. Returns `true` if it was dropped.
+    /// Waits for new velocities, for at most `longest` if given, and writes them to `next`. Writes zeros on timeout, if
+    /// they have expired, or if the sender was dropped. Returns `true` if it was dropped.
     fn next(&self, next: &mut [f64], longest: Option<Duration>) -> bool {
         let is_idle = |waiting: &mut Velocities| waiting.until.is_none() && !waiting.is_over;
         let waiting = lock(&self.velocities);

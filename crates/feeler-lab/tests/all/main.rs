@@ -1,6 +1,6 @@
-//! The tests of this crate, but for those that need a process of their own: linked once, and all at once over the processors.
+//! Integration tests of this crate, linked as one program, except those that require a separate process.
 //!
-//! They run under an allocator that ends the process when the control path or the sensor allocates.
+//! They run under an allocator that aborts the process if the control path or the sensor allocates.
 
 mod control_contract;
 mod environment;

@@ -1,4 +1,4 @@
-//! The grip as needed of the law `pivot`, on hands whose results are not in the documentation.
+//! Grip `as-needed` of the control law `pivot`, on hands other than those of the documentation.
 
 #[path = "../../examples/needed_grip.rs"]
 #[allow(dead_code)]
@@ -6,7 +6,7 @@ mod example;
 
 use example::{Arguments, quantile, run};
 
-/// Median time from slip to more grip (ms), and median excess of the grip, over three hands.
+/// Median time from slip to increased grip (ms), and median excess of the grip, over three hands.
 fn measured(grip: &str) -> (f64, f64) {
     let arguments = ["20000", "3", "constant", grip].map(String::from);
     let arguments = Arguments::parse(&arguments).expect("arguments");
@@ -22,7 +22,7 @@ fn measured(grip: &str) -> (f64, f64) {
     (quantile(times, 0.5), quantile(excess, 0.5))
 }
 
-/// 200 hands have 20 ms and 24 % as needed, 220 ms and 350 % with the firm grip (docs/benchmarks.md).
+/// 200 hands have 20 ms and 24 % with grip `as-needed`, and 220 ms and 350 % with the firm grip (docs/benchmarks.md).
 #[test]
 fn a_grip_as_needed_reacts_to_slip_and_is_much_lighter_than_a_firm_one() {
     let (time, excess) = measured("as-needed");

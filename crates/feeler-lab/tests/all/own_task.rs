@@ -1,16 +1,16 @@
-//! The task of docs/write-a-task.md.
+//! Example task of docs/write-a-task.md.
 
 #[path = "../../examples/own_task.rs"]
 #[allow(dead_code)]
 mod example;
 
 #[test]
-fn the_task_of_the_page_runs_to_its_end() {
+fn the_documented_task_runs_to_its_end() {
     example::main().expect("a task that is done");
 }
 
 #[test]
-fn the_page_shows_the_code_that_is_run() {
+fn the_documentation_shows_the_examples_code() {
     let page = include_str!("../../../../docs/write-a-task.md");
     let code = include_str!("../../examples/own_task.rs");
     let shown = page

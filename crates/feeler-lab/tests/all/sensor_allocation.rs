@@ -1,4 +1,4 @@
-//! Neither reading the sensor nor drawing its simulated picture allocates.
+//! Reading a sensor and rendering its simulated image do not allocate.
 
 use assert_no_alloc::assert_no_alloc;
 use feeler::sensor::calibration::ModelChoice;
@@ -26,7 +26,7 @@ impl Camera for SimulatedCamera {
 }
 
 #[test]
-fn a_reading_allocates_nothing() {
+fn a_reading_does_not_allocate() {
     let config = FingertipConfig::default();
     let optics = OpticsConfig::default();
     let bench = CalibrationBenchConfig {
@@ -55,9 +55,9 @@ fn a_reading_allocates_nothing() {
     assert!(readings.iter().all(|reading| reading.force.is_some()));
 }
 
-/// Nor does a row of taxels, whatever is wrong with it.
+/// Valid and invalid rows of taxels do not allocate.
 #[test]
-fn a_row_of_taxels_allocates_nothing() {
+fn a_row_of_taxels_does_not_allocate() {
     let mut layout = BuiltInTaxels::named("eflesh").unwrap().layout().unwrap();
     layout.columns.sequence = Some("sequence".into());
     let drift = "untouched = 5.0\ntime_constant = 1.0\nmost = 50.0";

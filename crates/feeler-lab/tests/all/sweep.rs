@@ -1,4 +1,4 @@
-//! What the trials of a sweep draw, and which of them are left after a stop.
+//! Random parameters of a sweep's trials, and resuming interrupted sweeps.
 
 use feeler_lab::config::Experiment;
 use feeler_lab::sweep::results::GROWING;
@@ -10,7 +10,7 @@ use std::path::PathBuf;
 use std::sync::atomic::AtomicBool;
 use std::{fs, io};
 
-/// A sweep of `trials` trials over `vary`, each of a tenth of a second.
+/// A sweep over `vary` with `trials` trials of a tenth of a second.
 fn trials(vary: &[&str], trials: u64) -> Trials {
     let settings = ["sensing=direct", "time_limit=0.1"].map(String::from);
     let file = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/stiff-feelers.toml");
@@ -24,7 +24,7 @@ const FRICTION: &str = "sim.variation.friction=uniform(0,0.5)";
 const SPEED: &str = "control.recompression_speed=uniform(0.001,0.005)";
 const OVER: &str = "control.over_force=uniform(1,3)";
 
-/// What trials 0 to 399 draw: seeds, and the values of each parameter, of its range 0 to 1.
+/// Seeds and parameter values of trials 0 to 399; values are scaled to the range 0 to 1.
 fn drawn(vary: &[&str]) -> (Vec<u64>, Vec<Vec<f64>>) {
     let trials = trials(vary, 400);
     let draws: Vec<_> = (0..400).map(|trial| trials.draw(trial)).collect();
@@ -41,7 +41,7 @@ fn drawn(vary: &[&str]) -> (Vec<u64>, Vec<Vec<f64>>) {
 }
 
 #[test]
-fn what_a_parameter_draws_does_not_depend_on_what_else_varies() {
+fn values_of_a_parameter_do_not_depend_on_other_parameters() {
     let (seeds, one) = drawn(&[OVER]);
     let (seeds_beside, beside) = drawn(&[FRICTION, SPEED, OVER]);
     assert_eq!(seeds, seeds_beside);
@@ -52,8 +52,8 @@ fn what_a_parameter_draws_does_not_depend_on_what_else_varies() {
 fn trials_and_parameters_draw_independently() {
     let (seeds, values) = drawn(&[FRICTION, SPEED, OVER]);
     assert_eq!(seeds.iter().collect::<BTreeSet<_>>().len(), 400);
-    // Each is uniform from 0 to 1: mean 1/2, variance 1/12. Of 400, the mean is within five standard deviations of
-    // 1/sqrt(12 * 400), and a correlation of independent ones within five of 1/sqrt(400).
+    // Values are uniform from 0 to 1: mean 1/2, variance 1/12. The bounds are five standard deviations: 1/sqrt(12 *
+    // 400) of the mean of 400 values, and 1/sqrt(400) of the correlation of independent ones.
     let deviation = |v: &[f64]| -> Vec<f64> { v.iter().map(|x| x - 0.5).collect() };
     let seeds: Vec<f64> = seeds.iter().map(|&s| s as f64 / 2_f64.powi(63)).collect();
     let series: Vec<_> = values
@@ -72,7 +72,7 @@ fn trials_and_parameters_draw_independently() {
                 "{correlation} of {index} and {other}"
             );
         }
-        // One trial and the next.
+        // Successive trials.
         let product: f64 = a.windows(2).map(|pair| pair[0] * pair[1]).sum();
         let correlation = 12.0 * product / 399.0;
         assert!(
@@ -82,7 +82,7 @@ fn trials_and_parameters_draw_independently() {
     }
 }
 
-/// Counts what is run.
+/// Counts completed trials.
 #[derive(Default)]
 struct Count(u64);
 
@@ -103,12 +103,12 @@ fn folder(name: &str) -> PathBuf {
 }
 
 #[test]
-fn a_sweep_that_goes_on_runs_all_that_is_missing_wherever_it_is() {
+fn a_resumed_sweep_runs_all_missing_trials() {
     let trials = trials(&["control.recompression_speed=uniform(0.002,0.004)"], 5);
     let stop = AtomicBool::new(false);
-    let row = |trial| trials.run(trial, &stop).expect("nobody stops it");
+    let row = |trial| trials.run(trial, &stop).expect("an uninterrupted trial");
     let rows: Vec<_> = (0..5).map(row).collect();
-    // Several threads finish in any order: the rows on disk have gaps before, between and after them.
+    // Threads finish in any order, so rows on disk may have gaps before, between and after them.
     for (number, kept) in [vec![], vec![2], vec![4, 1], vec![3, 0, 4]]
         .iter()
         .enumerate()
@@ -137,13 +137,13 @@ fn a_sweep_that_goes_on_runs_all_that_is_missing_wherever_it_is() {
 }
 
 #[test]
-fn a_trial_that_is_stopped_has_no_row() {
+fn a_stopped_trial_has_no_row() {
     let trials = trials(&[], 1);
     assert_eq!(trials.run(0, &AtomicBool::new(true)), None);
 }
 
 #[test]
-fn rows_of_another_machine_are_taken_in_once_and_whole_or_not_at_all() {
+fn rows_of_another_machine_are_merged_once_and_completely_or_rejected() {
     let trials = trials(&[], 3);
     let plan = trials.plan();
     let stop = AtomicBool::new(false);
@@ -173,7 +173,7 @@ fn rows_of_another_machine_are_taken_in_once_and_whole_or_not_at_all() {
     }
 }
 
-/// The files that trials of the built-in `cap-closing` with these settings read.
+/// Files that trials of the built-in `cap-closing` read with these settings.
 fn files(settings: &[&str], vary: &[&str]) -> Result<Vec<String>, String> {
     let texts = |texts: &[&str]| texts.iter().map(|t| (*t).to_string()).collect::<Vec<_>>();
     let experiment = Experiment::load("cap-closing", &texts(settings)).expect("an experiment");
@@ -184,7 +184,7 @@ fn files(settings: &[&str], vary: &[&str]) -> Result<Vec<String>, String> {
 }
 
 #[test]
-fn other_machines_need_the_files_that_trials_may_read() {
+fn other_machines_require_the_files_that_trials_may_read() {
     const REFERENCE: &str = "reference-fingertip.calibration.toml";
     const COUPLED: &str = "reference-fingertip.coupled.calibration.toml";
     let both = format!("calibration=choice({REFERENCE},{COUPLED})");
@@ -193,13 +193,13 @@ fn other_machines_need_the_files_that_trials_may_read() {
         Ok([REFERENCE, COUPLED].map(String::from).to_vec())
     );
     let named = |file: &str| files(&[&format!("sensor.calibration={file}")], &[]);
-    let missing = named("no/such.toml").expect_err("there is none");
+    let missing = named("no/such.toml").expect_err("a missing file");
     assert!(
         missing.contains("no/such.toml") && missing.contains("sensor.calibration"),
         "{missing}"
     );
     for outside in ["../Cargo.toml", "/etc/hostname"] {
-        let said = named(outside).expect_err("it is not the experiment's");
+        let said = named(outside).expect_err("a file outside the experiment's folder");
         assert!(
             said.contains("in the experiment's folder or below"),
             "{said}"

@@ -1,4 +1,4 @@
-//! A made-up run, plausible enough to look at: two fingers close a cap in four strokes.
+//! A synthetic but plausible run: two fingers close a cap in four strokes.
 
 use feeler::hand::FingerConfig;
 use feeler_record::wire::{Quaternion, Vector3};
@@ -20,11 +20,11 @@ const TIP_RADIUS: f64 = 0.0015;
 const DOME_RADIUS: f64 = 0.018;
 /// Distance of a dome's centre from the axis when its tip touches the cap.
 const REACH: f64 = DOME_RADIUS + CAP_RADIUS + TIP_RADIUS;
-/// How much of the arc about the cap's axis the path of each stroke has.
+/// Curvature of each stroke's path, relative to the arc about the cap's axis.
 pub const BENDS: [f64; 4] = [0.1, 0.7, 0.95, 0.95];
-/// Length of a stroke, m.
+/// Length of a stroke (m).
 pub const TRAVEL: f64 = 0.010;
-/// Phases of a stroke and how many control steps each lasts.
+/// Phases of a stroke and their numbers of control steps.
 const PHASES: [(Phase, usize); 4] = [
     (Phase::Search, 90),
     (Phase::Move, 100),
@@ -63,7 +63,7 @@ pub fn facts() -> RunFacts {
     }
 }
 
-/// A finger on this side of the cap.
+/// Model of the finger on this side (-1 or 1) of the cap.
 fn finger_model(side: f64) -> FingerModel {
     let tip = |element| (DOME_RADIUS * normal(element, side)).to_array();
     FingerModel {
@@ -81,25 +81,25 @@ fn finger_model(side: f64) -> FingerModel {
     }
 }
 
-/// What there is beside the hand.
+/// Instruments of a synthetic run besides the hand.
 #[derive(Debug, Clone, Copy)]
 pub struct Rig {
-    /// `true` if it is simulated: what the cap and feelers do in truth is known.
+    /// `true` if the rig is simulated, with ground truth of cap and feelers.
     pub simulated: bool,
-    /// When the torque sensor begins to tell, s; none without one.
+    /// Time of the torque sensor's first sample (s), or `None` without a sensor.
     pub torque_from: Option<f64>,
-    /// `true` if the hand tells what it feels of the cap, and in the end what became of it.
+    /// `true` if the hand reports findings about the cap and the final outcome.
     pub feels: bool,
 }
 
-/// A rig with all instruments.
+/// Rig with all instruments.
 pub const SIMULATED: Rig = Rig {
     simulated: true,
     torque_from: Some(0.0),
     feels: false,
 };
 
-/// A rig with nothing but a hand.
+/// Rig without instruments.
 pub const REAL: Rig = Rig {
     simulated: false,
     torque_from: None,
@@ -125,12 +125,12 @@ pub fn write_run_on(path: &Path, rig: Rig) -> Result<Digest, RecordError> {
     recorder.finish(Some(0.25))
 }
 
-/// Writes the messages of `strokes` strokes, and of the end if there are four.
+/// Writes the messages of `strokes` strokes, followed by DONE if there are four.
 pub fn write_strokes(recorder: &mut Recorder, strokes: u32) -> Result<(), RecordError> {
     write_strokes_on(recorder, strokes, SIMULATED)
 }
 
-/// The same on a rig.
+/// Like [`write_strokes`], but on `rig`.
 pub fn write_strokes_on(
     recorder: &mut Recorder,
     strokes: u32,
@@ -175,7 +175,7 @@ impl MadeUp {
         }
     }
 
-    /// Noise in -1..1, the same in every run.
+    /// Pseudo-random noise in -1..1, identical in all runs.
     fn noise(&mut self) -> f64 {
         let next = self.noise.wrapping_mul(6364136223846793005);
         self.noise = next.wrapping_add(1442695040888963407);
@@ -239,7 +239,7 @@ impl MadeUp {
         recorder.step_ends().map(|_| ())
     }
 
-    /// What the instruments say, as far as there are any.
+    /// Writes the messages of the rig's instruments.
     fn instruments(
         &mut self,
         recorder: &mut Recorder,
@@ -281,7 +281,7 @@ impl MadeUp {
         Ok(())
     }
 
-    /// What the hand feels of the cap.
+    /// Findings of the hand about the cap.
     fn felt(&self, stamp: f64, torque: f64, outcome: Option<TaskOutcome>) -> Findings {
         Findings {
             stamp,
@@ -306,7 +306,7 @@ impl MadeUp {
         let side = if finger == 0 { 1.0 } else { -1.0 };
         let reach = REACH + 0.008 * (1.0 - press) - bend;
         let position = side * DVec3::new(reach - 0.0002 * press, TRAVEL * travel, 0.1 * side);
-        // As the finger passes the cap, the element that faces it changes.
+        // The element that faces the cap changes as the finger passes it.
         let largest = if travel < 0.35 { 0 } else { 1 };
         let mut tactile = Tactile {
             sequence: self.step,
@@ -374,12 +374,12 @@ impl MadeUp {
     }
 }
 
-/// How far an arc about the axis bends inward over a way of `along` (m) from where it is tangent to the stroke, m.
+/// Inward deviation (m) of an arc about the axis from its tangent along the stroke, at distance `along` (m).
 pub fn sagitta(along: f64) -> f64 {
     REACH - (REACH * REACH - along * along).sqrt()
 }
 
-/// How firmly the fingers press (0 away, 1 grasping) and how far along the stroke they are.
+/// Compression of the fingers (0 away, 1 grasping) and progress along the stroke (0 to 1).
 fn motion(phase: Phase, s: f64) -> (f64, f64) {
     match phase {
         Phase::Search => (((s - 0.8) / 0.2).max(0.0), 0.0),
@@ -404,7 +404,7 @@ fn normal(element: usize, side: f64) -> DVec3 {
     )
 }
 
-/// A page without its program and that one's data: what a reader without scripts sees.
+/// A page without its script and data, as displayed without JavaScript.
 pub fn document(page: &str) -> String {
     let (first, rest) = page.split_once("<script").unwrap_or((page, ""));
     let scripts = rest.split("<script");

@@ -1,5 +1,4 @@
-//! The scene of `references/mujoco_cap.py`: two fingertips turn a cap, under a motion that is a function
-//! of time.
+//! Scene of `references/mujoco_cap.py`: two fingertips turn a cap under a motion prescribed over time.
 
 use feeler::hand::fingertip_pose;
 use feeler::hand::{FingerConfig, FingerGeometry};
@@ -15,17 +14,17 @@ use serde::Deserialize;
 use std::collections::BTreeMap;
 use std::path::Path;
 
-/// MuJoCo's part.
+/// MuJoCo's results.
 #[derive(Deserialize)]
 pub struct Reference {
     pub header: Header,
-    /// rad, after every `sample` seconds.
+    /// Cap angle (rad) every `sample` seconds.
     pub cap_angle: Vec<f64>,
-    /// "finger/element" to F_x, F_y, F_z, N, of those that touch at all.
+    /// F_x, F_y, F_z (N) of each element that ever touches, by "finger/element".
     pub forces: BTreeMap<String, Vec<[f64; 3]>>,
 }
 
-/// The scene and its motion.
+/// Parameters of the scene and its motion.
 #[derive(Deserialize)]
 pub struct Header {
     dome_radius: f64,
@@ -38,10 +37,10 @@ pub struct Header {
     pub bases: Vec<[f64; 3]>,
     phi1_deg: Vec<f64>,
     pub knot_times: Vec<f64>,
-    /// Per finger and knot, rad.
+    /// Joint angles (rad) of each finger at each knot.
     knot_joints: Vec<Vec<[f64; 3]>>,
     pub sample: f64,
-    /// Until when halving MuJoCo's step changes its cap angle by less than 0.5 % of the last, s.
+    /// Time (s) up to which halving MuJoCo's step changes its cap angle by less than 0.5 % of the final one.
     pub converged_until: f64,
 }
 
@@ -56,7 +55,7 @@ struct Cap {
 }
 
 impl Header {
-    /// Joint angles of `finger` at `time`, rad.
+    /// Joint angles (rad) of `finger` at `time`.
     pub fn joints(&self, finger: usize, time: f64) -> DVec3 {
         let knots = &self.knot_joints[finger];
         let after = self.knot_times.iter().position(|&t| t > time);
@@ -68,7 +67,7 @@ impl Header {
     }
 }
 
-/// The one place that knows how the simulator is set up and driven.
+/// The simulated scene in feeler.
 pub struct Scene {
     pub world: World,
     pub fingers: Vec<(FingerGeometry, ElementLayout)>,
@@ -123,7 +122,7 @@ impl Scene {
         Self { world, fingers }
     }
 
-    /// Where the fingertips are while the fingers are at `joints`, rad.
+    /// Poses of the fingertips at these joint angles (rad).
     pub fn poses(&self, joints: impl Fn(usize) -> DVec3) -> Vec<Pose> {
         let fingers = self.fingers.iter().enumerate();
         let pose = |(finger, (geometry, _)): (usize, &(FingerGeometry, _))| {
@@ -133,7 +132,7 @@ impl Scene {
         fingers.map(pose).collect()
     }
 
-    /// Steps with the fingertips at `poses` at the end of it.
+    /// Performs one step that ends with the fingertips at `poses`.
     pub fn advance(&mut self, poses: &[Pose]) {
         for (finger, &pose) in poses.iter().enumerate() {
             self.world.hold_fingertip(finger, Some(pose));
@@ -145,7 +144,7 @@ impl Scene {
         self.world.state().objects[0].turn.angle
     }
 
-    /// F_x, F_y on the feeler, F_z compression, N, in the element's frame.
+    /// Force (N) in the element's frame: F_x, F_y on the feeler, F_z compression.
     pub fn force(&self, finger: usize, element: usize) -> DVec3 {
         let mut forces = vec![DVec3::ZERO; self.fingers[finger].1.elements.len()];
         self.world.element_forces(finger, &mut forces);
@@ -153,7 +152,7 @@ impl Scene {
     }
 }
 
-/// The reference called `name`.
+/// Loads the reference called `name`.
 pub fn reference(name: &str) -> Reference {
     let folder = concat!(env!("CARGO_MANIFEST_DIR"), "/references");
     let text = std::fs::read_to_string(format!("{folder}/mujoco_cap_{name}.json"));

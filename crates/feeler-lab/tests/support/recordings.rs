@@ -1,15 +1,17 @@
-//! Recordings of real sensors, which are no part of the repository.
+//! Recordings of real sensors, stored outside the repository.
 
 #![allow(dead_code, reason = "not every test program needs all of it")]
 
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
-/// The folder of the recordings called `set`, for the test called `test`: in `FEELER_DATA`, or in `../shared/data` beside the repository.
-/// A relative path counts from the repository. `None`, said on stderr, if it is not there.
+/// Folder of the recordings called `set`, in `FEELER_DATA` or by default in `../shared/data` next to the repository.
+///
+/// Relative paths start at the repository. If the folder is missing, reports on stderr that `test` is skipped and
+/// returns `None`.
 ///
 /// # Panics
-/// Where nothing may be skipped, if other recordings are there, but not these.
+/// If tests must not be skipped and other recordings are present but not these.
 pub fn recordings(set: &str, test: &str) -> Option<PathBuf> {
     let root = Path::new(env!("CARGO_MANIFEST_DIR")).join("../..");
     let data = std::env::var_os("FEELER_DATA").unwrap_or("../shared/data".into());
@@ -22,26 +24,26 @@ pub fn recordings(set: &str, test: &str) -> Option<PathBuf> {
     if data.is_dir() {
         cannot(test, &missing);
     } else {
-        // They are no part of the repository, so that it is no failure where all else is required.
+        // Recordings are not in the repository, so their absence is never a failure.
         tell(test, &missing);
     }
     None
 }
 
-/// Says that the test called `test` is skipped, though its recordings are there, as `missing`.
+/// Reports that `test` is skipped for the reason `missing` although its recordings are present.
 ///
 /// # Panics
-/// Where nothing may be skipped: in CI (`CI=true`, or `FEELER_REQUIRE_ALL`).
+/// If tests must not be skipped: in CI (`CI=true`) or with `FEELER_REQUIRE_ALL`.
 pub fn cannot(test: &str, missing: &str) {
     let set = |name: &str, not: &[&str]| {
         std::env::var(name).is_ok_and(|value| !not.contains(&value.as_str()))
     };
     let required = set("CI", &["", "0", "false"]) || set("FEELER_REQUIRE_ALL", &["0"]);
-    assert!(!required, "{test} may not be skipped here, but {missing}");
+    assert!(!required, "{test} must not be skipped here, but {missing}");
     tell(test, missing);
 }
 
 fn tell(test: &str, missing: &str) {
-    // Not `eprintln!`, which the harness keeps to itself where a test passes.
+    // The harness captures the output of `eprintln!` if a test passes.
     let _ = writeln!(std::io::stderr(), "SKIPPED {test}: {missing}");
 }

@@ -1,4 +1,4 @@
-//! Whole runs of the reference experiment, through the library as a user would.
+//! Whole runs of the reference experiment through the public API.
 
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{ExperimentError, Pictures, Session, run_facts};
@@ -6,14 +6,15 @@ use feeler_record::{Digest, Recorder, RunLog};
 use feeler_report::run::make::RECORDING;
 use std::path::{Path, PathBuf};
 
-/// A folder for a test's run.
+/// Folder for a test's run.
 pub fn folder(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join(name);
     std::fs::create_dir_all(&folder).expect("a folder");
     folder
 }
 
-/// Runs the reference experiment with `settings`, its cameras drawing as much of their `pictures`, and records it in `folder`.
+/// Runs the reference experiment with `settings`, renders images as selected by `pictures`, and records the run in
+/// `folder`.
 pub fn run(settings: &[String], pictures: Pictures, folder: &Path) -> Digest {
     run_as(
         settings,
@@ -22,7 +23,7 @@ pub fn run(settings: &[String], pictures: Pictures, folder: &Path) -> Digest {
     )
 }
 
-/// The same with the session that `session` sets up.
+/// Like [`run`], but with the session created by `session`.
 pub fn run_as(
     settings: &[String],
     session: impl FnOnce(&Experiment) -> Result<Session, ExperimentError>,

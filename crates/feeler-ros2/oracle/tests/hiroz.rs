@@ -1,5 +1,5 @@
-//! Keys and liveliness tokens compared with another Rust implementation of `rmw_zenoh`, for arbitrary names, types and
-//! qualities of service.
+//! Compares keys and liveliness tokens with another Rust implementation of `rmw_zenoh`, for arbitrary names, types and
+//! quality-of-service settings.
 
 use feeler_ros2::{
     Durability, Endpoint, EndpointKind, History, NodeName, Qos, Reliability, Token, dds_type, key,
@@ -53,7 +53,7 @@ fn kind() -> impl Strategy<Value = (EndpointKind, TheirKind)> {
     ]
 }
 
-/// One part of a ROS 2 name.
+/// Regular expression of one part of a ROS 2 name.
 const PART: &str = "[a-zA-Z][a-zA-Z0-9]{0,8}";
 
 fn parts(most: usize) -> impl Strategy<Value = String> {

@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 /// Multidimensional array of numbers.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Float64MultiArray {
-    /// Layout of the array.
+    /// Dimensions of the array.
     pub layout: MultiArrayLayout,
-    /// The numbers.
+    /// Elements of the array.
     pub data: Vec<f64>,
 }
 
@@ -16,7 +16,7 @@ pub struct Float64MultiArray {
 pub struct MultiArrayLayout {
     /// Dimensions, outermost first.
     pub dim: Vec<MultiArrayDimension>,
-    /// Number of elements before the first one.
+    /// Number of elements of `data` before the array's first element.
     pub data_offset: u32,
 }
 

@@ -33,9 +33,9 @@ pub struct DiagnosticStatus {
 pub enum DiagnosticLevel {
     /// No problem.
     Ok = 0,
-    /// Works, but requires attention.
+    /// The part works, but requires attention.
     Warn = 1,
-    /// Does not work.
+    /// The part does not work.
     Error = 2,
     /// No recent data.
     Stale = 3,

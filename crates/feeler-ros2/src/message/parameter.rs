@@ -1,4 +1,4 @@
-//! Messages of `rcl_interfaces` about parameters.
+//! Parameter messages of `rcl_interfaces`.
 
 use serde::{Deserialize, Serialize};
 
@@ -11,28 +11,28 @@ pub struct Parameter {
     pub value: ParameterValue,
 }
 
-/// Tagged value of a parameter; `type` selects the field that contains it.
+/// Value of a parameter; `type` selects the field that contains it.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct ParameterValue {
-    /// Tag: 0 if the parameter is not set, otherwise the type of the field that contains the value.
+    /// Type of the value, or 0 if the parameter is not set.
     pub r#type: u8,
-    /// Type 1.
+    /// Value of type 1.
     pub bool_value: bool,
-    /// Type 2.
+    /// Value of type 2.
     pub integer_value: i64,
-    /// Type 3.
+    /// Value of type 3.
     pub double_value: f64,
-    /// Type 4.
+    /// Value of type 4.
     pub string_value: String,
-    /// Type 5.
+    /// Value of type 5.
     pub byte_array_value: Vec<u8>,
-    /// Type 6.
+    /// Value of type 6.
     pub bool_array_value: Vec<bool>,
-    /// Type 7.
+    /// Value of type 7.
     pub integer_array_value: Vec<i64>,
-    /// Type 8.
+    /// Value of type 8.
     pub double_array_value: Vec<f64>,
-    /// Type 9.
+    /// Value of type 9.
     pub string_array_value: Vec<String>,
 }
 
@@ -99,6 +99,6 @@ pub struct IntegerRange {
 pub struct SetParametersResult {
     /// `true` if the parameter was set.
     pub successful: bool,
-    /// Reason if it was not set.
+    /// Reason if the parameter was not set.
     pub reason: String,
 }

@@ -4,7 +4,7 @@ use super::parameter::{Parameter, ParameterDescriptor, ParameterValue, SetParame
 use crate::type_description::Service;
 use serde::{Deserialize, Serialize};
 
-/// Names of parameters.
+/// Names of parameters, listed by [`ListParameters`].
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct ListParametersResult {
     /// Full names of the parameters.
@@ -22,14 +22,14 @@ pub struct ListParametersRequest {
     pub depth: u64,
 }
 
-/// Request about parameters by name. `KIND` distinguishes the services that use it.
+/// Request that names parameters. `KIND` distinguishes the request types of the services with this structure.
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct NamesRequest<const KIND: u8> {
     /// Names of the parameters.
     pub names: Vec<String>,
 }
 
-/// Request to set parameters, each separately or `ATOMICALLY`.
+/// Request of [`SetParameters`] or, if `ATOMICALLY`, [`SetParametersAtomically`].
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct SetParametersRequest<const ATOMICALLY: bool> {
     /// Names and new values.
@@ -60,7 +60,7 @@ pub enum GetParameters {}
 /// Response of [`GetParameters`].
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct GetParametersResponse {
-    /// Value for each name, of type 0 if there is no such parameter.
+    /// Value for each name; of type 0 if the parameter does not exist.
     pub values: Vec<ParameterValue>,
 }
 
@@ -77,7 +77,7 @@ pub enum GetParameterTypes {}
 /// Response of [`GetParameterTypes`].
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct GetParameterTypesResponse {
-    /// Type for each name, 0 if there is no such parameter.
+    /// Type for each name; 0 if the parameter does not exist.
     pub types: Vec<u8>,
 }
 
@@ -104,7 +104,7 @@ impl Service for DescribeParameters {
     type Response = DescribeParametersResponse;
 }
 
-/// Service that sets parameters, each separately.
+/// Service that sets each of the given parameters separately.
 #[derive(Debug, Clone, Copy)]
 pub enum SetParameters {}
 
@@ -128,7 +128,7 @@ pub enum SetParametersAtomically {}
 /// Response of [`SetParametersAtomically`].
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct SetParametersAtomicallyResponse {
-    /// Result for all parameters together.
+    /// Result for the whole request.
     pub result: SetParametersResult,
 }
 

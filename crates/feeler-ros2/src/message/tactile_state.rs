@@ -7,7 +7,7 @@ use serde::{Deserialize, Serialize};
 /// Tactile state of one fingertip.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct TactileState {
-    /// Time of the image that the forces were computed from; frame of the dome.
+    /// Time of the image that the forces were computed from, and the dome's frame.
     pub header: Header,
     /// Sequence number of the image.
     pub sequence: u64,
@@ -21,8 +21,8 @@ pub struct TactileState {
     pub largest_element: u32,
     /// Grasp force: sum of the positive F_z (N).
     pub grasp_force: f64,
-    /// Force on each element in its frame `E_i` (N): x and y tangential, on the feeler by the object; z compression,
-    /// positive when pressed; NaN if unknown.
+    /// Force on each element in its frame `E_i` (N), or NaN if unknown. x and y are the tangential force on the feeler
+    /// by the object; z is the compression, positive when pressed.
     pub forces: Vec<Vector3>,
     /// Shear rate |d(F_x, F_y)/dt| of each element (N/s).
     pub shear_rate: Vec<f64>,

@@ -10,16 +10,16 @@ pub enum Trigger {}
 /// Request of [`Trigger`].
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TriggerRequest {
-    /// Placeholder: messages without fields have this one.
+    /// Placeholder that ROS 2 adds to messages without fields.
     pub structure_needs_at_least_one_member: u8,
 }
 
 /// Response of [`Trigger`].
 #[derive(Debug, Clone, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub struct TriggerResponse {
-    /// `true` if the action was done.
+    /// `true` if the action succeeded.
     pub success: bool,
-    /// Details for a person.
+    /// Human-readable details.
     pub message: String,
 }
 

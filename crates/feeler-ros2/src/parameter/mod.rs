@@ -1,4 +1,4 @@
-//! Read-only parameters of a node, through which tools read its settings.
+//! Read-only parameters that expose a node's settings to ROS 2 tools.
 
 #[cfg(test)]
 mod tests;
@@ -13,14 +13,14 @@ use crate::message::{
 use serde_json::Value;
 use value::parameter_value;
 
-/// Separator between the parts of a name.
+/// Separator between the parts of a parameter's name.
 const SEPARATOR: char = '.';
 
-/// Read-only parameters.
+/// Read-only parameters of a node.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct Parameters {
     all: Vec<ValueDescription>,
-    /// Reason why they cannot be set.
+    /// Reason reported to clients that attempt to set a parameter.
     reason: String,
 }
 
@@ -29,9 +29,9 @@ pub struct Parameters {
 pub struct Meaning {
     /// Meaning and unit.
     pub description: String,
-    /// Valid values in words; empty if all are valid.
+    /// Description of the valid values; empty if all are valid.
     pub expected: String,
-    /// Minimum and maximum of a number, if they are its only constraint.
+    /// Minimum and maximum of a number, if these are its only constraints.
     pub range: Option<[f64; 2]>,
 }
 
@@ -42,7 +42,7 @@ struct ValueDescription {
 }
 
 impl Parameters {
-    /// Creates an empty set of parameters. `reason` is the answer to attempts to set one.
+    /// Creates an empty set of parameters. Attempts to set one are rejected with `reason`.
     pub fn new(reason: &str) -> Self {
         Self {
             all: Vec::new(),
@@ -50,8 +50,8 @@ impl Parameters {
         }
     }
 
-    /// Adds a value, or each value of a table. A value's name consists of the keys that lead to it; entries of a list
-    /// of tables are named by their index.
+    /// Adds `value` as the parameter `name`. Tables and lists of tables become one parameter per value, with a name
+    /// such as `control.finger.0.speed`. Values of types that parameters do not support are skipped.
     pub fn add(&mut self, name: &str, value: &Value) {
         let below = |key: &str| format!("{name}{SEPARATOR}{key}");
         match value {
@@ -78,7 +78,7 @@ impl Parameters {
         }
     }
 
-    /// Describes each parameter with the result of `meaning` for its name.
+    /// Sets the description of each parameter to `meaning(name)`, or to an empty one if that is `None`.
     pub fn describe_by(&mut self, meaning: impl Fn(&str) -> Option<Meaning>) {
         for one in &mut self.all {
             one.meaning = meaning(&one.parameter.name).unwrap_or_default();
@@ -89,7 +89,7 @@ impl Parameters {
         self.all.iter().find(|one| one.parameter.name == name)
     }
 
-    /// Lists the parameters that match `request`.
+    /// Lists the names that match the prefixes and depth of `request`.
     pub fn list(&self, request: &ListParametersRequest) -> ListParametersResponse {
         let depth = usize::try_from(request.depth).unwrap_or(usize::MAX);
         let shallow = |rest: &str| depth == 0 || rest.matches(SEPARATOR).count() < depth;
@@ -119,7 +119,7 @@ impl Parameters {
         ListParametersResponse { result }
     }
 
-    /// Values of the parameters `names`.
+    /// Returns the values of the parameters `names`; unknown ones have type 0.
     pub fn get(&self, names: &[String]) -> GetParametersResponse {
         let value = |name: &String| self.find(name).map(|one| one.parameter.value.clone());
         GetParametersResponse {
@@ -130,7 +130,7 @@ impl Parameters {
         }
     }
 
-    /// Types of the parameters `names`.
+    /// Returns the types of the parameters `names`; 0 for unknown ones.
     pub fn types(&self, names: &[String]) -> GetParameterTypesResponse {
         let kind = |name: &String| self.find(name).map_or(0, |one| one.parameter.value.r#type);
         GetParameterTypesResponse {
@@ -138,7 +138,7 @@ impl Parameters {
         }
     }
 
-    /// Descriptors of the parameters `names`.
+    /// Returns the descriptors of the parameters `names`; unknown ones contain only the name.
     pub fn describe(&self, names: &[String]) -> DescribeParametersResponse {
         let describe = |name: &String| match self.find(name) {
             Some(one) => self.descriptor(one),
@@ -187,7 +187,7 @@ impl Parameters {
         descriptor
     }
 
-    /// Rejects a request to set parameters, with a reason for each.
+    /// Rejects a request to set parameters, and gives the reason for each.
     pub fn set(&self, wanted: &[Parameter]) -> SetParametersResponse {
         SetParametersResponse {
             results: wanted
@@ -197,11 +197,10 @@ impl Parameters {
         }
     }
 
-    /// Rejects a request to set parameters atomically.
+    /// Rejects a request to set parameters atomically, unless it is empty.
     pub fn set_atomically(&self, wanted: &[Parameter]) -> SetParametersAtomicallyResponse {
         let result = wanted.first().map(|parameter| self.refuse(parameter));
         SetParametersAtomicallyResponse {
-            // An empty request succeeds.
             result: result.unwrap_or(SetParametersResult {
                 successful: true,
                 reason: String::new(),
@@ -213,7 +212,7 @@ impl Parameters {
         let name = &parameter.name;
         let reason = match self.find(name) {
             Some(_) => format!("{name} cannot be set: {}", self.reason),
-            None => format!("there is no parameter {name}"),
+            None => format!("unknown parameter {name}"),
         };
         SetParametersResult {
             successful: false,

@@ -57,7 +57,7 @@ fn parameters_cannot_be_set_and_the_reason_is_reported() {
     };
     let results = some().set(&[wanted("control.law"), wanted("x")]).results;
     assert_eq!(results[0].reason, "control.law cannot be set: it is fixed");
-    assert_eq!(results[1].reason, "there is no parameter x");
+    assert_eq!(results[1].reason, "unknown parameter x");
     assert!(results.iter().all(|result| !result.successful));
     assert!(!some().set_atomically(&[wanted("x")]).result.successful);
     assert!(some().describe(&["control.law".into()]).descriptors[0].read_only);

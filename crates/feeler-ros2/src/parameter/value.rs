@@ -3,7 +3,7 @@
 use crate::message::ParameterValue;
 use serde_json::Value;
 
-/// Converts a value. `None` if parameters have no such type.
+/// Converts a JSON value. Returns `None` for null, tables and lists of mixed types, which parameters do not support.
 pub(super) fn parameter_value(value: &Value) -> Option<ParameterValue> {
     let of_type = |r#type| ParameterValue {
         r#type,

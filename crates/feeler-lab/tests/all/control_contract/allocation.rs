@@ -1,5 +1,4 @@
-//! The control path from a picture to a command does not allocate: over whole runs, so that every
-//! phase, flag and limit has its turn.
+//! The control path from image to command does not allocate, over whole runs with every phase, flag and limit.
 
 use super::hand::IdealHand;
 use assert_no_alloc::assert_no_alloc;
@@ -20,7 +19,7 @@ fn experiment() -> Experiment {
     Experiment::load(file, &[]).expect("two fingers at a cap")
 }
 
-/// A camera whose pictures get brighter and darker.
+/// A camera whose images vary in brightness.
 struct Flicker(u64);
 
 impl Camera for Flicker {
@@ -35,7 +34,7 @@ impl Camera for Flicker {
 }
 
 #[test]
-fn reading_a_picture_does_not_allocate() {
+fn reading_an_image_does_not_allocate() {
     let config = experiment().config;
     let file = concat!(
         env!("CARGO_MANIFEST_DIR"),
@@ -52,7 +51,7 @@ fn reading_a_picture_does_not_allocate() {
     }
 }
 
-/// The tasks of all built-in experiments, over whole runs: what a session's controller decided is decided again.
+/// Replays the control of whole runs of all built-in experiments.
 #[test]
 fn no_task_allocates() {
     for built_in in BUILT_IN {
@@ -75,7 +74,7 @@ fn no_task_allocates() {
     }
 }
 
-/// A sensor that presses harder from frame to frame, and fails in the end.
+/// A sensor whose forces rise from frame to frame until it fails.
 struct Rising(u64);
 
 impl TactileSensor for Rising {
@@ -96,7 +95,7 @@ impl TactileSensor for Rising {
 }
 
 #[test]
-fn going_round_the_loop_does_not_allocate_nor_does_failing() {
+fn control_cycles_and_failures_do_not_allocate() {
     let experiment = experiment();
     let config = &experiment.config;
     let (geometries, home) = fingers_at_home(config).expect("fingers");

@@ -1,5 +1,4 @@
-//! A step of the simulated world does not allocate: over a whole run, so that feelers touch, roll, slip
-//! and let go.
+//! Steps of the simulated world do not allocate, over a whole run in which feelers touch, roll, slip and separate.
 
 use assert_no_alloc::assert_no_alloc;
 use feeler_lab::config::Experiment;
@@ -11,7 +10,7 @@ fn a_step_of_the_world_does_not_allocate() {
 }
 
 #[test]
-fn nor_with_rubber_that_relaxes_and_a_bottle_that_has_play() {
+fn a_step_with_relaxing_rubber_and_a_loose_bottle_does_not_allocate() {
     run_without_allocation(&[
         "sensing=direct",
         "sim.feeler.relaxation={share=0.2, time=0.3}",

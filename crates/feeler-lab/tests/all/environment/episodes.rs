@@ -1,4 +1,4 @@
-//! Seeds, what varies, what actions mean, and what is refused.
+//! Seeds, variation, kinds of actions, and errors.
 
 use super::support::{config, environment};
 use feeler_lab::config::Experiment;
@@ -8,7 +8,7 @@ use feeler_lab::sweep::trial::Trials;
 use rand::{RngExt as _, SeedableRng as _};
 use rand_pcg::Pcg64;
 
-/// Observation of the episode of `seed` after a tenth of a second of the plan.
+/// Observation after a tenth of a second of an episode with this `seed` that follows the plan.
 fn observed(environment: &mut Environment, seed: Option<u64>) -> Vec<f32> {
     environment.reset(seed).expect("an episode");
     let mut action = vec![0.0; environment.action_len()];
@@ -20,7 +20,7 @@ fn observed(environment: &mut Environment, seed: Option<u64>) -> Vec<f32> {
 }
 
 #[test]
-fn a_seed_alone_determines_its_episode_and_those_that_follow() {
+fn a_seed_determines_its_episode_and_the_following_ones() {
     let mut environment = environment("cap-closing", &[]);
     let first = observed(&mut environment, Some(5));
     let next = observed(&mut environment, None);
@@ -28,13 +28,13 @@ fn a_seed_alone_determines_its_episode_and_those_that_follow() {
     assert!(first != next && next != after);
     assert_eq!(observed(&mut environment, Some(5)), first);
     let seed = environment.reset(None).expect("an episode");
-    assert!(i64::try_from(seed).is_ok(), "a file can say {seed}");
+    assert!(i64::try_from(seed).is_ok(), "a file can contain {seed}");
     let mut other = super::support::environment("cap-closing", &[]);
     assert_eq!(observed(&mut other, Some(seed)), next);
 }
 
 #[test]
-fn what_varies_draws_what_the_first_trial_of_a_sweep_draws() {
+fn variation_draws_the_parameters_of_a_sweeps_first_trial() {
     let vary = [
         "friction=uniform(0.3,1.2)",
         "cap.radius=uniform(0.013,0.015)",
@@ -61,7 +61,7 @@ fn what_varies_draws_what_the_first_trial_of_a_sweep_draws() {
     }
 }
 
-/// The same command, whatever an action's numbers mean, but for the rounding of turning to and fro.
+/// Equivalent actions of all kinds give the same command, up to the rounding of coordinate transformations.
 #[test]
 fn actions_of_all_kinds_pass_the_same_limits() {
     let command = |action| {
@@ -99,7 +99,7 @@ fn actions_of_all_kinds_pass_the_same_limits() {
 }
 
 #[test]
-fn however_large_an_action_is_the_limits_hold() {
+fn limits_hold_for_arbitrarily_large_actions() {
     for action in [ActionKind::World, ActionKind::Fingertip, ActionKind::Joints] {
         let mut environment = Environment::new(&EnvironmentConfig {
             action,
@@ -134,7 +134,7 @@ fn however_large_an_action_is_the_limits_hold() {
 }
 
 #[test]
-fn what_makes_no_sense_is_refused_in_words() {
+fn invalid_actions_and_configurations_are_rejected_with_messages() {
     let mut environment = environment("cap-closing", &[]);
     let refused = |environment: &mut Environment, action: &[f64], word: &str| {
         let error = environment.step(action).expect_err("no sense").to_string();
@@ -149,7 +149,7 @@ fn what_makes_no_sense_is_refused_in_words() {
         "action[2]",
     );
     refused(&mut environment, &[f64::INFINITY; 6], "got inf");
-    // Nothing has happened.
+    // Rejected actions have no effect.
     assert!(environment.step(&[0.0; 6]).is_ok());
     assert!(environment.guide(&mut [0.0; 3]).is_err());
 
@@ -186,7 +186,7 @@ fn what_makes_no_sense_is_refused_in_words() {
     assert!(error.contains("288 numbers"), "{error}");
 }
 
-/// With random actions within their bounds, in episodes that vary.
+/// With random actions within their bounds, in randomized episodes.
 #[test]
 fn observations_are_within_finite_bounds() {
     for (experiment, kind) in [
@@ -212,7 +212,7 @@ fn observations_are_within_finite_bounds() {
             let mut guided = vec![0.0; bounds.len()];
             loop {
                 environment.guide(&mut guided).expect("an action");
-                // Towards what the task plans, so that objects are touched, and beside it.
+                // Random actions around the planned motion, so that the fingers touch objects.
                 let action = guided.iter().zip(&bounds);
                 let action = action.map(|(guided, bound)| {
                     (guided + random.random_range(-0.3..0.3) * bound).clamp(-bound, *bound)
@@ -235,7 +235,7 @@ fn observations_are_within_finite_bounds() {
 }
 
 #[test]
-fn an_episode_that_follows_is_found_again() {
+fn a_later_episode_is_reproducible_from_its_seed() {
     let mut environment = environment("cap-closing", &[]);
     let seeds = [Some(5), None, None, None].map(|seed| environment.reset(seed).expect("a seed"));
     let after = environment.reset(None).expect("a seed");

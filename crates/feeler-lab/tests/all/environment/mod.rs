@@ -1,4 +1,4 @@
-//! Learning environments: that they are the runs that `feeler run` makes, what they reward, and what they refuse.
+//! Learning environments: equivalence with `feeler run`, rewards and errors.
 
 mod episodes;
 mod picture;

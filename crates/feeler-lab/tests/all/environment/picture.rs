@@ -1,18 +1,18 @@
-//! What the picture of a scene shows.
+//! Rendered images of a scene.
 
 use super::support::{environment, told};
 use std::path::Path;
 
 const SIZE: (usize, usize) = (480, 360);
 
-/// Pixels that are as warm as only a pressed element is.
+/// Number of pixels in the warm colours of pressed elements.
 fn pressed(rgb: &[u8]) -> usize {
     let warm = |pixel: &&[u8]| i32::from(pixel[0]) > i32::from(pixel[2]) + 10;
     rgb.chunks_exact(3).filter(warm).count()
 }
 
 #[test]
-fn elements_that_are_pressed_are_seen_in_another_colour() {
+fn pressed_elements_are_drawn_in_another_colour() {
     let mut environment = environment("cap-closing", &[]);
     let mut rgb = vec![0; 3 * SIZE.0 * SIZE.1];
     environment.reset(Some(0)).expect("an episode");
@@ -25,14 +25,14 @@ fn elements_that_are_pressed_are_seen_in_another_colour() {
     }
     environment.render(SIZE, &mut rgb).expect("a picture");
     assert!(pressed(&rgb) > 0);
-    // For whoever wants to look at it.
+    // Saved for inspection.
     let file = Path::new(env!("CARGO_TARGET_TMPDIR")).join("cap-closing.png");
     let (width, height) = (SIZE.0 as u32, SIZE.1 as u32);
     image::save_buffer(&file, &rgb, width, height, image::ColorType::Rgb8).expect("a file");
 }
 
 #[test]
-fn a_picture_needs_its_room() {
+fn a_buffer_too_small_for_the_image_is_rejected() {
     let environment = environment("lift", &[]);
     let error = environment
         .render((4, 3), &mut [0; 35])

@@ -1,14 +1,14 @@
-//! What rewards add up to, held against the simulator's truth.
+//! Sums of rewards, compared with the simulator's ground truth.
 
 use super::support::{environment, follow, told};
 use feeler_lab::environment::Environment;
 use feeler_lab::experiment::Truth;
 
-/// Sums of up to 5000 rewards of about 1.
+/// Rounding error of a sum of up to 5000 rewards of about 1.
 const ROUNDING: f64 = 1e-9;
 
 #[test]
-fn rewards_of_a_cap_add_up_to_its_torque_and_turn_less_the_work_of_slip() {
+fn rewards_of_a_cap_add_up_to_torque_and_rotation_minus_slip_work() {
     let mut environment = environment("cap-closing", &[]);
     environment.reset(Some(1)).expect("an episode");
     let before = Truth::of(environment.session());
@@ -28,15 +28,15 @@ fn rewards_of_a_cap_add_up_to_its_torque_and_turn_less_the_work_of_slip() {
         |of: fn(&Truth) -> Option<f64>| of(&after).expect("a cap") - of(&before).expect("a cap");
     let seat = told(&environment, "cap_angle_rad") - (gained(|t| t.cap_torque) / 0.42);
     let expected = 1e3 * gained(|t| t.cap_torque) + seat - 50.0 * after.slip_work;
-    // No element was pressed above 1.25 F2, so that nothing else was to pay.
+    // No element was pressed above 1.25 F2, so no force penalty applies.
     assert!(peak < 0.63, "{peak}");
     assert!((sum - expected).abs() < ROUNDING, "{sum}, not {expected}");
     assert_eq!(told(&environment, "success"), 1.0);
 }
 
 #[test]
-fn tasks_that_reach_their_goal_earn_what_it_is_worth() {
-    // mN·m, mm there and back, mm, %; beside the costs, which are small.
+fn tasks_that_reach_their_goal_earn_its_reward() {
+    // In mN·m, mm of both directions, mm and %; costs are small.
     for (name, worth, costs) in [
         ("cap-until-closed", 37.0, 4.0),
         ("lift", 40.0, 0.1),
@@ -52,7 +52,7 @@ fn tasks_that_reach_their_goal_earn_what_it_is_worth() {
 }
 
 #[test]
-fn who_does_nothing_earns_nothing_until_the_time_is_over() {
+fn an_idle_agent_earns_nothing_until_the_time_limit() {
     for name in [
         "cap-closing",
         "cap-until-closed",
@@ -76,8 +76,9 @@ fn who_does_nothing_earns_nothing_until_the_time_is_over() {
     }
 }
 
-/// Follows the plan for as long as `goes_on`, then does `action` until the episode ends or `steps` have been made; the sum of all rewards, and
-/// of the second part alone.
+/// Follows the plan while `goes_on`, then applies `action` for up to `steps` steps or until the episode ends.
+///
+/// Returns the sum of all rewards and the sum of those after the plan.
 fn then(
     environment: &mut Environment,
     goes_on: impl Fn(&Environment) -> bool,
@@ -102,18 +103,18 @@ fn then(
 }
 
 #[test]
-fn who_drops_what_was_lifted_gives_back_what_that_gained() {
+fn dropping_a_lifted_object_loses_the_reward_of_lifting() {
     let mut environment = environment("lift", &[]);
     let lifted = |e: &Environment| told(e, "object_z_m") < 0.015;
     let apart = [-0.02, 0.0, 0.0, 0.02, 0.0, 0.0];
     let (sum, lost) = then(&mut environment, lifted, &apart, 60);
     assert!(lost < -14.0, "{lost}");
-    // The box stands where it stood, or nearly.
+    // The box is almost back at its initial position.
     assert!(sum.abs() < 0.5, "{sum}");
 }
 
 #[test]
-fn who_presses_too_hard_pays_until_the_hand_stops() {
+fn pressing_too_hard_is_penalized_until_the_hand_stops() {
     let mut environment = environment("lift", &[]);
     let touched = |e: &Environment| told(e, "pressing_force_n") < 0.5;
     let together = [0.02, 0.0, 0.0, -0.02, 0.0, 0.0];
@@ -124,7 +125,7 @@ fn who_presses_too_hard_pays_until_the_hand_stops() {
 }
 
 #[test]
-fn an_outline_counts_once() {
+fn an_outline_is_rewarded_once() {
     let mut environment = environment("contour", &[]);
     let felt = |e: &Environment| told(e, "outline_felt") < 0.2;
     let (sum, second) = then(&mut environment, felt, &[0.0; 3], 300);

@@ -1,4 +1,4 @@
-//! An agent that stands where the law does makes the very run that the law makes.
+//! An agent that replaces the control law with the same actions produces an identical run.
 
 use super::support::environment;
 use feeler::control::law::Law;
@@ -6,7 +6,7 @@ use feeler_lab::config::Experiment;
 use feeler_lab::environment::Environment;
 use feeler_lab::experiment::Session;
 
-/// The run that `feeler run` makes.
+/// A session as created by `feeler run`.
 fn session(name: &str, settings: &[&str], seed: u64) -> Session {
     let mut settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
     settings.push(format!("seed={seed}"));
@@ -14,7 +14,7 @@ fn session(name: &str, settings: &[&str], seed: u64) -> Session {
     Session::new(&experiment).expect("a session")
 }
 
-/// The laws of the environment's experiment, one for each finger, at rest.
+/// Control laws of the environment's experiment, one per finger, in their initial state.
 fn laws(environment: &Environment) -> Vec<Box<dyn Law>> {
     let control = &environment.experiment().config.control;
     let layouts = environment.layouts().iter();
@@ -29,7 +29,7 @@ fn laws(environment: &Environment) -> Vec<Box<dyn Law>> {
         .collect()
 }
 
-/// What the laws make of what is planned and felt.
+/// Writes the velocities that the laws request for the current plans and readings to `action`.
 fn by_law(environment: &Environment, laws: &mut [Box<dyn Law>], action: &mut [f64]) {
     let control_loop = environment.session().control_loop();
     let plans = control_loop.controller().plans();
@@ -41,8 +41,10 @@ fn by_law(environment: &Environment, laws: &mut [Box<dyn Law>], action: &mut [f6
     }
 }
 
-/// Makes both runs side by side and holds joint angles, forces, flags, phases and commands of every step against each other, bit for bit. The
-/// agent says what the laws would say where there are some, else what is planned. How many steps there were.
+/// Performs both runs in parallel and compares joint angles, forces, flags, phases and commands of every step bit for
+/// bit.
+///
+/// The agent follows the laws if `follows_law`, else the plan. Returns the number of steps.
 fn compare(name: &str, settings: &[&str], seed: u64, follows_law: bool) -> usize {
     let mut session = session(name, settings, seed);
     let mut environment = environment(name, settings);
@@ -72,7 +74,7 @@ fn compare(name: &str, settings: &[&str], seed: u64, follows_law: bool) -> usize
 }
 
 #[test]
-fn the_papers_law_as_an_agent_makes_the_run_of_the_law() {
+fn an_agent_with_the_papers_law_reproduces_its_run() {
     for seed in [0, 7] {
         let steps = compare("cap-closing", &["sensing=direct"], seed, true);
         assert!(steps > 1500, "{steps} steps");
@@ -80,13 +82,13 @@ fn the_papers_law_as_an_agent_makes_the_run_of_the_law() {
 }
 
 #[test]
-fn a_law_that_learns_makes_its_run_as_an_agent() {
+fn an_agent_with_an_adaptive_law_reproduces_its_run() {
     let settings = ["sensing=direct", "control.law=best", "task.screw.strokes=1"];
     assert!(compare("cap-closing", &settings, 3, true) > 300);
 }
 
 #[test]
-fn the_plan_as_an_agent_makes_the_run_of_a_task_without_a_law() {
+fn an_agent_that_follows_the_plan_reproduces_a_run_without_law() {
     for name in ["cap-until-closed", "lift", "slide-box-two", "contour"] {
         let steps = compare(name, &["sensing=direct"], 1, false);
         assert!(steps > 300, "{name}: {steps} steps");
@@ -94,8 +96,8 @@ fn the_plan_as_an_agent_makes_the_run_of_a_task_without_a_law() {
 }
 
 #[test]
-fn forces_come_from_pictures_where_they_are_asked_for() {
+fn forces_are_computed_from_images_if_configured() {
     let settings = ["sensing=image", "time_limit=1.2"];
-    // The first state that is past the limit is that of step 120.
+    // Step 120 is the first with a state past the limit.
     assert_eq!(compare("cap-closing", &settings, 0, true), 120);
 }

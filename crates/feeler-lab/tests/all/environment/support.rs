@@ -1,4 +1,4 @@
-//! Environments of built-in experiments.
+//! Creates environments of built-in experiments.
 
 use feeler_lab::environment::{ActionKind, Environment, EnvironmentConfig, Step};
 
@@ -15,14 +15,14 @@ pub fn environment(experiment: &str, settings: &[&str]) -> Environment {
     Environment::new(&config(experiment, settings)).expect("an environment")
 }
 
-/// The value that is told under `name`.
+/// Info value called `name`.
 pub fn told(environment: &Environment, name: &str) -> f64 {
     let mut names = environment.info_names().into_iter();
     let index = names.position(|own| own == name).expect("a name");
     environment.info()[index]
 }
 
-/// Follows the task's plan to the end of the episode of `seed`: its steps, and the sum of their rewards.
+/// Follows the task's plan to the end of the episode with this `seed`. Returns its steps and the sum of their rewards.
 pub fn follow(environment: &mut Environment, seed: u64) -> (Vec<Step>, f64) {
     environment.reset(Some(seed)).expect("an episode");
     let mut action = vec![0.0; environment.action_len()];

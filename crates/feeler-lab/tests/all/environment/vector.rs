@@ -1,13 +1,13 @@
-//! Many environments at once: each as a single one would be.
+//! Vectorized environments: each behaves like a single environment.
 
 use super::support::{config, environment};
 use feeler_lab::environment::{Autoreset, Batch, Environment, VectorEnvironment};
 
 const COUNT: usize = 5;
-/// An episode is cut off after 20 steps.
+/// Truncates episodes after 20 steps.
 const SETTINGS: [&str; 1] = ["time_limit=0.2"];
 
-/// Buffers for the results of all.
+/// Buffers for the results of all environments.
 struct Buffers {
     observations: Vec<f32>,
     rewards: Vec<f64>,
@@ -38,7 +38,7 @@ impl Buffers {
         }
     }
 
-    /// Requires that row `index` is what `environment` says, with this reward and these flags.
+    /// Asserts that row `index` equals the state of `environment`, with this reward and truncation flag.
     fn assert_row(
         &self,
         index: usize,
@@ -67,13 +67,13 @@ fn seeds() -> [Option<u64>; COUNT] {
     std::array::from_fn(|index| Some(10 + index as u64))
 }
 
-/// Some action of environment `index` in step `step`, m/s.
+/// Arbitrary action of environment `index` in step `step` (m/s).
 fn action(index: usize, step: usize) -> [f64; 6] {
     std::array::from_fn(|number| 0.01 * ((index + 3 * step + 7 * number) as f64).sin())
 }
 
 #[test]
-fn each_is_what_a_single_one_is_on_any_number_of_threads_in_every_mode() {
+fn vectorized_environments_equal_single_ones_with_any_threads_and_autoreset() {
     for autoreset in [Autoreset::NextStep, Autoreset::SameStep] {
         for threads in [1, 2, 3, 9] {
             let mut vector = vector(threads, autoreset);
@@ -123,7 +123,7 @@ fn each_is_what_a_single_one_is_on_any_number_of_threads_in_every_mode() {
 }
 
 #[test]
-fn who_is_not_reset_by_itself_is_reset_by_a_mask_alone() {
+fn without_autoreset_only_masked_environments_are_reset() {
     let mut vector = vector(2, Autoreset::Disabled);
     let mut buffers = Buffers::of(&vector);
     vector
@@ -136,7 +136,7 @@ fn who_is_not_reset_by_itself_is_reset_by_a_mask_alone() {
     assert_eq!(buffers.truncated, [true; COUNT]);
     let error = vector
         .step(&still, &mut buffers.batch())
-        .expect_err("they are over");
+        .expect_err("all episodes have ended");
     assert!(
         error
             .to_string()
@@ -163,7 +163,7 @@ fn who_is_not_reset_by_itself_is_reset_by_a_mask_alone() {
 }
 
 #[test]
-fn what_makes_no_sense_is_refused_in_words_and_names_the_environment() {
+fn invalid_arguments_are_rejected_with_messages_that_name_the_environment() {
     let mut vector = vector(2, Autoreset::NextStep);
     let mut buffers = Buffers::of(&vector);
     vector
@@ -172,7 +172,7 @@ fn what_makes_no_sense_is_refused_in_words_and_names_the_environment() {
     let mut actions = [0.0; 6 * COUNT];
     actions[3 * 6 + 1] = f64::NAN;
     let told = |error: Result<(), feeler_lab::environment::VectorError>, words: &str| {
-        let error = error.expect_err("no sense").to_string();
+        let error = error.expect_err("an error").to_string();
         assert!(error.contains(words), "{error}");
     };
     told(

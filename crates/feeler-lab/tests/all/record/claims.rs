@@ -1,4 +1,4 @@
-//! The measures and claims of a made-up run whose answers are known.
+//! Measures and claims of a synthetic run with known results.
 
 use crate::support;
 use feeler_record::Recording;
@@ -23,7 +23,7 @@ fn close(actual: Option<f64>, expected: f64, tolerance: f64) {
 }
 
 #[test]
-fn a_made_up_run_measures_what_it_was_made_of() {
+fn measures_of_a_synthetic_run_match_its_parameters() {
     let recording = recording("measured.mcap", 4);
     let data = RunData::new(&recording);
     let summary = Summary::new(&recording, &data);
@@ -31,12 +31,12 @@ fn a_made_up_run_measures_what_it_was_made_of() {
     let [first, .., fourth] = &summary.strokes[..] else {
         panic!("strokes")
     };
-    // Tolerances: noise of 0.4 mN·m; one control step of a hundred; the made-up ramps.
+    // Tolerances: noise of 0.4 mN·m, one of a hundred control steps, and the synthetic ramps.
     close(first.peak_torque, 0.029, 0.0005);
     close(first.mean_grasp_force, 1.2, 0.01);
     close(first.cap_turn, 0.4, 0.001);
     close(fourth.cap_turn, 0.0, 1e-12);
-    // MOVE ends one step before the whole travel.
+    // MOVE ends one step before the full travel.
     let bend = support::sagitta(0.99 * support::TRAVEL);
     let [first_bend, .., fourth_bend] = support::BENDS;
     close(first.path_inward_bend, first_bend * bend, 1e-9);
@@ -45,7 +45,7 @@ fn a_made_up_run_measures_what_it_was_made_of() {
     close(first.path_curvature, first_bend, 0.01);
     close(fourth.path_curvature, fourth_bend, 0.06);
     let kept = |bend: f64| (1.0 - bend) * fourth.line_radius_std.expect("a line");
-    // The cap stands 0.2 mm off, as the grip lets it; the line of stroke 4 begins where its arc has come to.
+    // The cap is 0.2 mm off-centre; the line of stroke 4 starts at the end of its arc.
     close(fourth.path_radius_std, kept(fourth_bend), 2e-5);
     close(fourth.slip_precision, 1.0, 1e-12);
     assert_eq!(fourth.true_slip_fraction, fourth.slip_fraction);
@@ -54,7 +54,7 @@ fn a_made_up_run_measures_what_it_was_made_of() {
     close(fourth.peak_element_force, 0.7 * 2.3, 0.01);
     assert!(fourth.slip_fraction > first.slip_fraction);
     close(summary.real_time_factor, 12.19 / 0.25, 1e-9);
-    // Each peak is as high as the one before at least, the last two alike.
+    // Each peak is at least as high as the previous one; the last two are equal.
     let peaks = Peaks {
         second_below_first: false,
         last_above_first: true,
@@ -70,7 +70,7 @@ fn a_made_up_run_measures_what_it_was_made_of() {
 }
 
 #[test]
-fn what_an_unfinished_run_does_not_define_does_not_hold() {
+fn claims_that_an_unfinished_run_does_not_define_do_not_pass() {
     let recording = recording("unfinished.mcap", 2);
     let summary = Summary::new(&recording, &RunData::new(&recording));
     let holds = |id| {
@@ -92,7 +92,7 @@ fn what_an_unfinished_run_does_not_define_does_not_hold() {
 }
 
 #[test]
-fn a_run_without_messages_defines_nothing_and_breaks_nothing() {
+fn a_run_without_messages_has_no_measures_and_causes_no_panic() {
     let recording = recording("empty.mcap", 0);
     let summary = Summary::new(&recording, &RunData::new(&recording));
     assert!(recording.complete);
@@ -180,16 +180,16 @@ fn the_keys_of_the_summary_are_stable() {
     );
 }
 
-/// `true` if each claim of any hand holds, and its value.
+/// Verdict (`true` if it passes) and value of each claim of any hand.
 fn of_hand(data: &RunData) -> [(bool, Option<f64>); 5] {
     let claims = of_any_hand(data, &data.stroke_measures());
     let claims: Vec<_> = claims.iter().map(|c| (c.holds, c.value)).collect();
     claims.try_into().expect("five claims")
 }
 
-/// One thing of a made-up run is spoilt at a time, and one claim notices.
+/// Each corruption of the synthetic run fails exactly one claim.
 #[test]
-fn each_claim_of_any_hand_notices_what_it_is_about() {
+fn each_claim_of_any_hand_detects_its_violation() {
     let recording = recording("any-hand.mcap", 4);
     let data = RunData::new(&recording);
     let rating = data.facts.over_force_threshold;
@@ -212,7 +212,7 @@ fn each_claim_of_any_hand_notices_what_it_is_about() {
         });
     });
     assert_eq!(swaying, [false, false, true, false, false]);
-    // The cap goes on turning, or turns back.
+    // The cap continues turning or turns back.
     for turn in [0.03, -0.03] {
         let turning = broken(&|data| {
             let last = fourth.rows.end - 1;
@@ -220,7 +220,7 @@ fn each_claim_of_any_hand_notices_what_it_is_about() {
         });
         assert_eq!(turning, [false, false, false, false, true], "{turn}");
     }
-    // A straight path along the stroke keeps neither the distance nor the curvature.
+    // A straight path along the stroke preserves neither distance nor curvature.
     let straight = broken(&|data| {
         let facts = data.facts.clone();
         for (finger, columns) in data.fingers.iter_mut().enumerate() {
@@ -236,13 +236,13 @@ fn each_claim_of_any_hand_notices_what_it_is_about() {
 }
 
 #[test]
-fn what_is_not_known_of_a_hand_does_not_hold() {
+fn claims_without_data_of_a_hand_do_not_pass() {
     let recording = recording("any-hand-unfinished.mcap", 2);
     let unfinished = of_hand(&RunData::new(&recording));
     let known = unfinished.map(|(holds, value)| (holds, value.is_some()));
     let (unknown, whole) = ((false, false), (true, true));
     assert_eq!(known, [unknown, unknown, unknown, whole, unknown]);
-    // Of fewer strokes than the paper's no claim is made.
+    // Claims require at least the paper's number of strokes.
     let mut recording = recording;
     recording.facts.stroke_count = 2;
     let summary = Summary::new(&recording, &RunData::new(&recording));

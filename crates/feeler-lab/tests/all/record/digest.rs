@@ -1,8 +1,8 @@
-//! The digest of a recording: what makes two of them the same.
+//! Digest of a recording: the content that determines it.
 
 use feeler_record::reading::Digester;
 
-/// The digest of one block and of messages (topic, log time in ns, bytes).
+/// Digest of one block and messages (topic, log time in ns, bytes).
 fn digest(block: &[u8], messages: &[(&str, u64, &[u8])]) -> String {
     let mut digester = Digester::default();
     digester.block(block);
@@ -28,7 +28,7 @@ fn a_digest_is_the_sha_256_of_lengths_and_content() {
 }
 
 #[test]
-fn whatever_differs_makes_another_digest() {
+fn any_difference_changes_the_digest() {
     let cap: (&str, u64, &[u8]) = ("/cap", TIME, &[1, 2]);
     let task: (&str, u64, &[u8]) = ("/task", TIME, &[3]);
     let same = digest(b"facts", &[cap, task]);

@@ -1,4 +1,4 @@
-//! The figures of a made-up screw task: what they show of it, for any number of fingers, and of data that are odd.
+//! Figures of a synthetic screw task: their content, any number of fingers, and irregular data.
 
 use crate::support;
 use feeler_record::Recording;
@@ -8,7 +8,7 @@ use glam::DVec3;
 use std::fs;
 use std::path::PathBuf;
 
-/// A made-up run of four strokes, in a directory of this test's own.
+/// Synthetic run of four strokes in a separate directory.
 fn run(name: &str) -> RunData {
     let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR"))
         .join("figures")
@@ -32,7 +32,7 @@ fn all(data: &RunData) -> Vec<Figure> {
     ]
 }
 
-/// What a figure's picture says in letters.
+/// All text in a figure's SVG.
 fn texts(figure: &Figure) -> Vec<String> {
     let svg = figure.svg.as_ref().expect("a picture");
     let document = roxmltree::Document::parse(svg).unwrap();
@@ -48,7 +48,7 @@ fn count(figure: &Figure, text: &str) -> usize {
     texts(figure).iter().filter(|found| *found == text).count()
 }
 
-/// The same run with so many fingers: the first two, again and again.
+/// Copy of `data` with `count` fingers, by repeating the first two.
 fn with_fingers(data: &RunData, count: usize) -> RunData {
     let mut data = data.clone();
     let two = data.clone();
@@ -63,7 +63,7 @@ fn with_fingers(data: &RunData, count: usize) -> RunData {
 }
 
 #[test]
-fn slip_stands_above_true_slip_where_it_is_known() {
+fn slip_is_plotted_above_true_slip_if_known() {
     let mut data = run("slip");
     let detail = time::stroke_in_detail(&data, 11, 4);
     assert_eq!(
@@ -82,7 +82,7 @@ fn slip_stands_above_true_slip_where_it_is_known() {
     );
 }
 
-/// How far the path's end is from the arc's, as a share of the planned line's, in the last panel of a figure.
+/// Distance from the path's end to the arc's, relative to the planned line's, in the last panel of a figure.
 fn off_the_arc(figure: &Figure) -> f64 {
     let document = roxmltree::Document::parse(figure.svg.as_ref().unwrap()).unwrap();
     let lines = document
@@ -96,7 +96,7 @@ fn off_the_arc(figure: &Figure) -> f64 {
         .filter_map(|node| node.attribute("d").map(end))
         .collect();
     let [.., path, line, arc] = ends[..] else {
-        panic!("a path, a line and an arc, not {ends:?}");
+        panic!("expected a path, a line and an arc, got {ends:?}");
     };
     (path - arc) / (line - arc)
 }
@@ -104,7 +104,7 @@ fn off_the_arc(figure: &Figure) -> f64 {
 #[test]
 fn the_closed_stroke_is_drawn_on_the_arc_and_the_first_on_the_line() {
     let data = run("arc");
-    // The made-up paths have 10 % and 95 % of the arc's bend; line and arc begin at a quarter of the travel.
+    // The synthetic paths have 10 % and 95 % of the arc's curvature; line and arc start at a quarter of the travel.
     let [first, .., fourth] = support::BENDS;
     let (first_off, fourth_off) = (
         off_the_arc(&paths::before_closing(&data)),
@@ -133,7 +133,7 @@ fn the_radius_of_every_stroke_is_drawn_for_every_finger() {
 }
 
 #[test]
-fn any_number_of_fingers_gives_whole_figures() {
+fn any_number_of_fingers_gives_complete_figures() {
     let data = run("fingers");
     for fingers in 1..=5 {
         for figure in all(&with_fingers(&data, fingers)) {
@@ -147,7 +147,7 @@ fn any_number_of_fingers_gives_whole_figures() {
 }
 
 #[test]
-fn odd_data_leave_out_what_they_do_not_tell() {
+fn figures_omit_curves_without_data() {
     let whole = run("odd");
     let spoil: [fn(&mut RunData); 9] = [
         |data| data.fingers.clear(),

@@ -1,4 +1,4 @@
-//! Recordings that are read part by part, against the same in memory.
+//! Recordings read in parts, compared with the same recordings in memory.
 
 use crate::support;
 use feeler_lab::config::Experiment;
@@ -11,9 +11,9 @@ use feeler_report::{RunData, Summary, tasks};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Room for 4 to 7 thousand rows of two fingers: all of 20 strokes, or four strokes in a quarter of it.
+/// Memory (bytes) for 4 to 7 thousand rows of two fingers: all of 20 strokes, or four strokes in a quarter.
 const MEMORY: usize = 18 << 20;
-/// Rows of a stroke.
+/// Number of rows of a stroke.
 const STROKE: usize = 300;
 
 fn folder(name: &str) -> PathBuf {
@@ -22,7 +22,7 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// A recording of so many strokes on a rig with all instruments.
+/// Recording of `strokes` strokes on a rig with all instruments.
 fn long(name: &str, strokes: u32) -> PathBuf {
     long_on(support::SIMULATED, name, strokes)
 }
@@ -42,13 +42,13 @@ fn in_memory(path: &Path) -> (Recording, RunData) {
     (recording, data)
 }
 
-/// As text, in which what is no number is equal to itself and all digits of the others stand.
+/// Formats data with all digits, so that NaN compares equal to itself.
 fn text(data: &impl std::fmt::Debug) -> String {
     format!("{data:?}")
 }
 
 #[test]
-fn a_run_of_ordinary_length_is_read_as_it_is_in_memory() {
+fn a_run_of_ordinary_length_reads_like_one_in_memory() {
     let path = folder("long-run").join("feeling.mcap");
     let feeling = support::Rig {
         feels: true,
@@ -65,13 +65,16 @@ fn a_run_of_ordinary_length_is_read_as_it_is_in_memory() {
         assert_eq!(recording.end, whole.end);
         assert!(recording.complete && data.thinned.is_none());
         let kept = recording.task.len();
-        assert!(kept < whole.task.len() * 2 / 3, "it lets go: {kept} stay");
+        assert!(
+            kept < whole.task.len() * 2 / 3,
+            "expected fewer task rows in memory, got {kept}"
+        );
         assert!(shares.len() > 2 && shares.is_sorted() && shares.iter().all(|s| *s <= 1.0));
     }
 }
 
 #[test]
-fn a_run_that_becomes_columns_while_it_is_recorded_is_as_it_is_in_memory() {
+fn columns_built_while_recording_equal_those_from_memory() {
     let settings = ["sensing=direct", "task.screw.strokes=2"].map(String::from);
     let experiment = Experiment::load("cap-closing", &settings).expect("an experiment");
     let mut session = Session::drawing(&experiment, Pictures::Sensed).expect("a session");
@@ -92,11 +95,14 @@ fn a_run_that_becomes_columns_while_it_is_recorded_is_as_it_is_in_memory() {
     let [summary, expected] =
         summaries.map(|(recording, data)| text(&Summary::new(recording, data)));
     assert_eq!(summary, expected);
-    assert!(recording.task.len() < 10, "it lets go");
+    assert!(
+        recording.task.len() < 10,
+        "expected fewer task rows in memory"
+    );
 }
 
 #[test]
-fn a_report_is_the_page_of_the_recording_in_memory() {
+fn a_report_equals_the_page_of_the_recording_in_memory() {
     for share in [1.0, 0.7, 0.31] {
         let folder = folder("long-run-page");
         let path = folder.join("recording.mcap");
@@ -107,16 +113,16 @@ fn a_report_is_the_page_of_the_recording_in_memory() {
         let made = make(&folder).expect("a report");
         let page = fs::read_to_string(&made.report_path).expect("a page");
         let recording = Recording::read(&path).expect("a recording");
-        assert!(page == page_of(&recording), "{share} of the file");
+        assert!(page == page_of(&recording), "with {share} of the file");
         let summary = Summary::new(&recording, &RunData::new(&recording));
         assert_eq!(made.summary.strokes, summary.strokes);
         assert_eq!(made.problem, recording.problem);
     }
 }
 
-/// Claims and measures of a long run are of all of its rows, to the last bit, though few of them are kept.
+/// Claims and measures of a long run are computed from all of its rows and bit-identical, though few rows are kept.
 #[test]
-fn a_long_run_measures_what_it_does_in_memory() {
+fn measures_of_a_long_run_equal_those_in_memory() {
     let path = long("forty.mcap", 40);
     let (whole, expected) = in_memory(&path);
     let (recording, data) = read_within(&path, MEMORY, &mut |_| {}).expect("a run");
@@ -142,9 +148,9 @@ fn a_long_run_measures_what_it_does_in_memory() {
     assert_eq!(kept.map(|s| s.rows.len()).collect::<Vec<_>>(), [STROKE; 4]);
 }
 
-/// So many strokes that of what the hand felt not everything is kept either.
+/// The run is long enough that findings are thinned, too.
 #[test]
-fn what_was_felt_in_a_long_run_is_measured_as_in_memory() {
+fn findings_of_a_long_run_are_measured_as_in_memory() {
     let feeling = support::Rig {
         feels: true,
         torque_from: Some(2.0),
@@ -163,11 +169,11 @@ fn what_was_felt_in_a_long_run_is_measured_as_in_memory() {
 }
 
 #[test]
-fn peaks_of_a_long_run_stay_in_its_columns() {
+fn peaks_of_a_long_run_are_kept_in_its_columns() {
     let path = long("peaks.mcap", 40);
     let (_, whole) = in_memory(&path);
     let (_, data) = read_within(&path, MEMORY, &mut |_| {}).expect("a run");
-    // In spans of ten seconds, which are longer than a cell.
+    // In spans of ten seconds, each longer than a cell.
     let greatest = |data: &RunData, column: &[f64]| {
         let mut greatest = vec![f64::MIN; 13];
         for (time, value) in data.time.iter().zip(column) {
@@ -192,7 +198,7 @@ fn peaks_of_a_long_run_stay_in_its_columns() {
             );
         }
     }
-    // A row that is kept is as it was.
+    // Kept rows are unchanged.
     for (row, time) in data.time.iter().enumerate() {
         let place = whole.time.binary_search_by(|t| t.total_cmp(time));
         let place = place.expect("the same row");
@@ -201,10 +207,10 @@ fn peaks_of_a_long_run_stay_in_its_columns() {
     }
 }
 
-/// With room for a thousand rows, no stroke that claims are about fits into its share, and a stroke that goes on and on is
-/// measured by what is largest in it.
+/// With memory for a thousand rows, no stroke relevant to claims fits its share, and an overlong stroke is measured by
+/// its maximum.
 #[test]
-fn what_does_not_fit_is_not_measured_rather_than_wrong() {
+fn claims_that_exceed_the_memory_are_not_measured() {
     let path = long("narrow.mcap", 30);
     let (whole, expected) = in_memory(&path);
     let (recording, data) = read_within(&path, 0, &mut |_| {}).expect("a run");

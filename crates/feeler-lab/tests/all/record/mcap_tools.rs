@@ -1,7 +1,7 @@
-//! The MCAP project's own Python packages read a recording as feeler does.
+//! The MCAP project's Python packages read recordings like feeler does.
 //!
 //! Needs `pip install mcap mcap-ros2-support` in the Python named by `FEELER_PYTHON` (default
-//! `python3`); without them the test says that it is skipped, or fails where
+//! `python3`). Without them the test is reported as skipped, or fails if
 //! `FEELER_REQUIRE_ALL` is set.
 
 use super::python::read_by;
@@ -12,7 +12,7 @@ use feeler_record::{Image, MessageSink, RecordOptions, Recorder, Recording, topi
 use serde_json::{Value, json};
 use std::path::{Path, PathBuf};
 
-/// The recording at `path` as Python reads it; nothing where it has not the packages.
+/// The recording at `path` as read by Python, or `None` if packages are missing.
 fn read_by_python(path: &Path) -> Option<Value> {
     read_by("read_recording.py", &["mcap", "mcap_ros2"], path)
 }
@@ -27,7 +27,7 @@ fn python_reads_what_feeler_wrote() {
 }
 
 #[test]
-fn python_sees_the_pictures() {
+fn python_reads_the_images() {
     let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("pictures-for-python.mcap");
     let options = RecordOptions {
         calibrations: [("a.toml".to_string(), "b = 1".to_string())].into(),

@@ -1,4 +1,4 @@
-//! Recordings: written, read, by other tools, too, reported and replayed.
+//! Recordings: writing, reading (also by other tools), reports and replay.
 
 mod claims;
 mod digest;

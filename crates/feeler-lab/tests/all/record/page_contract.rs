@@ -1,5 +1,7 @@
-//! What pages hold, written down where the compiler of their program checks it: `web/test/examples.ts` says that pages of
-//! each kind, as they are made here, are what `web/src/page_data.ts` declares. `FEELER_WRITE_EXAMPLES=1` writes it anew.
+//! Contract between pages and their TypeScript program.
+//!
+//! `web/test/examples.ts` contains example data of each kind of page, which the TypeScript compiler checks against the
+//! declarations in `web/src/page_data.ts`. `FEELER_WRITE_EXAMPLES=1` regenerates the file.
 
 use crate::support;
 use feeler_record::{Recording, Solid, SolidFrame, SolidShape};
@@ -12,14 +14,14 @@ use std::env;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Entries of a list that are shown, of numbers and of what may be of several kinds: the rest is like them.
+/// Maximum number of entries of a list in the examples.
 const SHOWN: usize = 4;
 const KINDS: usize = 7;
-/// Most letters of a text that are shown.
+/// Maximum number of characters of a text in the examples.
 const LETTERS: usize = 60;
 
 #[test]
-fn pages_hold_what_their_program_declares() {
+fn pages_match_the_declarations_of_their_program() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../web/test/examples.ts");
     let examples = [report(), sweep(), slip_detectors(), live()];
     let examples = examples.map(|page| shortened(data_of(&page)));
@@ -41,14 +43,14 @@ fn pages_hold_what_their_program_declares() {
     );
 }
 
-/// The data of a page.
+/// Data of a page.
 fn data_of(page: &str) -> Value {
     let (_, data) = page.split_once(r#"id="page-data">"#).expect("page data");
     let (data, _) = data.split_once("</script>").expect("an end");
     serde_json::from_str(data).expect("JSON")
 }
 
-/// The same with the beginning of each list and text, and with numbers that every computer agrees about.
+/// Copy of `value` with lists and texts shortened and numbers rounded to be portable.
 fn shortened(value: Value) -> Value {
     match value {
         Value::Array(list) => {

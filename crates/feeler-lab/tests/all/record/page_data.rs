@@ -1,4 +1,4 @@
-//! What a report's program draws is what was recorded.
+//! The data in a report's page match the recording.
 
 use crate::support;
 use base64::Engine;
@@ -13,7 +13,7 @@ use std::fs;
 use std::io::Read;
 use std::path::PathBuf;
 
-/// The data of a page, and the numbers of its columns.
+/// Data of a page and its decoded columns.
 struct Page {
     data: Value,
     columns: HashMap<String, (usize, Vec<f64>)>,
@@ -23,7 +23,7 @@ impl Page {
     fn of(page: &str) -> Self {
         let (_, data) = page.split_once(r#"id="page-data">"#).expect("page data");
         let (data, _) = data.split_once("</script>").expect("an end");
-        assert!(!data.contains('<'), "what ends a script");
+        assert!(!data.contains('<'), "the data could end the script element");
         let data: Value = serde_json::from_str(data).expect("JSON");
         let run = &data["run"];
         let stored = STANDARD.decode(run["data"].as_str().expect("a text"));
@@ -52,7 +52,7 @@ impl Page {
             columns.insert(name.to_string(), (width, numbers));
             rest = after;
         }
-        assert!(rest.is_empty(), "{} bytes more", rest.len());
+        assert!(rest.is_empty(), "{} bytes left", rest.len());
         Self { data, columns }
     }
 
@@ -63,7 +63,7 @@ impl Page {
 }
 
 #[test]
-fn the_rows_of_a_page_are_those_of_the_recording() {
+fn the_rows_of_a_page_equal_those_of_the_recording() {
     let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("page-data");
     fs::create_dir_all(&directory).expect("a folder");
     let path = directory.join("recording.mcap");
@@ -110,16 +110,16 @@ fn the_rows_of_a_page_are_those_of_the_recording() {
                 .iter()
                 .flat_map(|f| [f.x, f.y, f.z]);
             for (stored, force) in column("forces").iter().zip(forces) {
-                // Half of the step to which forces are rounded, and rounding.
+                // Half of the step to which forces are rounded, plus rounding errors.
                 assert!((stored - force).abs() <= 0.251e-3, "{stored} N, {force} N");
             }
         }
     }
 }
 
-/// What moves around the hand is drawn only where the run says where it is: not at the world's origin.
+/// Objects without a recorded pose are not drawn, instead of at the world's origin.
 #[test]
-fn what_moves_is_drawn_where_its_pose_is_known() {
+fn moving_objects_are_drawn_only_if_their_pose_is_known() {
     let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("page-solids");
     fs::create_dir_all(&directory).expect("a folder");
     let drawn = |name: &str, rig| {
@@ -150,9 +150,9 @@ fn solid(frame: SolidFrame) -> Solid {
     }
 }
 
-/// The domes of the scene are where the recorded angles have them, and figures name columns that are there.
+/// The scene's domes are at the poses of the recorded joint angles, and figures refer to existing columns.
 #[test]
-fn the_scene_and_the_figures_of_a_page_name_what_it_has() {
+fn the_scene_and_figures_of_a_page_refer_to_existing_data() {
     let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join("page-scene");
     fs::create_dir_all(&directory).expect("a folder");
     support::write_run(&directory.join("recording.mcap"), 4).expect("a run");

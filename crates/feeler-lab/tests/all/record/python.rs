@@ -1,17 +1,17 @@
-//! What Python programs find in a recording.
+//! Runs Python scripts that read recordings.
 
 use crate::skip::skipped;
 use serde_json::Value;
 use std::path::Path;
 use std::process::Command;
 
-/// What `references/<script>` prints of the recording at `path`; nothing where the Python named by `FEELER_PYTHON` (default
-/// `python3`) has not the `modules`.
+/// JSON printed by `references/<script>` for the recording at `path`, or `None` if the Python named by `FEELER_PYTHON`
+/// (default `python3`) lacks any of the `modules`.
 pub fn read_by(script: &str, modules: &[&str], path: &Path) -> Option<Value> {
     run(script, modules, &[path])
 }
 
-/// The same with several paths.
+/// Like [`read_by`], but with several paths.
 pub fn run(script: &str, modules: &[&str], paths: &[&Path]) -> Option<Value> {
     let python = std::env::var("FEELER_PYTHON").unwrap_or_else(|_| "python3".into());
     let modules = modules.join(", ");

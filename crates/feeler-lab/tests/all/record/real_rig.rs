@@ -1,4 +1,4 @@
-//! The report of a made-up run on a rig that has a hand and few instruments or none, as a real one.
+//! Reports of synthetic runs on rigs with few or no instruments besides the hand, as on real rigs.
 
 use crate::support::{self, REAL, Rig};
 use feeler_record::{FindingName, Findings, Recording, TaskKind, TaskOutcome};
@@ -7,7 +7,7 @@ use feeler_report::{ReportOutcome, RunData, Summary, Verdict, tasks};
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The directory of a run on `rig`, of this test's own.
+/// Separate directory with a run on `rig`.
 fn run(name: &str, rig: Rig) -> PathBuf {
     let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR"))
         .join("real-rig")
@@ -27,13 +27,13 @@ fn summary(name: &str, rig: Rig) -> Summary {
     Summary::new(&recording, &RunData::new(&recording))
 }
 
-/// The ids of the claims with a verdict.
+/// Ids of the claims with this verdict.
 fn ids(summary: &Summary, verdict: Verdict) -> Vec<&'static str> {
     let claims = summary.claims.iter().filter(|c| c.verdict == verdict);
     claims.map(|claim| claim.id).collect()
 }
 
-/// The texts of a figure's picture, which says nothing that is no number.
+/// Text in a figure's SVG, checked to contain no NaN.
 fn texts(directory: &Path, figure: &str) -> String {
     let svg = fs::read_to_string(directory.join(format!("figures/{figure}.svg"))).unwrap();
     assert!(!svg.contains("NaN") && !svg.contains("inf"), "{figure}");
@@ -42,7 +42,7 @@ fn texts(directory: &Path, figure: &str) -> String {
     texts.collect::<Vec<_>>().join("|")
 }
 
-/// What is written of a report, none of which says what is no number.
+/// The report's page and summary, checked to contain no NaN.
 fn written(outcome: &ReportOutcome) -> (String, String) {
     let [page, json] =
         [&outcome.report_path, &outcome.summary_path].map(|path| fs::read_to_string(path).unwrap());
@@ -52,7 +52,7 @@ fn written(outcome: &ReportOutcome) -> (String, String) {
 }
 
 #[test]
-fn without_instruments_the_strokes_are_measured_by_what_the_fingers_feel() {
+fn without_instruments_strokes_are_measured_by_tactile_data() {
     let outcome = make(run("bare", REAL)).unwrap();
     let whole = summary("whole", support::SIMULATED);
     assert_eq!(outcome.summary.strokes.len(), 4);
@@ -74,13 +74,13 @@ fn without_instruments_the_strokes_are_measured_by_what_the_fingers_feel() {
     let (page, json) = written(&outcome);
     let json: serde_json::Value = serde_json::from_str(&json).unwrap();
     assert!(json["strokes"][3]["peak_torque"].is_null());
-    assert!(page.contains("Done."), "how it ended");
+    assert!(page.contains("Done."), "the page lacks the final phase");
     assert!(page.contains("the hand made 4 of 4 strokes."));
     assert!(page.contains("Not measured: Peak torque; Cap turn; Precision of SLIP"));
 }
 
 #[test]
-fn claims_that_need_an_instrument_neither_hold_nor_fail() {
+fn claims_that_require_an_instrument_are_not_measured() {
     let outcome = make(run("claims", REAL)).unwrap();
     let unmeasured = [
         "four-peaks",
@@ -107,7 +107,7 @@ fn claims_that_need_an_instrument_neither_hold_nor_fail() {
 }
 
 #[test]
-fn every_figure_that_needs_no_instrument_is_drawn_and_speaks_of_none() {
+fn figures_without_instruments_are_drawn_and_do_not_mention_them() {
     let directory = run("figures", REAL);
     let (page, _) = written(&make(&directory).unwrap());
     for (figure, axis) in [
@@ -126,7 +126,7 @@ fn every_figure_that_needs_no_instrument_is_drawn_and_speaks_of_none() {
         let time = ["fig-12", "fig-13"].contains(&figure) || texts.contains("Time (s)");
         assert!(time, "{figure}: {texts}");
     }
-    // R is the distance from an axis that nothing knows.
+    // R is the distance from an unknown axis.
     assert!(!directory.join("figures/fig-14.svg").exists());
     assert_eq!(page.matches("Not in this recording.").count(), 1);
     let captions = page.split("<figcaption>").skip(1).map(|rest| {
@@ -134,7 +134,7 @@ fn every_figure_that_needs_no_instrument_is_drawn_and_speaks_of_none() {
         assert!(!caption.contains("true slip"), "{caption}");
         caption
     });
-    // That of the figure that is not there says what it would show.
+    // The caption of the missing figure describes its intended content.
     let captions: Vec<_> = captions.collect();
     assert!(
         captions[..6]
@@ -171,9 +171,9 @@ fn a_torque_sensor_alone_is_reported() {
 }
 
 #[test]
-fn a_torque_sensor_that_starts_late_costs_no_row() {
+fn a_torque_sensor_that_starts_late_drops_no_rows() {
     let whole = RunData::new(&recording("late-whole", support::SIMULATED));
-    // In SEARCH of stroke 1, and in its MOVE, which is from 0.9 to 1.9 s.
+    // In SEARCH of stroke 1, and in its MOVE, which lasts from 0.9 to 1.9 s.
     for (from, measured) in [(0.5, true), (1.2, false)] {
         let rig = Rig {
             torque_from: Some(from),
@@ -202,7 +202,7 @@ fn a_torque_sensor_that_starts_late_costs_no_row() {
 }
 
 #[test]
-fn what_the_hand_felt_of_a_cap_is_reported_without_anything_to_hold_it_against() {
+fn findings_about_a_cap_are_reported_without_ground_truth() {
     let rig = Rig {
         feels: true,
         ..REAL
@@ -236,7 +236,7 @@ fn what_the_hand_felt_of_a_cap_is_reported_without_anything_to_hold_it_against()
     assert_eq!((cap.final_torque, cap.friction_limit), (None, None));
 }
 
-/// A recording of another task, made of the made-up one's fingers and of these findings at every step.
+/// Recording of another task with the synthetic run's fingers and with these findings at every step.
 fn of_task(task: TaskKind, names: &[FindingName], outcome: TaskOutcome) -> Recording {
     let mut recording = recording(&format!("{task}"), REAL);
     recording.facts.task = task;
@@ -252,7 +252,7 @@ fn of_task(task: TaskKind, names: &[FindingName], outcome: TaskOutcome) -> Recor
 }
 
 #[test]
-fn without_the_true_object_what_is_felt_of_it_is_drawn() {
+fn findings_about_an_object_are_drawn_without_ground_truth() {
     let moved = [
         FindingName::MovedX,
         FindingName::MovedY,

@@ -1,6 +1,6 @@
-//! Pictures on record, taken again by a camera.
+//! Playback of recorded images by a camera.
 
-// Of the made-up run, only its constants are of use here.
+// Only the constants of the synthetic run are used.
 #[allow(dead_code)]
 use crate::support;
 use feeler::sensor::image::Frame;
@@ -14,10 +14,10 @@ use std::io::Cursor;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
-/// A stamp that has more than nanoseconds.
+/// A stamp that is not a whole number of nanoseconds.
 const STAMP: f64 = 0.1 + 0.2;
 
-/// What the camera of finger 1 saw at each of four steps: sequence number and stamp, s.
+/// Frames of finger 1's camera at four steps: sequence number and stamp (s).
 const SEEN: [(u64, f64); 4] = [(3, 0.0), (3, 0.0), (5, STAMP), (6, 0.31)];
 
 fn frame(sequence: u64, stamp: f64) -> Frame {
@@ -27,7 +27,7 @@ fn frame(sequence: u64, stamp: f64) -> Frame {
     frame
 }
 
-/// Records what was [`SEEN`], but of the pictures only the first `count`, for the test called `name`.
+/// Records the frames of [`SEEN`] with only the first `count` images, for the test called `name`.
 fn record(name: &str, count: usize) -> PathBuf {
     let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(format!("camera-{name}.mcap"));
     let options = RecordOptions {
@@ -56,7 +56,7 @@ fn record(name: &str, count: usize) -> PathBuf {
 }
 
 #[test]
-fn every_step_sees_what_it_saw() {
+fn every_step_gets_its_recorded_image() {
     let path = record("all", 3);
     let recording = Recording::read(&path).unwrap();
     assert!(recording.complete, "{:?}", recording.problem);
@@ -69,14 +69,14 @@ fn every_step_sees_what_it_saw() {
     }
     let end = camera.capture(&mut taken);
     assert!(matches!(end, Err(CameraError::Ended { count: 4 })));
-    // The other finger has none.
+    // The other finger has no images.
     let mut camera = RecordedCamera::open(&path, &recording, 0).unwrap();
     let end = camera.capture(&mut taken);
     assert!(matches!(end, Err(CameraError::Ended { count: 0 })));
 }
 
 #[test]
-fn a_picture_that_is_missing_is_named() {
+fn a_missing_image_is_named() {
     let path = record("missing", 1);
     let recording = Recording::read(&path).unwrap();
     let capture = |recording: &Recording, size: (usize, usize)| {
@@ -98,9 +98,9 @@ fn a_picture_that_is_missing_is_named() {
     assert!(matches!(error, CameraError::FrameSize { .. }), "{error}");
 }
 
-/// The file is another one than the recording was read from.
+/// The file differs from the one that the recording was read from.
 #[test]
-fn a_file_that_was_changed_meanwhile_is_refused() {
+fn a_file_that_has_changed_is_rejected() {
     let path = record("changed", 3);
     let recording = Recording::read(&path).unwrap();
     let length = fs::metadata(&path).unwrap().len();
@@ -122,7 +122,7 @@ fn a_file_that_was_changed_meanwhile_is_refused() {
     }
 }
 
-/// The bytes of a recording with pictures.
+/// Bytes of a recording with images.
 fn bytes() -> &'static [u8] {
     static BYTES: OnceLock<Vec<u8>> = OnceLock::new();
     BYTES.get_or_init(|| fs::read(record("property", 3)).expect("a recording"))
@@ -131,9 +131,9 @@ fn bytes() -> &'static [u8] {
 proptest! {
     #![proptest_config(ProptestConfig { cases: 256, ..ProptestConfig::default() })]
 
-    /// The chunks' checksums are for what the bit belongs to; what is read is as it was.
+    /// Checksums of chunks detect the flipped bit; an image that is read is unchanged.
     #[test]
-    fn a_flipped_bit_gives_no_other_picture(place in 0..bytes().len(), bit in 0..8u32) {
+    fn a_flipped_bit_never_gives_a_different_image(place in 0..bytes().len(), bit in 0..8u32) {
         let mut flipped = bytes().to_vec();
         flipped[place] ^= 1 << bit;
         let Ok(recording) = Recording::from_bytes(&flipped) else {

@@ -1,4 +1,4 @@
-//! A recording reads back as it was written, and says what is left when it is damaged.
+//! A recording round-trips, and a damaged one reports its readable part.
 
 use crate::support;
 use feeler_record::wire::Vector3;
@@ -8,7 +8,7 @@ use std::ops::Range;
 use std::path::PathBuf;
 use std::sync::OnceLock;
 
-/// A directory of this test's own, made anew.
+/// Creates an empty directory for a test.
 fn directory(name: &str) -> PathBuf {
     let path = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = std::fs::remove_dir_all(&path);
@@ -16,7 +16,7 @@ fn directory(name: &str) -> PathBuf {
     path
 }
 
-/// The bytes of a short run's recording.
+/// Bytes of a short run's recording.
 fn short_run() -> &'static [u8] {
     static BYTES: OnceLock<Vec<u8>> = OnceLock::new();
     BYTES.get_or_init(|| {
@@ -59,7 +59,7 @@ fn a_recording_reads_back_as_written() {
 }
 
 #[test]
-fn the_digest_is_of_the_content_and_not_of_the_wall_time() {
+fn the_digest_depends_on_content_and_not_on_wall_time() {
     let directory = directory("digest");
     let run = |name: &str, experiment: &str, wall_time, force| {
         let path = directory.join(name);
@@ -85,7 +85,7 @@ fn the_digest_is_of_the_content_and_not_of_the_wall_time() {
 }
 
 #[test]
-fn what_cannot_be_written_is_refused_with_what_was_expected() {
+fn invalid_data_are_rejected_with_the_expected_values() {
     let directory = directory("refused");
     let mut facts = support::facts();
     facts.approach[1] = [2.0, 0.0, 0.0];
@@ -148,7 +148,7 @@ fn an_interrupted_run_is_readable_up_to_its_last_chunk() {
     let path = directory("interrupted").join("recording.mcap");
     let mut recorder = Recorder::create(&path, &support::facts(), support::EXPERIMENT).unwrap();
     support::write_strokes(&mut recorder, 4).unwrap();
-    // As after a kill: nothing is closed, the file is as the system has it at this moment.
+    // As after a kill: the file has not been closed.
     let bytes = std::fs::read(&path).unwrap();
     let killed = Recording::from_bytes(&bytes).unwrap();
     drop(recorder);
@@ -156,16 +156,15 @@ fn an_interrupted_run_is_readable_up_to_its_last_chunk() {
     assert!(!killed.complete && !dropped.complete);
     assert!(dropped.problem.unwrap().contains("not closed"));
     assert_eq!(dropped.task.len(), 4 * 300 + 20);
-    // 12.2 s were written in chunks of about 1 s, of which at most 8 wait, one is being written
-    // and one being filled.
+    // 12.2 s were written in chunks of about 1 s: at most 8 are queued, one is being written and one being filled.
     assert!(killed.readable_until > 2.0, "{}", killed.readable_until);
     assert_eq!(killed.task[..], dropped.task[..killed.task.len()]);
 }
 
-/// The device takes the file's opening and refuses its content.
+/// The device can be opened but rejects every write.
 #[cfg(target_os = "linux")]
 #[test]
-fn a_full_disk_is_an_error_and_no_panic() {
+fn a_full_disk_is_an_error() {
     let error = Recorder::create("/dev/full", &support::facts(), "")
         .err()
         .unwrap();
@@ -173,7 +172,7 @@ fn a_full_disk_is_an_error_and_no_panic() {
 }
 
 #[test]
-fn files_that_are_no_recording_are_refused_with_a_reason() {
+fn files_that_are_not_recordings_are_rejected_with_a_reason() {
     for bytes in [&b""[..], b"hello", &[0x89; 100_000]] {
         let reason = Recording::from_bytes(bytes).unwrap_err();
         assert!(reason.contains("MCAP magic"), "{reason}");
@@ -185,9 +184,9 @@ fn files_that_are_no_recording_are_refused_with_a_reason() {
     assert!(matches!(error, RecordError::File { .. }), "{error}");
 }
 
-/// A record that claims to be longer than memory.
+/// A record whose length exceeds memory.
 #[test]
-fn lengths_are_not_taken_at_their_word() {
+fn excessive_record_lengths_are_rejected() {
     for opcode in [0x01u8, 0x06, 0x09, 0x0c, 0x0f] {
         let start = 8 + 9 + 4;
         let mut bytes = short_run()[..start].to_vec();
@@ -199,10 +198,10 @@ fn lengths_are_not_taken_at_their_word() {
     }
 }
 
-/// An attachment that ends anywhere before its checksum.
+/// An attachment truncated anywhere before its checksum.
 #[test]
-fn an_attachment_cut_in_its_head_is_refused() {
-    // Two times, the lengths of two empty texts and of no data, the checksum.
+fn a_truncated_attachment_header_is_rejected() {
+    // Two times, the lengths of two empty texts and of empty data, and the checksum.
     const WHOLE: usize = 16 + 4 + 4 + 8 + 4;
     let start = short_run()[..8].to_vec();
     for length in 0..WHOLE {
@@ -215,9 +214,9 @@ fn an_attachment_cut_in_its_head_is_refused() {
     }
 }
 
-/// A chunk without checksum, followed by bytes that its only record claims.
+/// A chunk without checksum, followed by bytes within the claimed length of its only record.
 #[test]
-fn a_record_longer_than_its_chunk_is_refused() {
+fn a_record_longer_than_its_chunk_is_rejected() {
     let mut chunk = vec![0; 32]; // two times, size, checksum, length of the compression's name
     chunk.extend_from_slice(&9u64.to_le_bytes());
     chunk.push(0x80);
@@ -231,7 +230,7 @@ fn a_record_longer_than_its_chunk_is_refused() {
     assert!(reason.contains("ends within a record"), "{reason}");
 }
 
-/// Where the data of the chunks of a file begin and end.
+/// Byte ranges of the data of a file's chunks.
 fn chunks(file: &[u8]) -> Vec<Range<usize>> {
     let (mut chunks, mut at) = (Vec::new(), 8);
     loop {
@@ -246,9 +245,9 @@ fn chunks(file: &[u8]) -> Vec<Range<usize>> {
     }
 }
 
-/// The first holds nothing but what the channels are.
+/// The first chunk contains only channels.
 #[test]
-fn a_damaged_chunk_hides_no_other() {
+fn chunks_after_a_damaged_one_are_read() {
     let path = directory("damaged").join("recording.mcap");
     support::write_run(&path, 2).unwrap();
     let bytes = std::fs::read(&path).unwrap();
@@ -278,11 +277,11 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 48, ..ProptestConfig::default() })]
 
     #[test]
-    fn cut_anywhere_it_is_incomplete_and_what_is_left_is_the_beginning(share in 0.0..1.0f64) {
+    fn a_truncated_recording_is_incomplete_and_contains_the_beginning(share in 0.0..1.0f64) {
         let whole = Recording::from_bytes(short_run()).unwrap();
         let length = (share * short_run().len() as f64) as usize;
         match Recording::from_bytes(&short_run()[..length]) {
-            // Nothing of worth stands behind the end of the data.
+            // No data follow the end of the data section.
             Ok(cut) if cut.complete => prop_assert_eq!(cut.digest, whole.digest),
             Ok(cut) => {
                 prop_assert!(cut.problem.is_some());
@@ -294,18 +293,18 @@ proptest! {
     }
 
     #[test]
-    fn a_flipped_bit_is_noticed_or_does_no_harm(place in 0.0..1.0f64, bit in 0..8u32) {
+    fn a_flipped_bit_is_detected_or_harmless(place in 0.0..1.0f64, bit in 0..8u32) {
         let mut bytes = short_run().to_vec();
         let place = (place * bytes.len() as f64) as usize;
         bytes[place] ^= 1 << bit;
         if let Ok(recording) = Recording::from_bytes(&bytes) && recording.complete {
-            // Wall time and the container's own book-keeping are outside the digest.
+            // The digest excludes wall time and the container's bookkeeping.
             prop_assert_eq!(recording.digest, Recording::from_bytes(short_run()).unwrap().digest);
         }
     }
 
     #[test]
-    fn random_bytes_behind_a_good_start_do_no_harm(
+    fn random_bytes_after_a_valid_start_do_not_panic(
         share in 0.0..1.0f64,
         noise in prop::collection::vec(any::<u8>(), 0..400),
     ) {

@@ -1,4 +1,4 @@
-//! A recording put through the same sensor and control stages gives the same, bit for bit.
+//! Replaying a recording through the same sensing and control is bit-identical.
 
 use feeler::control::FlaggedSensor;
 use feeler::control::Phase;
@@ -21,7 +21,7 @@ fn file(name: &str) -> PathBuf {
     Path::new(env!("CARGO_TARGET_TMPDIR")).join(format!("replay-{name}.mcap"))
 }
 
-/// Runs the reference experiment with `settings` and records it at `path`, with pictures where they are taken.
+/// Runs the reference experiment with `settings` and records it at `path`, with images unless sensing is direct.
 fn record(settings: &[&str], path: &Path) -> Recording {
     let settings: Vec<_> = settings.iter().map(ToString::to_string).collect();
     let experiment = Experiment::load("cap-closing", &settings).unwrap();
@@ -66,7 +66,7 @@ fn replay(recording: &Recording, from: ReplayFrom<'_>, settings: &[String]) -> C
 
 type Loop = ControlLoop<FlaggedSensor<RecordedSensor>, RecordedHand>;
 
-/// The loop of a recording's own experiment over what it has on record.
+/// Control loop of a recording's experiment with the recorded hand and sensors.
 fn control_loop(recording: &Recording) -> Loop {
     let experiment = Experiment::parse(&recording.experiment, "recording", &[], None).unwrap();
     let layouts = layouts(&experiment.config).unwrap();
@@ -86,7 +86,7 @@ fn a_replayed_recording_gives_the_same_commands() {
     let recording = recorded_run(&["time_limit=4.0"], "commands");
     let mut control_loop = control_loop(&recording);
     let steps = recording.task.len();
-    assert!(steps >= 400, "{steps} steps on record");
+    assert!(steps >= 400, "{steps} recorded steps");
     for step in 0..steps {
         control_loop.step().unwrap();
         for (finger, record) in recording.fingers.iter().enumerate() {
@@ -105,8 +105,7 @@ fn a_replayed_recording_gives_the_same_commands() {
     );
 }
 
-/// A user stops the hand in the middle of a stroke and lets it go on, twice; the recording says only in which
-/// phase the task was.
+/// A user stops and resumes the hand twice within a stroke; the recording contains only the task's phases.
 #[test]
 fn stops_from_outside_are_repeated() {
     let original = recorded_run(&["time_limit=4.0"], "outside-original");
@@ -133,13 +132,13 @@ fn stops_from_outside_are_repeated() {
     let comparison = replay(&recording, ReplayFrom::Forces, &[]);
     assert!(comparison.same(), "{comparison:?}");
     assert_eq!(comparison.of(Kind::Phases).compared, steps as u64);
-    // Nothing was compared that was taken from the record.
+    // Recorded inputs are not compared with themselves.
     assert_eq!(comparison.of(Kind::Forces).compared, 0);
 }
 
-/// The control law stops by itself; with another limit it need not, and nobody else stops it.
+/// The control law stops by itself; with another limit it does not, and no other stop is replayed.
 #[test]
-fn stops_of_the_control_law_are_its_own() {
+fn stops_of_the_control_law_are_not_replayed_as_orders() {
     let recording = recorded_run(&["task.screw.search_limit=0.001"], "own-stop");
     assert_eq!(recording.task.last().unwrap().phase, Phase::Stopped);
     let same = replay(&recording, ReplayFrom::Forces, &[]);
@@ -155,7 +154,7 @@ fn stops_of_the_control_law_are_its_own() {
     );
 }
 
-/// A few steps with pictures, during which the fingers touch nothing yet.
+/// A few steps with images, before the fingers touch anything.
 fn with_pictures() -> &'static (Recording, PathBuf) {
     static RECORDING: OnceLock<(Recording, PathBuf)> = OnceLock::new();
     RECORDING.get_or_init(|| {
@@ -164,9 +163,9 @@ fn with_pictures() -> &'static (Recording, PathBuf) {
     })
 }
 
-/// A recording is the same with pictures as without, but for the pictures.
+/// Recordings with and without images differ only in the images.
 #[test]
-fn pictures_change_nothing_else() {
+fn recording_images_changes_nothing_else() {
     let (seen, _) = with_pictures();
     let path = file("no-pictures");
     let experiment = Experiment::load("cap-closing", &["time_limit=0.1".into()]).unwrap();

@@ -1,4 +1,4 @@
-//! The report of a made-up run: whole, self-contained, and honest about what is missing.
+//! Report of a synthetic run: complete, self-contained and explicit about missing data.
 
 use crate::support;
 use feeler_report::ReportError;
@@ -6,7 +6,7 @@ use feeler_report::run::make;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// A run's directory of this test's own, with a recording of `strokes` strokes.
+/// Separate run directory with a recording of `strokes` strokes.
 fn run(name: &str, strokes: u32) -> PathBuf {
     let directory = PathBuf::from(env!("CARGO_TARGET_TMPDIR"))
         .join("report")
@@ -17,7 +17,7 @@ fn run(name: &str, strokes: u32) -> PathBuf {
     directory
 }
 
-/// Cuts the recording in a run's directory to a share of its bytes.
+/// Truncates the recording in a run's directory to a share of its bytes.
 fn cut(directory: &Path, share: f64) {
     let path = directory.join("recording.mcap");
     let bytes = fs::read(&path).unwrap();
@@ -29,7 +29,7 @@ const FIGURES: [&str; 7] = [
 ];
 
 #[test]
-fn a_whole_run_gives_every_figure_in_the_page_and_as_a_file() {
+fn a_complete_run_gives_every_figure_in_the_page_and_as_a_file() {
     let directory = run("whole", 4);
     let outcome = make(&directory).unwrap();
     assert!(outcome.complete);
@@ -69,7 +69,7 @@ fn the_page_fetches_nothing_and_its_ids_are_unique() {
     for fetch in ["<link", "<img", "src=", "@import", "url(h", "url(\""] {
         assert!(!page.contains(fetch), "{fetch}");
     }
-    // What a reader may follow.
+    // Links that a reader may follow.
     let links: Vec<_> = page.split("href=\"").skip(1).collect();
     assert!(
         links
@@ -88,7 +88,7 @@ fn the_page_fetches_nothing_and_its_ids_are_unique() {
 }
 
 #[test]
-fn what_comes_from_the_recording_is_escaped() {
+fn text_from_the_recording_is_escaped() {
     let directory = run("escaped", 1);
     let page = fs::read_to_string(make(&directory).unwrap().report_path).unwrap();
     assert!(page.contains("made up &lt;&amp;&gt; \\&quot;quoted\\&quot;"));
@@ -104,7 +104,7 @@ fn the_same_recording_gives_the_same_report() {
 }
 
 #[test]
-fn a_damaged_recording_gives_a_report_that_cannot_be_taken_for_whole() {
+fn the_report_of_a_damaged_recording_is_marked_incomplete() {
     let directory = run("damaged", 4);
     make(&directory).unwrap();
     cut(&directory, 0.6);
@@ -114,7 +114,7 @@ fn a_damaged_recording_gives_a_report_that_cannot_be_taken_for_whole() {
     assert!(page.contains("<title>INCOMPLETE: "));
     assert!(page.contains("INCOMPLETE: readable up to t = "));
     assert!(page.contains("Not in this recording."));
-    // The whole run's figure of stroke 4 is gone with it.
+    // The figure of stroke 4 of the complete run is removed.
     assert!(!directory.join("figures/fig-11.svg").exists());
     assert!(directory.join("figures/fig-08.svg").exists());
     let summary = fs::read_to_string(&outcome.summary_path).unwrap();

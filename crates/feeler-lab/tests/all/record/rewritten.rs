@@ -1,4 +1,4 @@
-//! Recordings that other tools have written anew are read as before.
+//! Recordings rewritten by other tools read as before.
 
 use super::python;
 use crate::support;
@@ -17,7 +17,7 @@ use std::collections::HashMap;
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};
 
-/// A folder of this name, empty.
+/// Empty folder of this name.
 fn folder(name: &str) -> PathBuf {
     let folder = PathBuf::from(env!("CARGO_TARGET_TMPDIR")).join(name);
     let _ = fs::remove_dir_all(&folder);
@@ -33,10 +33,10 @@ fn frame(sequence: u64) -> Frame {
     frame
 }
 
-/// Number of pictures that [`with_pictures`] records.
+/// Number of images recorded by [`with_pictures`].
 const PICTURES: u64 = 40;
 
-/// A recording with pictures and a calibration in `folder`.
+/// Writes a recording with images and a calibration to `folder`.
 fn with_pictures(folder: &Path) -> PathBuf {
     let path = folder.join("pictures.mcap");
     let options = RecordOptions {
@@ -62,7 +62,7 @@ fn with_pictures(folder: &Path) -> PathBuf {
     path
 }
 
-/// The recording at `path` is `original`, but for where its pictures are; these are seen again.
+/// Asserts that the recording at `path` equals `original` except for image offsets, and plays back its images.
 fn is_the_same(path: &Path, original: &Recording) {
     let recording = Recording::read(path).unwrap();
     let name = path.display();
@@ -85,7 +85,7 @@ fn is_the_same(path: &Path, original: &Recording) {
 }
 
 #[test]
-fn what_the_mcap_projects_python_writes_is_read() {
+fn recordings_rewritten_by_the_mcap_python_package_are_read() {
     let folder = folder("rewritten-python");
     let settings = ["sensing=direct", "task.screw.strokes=1"].map(String::from);
     run(&settings, Pictures::Sensed, &folder);
@@ -124,7 +124,7 @@ fn what_the_mcap_projects_python_writes_is_read() {
     }
 }
 
-/// Copies the recording at `source` by the MCAP project's library for Rust, all messages before what is beside them.
+/// Copies the recording at `source` with the MCAP project's Rust library, all messages before metadata and attachments.
 fn copy(source: &Path, target: &Path, options: WriteOptions) {
     let bytes = fs::read(source).unwrap();
     let file = File::create(target).unwrap();
@@ -156,7 +156,7 @@ fn copy(source: &Path, target: &Path, options: WriteOptions) {
             _ => {}
         }
     }
-    // The facts last.
+    // The run facts last.
     for record in beside.into_iter().rev() {
         write_beside(&mut writer, record);
     }
@@ -181,7 +181,7 @@ fn write_beside(writer: &mut Writer<File>, record: Record<'_>) {
 }
 
 #[test]
-fn what_the_mcap_projects_rust_writes_is_read() {
+fn recordings_rewritten_by_the_mcap_rust_library_are_read() {
     let folder = folder("rewritten-rust");
     let run = folder.join("run.mcap");
     support::write_run(&run, 1).unwrap();
@@ -207,7 +207,7 @@ fn what_the_mcap_projects_rust_writes_is_read() {
     }
 }
 
-/// A file without a run, or with two, of these metadata.
+/// Writes a file with these metadata, of zero or two runs.
 fn other(path: &Path, metadata: &[Metadata]) {
     let options = WriteOptions::new()
         .compression(None)
@@ -238,7 +238,7 @@ fn other(path: &Path, metadata: &[Metadata]) {
 }
 
 #[test]
-fn what_is_no_run_or_two_is_refused_by_what_it_is() {
+fn files_with_no_run_or_two_are_rejected_with_their_content() {
     let folder = folder("rewritten-other");
     let bag = folder.join("bag.mcap");
     other(&bag, &[]);

@@ -1,4 +1,4 @@
-//! The measures of one stroke on columns made by hand.
+//! Measures of one stroke on handmade columns.
 
 use crate::support;
 use feeler_record::Phase;
@@ -9,8 +9,8 @@ use std::collections::BTreeMap;
 
 const ROWS: usize = 1001;
 
-/// A stroke in which the shear rate of each finger takes 0, 1, .. 1000 times its `rate` (N/s), in no order, and the torque
-/// goes up to `torque` (N m).
+/// A stroke in which the shear rate of each finger takes the values 0, 1, .. 1000 times its `rate` (N/s) in mixed order
+/// and the torque rises to `torque` (N m).
 fn data(rates: &[f64], torque: f64) -> RunData {
     let finger = |&rate: &f64| FingerColumns {
         grasp_force: vec![1.0; ROWS],
@@ -19,7 +19,7 @@ fn data(rates: &[f64], torque: f64) -> RunData {
         over: vec![false; ROWS],
         slipped: vec![None; ROWS],
         largest_element: vec![Some(0); ROWS],
-        // 389 and 1001 have no divisor in common: every value once.
+        // 389 and 1001 are coprime: each value occurs once.
         shear_rate: (0..ROWS)
             .map(|row| rate * (389 * row % ROWS) as f64)
             .collect(),
@@ -46,7 +46,7 @@ fn data(rates: &[f64], torque: f64) -> RunData {
 }
 
 #[test]
-fn the_peak_of_the_shear_rate_is_what_one_row_in_a_hundred_exceeds() {
+fn the_peak_shear_rate_is_the_99th_percentile() {
     let stroke = Stroke {
         index: 1,
         rows: 0..ROWS,
@@ -55,7 +55,7 @@ fn the_peak_of_the_shear_rate_is_what_one_row_in_a_hundred_exceeds() {
     };
     let data = data(&[0.01, 0.03], 0.05);
     let measures = StrokeMeasures::new(&data, &stroke);
-    // 990 of 0..=1000 for each finger, mean of both; rounding.
+    // 990 of 0..=1000 for each finger, mean of both, up to rounding.
     let peak = measures.peak_shear_rate.expect("a shear rate");
     assert!((peak - 0.02 * 990.0).abs() < 1e-12, "{peak} N/s");
     let above = |finger: &FingerColumns| {

@@ -1,7 +1,7 @@
-//! ROS 2's tools and Rerun find in a run what feeler recorded of it.
+//! ROS 2 tools and Rerun read a run as feeler recorded it.
 //!
 //! Needs `pip install mcap mcap-ros2-support rosbags rerun-sdk` in the Python named by `FEELER_PYTHON` (default
-//! `python3`); without them the test says that it is skipped, or fails where `FEELER_REQUIRE_ALL` is set.
+//! `python3`). Without them the test is reported as skipped, or fails if `FEELER_REQUIRE_ALL` is set.
 
 use super::python::read_by;
 use crate::whole_runs::{folder, run};
@@ -11,14 +11,14 @@ use feeler_report::run::make::RECORDING;
 use glam::{DMat4, DQuat, DVec3};
 use serde_json::{Value, json};
 
-/// Time until the cap is grasped and turns, s.
+/// Time until the cap is grasped and turns (s).
 const SECONDS: f64 = 3.0;
-/// Of poses, in m and of components of rotations: they are numbers of 64 bits from the same angles.
+/// Tolerance of poses, in m and of components of rotations: 64-bit numbers from the same angles.
 const POSE_TOLERANCE: f64 = 1e-9;
-/// Of a force on one element, below 2 N, as a number of 32 bits (2^-24 of it), N; and of the sum of 41.
+/// Tolerance of a force (N) below 2 N on one element: relative precision 2^-24 of 32-bit numbers; and of the sum of 41.
 const ELEMENT_TOLERANCE: f64 = 1.2e-7;
 const FORCE_TOLERANCE: f64 = 41.0 * ELEMENT_TOLERANCE;
-/// Of their torque about the dome's centre, N m: tips, 0.018 m from that, are such numbers, too.
+/// Tolerance of their torque about the dome's centre (N m): the tips' positions, 0.018 m away, are 32-bit numbers, too.
 const TORQUE_TOLERANCE: f64 = 2.0 * 0.018 * FORCE_TOLERANCE;
 
 #[test]
@@ -61,7 +61,7 @@ fn everything_is_decoded(found: &Value) {
 fn poses_are_those_on_record(found: &Value, recording: &Recording) {
     let links = found["links"].as_array().unwrap();
     for frame in found["frames"].as_array().unwrap() {
-        assert!(links.contains(frame), "{frame} is no link");
+        assert!(links.contains(frame), "{frame} is not a link");
     }
     assert!(number(&found["from_description_apart"]) < POSE_TOLERANCE);
     let all = found["of_frames"].as_array().unwrap();
@@ -75,7 +75,7 @@ fn poses_are_those_on_record(found: &Value, recording: &Recording) {
             let pose = DMat4::from_cols_array(&columns);
             assert!(
                 pose.abs_diff_eq(expected, POSE_TOLERANCE),
-                "{frame} at {time} s: {pose}, {expected} expected"
+                "{frame} at {time} s: expected {expected}, got {pose}"
             );
         };
         for (finger, record) in recording.fingers.iter().enumerate() {
@@ -97,7 +97,7 @@ fn joints_are_those_on_record(found: &Value, recording: &Recording) {
 }
 
 fn forces_are_those_on_record(found: &Value, recording: &Recording, finger: usize) {
-    assert!(number(&found["largest_force"]) > 0.5, "it does not grasp");
+    assert!(number(&found["largest_force"]) > 0.5, "expected a grasp");
     assert!(number(&found["force_apart"]) < FORCE_TOLERANCE);
     assert!(number(&found["torque_apart"]) < TORQUE_TOLERANCE);
     let points = &found["last_points"];
@@ -112,7 +112,7 @@ fn forces_are_those_on_record(found: &Value, recording: &Recording, finger: usiz
         let (tip, force) = (vector(["x", "y", "z"]), vector(["fx", "fy", "fz"]));
         let expected = recording.facts.hand[finger].element_tips[element];
         assert!(tip.abs_diff_eq(expected.into(), 0.018 * ELEMENT_TOLERANCE));
-        // It presses against the normal; what is tangential of it has axes of the element.
+        // The force presses against the normal; its tangential part is in the element's axes.
         let compression = -force.dot(tip.normalize());
         assert!((compression - own.z).abs() < ELEMENT_TOLERANCE, "{element}");
         let tangential = force.reject_from(tip.normalize()).length();
@@ -137,7 +137,7 @@ fn rerun_shows_the_hand(found: &Value, recording: &Recording) {
         assert_eq!(points, &json!([model.element_tips.len()]));
         let arrows = &found["arrows"][finger.to_string()];
         assert!(number(&arrows["count"]) > 10.0);
-        // m; ends of arrows of at most 0.02 m, as numbers of 32 bits.
+        // Ends (m) of arrows of at most 0.02 m, as 32-bit numbers.
         assert!(number(&arrows["from_scene_apart"]) < 1e-8);
     }
     let cap = &found["shapes"]["cap"];
@@ -145,7 +145,7 @@ fn rerun_shows_the_hand(found: &Value, recording: &Recording) {
     assert!(number(&found["turns"]["cap"]) > 0.01);
 }
 
-/// The message of this time, s.
+/// Message of this time (s).
 fn at<M: Stamped>(messages: &[M], time: f64) -> &M {
     let there = |message: &&M| (message.stamp() - time).abs() < 1e-6;
     messages.iter().find(there).expect("a message of this time")

@@ -1,4 +1,4 @@
-//! Plausible hands under the law that needs no tuning.
+//! Random plausible hands under the control law that requires no tuning.
 
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{Pictures, Session};
@@ -14,7 +14,7 @@ fn stiffness(experiment: &Experiment) -> f64 {
     sim.feeler.normal_stiffness
 }
 
-/// The claims that do not hold.
+/// Ids of the claims that fail.
 fn broken(experiment: &Experiment) -> Vec<String> {
     let mut session = Session::drawing(experiment, Pictures::Sensed).expect("a session");
     let ran = session.run_in_memory(&experiment.config);
@@ -25,8 +25,7 @@ fn broken(experiment: &Experiment) -> Vec<String> {
     broken.map(|claim| claim.id.to_string()).collect()
 }
 
-/// On 98 % of hands all five claims hold: of 40, that three or fewer fail has a probability of 99 %. The hands are those of these
-/// seeds each time.
+/// All five claims pass on 98 % of hands; at most three of 40 fail with a probability of 99 %. The seeds are fixed.
 #[test]
 fn the_law_pivot_works_on_plausible_hands_that_it_was_not_tuned_for() {
     let hands = (0..40).map(|seed| broken(&load(&[&format!("seed={seed}")])));
@@ -34,9 +33,9 @@ fn the_law_pivot_works_on_plausible_hands_that_it_was_not_tuned_for() {
     assert!(failing.len() <= 3, "{failing:?}");
 }
 
-/// The paper's law is not, and the claims say so.
+/// The paper's law requires tuning, which the claims detect.
 #[test]
-fn the_papers_law_fails_on_most_of_them() {
+fn the_papers_law_fails_on_most_plausible_hands() {
     let hands = (0..20).map(|seed| {
         let seed = format!("seed={seed}");
         broken(&load(&[&seed, "control.law=tri-axial"]))
@@ -46,22 +45,22 @@ fn the_papers_law_fails_on_most_of_them() {
 }
 
 #[test]
-fn a_seed_draws_its_hand_and_what_is_set_goes_before() {
+fn a_seed_determines_its_hand_and_settings_take_precedence() {
     let hands = [1, 2, 1].map(|seed| load(&[&format!("seed={seed}")]));
     assert_eq!(hands[0], hands[2]);
     assert_ne!(stiffness(&hands[0]), stiffness(&hands[1]));
-    // F2 is the rating of feelers of that stiffness, 10 % apart at most.
+    // F2 is the rated force of feelers of that stiffness, within 10 %.
     for hand in &hands {
         let rating = 0.505 * (stiffness(hand) / 205.0).sqrt();
         let share = hand.config.control.over_force / rating;
         assert!((0.9..=1.1).contains(&share), "{share}");
     }
-    // What a run writes is the hand, and stays it.
+    // The experiment written by a run reproduces its hand.
     let again = Experiment::parse(&hands[1].toml, "run", &[], None).expect("the same");
     assert_eq!(stiffness(&again), stiffness(&hands[1]));
     let other = again.with_settings(&["seed=1".into()]).expect("another");
     assert_eq!(stiffness(&other), stiffness(&hands[0]));
-    // Whatever hand the file is said to have, that of the seed is drawn.
+    // A `plausible_hand` of -1 draws the hand from the seed.
     let forced = load(&["plausible_hand=-1", "seed=2"]);
     assert_eq!(forced, hands[1]);
     let set = load(&["seed=2", "sim.feeler.normal_stiffness=300"]);
@@ -71,7 +70,7 @@ fn a_seed_draws_its_hand_and_what_is_set_goes_before() {
 }
 
 #[test]
-fn an_experiment_without_what_is_drawn_is_refused() {
+fn an_experiment_without_the_randomized_parts_is_rejected() {
     let settings = ["plausible_hand=-1".to_string()];
     let error = Experiment::load("contour", &settings).expect_err("no cap");
     assert!(error.to_string().contains("plausible_hand"), "{error}");

@@ -1,4 +1,4 @@
-//! A run's digest depends on its seed and settings and on nothing else.
+//! A run's digest depends only on its seed and settings.
 
 use crate::whole_runs::{folder, run, run_as};
 use feeler_lab::experiment::{Pictures, Session};
@@ -12,14 +12,15 @@ fn settings(sensing: &str, seed: u64, seconds: f64) -> [String; 3] {
     ]
 }
 
-/// The digest of a run of `seconds`, whose cameras draw what is sensed.
+/// Digest of a run of `seconds` whose cameras render only sensed pixels.
 fn digest(sensing: &str, seed: u64, seconds: f64, name: &str) -> String {
     let folder = folder(&format!("determinism-{sensing}-{seed}-{name}"));
     let settings = settings(sensing, seed, seconds);
     run(&settings, Pictures::Sensed, &folder).to_string()
 }
 
-/// Runs by itself, again, drawing all of the pictures, with sensors side by side, and three at once, of which one has another seed.
+/// Compares the digests of a run, its repetition, a run with complete images, a run with parallel sensors, and three
+/// concurrent runs, one with another seed.
 fn check(sensing: &'static str, seconds: f64) {
     let alone = digest(sensing, 1, seconds, "alone");
     assert_eq!(digest(sensing, 1, seconds, "again"), alone);
@@ -42,12 +43,12 @@ fn check(sensing: &'static str, seconds: f64) {
 }
 
 #[test]
-fn directly_sensed_runs_repeat_to_the_bit() {
+fn directly_sensed_runs_are_reproducible() {
     check("direct", 60.0);
 }
 
 #[test]
-fn runs_through_pictures_repeat_to_the_bit() {
-    // Long enough to touch the cap and turn it: the search ends after about 0.8 s.
+fn runs_sensed_through_images_are_reproducible() {
+    // Long enough to touch and turn the cap: SEARCH ends after about 0.8 s.
     check("image", 1.5);
 }

@@ -1,4 +1,4 @@
-//! Whole runs of the reference experiment: what comes out, and that it comes out again.
+//! Whole runs: claims, reports and reproducibility.
 
 mod any_hand;
 mod determinism;

@@ -1,10 +1,10 @@
-//! The paper's claims on the reference experiment, measured on its recordings.
+//! The paper's claims, evaluated on recordings of the reference experiment.
 
 use crate::whole_runs::{folder, run};
 use feeler_lab::experiment::Pictures;
 use feeler_report::run::make::make;
 
-/// What does not hold of the run with `seed`.
+/// Descriptions of the claims that fail for `seed`.
 fn broken_claims(sensing: &str, seed: u64) -> Vec<String> {
     let folder = folder(&format!("reference-{sensing}-{seed}"));
     let settings = [format!("sensing={sensing}"), format!("seed={seed}")];
@@ -24,16 +24,16 @@ fn broken_claims(sensing: &str, seed: u64) -> Vec<String> {
 }
 
 #[test]
-fn all_claims_hold_for_seeds_0_to_19_sensed_directly() {
+fn all_claims_pass_for_seeds_0_to_19_with_direct_sensing() {
     let broken: Vec<_> = (0..20)
         .flat_map(|seed| broken_claims("direct", seed))
         .collect();
     assert!(broken.is_empty(), "{broken:#?}");
 }
 
-/// Twenty runs through pictures take a while, so they are shared between two threads.
+/// Runs with images are slow, so the twenty are shared between two threads.
 #[test]
-fn all_claims_hold_for_seeds_0_to_19_through_pictures() {
+fn all_claims_pass_for_seeds_0_to_19_with_image_sensing() {
     let half = |seeds: std::ops::Range<u64>| {
         let broken = seeds.flat_map(|seed| broken_claims("image", seed));
         broken.collect::<Vec<_>>()

@@ -1,4 +1,4 @@
-//! The report that a run makes of itself, without reading its recording, is that of the recording.
+//! The report that a run writes directly equals the report made from its recording.
 
 use feeler::pace::FreeRunning;
 use feeler_lab::config::Experiment;
@@ -18,7 +18,7 @@ fn folder(name: &str) -> PathBuf {
     folder
 }
 
-/// The files of the report in `folder`.
+/// Files of the report in `folder`, by name.
 fn report(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     let figures = fs::read_dir(folder.join("figures")).expect("figures");
     let names = figures.map(|file| file.expect("a figure").path());
@@ -29,7 +29,8 @@ fn report(folder: &Path) -> BTreeMap<String, Vec<u8>> {
         .collect()
 }
 
-/// Makes a run of `name`, interrupted after so many steps, and its report once more from its recording; its folder.
+/// Runs experiment `name`, interrupted after `interrupted_after` steps, and compares its report with the report made
+/// from its recording. Returns the run's folder.
 fn check(name: &str, settings: &[&str], pictures: bool, interrupted_after: usize) -> PathBuf {
     let settings: Vec<_> = settings.iter().map(|s| s.to_string()).collect();
     let experiment = Experiment::load(name, &settings).expect("an experiment");
@@ -51,9 +52,10 @@ fn check(name: &str, settings: &[&str], pictures: bool, interrupted_after: usize
     folder
 }
 
-/// Which rows of a long run are kept does not depend on how many are taken at once: three while it is recorded, thousands when it is read.
+/// The selection of rows of a long run does not depend on the batch size: three rows while recording, thousands when
+/// reading.
 #[test]
-fn a_long_runs_report_is_that_of_its_recording() {
+fn a_long_runs_report_equals_its_recordings() {
     let settings = [
         "sensing=direct",
         "task.screw.strokes=60",
@@ -65,7 +67,7 @@ fn a_long_runs_report_is_that_of_its_recording() {
 }
 
 #[test]
-fn a_runs_own_report_is_that_of_its_recording() {
+fn a_runs_report_equals_its_recordings() {
     check("cap-closing", &["sensing=direct"], false, usize::MAX);
     check("three-fingers", &["sensing=direct"], false, 700);
     check("lift", &["sensing=direct"], false, usize::MAX);

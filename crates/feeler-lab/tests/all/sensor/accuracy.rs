@@ -1,5 +1,5 @@
-//! What the simulated 41-element sensor promises with the coupled calibration: 640x480, noise as in
-//! the reference experiment, full scale 2 N of compression and 1 N of shear.
+//! Specified accuracy of the simulated 41-element sensor with the coupled calibration: 640x480 pixels, noise of the
+//! reference experiment, full scale 2 N of compression and 1 N of shear.
 
 use feeler::sensor::calibration::{Calibration, ForceValidity, ModelChoice};
 use feeler::sensor::fingertip::{Fingertip, FingertipConfig};
@@ -15,10 +15,10 @@ use std::f64::consts::TAU;
 use std::sync::LazyLock;
 
 const ELEMENTS: usize = 41;
-/// Full scale in x, y, z of an element's frame, N.
+/// Full scale in x, y, z of an element's frame (N).
 const FULL_SCALE: DVec3 = DVec3::new(1.0, 1.0, 2.0);
 
-/// The reference experiment's fingertip and optics.
+/// Fingertip and optics of the reference experiment.
 fn reference() -> (FingertipConfig, OpticsConfig) {
     let config = Experiment::load("cap-closing", &[]).unwrap().config;
     (
@@ -36,7 +36,7 @@ static COUPLED: LazyLock<Calibration> = LazyLock::new(|| {
     calibrate_simulated(&fingertip, &optics, &bench).unwrap()
 });
 
-/// A camera that looks at a simulated fingertip under forces and light that a test sets.
+/// Camera of a simulated fingertip under forces and illumination set by a test.
 struct Bench {
     model: OpticsModel,
     scratch: OpticsScratch,
@@ -56,7 +56,7 @@ impl Bench {
     }
 }
 
-/// The fingertip's optics in light of a strength relative to that of its calibration.
+/// Optics of the fingertip at a brightness relative to its calibration's.
 fn lit(light: f64) -> OpticsModel {
     let (fingertip, mut optics) = reference();
     optics.background_gray *= light;
@@ -82,7 +82,7 @@ fn sensor(seed: u64) -> OpticalSensor<Bench> {
     OpticalSensor::new(Bench::new(seed), &reference().0, COUPLED.clone()).unwrap()
 }
 
-/// Readings of all elements under forces that `load` chooses for each.
+/// Readings of all elements under the forces `load(element)`.
 fn read(sensor: &mut OpticalSensor<Bench>, load: impl FnMut(usize) -> DVec3) -> Vec<DVec3> {
     sensor.camera_mut().forces = (0..ELEMENTS).map(load).collect();
     let mut reading = TactileFrame::unloaded(ELEMENTS);
@@ -90,19 +90,19 @@ fn read(sensor: &mut OpticalSensor<Bench>, load: impl FnMut(usize) -> DVec3) -> 
     reading.forces
 }
 
-/// A load inside a friction cone of 0.9 whose shear does not exceed full scale.
+/// A random load within a friction cone of 0.9 whose shear does not exceed full scale.
 fn load(rng: &mut Pcg64) -> DVec3 {
     let normal = FULL_SCALE.z * rng.random::<f64>();
     let shear = (0.9 * normal).min(FULL_SCALE.x) * rng.random::<f64>();
     (shear * DVec2::from_angle(TAU * rng.random::<f64>())).extend(normal)
 }
 
-/// Largest over all elements, in %.
+/// Maximum over all elements (%).
 fn largest(values: &[DVec3]) -> DVec3 {
     100.0 * values.iter().copied().reduce(DVec3::max).unwrap()
 }
 
-/// Root mean square error of each element over `pictures` of random loads, in shares of full scale.
+/// Root mean square error of each element over `pictures` images of random loads, relative to full scale.
 fn errors(sensor: &mut OpticalSensor<Bench>, pictures: u32, seed: u64) -> Vec<DVec3> {
     let mut rng = Pcg64::seed_from_u64(seed);
     let mut squares = vec![DVec3::ZERO; ELEMENTS];
@@ -119,18 +119,19 @@ fn errors(sensor: &mut OpticalSensor<Bench>, pictures: u32, seed: u64) -> Vec<DV
         .collect()
 }
 
-/// Promised: 0.6 % in z, 1.3 % in x and y, on every element. Measured: 0.16 % in z,
-/// 0.53 % in x and y (0.18 and 0.54 % by the calibration's own account, whose shear goes up to 1.8 N;
-/// separable: 0.37 and 9.9 %). `--nocapture` prints what is measured.
+/// Specified: 0.6 % in z, 1.3 % in x and y, on every element. Measured: 0.16 % in z, 0.53 % in x and y.
+///
+/// The calibration reports 0.18 and 0.54 % on held-out loads with shear up to 1.8 N; a separable calibration has 0.37
+/// and 9.9 %. `--nocapture` prints the measurements.
 #[test]
-fn every_element_is_right_on_combined_loads_not_seen() {
+fn every_element_is_accurate_on_unseen_combined_loads() {
     let largest = largest(&errors(&mut sensor(101), 300, 7));
     println!("rms, largest of all elements: {largest} %");
     assert!(
         largest.z <= 0.6 && largest.x.max(largest.y) <= 1.3,
         "{largest}"
     );
-    // The calibration's own account, with shear up to 1.8 N, agrees.
+    // The calibration's held-out errors, with shear up to 1.8 N, agree.
     let account = COUPLED
         .elements
         .iter()
@@ -143,10 +144,10 @@ fn every_element_is_right_on_combined_loads_not_seen() {
     );
 }
 
-/// Promised: 1 % of full scale. The mean of 40 readings, so that noise is no cross-talk.
-/// Measured: 0.40 % normal into shear, 0.31 % shear into normal, 0.39 % of one shear into the other.
+/// Specified: 1 % of full scale for the mean of 40 readings, which suppresses noise.
+/// Measured: 0.40 % normal into shear, 0.31 % shear into normal, 0.39 % between shear axes.
 #[test]
-fn a_force_along_one_axis_is_not_read_along_another() {
+fn cross_talk_between_axes_is_small() {
     let mean = |force: DVec3| {
         let mut sensor = sensor(102);
         let mut sums = vec![DVec3::ZERO; ELEMENTS];
@@ -166,7 +167,7 @@ fn a_force_along_one_axis_is_not_read_along_another() {
     let pressed = largest(&relative(&mean(DVec3::Z), &[DVec3::ZERO; ELEMENTS]));
     println!("1 N normal into shear: {pressed} %");
     assert!(pressed.x.max(pressed.y) <= 1.0, "{pressed}");
-    // Shear needs compression to hold it: what counts is what it adds to the reading of that.
+    // Shear requires compression by friction, so the reading without shear is subtracted.
     let base = mean(1.5 * DVec3::Z);
     let along_x = largest(&relative(&mean(DVec3::new(1.0, 0.0, 1.5)), &base));
     let along_y = largest(&relative(&mean(DVec3::new(0.0, 1.0, 1.5)), &base));
@@ -175,10 +176,10 @@ fn a_force_along_one_axis_is_not_read_along_another() {
     assert!(along_x.y <= 1.0 && along_y.x <= 1.0);
 }
 
-/// Promised: 2 % of full scale over 1,000 cycles: all readings of the same load, largest less least.
+/// Specified: 2 % of full scale over 1,000 cycles, maximum minus minimum reading of the same load.
 /// Measured: 1.72 % in x, 1.57 % in y, 0.67 % in z.
 #[test]
-fn a_thousand_cycles_read_the_same() {
+fn readings_are_repeatable_over_a_thousand_cycles() {
     let mut sensor = sensor(103);
     let load = DVec3::new(0.5, -0.3, 1.5);
     let mut range = vec![(DVec3::INFINITY, DVec3::NEG_INFINITY); ELEMENTS];
@@ -193,14 +194,14 @@ fn a_thousand_cycles_read_the_same() {
         .map(|(low, high)| (high - low) / FULL_SCALE)
         .collect();
     let spread = largest(&spread);
-    println!("largest less least reading: {spread} %");
+    println!("maximum minus minimum reading: {spread} %");
     assert!(spread.max_element() <= 2.0, "{spread}");
 }
 
-/// Promised: 5 mN normal, 10 mN shear, three standard deviations of readings without load.
+/// Specified: 5 mN normal and 10 mN shear, as three standard deviations of readings without load.
 /// Measured: 3.3 mN normal, 5.2 mN shear.
 #[test]
-fn small_forces_are_told_from_none() {
+fn small_forces_are_resolved() {
     let mut sensor = sensor(104);
     let (mut sums, mut squares) = (vec![DVec3::ZERO; ELEMENTS], vec![DVec3::ZERO; ELEMENTS]);
     for _ in 0..400 {
@@ -221,12 +222,13 @@ fn small_forces_are_told_from_none() {
     );
 }
 
-/// Promised: 2 % of full scale for a lamp that dims by 10 % over a run. Up to ten elements are loaded
-/// at a time, as they are in a grasp.
-/// Measured, root mean square of the worst element in the worst light: 0.85 % in z and 0.67 % in x and
-/// y; without the correction 6.4 and 2.8 %; under a steady lamp 0.15 and 0.43 %.
+/// Specified: 2 % of full scale for a lamp that dims by 10 % over a run. Up to ten elements are loaded at a time, as in
+/// a grasp.
+///
+/// Measured root mean square of the worst element at the worst brightness: 0.85 % in z and 0.67 % in x and y; without
+/// correction 6.4 and 2.8 %; under a steady lamp 0.15 and 0.43 %.
 #[test]
-fn a_dimming_lamp_costs_little() {
+fn a_dimming_lamp_is_corrected() {
     let mut correcting = sensor(105).with_drift_correction(DriftConfig::default());
     let mut plain = sensor(105);
     let mut steady = sensor(105);
@@ -236,7 +238,7 @@ fn a_dimming_lamp_costs_little() {
         correcting.camera_mut().model = model.clone();
         plain.camera_mut().model = model;
         let sensors = [&mut correcting, &mut plain, &mut steady];
-        // Only what corrects has a past that counts: the others are compared with it in the worst light.
+        // Only the correcting sensor depends on history; the others are compared at the worst brightness.
         let compared = if step == 20 { 3 } else { 1 };
         for (sensor, worst) in sensors.into_iter().zip(&mut worst).take(compared) {
             let mut rng = Pcg64::seed_from_u64(step.into());
@@ -259,13 +261,13 @@ fn a_dimming_lamp_costs_little() {
     let [corrected, uncorrected, steady] = worst;
     println!("corrected {corrected} %, uncorrected {uncorrected} %, steady lamp {steady} %");
     assert!(corrected.max_element() <= 2.0, "{corrected}");
-    // Without it the promise would not hold.
+    // Without correction the specification is not met.
     assert!(uncorrected.max_element() > 2.0, "{uncorrected}");
 }
 
-/// Dead, white and saturated pictures are marked, and good ones are not.
+/// Dark and saturated images are marked, valid ones are not.
 #[test]
-fn what_cannot_be_trusted_is_marked() {
+fn invalid_readings_are_marked() {
     let mut sensor = sensor(106);
     let mut rng = Pcg64::seed_from_u64(1);
     read(&mut sensor, |_| load(&mut rng));

@@ -1,4 +1,4 @@
-//! The calibration of a simulated fingertip: how right it is, and what it refuses.
+//! Calibration of a simulated fingertip: accuracy and errors.
 
 use feeler::sensor::calibration::{
     Calibration, CalibrationError, CalibrationReport, CalibrationTarget, ElementRecord, ForceCurve,
@@ -18,7 +18,7 @@ use rand::{Rng, SeedableRng};
 use rand_pcg::Pcg64;
 use std::sync::LazyLock;
 
-/// The noise of pictures that the bounds below were measured with.
+/// Optics with the image noise at which the bounds below were measured.
 fn optics() -> OpticsConfig {
     OpticsConfig {
         read_noise: 1.0,
@@ -27,7 +27,7 @@ fn optics() -> OpticsConfig {
     }
 }
 
-/// A third of the pictures of the default bench, to be quick without optimisation.
+/// Calibrated with a third of the default bench's images, which is fast without optimization.
 static CALIBRATION: LazyLock<Calibration> = LazyLock::new(|| {
     let bench = CalibrationBenchConfig {
         unloaded: 16,
@@ -40,7 +40,7 @@ static CALIBRATION: LazyLock<Calibration> = LazyLock::new(|| {
     calibrate_simulated(&FingertipConfig::default(), &optics(), &bench).unwrap()
 });
 
-/// A camera that looks at a simulated fingertip under forces that a test sets.
+/// Camera of a simulated fingertip under forces set by a test.
 struct SimulatedCamera {
     model: OpticsModel,
     scratch: OpticsScratch,
@@ -87,7 +87,7 @@ fn sensor(seed: u64) -> OpticalSensor<SimulatedCamera> {
     OpticalSensor::new(camera, &FingertipConfig::default(), CALIBRATION.clone()).unwrap()
 }
 
-/// Mean and standard deviation of the reading of each element over `count` pictures, N.
+/// Mean and standard deviation (N) of the reading of each element over `count` images.
 fn readings(force: DVec3, count: u32) -> Vec<(DVec3, DVec3)> {
     let mut sensor = sensor(23);
     sensor.camera_mut().forces.fill(force);
@@ -110,10 +110,11 @@ fn readings(force: DVec3, count: u32) -> Vec<(DVec3, DVec3)> {
         .collect()
 }
 
-/// The bounds are what is measured (z 0.2 to 0.35 %, shear 9 % of full scale), and a half more.
-/// The shear's error is the method's: the same shear tilts a lightly pressed column farther.
+/// The bounds are 1.5 times the measured errors (z 0.2 to 0.35 %, shear 9 % of full scale).
+///
+/// The shear error is inherent in the method: the same shear tilts a lightly pressed column farther.
 #[test]
-fn forces_are_recovered_on_loads_not_seen() {
+fn forces_are_recovered_on_unseen_loads() {
     for (ring, errors) in CalibrationReport::new(&CALIBRATION)
         .rings()
         .into_iter()
@@ -131,7 +132,7 @@ fn forces_are_recovered_on_loads_not_seen() {
 }
 
 #[test]
-fn no_load_reads_zero_but_for_noise() {
+fn no_load_reads_zero_up_to_noise() {
     for element in &CALIBRATION.elements {
         let unloaded = ElementMoments {
             integrated_gray: element.unloaded_gray,
@@ -140,10 +141,9 @@ fn no_load_reads_zero_but_for_noise() {
         assert_eq!(element.force(&unloaded), DVec3::ZERO);
     }
     for (element, (mean, noise)) in readings(DVec3::ZERO, 30).into_iter().enumerate() {
-        // Measured over 400 pictures: 0.8 mN in z and 3.7 mN in shear at the apex, half of it on the
-        // outer ring. Over 30 pictures a standard deviation is right to 13 %, here three times over.
-        // The mean has the noise of 30 readings and of 16 reference pictures, 0.3 of one picture's,
-        // here four times over.
+        // Measured over 400 images: 0.8 mN in z and 3.7 mN in shear at the apex, half of that on the outer ring. Over
+        // 30 images a standard deviation is accurate to 13 %; the bound allows three times that. The mean has the noise
+        // of 30 readings and 16 reference images, 0.3 of one image's; the bound allows four times that.
         assert!(noise.z < 1.2e-3, "element {element}: {noise}");
         assert!(
             noise.truncate().max_element() < 5.2e-3,
@@ -156,8 +156,9 @@ fn no_load_reads_zero_but_for_noise() {
     }
 }
 
-/// What the separable calibration does not know: the reading of one shear force under different
-/// normal forces. A rigorous calibration would make these numbers small; this one must not hide them.
+/// The separable calibration neglects the dependence of shear readings on the normal force.
+///
+/// A coupled calibration has smaller errors; this test pins those of the separable one.
 #[test]
 fn shear_reads_too_strong_under_a_light_load_and_too_weak_under_a_heavy_one() {
     let shear = 0.3;
@@ -168,7 +169,7 @@ fn shear_reads_too_strong_under_a_light_load_and_too_weak_under_a_heavy_one() {
     assert!((1.7..3.0).contains(&ratio), "{light} {heavy}");
     assert!(light.x > 1.2 * shear, "{light}");
     assert!(heavy.x < 0.8 * shear, "{heavy}");
-    // The other shear direction and the normal force see little of it.
+    // The other shear direction and the normal force are hardly affected.
     for (read, normal) in [(light, 0.4), (heavy, 1.9)] {
         assert!(read.y.abs() < 0.015, "{read}");
         assert!((read.z - normal).abs() < 0.02, "{read}");
@@ -176,7 +177,7 @@ fn shear_reads_too_strong_under_a_light_load_and_too_weak_under_a_heavy_one() {
 }
 
 #[test]
-fn a_reading_carries_its_picture_s_time() {
+fn a_reading_has_the_stamp_of_its_image() {
     let mut sensor = sensor(1);
     let mut reading = TactileFrame::unloaded(41);
     sensor.read(&mut reading).unwrap();
@@ -192,10 +193,10 @@ fn a_reading_carries_its_picture_s_time() {
     ));
 }
 
-/// A camera that delivers whatever it is told.
+/// Camera whose images a test spoils arbitrarily.
 struct Garbage(Spoil);
 
-/// Does something to a picture.
+/// Modifies an image.
 type Spoil = Box<dyn FnMut(&mut Picture)>;
 
 impl Camera for Garbage {
@@ -206,7 +207,7 @@ impl Camera for Garbage {
 }
 
 #[test]
-fn garbage_reads_as_finite_forces() {
+fn arbitrary_images_give_finite_or_no_forces() {
     let mut rng = Pcg64::seed_from_u64(1);
     let pictures: [Spoil; 4] = [
         Box::new(|picture| picture.pixels.fill(0)),
@@ -226,8 +227,8 @@ fn garbage_reads_as_finite_forces() {
             OpticalSensor::new(Garbage(picture), &config, CALIBRATION.clone()).unwrap();
         let mut reading = TactileFrame::unloaded(41);
         sensor.read(&mut reading).unwrap();
-        // The first two are black and white: no force is better than a wrong one. The third is black but for
-        // a pixel here and there, so that some elements have light and some have none.
+        // The first two are black and white, for which no force is reported. The third is black except for scattered
+        // pixels, so that some elements are lit and others dark.
         for (element, force) in reading.forces.iter().enumerate() {
             let valid = reading.is_valid(element);
             assert!(index == 2 || valid == (index > 1), "{index}: {force}");
@@ -248,21 +249,21 @@ fn garbage_reads_as_finite_forces() {
 }
 
 #[test]
-fn the_file_holds_all_of_it() {
+fn a_calibration_round_trips_through_its_file() {
     let text = CALIBRATION.to_toml().unwrap();
     assert_eq!(Calibration::from_toml(&text).unwrap(), *CALIBRATION);
 }
 
-/// The curves of an element.
+/// Separable map of an element.
 fn separable(calibration: &mut Calibration, element: usize) -> &mut SeparableMap {
     match &mut calibration.elements[element].map {
         ForceMap::Separable(map) => map,
-        ForceMap::Coupled(_) => panic!("the paper's model expected"),
+        ForceMap::Coupled(_) => panic!("expected the paper's model"),
     }
 }
 
 #[test]
-fn files_that_cannot_be_used_are_refused() {
+fn invalid_files_are_rejected() {
     let text = CALIBRATION.to_toml().unwrap();
     let refused = |text: &str| Calibration::from_toml(text).unwrap_err();
     let other_version = text.replacen("version = 2", "version = 7", 1);
@@ -295,7 +296,7 @@ fn files_that_cannot_be_used_are_refused() {
 }
 
 #[test]
-fn a_calibration_for_another_fingertip_is_refused() {
+fn a_calibration_for_another_fingertip_is_rejected() {
     let here = FingertipConfig {
         layout: LayoutConfig {
             rings: vec![RingConfig {
@@ -310,10 +311,10 @@ fn a_calibration_for_another_fingertip_is_refused() {
     let Err(SensingError::Calibration(error)) =
         OpticalSensor::new(camera, &here, CALIBRATION.clone())
     else {
-        panic!("refused by the calibration");
+        panic!("expected a rejection by the calibration");
     };
     let message = error.to_string();
-    // The first value that differs is named, as it is here and as it was calibrated.
+    // The error names the first value that differs, as configured and as calibrated.
     assert!(
         message.contains("another fingertip: the layout"),
         "{message}"
@@ -349,7 +350,7 @@ fn fit_separable(
 }
 
 #[test]
-fn records_that_determine_nothing_are_refused() {
+fn insufficient_records_are_rejected() {
     let mut config = FingertipConfig::default();
     config.layout.rings.truncate(1);
     let refused =
@@ -374,7 +375,7 @@ fn records_that_determine_nothing_are_refused() {
     assert_eq!(message, "expected records of loads for 1 elements, got 0");
 }
 
-/// A coupled calibration of the apex.
+/// Coupled calibration of a fingertip with only the apex element.
 static COUPLED: LazyLock<Calibration> = LazyLock::new(|| {
     let bench = CalibrationBenchConfig {
         model: ModelChoice::Coupled,
@@ -385,7 +386,7 @@ static COUPLED: LazyLock<Calibration> = LazyLock::new(|| {
 });
 
 #[test]
-fn the_file_holds_a_coupled_calibration_and_refuses_a_wrong_one() {
+fn a_coupled_calibration_round_trips_and_invalid_ones_are_rejected() {
     let text = COUPLED.to_toml().unwrap();
     assert_eq!(Calibration::from_toml(&text).unwrap(), *COUPLED);
     let refused = |text: &str| Calibration::from_toml(text).unwrap_err().to_string();
@@ -405,7 +406,7 @@ fn the_file_holds_a_coupled_calibration_and_refuses_a_wrong_one() {
 }
 
 #[test]
-fn another_layout_is_refused_by_its_hash() {
+fn another_layout_is_rejected_by_its_hash() {
     let here = CalibrationTarget::layout("a", 41, LengthUnit::Pixel);
     let there = CalibrationTarget::layout("b", 41, LengthUnit::Pixel);
     assert!(here.verify_same(&here).is_ok());
@@ -419,9 +420,9 @@ fn another_layout_is_refused_by_its_hash() {
 }
 
 proptest! {
-    /// However wild the picture, a force is a number; and it grows on beyond the calibrated range.
+    /// Forces of arbitrary images are finite and continue to grow beyond the calibrated range.
     #[test]
-    fn coupled_forces_stay_sane_beyond_their_range(
+    fn coupled_forces_are_finite_and_grow_beyond_their_range(
         gray in prop_oneof![-1e3..1e3_f64, proptest::num::f64::NORMAL],
         x in prop_oneof![-1e-2..1e-2_f64, proptest::num::f64::NORMAL],
         y in prop_oneof![-1e-2..1e-2_f64, proptest::num::f64::NORMAL],
@@ -442,9 +443,9 @@ proptest! {
         }
     }
 
-    /// Fitting what a curve says gives the curve back, and it goes on beyond its range.
+    /// Fitting samples of a curve recovers it, and the fit extrapolates beyond its range.
     #[test]
-    fn curves_are_recovered_and_go_on(
+    fn curves_are_recovered_and_extrapolate(
         slope in 0.5..3.0_f64,
         square in -0.1..0.1_f64,
         cube in 0.0..0.3_f64,

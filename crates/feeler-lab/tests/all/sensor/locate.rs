@@ -1,4 +1,4 @@
-//! Elements found in rendered pictures, whose elements are known.
+//! Locating elements in rendered images with known elements.
 
 use feeler::sensor::fingertip::{
     DomeGeometry, Fingertip, FingertipConfig, LayoutError, LocatedLayout,
@@ -28,9 +28,9 @@ fn distance_to_nearest(place: DVec2, others: impl Iterator<Item = DVec2>) -> f64
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Whatever the text: a layout or an error, no panic.
+    /// Any text gives a layout or an error and never panics.
     #[test]
-    fn any_text_is_answered(text in "\\PC*", cut in 0..2000_usize, inserted in "[0-9a-z.=\\[\\]\\-\n]{0,8}") {
+    fn parsing_any_text_does_not_panic(text in "\\PC*", cut in 0..2000_usize, inserted in "[0-9a-z.=\\[\\]\\-\n]{0,8}") {
         let _ = LocatedLayout::from_toml(&text);
         let mut whole = simulated_layout_text().to_string();
         let at = cut.min(whole.len());
@@ -69,7 +69,7 @@ fn simulated(config: &FingertipConfig, forces: &[DVec3], seed: u64) -> Picture {
     picture
 }
 
-/// The configuration with its camera's picture `times` as large.
+/// The default configuration with the camera's image enlarged by `times`.
 fn enlarged(times: f64) -> FingertipConfig {
     let mut config = FingertipConfig::default();
     config.camera.width = (640.0 * times) as usize;
@@ -78,8 +78,8 @@ fn enlarged(times: f64) -> FingertipConfig {
     config
 }
 
-/// Groups of eight spots are elements, at any resolution; and with the dome's geometry each is where
-/// it was put, in the order and with the frame of the sensor's own layout.
+/// Groups of eight spots are located as elements at any resolution. With the dome's geometry each has the position,
+/// index and frame of the sensor's layout.
 #[test]
 fn the_simulated_sensor_has_41_elements() {
     for (times, seed) in [(1.0, 1), (1.0, 2), (0.75, 3), (1.5, 4), (2.0, 5)] {
@@ -106,14 +106,14 @@ fn the_simulated_sensor_has_41_elements() {
         }
         println!("{times}: centres off by {plain_off:.3} px, with the dome known {dome_off:.3} px");
         assert!(dome_off < 0.1, "{times}: {dome_off}");
-        // The mean of a rim element's spots is off its axis by 0.76 px in a picture of 640 columns
-        // for perspective alone (by projecting its eight cones), and nothing in the picture tells.
+        // By perspective alone, the mean of a rim element's spots is 0.76 px off its axis in an image of 640 columns
+        // (from projecting its eight cones), which cannot be determined from the image.
         assert!(plain_off < 0.85 * times, "{times}: {plain_off}");
     }
 }
 
-/// A located layout takes the same moments as the one that the sensor was made with, as far as the
-/// sub-regions are the same: the centroid of an unloaded element is on its axis.
+/// A located layout measures the same moments as the sensor's layout, up to differences of the sub-regions: the
+/// centroid of an unloaded element is on its axis.
 #[test]
 fn moments_of_a_located_dome_are_in_metres() {
     let config = FingertipConfig::default();
@@ -129,7 +129,7 @@ fn moments_of_a_located_dome_are_in_metres() {
     let fingertip = Fingertip::new(&config).unwrap();
     fingertip.kernel.measure(&picture, &mut expected).unwrap();
     for (moments, expected) in moments.iter().zip(&expected) {
-        // 0.05 mm: half a pixel of a centre, and what else differs in the sub-regions' rims.
+        // 0.05 mm: half a pixel of a centre, and differences at the sub-regions' edges.
         assert!(moments.centroid.length() < 5e-5, "{moments:?} {expected:?}");
         let ratio = moments.integrated_gray / expected.integrated_gray;
         assert!((ratio - 1.0).abs() < 0.1, "{ratio}");
@@ -137,7 +137,7 @@ fn moments_of_a_located_dome_are_in_metres() {
 }
 
 #[test]
-fn a_layout_survives_its_file_and_its_hash_tells_it() {
+fn a_layout_round_trips_and_its_hash_identifies_it() {
     let layout = LocatedLayout::from_toml(simulated_layout_text()).unwrap();
     let again = LocatedLayout::from_toml(&layout.to_toml().unwrap()).unwrap();
     assert_eq!(again, layout);
@@ -175,7 +175,7 @@ fn a_layout_survives_its_file_and_its_hash_tells_it() {
 }
 
 #[test]
-fn a_wrong_dome_is_refused() {
+fn a_wrong_dome_is_rejected() {
     let config = FingertipConfig::default();
     let found = located(&simulated(&config, &[DVec3::ZERO; 41], 1)).unwrap();
     let mut other = dome(&config);
@@ -193,7 +193,7 @@ fn a_wrong_dome_is_refused() {
 }
 
 #[test]
-fn what_is_said_beforehand_is_used() {
+fn given_parameters_are_used() {
     let config = FingertipConfig::default();
     let picture = simulated(&config, &[DVec3::ZERO; 41], 1);
     let reference = ReferencePicture::mean([&picture]).unwrap();

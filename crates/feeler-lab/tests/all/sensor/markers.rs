@@ -1,4 +1,4 @@
-//! Fingertips with a marker for each element: the picture against the elastic model, and the experiments that use them.
+//! Fingertips with markers: images compared with the elastic model, and the experiments that use them.
 
 use super::optics::picture;
 use feeler::sensor::fingertip::Fingertip;
@@ -26,7 +26,9 @@ fn dark_level(experiment: &str) -> u8 {
     config.sensor.fingertip.moments.dark_level
 }
 
-/// A fingertip without noise and vignetting, its ground exactly as dark as the level from which moments are taken, with these markers.
+/// A fingertip without noise and vignetting, with markers modified by `change`.
+///
+/// Its background equals the gray level from which moments are measured.
 fn ideal(experiment: &str, change: impl Fn(&mut MarkerConfig)) -> (Fingertip, OpticsModel) {
     let (fingertip, optics) = fingertip(experiment);
     let mut markers = optics.markers.clone().expect("markers");
@@ -43,7 +45,7 @@ fn ideal(experiment: &str, change: impl Fn(&mut MarkerConfig)) -> (Fingertip, Op
     (fingertip, model)
 }
 
-/// Moments of every element with `force` on `element` alone.
+/// Moments of all elements with `force` on only `element`.
 fn moments(
     fingertip: &Fingertip,
     model: &OpticsModel,
@@ -59,9 +61,9 @@ fn moments(
     moments
 }
 
-/// A force on one element moves its marker and its neighbours' as the elastic model says, worked out by hand.
+/// A force on one element moves its marker and its neighbours' according to the elastic model, calculated by hand.
 #[test]
-fn markers_follow_the_force_on_them_and_on_their_neighbours() {
+fn markers_move_by_forces_on_them_and_on_their_neighbours() {
     const SPREAD: f64 = 2.5e-3;
     let (fingertip, model) = ideal("cap-closing-pins", |markers| {
         markers.spread = SPREAD;
@@ -73,7 +75,8 @@ fn markers_follow_the_force_on_them_and_on_their_neighbours() {
         let after = moments(&fingertip, &model, 0, force);
         after[element].centroid - before[element].centroid
     };
-    // The centroid of a disc of 1 mm in a picture of 7 px/mm, cut at the dark level: a hundredth of a pixel, 2 um (measured: 1.3 um).
+    // Centroid error of a disc of 1 mm at 7 px/mm, cut off at the dark level: a hundredth of a pixel, 2 um (measured:
+    // 1.3 um).
     let tolerance = 2e-6;
     let shear = DVec3::new(0.4, -0.2, 0.0);
     let stiffness = model_stiffness();
@@ -83,7 +86,7 @@ fn markers_follow_the_force_on_them_and_on_their_neighbours() {
         "{own}"
     );
 
-    // The nearest ring: by the tangential part of the force in their own frames, 11.25 degrees tilted.
+    // The nearest ring moves by the tangential part of the force in its elements' frames, tilted by 11.25 degrees.
     let layout = &fingertip.layout;
     let distance = layout.tip(1).distance(layout.tip(0));
     let share = (-0.5 * (distance / SPREAD).powi(2)).exp();
@@ -95,7 +98,7 @@ fn markers_follow_the_force_on_them_and_on_their_neighbours() {
         "{neighbour} for {expected}"
     );
 
-    // Compression pushes the neighbour's pin away: along x of its frame, which points away from the apex.
+    // Compression displaces the neighbour's pin along x of its frame, away from the apex.
     let pressed = DVec3::new(0.0, 0.0, 0.4);
     let away =
         (layout.elements[1].rotation.transpose() * (layout.tip(1) - layout.tip(0))).truncate();
@@ -121,9 +124,9 @@ fn model_stiffness() -> Stiffness {
     }
 }
 
-/// A marker that sinks in is nearer to the pinhole and seen larger by the ratio of distances, dark as well as bright.
+/// A marker that is pressed in is nearer to the pinhole and appears larger by the ratio of distances, dark or bright.
 #[test]
-fn a_pressed_marker_is_seen_larger() {
+fn a_pressed_marker_appears_larger() {
     for experiment in ["cap-closing-pins", "cap-closing-gel"] {
         let (fingertip, model) = ideal(experiment, |markers| markers.normal_stiffness = 500.0);
         let middle = match experiment {
@@ -141,7 +144,7 @@ fn a_pressed_marker_is_seen_larger() {
         let (sunk, before) = (0.5 / 500.0, gray(0.0));
         let expected = (depth / (depth - sunk)).powi(2);
         let grown = gray(0.5) / before;
-        // The blurred edge is not seen larger, and the dark level cuts off part of it: a fifth of the growth of 7 %.
+        // The blurred edge does not grow and is partly cut off at the dark level: a fifth of the growth of 7 %.
         assert!(
             (grown - expected).abs() < 0.2 * (expected - 1.0),
             "{experiment}: {grown} for {expected}"
@@ -149,25 +152,25 @@ fn a_pressed_marker_is_seen_larger() {
     }
 }
 
-/// Fibres do not move: they tell compression by their brightness, and shear by which of an element's are brighter.
+/// Fibres do not move: their brightness measures compression, and its distribution within an element measures shear.
 #[test]
-fn fibres_brighten_towards_what_presses() {
+fn fibres_brighten_with_compression_and_towards_shear() {
     let (fingertip, model) = ideal("cap-closing-fibres", |markers| markers.variation = 0.0);
     let optics = fingertip_markers("cap-closing-fibres");
     let before = moments(&fingertip, &model, 0, DVec3::ZERO);
     let after = moments(&fingertip, &model, 0, DVec3::new(0.0, 0.0, 0.5));
-    // All four are on a circle, where the skin has sunk in by so much less.
+    // All four are on a circle, where the skin's indentation is smaller.
     let share = (-0.5 * (optics.circle_radius / optics.spread).powi(2)).exp();
     let brighter = 1.0 + optics.brightening * share * 0.5 / optics.normal_stiffness;
     let grown = after[0].integrated_gray / before[0].integrated_gray;
-    // They are a little nearer, too.
+    // They are also slightly nearer.
     let depth = fingertip
         .projection
         .pinhole()
         .distance(fingertip.layout.tip(0));
     let nearer = (depth / (depth - share * 0.5 / optics.normal_stiffness)).powi(2);
     let brighter = brighter * nearer;
-    // Without noise, all of a spot is rounded alike: by half a level of 112, before and after.
+    // Without noise, all pixels of a spot round equally: by half a level of 112, before and after.
     let rounding = 2.0 * 0.5 / 112.0;
     assert!(
         (grown - brighter).abs() < rounding,
@@ -185,9 +188,9 @@ fn fingertip_markers(experiment: &str) -> MarkerConfig {
     fingertip(experiment).1.markers.expect("markers")
 }
 
-/// What `feeler locate` would find in the untouched picture of each, noise and all, is what is there.
+/// `feeler locate` finds the actual elements in the untouched image with noise of each fingertip.
 #[test]
-fn the_elements_are_located_in_the_picture() {
+fn the_elements_are_located_in_the_image() {
     let expected = [
         (127, 1, Polarity::Bright),
         (37, 4, Polarity::Bright),
@@ -217,17 +220,14 @@ fn the_elements_are_located_in_the_picture() {
             let off = tips
                 .map(|tip| tip.distance(centre))
                 .fold(f64::INFINITY, f64::min);
-            assert!(
-                off < 1.5,
-                "{experiment}: element {index} is {off} px from where one is"
-            );
+            assert!(off < 1.5, "{experiment}: element {index} is {off} px off");
         }
     }
 }
 
-/// Loads reach an element's neighbours: all of a patch bear the same, whatever the frames of its elements.
+/// Loads are applied to patches: all elements of a patch bear the same load, independent of their frames.
 #[test]
-fn loads_are_put_on_patches() {
+fn loads_are_applied_to_patches() {
     let config = Experiment::load("cap-closing-pins", &[]).unwrap().config;
     let (fingertip, optics) = (
         &config.sensor.fingertip,
@@ -248,7 +248,8 @@ fn loads_are_put_on_patches() {
         Ok::<_, CalibrationBenchError>(())
     })
     .unwrap();
-    // At first all are unloaded, at last all bear the cycle's loads; between, some tens of patches bear one load each.
+    // First all elements are unloaded, then some tens of patches bear one load each, and finally all bear the cycle's
+    // loads.
     assert_eq!(patches[0], (1, 127));
     assert_eq!(patches.last().unwrap().0, 1);
     let between = &patches[bench.unloaded..patches.len() - 4];
@@ -260,9 +261,9 @@ fn loads_are_put_on_patches() {
     );
 }
 
-/// The calibrations that come with the experiments are what `feeler calibrate --simulated` makes of them.
+/// `feeler calibrate --simulated` reproduces the calibrations committed with the experiments.
 #[test]
-fn the_calibrations_can_be_made_again() {
+fn the_calibrations_are_reproducible() {
     for experiment in FINGERTIPS {
         let experiment = Experiment::load(experiment, &[]).unwrap();
         let config = &experiment.config;
@@ -282,8 +283,8 @@ fn the_calibrations_can_be_made_again() {
             for sample in record.held_out.iter().take(20) {
                 let forces =
                     [&committed, &made].map(|c| c.elements[element].force(&sample.moments));
-                // Sine and cosine differ in the last bit between machines, which the fit raises by some orders; a change of optics
-                // or loads shows at 1e-3 or more.
+                // Sine and cosine differ in the last bit between machines, which the fit amplifies; a change of optics
+                // or loads exceeds 1e-3.
                 let off = forces[0].distance(forces[1]);
                 assert!(off < 1e-6, "{}, element {element}: {forces:?}", config.name);
             }
@@ -292,7 +293,7 @@ fn the_calibrations_can_be_made_again() {
 }
 
 #[test]
-fn markers_that_make_no_sense_are_refused() {
+fn invalid_markers_are_rejected() {
     let (fingertip, optics) = fingertip("cap-closing-gel");
     let refused = |change: &dyn Fn(&mut MarkerConfig)| {
         let mut markers = optics.markers.clone().expect("markers");
@@ -315,9 +316,9 @@ fn markers_that_make_no_sense_are_refused() {
     assert_eq!(refused(&|m| m.spread = -1e-3), "markers.spread");
 }
 
-/// Forces that make no sense are drawn as they may, but drawn.
+/// Invalid forces are rendered without panic.
 #[test]
-fn any_force_is_drawn() {
+fn any_force_is_rendered() {
     for experiment in FINGERTIPS {
         let (fingertip, model) = ideal(experiment, |_| ());
         for load in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300, -50.0] {
@@ -327,9 +328,9 @@ fn any_force_is_drawn() {
     }
 }
 
-/// A grid is as wide along the dome as it would be in the plane.
+/// The spacing of a grid along the dome equals its spacing in the plane.
 #[test]
-fn a_grid_stands_about_the_apex() {
+fn a_grid_is_centred_on_the_apex() {
     let config = Experiment::load("cap-closing-gel", &[]).unwrap().config;
     let layout = &config.sensor.fingertip.layout;
     let (fingertip, _) = fingertip("cap-closing-gel");

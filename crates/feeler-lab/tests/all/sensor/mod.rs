@@ -1,4 +1,4 @@
-//! The sensor stage: optics, moments, calibration, and finding the elements in pictures.
+//! Sensing: optics, moments, calibration, and locating elements in images.
 
 mod accuracy;
 mod calibration;

@@ -1,4 +1,4 @@
-//! The simulated picture against what its physics says of it.
+//! Simulated images, compared with their physical model.
 
 use feeler::sensor::fingertip::{Fingertip, FingertipConfig};
 use feeler::sensor::image::Picture;
@@ -18,7 +18,7 @@ fn model(fingertip: &Fingertip, config: &OpticsConfig) -> OpticsModel {
     OpticsModel::new(config, &fingertip.layout, &fingertip.projection).unwrap()
 }
 
-/// A picture of 640x480 px with these `forces`, N, on the elements.
+/// Renders an image of 640x480 px with these `forces` (N) on the elements.
 pub fn picture(model: &OpticsModel, forces: &[DVec3], seed: u64) -> Picture {
     let mut picture = Picture::black(640, 480);
     let mut rng = Pcg64::seed_from_u64(seed);
@@ -33,14 +33,14 @@ pub fn picture(model: &OpticsModel, forces: &[DVec3], seed: u64) -> Picture {
     picture
 }
 
-/// Where the centroid of the spots' light is, as long as no cone lifts off.
+/// Displacement of the centroid of the spots' light if no cone lifts off.
 fn expected_displacement(config: &OpticsConfig, force: DVec3) -> DVec2 {
     let load = CONES as f64 * config.preload + force.z;
     force.truncate() * (config.lever_height / load + 1.0 / config.shear_stiffness)
 }
 
 proptest! {
-    /// Inside the friction cone no cone lifts off: loads add up, and the displacement is exact.
+    /// Within the friction cone no conical feeler lifts off: loads add up, and the displacement is exact.
     #[test]
     fn cones_carry_the_load(
         normal in 0.0..2.0_f64,
@@ -69,14 +69,14 @@ fn no_cone_pulls() {
     for load in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY, 1e300] {
         let spots = model.spots(DVec3::splat(load));
         assert!(spots.iter().all(|spot| spot.radius <= 0.7e-3), "{spots:?}");
-        // Drawn as it may, but drawn.
+        // Renders without panic.
         picture(&model, &[DVec3::splat(load); 41], 1);
     }
 }
 
-/// Without noise and vignetting, the picture's moments are the spots' area and centroid.
+/// Without noise and vignetting, the image's moments are the spots' area and centroid.
 #[test]
-fn moments_of_the_picture_follow_the_load() {
+fn moments_of_the_image_follow_the_load() {
     let fingertip = fingertip();
     let config = OpticsConfig {
         read_noise: 0.0,
@@ -98,15 +98,14 @@ fn moments_of_the_picture_follow_the_load() {
         DVec3::new(-0.5, 0.6, 1.5),
     ] {
         for (element, (loaded, unloaded)) in measure(force).iter().zip(&unloaded).enumerate() {
-            // The dome is slanted by r_c / R under the cones, which makes discs on it look
-            // smaller by its cosine, 0.5 %. The dark level cuts 4 of 170 levels off the foot of each
-            // spot, which is more of a small spot than of a large one: 2 % in all
-            // (measured: 1.1 to 2.3 %).
+            // The dome is slanted by r_c / R under the cones, which makes discs on it appear smaller by its cosine, 0.5
+            // %. The dark level cuts 4 of 170 levels off the edge of each spot, relatively more of small spots: 2 % in
+            // total (measured: 1.1 to 2.3 %).
             let light = (190.0 - 24.0) * model.area_per_load() * force.z;
             let growth = (loaded.integrated_gray - unloaded.integrated_gray) / light;
             assert!((growth - 1.0).abs() < 0.03, "element {element}: {growth}");
-            // So each spot's weight is right to 3 %, at a lever of 1.8 mm; spots on opposite sides
-            // are off by the same in part, which leaves 0.02 mm (measured: 0.017 mm).
+            // Each spot's weight is thus accurate to 3 %, at a lever of 1.8 mm; errors of opposite spots partly cancel,
+            // which leaves 0.02 mm (measured: 0.017 mm).
             let displacement = loaded.centroid - unloaded.centroid;
             let error = (displacement - expected_displacement(&config, force)).length();
             assert!(error < 2e-5, "element {element}: {error} m under {force}");
@@ -115,26 +114,26 @@ fn moments_of_the_picture_follow_the_load() {
 }
 
 #[test]
-fn the_picture_depends_on_the_seed_and_on_nothing_else() {
+fn the_image_depends_only_on_forces_and_seed() {
     let model = model(&fingertip(), &OpticsConfig::default());
     let forces = [DVec3::new(0.1, 0.2, 0.5); 41];
     let first = picture(&model, &forces, 5);
-    assert!(first == picture(&model, &forces, 5), "the same seed");
+    assert!(first == picture(&model, &forces, 5), "same seed");
     assert!(first != picture(&model, &forces, 6), "another seed");
 
-    // What was drawn before leaves no trace.
+    // Previous images have no effect.
     let mut again = Picture::black(640, 480);
     let mut scratch = OpticsScratch::new(&model);
     for (forces, seed) in [([DVec3::Z; 41], 9), (forces, 5)] {
         let mut rng = Pcg64::seed_from_u64(seed);
         render(&model, &mut scratch, &forces, &mut rng, &mut again).unwrap();
     }
-    assert!(first == again, "the same scratch");
+    assert!(first == again, "same scratch");
 }
 
-/// Whatever is left out, the pixels that are sensed are those of the whole picture.
+/// Sensed pixels are identical in partial and complete images.
 #[test]
-fn sensed_pixels_are_those_of_the_whole_picture() {
+fn sensed_pixels_equal_those_of_the_complete_image() {
     let fingertip = fingertip();
     let whole = model(&fingertip, &OpticsConfig::default());
     let sensed = whole.clone().drawing_only(fingertip.kernel.pixels());
@@ -152,20 +151,20 @@ fn sensed_pixels_are_those_of_the_whole_picture() {
         let at = row * 640 + column;
         assert_eq!(whole.pixels[at], sensed.pixels[at], "{column}, {row}");
     }
-    // The rest is mostly not there: the corner, and over half of all.
+    // Most other pixels are not rendered: the corner, and over half of all.
     let black = sensed.pixels.iter().filter(|&&gray| gray == 0).count();
     assert!(sensed.pixels[0] == 0 && black > 640 * 480 / 2, "{black}");
 }
 
-/// A load far below what a double can tell from none beside the preload is drawn spot by spot, and must give the picture that is taken from
-/// a table without it.
+/// A load far below a double's resolution at the preload is rendered spot by spot and must give the same image as the
+/// table used for unloaded elements.
 #[test]
-fn elements_that_bear_nothing_are_drawn_as_by_the_smallest_load() {
+fn unloaded_elements_are_rendered_as_under_the_smallest_load() {
     let model = model(&fingertip(), &OpticsConfig::default());
     for loaded in [0, 1, 5, 40] {
         let with = |others: DVec3| {
             let mut forces = [others; 41];
-            // Here and there on the dome.
+            // Scattered over the dome.
             for element in (0..loaded).map(|index| (3 + 17 * index) % 41) {
                 forces[element] = DVec3::new(0.3, -0.2, 1.0);
             }
@@ -176,10 +175,9 @@ fn elements_that_bear_nothing_are_drawn_as_by_the_smallest_load() {
     }
 }
 
-/// The picture of a seed, to the bit, in every build: change the number when the picture is meant to
-/// change.
+/// The image of a seed is bit-identical in all builds. Update the digest after intended changes of the image.
 #[test]
-fn the_picture_is_pinned() {
+fn the_image_of_a_seed_is_unchanged() {
     let optics = OpticsConfig {
         read_noise: 1.0,
         shot_noise: 0.07,
@@ -197,7 +195,7 @@ fn the_picture_is_pinned() {
     assert_eq!(digest, 0xee2f_cc07_e156_40a8, "{digest:#x}");
 }
 
-/// Mean and variance of a corner of the dome that no spot reaches, over many pictures.
+/// Mean and variance of a corner of the dome without spots, over many images.
 #[test]
 fn noise_is_as_strong_as_configured() {
     let fingertip = fingertip();
@@ -219,7 +217,7 @@ fn noise_is_as_strong_as_configured() {
         let count = dark.len() as f64;
         let mean = dark.iter().sum::<f64>() / count;
         let variance = dark.iter().map(|g| (g - mean).powi(2)).sum::<f64>() / count;
-        // Rounding to whole levels adds a variance of 1/12. Four standard errors each.
+        // Rounding to whole levels adds a variance of 1/12. Tolerances are four standard errors.
         let expected = read * read + shot * shot * background + 1.0 / 12.0;
         let mean_error = 4.0 * (expected / count).sqrt();
         assert!((mean - background).abs() < mean_error, "mean {mean}");
@@ -232,7 +230,7 @@ fn noise_is_as_strong_as_configured() {
 }
 
 #[test]
-fn what_cannot_be_drawn_is_refused() {
+fn invalid_optics_are_rejected() {
     let fingertip = fingertip();
     let config = OpticsConfig {
         poisson_ratio: 0.7,

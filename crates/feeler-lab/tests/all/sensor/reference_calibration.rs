@@ -1,16 +1,17 @@
-//! The committed calibration is what the bench makes of the reference experiment's fingertip.
+//! The committed calibration is reproducible from the reference experiment's fingertip.
 
 use feeler::sensor::calibration::{ForceCurve, ForceMap};
 use feeler_lab::config::Experiment;
 use feeler_sim::bench::{CalibrationBenchConfig, calibrate_simulated};
 
-/// A calibration is fitted to pictures whose noise is drawn with integers, but its geometry goes
-/// through sine and cosine, which differ in the last bit between machines; the fit's condition
-/// raises that by some orders. Any change of optics, layout or loads shows at 1e-3 or more.
+/// Relative tolerance of forces.
+///
+/// Image noise is drawn with integers, but the geometry uses sine and cosine, which differ in the last bit between
+/// machines; the fit's condition number amplifies the difference. A change of optics, layout or loads exceeds 1e-3.
 const TOLERANCE: f64 = 1e-6;
 
 #[test]
-fn the_reference_calibration_can_be_made_again() {
+fn the_reference_calibration_is_reproducible() {
     let separable = "sensor.calibration=\"reference-fingertip.calibration.toml\"".to_string();
     let experiment = Experiment::load("cap-closing", &[separable]).unwrap();
     let config = &experiment.config;
@@ -30,7 +31,7 @@ fn the_reference_calibration_can_be_made_again() {
         let centroids = a.unloaded_centroid - b.unloaded_centroid;
         assert!(centroids.length() < TOLERANCE * 1e-3, "element {element}");
         let (ForceMap::Separable(a), ForceMap::Separable(b)) = (&a.map, &b.map) else {
-            panic!("element {element}: the paper's model expected");
+            panic!("element {element}: expected the paper's model");
         };
         for (a, b) in [
             (&a.normal, &b.normal),
@@ -42,7 +43,7 @@ fn the_reference_calibration_can_be_made_again() {
     }
 }
 
-/// Curves are compared by the forces they give over their range, relative to the largest.
+/// Compares curves by their forces over their range, relative to the largest.
 fn same_curve(element: usize, a: &ForceCurve, b: &ForceCurve) {
     let [low, high] = a.range;
     close(element, low, b.range[0]);
@@ -53,7 +54,7 @@ fn same_curve(element: usize, a: &ForceCurve, b: &ForceCurve) {
         let difference = (a.force(input) - b.force(input)).abs();
         assert!(
             difference <= TOLERANCE * largest,
-            "element {element} at {input}: {} and {} N",
+            "element {element} at {input}: {} N differs from {} N",
             a.force(input),
             b.force(input)
         );

@@ -1,4 +1,4 @@
-//! Meshes from files: a cube in every format, and what is no mesh.
+//! Meshes from files: a cube in every format, and invalid meshes.
 
 use feeler_sim::shapes::{MeshError, TriangleMesh, read_mesh};
 use glam::DVec3;
@@ -7,12 +7,12 @@ use std::fmt::Write;
 use std::path::PathBuf;
 use std::sync::atomic::{AtomicU32, Ordering};
 
-/// Corners of a cube of 20 units: bits 0, 1, 2 of a corner's index are its x, y, z.
+/// Corner of a cube of 20 units: bits 0, 1, 2 of the index select x, y, z.
 fn corner(index: usize) -> [f32; 3] {
     [0, 1, 2].map(|axis| if index >> axis & 1 == 1 { 20.0 } else { 0.0 })
 }
 
-/// The cube's faces, counter-clockwise as seen from outside.
+/// Faces of the cube, counter-clockwise seen from outside.
 const FACES: [[usize; 4]; 6] = [
     [0, 2, 3, 1],
     [4, 5, 7, 6],
@@ -46,7 +46,7 @@ fn text_stl(triangles: &[Triangle]) -> Vec<u8> {
 }
 
 fn binary_stl(triangles: &[Triangle]) -> Vec<u8> {
-    // Some programs begin a binary file with the word that begins a text.
+    // Some programs start a binary file with the keyword of text files.
     let mut bytes = b"solid or not".to_vec();
     bytes.resize(80, 0);
     bytes.extend((triangles.len() as u32).to_le_bytes());
@@ -104,7 +104,7 @@ fn a_cube_is_the_same_in_every_format() {
     let upper = String::from_utf8(text_stl(&cube())).unwrap().to_uppercase();
     let nameless = upper.replace("SOLID CUBE", "solid").replace('\n', "\r\n");
     assert_is_the_cube(&read("stl", nameless.as_bytes()).unwrap());
-    // Relative indices, a weight, a colour.
+    // Relative indices, a weight and a colour.
     let coloured = obj()
         .replace("v 20 20 20", "v 20 20 20 1 0.5 0.5")
         .replace("v 0 0 0", "v 0 0 0 2");
@@ -113,13 +113,13 @@ fn a_cube_is_the_same_in_every_format() {
 }
 
 #[test]
-fn a_cube_turned_inside_out_is_turned_back() {
+fn an_inside_out_cube_is_corrected() {
     let turned: Vec<_> = cube().into_iter().map(|[a, b, c]| [a, c, b]).collect();
     assert_is_the_cube(&read("stl", &binary_stl(&turned)).unwrap());
 }
 
 #[test]
-fn an_open_cube_is_refused_with_one_of_its_edges() {
+fn an_open_cube_is_rejected_with_one_of_its_edges() {
     let error = read("stl", &text_stl(&cube()[2..])).unwrap_err();
     assert!(matches!(error, MeshError::Open { count: 4, .. }), "{error}");
     assert!(
@@ -131,7 +131,7 @@ fn an_open_cube_is_refused_with_one_of_its_edges() {
 }
 
 #[test]
-fn a_triangle_turned_against_its_neighbours_is_refused() {
+fn an_inconsistently_oriented_triangle_is_rejected() {
     let mut triangles = cube();
     triangles[5].swap(0, 1);
     let error = read("stl", &text_stl(&triangles)).unwrap_err();
@@ -142,7 +142,7 @@ fn a_triangle_turned_against_its_neighbours_is_refused() {
 }
 
 #[test]
-fn two_cubes_that_share_an_edge_are_refused() {
+fn two_cubes_that_share_an_edge_are_rejected() {
     let moved = cube()
         .into_iter()
         .map(|t| t.map(|[x, y, z]| [x + 20.0, y + 20.0, z]));
@@ -155,7 +155,7 @@ fn two_cubes_that_share_an_edge_are_refused() {
 }
 
 #[test]
-fn a_degenerate_triangle_is_refused() {
+fn a_degenerate_triangle_is_rejected() {
     let mut triangles = cube();
     triangles.push([[0.0; 3], [10.0; 3], [20.0; 3]]);
     let error = read("stl", &binary_stl(&triangles)).unwrap_err();
@@ -176,7 +176,7 @@ fn a_degenerate_triangle_is_refused() {
 }
 
 #[test]
-fn coordinates_that_are_not_finite_are_refused() {
+fn non_finite_coordinates_are_rejected() {
     let mut triangles = cube();
     triangles[3][1][2] = f32::NAN;
     let error = read("stl", &binary_stl(&triangles)).unwrap_err();
@@ -196,7 +196,7 @@ fn coordinates_that_are_not_finite_are_refused() {
 }
 
 #[test]
-fn a_file_that_was_cut_short_is_refused() {
+fn a_truncated_file_is_rejected() {
     let bytes = binary_stl(&cube());
     let error = read("stl", &bytes[..bytes.len() - 30]).unwrap_err();
     assert!(
@@ -229,7 +229,7 @@ fn a_file_that_was_cut_short_is_refused() {
 }
 
 #[test]
-fn what_is_no_solid_of_a_sensible_size_is_refused() {
+fn meshes_without_plausible_volume_are_rejected() {
     assert!(matches!(
         read("stl", &text_stl(&cube()[..3])),
         Err(MeshError::Count(3))
@@ -316,9 +316,9 @@ fn hostile() -> impl Strategy<Value = Vec<u8>> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(1000))]
 
-    /// Whatever is accepted encloses a volume; nothing panics.
+    /// Accepted meshes enclose a volume; no input panics.
     #[test]
-    fn no_bytes_make_the_readers_panic(bytes in hostile()) {
+    fn readers_do_not_panic_on_any_bytes(bytes in hostile()) {
         for extension in ["stl", "obj"] {
             if let Ok(mesh) = read(extension, &bytes) {
                 prop_assert!(mesh.signed_volume() > 0.0 && mesh.triangles.len() >= 4);

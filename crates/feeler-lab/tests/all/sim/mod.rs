@@ -1,4 +1,4 @@
-//! The simulator's bodies: meshes and shapes, and boxes and caps against MuJoCo.
+//! Simulated bodies: meshes and shapes, and boxes and caps compared with MuJoCo.
 
 mod meshes;
 mod mujoco_box;

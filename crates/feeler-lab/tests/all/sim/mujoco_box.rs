@@ -1,6 +1,6 @@
-//! A free box on a table, dropped, tipped and pushed: against MuJoCo.
+//! A free box on a table, dropped, tipped and pushed, compared with MuJoCo.
 //!
-//! `references/mujoco_box.json` is MuJoCo's part; `references/mujoco_box.py` makes it anew.
+//! `references/mujoco_box.json` contains MuJoCo's results; `references/mujoco_box.py` regenerates it.
 
 use feeler_lab::config::Experiment;
 use feeler_sim::objects::{FreeConfig, MotionConfig, ObjectConfig};
@@ -28,10 +28,10 @@ struct Header {
 
 #[derive(Deserialize)]
 struct Case {
-    /// Start (m), tilt about y (rad), force along x (N), height of its point above the centre (m),
-    /// end (s).
+    /// Initial position (m), tilt about y (rad), force along x (N), height of its point above the centre (m), and end
+    /// (s).
     case: ([f64; 3], f64, f64, f64, f64),
-    /// Position (m) and quaternion (w, x, y, z) after every `sample` seconds.
+    /// Position (m) and quaternion (w, x, y, z) every `sample` seconds.
     poses: Vec<[f64; 7]>,
 }
 
@@ -75,7 +75,7 @@ fn world(header: &Header, case: &Case) -> World {
     World::new(&sim, &[], &[], Path::new(""), 0).expect("a world")
 }
 
-/// Position (m) and pitch (rad) of the box: MuJoCo's and feeler's, sample by sample.
+/// Position (m) and pitch (rad) of the box in MuJoCo and in feeler, for each sample.
 fn compare(name: &str) -> Vec<[(DVec3, f64); 2]> {
     let reference = reference();
     let (header, case) = (&reference.header, &reference.cases[name]);
@@ -110,13 +110,13 @@ fn largest(samples: &[[(DVec3, f64); 2]]) -> (f64, f64, f64) {
     )
 }
 
-/// MuJoCo's contacts are softer than feeler's and keep a box at rest by this much in its table, m.
+/// Penetration (m) of a box at rest in MuJoCo, whose contacts are softer than feeler's.
 const SOFTNESS: f64 = 2e-5;
 
 #[test]
 fn a_dropped_box_falls_and_comes_to_rest_as_in_mujoco() {
     let poses = compare("dropped_flat");
-    // Half a millisecond of the fall's 0.6 m/s, while both integrate in first order.
+    // Half a millisecond at the fall's 0.6 m/s, as both integrate in first order.
     let (along, up, pitch) = largest(&poses);
     assert!(
         along < SOFTNESS && up < 4e-4 && pitch < 1e-3,
@@ -129,8 +129,8 @@ fn a_dropped_box_falls_and_comes_to_rest_as_in_mujoco() {
 #[test]
 fn a_box_dropped_on_its_edge_rocks_and_comes_to_rest_as_in_mujoco() {
     let poses = compare("dropped_tilted");
-    // Over the first four impacts. Each depends on the ones before, and on how soft contacts are: at
-    // 0.6 m/s, MuJoCo's time constant of 5 ms lets a corner in by 0.6 m/s 5 ms / e = 1.1 mm.
+    // Over the first four impacts. Each depends on the previous ones and on the contacts' stiffness: at 0.6 m/s, a
+    // corner penetrates by 0.6 m/s 5 ms / e = 1.1 mm with MuJoCo's time constant of 5 ms.
     let (along, up, pitch) = largest(&poses[..11]);
     assert!(
         along < 2e-4 && up < 1.1e-3 && pitch < 4e-3,
@@ -155,7 +155,7 @@ fn a_weakly_pushed_box_stays_as_in_mujoco() {
 #[test]
 fn a_box_pushed_low_slides_as_in_mujoco() {
     let poses = compare("pushed_slides");
-    // MuJoCo's box rattles, by up to 20 mrad, and rubs the less for it.
+    // MuJoCo's box rattles by up to 20 mrad, which reduces its friction.
     let (along, _, pitch) = largest(&poses);
     assert!(
         along < 6e-4 && pitch < 0.03,
@@ -178,6 +178,6 @@ fn a_box_pushed_high_tips_over_as_in_mujoco() {
     let [(_, theirs), (_, ours)] = poses[poses.len() - 1];
     assert!(
         (theirs - ours).abs() < 3e-3,
-        "lies at {ours} rad, not {theirs}"
+        "expected a pitch of {theirs} rad, got {ours} rad"
     );
 }

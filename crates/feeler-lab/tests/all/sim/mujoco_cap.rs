@@ -1,18 +1,18 @@
-//! Two fingertips turn a cap: feeler's quasi-static feelers against MuJoCo, under the same motion.
+//! Two fingertips turn a cap: feeler's quasi-static feelers compared with MuJoCo under the same motion.
 //!
-//! `references/mujoco_cap_*.json` are MuJoCo's part; `references/mujoco_cap.py` makes them anew.
+//! `references/mujoco_cap_*.json` contain MuJoCo's results; `references/mujoco_cap.py` regenerates them.
 
 use super::mujoco_scene::{Reference, Scene, reference};
 use glam::DVec3;
 
-/// How far feeler is from MuJoCo.
+/// Deviation of feeler from MuJoCo.
 #[derive(Debug)]
 struct Difference {
-    /// Largest while MuJoCo agrees with itself, relative to MuJoCo's final cap angle.
+    /// Maximum while MuJoCo has converged, relative to MuJoCo's final cap angle.
     converged_cap_angle: f64,
-    /// In the end.
+    /// At the end, relative to MuJoCo's final cap angle.
     final_cap_angle: f64,
-    /// RMS over time and touching elements, over the RMS of MuJoCo's.
+    /// RMS over time and touching elements, relative to the RMS of MuJoCo's forces.
     forces: f64,
 }
 
@@ -52,7 +52,7 @@ fn compare(reference: &Reference, time_step: f64) -> Difference {
     }
 }
 
-/// Relative goals: cap angle, forces.
+/// Maximum relative deviations of cap angle and forces.
 const GOALS: (f64, f64) = (0.015, 0.05);
 
 fn check(name: &str) {
@@ -78,8 +78,8 @@ fn with_round_tips_cap_angle_and_element_forces_agree_with_mujoco() {
     check("round_tips");
 }
 
-/// Where rolling plays no part.
+/// Point tips do not roll.
 #[test]
-fn with_point_tips_too() {
+fn with_point_tips_cap_angle_and_element_forces_agree_with_mujoco() {
     check("point_tips");
 }

@@ -1,4 +1,4 @@
-//! Shapes of objects, held against brute force, the geometry library and finite differences.
+//! Shapes of objects, compared with brute force, the geometry library and finite differences.
 
 use feeler_sim::shapes::KnurledCylinder;
 use feeler_sim::shapes::shape;
@@ -28,8 +28,8 @@ impl Shape {
         (RADIUS * oval + self.depth / 2.0 * wave) * DVec2::from_angle(angle)
     }
 
-    /// The distance from the curve in the plane, from samples alone, the best of them refined by
-    /// golden sections; negative inside.
+    /// Signed distance from the curve in the plane, negative inside: the best of dense samples, refined by
+    /// golden-section search.
     fn distance_in_plane(self, point: DVec2) -> f64 {
         let count = 200 * self.knurls.max(20);
         let step = TAU / f64::from(count);
@@ -94,9 +94,9 @@ fn points() -> impl Strategy<Value = DVec3> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(2000))]
 
-    /// The golden sections end within 1e-12 m; nothing may be nearer or farther.
+    /// Golden-section search ends within 1e-12 m of the exact distance.
     #[test]
-    fn a_knurled_cylinder_is_as_far_as_brute_force_says(shape in shapes(), point in points()) {
+    fn the_distance_from_a_knurled_cylinder_matches_brute_force(shape in shapes(), point in points()) {
         let nearest = shape.build().nearest(point).unwrap();
         let expected = shape.distance(point);
         prop_assert!((nearest.distance - expected).abs() < 1e-10, "{nearest:?} {expected}");
@@ -107,7 +107,7 @@ proptest! {
     }
 
     #[test]
-    fn the_distance_changes_no_faster_than_the_point_moves(
+    fn the_distance_is_lipschitz_continuous(
         shape in shapes(),
         point in points(),
         angle in 0.0..TAU,
@@ -120,7 +120,7 @@ proptest! {
         prop_assert!(change.abs() <= move_by + 1e-12, "{change} over {move_by}");
     }
 
-    /// Central differences over 2e-8 m; where two surface points are as near, there is no gradient.
+    /// Central differences over 2e-8 m; points with two equally near surface points have no gradient and are skipped.
     #[test]
     fn the_normal_is_the_gradient_of_the_distance(shape in shapes(), point in points()) {
         let cylinder = shape.build();
@@ -137,7 +137,7 @@ proptest! {
     }
 
     #[test]
-    fn without_knurls_and_ovality_it_is_a_plain_cylinder(point in points(), knurls in 0_u32..120) {
+    fn without_knurls_and_ovality_the_shape_equals_a_cylinder(point in points(), knurls in 0_u32..120) {
         let ours = KnurledCylinder::new(RADIUS, HEIGHT, knurls, 0.0, 0.0).nearest(point).unwrap();
         let config = shape::ShapeConfig::Cylinder {
             radius: RADIUS,
@@ -146,7 +146,7 @@ proptest! {
         let plain = shape::Shape::new(&config, Path::new("")).unwrap();
         let plain = plain.nearest(point).unwrap();
         prop_assert!((ours.distance - plain.distance).abs() < 1e-14);
-        // Deep inside several surface points may be as near.
+        // Deep inside, several surface points may be equally near.
         if plain.distance > -0.002 {
             prop_assert!((ours.position - plain.position).length() < 1e-12);
         }
@@ -154,7 +154,7 @@ proptest! {
 }
 
 #[test]
-fn points_on_the_side_and_the_ends_have_a_normal_and_those_on_the_rim_none() {
+fn points_on_side_and_ends_have_a_normal_and_points_on_the_rim_do_not() {
     let cylinder = KnurledCylinder::new(RADIUS, HEIGHT, 60, 0.0004, 0.0);
     let side = cylinder.nearest(DVec3::new(RADIUS, 0.0, 0.0)).unwrap();
     assert!(side.distance.abs() < 1e-15 && (side.normal - DVec3::X).length() < 1e-12);
@@ -171,7 +171,7 @@ fn points_on_the_side_and_the_ends_have_a_normal_and_those_on_the_rim_none() {
 }
 
 #[test]
-fn volume_and_inertia_are_those_of_the_profile() {
+fn volume_and_inertia_match_the_profile() {
     let plain = KnurledCylinder::new(RADIUS, HEIGHT, 0, 0.0, 0.0);
     let (volume, inertia) = plain.volume_and_inertia(1000.0);
     let expected = TAU / 2.0 * RADIUS.powi(2) * HEIGHT;
@@ -180,7 +180,7 @@ fn volume_and_inertia_are_those_of_the_profile() {
     let across = mass * (3.0 * RADIUS.powi(2) + HEIGHT.powi(2)) / 12.0;
     let along = mass * RADIUS.powi(2) / 2.0;
     assert!((inertia / DVec3::new(across, across, along) - 1.0).length() < 1e-12);
-    // The area under r^2 / 2 by hand: pi (mean^2 + (amplitude^2 of each wave) / 2).
+    // Area under r^2 / 2, by hand: pi (mean^2 + (amplitude^2 of each wave) / 2).
     let (depth, ovality) = (0.0004, 0.02);
     let waved = KnurledCylinder::new(RADIUS, HEIGHT, 120, depth, ovality);
     let mean_square =

@@ -1,4 +1,4 @@
-//! Energy over closed cycles of load.
+//! Energy balance of closed load cycles.
 
 use super::scene::{empty, fixed, world_with_fingers};
 use feeler_sim::contact::RelaxationConfig;
@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 
 const RADIUS: f64 = 0.014;
 
-/// A fixed cylinder about the origin, and feelers that may be of any kind.
+/// A fixed cylinder at the origin, for feelers of any kind.
 fn cylinder() -> SimConfig {
     let mut sim = empty();
     let shape = ShapeConfig::Cylinder {
@@ -22,8 +22,8 @@ fn cylinder() -> SimConfig {
     sim
 }
 
-/// A fingertip at a place in the cycle from 0 to 1: pressed in by about 2 mm, and back where it was at
-/// the end, in every direction and rotation that a finger has.
+/// Pose of the fingertip at phase `cycle` (0 to 1): compressed by about 2 mm, with motion in all six degrees of
+/// freedom, and closed.
 fn pose(cycle: f64, size: f64) -> Pose {
     let wave = |n: f64| size * (TAU * n * cycle).sin();
     let push = 0.0015 + 0.0005 * size * (1.0 - (TAU * cycle).cos());
@@ -42,10 +42,10 @@ fn wrench(world: &World, centre: DVec3) -> (DVec3, DVec3) {
     (force, torque - centre.cross(force))
 }
 
-/// Work that a finger does, J, in a cycle of `size` after one cycle to begin with.
+/// Work (J) done by the finger in a cycle of `size`, after one initial cycle.
 fn work(sim: &SimConfig, size: f64, steps: u32) -> f64 {
     let mut world = world_with_fingers(sim, 1);
-    // Comes straight on.
+    // Straight approach.
     for n in 0..=100 {
         let mut start = pose(0.0, size);
         start.position.x += 0.002 * (1.0 - f64::from(n) / 100.0);
@@ -68,11 +68,11 @@ fn work(sim: &SimConfig, size: f64, steps: u32) -> f64 {
     work
 }
 
-/// Energy that the springs of the pressed fingertip hold, J, roughly: some 6 N over 2 mm.
+/// Approximate energy (J) stored in the springs of the pressed fingertip: some 6 N over 2 mm.
 const STORED: f64 = 5e-3;
 
 #[test]
-fn feelers_that_stick_give_back_all_the_work_of_a_cycle() {
+fn sticking_feelers_return_all_work_of_a_cycle() {
     for (coupling, limit) in [
         (0.0, None),
         (300.0, None),
@@ -83,8 +83,8 @@ fn feelers_that_stick_give_back_all_the_work_of_a_cycle() {
         (sim.feeler.static_friction, sim.feeler.kinetic_friction) = (1e6, 1e6);
         sim.feeler.normal_shear_coupling = coupling;
         sim.feeler.length_limit = limit;
-        // The trapezoidal rule over waves of up to three a cycle is off by (3 * 2 pi / 1000)^2 / 12 = 3e-5 of what goes to
-        // and fro, about a tenth of what is stored.
+        // The trapezoidal rule over waves of up to three per cycle has an error of (3 * 2 pi / 1000)^2 / 12 = 3e-5 of
+        // the exchanged energy, which is about a tenth of the stored energy.
         let lost = work(&sim, 0.1, 1000) / STORED;
         assert!(
             lost.abs() < 3e-6,
@@ -94,7 +94,7 @@ fn feelers_that_stick_give_back_all_the_work_of_a_cycle() {
 }
 
 #[test]
-fn feelers_that_slip_or_are_damped_give_back_less() {
+fn slipping_or_damped_feelers_dissipate_energy() {
     for (friction, damping) in [(0.2, 0.0), (0.6, 0.0), (1.0, 0.0), (1.0, 0.5)] {
         let mut sim = cylinder();
         sim.feeler.static_friction = friction;
@@ -109,7 +109,7 @@ fn feelers_that_slip_or_are_damped_give_back_less() {
 }
 
 #[test]
-fn feelers_that_relax_give_back_less_however_fast_they_are_loaded() {
+fn relaxing_feelers_dissipate_energy_at_any_load_rate() {
     for time in [0.002, 0.02, 0.2, 2.0] {
         for (coupling, limit) in [(0.0, None), (300.0, Some(0.001))] {
             let mut sim = cylinder();

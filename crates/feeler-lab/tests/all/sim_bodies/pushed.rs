@@ -1,4 +1,4 @@
-//! A free box and the feelers that push and squeeze it.
+//! A free box, pushed and squeezed by feelers.
 
 use super::scene::{GRAVITY, cuboid, empty, fixed, free, world_with_fingers};
 use feeler_sim::objects::Pose;
@@ -9,10 +9,10 @@ use glam::{DMat3, DVec3};
 
 const MASS: f64 = 0.05;
 const SIDE: f64 = 0.03;
-/// From the dome's centre to the outside of its undeformed tips, m.
+/// Distance from the dome's centre to the outside of its undeformed tips (m).
 const REACH: f64 = 0.018 + 0.0015;
 
-/// A free box about the origin, in space.
+/// A free box at the origin, without gravity.
 fn floating(damping: f64) -> SimConfig {
     let mut sim = empty();
     sim.gravity = [0.0; 3];
@@ -22,8 +22,8 @@ fn floating(damping: f64) -> SimConfig {
     sim
 }
 
-/// A fingertip whose dome points along `direction`, its outside `gap` (m) before the origin's plane
-/// across that direction, moved by `aside`.
+/// Pose of a fingertip whose dome points along `direction` and ends `gap` (m) before the plane through the origin
+/// across that direction, displaced by `aside` (m).
 fn facing(direction: DVec3, gap: f64, aside: DVec3) -> Pose {
     let helper = if direction.x.abs() < 0.9 {
         DVec3::X
@@ -47,14 +47,14 @@ fn held(sim: &SimConfig, poses: &[Pose]) -> World {
 }
 
 #[test]
-fn a_pushed_box_gains_the_momentum_that_the_feelers_give() {
-    // The object's origin need not be its centre of mass, about which it turns.
+fn a_pushed_boxs_momentum_equals_the_feelers_impulse() {
+    // The object's origin may differ from its centre of mass.
     for offset in [DVec3::ZERO, DVec3::new(0.006, -0.005, 0.008)] {
         pushed_box_gains_momentum(offset);
     }
 }
 
-/// Pushes a box about the origin, whose own origin lies off its middle by `-offset`, m.
+/// Pushes a box centred at the origin whose frame is displaced from its centre by `-offset` (m).
 fn pushed_box_gains_momentum(offset: DVec3) {
     let mut sim = floating(0.0);
     let body = sim.object.get_mut("box").expect("the box");
@@ -79,13 +79,13 @@ fn pushed_box_gains_momentum(offset: DVec3) {
     let body = &world.state().objects[0];
     let momentum = MASS * body.velocity;
     assert!(impulse.length() > 1e-3, "{impulse} N s");
-    // Rounding, summed over 400 steps.
+    // Rounding errors of 400 steps.
     let error = (momentum - impulse).length();
     assert!(error < 1e-15, "{error} N s of {impulse}");
     let spin = MASS * SIDE * SIDE / 6.0 * body.angular_velocity;
     assert!(angular_impulse.length() > 1e-6, "{angular_impulse} N m s");
-    // The levers are read when the body has turned by another 0.5 mrad at most, under forces
-    // of which the torques are a small difference.
+    // The levers are evaluated after the body has turned by up to another 0.5 mrad, and the torques are small
+    // differences of large terms.
     let error = (spin - angular_impulse).length() / angular_impulse.length();
     assert!(error < 0.005, "{error} of {angular_impulse} N m s");
 }
@@ -118,7 +118,7 @@ fn a_squeezed_box_hangs_between_two_fingers_for_a_minute_without_creep() {
     let mut world = lifted(0.5);
     let index = world.model().object("box").expect("the box");
     let start = world.state().objects[index].pose;
-    // It hangs on the feelers' shear springs, so it stays behind the fingers' 10 mm.
+    // The box hangs on the feelers' shear springs and therefore rises less than the fingers' 10 mm.
     assert!(
         (0.0095..0.010).contains(&start.position.z),
         "{}",
@@ -128,7 +128,7 @@ fn a_squeezed_box_hangs_between_two_fingers_for_a_minute_without_creep() {
         world.step().expect("a step");
     }
     let end = world.state().objects[index].pose;
-    // Nothing moves: rounding.
+    // Only rounding errors.
     assert!(end.position.distance(start.position) < 1e-12);
     assert!((end.rotation.z_axis - start.rotation.z_axis).length() < 1e-12);
     let (force, _) = world.wrench(index);
@@ -139,9 +139,9 @@ fn a_squeezed_box_hangs_between_two_fingers_for_a_minute_without_creep() {
 }
 
 #[test]
-fn a_light_body_between_stiff_feelers_stays_where_it_is_at_any_step() {
-    // A tenth of the lightest box of the tasks, without damping: an explicit step of 1 ms over the
-    // springs of two fingers would throw it out.
+fn a_light_body_between_stiff_feelers_is_stable_at_any_step_size() {
+    // A tenth of the mass of the lightest box of the tasks, without damping: explicit integration at 1 ms would be
+    // unstable with the springs of two fingers.
     for step in [0.001, 0.0005, 0.002] {
         let mut sim = floating(0.0);
         sim.step = step;
@@ -159,7 +159,7 @@ fn a_light_body_between_stiff_feelers_stays_where_it_is_at_any_step() {
             }
             world.step().expect("a step");
             let body = &world.state().objects[0];
-            // Less than what the squeeze compresses.
+            // Less than the compression of the squeeze.
             let off = body.pose.position.length();
             assert!(off < 0.0005, "{off} m off at step {n} of {step} s");
         }

@@ -14,7 +14,7 @@ const RIG: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/stiff-feelers.toml
 
 pub const GRAVITY: f64 = 9.81;
 
-/// The reference rig without anything to touch, and nothing varied.
+/// The reference rig without objects and variation.
 pub fn empty() -> SimConfig {
     let experiment = Experiment::load(RIG, &[]).expect("the rig");
     let mut sim = experiment.config.sim.expect("a simulated world");
@@ -23,7 +23,7 @@ pub fn empty() -> SimConfig {
     sim
 }
 
-/// An object that stays where it is.
+/// A fixed object at the origin.
 pub fn fixed(shape: ShapeConfig) -> ObjectConfig {
     ObjectConfig {
         shape,
@@ -35,7 +35,7 @@ pub fn fixed(shape: ShapeConfig) -> ObjectConfig {
     }
 }
 
-/// A free object of `mass`, kg, with `friction` on what is fixed.
+/// A free object with `mass` (kg) and `friction` on fixed objects.
 pub fn free(shape: ShapeConfig, mass: f64, friction: f64) -> ObjectConfig {
     ObjectConfig {
         motion: MotionConfig::Free(FreeConfig {
@@ -52,12 +52,12 @@ pub fn cuboid(x: f64, y: f64, z: f64) -> ShapeConfig {
     ShapeConfig::Box { size: [x, y, z] }
 }
 
-/// `sim` without fingers.
+/// A world without fingers.
 pub fn world(sim: &SimConfig) -> World {
     World::new(sim, &[], &[], Path::new(""), 0).expect("a world")
 }
 
-/// `sim` with as many of the reference fingers as `starts`, held there from outside later.
+/// A world with the first `count` reference fingers, whose fingertips the test positions.
 pub fn world_with_fingers(sim: &SimConfig, count: usize) -> World {
     let experiment = Experiment::load(RIG, &[]).expect("the rig");
     let config = &experiment.config;

@@ -1,4 +1,4 @@
-//! The cap on its thread: descent, and turning it loose again.
+//! Cap on its thread: descent, tightening and loosening.
 
 use super::reference::{commands, experiment, replay, world};
 use feeler_sim::objects::Motion;
@@ -38,8 +38,9 @@ fn the_cap_descends_by_its_lead_per_turn() {
     }
 }
 
-/// Turns the far end of a torsion spring (`stiffness`, N·m/rad) to `to` (rad) and then back past 0
-/// by as much; the work put in, N·m·rad, and the cap in the end.
+/// Turns the far end of a torsion spring (`stiffness`, N·m/rad) to `to` (rad) and then to `-to`.
+///
+/// Returns the work done by the drive (J) and the cap's final state.
 fn close_and_open(stiffness: f64, to: f64) -> (f64, Turn) {
     let (mut cap, mut work, mut drive) = (Turn::default(), 0.0, 0.0);
     let steps = 4000;
@@ -66,7 +67,7 @@ fn close_and_open(stiffness: f64, to: f64) -> (f64, Turn) {
         // Stuck below the breakaway torque, or turning at the resisting one.
         let breakaway = CAP.thread.static_factor * CAP.thread.resisting_torque(cap.angle);
         assert!(cap.torque.abs() <= breakaway + 1e-8, "{cap:?}");
-        // The spring's own energy is what its torque says; the rest went through the cap.
+        // The energy stored in the spring follows from its torque; the rest went into the cap.
         work += 0.5 * (before + cap.torque) * (target - drive);
         drive = target;
     }
@@ -75,11 +76,11 @@ fn close_and_open(stiffness: f64, to: f64) -> (f64, Turn) {
 
 #[test]
 fn a_tightened_cap_comes_loose_and_gives_back_no_energy() {
-    // Softer and stiffer than the seat: the softer one snaps loose.
+    // Springs softer and stiffer than the seat; with the soft one the cap snaps loose.
     for stiffness in [0.3, 0.9, 3.0] {
         let (work, cap) = close_and_open(stiffness, 0.8);
-        assert!(work > 0.0, "{work} J came out of the cap");
-        // Loose, it follows the spring: torque is the running torque against the motion.
+        assert!(work > 0.0, "the cap returned {work} J");
+        // A loose cap follows the spring: its torque is the running torque against the motion.
         assert!(
             (cap.torque + CAP.thread.running_torque).abs() < 2e-4,
             "{cap:?}"
@@ -110,7 +111,7 @@ fn the_hand_turns_a_seated_cap_loose_without_upsetting_the_world() {
         let fingers = world.state().fingers.iter();
         assert!(fingers.flat_map(|f| &f.forces).all(|f| f.is_finite()));
         assert!(cap.turn.torque.abs() <= thread.static_factor * thread.running_torque + 1e-8);
-        // Turned one way only: it comes up, and meets nothing but its running torque.
+        // The cap only turns in the opening direction, against its running torque alone.
         let now = cap.turn.angle;
         assert!(now <= angle + 1e-4, "{now} after {angle} rad");
         angle = now;

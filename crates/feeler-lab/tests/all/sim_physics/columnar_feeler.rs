@@ -1,4 +1,4 @@
-//! One feeler on a flat face, by calling the contact law itself: stick, slip, hold.
+//! Contact law of one feeler on a flat face: stick, slip and hold.
 
 use crate::sim_bodies::scene::fixed;
 use feeler_sim::contact::{Anchor, FeelerConfig, Overload, Tip};
@@ -20,10 +20,10 @@ pub const FEELER: FeelerConfig = FeelerConfig {
     length_limit: None,
     relaxation: None,
 };
-/// How far the feeler is pressed in, m.
+/// Compression of the feeler (m).
 const DEPTH: f64 = 0.0004;
 const SPEED: f64 = 0.010;
-/// Rounding of a few operations on forces of about 1 N.
+/// Rounding error of a few operations on forces of about 1 N.
 const ROUNDING: f64 = 1e-12;
 
 /// A fixed upright cylinder about the origin.
@@ -31,18 +31,18 @@ pub fn cylinder(radius: f64, height: f64) -> Object {
     of_shape(ShapeConfig::Cylinder { radius, height })
 }
 
-/// A disc of 1 m radius, face up: flat for a feeler that moves by millimetres.
+/// The flat top of a disc of 1 m radius, which is effectively infinite for motions of millimetres.
 fn flat() -> Object {
     cylinder(1.0, 0.02)
 }
 
-/// The hold that a free feeler takes, if it touches.
+/// Anchor of a free feeler's new contact, or `None` if it does not touch.
 pub fn hold(feeler: &FeelerConfig, object: &Object, tip: &Tip) -> Option<Anchor> {
     let surface = object.nearest(tip.position)?;
     (surface.distance < feeler.tip_radius).then(|| feeler.anchor(&surface))
 }
 
-/// What is left of `anchor`, and the force, when a steady or sudden overload has settled.
+/// Anchor and force after slip has settled under a steady or sudden overload.
 pub fn settle(
     feeler: &FeelerConfig,
     object: &Object,
@@ -53,7 +53,7 @@ pub fn settle(
     feeler.settle(object, feeler.friction(), tip, anchor, overload)
 }
 
-/// A feeler that points straight down, pressed in by [`DEPTH`], at `x` along the face.
+/// A feeler that points straight down, is compressed by [`DEPTH`] and is at `x` along the face.
 fn tip(x: f64) -> Tip {
     Tip {
         position: DVec3::new(x, 0.0, 0.01 + FEELER.tip_radius - DEPTH),
@@ -82,12 +82,12 @@ fn a_pressed_feeler_pushes_with_its_normal_stiffness_and_no_shear() {
 }
 
 #[test]
-fn a_dragged_feeler_makes_the_sawtooth_of_stick_and_slip_at_any_step() {
+fn a_dragged_feeler_follows_the_stick_slip_sawtooth_at_any_step_size() {
     let object = flat();
     let normal_force = FEELER.normal_stiffness * DEPTH;
     let most = FEELER.static_friction * normal_force;
     let drop = most - FEELER.kinetic_friction * normal_force;
-    // In closed form: the shear force rises by k_t v; at the static limit it drops to the kinetic
+    // Closed form: the shear force rises at k_t v; at the static limit it drops to the kinetic
     // one, so its period is (mu_s - mu_k) F_n / (k_t v), 35 ms here.
     let sawtooth = |x: f64| {
         let stuck = FEELER.shear_stiffness * x;
@@ -125,7 +125,7 @@ fn a_dragged_feeler_makes_the_sawtooth_of_stick_and_slip_at_any_step() {
 }
 
 #[test]
-fn a_feeler_overloaded_at_a_stroke_falls_to_the_kinetic_limit() {
+fn a_suddenly_overloaded_feeler_drops_to_the_kinetic_limit() {
     let object = flat();
     let normal_force = FEELER.normal_stiffness * DEPTH;
     let x = 1.3 * FEELER.static_friction * normal_force / FEELER.shear_stiffness;
@@ -144,7 +144,7 @@ fn a_feeler_overloaded_at_a_stroke_falls_to_the_kinetic_limit() {
 #[test]
 fn a_feeler_at_rest_holds_its_shear_without_creep() {
     let object = flat();
-    // Just short of the static limit.
+    // Just below the static limit.
     let x =
         0.999 * FEELER.static_friction * FEELER.normal_stiffness * DEPTH / FEELER.shear_stiffness;
     let (mut anchor, start) = settle(
@@ -164,7 +164,7 @@ fn a_feeler_at_rest_holds_its_shear_without_creep() {
 }
 
 #[test]
-fn a_feeler_that_is_lifted_lets_go_and_never_pulls() {
+fn a_lifted_feeler_separates_and_never_pulls() {
     let object = flat();
     let mut anchor = Some(pressed(&object));
     for n in 0..=10 {
@@ -196,8 +196,10 @@ fn of_shape(shape: ShapeConfig) -> Object {
     Object::new("object", &fixed(shape), 0.0, Path::new("")).expect("an object")
 }
 
-/// Shear above the kinetic limit after sudden slips over an object of about 14 mm radius, relative to the normal force: tips press on its side from
-/// all around and are pushed aside, by up to 2 mm, most of them overloaded. None where it holds on, or lets go.
+/// Shear in excess of the kinetic limit after sudden slips, relative to the normal force.
+///
+/// The tips press on the side of an object of about 14 mm radius from all around and are displaced by up to 2 mm, which
+/// overloads most of them. An entry is `None` if the tip sticks or separates.
 fn left_over(object: &Object) -> Vec<Option<f64>> {
     let feeler = FeelerConfig::default();
     let mut left = Vec::new();
@@ -229,7 +231,7 @@ fn left_over(object: &Object) -> Vec<Option<f64>> {
 }
 
 #[test]
-fn a_slip_ends_at_the_kinetic_limit_and_over_grooves_hardly_above_it() {
+fn a_slip_ends_at_the_kinetic_limit_on_smooth_and_grooved_surfaces() {
     let knurled = |knurls, depth, ovality| ShapeConfig::KnurledCylinder {
         radius: 0.014,
         height: 0.03,
@@ -251,8 +253,8 @@ fn a_slip_ends_at_the_kinetic_limit_and_over_grooves_hardly_above_it() {
         // A slip ends within 1e-9 of the normal force.
         assert!(slips.iter().all(|left| left.abs() < 2e-9));
     }
-    // A tip is wider than these grooves, so that it jumps from crest to crest; on a crest, whose bend no step counts on, sixteen of them
-    // leave up to half a per cent of the normal force, which the next round of the balance finds.
+    // A tip is wider than these grooves and jumps from crest to crest. The iterations neglect the curvature of a crest:
+    // after sixteen, up to 0.5 % of the normal force remains, which the next balance iteration removes.
     for knurls in [60, 120] {
         let slips = left_over(&of_shape(knurled(knurls, 0.0003, 0.0)));
         let slips: Vec<_> = slips.into_iter().flatten().collect();

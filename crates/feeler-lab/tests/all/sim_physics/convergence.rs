@@ -1,8 +1,8 @@
 //! A finer physics step changes the torques of the strokes by less than 2 %.
 //!
-//! The mean torque of a stroke is compared run by run. Its peak is where many feelers happen to be
-//! about to slip at once, and no property of one run: 0.1 um of the bottle's position changes it
-//! by 2 to 6 %, at any step. So peaks are compared over many runs.
+//! The mean torque of a stroke is compared run by run. Its peak occurs where many feelers happen to be about to slip at
+//! once and is not reproducible in one run: moving the bottle by 0.1 um changes it by 2 to 6 % at any step size.
+//! Peaks are therefore averaged over many runs.
 
 use super::reference::{Commands, commands, experiment, replay, world};
 
@@ -14,11 +14,11 @@ const QUIET: [&str; 2] = [
 /// True torque of each stroke, N·m.
 struct Torques {
     peak: Vec<f64>,
-    /// Over the time in which the cap is held, at more than 1 mN·m.
+    /// Mean over the time in which the torque exceeds 1 mN·m, i.e. the cap is held.
     mean: Vec<f64>,
 }
 
-/// The torques of a run of `settings` under `commands`.
+/// Torques of a run with `settings` under `commands`.
 fn torques(settings: &[&str], commands: &Commands) -> Torques {
     let experiment = experiment(settings);
     let strokes = experiment.config.task.strokes() as usize;
@@ -64,7 +64,7 @@ fn the_mean_torques_under_given_commands_do_not_depend_on_the_step() {
     }
 }
 
-/// Runs over which peaks are averaged: one peak varies by 5 %, the mean over these by 0.6 %.
+/// Number of runs over which peaks are averaged: one peak varies by 5 %, their mean by 0.6 %.
 const RUNS: u64 = 64;
 
 /// Torques of controlled runs, averaged over [`RUNS`] seeds.

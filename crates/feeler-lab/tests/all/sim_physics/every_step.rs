@@ -1,4 +1,4 @@
-//! What must hold at every physics step of the reference run.
+//! Invariants of every physics step of the reference run.
 
 use super::reference::{commands, experiment, replay, world};
 use feeler_sim::objects::Motion;
@@ -7,7 +7,7 @@ use feeler_sim::world::Contact;
 use feeler_sim::world::World;
 use glam::DVec3;
 
-/// Torque about the cap's axis by the fingers' contacts, N·m, from forces and contact points in W.
+/// Torque of the fingers' contacts about the cap's axis (N·m), from forces and contact points in W.
 fn contact_torque(world: &World) -> f64 {
     let pose = world.state().objects[0].pose;
     let fingers = world.model().fingers.iter().zip(&world.state().fingers);
@@ -22,19 +22,19 @@ fn contact_torque(world: &World) -> f64 {
     contacts.sum()
 }
 
-/// The thread that the cap of `world` is on.
+/// The thread of the cap in `world`.
 fn thread(world: &World) -> &ThreadConfig {
     match &world.model().objects[0].motion {
         Motion::Turns(hinge) => &hinge.thread,
-        other => panic!("the cap is on a thread, not {other:?}"),
+        other => panic!("expected a cap on a thread, got {other:?}"),
     }
 }
 
-/// Torques are solved for to 1e-9 N·m; two of them are compared, and summed over 82 feelers.
+/// Tolerance of the torque balance (N·m): torques are solved to 1e-9 N·m, two are compared and summed over 82 feelers.
 const BALANCE: f64 = 3e-9;
 
 #[test]
-fn the_fingers_torque_is_the_shafts_and_obeys_the_thread() {
+fn the_fingers_torque_equals_the_shafts_and_obeys_the_thread() {
     let experiment = experiment(&[]);
     let commands = commands(&experiment);
     let mut world = world(&experiment, &commands.start);
@@ -69,7 +69,7 @@ fn the_fingers_torque_is_the_shafts_and_obeys_the_thread() {
 }
 
 #[test]
-fn the_torque_sensor_tells_the_torque_within_noise_and_quantisation() {
+fn the_torque_sensor_measures_the_torque_within_noise_and_quantisation() {
     let experiment = experiment(&[]);
     let commands = commands(&experiment);
     let mut world = world(&experiment, &commands.start);
@@ -78,9 +78,9 @@ fn the_torque_sensor_tells_the_torque_within_noise_and_quantisation() {
         sensor.amplifier_gain * sensor.bridge_voltage * sensor.gauge_factor * sensor.rated_strain
             / sensor.rated_torque;
     let count = 2.0 * sensor.converter_range / f64::from(1 << sensor.converter_bits);
-    // Six deviations: one reading in 5e8 is further off, and there are fewer than 2e4.
+    // Six standard deviations: one reading in 5e8 exceeds them, and there are fewer than 2e4.
     let tolerance = (6.0 * sensor.noise + count / 2.0) / volts_per_torque;
-    // The low-pass, run again beside the simulation, on the true torque.
+    // Repeats the low-pass on the true torque.
     let keep = (-std::f64::consts::TAU * sensor.cutoff_frequency * world.model().step).exp();
     let (mut expected, mut sum_of_squares, mut readings) = (0.0, 0.0, 0.0);
     replay(&mut world, &commands, |world, _| {
@@ -90,8 +90,7 @@ fn the_torque_sensor_tells_the_torque_within_noise_and_quantisation() {
         sum_of_squares += error * error;
         readings += 1.0;
     });
-    // Noise and the uniform error of rounding add in the square. Over 1e4 readings a deviation is
-    // estimated to 1 %.
+    // The variances of noise and rounding add. Over 1e4 readings a standard deviation is estimated to 1 %.
     let deviation = (sensor.noise.powi(2) + count * count / 12.0).sqrt() / volts_per_torque;
     let measured = (sum_of_squares / readings).sqrt();
     assert!(
@@ -118,7 +117,7 @@ fn feelers_push_within_the_friction_cone_and_only_where_they_touch() {
                     let axis = finger.tip.rotation * model.normals[element];
                     let tip = finger.tip.position + model.dome_radius * axis - pose.position;
                     let above = distance(tip, radius, height);
-                    // A feeler that is let go of may be a step's motion (20 mm/s) inside.
+                    // A feeler that was just released may penetrate by the motion of one step (20 mm/s).
                     assert!(above > feeler.tip_radius - 2e-5, "{above} m and no contact");
                     continue;
                 };
@@ -129,13 +128,13 @@ fn feelers_push_within_the_friction_cone_and_only_where_they_touch() {
                 let shear = (force + pressing * normal).length();
                 let use_of_cone = shear / (feeler.static_friction * pressing);
                 worst = worst.max(use_of_cone);
-                // Slips end within 1e-9; the cap's last adjustment moves a tip by rounding.
+                // Slips end within 1e-9 of the normal force; the cap's last adjustment moves a tip by rounding.
                 assert!(
                     use_of_cone < 1.0 + 1e-6,
                     "{use_of_cone} of the friction cone"
                 );
-                // The deformed tip's sphere rests on the cap: its centre is one radius above it, to
-                // what it rolls along the tangent (2 um and a step or two) before it is put back.
+                // The deformed tip's sphere rests on the cap: its centre is one radius above the surface, up to the
+                // distance it rolls along the tangent (2 um and a step or two) before it is projected back.
                 let above = distance(pose.rotation * anchor.position, radius, height);
                 let tangent = (6e-6_f64).powi(2) / (2.0 * radius);
                 assert!((above - feeler.tip_radius).abs() < tangent, "{above} m");
@@ -146,8 +145,9 @@ fn feelers_push_within_the_friction_cone_and_only_where_they_touch() {
     assert!(touching > 10_000);
 }
 
-/// Distance of `point` (m, from the centre of an upright cylinder) from its surface, negative
-/// inside; written out, not taken from the geometry library.
+/// Signed distance (m) of `point` from the surface of an upright cylinder about the origin, negative inside.
+///
+/// Independent of the geometry library.
 fn distance(point: DVec3, radius: f64, height: f64) -> f64 {
     let out = point.truncate().length() - radius;
     let up = point.z.abs() - height / 2.0;

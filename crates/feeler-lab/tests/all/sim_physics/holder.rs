@@ -1,4 +1,4 @@
-//! A bottle that has play in its holder, against statics by hand.
+//! A bottle with play in its holder, compared with statics calculated by hand.
 
 use super::one_feeler::OneFeeler;
 use super::reference::{commands, experiment, replay, world};
@@ -13,7 +13,7 @@ const CLAMP: LateralConfig = LateralConfig {
     play: [3e-4, 1e-4],
 };
 
-/// A feeler before a cap that does not turn, on a bottle held as [`CLAMP`] says.
+/// A feeler in front of a cap that does not turn, on a bottle held by [`CLAMP`].
 fn before_a_bottle() -> OneFeeler {
     OneFeeler::new(-RADIUS, |sim| {
         sim.holder = Some(HolderConfig {
@@ -27,7 +27,8 @@ fn before_a_bottle() -> OneFeeler {
     })
 }
 
-/// Where two springs in a row are in balance, the second after its play, when the first one's end is at `drive`, m.
+/// Equilibrium position (m) of two springs in series, the second with play, if the free end of the first is at `drive`
+/// (m).
 fn balanced(spring: f64, clamp: f64, play: f64, drive: f64) -> f64 {
     if drive <= play {
         drive
@@ -36,11 +37,11 @@ fn balanced(spring: f64, clamp: f64, play: f64, drive: f64) -> f64 {
     }
 }
 
-/// Shifts are balanced to 1e-11 m, by a Newton step each along x and y.
+/// Tolerance of shifts (m): one Newton step each along x and y balances them to 1e-11 m.
 const BALANCED: f64 = 1e-10;
 
 #[test]
-fn a_bottle_shifts_by_its_play_and_then_as_the_clamps_stiffness_says() {
+fn a_bottle_shifts_by_its_play_and_then_by_force_over_clamp_stiffness() {
     let mut rig = before_a_bottle();
     let [play, _] = CLAMP.play;
     for n in 0..=200 {
@@ -52,7 +53,7 @@ fn a_bottle_shifts_by_its_play_and_then_as_the_clamps_stiffness_says() {
             (centre - expected * DVec3::X).length() < BALANCED,
             "{centre}"
         );
-        // What the feeler pushes with is what the clamp holds.
+        // The clamp's force balances the feeler's.
         let held = CLAMP.stiffness[0] * (centre.x - play).max(0.0);
         assert!(
             (force.x - held).abs() < CLAMP.stiffness[0] * BALANCED,
@@ -62,7 +63,7 @@ fn a_bottle_shifts_by_its_play_and_then_as_the_clamps_stiffness_says() {
 }
 
 #[test]
-fn a_bottle_follows_shear_and_stays_at_the_end_of_its_play_when_let_go() {
+fn a_bottle_follows_shear_and_stays_at_the_end_of_its_play_when_released() {
     let mut rig = before_a_bottle();
     let ([_, stiffness], [x_play, y_play]) = (CLAMP.stiffness, CLAMP.play);
     for n in 0..=100 {
@@ -76,7 +77,7 @@ fn a_bottle_follows_shear_and_stays_at_the_end_of_its_play_when_let_go() {
         let centre = rig.world.state().objects[0].pose.position;
         assert!((centre.y - expected).abs() < BALANCED, "{centre}");
     }
-    // Nothing centres it.
+    // No force recentres the bottle.
     for _ in 0..10 {
         rig.press(-1e-3, DVec3::ZERO);
         let centre = rig.world.state().objects[0].pose.position;
@@ -86,7 +87,7 @@ fn a_bottle_follows_shear_and_stays_at_the_end_of_its_play_when_let_go() {
 }
 
 #[test]
-fn the_shaft_feels_no_torque_within_the_play() {
+fn no_torque_acts_on_the_shaft_within_the_play() {
     let hinge = Hinge::on_thread(&ThreadConfig {
         running_torque: 1.0,
         seat_angle: 1.0,
@@ -98,7 +99,7 @@ fn the_shaft_feels_no_torque_within_the_play() {
     let (stiffness, play, pull) = (50.0, 0.01, 0.4);
     let shaft = PlaySpring::new(stiffness, play);
     let mut state = Turn::default();
-    // Two springs in a row beyond the play, one way and then the other; nothing turns on the thread.
+    // Two springs in series beyond the play, in both directions; the cap does not turn on its thread.
     let row = stiffness * pull / (stiffness + pull);
     let swing = (0..=300).chain((-300..300).rev()).chain(-299..=0);
     for n in swing {
@@ -132,7 +133,7 @@ fn a_cap_turns_at_its_running_torque_once_the_play_is_used_up() {
     let (stiffness, play, pull) = (50.0, 0.01, 0.4);
     let (hinge, shaft) = (Hinge::on_thread(&thread), PlaySpring::new(stiffness, play));
     let mut state = Turn::default();
-    // The second step pulls harder than the thread resists, until the play has given way.
+    // The second step exceeds the thread's resistance until the play is used up.
     for n in 1..=20 {
         let drive = 0.009 * f64::from(n);
         hinge.turn(&mut state, (0.0, 0.0), &shaft, |state| FingerLoad {
@@ -153,7 +154,7 @@ fn a_cap_turns_at_its_running_torque_once_the_play_is_used_up() {
     }
 }
 
-/// Torque on the shaft, N·m, and force on the clamp, N, as far as the bottle has turned and shifted.
+/// Torque on the shaft (N·m) and force on the clamp (N) at the bottle's rotation and shift.
 fn held(state: &State, shaft: f64, turn_play: f64) -> (f64, [f64; 2]) {
     let beyond = |at: f64, play: f64| at.signum() * (at.abs() - play).max(0.0);
     let turn = &state.objects[0].turn;
@@ -163,7 +164,7 @@ fn held(state: &State, shaft: f64, turn_play: f64) -> (f64, [f64; 2]) {
 }
 
 #[test]
-fn the_reference_run_balances_on_a_loose_bottle_at_every_step() {
+fn forces_balance_at_every_step_of_the_reference_run_on_a_loose_bottle() {
     let turn_play = 0.02;
     let experiment = experiment(&[
         "sim.holder.turn_play=0.02",
@@ -191,7 +192,7 @@ fn the_reference_run_balances_on_a_loose_bottle_at_every_step() {
     println!(
         "{worst_torque:e} N m, {worst_force:e} N, {most_shift} m, {turning} steps, {angle} rad"
     );
-    // As in the run without play.
+    // Same tolerance as without play.
     assert!(worst_torque < 3e-9, "{worst_torque} N m");
     // The shift is balanced to 1e-11 m on feelers of some kN/m.
     assert!(worst_force < 1e-6, "{worst_force} N");

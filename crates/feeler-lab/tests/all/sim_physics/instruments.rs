@@ -1,4 +1,4 @@
-//! Drives, encoders and the torque sensor against their textbook formulas.
+//! Drives, encoders and the torque sensor, compared with their textbook formulas.
 
 use feeler::hand::{Hand, HandCommand, HandState};
 use feeler_sim::random::{Purpose, generator};
@@ -30,8 +30,8 @@ fn a_joint_follows_its_command_along_the_exponential() {
             SERVO.advance(&mut joints, step, remaining, FREE);
             let t = step * f64::from(n);
             let rise = 1.0 - (-t / SERVO.lag).exp();
-            // v = c (1 - e^(-t/T)), x = x0 + c (t - T (1 - e^(-t/T))): exact at any step, so only
-            // the rounding of 200 steps is left.
+            // v = c (1 - e^(-t/T)), x = x0 + c (t - T (1 - e^(-t/T))) is exact at any step size: only the rounding of
+            // 200 steps remains.
             assert!((joints.velocity - rise * command).length() < 1e-13);
             let position = start + command * (t - SERVO.lag * rise);
             assert!((joints.position - position).length() < 1e-13);
@@ -40,7 +40,7 @@ fn a_joint_follows_its_command_along_the_exponential() {
 }
 
 #[test]
-fn a_joint_stops_dead_at_its_limit_and_comes_off_it() {
+fn a_joint_stops_at_its_limit_and_can_leave_it() {
     let mut joints = Joints::at_rest(DVec3::ZERO);
     let limits = (DVec3::splat(-0.1), DVec3::splat(0.1));
     let mut run = |command: DVec3| {
@@ -81,7 +81,7 @@ fn encoders_round_to_whole_counts_and_velocity_is_their_difference() {
         hand.read(&mut state).expect("a state");
         let now = state.joints[0].position;
         let counts = now / resolution;
-        // Angles of a few rad are 1e5 counts: rounding leaves 1e-11 of one.
+        // Angles of a few rad are 1e5 counts: rounding errors are 1e-11 of a count.
         assert!((counts - counts.round()).abs().max_element() < 1e-9);
         if let Some(before) = before {
             let difference: DVec3 = (now - before) / 0.01;
@@ -92,13 +92,13 @@ fn encoders_round_to_whole_counts_and_velocity_is_their_difference() {
         command.relay(&velocity);
         hand.command(&command).expect("a command");
     }
-    // After 20 time constants the joint moves as commanded, read to a count either way.
+    // After 20 time constants the joint moves as commanded, measured to one count in either direction.
     let error = state.joints[0].velocity - velocity[0];
     assert!(error.abs().max_element() <= resolution / 0.01, "{error}");
 }
 
 #[test]
-fn encoders_are_off_by_what_they_were_switched_on_with() {
+fn encoders_have_a_constant_offset_from_power_up() {
     let most = 0.01;
     let setting = format!("sim.variation.encoder_offset={most}");
     let (mut drawn, runs) = (Vec::new(), 100);
@@ -118,7 +118,7 @@ fn encoders_are_off_by_what_they_were_switched_on_with() {
         assert!(offsets.iter().all(|off| off.abs() <= most + 0.5e-5));
         drawn.extend(offsets);
     }
-    // Uniform: the mean's deviation is most / sqrt(3 n), and four of them are rarer than 1 in 10 000.
+    // Uniform: the mean's standard deviation is most / sqrt(3 n); four of them are exceeded less than once in 10 000.
     let count = drawn.len() as f64;
     assert_eq!(drawn.len(), 6 * runs);
     let mean = drawn.iter().sum::<f64>() / count;
@@ -151,8 +151,8 @@ fn the_bridge_obeys_the_full_bridge_formula() {
     for n in -30..=30 {
         let torque = 0.01 * f64::from(n);
         let reading = TORQUE_SENSOR.read(torque, &mut random);
-        // Four active gauges: V = V_ex GF strain; a metal foil's strain of 5e-4 leaves the formula
-        // exact, for stretched and pressed gauges change alike.
+        // Four active gauges: V = V_ex GF strain. The formula is exact at a strain of 5e-4, as stretched and compressed
+        // gauges change equally.
         let strain = TORQUE_SENSOR.rated_strain * torque / TORQUE_SENSOR.rated_torque;
         let expected = 1000.0 * 5.0 * 2.1 * strain;
         assert!(
@@ -172,7 +172,7 @@ fn the_converter_clips_at_its_range() {
     let top = TORQUE_SENSOR.read(1.0, &mut random);
     let bottom = TORQUE_SENSOR.read(-1.0, &mut random);
     assert_eq!((top.counts, bottom.counts), (8191, -8192));
-    // 10 V at 26.25 V per N m; one count less at the top.
+    // 10 V at 26.25 V per N m; the upper end is one count lower.
     assert!((bottom.torque + 10.0 / 26.25).abs() < 1e-12);
     assert!((top.torque - 10.0 / 26.25 * 8191.0 / 8192.0).abs() < 1e-12);
 }

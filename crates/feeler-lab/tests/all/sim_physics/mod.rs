@@ -1,4 +1,4 @@
-//! The simulated rig against physics derived by hand. Every tolerance has its reason beside it.
+//! The simulated rig, compared with physics derived by hand. Each tolerance is explained where it is used.
 
 mod cap;
 mod columnar_feeler;

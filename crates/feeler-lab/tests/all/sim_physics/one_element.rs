@@ -1,4 +1,4 @@
-//! A fingertip with a single element on a held cap: the contact law through the whole world.
+//! A fingertip with a single element on a fixed cap: the contact law within a complete world.
 
 use feeler::hand::resolved_rate;
 use feeler::hand::{FingerConfig, FingerGeometry};
@@ -17,8 +17,10 @@ const DEPTH: f64 = 0.0005;
 const LINK: f64 = 1.0;
 const CAP_RADIUS: f64 = 0.05;
 
-/// A finger with links of 1 m, so that it hardly tilts within a millimetre, before a cap that
-/// nothing can turn; its one feeler points along x at the cap's axis and just touches.
+/// A finger in front of a cap that cannot turn.
+///
+/// Its links are 1 m long, so that it hardly tilts within a millimetre. Its only feeler points along x at the cap's
+/// axis and just touches the cap.
 fn one_element() -> World {
     let mut sim = experiment(&[]).config.sim.expect("a simulated world");
     sim.step = STEP;
@@ -57,7 +59,7 @@ fn one_element() -> World {
     World::new(&sim, &fingers, &[theta], Path::new(""), 0).expect("a world")
 }
 
-/// The undeformed tip's centre, m, in W.
+/// Centre of the undeformed tip (m, in W).
 fn tip(world: &World) -> DVec3 {
     let tip = &world.state().fingers[0].tip;
     tip.position + world.model().fingers[0].dome_radius * tip.rotation.x_axis
@@ -78,12 +80,12 @@ fn force(world: &World) -> DVec3 {
     world.state().fingers[0].forces[0]
 }
 
-/// The force's deviation from K times the displacement while the finger tilts by d / l4:
-/// (k_n - k_t) depth d / l4, that is 1.5 * 0.5 mm / 1 m of the shear force; twice that.
+/// Relative tolerance of the shear force: twice its deviation from K times the displacement d while the finger tilts by
+/// d / l4, which is (k_n - k_t) depth d / l4, or 1.5 * 0.5 mm / 1 m of the shear force.
 const TILT: f64 = 1.5e-3;
 
 #[test]
-fn a_dragged_element_follows_stiffness_then_friction_in_the_whole_world() {
+fn the_force_on_a_dragged_element_follows_stiffness_and_then_friction() {
     let mut world = one_element();
     let start = tip(&world);
     for n in 1..=10 {
@@ -92,7 +94,7 @@ fn a_dragged_element_follows_stiffness_then_friction_in_the_whole_world() {
     let feeler = world.model().fingers[0].feelers[0].clone();
     let normal_force = feeler.normal_stiffness * DEPTH;
     let pressed = force(&world);
-    // Going in, the finger tilts by the depth over its link at most, and its tip with it.
+    // While approaching, the finger and its tip tilt by at most the depth divided by the link's length.
     let tilt = DEPTH / LINK;
     let aside =
         (feeler.shear_stiffness * world.model().fingers[0].dome_radius + normal_force) * tilt;
@@ -110,7 +112,7 @@ fn a_dragged_element_follows_stiffness_then_friction_in_the_whole_world() {
         if shear < before {
             slips.push(STEP * f64::from(n));
             let kinetic = feeler.kinetic_friction * force(&world).x;
-            // And what a step builds up again.
+            // Plus the shear force that builds up in one step.
             let step = feeler.shear_stiffness * SPEED * STEP;
             let above = shear - kinetic;
             assert!(
@@ -130,7 +132,7 @@ fn a_dragged_element_follows_stiffness_then_friction_in_the_whole_world() {
     let rate = feeler.shear_stiffness * SPEED;
     let first = feeler.static_friction * normal_force / rate;
     let period = (feeler.static_friction - feeler.kinetic_friction) * normal_force / rate;
-    // A step late at most; the dome's radius times the tilt makes the tip 2 % faster than asked.
+    // At most one step late; the dome's radius times the tilt makes the tip 2 % faster than commanded.
     assert!(
         (slips[0] - first).abs() < STEP + 0.02 * first,
         "{} s",
@@ -163,13 +165,13 @@ fn an_element_at_rest_holds_its_shear_for_ten_seconds() {
     assert!(held.z > 0.4, "{held}");
     for _ in 0..10_000 {
         world.step().expect("a step");
-        // Nothing moves, so nothing changes: not by a bit.
+        // Nothing moves, so the force stays bit-identical.
         assert_eq!(force(&world), held);
     }
 }
 
 #[test]
-fn every_slip_loses_what_the_spring_loses_between_both_limits() {
+fn each_slip_dissipates_the_spring_energy_between_static_and_kinetic_limit() {
     let mut world = one_element();
     let start = tip(&world);
     for n in 1..=10 {
@@ -201,8 +203,8 @@ fn every_slip_loses_what_the_spring_loses_between_both_limits() {
     let work = slips * (limits[0].powi(2) - limits[1].powi(2)) / (2.0 * feeler.shear_stiffness);
     let after = lost(&world);
     // The finger tilts by 4 mm over its link while it drags, which turns some of the shear into normal force: up to
-    // (k_n - k_t) / k_n of it, 0.7 %. Work goes as the square of the force, and a step's drive goes on
-    // while the feeler slips: up to 4 mN of 0.45 N, half of it on average.
+    // (k_n - k_t) / k_n of it, 0.7 %. Work is proportional to the square of the force, and the drive moves on during
+    // the step in which the feeler slips: up to 4 mN of 0.45 N, half of it on average.
     let leaning = 1.0 - feeler.shear_stiffness / feeler.normal_stiffness;
     let leaning = leaning * 0.004 / LINK * (limits[0] / feeler.shear_stiffness) / DEPTH;
     let tolerance = TILT + leaning;

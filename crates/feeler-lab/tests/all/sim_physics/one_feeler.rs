@@ -1,4 +1,4 @@
-//! A fingertip with a single feeler, held from outside before a flat face.
+//! A fingertip with a single feeler in front of a flat face, at poses set by the test.
 
 use feeler::hand::FingerGeometry;
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, RingConfig};
@@ -11,20 +11,21 @@ use std::path::Path;
 
 use super::reference::experiment;
 
-/// s.
+/// Physics step (s).
 pub const STEP: f64 = 0.001;
 const DOME_RADIUS: f64 = 0.018;
 
-/// The feeler points along W's x.
+/// A world with one feeler that points along x of W.
 pub struct OneFeeler {
     pub world: World,
     pub feeler: FeelerConfig,
-    /// Along x to the face of what it comes to, m.
+    /// Position of the object's face along x (m).
     face: f64,
 }
 
 impl OneFeeler {
-    /// The reference rig as `change` changes it, nothing varied: its object's face is at `face` (m) along x.
+    /// Creates the reference rig, modified by `change` and without variation, with the object's face at `face` (m)
+    /// along x.
     pub fn new(face: f64, change: impl FnOnce(&mut SimConfig)) -> Self {
         let config = experiment(&[]).config;
         let mut sim = config.sim.expect("a simulated world");
@@ -54,8 +55,9 @@ impl OneFeeler {
         }
     }
 
-    /// One step after which the feeler's outside is `depth` (m) behind the face, and `aside` (m, in W) of the axis:
-    /// the force on the object, N, in W.
+    /// Performs one step to a tip `depth` (m) behind the face and `aside` (m, in W) from the axis.
+    ///
+    /// Returns the force on the object (N, in W).
     pub fn press(&mut self, depth: f64, aside: DVec3) -> DVec3 {
         let reach = DOME_RADIUS + self.feeler.tip_radius;
         self.world.hold_fingertip(

@@ -1,4 +1,4 @@
-//! The reference run, and its commands again on a world that can be watched at every step.
+//! The reference run, and replay of its commands on a world that tests inspect after every step.
 
 use feeler::hand::FingerGeometry;
 use feeler::sensor::fingertip::ElementLayout;
@@ -17,13 +17,13 @@ pub fn experiment(settings: &[&str]) -> Experiment {
     Experiment::load(file, &settings).expect("the reference experiment")
 }
 
-/// The joint velocities that the control law commands in a run, one row per control period.
+/// Joint velocities commanded by the control law in a run, one row per control period.
 pub struct Commands {
     pub period: f64,
     pub rows: Vec<Vec<DVec3>>,
-    /// Joint angles at the start, rad.
+    /// Initial joint angles (rad).
     pub start: Vec<DVec3>,
-    /// Stroke, from 1, of each row.
+    /// Stroke of each row, starting at 1.
     pub strokes: Vec<u32>,
 }
 
@@ -68,8 +68,8 @@ pub fn world(experiment: &Experiment, start: &[DVec3]) -> World {
     .expect("a world")
 }
 
-/// Gives `world` the commands of a run and shows it after every physics step; beside it, the
-/// number of the command.
+/// Applies the commands of a run to `world` and calls `watch` with the world and the index of the command after every
+/// physics step.
 pub fn replay(world: &mut World, commands: &Commands, mut watch: impl FnMut(&mut World, usize)) {
     let steps = (commands.period / world.model().step).round() as usize;
     for (row, command) in commands.rows.iter().enumerate() {

@@ -1,4 +1,4 @@
-//! Feelers that relax, against the closed forms of the standard linear solid.
+//! Relaxation of feelers, compared with the closed forms of the standard linear solid.
 
 use super::one_feeler::{OneFeeler, STEP};
 use feeler_sim::contact::RelaxationConfig;
@@ -10,7 +10,7 @@ use std::f64::consts::{PI, TAU};
 const SHARE: f64 = 0.3;
 const DEPTH: f64 = 0.0005;
 
-/// A feeler with the relaxation time `time` (s) before a fixed block about the origin.
+/// A feeler with relaxation time `time` (s) in front of a fixed block at the origin.
 fn before_a_block(time: f64) -> OneFeeler {
     OneFeeler::new(-0.05, |sim| {
         sim.feeler.relaxation = Some(RelaxationConfig { share: SHARE, time });
@@ -21,7 +21,7 @@ fn before_a_block(time: f64) -> OneFeeler {
     })
 }
 
-/// Forces of some N/m times some mm, with rounding of places of some cm.
+/// Rounding error of forces (N): stiffness times some mm, at positions of some cm.
 const ROUNDING: f64 = 1e-12;
 
 #[test]
@@ -33,7 +33,7 @@ fn the_force_relaxes_along_the_exponential_at_constant_deformation() {
     for n in 0..600 {
         let to = if n < sheared { DVec3::ZERO } else { aside };
         let force = rig.press(DEPTH, to);
-        // Each deformation relaxes by itself, from when it was made: the force is linear in them.
+        // Each deformation relaxes independently from its start, as the force is linear in them.
         let normal = rig.feeler.normal_stiffness * DEPTH * left(n);
         let shear = match n < sheared {
             true => DVec3::ZERO,
@@ -45,7 +45,7 @@ fn the_force_relaxes_along_the_exponential_at_constant_deformation() {
 }
 
 #[test]
-fn a_quick_motion_of_a_relaxed_feeler_meets_the_whole_stiffness() {
+fn a_relaxed_feeler_responds_to_fast_motion_with_its_full_stiffness() {
     let mut rig = before_a_block(0.05);
     for _ in 0..2000 {
         rig.press(DEPTH, DVec3::ZERO);
@@ -73,18 +73,18 @@ fn a_feeler_under_constant_force_creeps_along_the_exponential() {
             let t = STEP * f64::from(n);
             let crept = SHARE / (1.0 - SHARE) * (1.0 - (-t / creep_time).exp());
             worst = worst.max((depth / at_once - 1.0 - crept).abs());
-            // Follows the feeler so that its force stays.
+            // Follows the feeler to keep its force constant.
             depth += (force - measured) / rig.feeler.normal_stiffness;
         }
-        // The load follows a step late, and the deformation of a step counts from its end: each makes the creep
-        // as much late, and it is as fast as `share / time` of what the feeler yields at once.
+        // The load lags by one step, and the deformation of a step counts from its end: each delays the creep by one
+        // step, and its rate is `share / time` of the instantaneous deflection.
         let tolerance = 2.0 * SHARE * STEP / time;
         assert!(worst < tolerance, "{worst} with {time} s");
     }
 }
 
-/// Energy that a feeler takes in a cycle of depth of the given `amplitude` (m) and `steps` steps, J, after so many
-/// cycles that 20 relaxation times have passed.
+/// Energy (J) that a feeler dissipates in a cycle of depth with this `amplitude` (m) and number of `steps`, measured
+/// after 20 relaxation times.
 fn loop_area(rig: &mut OneFeeler, time: f64, amplitude: f64, steps: u32) -> f64 {
     let depth = |n: u32| DEPTH + amplitude * (TAU * f64::from(n) / f64::from(steps)).sin();
     let settling = ((20.0 * time / STEP) as u32).div_ceil(steps) * steps;
@@ -100,7 +100,7 @@ fn loop_area(rig: &mut OneFeeler, time: f64, amplitude: f64, steps: u32) -> f64 
 }
 
 #[test]
-fn a_cycle_of_load_takes_what_the_loss_modulus_says_at_any_frequency() {
+fn a_load_cycle_dissipates_energy_by_the_loss_modulus_at_any_frequency() {
     let amplitude = 0.0001;
     for time in [0.02, 0.1, 0.4] {
         for steps in [50, 200, 1000] {
@@ -109,8 +109,8 @@ fn a_cycle_of_load_takes_what_the_loss_modulus_says_at_any_frequency() {
             let loss = rig.feeler.normal_stiffness * SHARE * phase / (1.0 + phase * phase);
             let expected = PI * amplitude * amplitude * loss;
             let ratio = loop_area(&mut rig, time, amplitude, steps) / expected;
-            // A set is half a step late, which adds step / (2 time). A circle of so many corners is smaller by
-            // (2 pi / steps)² / 6, and what follows it in steps is off by half as much.
+            // The set lags by half a step, which adds step / (2 time). A polygon of `steps` corners is smaller than its
+            // circle by (2 pi / steps)² / 6, and the stepwise response deviates by half of that.
             let late = 1.0 + STEP / (2.0 * time);
             let coarse = (TAU / f64::from(steps)).powi(2) / 4.0;
             assert!(
@@ -122,7 +122,7 @@ fn a_cycle_of_load_takes_what_the_loss_modulus_says_at_any_frequency() {
 }
 
 #[test]
-fn a_feeler_that_lets_go_recovers_with_the_creep_time() {
+fn a_feeler_that_separates_recovers_with_the_creep_time() {
     let time = 0.05;
     let creep_time = time / (1.0 - SHARE);
     for free_steps in [1, 20, 100, 1000] {
@@ -135,7 +135,7 @@ fn a_feeler_that_lets_go_recovers_with_the_creep_time() {
         }
         let recovered = (-STEP * f64::from(free_steps) / creep_time).exp();
         let set = SHARE * DEPTH * recovered;
-        // Not as far as it is set: no touch.
+        // Closer than the set: no contact.
         let short = rig.press(0.9 * set - 1e-9, DVec3::ZERO);
         assert_eq!(short, DVec3::ZERO, "after {free_steps} steps");
         let set = set * (-STEP / creep_time).exp();
@@ -146,13 +146,13 @@ fn a_feeler_that_lets_go_recovers_with_the_creep_time() {
 }
 
 #[test]
-fn a_feeler_that_recovers_comes_back_to_what_it_left() {
+fn a_recovering_feeler_touches_the_object_again() {
     let mut rig = before_a_block(0.05);
     for _ in 0..2000 {
         rig.press(DEPTH, DVec3::ZERO);
     }
-    // Drawn back to half of its set it lets go, and recovers until it touches again, and presses as the
-    // relaxed rubber does.
+    // Withdrawn to half of its set, the feeler separates and recovers until it touches again; then it presses like
+    // relaxed rubber.
     let held = 0.5 * SHARE * DEPTH;
     assert_eq!(rig.press(held, DVec3::ZERO), DVec3::ZERO);
     let mut force = 0.0;

@@ -1,4 +1,4 @@
-//! A feeler over the rim of a cylinder, where side and top meet.
+//! A feeler on the rim of a cylinder, where side and top meet.
 
 use super::columnar_feeler::{FEELER, cylinder, hold, settle};
 use feeler_sim::contact::{FeelerConfig, Overload, Tip};
@@ -8,7 +8,7 @@ const RADIUS: f64 = 0.014;
 const HALF_HEIGHT: f64 = 0.010;
 const DEPTH: f64 = 0.0005;
 
-/// A feeler that points at the cylinder's axis, `z` above its middle.
+/// A feeler that points at the cylinder's axis at height `z` above its centre (m).
 fn tip(feeler: &FeelerConfig, z: f64) -> Tip {
     Tip {
         position: DVec3::new(RADIUS + feeler.tip_radius - DEPTH, 0.0, z),
@@ -17,8 +17,8 @@ fn tip(feeler: &FeelerConfig, z: f64) -> Tip {
     }
 }
 
-/// Forces on the object while the feeler goes up the side, over the rim and away, from `z` = 8 mm
-/// in steps of 1 um.
+/// Height (m) and force on the object (N) while the feeler moves up the side, over the rim and away, from `z` = 8 mm in
+/// steps of 1 um.
 fn over_the_rim(feeler: &FeelerConfig) -> Vec<(f64, DVec3)> {
     let object = cylinder(RADIUS, 2.0 * HALF_HEIGHT);
     let mut anchor = None;
@@ -36,7 +36,7 @@ fn over_the_rim(feeler: &FeelerConfig) -> Vec<(f64, DVec3)> {
 }
 
 #[test]
-fn without_friction_the_force_is_that_of_a_spring_from_the_rims_circle() {
+fn without_friction_the_force_is_a_spring_force_from_the_rims_circle() {
     let feeler = FeelerConfig {
         shear_stiffness: FEELER.normal_stiffness,
         static_friction: 0.0,
@@ -44,8 +44,8 @@ fn without_friction_the_force_is_that_of_a_spring_from_the_rims_circle() {
         ..FEELER
     };
     for (z, force) in over_the_rim(&feeler) {
-        // A sphere of the tip's radius rolls over side and rim: its centre is pushed out along the
-        // line from the nearest point of the cylinder.
+        // The tip's sphere rolls over side and rim: its centre is displaced along the line from the nearest point of
+        // the cylinder.
         let nearest = DVec3::new(RADIUS, 0.0, z.min(HALF_HEIGHT));
         let offset = tip(&feeler, z).position - nearest;
         let inside = z <= HALF_HEIGHT;
@@ -56,25 +56,25 @@ fn without_friction_the_force_is_that_of_a_spring_from_the_rims_circle() {
         };
         let normal = if inside { DVec3::X } else { offset.normalize() };
         let expected = -feeler.normal_stiffness * depth.max(0.0) * normal;
-        // The contact law follows a slip to 1e-9 of the normal force, 0.6 N at most.
+        // The contact law resolves a slip to 1e-9 of the normal force, which is at most 0.6 N.
         assert!(
             (force - expected).length() < 1e-8,
-            "{force} at {z} m, not {expected}"
+            "at {z} m: expected {expected}, got {force}"
         );
     }
 }
 
 #[test]
-fn with_friction_the_force_obeys_the_cone_and_ends() {
+fn with_friction_the_force_obeys_the_cone_and_vanishes_past_the_rim() {
     let forces = over_the_rim(&FEELER);
     let touching = forces.iter().filter(|(_, f)| *f != DVec3::ZERO);
     assert!(touching.count() > 2000);
     for &(z, force) in &forces {
         assert!(force.is_finite());
-        // The rim's normal has no part towards the axis, so no force draws the cylinder outward.
+        // The rim's normal has no component towards the axis, so no force pulls the cylinder outward.
         assert!(force.x <= 0.0, "{force} at {z} m");
         assert!(force.length() < 2.0 * FEELER.normal_stiffness * DEPTH);
     }
     let last = forces.iter().rev().take_while(|(_, f)| *f == DVec3::ZERO);
-    assert!(last.count() > 100, "the feeler is still held");
+    assert!(last.count() > 100, "the feeler is still in contact");
 }

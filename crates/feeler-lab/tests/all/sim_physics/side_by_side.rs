@@ -1,11 +1,11 @@
-//! Contacts that are worked on side by side against contacts one by one, and steps that nobody looks at against steps that are seen.
+//! Vectorized contact computation and lazily evaluated steps are bit-identical to scalar contacts and observed steps.
 
 use super::reference::{Commands, commands, experiment, replay, world};
 use feeler_lab::config::Experiment;
 use feeler_sim::bench::ElementConfig;
 use feeler_sim::world::World;
 
-/// All that there is to see of a world, to the bit: numbers are written so that they can be read back.
+/// Complete observable state of a world; numbers are formatted so that they round-trip.
 fn seen(world: &World) -> String {
     let state = world.state();
     let fingers = state.fingers.iter().map(|finger| {
@@ -23,7 +23,8 @@ fn seen(world: &World) -> String {
     format!("{} {fingers:?} {objects:?} {torque:?}", state.steps)
 }
 
-/// An element of each finger that touches nothing in the run, and the most contacts that a finger has at once.
+/// An element of each finger that touches nothing in the run, and the maximum number of simultaneous contacts of a
+/// finger.
 fn idle_elements(experiment: &Experiment, commands: &Commands) -> (Vec<usize>, usize) {
     let mut world = world(experiment, &commands.start);
     let fingers = world.model().fingers.iter();
@@ -42,7 +43,9 @@ fn idle_elements(experiment: &Experiment, commands: &Commands) -> (Vec<usize>, u
     (idle.expect("an element that touches nothing"), most)
 }
 
-/// Where one feeler differs from the others, contacts are worked on one by one. A feeler that touches nothing changes nothing else.
+/// Compares the run with one whose contacts are computed one by one, and returns the maximum number of contacts.
+///
+/// A feeler that differs from the others disables vectorization; one that touches nothing has no other effect.
 fn compare_with_one_by_one(experiment: &Experiment) -> usize {
     let commands = commands(experiment);
     let (idle, most) = idle_elements(experiment, &commands);
@@ -65,7 +68,7 @@ fn compare_with_one_by_one(experiment: &Experiment) -> usize {
         }
         one_by_one.step().expect("a step");
         steps += 1;
-        // Not in every step, as writing takes long: what differs goes on to differ.
+        // Not every step is compared, as formatting is slow; a difference persists.
         if steps.is_multiple_of(7) {
             assert_eq!(seen(world), seen(&one_by_one));
         }
@@ -83,18 +86,18 @@ fn built_in(name: &str, settings: &[&str]) -> Experiment {
 }
 
 #[test]
-fn contacts_side_by_side_are_those_one_by_one_to_the_bit() {
+fn vectorized_contacts_are_bit_identical_to_scalar_ones() {
     for seed in [3, 4, 5] {
         compare_with_one_by_one(&experiment(&[&format!("seed={seed}")]));
     }
-    // Soft feelers: more contacts than are worked on at once, and than a block has.
+    // Soft feelers have more contacts than a vector and a block.
     let soft = ["sim.feeler.normal_stiffness=60.0", "time_limit=6.0"];
     let most = compare_with_one_by_one(&built_in("cap-closing", &soft));
     assert!(most > 8, "{most}");
 }
 
 #[test]
-fn contacts_of_one_finger_and_of_three_are_those_one_by_one_to_the_bit() {
+fn vectorized_contacts_of_one_and_three_fingers_are_bit_identical_to_scalar_ones() {
     for name in ["friction-scan", "three-fingers"] {
         let most = compare_with_one_by_one(&built_in(name, &["time_limit=6.0"]));
         assert!(most > 0, "{name}");
@@ -102,13 +105,13 @@ fn contacts_of_one_finger_and_of_three_are_those_one_by_one_to_the_bit() {
 }
 
 #[test]
-fn contacts_side_by_side_shift_a_bottle_as_those_one_by_one() {
+fn vectorized_contacts_shift_a_bottle_like_scalar_ones() {
     let holder = "sim.holder={lateral={stiffness=[2e4,2e4]},turn_play=0.01}";
     compare_with_one_by_one(&experiment(&[holder]));
 }
 
 #[test]
-fn steps_that_nobody_looks_at_leave_the_world_as_steps_that_are_seen() {
+fn observing_steps_does_not_change_the_world() {
     for settings in [
         vec!["seed=6"],
         vec!["sim.feeler.relaxation={share=0.2,time=0.5}"],
