@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Picture to forces before a change and after it: two builds of the example moments_speed by turns on one core, so that what else the
-# machine does meets both. Of each line the least median of all turns is printed.
+# Image to forces before and after a change: two builds of the example moments_speed, interleaved on one core, so that other load on the
+# machine affects both. Prints the smallest median of each line over all rounds.
 #
 #   benches/by_turns.sh BEFORE AFTER [TURNS]
 set -euo pipefail

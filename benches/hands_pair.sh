@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Many hands at once, this commit against another: control steps a second by turns, instructions a control step where valgrind is
-# installed, and whether the rewards of all episodes are the same.
+# Many hands at once, this commit against another: control steps per second (interleaved), instructions per control step if valgrind is
+# installed, and a comparison of the rewards of all episodes.
 #
 # usage: benches/hands_pair.sh BASE [HANDS] [THREADS] [STEPS] [ROUNDS]     (defaults: - 64 1 1860 3)
 set -euo pipefail
@@ -16,7 +16,7 @@ git -C "$tree" checkout --quiet --force "$(git rev-parse "$base")"
 cp "$example" "$tree/$example"
 cargo build --release --quiet -p feeler-lab --example hands_speed
 cp target/release/examples/hands_speed "$out/own"
-# In a folder of its own: Cargo takes equal crates of two working copies for the same.
+# In a separate folder, since Cargo does not distinguish equal crates of two working copies.
 (cd "$tree" && CARGO_TARGET_DIR=../target cargo build --release --quiet -p feeler-lab --example hands_speed)
 cp "$out/target/release/examples/hands_speed" "$out/base"
 

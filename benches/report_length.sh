@@ -5,7 +5,7 @@
 #
 # usage: benches/report_length.sh [FEELER] [OTHER] [STROKES...]     (defaults: target/release/feeler, none (""), 13 128 768 1536)
 #
-# With OTHER, another build of the program (of a commit before, say), each recording is reported by turns by both.
+# With OTHER, another build of the program (of a commit before, say), both report each recording, interleaved.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 feeler=${1:-target/release/feeler} other=${2:-}

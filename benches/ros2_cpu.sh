@@ -1,6 +1,6 @@
 #!/bin/bash
-# Processor time that `feeler ros2` takes at 100 Hz with two fingers, as a share of one core (user and system time of its process), with somebody
-# who hears all of it: of a replayed recording, then of a running rig. Prints the figures of docs/benchmarks.md. Linux.
+# Processor time that `feeler ros2` takes at 100 Hz with two fingers, as a share of one core (user and system time of its process), with a
+# subscriber to all topics: of a replayed recording, then of a running rig. Prints the figures of docs/benchmarks.md. Linux.
 #
 # usage: benches/ros2_cpu.sh [SECONDS] [PARTS]     (defaults: 20, and recording rig)
 #   cargo build --release -p feeler-cli --features ros2
@@ -22,7 +22,7 @@ measure() {  # name, process
     local name=$1 node=$2 before after
     sleep 3
     before=$(ticks "$node")
-    # While it is measured, somebody counts.
+    # A subscriber counts the messages during the measurement.
     sleep "$seconds"
     after=$(ticks "$node")
     awk -v n="$name" -v t=$((after - before)) -v s="$seconds" -v hz="$(getconf CLK_TCK)" \
@@ -35,12 +35,12 @@ for part in $parts; do
     recording)
         # It ends with the recording, after about 20 s: half as fast is not 100 Hz, so the measurement fits into it.
         "$listen" tcp/127.0.0.1:7461 $((seconds < 14 ? seconds + 4 : 18)) >listen-recording.txt &
-        heard=$!
+        listener=$!
         sleep 1
         "$feeler" ros2 run --ros-connect tcp/127.0.0.1:7461 >/dev/null &
         node=$!
         seconds=$((seconds < 12 ? seconds : 12)) measure "a recording" "$node"
-        wait "$heard"
+        wait "$listener"
         cat listen-recording.txt
         kill "$node" 2>/dev/null || true
         ;;
@@ -54,11 +54,11 @@ for part in $parts; do
         "$feeler" world $of_rig --connect tcp/127.0.0.1:7462 >world.log 2>&1 &
         sleep 2
         "$listen" tcp/127.0.0.1:7463 $((seconds + 5)) >listen-rig.txt &
-        heard=$!
+        listener=$!
         sleep 1
         "$feeler" ros2 $of_rig --connect tcp/127.0.0.1:7462 --ros-connect tcp/127.0.0.1:7463 >ros2.log 2>&1 &
         measure "a rig" $!
-        wait "$heard"
+        wait "$listener"
         cat listen-rig.txt
         ;;
     esac

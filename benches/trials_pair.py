@@ -44,7 +44,7 @@ def main(base_path, own_path):
         reference = statistics.fmean(before for before, _ in pairs)
         measures.append((abs(mean) / error if error else math.inf, name, reference, mean, error))
     measures.sort(reverse=True)
-    print(f"{len(base)} and {len(own)} trials; {same} measures are the same to the bit, {len(measures)} are not")
+    print(f"{len(base)} and {len(own)} trials; {same} measures are bit-identical, {len(measures)} are not")
     for off, name, reference, mean, error in measures[:SHOWN]:
         print(f"{off:5.1f} standard errors  {name}: {reference:.6g} {mean:+.2g} ± {error:.1g}")
     held = [name for name in names if name == "success" or name.startswith("claim.") and name.count(".") == 1]

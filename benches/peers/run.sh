@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The sensor against OpenCV on the same picture, and the physics against MuJoCo on a like scene, each in the same
-# run. The peers go into environments of their own under target/.
+# The sensor against OpenCV on the same image, and the physics against MuJoCo on a similar scene, each in the same
+# run. The peers are installed in separate environments under target/.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 

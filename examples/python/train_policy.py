@@ -34,7 +34,7 @@ except ImportError as error:
 
 Array = NDArray[Any]
 
-# What `feeler compare cap-closing` varies, and what it sets for that.
+# Parameters that `feeler compare cap-closing` varies, and their settings.
 CAPS = {
     "friction": "uniform(0.4,1.2)",
     "sim.object.cap.offset.0": "uniform(-0.001,0.001)",
@@ -59,7 +59,7 @@ TEACHER = (0.6, 2.891, 0.8, 0.4413, 0.1289, 0.2, 0.01072)
 
 
 def half_turn() -> tuple[Array, Array]:
-    """The other finger is this one turned by half about its axis: which of its numbers is which of this one's, and its sign."""
+    """Maps the numbers of one finger to those of the other, which is rotated by half a turn about the axis: index and sign."""
     turned = FINGERTIP.tips * TURNED
     order = np.linalg.norm(turned[:, None] - FINGERTIP.tips, axis=-1).argmin(axis=1)
     index, sign = np.arange(INPUTS), np.ones(INPUTS, np.float32)
@@ -234,12 +234,12 @@ def evolve(network: Network, parameters: Any, arguments: argparse.Namespace, sta
 
 
 def main() -> None:
-    """Trains, and says how long it took."""
+    """Trains, and prints the time that it took."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("-o", "--out", type=Path, default=Path("policy.safetensors"), help="the policy's file")
     parser.add_argument("--force", action="store_true", help="write over it if it is there")
     add = parser.add_argument
-    add("--seed", type=int, default=100, help="of network, perturbations, and a range of caps of its own")
+    add("--seed", type=int, default=100, help="of the network, the perturbations and the range of caps")
     add("--minutes", type=float, default=27.0, help="end after these many, at the next generation")
     add("--width", type=int, default=24, help="neurons of a layer; the file's network has twice as many")
     add("--demonstrations", type=int, default=32, help="caps of a round of imitation")

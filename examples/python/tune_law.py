@@ -27,7 +27,7 @@ except ImportError as error:
 
 Array = NDArray[Any]
 
-# What `feeler compare cap-closing` varies, and what it sets for that.
+# Parameters that `feeler compare cap-closing` varies, and their settings.
 CAPS = {
     "friction": "uniform(0.4,1.2)",
     "sim.object.cap.offset.0": "uniform(-0.001,0.001)",
@@ -101,7 +101,7 @@ def search(arguments: argparse.Namespace) -> dict[str, float]:
 
 
 def main() -> None:
-    """Searches, prints the table of the experiment file, and what it gains."""
+    """Searches, and prints the table for the experiment file and the improvement."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--seed", type=int, default=100, help="of the caps that are searched on, and of the search")
     parser.add_argument("--caps", type=int, default=64, help="how many each candidate tightens")

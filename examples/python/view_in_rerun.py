@@ -44,7 +44,7 @@ def run_constants(path):
         if "feeler.run" in batch.schema.names:
             (pairs,) = batch["feeler.run"][0].as_py()
             return {pair["first"]: pair["second"] for pair in pairs}
-    raise ValueError("it says nothing of a run of feeler")
+    raise ValueError("it contains no run of feeler")
 
 
 def arrows(touch_force):
@@ -52,7 +52,7 @@ def arrows(touch_force):
     `touch_force`, N, along the force on the finger by what it touches."""
 
     def pressed(data):
-        """The pressed elements of one message. Not a number, as what is not known, is not greater."""
+        """The pressed elements of one message. Unknown forces are NaN, which is not greater than the threshold."""
         taxels = np.frombuffer(bytes(data), TAXEL)
         normals = taxels["tip"] / np.linalg.norm(taxels["tip"], axis=1, keepdims=True)
         compression = -np.sum(taxels["force"] * normals, axis=1)
@@ -146,7 +146,7 @@ def main():
     try:
         show(arguments.recording, arguments.save)
     except (ValueError, KeyError, OSError) as error:
-        sys.exit(f"{arguments.recording} is no recording that can be shown: {error}")
+        sys.exit(f"{arguments.recording} cannot be shown: {error}")
 
 
 if __name__ == "__main__":

@@ -32,7 +32,7 @@ def decoder(feeler, name):
 
 
 def protocol_of(data):
-    """Version of a message: the first number after the four bytes that say how it is encoded."""
+    """Version of a message: the first number after the four bytes of its encoding header."""
     return int.from_bytes(data[4:8], "little")
 
 
@@ -46,7 +46,7 @@ def stop_message(sender):
 
 
 def configuration(arguments):
-    """Takes part as a client of the hand, which passes on what the others publish."""
+    """Connects as a client of the hand, which forwards the messages of the others."""
     config = zenoh.Config()
     settings = {
         "mode": "client",
@@ -67,7 +67,7 @@ def configuration(arguments):
 
 
 class Watcher:
-    """Says what arrives, and stops the hand where a force is too large."""
+    """Prints the messages, and stops the hand if a force is too large."""
 
     def __init__(self, session, arguments):
         self.limit, self.sender = arguments.stop_above, arguments.sender

@@ -1,7 +1,7 @@
-//! What each fuzz target does with its bytes: reads them and, if they are sound, uses what was read.
+//! Bodies of the fuzz targets: parse the bytes and, if they are valid, use the result.
 //!
 //! Shared by the targets and by the tests `fuzz_corpus` of `feeler-cli`, so that every test run goes through the
-//! corpora. A target says whether its bytes were sound.
+//! corpora. A target returns `true` if its bytes were valid.
 
 use feeler::control::Plan;
 use feeler::control::TactileReading;
@@ -189,7 +189,7 @@ pub fn taxels(bytes: &[u8]) -> bool {
                 assert_eq!(count, frames);
                 return true;
             }
-            // The first row tells that the table is another than its header says.
+            // The first row does not match the header of the table.
             Err(SensorError::Table(_)) if frames == 0 => return false,
             Err(error) => panic!("bytes can be read: {error}"),
         }
@@ -199,7 +199,7 @@ pub fn taxels(bytes: &[u8]) -> bool {
     }
 }
 
-/// A sound policy keeps its finger's velocity finite, whatever is felt.
+/// A valid policy gives finite velocities for any reading.
 pub fn policy(bytes: &[u8]) -> bool {
     let Ok(model) = PolicyModel::from_bytes(bytes) else {
         return false;
@@ -305,7 +305,7 @@ fn look_again(recording: &Recording, bytes: &[u8]) {
     }
 }
 
-/// Sensors and hand give as many readings as were recorded, or say what does not fit.
+/// Sensors and hand return as many readings as were recorded, or an error.
 fn play_back(recording: &Recording) {
     for (finger, recorded) in recording.fingers.iter().enumerate() {
         let mut sensor = RecordedSensor::new(recording, finger);
@@ -336,8 +336,8 @@ fn play_back(recording: &Recording) {
     assert!(recording.fingers.is_empty() || end.is_err(), "{state:?}");
 }
 
-/// Whatever other programs say, a hand, a rig and a sensor program of two elements keep nothing that is not
-/// finite or of another size. The bytes are messages: topic (its place in [`Topic::all`]), length (2 bytes, little
+/// For any messages of other programs, a hand, a rig and a sensor program of two elements store only finite values of the
+/// right size. The bytes are messages: topic (its place in [`Topic::all`]), length (2 bytes, little
 /// endian) and the message itself, in which an echoed token of 0 stands for the hand's own.
 pub fn link(bytes: &[u8]) -> bool {
     let expected = agreeing();
@@ -346,7 +346,7 @@ pub fn link(bytes: &[u8]) -> bool {
     let mut rig = RigInbox::new((1, 2), 0.045, expected.clone());
     let mut sense = SenseInbox::new((0, 2), (3, 2), expected);
     // A stop to be resumed.
-    hand.holds.order(1, "somebody");
+    hand.holds.order(1, "another client");
     let (mut now, mut bytes, mut sound) = (0.0, bytes, false);
     let topics = Topic::all(0);
     for (place, introduction) in introductions() {
@@ -417,7 +417,7 @@ fn introductions() -> [(Place, Vec<u8>); 3] {
     })
 }
 
-/// What the hand keeps is whole and finite, and no data are from a time to come.
+/// The stored data of the hand are complete and finite, and none is from the future.
 fn check_hand(hand: &mut HandInbox, now: f64) {
     let _ = hand.stale(now, 0.035);
     assert!((0.0..=2e10).contains(&hand.state().time), "{now} s");
@@ -438,7 +438,7 @@ fn check_hand(hand: &mut HandInbox, now: f64) {
     }
 }
 
-/// Whatever arrives at the stop server reads back as what it is, or is none.
+/// Any datagram of the stop server reads back as it was, or is refused.
 pub fn stop_wire(bytes: &[u8]) -> bool {
     let Some(datagram) = parse_datagram(bytes) else {
         return false;
@@ -447,7 +447,7 @@ pub fn stop_wire(bytes: &[u8]) -> bool {
     true
 }
 
-/// Whatever arrives of a ROS 2 graph is read or refused. The first byte says as what.
+/// Any message of a ROS 2 graph is read or refused. The first byte selects its type.
 pub fn ros2(bytes: &[u8]) -> bool {
     let Some((kind, bytes)) = bytes.split_first() else {
         return false;
@@ -476,8 +476,8 @@ pub fn ros2(bytes: &[u8]) -> bool {
     }
 }
 
-/// Whatever programs that know each other say, in whatever order and with whatever numbers, a hand's time never goes
-/// back, and it stays stopped until each stop has been resumed. The bytes are steps of eight: what happens, to which of
+/// For any messages of authenticated programs, in any order and with any numbers, the time of a hand never decreases, and it
+/// stays stopped until each stop has been resumed. The bytes are steps of eight: what happens, to which of
 /// its numbers something is added, and what.
 pub fn inboxes(bytes: &[u8]) -> bool {
     let clock = RunClock::new(RigSpeed::Times(1.0), 0.01, 3.5);
@@ -528,7 +528,7 @@ pub fn inboxes(bytes: &[u8]) -> bool {
                 }
             }
         }
-        // Of more than are told apart, the newest stands for the others.
+        // Above the maximum number of distinct stops, the newest replaces the others.
         let is_stopped = !hand.holds.in_force().is_empty();
         assert!(is_stopped || stopped.is_empty(), "{stopped:?} at {now} s");
         if !is_stopped {
