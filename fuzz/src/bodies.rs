@@ -477,8 +477,8 @@ pub fn ros2(bytes: &[u8]) -> bool {
 }
 
 /// For any messages of authenticated programs, in any order and with any numbers, the time of a hand never decreases, and it
-/// stays stopped until each stop has been resumed. The bytes are steps of eight: what happens, to which of
-/// its numbers something is added, and what.
+/// stays stopped until each stop has been resumed. The bytes are steps of eight: the event, the field to
+/// modify, and the value to add.
 pub fn inboxes(bytes: &[u8]) -> bool {
     let clock = RunClock::new(RigSpeed::Times(1.0), 0.01, 3.5);
     let mut hand = HandInbox::new(&[2], clock, agreeing());
