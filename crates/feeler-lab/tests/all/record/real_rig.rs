@@ -224,7 +224,7 @@ fn findings_about_a_cap_are_reported_without_ground_truth() {
     }
     let texts = texts(&directory, "fig-01");
     assert!(
-        texts.contains("felt") && !texts.contains("limit of friction"),
+        texts.contains("estimated") && !texts.contains("friction limit"),
         "{texts}"
     );
     let cap = outcome.summary.cap.expect("a cap");
@@ -268,7 +268,7 @@ fn findings_about_an_object_are_drawn_without_ground_truth() {
         let report = tasks::of_recording(&recording);
         let figures = report.figures(&recording, &data);
         let svg = figures[0].svg.as_ref().expect("a picture");
-        assert!(svg.contains("felt") && !svg.contains("true"), "{task}");
+        assert!(svg.contains("estimated") && !svg.contains("true"), "{task}");
         assert!(!svg.contains("NaN") && !svg.contains("inf"), "{task}");
         assert!(!figures[0].caption.contains("simulator"), "{task}");
         let claims = report.claims(&recording, &data, &data.stroke_measures());

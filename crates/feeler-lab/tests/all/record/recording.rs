@@ -115,7 +115,7 @@ fn invalid_data_are_rejected_with_the_expected_values() {
     assert!(
         error
             .to_string()
-            .contains("control_period: 0.0001 to 1 s expected"),
+            .contains("control_period: expected 0.0001 to 1 s"),
         "{error}"
     );
     let missing = directory.join("missing").join("c");
