@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Image to forces before and after a change: two builds of the example moments_speed, interleaved on one core, so that other load on the
-# machine affects both. Prints the smallest median of each line over all rounds.
+# Time from image to forces before and after a change: runs two builds of the example moments_speed interleaved on one core, so that
+# other load affects both. Prints the smallest median of all turns for each line.
 #
 #   benches/by_turns.sh BEFORE AFTER [TURNS]
 set -euo pipefail

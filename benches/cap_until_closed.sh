@@ -1,5 +1,5 @@
 #!/bin/bash
-# What a hand knows of 2,000 caps: good ones, round and knurled, and those that something is wrong with. Prints the figures of
+# Evaluates a hand's findings about 2,000 caps: intact round and knurled ones, and faulty ones. Prints the figures of
 # docs/benchmarks.md.
 #
 # usage: benches/cap_until_closed.sh [SEED] [GOOD] [FAULTY] [SENSING]     (defaults: 7101 800 134 direct)
@@ -12,7 +12,7 @@ thread=sim.object.cap.motion.thread
 rm -rf "$out"
 mkdir -p "$out"
 
-seat=0  # rad, least angle of a seat
+seat=0  # rad, minimum angle of a seat
 sweep() {  # name, trials, further arguments
     local name=$1 trials=$2
     shift 2

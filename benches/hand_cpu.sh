@@ -1,11 +1,12 @@
 #!/bin/bash
-# Processor time that `feeler hand` takes at 1 kHz with two fingers and its recording, as a share of one core, and how often its threads wake: user and
-# system time of the process, and of each thread its share and its context switches a second (woken: it waited; preempted: another had the core).
+# Processor time that `feeler hand` takes at 1 kHz with two fingers and its recording, as a share of one core:
+# user and system time of the process, and the share and context switches per second of each thread (woken: after waiting;
+# preempted: by another thread).
 # Prints the figures of docs/benchmarks.md. Linux.
 #
 # usage: benches/hand_cpu.sh [SECONDS] [FEELER[@ENDPOINT]...]     (defaults: 12, and target/release/feeler@tcp/127.0.0.1:7472)
 #   cargo build --release -p feeler-cli --features link
-# Measures each program in turn, at each place where the hand listens, so that two of them, several times, make pairs. PARTS chooses of
+# Measures each program at its endpoint in turn; repeat two of them to get pairs. PARTS selects from
 #   sensors  one program publishes joints and two fingers, as `feeler bench link` does: four messages each millisecond
 #   rig      a simulated rig in real time and two sensor programs, whose forces pass the hand: eight messages
 set -euo pipefail
@@ -18,7 +19,7 @@ rm -rf "$out"
 mkdir -p "$out"
 trap 'kill $(jobs -p) 2>/dev/null || true' EXIT
 
-# Of each thread of a process: its number, user and system ticks, voluntary and involuntary switches, name.
+# Prints id, user and system ticks, voluntary and involuntary switches, and name of each thread of a process.
 threads() {
     local task
     for task in /proc/"$1"/task/*; do
@@ -49,9 +50,9 @@ run() {  # part, program, endpoint, folder
     local part=$1 feeler=$2 listen=$3 folder=$4 of_rig others=() hand finger
     of_rig="cap-closing --sensing direct"
     case $part in
-    # As the sensors of the bench say they do, the hand answers each set at once.
+    # The sensors of the bench announce complete sets, which the hand answers immediately.
     sensors) of_rig+=" --set control.monitor.joint_deviation=0 --set time_limit=1e5 --rig bench --speed max" ;;
-    # A busy computer is late now and then; a hand that stood still for it would have less to do.
+    # A busy computer is occasionally late; a stopped hand would do less work.
     rig) of_rig+=" --set control.period=0.001 --set control.stale_periods=1000 --set time_limit=600 --set task.screw.strokes=100" ;;
     esac
     # shellcheck disable=SC2086

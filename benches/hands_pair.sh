@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Many hands at once, this commit against another: control steps per second (interleaved), instructions per control step if valgrind is
-# installed, and a comparison of the rewards of all episodes.
+# Compares many hands at once between this commit and another: control steps per second (interleaved), instructions per control step
+# if valgrind is installed, and equality of the rewards of all episodes.
 #
 # usage: benches/hands_pair.sh BASE [HANDS] [THREADS] [STEPS] [ROUNDS]     (defaults: - 64 1 1860 3)
 set -euo pipefail
@@ -12,11 +12,11 @@ example=crates/feeler-lab/examples/hands_speed.rs
 
 [ -e "$tree" ] || git worktree add --quiet --detach "$tree" "$base"
 git -C "$tree" checkout --quiet --force "$(git rev-parse "$base")"
-# The program that measures is the same on both sides.
+# Both sides use the same measuring program.
 cp "$example" "$tree/$example"
 cargo build --release --quiet -p feeler-lab --example hands_speed
 cp target/release/examples/hands_speed "$out/own"
-# In a separate folder, since Cargo does not distinguish equal crates of two working copies.
+# A separate target folder, as Cargo confuses equal crates of two working copies.
 (cd "$tree" && CARGO_TARGET_DIR=../target cargo build --release --quiet -p feeler-lab --example hands_speed)
 cp "$out/target/release/examples/hands_speed" "$out/base"
 

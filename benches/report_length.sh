@@ -1,11 +1,11 @@
 #!/bin/bash
-# What a report takes by the length of the run: time of wall and processor and peak of resident memory of `feeler report`, and
-# the size of the page. Prints the figures of docs/benchmarks.md. Needs GNU time; an hour of a run takes 2.1 GB of disk, and
-# every recording is removed before the next is made.
+# Cost of a report by length of the run: wall and processor time and peak resident memory of `feeler report`, and the
+# page's size. Prints the figures of docs/benchmarks.md. Needs GNU time; one hour of a run requires 2.1 GB of disk;
+# each recording is removed before the next.
 #
 # usage: benches/report_length.sh [FEELER] [OTHER] [STROKES...]     (defaults: target/release/feeler, none (""), 13 128 768 1536)
 #
-# With OTHER, another build of the program (of a commit before, say), both report each recording, interleaved.
+# With OTHER, another build of the program (e.g. of an earlier commit), both report each recording alternately.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 feeler=${1:-target/release/feeler} other=${2:-}

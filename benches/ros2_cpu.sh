@@ -1,6 +1,6 @@
 #!/bin/bash
-# Processor time that `feeler ros2` takes at 100 Hz with two fingers, as a share of one core (user and system time of its process), with a
-# subscriber to all topics: of a replayed recording, then of a running rig. Prints the figures of docs/benchmarks.md. Linux.
+# Processor time that `feeler ros2` takes at 100 Hz with two fingers, as a share of one core (user and system time of its process), with one
+# subscriber to all topics: for a replayed recording, then for a running rig. Prints the figures of docs/benchmarks.md. Linux.
 #
 # usage: benches/ros2_cpu.sh [SECONDS] [PARTS]     (defaults: 20, and recording rig)
 #   cargo build --release -p feeler-cli --features ros2
@@ -15,14 +15,14 @@ mkdir -p "$out"
 cd "$out"
 trap 'kill $(jobs -p) 2>/dev/null || true' EXIT
 
-# Ticks of a process since it began, user and system.
+# User and system ticks of a process since its start.
 ticks() { awk '{ print $14 + $15 }' "/proc/$1/stat"; }
 
 measure() {  # name, process
     local name=$1 node=$2 before after
     sleep 3
     before=$(ticks "$node")
-    # A subscriber counts the messages during the measurement.
+    # A subscriber counts messages during the measurement.
     sleep "$seconds"
     after=$(ticks "$node")
     awk -v n="$name" -v t=$((after - before)) -v s="$seconds" -v hz="$(getconf CLK_TCK)" \
@@ -33,7 +33,7 @@ measure() {  # name, process
 for part in $parts; do
     case $part in
     recording)
-        # It ends with the recording, after about 20 s: half as fast is not 100 Hz, so the measurement fits into it.
+        # The node ends with the recording after about 20 s. Playback at half speed would not be 100 Hz, so the measurement must fit.
         "$listen" tcp/127.0.0.1:7461 $((seconds < 14 ? seconds + 4 : 18)) >listen-recording.txt &
         listener=$!
         sleep 1

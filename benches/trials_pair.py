@@ -1,7 +1,8 @@
-"""Two tables of the same trials: which measures differ, and by how many standard errors their means do.
+"""Compares two tables of the same trials: measures that differ, and differences of means in standard errors.
 
-Usage: trials_pair.py BASE/trials.csv OWN/trials.csv. Trials of one number have the same draws, so that they are compared pair by pair. Of many
-measures that differ by chance alone, one in 370 is off by more than three standard errors. The exit status is 1 if one is by more than four.
+Usage: trials_pair.py BASE/trials.csv OWN/trials.csv. Trials with the same number have the same random parameters and are compared
+in pairs. By chance alone, one in 370 measures differs by more than three standard errors. The exit status is 1 if one differs by more
+than four.
 """
 
 import csv

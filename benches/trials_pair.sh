@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# Trials of a sweep, this commit against another: trials per second (interleaved), and measures whose mean has changed by more than chance.
-# Detects changes of the physics or the control that no test covers.
+# Compares trials of a sweep between this commit and another: trials per second (interleaved), and significant changes of the means of
+# measures. Detects changes of physics or control that no test covers.
 #
 # usage: benches/trials_pair.sh BASE TRIALS [SWEEP ARGUMENTS]
 #        benches/trials_pair.sh HEAD~1 3000 cap-closing --sensing direct --vary 'friction=uniform(0.4,1.2)'      (the default)
@@ -17,7 +17,7 @@ tree=$out/tree
 [ -e "$tree" ] || git worktree add --quiet --detach "$tree" "$base"
 git -C "$tree" checkout --quiet --force "$(git rev-parse "$base")"
 cargo build --release --quiet -p feeler-cli
-# In a separate folder, since Cargo does not distinguish equal crates of two working copies.
+# A separate target folder, as Cargo confuses equal crates of two working copies.
 (cd "$tree" && CARGO_TARGET_DIR=../target cargo build --release --quiet -p feeler-cli)
 cp target/release/feeler "$out/own-feeler"
 cp "$out/target/release/feeler" "$out/base-feeler"

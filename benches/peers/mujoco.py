@@ -1,4 +1,4 @@
-"""MuJoCo's cap scene against feeler's forces, per simulated second, in the same run.
+"""Compares the time per simulated second of MuJoCo's cap scene and feeler's, in the same run.
 
 Usage: mujoco.py FEELER_TXT, the printout of the bench `physics_of_mujocos_scene`. Both play the scene and the motion of
 `crates/feeler-lab/references/mujoco_cap.py`, 5 s of two fingertips of 41 elements that turn a cap; feeler's step is 1 ms, MuJoCo's fair step

@@ -1,4 +1,4 @@
-"""From a picture to the moments of 41 dewarped squares with OpenCV, one thread: medians.
+"""Measures median times from an image to the moments of 41 dewarped squares with OpenCV on one thread.
 
 Usage: opencv.py FOLDER, where FOLDER holds what `examples/moments_speed.rs` wrote, and its printout
 as `feeler.txt`. Prints OpenCV's medians and their ratios to feeler's in the same run.
@@ -27,7 +27,7 @@ def median_us(work):
 
 
 def fastest_us(work):
-    """With or without Intel's primitives, which slow `cv2.moments` of small pictures on some processors."""
+    """Enables or disables Intel's primitives, which slow down `cv2.moments` of small images on some processors."""
     times = []
     for with_ipp in (True, False):
         cv2.ipp.setUseIPP(with_ipp)
@@ -36,7 +36,7 @@ def fastest_us(work):
 
 
 def read_table(folder, shape):
-    """Where in the picture each pixel of the dewarped squares comes from [H, W, 2], px."""
+    """Image coordinates of each pixel of the dewarped squares [H, W, 2], px."""
     return numpy.fromfile(folder / "remap.f32", "<f4").reshape(*shape, 2)
 
 
@@ -47,12 +47,12 @@ def square_corners(shape):
 
 
 def all_moments(image, corners):
-    """The moments of each element's square."""
+    """Moments of each element's square."""
     return [cv2.moments(image[y : y + SIDE, x : x + SIDE]) for y, x in corners]
 
 
 def natural_pipeline(table):
-    """From a picture to the moments of all elements as one writes it down with OpenCV: remap, blur, threshold, moments."""
+    """Straightforward OpenCV pipeline from an image to the moments of all elements: remap, blur, threshold, moments."""
     coarse, fine = cv2.convertMaps(table, None, cv2.CV_16SC2)
     corners = square_corners(table.shape)
     flat, smooth, bright = (numpy.empty(table.shape[:2], numpy.uint8) for _ in range(3))
@@ -70,7 +70,7 @@ def main(folder):
     cv2.setNumThreads(1)
     picture = cv2.imread(str(folder / "picture.pgm"), cv2.IMREAD_GRAYSCALE)
     table = read_table(folder, picture.shape)
-    # The fixed-point tables that OpenCV recommends for speed.
+    # Fixed-point tables, which OpenCV recommends for speed.
     coarse, fine = cv2.convertMaps(table, None, cv2.CV_16SC2)
     corners = square_corners(picture.shape)
     rows = corners[-1][0] + SIDE

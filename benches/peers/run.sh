@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# The sensor against OpenCV on the same image, and the physics against MuJoCo on a similar scene, each in the same
-# run. The peers are installed in separate environments under target/.
+# Compares the sensor with OpenCV on the same image, and the physics with MuJoCo on a similar scene, each in one run.
+# The peers are installed in separate environments under target/.
 set -euo pipefail
 cd "$(dirname "$0")/../.."
 

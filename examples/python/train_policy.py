@@ -1,11 +1,11 @@
-"""Trains a policy that tightens unknown caps: it imitates the control law `best`, and then does better by evolution strategies.
+"""Trains a policy that tightens unknown caps: imitates the control law `best`, then improves by evolution strategies.
 
     pip install './python[gym]' jax==0.10.2 flax==0.12.8 optax==0.2.8 safetensors
     python examples/python/train_policy.py -o my.safetensors
     feeler compare cap-closing --laws tri-axial,best --policy my.safetensors --seed 5
 
-Caps differ as those of `feeler compare` in friction, seat, off-centre and noise. Ctrl-C ends the training with the best so far.
-docs/learning.md says what comes of it.
+Caps vary in friction, seat, offset and noise as in `feeler compare`. Ctrl-C ends the training and keeps the best policy so far.
+docs/learning.md describes the results.
 """
 
 from __future__ import annotations
@@ -34,7 +34,7 @@ except ImportError as error:
 
 Array = NDArray[Any]
 
-# Parameters that `feeler compare cap-closing` varies, and their settings.
+# Variation and settings of `feeler compare cap-closing`.
 CAPS = {
     "friction": "uniform(0.4,1.2)",
     "sim.object.cap.offset.0": "uniform(-0.001,0.001)",
@@ -49,17 +49,17 @@ FINGERTIP = feeler.Fingertip(experiment="cap-closing")
 ELEMENTS, FRAMES = FINGERTIP.element_count, FINGERTIP.rotations
 # A finger's observation: forces; joint angles, velocities and directions; of them the direction towards the object; a flag.
 INPUTS, FORCES, MOTION, TOWARDS, KEEP_GRASP = 3 * ELEMENTS + 21, slice(0, 123), slice(127, 142), slice(139, 142), 143
-# What inputs are divided by: N for forces, then flags, N, rad, rad/s, m/s twice, directions, flags.
+# Divisors of inputs: N for forces, then flags, N, rad, rad/s, m/s twice, directions, flags.
 SCALE = np.repeat(np.array([0.1, 1, 1, 0.3, 0.1, 0.01, 0.01, 0.3, 1], np.float32), [123, 3, 1, 3, 3, 3, 3, 3, 2])
 TURNED = np.array([1.0, -1.0, -1.0], np.float32)  # a vector in T after half a turn about the axis
 RESIDUAL_SPEED = 0.010  # m/s, most that the policy adds to the plan along each axis
 SATURATED = 100.0  # tanh is 1 there
-# Of `best`, as tune_law.py found them: friction, margin, least grasp force, element force, slip share, gain, pressing speed.
+# `best`, tuned by tune_law.py: friction, margin, least grasp force, element force, slip share, gain, pressing speed.
 TEACHER = (0.6, 2.891, 0.8, 0.4413, 0.1289, 0.2, 0.01072)
 
 
 def half_turn() -> tuple[Array, Array]:
-    """Maps the numbers of one finger to those of the other, which is rotated by half a turn about the axis: index and sign."""
+    """Index and sign that map a finger's observation to that after half a turn about its axis, i.e. of the other finger."""
     turned = FINGERTIP.tips * TURNED
     order = np.linalg.norm(turned[:, None] - FINGERTIP.tips, axis=-1).argmin(axis=1)
     index, sign = np.arange(INPUTS), np.ones(INPUTS, np.float32)
@@ -73,7 +73,7 @@ INDEX, SIGN = half_turn()
 
 
 def demonstration(observation: Array) -> Array:
-    """What `best` adds to the plan, m/s in T, [..., 3] for observations [..., 144]; without what it learns of friction."""
+    """Velocity added to the plan by `best` (m/s in T, [..., 3]) for observations [..., 144], without friction estimation."""
     friction, margin, least, most, share, gain, speed = TEACHER
     force = observation[..., FORCES].reshape(*observation.shape[:-1], ELEMENTS, 3) * [1.0, 1.0, -1.0]
     pressed = np.where(force[..., 2] < -0.02, -force[..., 2], 0.0)
@@ -126,7 +126,7 @@ def save(path: Path, parameters: Any, description: str) -> None:
     metadata |= {"residual_speed": str(RESIDUAL_SPEED), "description": description}
     part = path.with_name(path.name + ".part")
     save_file(tensors, part, metadata)
-    part.replace(path)  # whole, whenever the program is stopped
+    part.replace(path)  # atomic, even if the program is interrupted
 
 
 def seeds(series: int, number: int, count: int) -> range:
@@ -135,7 +135,7 @@ def seeds(series: int, number: int, count: int) -> range:
 
 
 class Caps:
-    """Caps that are tightened side by side."""
+    """Caps that are tightened in parallel."""
 
     def __init__(self, count: int) -> None:
         self.count = count
@@ -212,7 +212,7 @@ def evolve(network: Network, parameters: Any, arguments: argparse.Namespace, sta
         if generation % arguments.every == 0 or last:
             torque, peak = check.tighten(seeds(arguments.seed + 2, 0, check.count), lambda x: one(centre, x))  # noqa: B023
             excess = peak.mean() - arguments.budget
-            score = torque.mean() - 500.0 * max(0.0, excess)  # steeper than torque rises with force
+            score = torque.mean() - 500.0 * max(0.0, excess)  # steeper than the rise of torque with force
             told = f"{torque.mean():.2f} mN·m, {peak.mean():.4f} N on {check.count} caps"
             if kept := score > best:
                 best = score
@@ -226,7 +226,7 @@ def evolve(network: Network, parameters: Any, arguments: argparse.Namespace, sta
         own = seeds(arguments.seed + 3, generation, pairs)
         torque, peak = caps.tighten([*own, *own], lambda x: each(population, x))  # noqa: B023
         fitness = torque - price * np.maximum(peak - arguments.budget, 0.0)
-        # By rank, so that a cap that is lost counts for no more than the largest of the other differences.
+        # Ranks limit the influence of a lost cap to that of the largest other difference.
         difference = fitness[:pairs] - fitness[pairs:]
         weight = np.sign(difference) * (np.argsort(np.argsort(np.abs(difference))) + 1) / pairs
         updates, state = optimizer.update(-jnp.asarray(weight @ noise / pairs, jnp.float32), state)
@@ -234,13 +234,13 @@ def evolve(network: Network, parameters: Any, arguments: argparse.Namespace, sta
 
 
 def main() -> None:
-    """Trains, and prints the time that it took."""
+    """Trains a policy and prints the duration."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("-o", "--out", type=Path, default=Path("policy.safetensors"), help="the policy's file")
-    parser.add_argument("--force", action="store_true", help="write over it if it is there")
+    parser.add_argument("--force", action="store_true", help="overwrite an existing file")
     add = parser.add_argument
-    add("--seed", type=int, default=100, help="of the network, the perturbations and the range of caps")
-    add("--minutes", type=float, default=27.0, help="end after these many, at the next generation")
+    add("--seed", type=int, default=100, help="seed of network, perturbations and training caps")
+    add("--minutes", type=float, default=27.0, help="minutes after which the next generation ends the training")
     add("--width", type=int, default=24, help="neurons of a layer; the file's network has twice as many")
     add("--demonstrations", type=int, default=32, help="caps of a round of imitation")
     add("--rounds", type=int, default=4, help="rounds of imitation")

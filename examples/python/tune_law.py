@@ -1,10 +1,10 @@
-"""Searches the parameters of the control law `best` by CMA-ES: most torque at no more force than with its defaults.
+"""Searches the parameters of the control law `best` by CMA-ES: maximizes torque without exceeding the force of the defaults.
 
     pip install ./python cma==4.5.0
     python examples/python/tune_law.py
 
-All candidates tighten the same caps, which differ in friction, seat, off-centre and noise as those of `feeler compare`. What
-is found is then tried on other caps, beside the defaults. Ctrl-C ends the search with the best so far.
+All candidates tighten the same caps, which vary in friction, seat, offset and noise as in `feeler compare`. The result is then
+compared with the defaults on other caps. Ctrl-C ends the search with the best parameters so far.
 """
 
 from __future__ import annotations
@@ -27,7 +27,7 @@ except ImportError as error:
 
 Array = NDArray[Any]
 
-# Parameters that `feeler compare cap-closing` varies, and their settings.
+# Variation and settings of `feeler compare cap-closing`.
 CAPS = {
     "friction": "uniform(0.4,1.2)",
     "sim.object.cap.offset.0": "uniform(-0.001,0.001)",
@@ -88,7 +88,7 @@ def search(arguments: argparse.Namespace) -> dict[str, float]:
             for place in places:
                 candidate = parameters_at(place)
                 torque, peak = tighten(best(candidate), arguments.caps, arguments.seed)
-                # Steeper than torque rises with force, so that the best are within the budget.
+                # Steeper than the rise of torque with force, so that the best are within the budget.
                 score = torque.mean() - arguments.price * max(0.0, peak.mean() - budget)
                 costs.append(-score)
                 if score > most:
@@ -101,14 +101,14 @@ def search(arguments: argparse.Namespace) -> dict[str, float]:
 
 
 def main() -> None:
-    """Searches, and prints the table for the experiment file and the improvement."""
+    """Searches, then prints the table for the experiment file and the improvement."""
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
-    parser.add_argument("--seed", type=int, default=100, help="of the caps that are searched on, and of the search")
-    parser.add_argument("--caps", type=int, default=64, help="how many each candidate tightens")
+    parser.add_argument("--seed", type=int, default=100, help="seed of the caps and of the search")
+    parser.add_argument("--caps", type=int, default=64, help="caps tightened by each candidate")
     parser.add_argument("--population", type=int, default=8, help="candidates of a generation")
-    parser.add_argument("--generations", type=int, default=12, help="how many")
-    parser.add_argument("--price", type=float, default=300.0, help="of peak force above the defaults', mN·m/N")
-    parser.add_argument("--held-out", type=int, default=500, help="how many other caps what was found is tried on")
+    parser.add_argument("--generations", type=int, default=12, help="number of generations")
+    parser.add_argument("--price", type=float, default=300.0, help="penalty of peak force above that of the defaults, mN·m/N")
+    parser.add_argument("--held-out", type=int, default=500, help="number of other caps for the comparison with the defaults")
     arguments = parser.parse_args()
     found = search(arguments)
     print("\n[control.law.best]")

@@ -38,13 +38,13 @@ TAXEL = np.dtype(
 
 
 def run_constants(path):
-    """What the recording says of its run."""
+    """Run constants in the recording's metadata."""
     for chunk in McapReader(path, decoders=["metadata"], recover=True).stream():
         batch = chunk.to_record_batch()
         if "feeler.run" in batch.schema.names:
             (pairs,) = batch["feeler.run"][0].as_py()
             return {pair["first"]: pair["second"] for pair in pairs}
-    raise ValueError("it contains no run of feeler")
+    raise ValueError("expected metadata of a feeler run")
 
 
 def arrows(touch_force):
@@ -52,7 +52,7 @@ def arrows(touch_force):
     `touch_force`, N, along the force on the finger by what it touches."""
 
     def pressed(data):
-        """The pressed elements of one message. Unknown forces are NaN, which is not greater than the threshold."""
+        """Pressed elements of one message. Unknown forces are NaN and compare as not pressed."""
         taxels = np.frombuffer(bytes(data), TAXEL)
         normals = taxels["tip"] / np.linalg.norm(taxels["tip"], axis=1, keepdims=True)
         compression = -np.sum(taxels["force"] * normals, axis=1)
@@ -125,7 +125,7 @@ def plot(name, series):
 
 def show(path, save):
     touch_force = float(run_constants(path)["touch_force_threshold"])
-    # The stamps are the run's time: durations, no dates.
+    # Stamps are durations since the run's start, not dates.
     reader = McapReader(path, timeline_type="duration_ns", recover=True)
     topics = {channel.topic for channel in reader.info().channels if channel.message_count}
     run = reader.stream().lenses([arrows(touch_force), *lines()], output_mode="forward_all")
@@ -139,7 +139,7 @@ def show(path, save):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.splitlines()[0])
     parser.add_argument("recording", type=Path, help="a run's recording.mcap")
-    parser.add_argument("--save", type=Path, metavar="FILE.rrd", help="write what would be shown instead")
+    parser.add_argument("--save", type=Path, metavar="FILE.rrd", help="write the view to a file instead of showing it")
     arguments = parser.parse_args()
     if not arguments.recording.is_file():
         sys.exit(f"there is no file {arguments.recording}")

@@ -1,11 +1,10 @@
-"""Watches what the fingers of a rig feel, and stops the hand when one grasps too hard.
+"""Watches the tactile readings of a rig and stops the hand if a finger grasps too hard.
 
     pip install eclipse-zenoh==1.10.2 mcap-ros2-support==0.6.0
     python examples/python/watch_forces.py cap-closing --stop-above 1.5
     python examples/python/watch_forces.py cap-closing --connect tls/10.0.0.5:7447 --certificates lab/10.0.0.6/order
 
-The text of the messages is asked of the `feeler` program, so it is always that of the rig's own version.
-docs/link.md says what they mean.
+Message definitions are read from the `feeler` program, so they match the rig's version. docs/link.md describes the messages.
 """
 
 import argparse
@@ -32,7 +31,7 @@ def decoder(feeler, name):
 
 
 def protocol_of(data):
-    """Version of a message: the first number after the four bytes of its encoding header."""
+    """Version of a message: the first number after the four bytes of encapsulation."""
     return int.from_bytes(data[4:8], "little")
 
 
@@ -46,7 +45,7 @@ def stop_message(sender):
 
 
 def configuration(arguments):
-    """Connects as a client of the hand, which forwards the messages of the others."""
+    """Connects as a client of the hand, which forwards the messages of other programs."""
     config = zenoh.Config()
     settings = {
         "mode": "client",
@@ -67,7 +66,7 @@ def configuration(arguments):
 
 
 class Watcher:
-    """Prints the messages, and stops the hand if a force is too large."""
+    """Prints readings and stops the hand if a force is too large."""
 
     def __init__(self, session, arguments):
         self.limit, self.sender = arguments.stop_above, arguments.sender
@@ -93,7 +92,7 @@ class Watcher:
     def update(self, sample):
         data = sample.payload.to_bytes()
         if protocol_of(data) != PROTOCOL:
-            return  # its heartbeat has been complained of
+            return  # its heartbeat has been reported
         update = self.decode_update(data)
         with self.lock:
             self.guard(update)
@@ -103,8 +102,8 @@ class Watcher:
                 print(line(update), flush=True)
 
     def guard(self, update):
-        """Says stop with every update that is too large, so that it does not matter when one is lost. The hand
-        then stays stopped for as long as this program runs. What is not a number is too large."""
+        """Sends a stop for every excessive force, so that lost messages do not matter. The hand then stays stopped
+        while this program runs. NaN counts as excessive."""
         if self.limit is None or update.grasp_force <= self.limit:
             self.above.discard(update.finger)
             return
@@ -115,12 +114,12 @@ class Watcher:
 
 
 def printable(text):
-    """What a terminal would obey is shown instead: texts come from other programs."""
+    """Escapes control characters in texts of other programs."""
     return "".join(c if c.isprintable() else ascii(c)[1:-1] for c in text)
 
 
 def line(update):
-    """What one finger feels, in words."""
+    """One finger's reading as a line of text."""
     flags = [name for name in ("touch", "slip", "over") if getattr(update, name)]
     felt = f"{update.header.stamp:8.3f} s  finger {update.finger}  {update.grasp_force:7.4f} N  {' '.join(flags):15}"
     if update.largest_element == NOBODY:

@@ -1,7 +1,7 @@
-//! Bodies of the fuzz targets: parse the bytes and, if they are valid, use the result.
+//! Bodies of the fuzz targets: each parses its bytes and, if they are valid, uses the result.
 //!
-//! Shared by the targets and by the tests `fuzz_corpus` of `feeler-cli`, so that every test run goes through the
-//! corpora. A target returns `true` if its bytes were valid.
+//! The targets share them with the tests `fuzz_corpus` of `feeler-cli`, which run all corpora. A body returns `true` if
+//! its bytes were valid.
 
 use feeler::control::Plan;
 use feeler::control::TactileReading;
@@ -53,10 +53,10 @@ use std::io::Cursor;
 use std::str::from_utf8;
 use std::sync::Arc;
 
-/// Most pixels of a layout whose sub-regions are laid out: larger ones only take time.
+/// Maximum number of pixels of a layout for which a kernel is built; larger ones are only slower.
 const MAX_PIXELS: usize = 1 << 16;
 
-/// A sound layout reads back as it was written, and its kernel is made or refused.
+/// A valid layout round-trips, and its kernel is built or rejected.
 pub fn layout(bytes: &[u8]) -> bool {
     let Some(layout) = text(bytes).and_then(|text| LocatedLayout::from_toml(text).ok()) else {
         return false;
@@ -72,7 +72,7 @@ pub fn layout(bytes: &[u8]) -> bool {
     true
 }
 
-/// A sound wrench calibration reads back as it was written and gives finite components for finite moments.
+/// A valid wrench calibration round-trips and gives finite components for finite moments.
 pub fn wrench(bytes: &[u8]) -> bool {
     let calibration = text(bytes).and_then(|text| WrenchCalibration::from_toml(text).ok());
     let Some(calibration) = calibration else {
@@ -99,7 +99,7 @@ pub fn wrench(bytes: &[u8]) -> bool {
     true
 }
 
-/// A datagram of a force sensor, a request to one, its address, or its web page; all that is read is written alike.
+/// A datagram of a force sensor, a request to one, its address, or its web page; each round-trips.
 pub fn netft(bytes: &[u8]) -> bool {
     use feeler_sources::{NetFtAddress, Record, Request, parse_counts};
     let record = Record::from_bytes(bytes);
@@ -134,7 +134,7 @@ pub fn forces(bytes: &[u8]) -> bool {
     true
 }
 
-/// A sound calibration reads back as it was written and gives finite forces for finite moments.
+/// A valid calibration round-trips and gives finite forces for finite moments.
 pub fn calibration(bytes: &[u8]) -> bool {
     let Some(calibration) = text(bytes).and_then(|text| Calibration::from_toml(text).ok()) else {
         return false;
@@ -160,8 +160,8 @@ pub fn calibration(bytes: &[u8]) -> bool {
     true
 }
 
-/// A sound taxel layout reads back as it was written, and the table below it, behind a line of `---`, is sensed to its end:
-/// forces are finite or none, and rows are counted.
+/// A valid taxel layout round-trips, and the table after a line of `---` is read to its end: forces are finite or
+/// `None`, and rows are counted.
 pub fn taxels(bytes: &[u8]) -> bool {
     const LINE: &[u8] = b"\n---\n";
     let place = bytes.windows(LINE.len()).position(|window| window == LINE);
@@ -189,7 +189,7 @@ pub fn taxels(bytes: &[u8]) -> bool {
                 assert_eq!(count, frames);
                 return true;
             }
-            // The first row does not match the header of the table.
+            // The first row reveals a mismatch between table and header.
             Err(SensorError::Table(_)) if frames == 0 => return false,
             Err(error) => panic!("bytes can be read: {error}"),
         }
@@ -199,7 +199,7 @@ pub fn taxels(bytes: &[u8]) -> bool {
     }
 }
 
-/// A valid policy gives finite velocities for any reading.
+/// A valid policy returns finite velocities for any reading.
 pub fn policy(bytes: &[u8]) -> bool {
     let Ok(model) = PolicyModel::from_bytes(bytes) else {
         return false;
@@ -231,7 +231,7 @@ pub fn policy(bytes: &[u8]) -> bool {
     true
 }
 
-/// Sound loads are finite, on as many elements as there are.
+/// Valid loads are finite and on existing elements.
 pub fn loads(bytes: &[u8]) -> bool {
     const ELEMENTS: usize = 3;
     let seen = [0.0, 10.0, 20.0].map(|column| ProjectedElement {
@@ -254,7 +254,7 @@ pub fn loads(bytes: &[u8]) -> bool {
     true
 }
 
-/// A sound picture has as many pixels as it says.
+/// The number of pixels of a valid image matches its size.
 pub fn picture(bytes: &[u8]) -> bool {
     let Ok(picture) = decode_picture(bytes) else {
         return false;
@@ -263,7 +263,7 @@ pub fn picture(bytes: &[u8]) -> bool {
     true
 }
 
-/// A sound experiment keeps its values when its text is read again.
+/// The values of a valid experiment round-trip through its text.
 pub fn experiment(bytes: &[u8]) -> bool {
     let read = |text: &str| Experiment::parse(text, "fuzz", &[], None).ok();
     let Some(experiment) = text(bytes).and_then(read) else {
@@ -274,7 +274,7 @@ pub fn experiment(bytes: &[u8]) -> bool {
     true
 }
 
-/// A recording is complete exactly when nothing is wrong with it, and plays back to its end.
+/// A recording is complete if and only if it has no problem, and it plays back to its end.
 pub fn recording(bytes: &[u8]) -> bool {
     let Ok(recording) = Recording::from_bytes(bytes) else {
         return false;
@@ -287,7 +287,7 @@ pub fn recording(bytes: &[u8]) -> bool {
     true
 }
 
-/// Cameras give as many pictures as were seen, or say which is not there.
+/// Cameras return all recorded images or an error that names the missing one.
 fn look_again(recording: &Recording, bytes: &[u8]) {
     for (finger, recorded) in recording.fingers.iter().enumerate() {
         let mut camera = RecordedCamera::new(Cursor::new(bytes), recording, finger);
@@ -305,7 +305,7 @@ fn look_again(recording: &Recording, bytes: &[u8]) {
     }
 }
 
-/// Sensors and hand return as many readings as were recorded, or an error.
+/// Sensors and hand return all recorded readings or describe the mismatch.
 fn play_back(recording: &Recording) {
     for (finger, recorded) in recording.fingers.iter().enumerate() {
         let mut sensor = RecordedSensor::new(recording, finger);
@@ -323,7 +323,7 @@ fn play_back(recording: &Recording) {
             }
             // Frames of different lengths.
             SensorError::ElementCount { expected, actual } => assert_ne!(expected, actual),
-            other => panic!("a recording has neither camera nor picture: {other}"),
+            other => panic!("expected no camera or image error, got {other}"),
         }
     }
     let mut hand = RecordedHand::new(recording);
@@ -336,17 +336,18 @@ fn play_back(recording: &Recording) {
     assert!(recording.fingers.is_empty() || end.is_err(), "{state:?}");
 }
 
-/// For any messages of other programs, a hand, a rig and a sensor program of two elements store only finite values of the
-/// right size. The bytes are messages: topic (its place in [`Topic::all`]), length (2 bytes, little
-/// endian) and the message itself, in which an echoed token of 0 stands for the hand's own.
+/// A hand, a rig and a sensor program of two elements never store non-finite values or wrong sizes from any messages.
+///
+/// The bytes are messages: topic (index in [`Topic::all`]), length (2 bytes, little endian) and content, in which an
+/// echoed token of 0 is replaced by the hand's token.
 pub fn link(bytes: &[u8]) -> bool {
     let expected = agreeing();
     let clock = RunClock::new(RigSpeed::Times(1.0), 0.01, 3.5);
     let mut hand = HandInbox::new(&[2], clock, expected.clone());
     let mut rig = RigInbox::new((1, 2), 0.045, expected.clone());
     let mut sense = SenseInbox::new((0, 2), (3, 2), expected);
-    // A stop to be resumed.
-    hand.holds.order(1, "another client");
+    // A stop to resume.
+    hand.holds.order(1, "operator");
     let (mut now, mut bytes, mut sound) = (0.0, bytes, false);
     let topics = Topic::all(0);
     for (place, introduction) in introductions() {
@@ -378,9 +379,9 @@ pub fn link(bytes: &[u8]) -> bool {
     sound
 }
 
-/// Puts the hand's token of the echoed step where a message's header has a token of 0.
+/// Replaces a token of 0 in a message's header by the hand's token of the echoed step.
 fn fill_in_token(hand: &HandInbox, message: &mut [u8]) {
-    // Behind four bytes of encapsulation: protocol, instance, clock, sequence and stamp of eight bytes each.
+    // After four bytes of encapsulation: protocol, instance, clock, sequence and stamp of eight bytes each.
     let Some((head, [token @ .., _, _, _, _, _, _, _, _])) = message
         .get_mut(4 + 40..4 + 64)
         .and_then(|m| m.split_first_chunk_mut::<8>())
@@ -417,7 +418,7 @@ fn introductions() -> [(Place, Vec<u8>); 3] {
     })
 }
 
-/// The stored data of the hand are complete and finite, and none is from the future.
+/// Asserts that the hand's data are complete, finite and not from the future.
 fn check_hand(hand: &mut HandInbox, now: f64) {
     let _ = hand.stale(now, 0.035);
     assert!((0.0..=2e10).contains(&hand.state().time), "{now} s");
@@ -438,7 +439,7 @@ fn check_hand(hand: &mut HandInbox, now: f64) {
     }
 }
 
-/// Any datagram of the stop server reads back as it was, or is refused.
+/// Any packet of the stop protocol round-trips or is rejected.
 pub fn stop_wire(bytes: &[u8]) -> bool {
     let Some(datagram) = parse_datagram(bytes) else {
         return false;
@@ -447,7 +448,7 @@ pub fn stop_wire(bytes: &[u8]) -> bool {
     true
 }
 
-/// Any message of a ROS 2 graph is read or refused. The first byte selects its type.
+/// Any message of a ROS 2 graph is read or rejected; the first byte selects its kind.
 pub fn ros2(bytes: &[u8]) -> bool {
     let Some((kind, bytes)) = bytes.split_first() else {
         return false;
@@ -476,9 +477,10 @@ pub fn ros2(bytes: &[u8]) -> bool {
     }
 }
 
-/// For any messages of authenticated programs, in any order and with any numbers, the time of a hand never decreases, and it
-/// stays stopped until each stop has been resumed. The bytes are steps of eight: the event, the field to
-/// modify, and the value to add.
+/// For any messages between known programs, a hand's time never goes back, and the hand stays stopped until each stop
+/// has been resumed.
+///
+/// The bytes are steps of eight: event, field to modify, and added value.
 pub fn inboxes(bytes: &[u8]) -> bool {
     let clock = RunClock::new(RigSpeed::Times(1.0), 0.01, 3.5);
     let mut hand = HandInbox::new(&[2], clock, agreeing());
@@ -528,7 +530,7 @@ pub fn inboxes(bytes: &[u8]) -> bool {
                 }
             }
         }
-        // Above the maximum number of distinct stops, the newest replaces the others.
+        // Beyond the number of distinct stops, the newest represents the others.
         let is_stopped = !hand.holds.in_force().is_empty();
         assert!(is_stopped || stopped.is_empty(), "{stopped:?} at {now} s");
         if !is_stopped {
@@ -552,7 +554,7 @@ fn agreeing() -> Expected {
     }
 }
 
-/// A header as the rig has it, whose clock is 5 s ahead.
+/// Header of the rig, whose clock is 5 s ahead.
 fn honest(hand: &HandInbox, sequence: u64, now: f64) -> MessageHeader {
     let step = hand.sent.newest();
     let echo = Echo {
@@ -563,7 +565,7 @@ fn honest(hand: &HandInbox, sequence: u64, now: f64) -> MessageHeader {
     header(2, sequence, now + 5.0).echoing(echo, now)
 }
 
-/// Adds something to one of a header's numbers.
+/// Modifies one field of a header.
 fn spoil(header: &mut MessageHeader, field: u8, added: i64, odd: f64) {
     let whole = |number: u64| number.wrapping_add_signed(added);
     match field {
@@ -611,7 +613,7 @@ fn text(bytes: &[u8]) -> Option<&str> {
     from_utf8(bytes).ok()
 }
 
-/// Packets on a bus of servos: what is read can be written, and reads back the same. The first byte says who speaks which protocol.
+/// Packets on a bus of servos round-trip; the first byte selects sender and protocol.
 pub fn drives_bus(bytes: &[u8]) -> bool {
     let [how, bytes @ ..] = bytes else {
         return false;

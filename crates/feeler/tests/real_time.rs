@@ -1,10 +1,10 @@
-//! Requests for real-time scheduling are granted, or refused with advice.
+//! Real-time privileges are granted, or refused with the setting that would help.
 
 use feeler::pace::real_time::{self, MODERATE, Refusal};
 
 /// On a separate thread, whose priority ends with it.
 #[test]
-fn a_priority_is_granted_or_the_limit_is_told() {
+fn a_priority_is_granted_or_the_error_states_the_limit() {
     std::thread::spawn(|| match real_time::raise_priority(MODERATE) {
         Ok(()) => {}
         Err(refusal @ Refusal::Priority { priority, limit }) => {
@@ -16,7 +16,7 @@ fn a_priority_is_granted_or_the_limit_is_told() {
             );
         }
         Err(Refusal::Unsupported { .. }) if !cfg!(target_os = "linux") => {}
-        // A container may forbid what the user's limits allow.
+        // A container may forbid priorities that the user's limits permit.
         Err(Refusal::System { what, .. }) => assert_eq!(what, "real-time priority"),
         Err(other) => panic!("{other}"),
     })
@@ -25,7 +25,7 @@ fn a_priority_is_granted_or_the_limit_is_told() {
 }
 
 #[test]
-fn a_priority_that_is_none_is_refused() {
+fn invalid_priorities_are_rejected() {
     for priority in [0, 100, 255] {
         let refusal = real_time::raise_priority(priority).unwrap_err();
         assert!(
@@ -36,7 +36,7 @@ fn a_priority_that_is_none_is_refused() {
 }
 
 #[test]
-fn memory_is_locked_or_the_limit_is_told() {
+fn memory_is_locked_or_the_error_states_the_limit() {
     match real_time::lock_memory() {
         Ok(()) => {}
         Err(refusal @ Refusal::MemoryLimit { .. }) => {
@@ -53,7 +53,7 @@ fn memory_is_locked_or_the_limit_is_told() {
 }
 
 #[test]
-fn a_fine_timer_takes_no_privilege() {
+fn a_fine_timer_requires_no_privilege() {
     let granted = std::thread::spawn(real_time::fine_timer).join().unwrap();
     assert_eq!(granted.is_ok(), cfg!(target_os = "linux"), "{granted:?}");
 }

@@ -1,10 +1,10 @@
-//! Modules of this crate import only those that ARCHITECTURE.md allows; the compiler sees to that between crates.
+//! Modules of this crate import only those that ARCHITECTURE.md allows. Between crates, the compiler enforces this.
 
 use std::collections::BTreeMap;
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// Each module of `src/` and those it may import.
+/// Each module of `src/` and the modules that it may import.
 const MAY_IMPORT: [(&str, &[&str]); 4] = [
     ("control", &["check", "hand", "pace", "sensor"]),
     ("sensor", &["check"]),
@@ -13,7 +13,7 @@ const MAY_IMPORT: [(&str, &[&str]); 4] = [
 ];
 
 #[test]
-fn every_import_points_down() {
+fn modules_import_only_allowed_modules() {
     let table: BTreeMap<_, _> = MAY_IMPORT.into_iter().collect();
     let source = Path::new(env!("CARGO_MANIFEST_DIR")).join("src");
     let mut files = Vec::new();
@@ -26,7 +26,7 @@ fn every_import_points_down() {
         let Some(module) = module else { continue };
         let allowed = table
             .get(module.as_str())
-            .unwrap_or_else(|| panic!("src/{module} is not in the table of modules"));
+            .unwrap_or_else(|| panic!("src/{module} is not listed in MAY_IMPORT"));
         for imported in imports(&fs::read_to_string(&file).unwrap()) {
             if imported != module && !allowed.contains(&imported.as_str()) {
                 wrong.push(format!("src/{} imports {imported}", inside.display()));
@@ -37,7 +37,7 @@ fn every_import_points_down() {
 }
 
 #[test]
-fn the_walker_sees_an_import() {
+fn imports_are_parsed() {
     let text = "use crate::sim::rig::Rig;\n// crate::report\nlet a = crate::hand::finger::X;\n";
     assert_eq!(imports(text), ["sim", "hand"]);
     assert_eq!(
@@ -57,14 +57,14 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
     }
 }
 
-/// The module of a file below `src/`; none for `lib.rs`, which only names modules.
+/// Module of a file below `src/`, or `None` for `lib.rs`, which only declares modules.
 fn module_of(inside: &Path) -> Option<String> {
     let mut parts = inside.components();
     let first = parts.next()?.as_os_str().to_str()?.to_string();
     parts.next().is_some().then_some(first)
 }
 
-/// The modules that a file names after `crate::`, comments and documentation aside.
+/// Modules that a file names after `crate::`, outside of comments and documentation.
 fn imports(text: &str) -> Vec<String> {
     let code = text
         .lines()
@@ -80,7 +80,7 @@ fn imports(text: &str) -> Vec<String> {
     modules
 }
 
-/// The first name of every path of a braced list, nested lists aside.
+/// First name of each path of a braced list, without nested lists.
 fn first_names(list: &str) -> Vec<String> {
     let (mut depth, mut names, mut start) = (0, Vec::new(), true);
     for (index, c) in list.char_indices() {

@@ -1,5 +1,5 @@
-//! Finger kinematics against things that do not share its formulas: a Denavit-Hartenberg chain,
-//! finite differences, and a general linear solver.
+//! Finger kinematics compared with independent methods: a Denavit-Hartenberg chain, finite differences, and a general
+//! linear solver.
 
 use assert_no_alloc::assert_no_alloc;
 use feeler::hand::kinematics::{fingertip_pose, jacobian};
@@ -18,8 +18,7 @@ fn random_vector(rng: &mut Pcg64Mcg, lower: [f64; 3], upper: [f64; 3]) -> [f64; 
     [0, 1, 2].map(|i| rng.random_range(lower[i]..upper[i]))
 }
 
-/// A finger with base anywhere, turned anyhow, any proportions, and joint limits that leave more
-/// than one posture for many targets.
+/// A finger with random base pose, proportions and joint limits; many targets are reachable in several postures.
 fn random_config(rng: &mut Pcg64Mcg) -> FingerConfig {
     FingerConfig {
         base_position: random_vector(rng, [-0.3; 3], [0.3; 3]),
@@ -43,7 +42,7 @@ fn random_theta(rng: &mut Pcg64Mcg, geometry: &FingerGeometry) -> DVec3 {
     DVec3::from_array(random_vector(rng, lower, upper))
 }
 
-/// Joint angles over the full turn, limits or not.
+/// Joint angles over the full turn, regardless of limits.
 fn any_theta(rng: &mut Pcg64Mcg) -> DVec3 {
     DVec3::from_array(random_vector(rng, [-3.2; 3], [3.2; 3]))
 }
@@ -60,7 +59,7 @@ fn denavit_hartenberg(theta: f64, length: f64, twist: f64) -> Matrix4<f64> {
 }
 
 #[test]
-fn pose_is_that_of_the_denavit_hartenberg_chain() {
+fn pose_agrees_with_the_denavit_hartenberg_chain() {
     let mut rng = Pcg64Mcg::seed_from_u64(1);
     for _ in 0..POSES {
         let config = random_config(&mut rng);
@@ -75,7 +74,7 @@ fn pose_is_that_of_the_denavit_hartenberg_chain() {
 
         let geometry = FingerGeometry::new(&config).unwrap();
         let (position, rotation) = fingertip_pose(&geometry, theta);
-        // Lengths below 1 m and six rotations, each good to a few 1e-16.
+        // Lengths below 1 m and six rotations, each with an error of a few 1e-16.
         for row in 0..3 {
             assert!((position[row] - chain[(row, 3)]).abs() < 1e-14);
             for column in 0..3 {
@@ -97,20 +96,20 @@ fn rotation_is_proper_and_its_x_is_the_last_link() {
         assert!(product.abs_diff_eq(DMat3::IDENTITY, 1e-14));
         assert!((rotation.determinant() - 1.0).abs() < 1e-14);
 
-        // Joint 3 is where the tip of the same finger with a last link of 1 mm is, less that 1 mm.
+        // Joint 3 is at the tip of the same finger with a last link of 1 mm, minus that 1 mm.
         let mut short = config.clone();
         short.links[2] = 1e-3;
         let (near_joint, _) = fingertip_pose(&FingerGeometry::new(&short).unwrap(), theta);
         let link = (tip - near_joint) / (config.links[2] - short.links[2]);
-        // Positions good to 1e-16 m, divided by a link of at least 19 mm.
+        // Positions with errors of 1e-16 m, divided by a link of at least 19 mm.
         assert!(link.abs_diff_eq(rotation.x_axis, 1e-13));
     }
 }
 
 #[test]
 fn jacobian_is_the_derivative_of_the_position() {
-    // Central differences err by h^2/6 |d3r/dtheta3| (third derivatives are below the reach of
-    // 0.3 m: 5e-12 m/rad for h = 1e-5 rad) and by the rounding of positions (1e-16 m / h = 1e-11).
+    // Errors of central differences: h^2/6 |d3r/dtheta3| (third derivatives are below the reach of 0.3 m: 5e-12 m/rad
+    // for h = 1e-5 rad) and the rounding of positions (1e-16 m / h = 1e-11).
     const STEP: f64 = 1e-5;
     const BOUND: f64 = 1e-10;
     let mut rng = Pcg64Mcg::seed_from_u64(3);
@@ -166,7 +165,7 @@ fn inverse_kinematics_starts_and_ends_at_singular_angles() {
 }
 
 #[test]
-fn inverse_kinematics_stays_in_the_posture_nearby() {
+fn inverse_kinematics_keeps_the_nearest_posture() {
     let mut rng = Pcg64Mcg::seed_from_u64(6);
     for _ in 0..POSES {
         let geometry = random_geometry(&mut rng);
@@ -177,13 +176,13 @@ fn inverse_kinematics_stays_in_the_posture_nearby() {
         if rate.damping > 0.0 || !inside {
             continue;
         }
-        // A tenth of the damping threshold, too little to reach a singularity.
+        // A tenth of the damping threshold, much less than the distance to a singularity.
         let step = 0.1 * damping_threshold(&geometry);
         let target = fingertip_pose(&geometry, start).0 + DVec3::splat(step / 3.0);
         let Ok(theta) = inverse_kinematics(&geometry, target, start) else {
-            panic!("{target} is {step} m from where the finger is");
+            panic!("{target} is {step} m from the fingertip");
         };
-        // At most 0.1 rad by the bound |J^-1| <= 1 / threshold, twice that as J changes on the way.
+        // At most 0.1 rad by the bound |J^-1| <= 1 / threshold, and twice that because J changes on the way.
         assert!(theta.distance(start) < 0.2, "from {start} to {theta}");
     }
 }
@@ -202,7 +201,7 @@ fn cap_finger() -> FingerGeometry {
 }
 
 #[test]
-fn out_of_reach_says_how_far() {
+fn out_of_reach_reports_the_distance() {
     let target = DVec3::new(0.1, 0.0, 0.06);
     let error = inverse_kinematics(&cap_finger(), target, DVec3::ZERO).unwrap_err();
     let KinematicsError::OutOfReach {
@@ -220,8 +219,8 @@ fn out_of_reach_says_how_far() {
 }
 
 #[test]
-fn too_near_is_out_of_reach_as_well() {
-    // Without l2 the shoulder is on the axis of joint 1, and nothing nearer than l4 - l3 is reached.
+fn targets_too_near_the_base_are_out_of_reach() {
+    // Without l2 the shoulder is on the axis of joint 1, and targets nearer than l4 - l3 are unreachable.
     let geometry = FingerGeometry::new(&FingerConfig {
         base_position: [0.0; 3],
         phi1_deg: 0.0,
@@ -241,7 +240,7 @@ fn too_near_is_out_of_reach_as_well() {
 }
 
 #[test]
-fn beyond_the_joint_limits_says_which_angles() {
+fn beyond_the_joint_limits_reports_the_angles() {
     let geometry = cap_finger();
     let beyond = DVec3::new(60f64.to_radians(), 0.9, -0.9);
     let (target, _) = fingertip_pose(&geometry, beyond);
@@ -264,7 +263,7 @@ fn arguments_that_are_not_finite_are_errors() {
 }
 
 #[test]
-fn resolved_rate_is_the_inverse_away_from_singularities() {
+fn resolved_rate_is_the_inverse_jacobian_away_from_singularities() {
     let mut rng = Pcg64Mcg::seed_from_u64(7);
     let mut undamped = 0;
     for _ in 0..POSES {
@@ -279,8 +278,8 @@ fn resolved_rate_is_the_inverse_away_from_singularities() {
         let j = Matrix3::from_column_slice(&jacobian(&geometry, theta).to_cols_array());
         let expected = j.lu().solve(&Vector3::from(velocity)).unwrap();
         let expected = DVec3::new(expected.x, expected.y, expected.z);
-        // Rounding 1e-16 times a condition number below 200 (reach 0.3 m over 2 mm), and 10 of it
-        // for the handful of operations.
+        // Rounding of 1e-16 times a condition number below 200 (reach 0.3 m over 2 mm), and a factor of 10 for the
+        // handful of operations.
         let difference = (rate.joint_velocity - expected).length() / expected.length();
         assert!(difference < 1e-12, "{difference:e}");
     }
@@ -297,7 +296,7 @@ fn resolved_rate_is_bounded_at_singularities() {
         let velocity = DVec3::from_array(random_vector(&mut rng, [-0.05; 3], [0.05; 3]));
         let rate = resolved_rate(&geometry, theta, velocity);
         assert!(rate.damping > 0.0);
-        // The bound of the module's documentation, and rounding.
+        // The bound in the module's documentation, and rounding.
         let bound = velocity.length() / damping_threshold(&geometry);
         assert!(rate.joint_velocity.length() <= bound * (1.0 + 1e-9));
     }

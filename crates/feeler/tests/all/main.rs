@@ -1,6 +1,6 @@
-//! All tests of this crate that can share a process, linked once and run in parallel.
+//! Integration tests of this crate, linked as one program, except those that require a separate process.
 //!
-//! They run under an allocator that ends the process when the control path allocates.
+//! They run under an allocator that aborts the process if the control path allocates.
 
 mod architecture;
 mod calibration;

@@ -1,9 +1,9 @@
-//! Only the controller creates commands that move the hand, after the limits.
+//! Only the controller constructs motion commands, from the velocities that `apply_limits` admits.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
-/// The source files of all crates, as they are called below `crates`, with their code: without comments.
+/// Source files of all crates with their paths below `crates`, and their code without comments.
 fn sources() -> Vec<(String, String)> {
     let crates = Path::new(env!("CARGO_MANIFEST_DIR")).join("..");
     let mut files = Vec::new();
@@ -31,24 +31,24 @@ fn collect(folder: &Path, files: &mut Vec<PathBuf>) {
     }
 }
 
-/// The file of each place in `sources` that has `call`.
+/// File of each occurrence of `call` in `sources`.
 fn callers<'a>(sources: &'a [(String, String)], call: &str) -> Vec<&'a str> {
     let files = sources.iter();
     let places = files.flat_map(|(name, code)| code.matches(call).map(move |_| name.as_str()));
     places.collect()
 }
 
-/// Outside of the crate the compiler sees to it: the field is private (`HandCommand`, with a test that does
-/// not compile).
+/// Outside of the crate, the compiler enforces this: the field is private (`HandCommand` has a test that must not
+/// compile).
 #[test]
-fn one_place_puts_velocities_into_a_command() {
+fn only_the_controller_sets_velocities_of_a_command() {
     let sources = sources();
     assert!(sources.len() > 200, "{} files found", sources.len());
     let controller = ["feeler/src/control/controller.rs"];
     assert_eq!(callers(&sources, ".admitted_mut("), controller);
 }
 
-/// A rig obeys the hand program; a program with a controller has nothing to relay.
+/// A rig executes commands of the hand program. A program with a controller has no commands to relay.
 #[test]
 fn only_the_rig_of_a_link_relays_commands() {
     let sources = sources();
@@ -59,7 +59,7 @@ fn only_the_rig_of_a_link_relays_commands() {
         let (_, code) = sources.iter().find(|(name, _)| name == file).expect("it");
         assert!(
             !code.contains("Controller"),
-            "{file} creates its own controller"
+            "{file} relays commands and has a controller"
         );
     }
 }

@@ -1,4 +1,4 @@
-//! The example of a custom hand, and the response of the loop to missed periods.
+//! Example of a custom hand, and the loop's reaction to missed periods.
 
 #[allow(dead_code, reason = "its main is the example's")]
 #[path = "../../examples/own_hand.rs"]
@@ -14,10 +14,10 @@ use std::sync::atomic::AtomicBool;
 use std::time::Duration;
 
 #[test]
-fn the_example_touches_the_wall_and_comes_home() {
+fn the_example_touches_the_wall_and_returns() {
     let (phase, force) = example::touch_and_stroke().expect("a run");
     assert_eq!(phase, Phase::Done);
-    // It moves on at 0.5 N, and presses no deeper than it comes in the steps until it has turned.
+    // It moves on at 0.5 N, and presses no deeper than it moves in the steps until it has turned.
     assert!((0.5..1.0).contains(&force), "{force} N");
 }
 
@@ -45,7 +45,8 @@ impl Clock for Oversleeping {
     }
 }
 
-/// Runs ten steps, the fifth late by `by` milliseconds. Returns the stop reason, and `true` if the hand moved at the end.
+/// Runs ten steps, the fifth of them `by` milliseconds late. Returns the reason of a stop, and whether the hand moved
+/// in the last step.
 fn ten_steps(by: u64) -> (Option<StopReason>, bool) {
     let clock = Oversleeping {
         now: Cell::default(),
@@ -71,9 +72,9 @@ fn ten_steps(by: u64) -> (Option<StopReason>, bool) {
 }
 
 #[test]
-fn a_loop_that_comes_round_too_late_stops_the_hand() {
+fn too_many_missed_periods_stop_the_hand() {
     assert_eq!(ten_steps(0), (None, true));
-    // Two periods are missed, as many as may be.
+    // Two periods are missed, the maximum allowed.
     assert_eq!(ten_steps(25), (None, true));
     let reason = StopReason::MissedPeriods {
         missed: 3,

@@ -1,5 +1,5 @@
-//! The control period: deadlines, missed periods, punctuality. The clock is the test's own, so nothing
-//! here depends on how fast the machine is.
+//! The control period: deadlines, missed periods and punctuality. The tests control the clock, so they do not depend
+//! on the machine's speed.
 
 use assert_no_alloc::assert_no_alloc;
 use feeler::pace::{Clock, FixedRate, Monotonic, PaceError, Punctuality, Tick};
@@ -11,17 +11,17 @@ use std::time::Duration;
 /// Deadlines are rounded to the nanosecond.
 const ROUNDING: f64 = 1e-9;
 
-/// A clock that advances only during sleep, which ends late by given amounts.
+/// A clock that advances only in sleep, which may end late by a configured time.
 #[derive(Clone, Default)]
 struct TestClock(Rc<TestClockState>);
 
 #[derive(Default)]
 struct TestClockState {
     now: Cell<Duration>,
-    /// Lateness of the next sleeps, in reverse order.
+    /// Delays of the next sleeps; the last entry is used first.
     late: RefCell<Vec<Duration>>,
     sleeps: Cell<usize>,
-    /// Interrupt flag, and the time at which it is raised.
+    /// Flag that the clock raises, and the time at which it does.
     stop: AtomicBool,
     stop_at: Cell<Option<Duration>>,
 }
@@ -33,7 +33,7 @@ impl TestClock {
         clock
     }
 
-    /// A step that takes some time.
+    /// Simulates a step that takes `seconds`.
     fn work(&self, seconds: f64) {
         let now = self.0.now.get() + Duration::from_secs_f64(seconds);
         self.0.now.set(now);
@@ -64,13 +64,13 @@ impl Clock for TestClock {
 fn assert_close(value: f64, expected: f64) {
     assert!(
         (value - expected).abs() <= ROUNDING,
-        "{value}, not {expected}"
+        "{value} instead of {expected}"
     );
 }
 
 #[test]
-fn deadlines_are_multiples_of_the_period_however_late_a_step_is() {
-    // A third is not a whole number of nanoseconds; added up, the rounding would be seen.
+fn deadlines_are_multiples_of_the_period_regardless_of_late_steps() {
+    // A third is not a whole number of nanoseconds; rounding would add up visibly.
     let period = 0.01 / 3.0;
     let clock = TestClock::at(1234.5);
     let mut pace = FixedRate::with_clock(period, clock.clone()).unwrap();
@@ -86,7 +86,7 @@ fn deadlines_are_multiples_of_the_period_however_late_a_step_is() {
 }
 
 #[test]
-fn periods_missed_whole_are_counted_and_skipped() {
+fn wholly_missed_periods_are_counted_and_skipped() {
     let clock = TestClock::at(0.0);
     let mut pace = FixedRate::with_clock(0.01, clock.clone()).unwrap();
     clock.work(0.034);
@@ -101,7 +101,7 @@ fn periods_missed_whole_are_counted_and_skipped() {
 }
 
 #[test]
-fn a_sleep_that_is_too_long_misses_periods_without_an_overrun() {
+fn a_long_sleep_misses_periods_without_an_overrun() {
     let clock = TestClock::at(7.0);
     let mut pace = FixedRate::with_clock(0.01, clock.clone()).unwrap();
     clock.next_sleep_is_late(0.05);
@@ -111,7 +111,7 @@ fn a_sleep_that_is_too_long_misses_periods_without_an_overrun() {
 }
 
 #[test]
-fn a_step_that_ends_in_the_next_period_overran_and_missed_none() {
+fn a_step_that_ends_in_the_next_period_is_an_overrun() {
     let clock = TestClock::at(0.0);
     let mut pace = FixedRate::with_clock(0.01, clock.clone()).unwrap();
     clock.work(0.013);
@@ -128,7 +128,7 @@ fn every_period_is_a_step_or_missed() {
         let mut pace = FixedRate::with_clock(period, clock.clone()).unwrap();
         let mut missed = 0;
         for step in 1..=10_000_u64 {
-            // From none to three periods, often to a deadline exactly.
+            // From zero to three periods, often exactly to a deadline.
             clock.work((step * 7919 % 13) as f64 / 4.0 * period);
             let tick = pace.wait();
             missed += tick.missed;
@@ -140,7 +140,7 @@ fn every_period_is_a_step_or_missed() {
 }
 
 #[test]
-fn restarting_forgets_the_past() {
+fn restarting_clears_the_statistics() {
     let clock = TestClock::at(0.0);
     let mut pace = FixedRate::with_clock(0.01, clock.clone()).unwrap();
     clock.work(5.005);
@@ -151,7 +151,7 @@ fn restarting_forgets_the_past() {
 }
 
 #[test]
-fn a_raised_stop_ends_a_long_wait_within_a_nap() {
+fn a_raised_flag_ends_a_long_wait_within_one_nap() {
     let clock = TestClock::at(0.0);
     let mut pace = FixedRate::with_clock(10.0, clock.clone()).unwrap();
     clock.0.stop_at.set(Some(Duration::from_secs_f64(3.01)));
@@ -165,7 +165,7 @@ fn a_raised_stop_ends_a_long_wait_within_a_nap() {
 }
 
 #[test]
-fn a_wait_that_may_be_stopped_keeps_the_same_deadlines() {
+fn an_interruptible_wait_keeps_the_same_deadlines() {
     let clock = TestClock::at(0.0);
     let stop = AtomicBool::new(false);
     for (period, sleeps) in [(0.01, 1), (0.05, 1), (0.12, 3)] {
@@ -179,16 +179,16 @@ fn a_wait_that_may_be_stopped_keeps_the_same_deadlines() {
 }
 
 #[test]
-fn a_period_that_no_timer_keeps_is_refused() {
+fn unusable_periods_are_rejected() {
     for period in [0.0, -0.01, 1e-7, 3601.0, f64::NAN, f64::INFINITY] {
         let error = FixedRate::new(period).unwrap_err();
         assert!(matches!(error, PaceError::Period { .. }), "{error}");
     }
 }
 
-/// The system clock advances, and a sleep does not end early; its lateness does not matter.
+/// The system's clock advances and sleep does not end early; lateness is not tested.
 #[test]
-fn the_systems_clock_is_slept_to() {
+fn sleep_on_the_systems_clock_does_not_end_early() {
     let clock = Monotonic::new();
     let past = clock.now();
     clock.sleep_until(past);
@@ -199,7 +199,7 @@ fn the_systems_clock_is_slept_to() {
 }
 
 #[test]
-fn nothing_is_late_before_the_first_tick() {
+fn statistics_are_empty_before_the_first_tick() {
     let summary = Punctuality::new().unwrap().summary();
     assert_eq!((summary.steps, summary.missed, summary.overruns), (0, 0, 0));
     assert_eq!((summary.median, summary.percentile_99), (None, None));
@@ -211,7 +211,7 @@ fn nothing_is_late_before_the_first_tick() {
 }
 
 #[test]
-fn percentiles_are_those_of_the_ticks() {
+fn percentiles_are_computed_from_the_ticks() {
     let mut punctuality = Punctuality::new().unwrap();
     for microseconds in 1..=1000_u32 {
         punctuality.record(&Tick {
@@ -240,7 +240,7 @@ fn percentiles_are_those_of_the_ticks() {
 }
 
 #[test]
-fn lateness_beyond_the_histogram_is_still_the_largest() {
+fn the_maximum_includes_lateness_beyond_the_histogram() {
     let mut punctuality = Punctuality::new().unwrap();
     punctuality.record(&Tick {
         number: 1,
@@ -253,7 +253,7 @@ fn lateness_beyond_the_histogram_is_still_the_largest() {
 }
 
 #[test]
-fn a_step_on_time_allocates_nothing() {
+fn a_step_on_time_does_not_allocate() {
     let mut pace = FixedRate::new(1e-6).unwrap();
     let mut punctuality = Punctuality::new().unwrap();
     let stop = AtomicBool::new(false);

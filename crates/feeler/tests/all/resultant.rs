@@ -1,4 +1,4 @@
-//! The resultant force of a tactile frame, against a case calculated by hand.
+//! Resultant force of a tactile frame, compared with a case calculated by hand.
 
 use feeler::control::TactileReading;
 use feeler::control::{FingerReadings, FingertipPose};
@@ -7,7 +7,7 @@ use feeler::hand::JointState;
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, RingConfig};
 use feeler::sensor::forces::NO_FORCE;
 
-/// One element at the apex, and one on the equator towards y of `T`.
+/// One element at the apex and one on the equator, towards y of `T`.
 fn layout() -> ElementLayout {
     let ring = |polar_angle_deg| RingConfig {
         elements: 1,
@@ -20,10 +20,10 @@ fn layout() -> ElementLayout {
     })
 }
 
-/// At the apex, the axes of `E` are y, z, x of `T`; at the other element -x, z, y. With compression towards the
-/// dome, the first force is (-2, 0.3, -0.1) N in `T`, the second (-0.2, -1, 0.4) N.
+/// At the apex, the axes of `E` are y, z, x of `T`; at the other element they are -x, z, y. With compression towards
+/// the dome, the first force is (-2, 0.3, -0.1) N in `T`, the second (-0.2, -1, 0.4) N.
 #[test]
-fn the_resultant_is_the_sum_of_what_the_object_does_to_the_fingertip() {
+fn the_resultant_is_the_sum_of_the_objects_forces_on_the_fingertip() {
     let layout = layout();
     let mut touch = TactileReading::none(2);
     touch.frame.forces = vec![DVec3::new(0.3, -0.1, 2.0), DVec3::new(0.2, 0.4, 1.0)];
@@ -31,7 +31,7 @@ fn the_resultant_is_the_sum_of_what_the_object_does_to_the_fingertip() {
         assert!(force.distance(expected) < 1e-12, "{force}");
     };
     close(touch.frame.resultant(&layout), DVec3::new(-2.2, -0.7, 0.3));
-    // A fingertip that points along y of W: x of T is y, y of T is -x.
+    // A fingertip that points along y of W: x of T is y, and y of T is -x.
     let pose = FingertipPose {
         position: DVec3::ONE,
         rotation: DMat3::from_cols(DVec3::Y, -DVec3::X, DVec3::Z),

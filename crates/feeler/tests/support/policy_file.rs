@@ -1,11 +1,11 @@
-//! A policy's file, number by number, so that tests and benches can write good and bad ones.
+//! Contents of a policy file, from which tests and benchmarks write valid and invalid files.
 
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use safetensors::tensor::{Dtype, TensorView, serialize};
 use std::collections::BTreeMap;
 
-/// Numbers of an observation beside three for each element.
+/// Number of observed values other than the three per element.
 const BESIDE_FORCES: usize = 21;
 
 /// Contents of a policy file.
@@ -17,7 +17,8 @@ pub struct PolicyFile {
 }
 
 impl PolicyFile {
-    /// A policy of weights and biases zero, inputs as they are, with `hidden` outputs of each layer but the last.
+    /// Creates a policy with zero weights and biases and identity normalization. `hidden` contains the number of
+    /// outputs of each layer except the last.
     pub fn zero(elements: usize, hidden: &[usize]) -> Self {
         let inputs = 3 * elements + BESIDE_FORCES;
         let metadata = [
@@ -43,7 +44,7 @@ impl PolicyFile {
         file
     }
 
-    /// Like [`zero`](Self::zero), with weights drawn from `seed` so that no layer saturates.
+    /// Like [`zero`](Self::zero), but with random numbers that do not saturate a layer.
     pub fn drawn(elements: usize, hidden: &[usize], seed: u64) -> Self {
         let mut random = Pcg64::seed_from_u64(seed);
         let mut file = Self::zero(elements, hidden);
@@ -63,7 +64,7 @@ impl PolicyFile {
         self.tensors.insert(name.into(), (shape.to_vec(), numbers));
     }
 
-    /// The file's bytes.
+    /// Bytes of the file.
     pub fn bytes(&self) -> Vec<u8> {
         let little_endian =
             |numbers: &[f32]| -> Vec<u8> { numbers.iter().flat_map(|n| n.to_le_bytes()).collect() };
@@ -73,7 +74,7 @@ impl PolicyFile {
             .collect();
         let views = tensors.iter().map(|(name, shape, bytes)| {
             let view = TensorView::new(Dtype::F32, shape.to_vec(), bytes);
-            (name.as_str(), view.expect("numbers for every place"))
+            (name.as_str(), view.expect("as many numbers as the shape requires"))
         });
         serialize(views, Some(self.metadata.clone().into_iter().collect())).expect("a file's bytes")
     }

@@ -1,4 +1,4 @@
-//! The coupled model: what its coefficients stand for, how many it takes, and which model is the better one.
+//! Coupled model: meaning and number of coefficients, and the choice between models.
 
 use super::element::{RANGES, fitted, inputs, places, record};
 use feeler::sensor::calibration::ModelChoice;
@@ -8,7 +8,7 @@ use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-/// Exponents of growth, x and y in the terms of `F_z`. Their order is that of the coefficients in every calibration file.
+/// Exponents of growth, x and y in the terms of `F_z`, in the order of the coefficients in calibration files.
 const NORMAL: [[i32; 3]; 20] = [
     [1, 0, 0],
     [2, 0, 0],
@@ -32,7 +32,7 @@ const NORMAL: [[i32; 3]; 20] = [
     [0, 0, 3],
 ];
 
-/// Exponents of growth, of the displacement along a shear force and of that across it.
+/// Exponents of growth, of the displacement along a shear force, and of the displacement across it.
 const SHEAR: [[i32; 3]; 17] = [
     [0, 1, 0],
     [1, 1, 0],
@@ -53,7 +53,7 @@ const SHEAR: [[i32; 3]; 17] = [
     [1, 0, 2],
 ];
 
-/// RelativeMoments over their largest magnitude in `RANGES`: growth, x, y.
+/// Growth, x and y, each relative to the largest magnitude of its range in `RANGES`.
 fn scaled(inputs: RelativeMoments) -> [f64; 3] {
     [
         inputs.growth / 0.8,
@@ -71,7 +71,7 @@ fn sum(terms: &[[i32; 3]], coefficients: &[f64], at: [f64; 3]) -> f64 {
         .sum()
 }
 
-/// The force at `inputs` of a map with these coefficients of `F_x`, `F_y`, `F_z`.
+/// Force at `inputs` of a map with these coefficients of `F_x`, `F_y` and `F_z`.
 fn force([x, y, z]: &[Vec<f64>; 3], inputs: RelativeMoments) -> DVec3 {
     let [g, u, v] = scaled(inputs);
     DVec3::new(
@@ -81,7 +81,7 @@ fn force([x, y, z]: &[Vec<f64>; 3], inputs: RelativeMoments) -> DVec3 {
     )
 }
 
-/// That many coefficients of each component, of magnitudes from 0.5 to 1.
+/// Random coefficients of each component, with magnitudes from 0.5 to 1 and alternating signs.
 fn coefficients(orders: [usize; 3], seed: u64) -> [Vec<f64>; 3] {
     let mut rng = Pcg64::seed_from_u64(seed);
     orders.map(|order| {
@@ -90,8 +90,7 @@ fn coefficients(orders: [usize; 3], seed: u64) -> [Vec<f64>; 3] {
     })
 }
 
-/// Negates each component that decreases from the smallest to the largest value of its input, since such a calibration
-/// is refused.
+/// Negates each component that decreases over the range of its input, because such calibrations are rejected.
 fn rising(mut own: [Vec<f64>; 3]) -> [Vec<f64>; 3] {
     let [g, x, y] = RANGES;
     let half = 0.5 * g[1];
@@ -130,26 +129,26 @@ fn coupled(map: &ForceMap) -> &CoupledMap {
 }
 
 #[test]
-fn each_coefficient_is_that_of_its_power_of_the_scaled_inputs() {
+fn each_coefficient_multiplies_its_power_of_the_scaled_inputs() {
     for term in 0..20 {
         let unit = |count: usize| (0..count).map(|n| f64::from(n == term)).collect();
         let own = [unit(17), unit(17), unit(20)];
         let map = map(own.clone());
         for inputs in places(20, 4) {
             let error = map.force(inputs).distance(force(&own, inputs));
-            assert!(error < 1e-14, "term {term} at {inputs:?}: {error} N off");
+            assert!(error < 1e-14, "term {term} at {inputs:?}: error of {error} N");
         }
     }
 }
 
-/// With as many terms as there are in the force: no more, as they are not worth while, and no fewer.
+/// The fit selects as many terms as the force has: more do not improve the prediction.
 #[test]
-fn a_force_of_so_many_terms_gets_so_many_and_is_found_again() {
+fn the_fit_recovers_the_number_of_terms_and_the_force() {
     for n in 0..4 {
         let orders = [SHEAR_ORDERS[n], SHEAR_ORDERS[3 - n], NORMAL_ORDERS[n]];
         let own = rising(coefficients(orders, n as u64));
         let mut rng = Pcg64::seed_from_u64(5);
-        // Noise of at most a ten-thousandth of the force, so that exact data do not favour a longer model.
+        // Noise of at most a ten-thousandth of the force, so that an exact fit does not favour a longer model.
         let places = places(300, 6);
         let noise: Vec<DVec3> = places
             .iter()
@@ -177,18 +176,18 @@ fn a_force_of_so_many_terms_gets_so_many_and_is_found_again() {
         }
         for inputs in self::places(30, 7) {
             let error = map.force(inputs).distance(force(&own, inputs));
-            // What is left of the noise in 300 loads, at a corner where twenty terms add up.
-            assert!(error < 1e-4, "{error} N off at {inputs:?}");
+            // The noise is averaged over 300 loads; at a corner, twenty terms add up.
+            assert!(error < 1e-4, "error of {error} N at {inputs:?}");
         }
         let held_out = calibration.elements[0].quality.held_out;
-        // RMS of the noise: 1e-4 / sqrt(3), and a tenth more for the error of the fit.
+        // Standard deviation of the noise, 1e-4 / sqrt(3), and a tenth more for the error of the fit.
         assert!(held_out.rms.max_element() < 0.65e-4, "{held_out:?}");
         assert!(held_out.rms.min_element() > 0.5e-4, "{held_out:?}");
     }
 }
 
 #[test]
-fn far_beyond_its_loads_a_force_is_finite_and_not_a_number_stays_so() {
+fn forces_far_beyond_the_loads_are_finite_and_nan_stays_nan() {
     let map = map(coefficients([17, 17, 20], 8));
     for far in [1e300, -1e300, f64::INFINITY, f64::NEG_INFINITY] {
         for at in [[far, 0.0, 0.0], [0.0, far, 0.0], [0.0, 0.0, far], [far; 3]] {
@@ -204,12 +203,12 @@ fn far_beyond_its_loads_a_force_is_finite_and_not_a_number_stays_so() {
     }
 }
 
-/// The better one of held-out loads; the separable one where loads do not suffice for the other.
+/// The model with the smaller held-out error, or the separable one if there are too few loads for the coupled one.
 #[test]
-fn the_model_that_predicts_better_is_taken() {
+fn the_model_that_predicts_better_is_chosen() {
     let separable = |i: RelativeMoments| {
         let [g, x, y] = scaled(i);
-        // What the coupled model has no terms for.
+        // Terms that the coupled model lacks.
         DVec3::new(
             x + 0.5 * x.powi(2),
             y - 0.3 * y.powi(2) + 0.2 * y.powi(3),

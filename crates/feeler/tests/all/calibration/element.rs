@@ -1,4 +1,4 @@
-//! One element that answers to a force as a test says.
+//! An element whose force is a given function of its moments.
 
 use feeler::sensor::calibration::{
     Calibration, CalibrationError, CalibrationTarget, FullScale, LengthUnit, RelativeMoments,
@@ -9,12 +9,12 @@ use glam::{DVec2, DVec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-/// Integrated gray value, grey levels times px², and centroid, px, without load.
+/// Integrated gray value (grey levels times px²) and centroid (px) without load.
 pub const GRAY: f64 = 3.7e4;
 pub const CENTROID: DVec2 = DVec2::new(1.5, -0.25);
 
-/// Least and greatest growth, and displacements along x and y, px. No two ranges are alike, and of each the end that is
-/// farther from zero is another one.
+/// Least and greatest growth and displacements along x and y (px). The ranges differ in width, and the end with the
+/// larger magnitude alternates.
 pub const RANGES: [[f64; 2]; 3] = [[-0.05, 0.8], [-3.0, 2.0], [-1.0, 4.0]];
 
 pub fn inputs([growth, x, y]: [f64; 3]) -> RelativeMoments {
@@ -24,7 +24,7 @@ pub fn inputs([growth, x, y]: [f64; 3]) -> RelativeMoments {
     }
 }
 
-/// The moments of the element whose inputs are these.
+/// Moments of an element with these inputs.
 pub fn moments(inputs: RelativeMoments) -> ElementMoments {
     ElementMoments {
         integrated_gray: GRAY * (1.0 + inputs.growth),
@@ -32,7 +32,7 @@ pub fn moments(inputs: RelativeMoments) -> ElementMoments {
     }
 }
 
-/// RelativeMoments that fill `RANGES`: all their corners, and places between.
+/// Inputs at all corners of `RANGES` and at random places between.
 pub fn places(count: usize, seed: u64) -> Vec<RelativeMoments> {
     let mut rng = Pcg64::seed_from_u64(seed);
     let corner = |n: usize| [0, 1, 2].map(|axis: usize| RANGES[axis][(n >> axis) & 1]);
@@ -41,7 +41,7 @@ pub fn places(count: usize, seed: u64) -> Vec<RelativeMoments> {
     corners.chain(between).map(inputs).collect()
 }
 
-/// Creates the record of an element whose force at `inputs` is `force(inputs)`.
+/// Record of an element whose force at each of `inputs` is given by `force`.
 pub fn record(
     inputs: &[RelativeMoments],
     force: impl Fn(RelativeMoments) -> DVec3,
@@ -57,7 +57,7 @@ pub fn record(
     }
 }
 
-/// A sensor of `elements` elements that only its text tells from others.
+/// Target of a sensor with `elements` elements that differs from others only by its text.
 pub fn made_for(elements: usize) -> CalibrationTarget {
     CalibrationTarget::layout("a few elements", elements, LengthUnit::Pixel)
 }

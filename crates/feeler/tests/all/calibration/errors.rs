@@ -1,4 +1,4 @@
-//! Loads that do not determine a calibration, and their error messages.
+//! Loads that do not determine a calibration are rejected with messages.
 
 use super::element::{fitted, inputs, made_for, moments, places, record};
 use feeler::sensor::calibration::RecordBuilder;
@@ -12,7 +12,7 @@ fn good() -> ElementRecord {
     })
 }
 
-/// Returns the error for the second of two records after `change`.
+/// Error message for two records if `change` is applied to the second.
 fn refused(choice: ModelChoice, change: impl Fn(&mut ElementRecord)) -> String {
     let mut records = [good(), good()];
     assert!(fitted(&records, choice).is_ok());
@@ -21,7 +21,7 @@ fn refused(choice: ModelChoice, change: impl Fn(&mut ElementRecord)) -> String {
 }
 
 #[test]
-fn records_that_determine_nothing_are_refused() {
+fn unusable_records_are_rejected() {
     type Change = fn(&mut ElementRecord);
     let cases: [(Change, &str); 9] = [
         (|r| r.unloaded.clear(), "expected at least 1 unloaded image"),
@@ -60,7 +60,7 @@ fn records_that_determine_nothing_are_refused() {
 }
 
 #[test]
-fn loads_that_change_no_picture_are_refused() {
+fn loads_that_do_not_change_the_image_are_rejected() {
     let dead = |record: &mut ElementRecord| {
         for sample in &mut record.fitted {
             sample.moments = moments(RelativeMoments::default());
@@ -71,9 +71,9 @@ fn loads_that_change_no_picture_are_refused() {
     assert!(refused(ModelChoice::Coupled, dead).contains("element 1"));
 }
 
-/// Three coefficients from loads at three places, or two of them: not determined, however many loads there are.
+/// Loads at one or two places do not determine three coefficients, regardless of the number of loads.
 #[test]
-fn more_different_loads_than_coefficients_are_needed() {
+fn fits_require_more_distinct_loads_than_coefficients() {
     let few = |different: usize| {
         move |record: &mut ElementRecord| {
             for (n, sample) in record.fitted.iter_mut().enumerate() {
@@ -93,7 +93,7 @@ fn more_different_loads_than_coefficients_are_needed() {
 }
 
 #[test]
-fn a_record_for_each_element_is_needed() {
+fn fits_require_a_record_for_each_element() {
     let error = fit(
         made_for(3),
         &[good()],
@@ -104,10 +104,10 @@ fn a_record_for_each_element_is_needed() {
     assert!(message.contains('3') && message.contains('1'), "{message}");
 }
 
-/// An image without load on an element defines its rest position; one with a load is fitted; one with an unknown load is
-/// neither.
+/// Images without load on an element determine its rest state, images with a load are fitted, and images with an
+/// unknown load are ignored.
 #[test]
-fn records_are_gathered_picture_by_picture() {
+fn records_are_collected_image_by_image() {
     let mut builder = RecordBuilder::new(2);
     let [rest, pressed] = [RelativeMoments::default(), inputs([0.5, 0.1, 0.0])].map(moments);
     builder.add(&[Some(DVec3::ZERO), Some(DVec3::Z)], &[rest, pressed]);

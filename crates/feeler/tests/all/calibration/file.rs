@@ -1,4 +1,4 @@
-//! Calibration files: contents and refused values.
+//! Calibration files: contents and rejected values.
 
 use super::element::{fitted, made_for, places, record};
 use feeler::sensor::calibration::ModelChoice;
@@ -15,7 +15,7 @@ fn calibration(choice: ModelChoice) -> Calibration {
 }
 
 #[test]
-fn a_file_holds_all_of_a_calibration() {
+fn calibrations_survive_a_round_trip_through_a_file() {
     for choice in [ModelChoice::Separable, ModelChoice::Coupled] {
         let calibration = calibration(choice);
         let text = calibration.to_toml().expect("text");
@@ -26,7 +26,7 @@ fn a_file_holds_all_of_a_calibration() {
     }
 }
 
-/// Returns the error for a calibration after `change`.
+/// Error message for a calibration after `change`.
 fn refused(choice: ModelChoice, change: impl Fn(&mut Calibration)) -> String {
     let mut calibration = calibration(choice);
     change(&mut calibration);
@@ -37,7 +37,7 @@ fn refused(choice: ModelChoice, change: impl Fn(&mut Calibration)) -> String {
 }
 
 #[test]
-fn numbers_that_cannot_be_used_are_refused() {
+fn invalid_unloaded_moments_are_rejected() {
     type Change = fn(&mut Calibration);
     let cases: [(Change, &str); 6] = [
         (|c| c.version = 1, "version"),
@@ -66,7 +66,7 @@ fn numbers_that_cannot_be_used_are_refused() {
 }
 
 #[test]
-fn curves_that_cannot_be_used_are_refused() {
+fn invalid_curves_are_rejected() {
     let changed = |change: fn(&mut [f64; 2], &mut [f64; 3])| {
         refused(ModelChoice::Separable, move |calibration| {
             let ForceMap::Separable(map) = &mut calibration.elements[1].map else {
@@ -88,7 +88,7 @@ fn curves_that_cannot_be_used_are_refused() {
     for message in [
         changed(|_, c| c[1] = f64::NAN),
         changed(|_, c| c[2] = f64::INFINITY),
-        // Finite at either end, but the difference over a narrow range is not.
+        // Finite at both ends, but the difference over a narrow range is infinite.
         changed(|range, c| (*range, *c) = ([-1e-20, 1e-20], [1e300, 0.0, 1e308 * 1e40])),
     ] {
         assert!(message.contains("shear_y.coefficients"), "{message}");
@@ -106,7 +106,7 @@ fn curves_that_cannot_be_used_are_refused() {
 }
 
 #[test]
-fn coupled_maps_that_cannot_be_used_are_refused() {
+fn invalid_coupled_maps_are_rejected() {
     let changed = |change: fn(&mut feeler::sensor::calibration::CoupledMap)| {
         refused(ModelChoice::Coupled, move |calibration| {
             let ForceMap::Coupled(map) = &mut calibration.elements[1].map else {
@@ -161,16 +161,16 @@ fn coupled_maps_that_cannot_be_used_are_refused() {
             panic!("the coupled model")
         };
         (map.x_range, map.normal[0]) = (range, coefficient);
-        // Of a size that no element bears.
+        // Larger than any force that an element can bear.
         calibration.loads_confirmed = true;
         let text = calibration.to_toml().expect("text");
         assert!(Calibration::from_toml(&text).is_ok(), "{range:?}");
     }
 }
 
-/// The fingertip as it is, and with one value of each part changed.
+/// A fingertip matches its own calibration and differs after a change of any part.
 #[test]
-fn a_calibration_is_for_one_sensor() {
+fn a_calibration_matches_only_its_own_sensor() {
     let config = FingertipConfig::default();
     let here = CalibrationTarget::fingertip(&config).expect("a fingertip");
     assert_eq!(here.elements, 41);
@@ -213,7 +213,7 @@ fn a_calibration_is_for_one_sensor() {
 }
 
 #[test]
-fn a_fingertip_that_is_not_the_one_of_its_hash_is_refused() {
+fn a_fingertip_with_another_hash_is_rejected() {
     let fingertip = CalibrationTarget::fingertip(&FingertipConfig::default()).expect("a fingertip");
     let with = |made_for: CalibrationTarget| {
         refused(ModelChoice::Separable, move |c| {
@@ -228,7 +228,7 @@ fn a_fingertip_that_is_not_the_one_of_its_hash_is_refused() {
     assert!(with(other).contains("made_for.elements"));
 }
 
-/// The hash of the empty text and that of FIPS 180-4's example.
+/// Hashes of the empty text and of the example in FIPS 180-4.
 #[test]
 fn hashes_are_sha_256() {
     assert_eq!(

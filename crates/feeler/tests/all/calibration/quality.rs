@@ -1,4 +1,4 @@
-//! Error estimates of a calibration, on synthetic readings.
+//! Error statistics of calibrations, computed from synthetic readings.
 
 use super::element::{CENTROID, GRAY, fitted, inputs, moments, places, record};
 use feeler::sensor::calibration::{
@@ -10,7 +10,7 @@ use feeler::sensor::calibration::{LoadSample, ModelChoice};
 use feeler::sensor::fingertip::FingertipConfig;
 use glam::DVec3;
 
-/// A force that is linear in the inputs.
+/// Force that is linear in the inputs.
 fn linear(i: RelativeMoments) -> DVec3 {
     DVec3::new(
         0.1 * i.displacement.x,
@@ -20,7 +20,7 @@ fn linear(i: RelativeMoments) -> DVec3 {
 }
 
 #[test]
-fn errors_are_their_root_mean_square_and_their_largest() {
+fn held_out_errors_have_root_mean_square_and_maximum() {
     let full_scale = FullScale {
         normal: 2.0,
         shear: 0.5,
@@ -39,7 +39,7 @@ fn errors_are_their_root_mean_square_and_their_largest() {
     assert_eq!(none, HeldOutError::default());
 }
 
-/// Repeatability and hysteresis of a series of loads along z and their readings (N).
+/// Repeatability and hysteresis of a series of loads along z and the readings under them (N).
 fn series(loads: &[(f64, f64)]) -> (Option<DVec3>, Option<DVec3>) {
     let reading = |&(load, reading): &(f64, f64)| CycledReading {
         force: load * DVec3::Z,
@@ -49,9 +49,9 @@ fn series(loads: &[(f64, f64)]) -> (Option<DVec3>, Option<DVec3>) {
 }
 
 #[test]
-fn a_load_put_on_three_times_tells_its_repeatability() {
+fn repeatability_requires_a_load_applied_three_times() {
     assert_eq!(series(&[(1.0, 1.0), (2.0, 5.0), (1.0, 2.0)]), (None, None));
-    // 1, 2, 3 have the standard deviation 1; those of the load that spreads most count.
+    // 1, 2, 3 have standard deviation 1; the load with the largest spread counts.
     let loads = [
         (1.0, 1.0),
         (2.0, 5.0),
@@ -66,8 +66,8 @@ fn a_load_put_on_three_times_tells_its_repeatability() {
 }
 
 #[test]
-fn loads_reached_from_both_sides_twice_tell_the_hysteresis() {
-    // 1 N from below reads 1.0 and 1.2, from above 1.5 and 1.9: means of 1.1 and 1.7.
+fn hysteresis_requires_a_load_reached_twice_from_each_side() {
+    // Readings at 1 N are 1.0 and 1.2 from below (mean 1.1), and 1.5 and 1.9 from above (mean 1.7).
     let cycle = [(0.0, 0.0), (1.0, 1.0), (2.0, 2.0), (1.0, 1.5)];
     let again = [(0.0, 0.0), (1.0, 1.2), (2.0, 2.0), (1.0, 1.9)];
     let (_, hysteresis) = series(&[cycle, again].concat());
@@ -78,7 +78,7 @@ fn loads_reached_from_both_sides_twice_tell_the_hysteresis() {
     );
     let (_, once) = series(&cycle);
     assert_eq!(once, None);
-    // Three readings from below and one from above do not give a pair of means.
+    // Two readings from below and one from above do not give a pair of means.
     let one_sided = [
         (0.0, 0.0),
         (1.0, 1.0),
@@ -88,7 +88,7 @@ fn loads_reached_from_both_sides_twice_tell_the_hysteresis() {
         (1.0, 1.5),
     ];
     assert_eq!(series(&one_sided).1, None);
-    // The same load again is reached from neither side.
+    // A repeated load has no direction of approach.
     let same = [(0.0, 0.0), (1.0, 1.0), (1.0, 9.0), (0.0, 0.0), (1.0, 1.0)];
     assert_eq!(
         series(&[&same[..], &[(2.0, 0.0), (1.0, 1.0)]].concat()).1,
@@ -96,7 +96,7 @@ fn loads_reached_from_both_sides_twice_tell_the_hysteresis() {
     );
 }
 
-/// A calibration of two elements with these qualities.
+/// Calibration of two elements with these qualities.
 fn two(qualities: [ElementQuality; 2]) -> Calibration {
     let records = [(); 2].map(|()| record(&places(20, 1), linear));
     let mut calibration = fitted(&records, ModelChoice::Separable).expect("a calibration");
@@ -123,7 +123,7 @@ fn qualities() -> [ElementQuality; 2] {
 }
 
 #[test]
-fn over_several_elements_squares_are_averaged_and_the_rest_is_the_largest() {
+fn summary_averages_squared_errors_and_takes_the_largest_of_other_measures() {
     let all = Errors::over(&two(qualities()).elements);
     let rms = DVec3::new(0.0025, 0.0004, 0.0001) / 2.0;
     assert!(all.rms.distance(rms.map(f64::sqrt)) < 1e-15, "{all:?}");
@@ -135,7 +135,7 @@ fn over_several_elements_squares_are_averaged_and_the_rest_is_the_largest() {
 }
 
 #[test]
-fn the_report_gives_each_element_a_line_where_there_are_no_rings() {
+fn without_rings_the_report_has_a_line_per_element() {
     let calibration = two(qualities());
     let report = CalibrationReport::new(&calibration).to_string();
     let line = |name: &str| {
@@ -163,7 +163,7 @@ fn the_report_gives_each_element_a_line_where_there_are_no_rings() {
 }
 
 #[test]
-fn pictures_without_load_tell_the_resolution_and_what_is_relative_to_them() {
+fn unloaded_images_determine_rest_moments_and_resolution() {
     let mut record = record(&places(20, 1), linear);
     let ripple = [-0.01, 0.01, -0.01, 0.01, 0.0];
     record.unloaded = ripple.map(|r| moments(inputs([r, 10.0 * r, 0.0]))).into();
@@ -172,13 +172,13 @@ fn pictures_without_load_tell_the_resolution_and_what_is_relative_to_them() {
     assert!((element.unloaded_gray / GRAY - 1.0).abs() < 1e-12);
     assert!(element.unloaded_centroid.distance(CENTROID) < 1e-12);
     let found = element.quality.resolution.expect("a resolution");
-    // Three standard deviations of the ripple, which is 0.01 with 4 of 5 pictures off the mean: sqrt(4e-4 / 4).
+    // Three standard deviations of the ripple: 4 of 5 images are off the mean by 0.01, so sqrt(4e-4 / 4) = 0.01.
     let expected = 3.0 * 0.01 * DVec3::new(0.1 * 10.0, 0.0, 3.0);
     assert!(found.distance(expected) < 1e-9, "{found}");
 }
 
 #[test]
-fn held_out_and_cycled_loads_are_read_with_the_fit() {
+fn held_out_and_cycled_loads_are_evaluated_with_the_fit() {
     let mut record = record(&places(20, 1), linear);
     let at = inputs([0.4, 1.0, -0.5]);
     let off = |by: DVec3| LoadSample {
@@ -205,9 +205,9 @@ fn held_out_and_cycled_loads_are_read_with_the_fit() {
     assert_eq!(quality.resolution, None);
 }
 
-/// Rings of 1, 8, 12 and 20 elements, whose errors are their ring's number.
+/// Rings of 1, 8, 12 and 20 elements whose errors equal the ring's number.
 #[test]
-fn the_report_gives_each_ring_a_line_where_they_are_known() {
+fn with_rings_the_report_has_a_line_per_ring() {
     let mut calibration = two(qualities());
     let element = calibration.elements[0].clone();
     let of_ring = |(ring, count): (usize, usize)| {

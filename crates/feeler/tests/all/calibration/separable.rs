@@ -1,4 +1,4 @@
-//! The separable model: three cubic curves, and straight lines beyond them.
+//! Separable model: three cubic curves, continued as straight lines beyond their ranges.
 
 use super::element::{RANGES, fitted, inputs, moments, places, record};
 use feeler::sensor::calibration::ModelChoice;
@@ -35,7 +35,7 @@ fn curves(calibration: &Calibration) -> [ForceCurve; 3] {
 }
 
 #[test]
-fn curves_that_are_cubic_are_found_again() {
+fn the_fit_recovers_cubic_curves() {
     let calibration = calibration();
     assert_eq!(calibration.model(), CalibrationModel::Separable);
     assert_eq!(
@@ -44,7 +44,7 @@ fn curves_that_are_cubic_are_found_again() {
     );
     for (axis, curve) in curves(&calibration).into_iter().enumerate() {
         for (found, expected) in curve.coefficients.into_iter().zip(CURVES[axis]) {
-            // Rounding, of a small and well-conditioned problem.
+            // Rounding of a small, well-conditioned problem.
             assert!((found - expected).abs() < 1e-9, "{curve:?}");
         }
         for (found, expected) in curve.range.into_iter().zip(RANGES[axis]) {
@@ -56,7 +56,7 @@ fn curves_that_are_cubic_are_found_again() {
 }
 
 #[test]
-fn loads_that_were_not_fitted_are_read_as_they_are() {
+fn loads_outside_the_fit_are_measured_exactly() {
     let calibration = calibration();
     let unseen = places(30, 2);
     let seen: Vec<ElementMoments> = unseen.iter().map(|&inputs| moments(inputs)).collect();
@@ -76,9 +76,9 @@ fn loads_that_were_not_fitted_are_read_as_they_are() {
     );
 }
 
-/// Loads that all press one way reach from zero to where they go.
+/// Ranges of loads that all press in one direction include zero.
 #[test]
-fn zero_is_a_load_too() {
+fn ranges_include_zero() {
     let pressed: Vec<RelativeMoments> = places(60, 3)
         .into_iter()
         .filter(|i| i.growth > 0.1 && i.displacement.x < -0.1 && i.displacement.y > 0.1)
@@ -90,7 +90,7 @@ fn zero_is_a_load_too() {
 }
 
 #[test]
-fn beyond_its_loads_a_curve_goes_on_with_its_mean_slope() {
+fn beyond_its_loads_a_curve_continues_with_its_mean_slope() {
     for curve in curves(&calibration()) {
         let [low, high] = curve.range;
         let slope = (curve.force(high) - curve.force(low)) / (high - low);
@@ -98,18 +98,18 @@ fn beyond_its_loads_a_curve_goes_on_with_its_mean_slope() {
             for (end, way) in [(low, -beyond), (high, beyond)] {
                 let expected = curve.force(end) + way * slope;
                 let found = curve.force(end + way);
-                // Rounding, of sums of up to 70 N.
+                // Rounding of sums of up to 70 N.
                 assert!((found - expected).abs() < 1e-10, "{found} {expected}");
             }
         }
-        // Far away it stays finite, and on the side where it is.
+        // Far beyond the range, forces stay finite and keep their sign.
         for (input, sign) in [(1e300, slope), (f64::INFINITY, slope), (-1e300, -slope)] {
             let force = curve.force(input);
             assert!(
                 force.is_finite() && force * sign > 0.0,
                 "{force} N at {input}"
             );
-            // A million widths is far enough for any reading.
+            // A million widths exceed any reading.
             let farthest = (1e6 * (high - low) * slope).abs();
             assert!(
                 (force.abs() / farthest - 1.0).abs() < 1e-5,
@@ -121,7 +121,7 @@ fn beyond_its_loads_a_curve_goes_on_with_its_mean_slope() {
 }
 
 #[test]
-fn a_force_is_calibrated_up_to_a_tenth_of_the_range_beyond_it() {
+fn forces_are_calibrated_up_to_a_tenth_of_the_range_beyond_its_ends() {
     let calibration = calibration();
     let element = &calibration.elements[0];
     let validity = |at: [f64; 3]| element.validity(&moments(inputs(at)));
@@ -148,7 +148,7 @@ fn a_force_is_calibrated_up_to_a_tenth_of_the_range_beyond_it() {
 }
 
 #[test]
-fn moments_are_taken_relative_to_those_without_load() {
+fn moments_are_relative_to_the_unloaded_ones() {
     let unloaded = ElementMoments {
         integrated_gray: 50.0,
         centroid: DVec2::new(0.5, -1.0),

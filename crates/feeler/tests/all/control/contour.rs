@@ -1,4 +1,4 @@
-//! The outline that the contour task draws of a plane surface, from forces that follow Coulomb's law.
+//! The outline that the contour task measures on a plane surface, with forces that follow Coulomb's law.
 
 use super::rig::layout;
 use feeler::control::FeelerShape;
@@ -39,15 +39,15 @@ fn config() -> ContourConfig {
     }
 }
 
-/// Returns the pose and the reading of a fingertip whose apex touches a surface at `point` with the outward `normal` (both
-/// in the plane), under `force` (N, in W).
+/// Pose and reading of a fingertip whose apex touches a surface at `point` with the outward `normal` (both in the
+/// plane) and is pushed by `force` (N, in W).
 fn pressed(point: DVec2, normal: DVec2, force: DVec2) -> (FingertipPose, TactileReading) {
     let FeelerShape {
         normal_stiffness,
         shear_stiffness,
         tip_radius,
     } = config().feeler;
-    // The dome looks at the surface, a little aside.
+    // The dome faces the surface at a small angle.
     let axis = DVec2::from_angle(0.2).rotate(-normal).extend(0.0);
     let rotation = DMat3::from_cols(axis, DVec3::Z.cross(axis), DVec3::Z);
     let force = force.extend(0.0);
@@ -66,7 +66,7 @@ fn pressed(point: DVec2, normal: DVec2, force: DVec2) -> (FingertipPose, Tactile
 }
 
 #[test]
-fn the_outline_lies_on_the_surface_once_the_friction_is_known() {
+fn outline_points_lie_on_the_surface_once_friction_is_learned() {
     for angle in [0.0, 0.3, -0.5] {
         let normal = DVec2::from_angle(angle);
         for friction in [0.0_f64, 0.2, 0.8] {
@@ -88,10 +88,11 @@ fn the_outline_lies_on_the_surface_once_the_friction_is_known() {
             };
             advance(&mut task, DVec2::ZERO, CONTACT_FORCE * normal);
             assert_eq!(task.phase(), Phase::Move);
-            // The surface is on the finger's left as it goes: friction on the feeler points back, to the right of the
-            // normal, so that the force leans by the angle of friction.
+            // The surface is on the finger's left as it moves. Friction on the feeler points backwards, to the right
+            // of the normal, so the force leans by the friction angle.
             let direction = DVec2::from_angle(-lean).rotate(normal);
-            // Too weak a force until the angle is learnt, a little of it in each step; then the one that is wanted.
+            // The force is too weak until the angle is learned, by a little in each step; then it is the target
+            // force.
             let mut learnt = 0.0;
             while learnt < lean {
                 let rate = 5.0 * PERIOD;
@@ -108,8 +109,8 @@ fn the_outline_lies_on_the_surface_once_the_friction_is_known() {
                 advance(&mut task, point, CONTACT_FORCE / f64::cos(lean) * direction);
                 let found: Vec<f64> = task.findings().iter().map(|f| f.value).collect();
                 let error = point.distance(DVec2::new(found[0], found[1]));
-                // Rounding, of lengths up to 0.1 m and an angle that is a sum of up to forty terms.
-                assert!(error < 1e-12, "{error} m off with friction {friction}");
+                // Rounding of lengths up to 0.1 m and of an angle that is a sum of up to forty terms.
+                assert!(error < 1e-12, "error of {error} m with friction {friction}");
                 assert!((found[5] - friction).abs() < 1e-9, "{found:?}");
             }
         }

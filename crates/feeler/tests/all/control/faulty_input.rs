@@ -1,4 +1,4 @@
-//! NaN in any input stops the hand.
+//! Input that is NaN or infinite stops the hand, in any field.
 
 use super::rig::{controller, state, touch};
 use feeler::control::StopReason;
@@ -6,11 +6,11 @@ use feeler::control::TactileReading;
 use feeler::hand::{HandCommand, HandState};
 use glam::DVec3;
 
-/// Returns the stop reason for this input, and the commanded velocity.
+/// Reason for which the hand stops at this input, and the commanded velocity.
 fn decided(touch: &TactileReading, state: &HandState) -> (Option<StopReason>, DVec3) {
     let mut controller = controller();
     let mut command = HandCommand::stop(1);
-    // So that a command that is left as it was does not pass for a stop.
+    // Makes a command that is left unchanged differ from a stop.
     command.relay(&[DVec3::ONE]);
     controller.decide(std::slice::from_ref(touch), state, &mut command);
     let stopped = controller.stop_reason().cloned();
@@ -18,14 +18,14 @@ fn decided(touch: &TactileReading, state: &HandState) -> (Option<StopReason>, DV
 }
 
 #[test]
-fn a_finger_that_all_is_well_with_moves() {
+fn a_finger_with_valid_input_moves() {
     let (stopped, velocity) = decided(&touch(1.0), &state());
     assert_eq!(stopped, None);
     assert!(velocity != DVec3::ZERO);
 }
 
 #[test]
-fn a_number_that_is_none_stops_the_hand_in_every_place() {
+fn non_finite_input_stops_the_hand_in_every_field() {
     for wrong in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         for axis in 0..3 {
             let mut angle = state();
@@ -36,7 +36,7 @@ fn a_number_that_is_none_stops_the_hand_in_every_place() {
             force.frame.forces[2][axis] = wrong;
             let finger = 0;
             let not_finite = |what| StopReason::NotFinite { finger, what };
-            // What is not a number marks a force that is not valid.
+            // NaN marks an invalid force.
             let no_force = match wrong.is_nan() {
                 true => StopReason::NoForce { finger, element: 2 },
                 false => not_finite("force"),
@@ -55,8 +55,8 @@ fn a_number_that_is_none_stops_the_hand_in_every_place() {
 }
 
 #[test]
-fn forces_may_be_as_old_as_the_limit_and_no_older_nor_from_a_time_to_come() {
-    // 3.5 periods of 10 ms; a microsecond beside it is beyond rounding.
+fn forces_beyond_the_age_limit_or_from_the_future_are_stale() {
+    // 3.5 periods of 10 ms, with a margin of one microsecond for rounding.
     for (stamp, good) in [
         (1.0 - 0.034_999, true),
         (1.0 - 0.035_001, false),
@@ -72,7 +72,7 @@ fn forces_may_be_as_old_as_the_limit_and_no_older_nor_from_a_time_to_come() {
 }
 
 #[test]
-fn an_element_that_is_pressed_harder_than_the_limit_stops_the_hand() {
+fn a_force_above_the_limit_of_an_element_stops_the_hand() {
     for (force, good) in [(4.0, true), (4.000_1, false), (-9.0, true)] {
         let mut touch = touch(1.0);
         touch.frame.forces[1].z = force;

@@ -1,5 +1,4 @@
-//! The flag analyzer against its definitions (paper, Fig. 4; design, section 7) on frames made by
-//! hand.
+//! Flag analyzer compared with its definitions (paper, Fig. 4; design, section 7) on hand-made frames.
 
 use feeler::control::{FingerFlags, FlagAnalyzer, FlagThresholds};
 use feeler::sensor::forces::{NO_FORCE, TactileFrame};
@@ -56,12 +55,12 @@ fn an_element_without_a_valid_force_raises_no_flag() {
 }
 
 #[test]
-fn nothing_is_felt_without_load() {
+fn no_flag_is_raised_without_load() {
     assert_eq!(compression(0.0), FingerFlags::default());
 }
 
 #[test]
-fn touch_and_over_are_above_their_thresholds_and_not_at_them() {
+fn touch_and_over_require_forces_above_their_thresholds() {
     for (force, touch, over) in [
         (0.125, false, false),
         (0.125 + 1e-15, true, false),
@@ -81,8 +80,8 @@ fn touch_and_over_are_above_their_thresholds_and_not_at_them() {
 }
 
 #[test]
-fn slip_is_a_shear_rate_above_its_threshold_and_touches() {
-    // In a quarter of a second, exactly representable; a 3-4-5 triangle: |(0.6, 0.8)| = 1.
+fn slip_is_a_shear_rate_above_its_threshold_and_implies_touch() {
+    // A quarter of a second is exactly representable, and so is a 3-4-5 triangle: |(0.6, 0.8)| = 1.
     for (change, slip) in [(1.0, false), (1.0 + 1e-12, true)] {
         let moved = change * DVec3::new(0.6, 0.8, 0.0);
         let flags = analyze(&[(1.0, &[DVec3::ZERO]), (1.25, &[moved])]);
@@ -96,28 +95,28 @@ fn slip_is_a_shear_rate_above_its_threshold_and_touches() {
 }
 
 #[test]
-fn shear_rates_are_per_element_and_per_time_of_the_data() {
+fn shear_rates_are_per_element_and_use_the_stamps() {
     let mut analyzer = FlagAnalyzer::new(THRESHOLDS, 2);
     analyzer.analyze(&frame(0, 0.0, &[DVec3::ZERO; 2]));
-    // A dropped frame: the sequence skips, the stamp tells the time.
+    // After a dropped frame, the sequence skips a number and the stamp contains the time.
     analyzer.analyze(&frame(3, 0.5, &[DVec3::X, DVec3::new(0.0, -2.0, 1.0)]));
     assert_eq!(analyzer.shear_rate(), [2.0, 4.0]);
-    // Each rate is against the frame before, not against the first.
+    // Each rate is relative to the previous frame, not to the first.
     analyzer.analyze(&frame(4, 0.75, &[DVec3::X, DVec3::ZERO]));
     assert_eq!(analyzer.shear_rate(), [0.0, 8.0]);
 }
 
 #[test]
-fn the_largest_element_is_the_hardest_pressed_and_the_grasp_is_their_sum() {
+fn largest_element_has_the_largest_force_and_grasp_force_is_the_sum() {
     let forces = [0.1, 0.5, 0.7, -0.3, 0.7].map(|f| DVec3::new(1.0, -1.0, f));
     let flags = analyze(&[(0.0, &forces)]);
-    // Of two alike, the first.
+    // The first of two equal elements.
     assert_eq!(flags.largest_element, Some(2));
     assert!((flags.grasp_force - 2.0).abs() < 1e-15);
 }
 
 #[test]
-fn a_frame_seen_before_changes_nothing() {
+fn a_repeated_frame_changes_nothing() {
     let mut analyzer = FlagAnalyzer::new(THRESHOLDS, 1);
     analyzer.analyze(&frame(0, 0.0, &[DVec3::ZERO]));
     let flags = analyzer.analyze(&frame(1, 0.25, &[DVec3::X * 2.0]));
@@ -128,7 +127,7 @@ fn a_frame_seen_before_changes_nothing() {
 }
 
 #[test]
-fn time_that_stands_still_or_runs_back_makes_no_rate() {
+fn repeated_or_decreasing_stamps_give_no_shear_rate() {
     for stamp in [0.5, 0.25] {
         let flags = analyze(&[(0.5, &[DVec3::ZERO]), (stamp, &[DVec3::X * 100.0])]);
         assert!(!flags.slip);
@@ -136,7 +135,7 @@ fn time_that_stands_still_or_runs_back_makes_no_rate() {
 }
 
 #[test]
-fn flags_that_were_up_in_any_frame_are_up_in_all_together() {
+fn merged_flags_are_set_if_set_in_any_frame() {
     let quiet = FingerFlags {
         grasp_force: 0.2,
         ..FingerFlags::default()

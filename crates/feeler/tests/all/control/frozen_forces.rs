@@ -1,4 +1,4 @@
-//! New images with unchanged forces stop the hand.
+//! New images with unchanging forces stop the hand.
 
 use super::rig::{controller_with, state, touch};
 use feeler::control::Controller;
@@ -7,7 +7,7 @@ use feeler::control::StopReason;
 use feeler::hand::HandCommand;
 use glam::DVec3;
 
-/// Decides on frame `sequence`, in which an element feels `force`, N, where the finger stands still.
+/// Decides on frame `sequence`, in which an element measures `force` (N) while the finger is at rest.
 fn decide(controller: &mut Controller, sequence: u64, force: f64) -> Option<StopReason> {
     let stamp = 1.0 + 0.01 * sequence as f64;
     let mut touch = touch(stamp);
@@ -19,7 +19,7 @@ fn decide(controller: &mut Controller, sequence: u64, force: f64) -> Option<Stop
     controller.stop_reason().cloned()
 }
 
-/// Without the watch over the joints, which do not follow here.
+/// Controller without joint monitoring, because these joints do not follow commands.
 fn controller(frozen_frames: u32) -> Controller {
     controller_with(MonitorConfig {
         joint_deviation: 0.0,
@@ -29,7 +29,7 @@ fn controller(frozen_frames: u32) -> Controller {
 }
 
 #[test]
-fn the_tenth_picture_like_the_one_before_stops_the_hand() {
+fn the_tenth_frame_with_the_same_forces_stops_the_hand() {
     let mut hand = controller(10);
     for sequence in 0..20 {
         assert_eq!(
@@ -46,7 +46,7 @@ fn the_tenth_picture_like_the_one_before_stops_the_hand() {
     };
     assert_eq!(decide(&mut hand, 30, 0.4), Some(frozen.clone()));
     assert!(frozen.is_recoverable() && !frozen.is_stale());
-    // After a resume the count restarts, and the hand stops again.
+    // The hand is resumed: the count restarts and stops it again.
     hand.resume();
     for sequence in 31..41 {
         assert_eq!(decide(&mut hand, sequence, 0.4), None, "{sequence}");
@@ -55,7 +55,7 @@ fn the_tenth_picture_like_the_one_before_stops_the_hand() {
 }
 
 #[test]
-fn another_force_begins_the_count_again() {
+fn another_force_restarts_the_count() {
     let mut hand = controller(3);
     for sequence in 0..30 {
         let force = if sequence % 3 == 0 { 0.2 } else { 0.4 };
@@ -63,9 +63,9 @@ fn another_force_begins_the_count_again() {
     }
 }
 
-/// A repeated image is stale, which has its own limit; a sensor may omit zero forces.
+/// Repeated frames have a separate age limit, and sensors may report exactly zero if untouched.
 #[test]
-fn old_pictures_and_untouched_fingers_do_not_count() {
+fn repeated_frames_and_untouched_fingers_do_not_count() {
     let mut hand = controller(3);
     for _ in 0..30 {
         assert_eq!(decide(&mut hand, 7, 0.4), None);
@@ -76,7 +76,7 @@ fn old_pictures_and_untouched_fingers_do_not_count() {
 }
 
 #[test]
-fn a_sensor_without_noise_can_be_let_be() {
+fn the_check_can_be_disabled_for_sensors_without_noise() {
     let mut hand = controller(0);
     for sequence in 0..100 {
         assert_eq!(decide(&mut hand, sequence, 0.4), None);

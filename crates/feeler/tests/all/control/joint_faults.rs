@@ -1,4 +1,4 @@
-//! Joint sensors that freeze, lie or jump stop the hand; drives with lag, and readings that are missed, do not.
+//! Joint encoders that freeze, report wrong angles or jump stop the hand. Drives with lag and missed readings do not.
 
 use super::rig::{controller_with, state, touch};
 use feeler::control::Controller;
@@ -9,14 +9,14 @@ use glam::DVec3;
 
 const PERIOD: f64 = 0.01;
 
-/// Encoder reading from the true angle, the initial angle (rad) and the step number.
+/// Encoder reading (rad), given the true angle, the initial angle and the step.
 type Encoder = fn(DVec3, DVec3, usize) -> DVec3;
 
 fn honest(now: DVec3, _: DVec3, _: usize) -> DVec3 {
     now
 }
 
-/// A hand whose drives follow with a first-order lag (s), seen through an encoder.
+/// A hand whose drives follow with a first-order lag (s), measured by an encoder.
 struct Rig {
     controller: Controller,
     command: HandCommand,
@@ -40,7 +40,7 @@ impl Rig {
         }
     }
 
-    /// A control step that comes `periods` after the one before.
+    /// A control step `periods` after the previous one.
     fn step(&mut self, periods: usize, encoder: Encoder) {
         let mut seen = state();
         seen.stamp = self.stamp;
@@ -58,7 +58,7 @@ impl Rig {
         self.step += 1;
     }
 
-    /// Up to `steps` steps, until the hand stops: why it did.
+    /// Runs up to `steps` steps until the hand stops. Returns the reason.
     fn run(&mut self, steps: usize, encoder: Encoder) -> Option<StopReason> {
         for _ in 0..steps {
             self.step(1, encoder);
@@ -74,19 +74,19 @@ fn run(encoder: Encoder) -> Option<StopReason> {
     Rig::new(MonitorConfig::default(), 0.0125).run(300, encoder)
 }
 
-/// The encoder steps of a small drive, rad, and more than that in noise.
+/// Encoder resolution of a small drive (rad), and noise of a larger amplitude.
 fn coarse(now: DVec3, _: DVec3, step: usize) -> DVec3 {
     let noise = if step.is_multiple_of(2) { 5e-4 } else { -5e-4 };
     ((now + noise) / 1e-3).round() * 1e-3
 }
 
 #[test]
-fn drives_with_lag_and_coarse_encoders_follow() {
+fn drives_with_lag_and_coarse_encoders_are_accepted() {
     for lag in [0.0, 0.01, 0.05] {
         for encoder in [honest, coarse] {
             let mut rig = Rig::new(MonitorConfig::default(), lag);
             assert_eq!(rig.run(300, encoder), None, "{lag} s");
-            // The task moves along y forever.
+            // The task moves on along y and has already moved far.
             let turned = (rig.position - state().joints[0].position).abs();
             assert!(turned.max_element() > 0.1, "{turned}");
         }
@@ -94,13 +94,13 @@ fn drives_with_lag_and_coarse_encoders_follow() {
 }
 
 #[test]
-fn a_joint_that_does_not_show_what_it_is_told_stops_the_hand() {
+fn a_joint_that_does_not_follow_commands_stops_the_hand() {
     let frozen: Encoder = |now, _, step| if step < 100 { now } else { now.with_x(0.08) };
     let stays: Encoder = |_, start, _| start;
     let half: Encoder = |now, start, _| start + 0.5 * (now - start);
     let reverse: Encoder = |now, start, _| start - (now - start);
     for (name, encoder) in [("stays", stays), ("half", half), ("reverse", reverse)] {
-        let reason = run(encoder).unwrap_or_else(|| panic!("{name}: the hand does not stop"));
+        let reason = run(encoder).unwrap_or_else(|| panic!("{name}: not stopped"));
         let StopReason::JointDeviation {
             finger: 0,
             turn,
@@ -118,7 +118,7 @@ fn a_joint_that_does_not_show_what_it_is_told_stops_the_hand() {
         assert!(time < 2.5, "{name}: {time} s");
     }
     let reason = run(frozen);
-    assert!(reason.is_some(), "the hand does not stop");
+    assert!(reason.is_some(), "not stopped");
 }
 
 #[test]
@@ -137,12 +137,12 @@ fn a_joint_that_jumps_stops_the_hand_at_once() {
     else {
         panic!("{reason:?}")
     };
-    // Twice 2 rad/s for 10 ms, and 5 mrad.
+    // Twice 2 rad/s for 10 ms, plus 5 mrad.
     assert!((limit - 0.045).abs() < 1e-9 && (turn - 0.1).abs() < 0.01);
 }
 
 #[test]
-fn a_joint_that_cannot_be_there_stops_the_hand() {
+fn an_impossible_joint_angle_stops_the_hand() {
     for angle in [1e308, -1e308, 8.0, -8.0] {
         let mut far = state();
         far.joints[0].position.z = angle;
@@ -167,9 +167,10 @@ fn a_joint_that_cannot_be_there_stops_the_hand() {
     }
 }
 
-/// After a stop the fingers may have been moved by hand, which is neither a jump nor an implausible reading.
+/// The fingers may be moved while the hand is stopped: monitoring restarts on resume without reporting a jump or an
+/// earlier deviation.
 #[test]
-fn after_a_stop_the_joints_are_watched_afresh() {
+fn joint_monitoring_restarts_after_a_stop() {
     let mut rig = Rig::new(MonitorConfig::default(), 0.0125);
     assert_eq!(rig.run(100, honest), None);
     rig.controller.stop(StopReason::Requested {
@@ -192,19 +193,19 @@ fn after_a_stop_the_joints_are_watched_afresh() {
         matches!(reason, Some(StopReason::JointDeviation { .. })),
         "{reason:?}"
     );
-    // By order, but never by itself.
+    // An operator may resume the hand; it never resumes automatically.
     let reason = reason.expect("a reason");
     assert!(reason.is_recoverable() && reason.is_sensor_fault() && !reason.is_stale());
 }
 
 #[test]
-fn periods_that_are_missed_are_no_fault() {
+fn missed_periods_are_not_a_joint_fault() {
     let mut rig = Rig::new(MonitorConfig::default(), 0.0125);
     for step in 0..200 {
         let periods = [1, 1, 2, 1, 3, 1, 50][step % 7];
         rig.step(periods, honest);
         assert_eq!(rig.controller.stop_reason(), None, "step {step}");
-        // Back to where there is room.
+        // Restarts away from the joint limits.
         if step % 20 == 19 {
             rig = Rig::new(MonitorConfig::default(), 0.0125);
         }
@@ -212,7 +213,7 @@ fn periods_that_are_missed_are_no_fault() {
 }
 
 #[test]
-fn each_check_can_be_switched_off() {
+fn joint_checks_can_be_disabled() {
     let stays: Encoder = |_, start, _| start;
     let jump: Encoder = |now, _, step| now + if step < 20 { 0.0 } else { 0.1 } * DVec3::Y;
     let monitor = MonitorConfig {

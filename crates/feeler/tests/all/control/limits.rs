@@ -1,4 +1,4 @@
-//! The one door to the hand: each limit with numbers, by itself and over whole motions.
+//! Motion limits, which all commands pass: each limit alone and over whole motions.
 
 use super::rig::{control, geometry, home};
 use feeler::control::{LimitedCommand, LimitsConfig, Request};
@@ -39,7 +39,7 @@ impl Finger {
         self.limits.apply_limits(&self.geometry, &request, PERIOD)
     }
 
-    /// Advances by one period like an ideal drive.
+    /// Moves for a period like an ideal drive.
     fn advance(&mut self, velocity: DVec3) -> LimitedCommand {
         let admitted = self.apply_limits(velocity).expect("finite");
         self.theta += PERIOD * admitted.joint_velocity;
@@ -49,7 +49,7 @@ impl Finger {
 }
 
 #[test]
-fn a_modest_velocity_passes_as_it_is() {
+fn a_velocity_within_all_limits_is_unchanged() {
     let finger = Finger::at_home();
     let velocity = DVec3::new(0.002, -0.0015, 0.001);
     let admitted = finger.apply_limits(velocity).expect("finite");
@@ -59,7 +59,7 @@ fn a_modest_velocity_passes_as_it_is() {
 }
 
 #[test]
-fn what_is_not_finite_does_not_pass() {
+fn non_finite_velocities_are_rejected() {
     let finger = Finger::at_home();
     for bad in [f64::NAN, f64::INFINITY, f64::NEG_INFINITY] {
         assert_eq!(finger.apply_limits(DVec3::new(0.0, bad, 0.0)), None);
@@ -77,7 +77,7 @@ fn what_is_not_finite_does_not_pass() {
 }
 
 #[test]
-fn the_fingertip_speed_is_cut_without_a_change_of_direction() {
+fn the_fingertip_speed_limit_preserves_the_direction() {
     let mut finger = Finger::at_home();
     finger.limits.joint_acceleration = 1e6;
     let wanted = DVec3::new(0.3, 0.0, -0.4);
@@ -92,7 +92,7 @@ fn the_fingertip_speed_is_cut_without_a_change_of_direction() {
 }
 
 #[test]
-fn joint_speeds_are_cut_without_a_change_of_direction() {
+fn joint_speed_limits_preserve_the_direction() {
     let mut finger = Finger::at_home();
     finger.limits.fingertip_speed = 10.0;
     finger.limits.joint_acceleration = 1e6;
@@ -107,7 +107,7 @@ fn joint_speeds_are_cut_without_a_change_of_direction() {
 }
 
 #[test]
-fn joints_accelerate_no_faster_than_allowed() {
+fn joint_acceleration_is_limited() {
     let mut finger = Finger::at_home();
     finger.limits.fingertip_speed = 10.0;
     // 20 rad/s^2 for 10 ms.
@@ -122,7 +122,7 @@ fn joints_accelerate_no_faster_than_allowed() {
 }
 
 #[test]
-fn no_joint_goes_past_its_limit_however_fast_it_comes() {
+fn no_joint_passes_its_limit_at_any_speed() {
     for direction in [
         DVec3::Y,
         -DVec3::Y,
@@ -142,19 +142,19 @@ fn no_joint_goes_past_its_limit_however_fast_it_comes() {
             let room = (finger.theta - lower)
                 .min(upper - finger.theta)
                 .min_element();
-            // Rounding of angles of about 1 rad, no more.
+            // Rounding of angles of about 1 rad.
             assert!(
                 room >= -1e-15,
-                "{room} rad past a limit going along {direction}"
+                "{room} rad left when moving along {direction}"
             );
             nearest = nearest.min(room);
         }
-        assert!(nearest < 1e-6, "{nearest} rad: it never came near");
+        assert!(nearest < 1e-6, "{nearest} rad: the limit was never approached");
     }
 }
 
 #[test]
-fn no_fingertip_leaves_its_workspace_however_fast_it_comes() {
+fn no_fingertip_leaves_its_workspace_at_any_speed() {
     let directions = [DVec3::X, DVec3::Y, DVec3::Z]
         .into_iter()
         .flat_map(|d| [d, -d]);
@@ -165,25 +165,25 @@ fn no_fingertip_leaves_its_workspace_however_fast_it_comes() {
         let mut nearest = f64::INFINITY;
         for _ in 0..1000 {
             if finger.advance(direction).damping > 0.0 {
-                // Almost straight: the finger ends before the workspace does.
+                // Almost straight: the finger's reach ends before the workspace does.
                 nearest = 0.0;
                 break;
             }
             let room = (finger.position() - lower).min(upper - finger.position());
-            // Joint velocities are right at the period's start; going 0.5 mm in a period along an
-            // arc with the shortest link, 55 mm, leads 0.5^2 / (2 * 55) mm aside.
+            // Joint velocities are exact at the period's start. Moving 0.5 mm in a period along an arc with the
+            // shortest link, 55 mm, deviates by 0.5^2 / (2 * 55) mm.
             assert!(
                 room.min_element() >= -2.3e-6,
-                "{room} m left going along {direction}"
+                "{room} m left when moving along {direction}"
             );
             nearest = nearest.min(room.min_element());
         }
-        assert!(nearest < 1e-5, "{nearest} m: it never came near");
+        assert!(nearest < 1e-5, "{nearest} m: the boundary was never approached");
     }
 }
 
 #[test]
-fn what_is_outside_may_come_back() {
+fn fingers_outside_the_limits_may_return() {
     let mut finger = Finger::at_home();
     finger.limits.workspace_lower = [-0.030, -0.03, 0.07];
     let out = finger.advance(DVec3::NEG_X * 0.01);

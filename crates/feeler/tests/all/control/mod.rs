@@ -1,4 +1,4 @@
-//! The hand program on made-up input: checks, flags, limits and tasks.
+//! Control with synthetic input: checks, flags, limits and tasks.
 
 mod contour;
 mod faulty_input;

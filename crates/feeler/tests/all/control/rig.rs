@@ -48,14 +48,14 @@ pub fn geometry() -> FingerGeometry {
     FingerGeometry::new(&config).expect("a finger")
 }
 
-/// Joint angles of the finger where it starts from, rad.
+/// Initial joint angles of the finger (rad).
 pub fn home() -> DVec3 {
     let geometry = geometry();
     let middle = (geometry.joint_lower() + geometry.joint_upper()) / 2.0;
     inverse_kinematics(&geometry, DVec3::new(-0.038, -0.001, 0.1), middle).expect("home")
 }
 
-/// An apex and two elements beside it.
+/// An apex element and two others.
 pub fn layout() -> ElementLayout {
     let ring = |elements, polar_angle_deg| RingConfig {
         elements,
@@ -68,7 +68,7 @@ pub fn layout() -> ElementLayout {
     })
 }
 
-/// Moves along y forever, and counts its calls.
+/// Moves along y forever and counts its steps.
 #[derive(Debug, Clone, Default)]
 struct Along {
     asked: u32,
@@ -100,7 +100,7 @@ pub fn controller() -> Controller {
     controller_with(MonitorConfig::default())
 }
 
-/// Like [`controller`], with a custom monitor configuration.
+/// Like [`controller`], but with this configuration of the monitors.
 pub fn controller_with(monitor: MonitorConfig) -> Controller {
     let config = ControlConfig {
         monitor,
@@ -126,7 +126,7 @@ pub fn state() -> HandState {
     }
 }
 
-/// Nothing felt at `stamp`, s.
+/// Reading without contact at `stamp` (s).
 pub fn touch(stamp: f64) -> TactileReading {
     let mut touch = TactileReading::none(layout().elements.len());
     touch.frame.stamp = stamp;

@@ -1,4 +1,4 @@
-//! A stopped hand: the reason that is kept, and the parts that continue.
+//! Stopped hands: which reason is kept, and how the controller acts meanwhile.
 
 use super::rig::{controller, state, touch};
 use feeler::control::Phase;
@@ -29,7 +29,7 @@ fn told() -> StopReason {
 }
 
 #[test]
-fn the_first_reason_is_kept_but_what_somebody_said_outlasts_stale_data() {
+fn the_first_reason_is_kept_but_a_request_replaces_stale_data() {
     for (first, then, kept) in [
         (stale(), broken(), stale()),
         (broken(), stale(), broken()),
@@ -46,7 +46,7 @@ fn the_first_reason_is_kept_but_what_somebody_said_outlasts_stale_data() {
 }
 
 #[test]
-fn a_task_is_not_asked_while_the_hand_is_stopped() {
+fn a_task_is_not_advanced_while_the_hand_is_stopped() {
     let mut controller = controller();
     let mut command = HandCommand::stop(1);
     let (touches, state) = ([touch(1.0)], state());
@@ -68,15 +68,15 @@ fn a_task_is_not_asked_while_the_hand_is_stopped() {
     assert!(command.joint_velocity()[0] != DVec3::ZERO);
 }
 
-/// An agent that wants what the law makes of the plan gets what the law gets; another gets its own velocity through the limits.
+/// An agent that requests the law's velocity gets the law's command; any other velocity is limited in the same way.
 #[test]
-fn an_agents_velocity_passes_the_limits_of_the_laws() {
+fn an_agents_velocity_is_limited_like_the_laws_velocity() {
     let (mut by_law, mut by_agent) = (controller(), controller());
     let (mut lawful, mut followed) = (HandCommand::stop(1), HandCommand::stop(1));
     let (touches, state) = ([touch(1.0)], state());
     by_law.decide(&touches, &state, &mut lawful);
     by_agent.plan(&touches, &state);
-    // The law is "open-loop", which does what is planned.
+    // The law "open-loop" follows the plan.
     let planned = by_agent.plans()[0].velocity;
     by_agent.follow(&[planned], &state, &mut followed);
     assert_eq!(lawful, followed);
@@ -84,12 +84,12 @@ fn an_agents_velocity_passes_the_limits_of_the_laws() {
     by_agent.plan(&touches, &state);
     by_agent.follow(&[DVec3::splat(1e300)], &state, &mut followed);
     assert!(by_agent.fingers()[0].admitted.limited);
-    // 20 rad/s² for twice 10 ms.
+    // 20 rad/s² over two periods of 10 ms.
     assert!(followed.joint_velocity()[0].abs().max_element() <= 0.4 + 1e-12);
 }
 
 #[test]
-fn an_agent_moves_nothing_without_a_plan_or_while_the_hand_is_stopped() {
+fn an_agent_cannot_move_the_hand_without_a_plan_or_while_stopped() {
     let mut controller = controller();
     let mut command = HandCommand::stop(1);
     let (touches, state) = ([touch(1.0)], state());

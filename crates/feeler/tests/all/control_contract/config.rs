@@ -1,4 +1,4 @@
-//! Laws and tasks in experiment files.
+//! Configuration of laws and tasks in files.
 
 use super::rig::{Config, config};
 use feeler::control::Phase;
@@ -21,7 +21,7 @@ fn law(text: &str) -> Result<LawConfig, String> {
 }
 
 #[test]
-fn a_law_is_named_or_given_with_its_values() {
+fn a_law_is_given_by_name_or_with_parameters() {
     for name in LawConfig::NAMES {
         let named = law(&format!("law = {name:?}")).expect("a law");
         assert_eq!(named.name(), name);
@@ -66,7 +66,7 @@ fn a_law_is_named_or_given_with_its_values() {
 }
 
 #[test]
-fn the_law_pivot_grips_firmly_unless_a_file_asks_for_another_grip() {
+fn the_law_pivot_grips_firmly_by_default() {
     let grip = |grip: &str| law(&format!("law.pivot = {{ grip = {grip:?} }}"));
     assert_eq!(grip("firm").ok(), LawConfig::named("pivot"));
     let needed = grip("as-needed").expect("a law");
@@ -76,7 +76,7 @@ fn the_law_pivot_grips_firmly_unless_a_file_asks_for_another_grip() {
 }
 
 #[test]
-fn a_task_tells_what_it_is() {
+fn tasks_are_created_from_their_configuration() {
     let screw = config().task;
     assert_eq!(
         (screw.name(), screw.strokes(), screw.grasp_force()),
@@ -90,7 +90,7 @@ fn a_task_tells_what_it_is() {
     config.until = Until::Closed;
     let closed = TaskConfig::Screw(config);
     assert!(!closed.takes_law());
-    // Nothing is known of the cap: strokes are counted.
+    // Without a cap configuration, the task only counts strokes.
     assert_eq!(closed.task().outcome(), None);
     assert!(closed.task().findings().is_empty() && !closed.task().failed());
 }
@@ -106,9 +106,9 @@ most_friction = 1.5
 feeler = { normal_stiffness = 2000.0, shear_stiffness = 1000.0, tip_radius = 0.002 }
 ";
 
-/// With a cap and an end that it is screwed to, the strokes are those of the cap task, which has findings from the start.
+/// With a cap and an end condition, the cap task performs the strokes and has findings from the start.
 #[test]
-fn a_cap_is_screwed_until_it_is_closed() {
+fn a_screw_task_until_closed_is_a_cap_task() {
     let text = include_str!("two-fingers.toml");
     let screw = "[task.screw]\n";
     let until = text.replace(screw, "[task.screw]\nuntil = \"closed\"\n");
@@ -126,13 +126,13 @@ fn a_cap_is_screwed_until_it_is_closed() {
         panic!("a screw task")
     };
     let cap = config.cap.expect("a cap");
-    // A turn, where nothing is said.
+    // The default is one turn.
     assert_eq!((cap.most_turns, cap.open_turns), (1.0, 1.0));
     assert_eq!((cap.softest_seat, cap.least_turns), (0.0, 0.0));
 }
 
 #[test]
-fn phases_have_the_numbers_and_the_names_of_recordings() {
+fn phases_have_their_recorded_numbers_and_names() {
     let names = ["SEARCH", "MOVE", "RELEASE", "RETURN", "DONE", "STOPPED"];
     for ((number, phase), name) in (0..).zip(Phase::ALL).zip(names) {
         assert_eq!(
@@ -145,7 +145,7 @@ fn phases_have_the_numbers_and_the_names_of_recordings() {
 }
 
 #[test]
-fn stale_and_missing_data_may_come_back_and_an_overload_may_not() {
+fn missing_data_is_recoverable_and_an_overload_is_not() {
     let stale = StopReason::StaleForces {
         finger: 0,
         age: 1.0,

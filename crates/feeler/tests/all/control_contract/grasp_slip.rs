@@ -1,4 +1,4 @@
-//! Detectors of slip in grasps: what they see, what they do not, and that no input poisons them.
+//! Slip detectors for grasps: what they detect and ignore, and that no input corrupts their state.
 
 use assert_no_alloc::assert_no_alloc;
 use feeler::control::grasp_slip::{
@@ -8,7 +8,7 @@ use feeler::control::grasp_slip::{
 use glam::{DMat2, DVec2, DVec3};
 use proptest::prelude::*;
 
-/// Columns, rows and spacing (px) of the pattern, and the picture around it.
+/// Columns, rows and spacing (px) of the pattern, and its image.
 const COLUMNS: usize = 8;
 const ROWS: usize = 6;
 const SPACING: f64 = 36.0;
@@ -18,7 +18,7 @@ fn picture() -> Picture {
     Picture::of_size(SIZE.0, SIZE.1)
 }
 
-/// The untouched pattern in the picture's middle, px.
+/// The untouched pattern in the image's middle (px).
 fn grid() -> Vec<DVec2> {
     let at = |i: usize| {
         let index = DVec2::new((i % COLUMNS) as f64, (i / COLUMNS) as f64);
@@ -28,7 +28,7 @@ fn grid() -> Vec<DVec2> {
     (0..COLUMNS * ROWS).map(at).collect()
 }
 
-/// Moved, turned and stretched about the picture's middle.
+/// Moves, turns and stretches `places` about the image's middle.
 fn moved(places: &[DVec2], matrix: DMat2, by: DVec2) -> Vec<DVec2> {
     let centre = picture().centre;
     let places = places.iter();
@@ -37,7 +37,8 @@ fn moved(places: &[DVec2], matrix: DMat2, by: DVec2) -> Vec<DVec2> {
         .collect()
 }
 
-/// Seen through a lens of radial distortion k, perspective p and decentring d, all relative to half the width.
+/// Distorts `places` like a lens with radial distortion k, perspective p and decentring d, relative to half the
+/// width.
 fn through_lens(places: &[DVec2], k: f64, p: DVec2, d: DVec2) -> Vec<DVec2> {
     let Picture { centre, half_width } = picture();
     let seen = |place: &DVec2| {
@@ -49,7 +50,7 @@ fn through_lens(places: &[DVec2], k: f64, p: DVec2, d: DVec2) -> Vec<DVec2> {
     places.iter().map(seen).collect()
 }
 
-/// The load on `now`, on the pattern found in `first`; its filter settled.
+/// Filtered load of `now`, on the pattern found in `first`.
 fn load(first: &[DVec2], now: &[DVec2]) -> f64 {
     let mut loss =
         ContactLoss::on_pattern(first, Some(picture()), ContactLossConfig::default()).unwrap();
@@ -61,7 +62,7 @@ fn vector(size: f64) -> impl Strategy<Value = DVec2> {
     [-size..size, -size..size].prop_map(DVec2::from_array)
 }
 
-/// A turn, a size and some shear: what leaves neighbours where steps find them.
+/// Rotation, scale and shear under which neighbours of the grid remain identifiable.
 fn matrix() -> impl Strategy<Value = DMat2> {
     (-3.0..3.0_f64, 0.7..1.4_f64, vector(0.1)).prop_map(|(turn, size, shear)| {
         let stretched = DMat2::from_cols(DVec2::new(1.0, shear.x), DVec2::new(shear.y, 1.0));
@@ -70,9 +71,9 @@ fn matrix() -> impl Strategy<Value = DMat2> {
 }
 
 proptest! {
-    /// Squares of about ten spacings cancel to 1e-16 of a few thousand; the result is the square root.
+    /// Rounding: squares of some ten spacings cancel to 1e-16 of a few thousand, and the square root is taken.
     #[test]
-    fn a_pattern_that_moves_as_a_plane_bears_no_load(
+    fn an_affine_motion_of_the_pattern_is_not_a_load(
         (at_first, later) in (matrix(), matrix()),
         (by, then_by) in (vector(40.0), vector(40.0)),
     ) {
@@ -80,10 +81,10 @@ proptest! {
         prop_assert!(load(&first, &now) < 1e-6);
     }
 
-    /// The ways are taken at the places of the best plane, which the lens has moved by a tenth of its distortion, so that a
-    /// tenth of a tenth of that remains: below 0.002 spacings, a ninth of the threshold.
+    /// Distortion modes are evaluated on the best-fitting plane, which the lens moves by a tenth of its distortion. A
+    /// hundredth remains: below 0.002 spacings, a ninth of the threshold.
     #[test]
-    fn an_untouched_pattern_behind_a_lens_bears_no_load(
+    fn lens_distortion_is_not_a_load(
         k in -0.06..0.06_f64,
         p in vector(0.03),
         d in vector(0.01),
@@ -94,8 +95,8 @@ proptest! {
         prop_assert!(load < 0.002, "{load}");
     }
 
-    /// Eleven ways, each smooth over the picture, explain less than three quarters of the square of a bump that is one spacing
-    /// wide.
+    /// The eleven smooth distortion modes explain less than three quarters of the square of a bump that is one
+    /// spacing wide.
     #[test]
     fn a_local_deformation_is_a_load(
         (x, y) in (1.5..5.5_f64, 1.5..3.5_f64),
@@ -116,7 +117,7 @@ proptest! {
     }
 
     #[test]
-    fn size_does_not_matter(size in 0.01..100.0_f64, push in vector(10.0)) {
+    fn load_is_independent_of_scale(size in 0.01..100.0_f64, push in vector(10.0)) {
         let mut touched = grid();
         touched[19] += push;
         let larger = |places: &[DVec2]| -> Vec<_> { places.iter().map(|p| size * *p).collect() };
@@ -129,9 +130,9 @@ proptest! {
         prop_assert!((own - other).abs() < 1e-9 * (1.0 + own));
     }
 
-    /// Missing elements give the same result as a smaller grid, except for the correction for degrees of freedom.
+    /// Like a pattern without the missing elements, except for the correction of its degrees of freedom.
     #[test]
-    fn missing_elements_do_not_count(
+    fn missing_elements_are_ignored(
         missing in proptest::collection::hash_set(0..COLUMNS * ROWS, 0..12),
         pushes in proptest::collection::vec(vector(6.0), COLUMNS * ROWS),
     ) {
@@ -140,7 +141,7 @@ proptest! {
             places.map(|(i, p)| if missing.contains(&i) { DVec2::NAN } else { p }).collect()
         };
         let pushed = gone(grid().iter().zip(&pushes).map(|(p, push)| *p + *push).collect());
-        // Some that are missing make others unreachable.
+        // Missing elements may make others unreachable.
         let Ok(left) = RegularPattern::of(&gone(grid())) else { return Ok(()) };
         prop_assume!(left.indices().iter().flatten().count() == COLUMNS * ROWS - missing.len());
         let freedom = |n: usize| 1.0 - 11.0 / (2 * n) as f64;
@@ -149,9 +150,9 @@ proptest! {
         prop_assert!((masked - without * made_up.sqrt()).abs() < 1e-9, "{masked} {without}");
     }
 
-    /// Ten seconds of valid frames after any stamps and vectors, the filters have recovered.
+    /// After any stamps and vectors, twenty seconds of valid frames restore the filters.
     #[test]
-    fn nothing_poisons_the_filters(
+    fn filters_recover_from_any_input(
         bad in proptest::collection::vec((interval(), number(), number()), 0..40),
     ) {
         let mut loss = ContactLoss::from_untouched(3, 1.0, ContactLossConfig::default()).unwrap();
@@ -173,7 +174,7 @@ proptest! {
             pattern.update(0.02, grid_like(DVec2::ZERO));
             drag.update(0.02, [DVec3::X; 3]);
         }
-        // exp(-20 / 0.5) of at most 1e6 for the load, exp(-20 / 1) of it for drag.
+        // exp(-20 / 0.5) of at most 1e6 for the load, and exp(-20 / 1) of it for the drag.
         prop_assert!((loss.load().unwrap() - 1.0).abs() < 1e-9);
         prop_assert!(pattern.load().unwrap() < 1e-9);
         prop_assert!(drag.drag().unwrap() < 1.0, "{:?}", drag.drag());
@@ -186,7 +187,7 @@ proptest! {
     }
 }
 
-/// The grid with its first element pushed; does not allocate.
+/// The grid with its first element displaced by `push`, as an iterator that does not allocate.
 fn grid_like(push: DVec2) -> impl Iterator<Item = DVec2> {
     (0..COLUMNS * ROWS).map(move |i| {
         let index = DVec2::new((i % COLUMNS) as f64, (i / COLUMNS) as f64);
@@ -204,7 +205,7 @@ fn interval() -> impl Strategy<Value = f64> {
 }
 
 #[test]
-fn hexagons_rows_that_are_set_off_and_narrow_rectangles_are_grids() {
+fn hexagonal_offset_and_narrow_grids_are_found() {
     for (second, aspect) in [(0.5, 0.75_f64.sqrt()), (0.3, 1.0), (0.0, 1.3)] {
         let at = |i: usize| {
             let (column, row) = ((i % 7) as f64, (i / 7) as f64);
@@ -222,7 +223,7 @@ fn hexagons_rows_that_are_set_off_and_narrow_rectangles_are_grids() {
 }
 
 #[test]
-fn what_is_no_grid_is_refused() {
+fn irregular_patterns_are_rejected() {
     let of = |places: &[DVec2]| ContactLoss::on_pattern(places, None, ContactLossConfig::default());
     // Rings, as on the paper's fingertip.
     let ring = |n: usize, r: f64| {
@@ -240,7 +241,7 @@ fn what_is_no_grid_is_refused() {
     );
     let scattered: Vec<_> = (0..60_u32)
         .map(|i| {
-            // Halton's points: even, without any pattern.
+            // Halton points: evenly distributed without a regular pattern.
             let radical = |base: u32| {
                 (0..6)
                     .fold((i + 1, 1.0 / f64::from(base), 0.0), |(n, part, sum), _| {
@@ -289,7 +290,7 @@ fn what_is_no_grid_is_refused() {
 }
 
 #[test]
-fn contact_is_held_until_the_load_is_gone_and_unknown_without_a_reference() {
+fn contact_is_held_until_the_load_vanishes_and_unknown_without_reference() {
     let config = ContactLossConfig {
         time_constant: 0.01,
         threshold: 0.1,
@@ -311,7 +312,7 @@ fn contact_is_held_until_the_load_is_gone_and_unknown_without_a_reference() {
     assert_eq!(felt(0.12), Some(Contact::Lost));
     assert_eq!(felt(0.2), Some(Contact::Held));
     assert!((loss.score().unwrap() + 0.2_f64.ln()).abs() < 1e-9);
-    // Of too few elements, nothing new is said.
+    // With too few valid elements, the state does not change.
     let mut three = ContactLoss::from_untouched(3, 1.0, config).unwrap();
     assert_eq!(
         three.update(0.01, [DVec2::NAN, DVec2::NAN, DVec2::X]),
@@ -324,16 +325,16 @@ fn contact_is_held_until_the_load_is_gone_and_unknown_without_a_reference() {
     assert_eq!(unknown.score(), None);
 }
 
-/// Of a step of u = 1, with both filters in continuous time: D = s / (s - f) (exp(-t / s) - exp(-t / f)). Frames of 1 ms
-/// are late by about one of them: 2 % of the fast time constant.
+/// Response to a step of u = 1 with both filters in continuous time: D = s / (s - f) (exp(-t / s) - exp(-t / f)).
+/// Frames of 1 ms delay it by about one frame, 2 % of the fast time constant.
 #[test]
-fn drag_follows_a_step_as_the_two_filters_do() {
+fn drag_has_the_step_response_of_its_two_filters() {
     let GraspDragConfig { fast, slow } = GraspDragConfig::default();
     let mut drag = GraspDrag::new(4, 0.5, GraspDragConfig::default()).unwrap();
     drag.update(0.0, [DVec3::ZERO; 4]);
     for frame in 1..=3000 {
         let t = f64::from(frame) * 1e-3;
-        // A single element without data is not counted.
+        // The invalid element is ignored.
         let (shear, press) = (DVec3::new(0.3, 0.4, 0.0), DVec3::new(0.0, 0.0, 0.5));
         let found = drag
             .update(1e-3, [shear, press, DVec3::NAN, shear])
@@ -347,11 +348,11 @@ fn drag_follows_a_step_as_the_two_filters_do() {
 }
 
 #[test]
-fn an_element_that_comes_back_goes_on_where_time_would_have_it() {
+fn a_returning_element_has_the_state_of_the_elapsed_time() {
     let run = |missing: bool| {
         let mut drag = GraspDrag::new(2, 1.0, GraspDragConfig::default()).unwrap();
         for frame in 0..400 {
-            // At rest in another place while it is gone.
+            // It moves while it is invalid and then rests at another place.
             let second = if frame < 100 { DVec3::ZERO } else { DVec3::X };
             let seen = if missing && (100..300).contains(&frame) {
                 DVec3::NAN
@@ -363,12 +364,12 @@ fn an_element_that_comes_back_goes_on_where_time_would_have_it() {
         drag.drag().unwrap()
     };
     let (seen, missed) = (run(false), run(true));
-    // After three seconds, a twentieth of the step remains in the slow mean of the elements present all the time.
+    // After three seconds, a twentieth of the step is left in the slow mean of the element that was always valid.
     assert!(seen < 0.1 && missed < 0.25, "{seen} {missed}");
 }
 
 #[test]
-fn noise_is_known_whatever_jumps_there_are() {
+fn noise_estimates_are_robust_against_jumps() {
     use rand::SeedableRng;
     use rand_distr::{Distribution, Normal};
     let mut random = rand_pcg::Pcg64::seed_from_u64(1);
@@ -376,7 +377,7 @@ fn noise_is_known_whatever_jumps_there_are() {
     let mut changes: Vec<f64> = (0..10_000).map(|_| normal.sample(&mut random)).collect();
     changes.extend([1e6; 300]);
     changes.extend([f64::NAN; 300]);
-    // The median's standard error is 1.6 % of it, and 300 jumps move it by 2.5 %.
+    // The median's standard error is 1.6 %, and 300 jumps shift it by 2.5 %.
     let noise = noise_of(&mut changes).unwrap();
     assert!((noise - 3.0).abs() < 0.15, "{noise}");
     assert_eq!((noise_of(&mut []), noise_of(&mut [0.0; 5])), (None, None));

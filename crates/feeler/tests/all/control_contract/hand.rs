@@ -1,9 +1,9 @@
-//! A hand that follows its commands exactly.
+//! A hand that executes commands exactly.
 
 use feeler::hand::{Hand, HandCommand, HandError, HandState, JointState};
 use glam::DVec3;
 
-/// A hand that follows its commands exactly and does not allocate.
+/// A hand that executes commands exactly. It keeps no record and does not allocate.
 pub struct IdealHand {
     pub stamp: f64,
     pub period: f64,
@@ -11,7 +11,7 @@ pub struct IdealHand {
 }
 
 impl IdealHand {
-    /// At rest with the joint angles `home`, rad, commanded every `period`, s.
+    /// Creates a hand at rest with the joint angles `home` (rad) that is commanded every `period` (s).
     pub fn new(home: Vec<DVec3>, period: f64) -> Self {
         let at_rest = |position| JointState {
             position,

@@ -1,4 +1,4 @@
-//! For any input, the controller does not panic, and its commands are finite and within limits.
+//! With any input, the controller does not panic and its commands are finite and within limits.
 
 use super::rig::{Analyzers, ELEMENTS, config, controller, geometries, home};
 use feeler::control::Phase;
@@ -7,7 +7,7 @@ use feeler::sensor::forces::TactileFrame;
 use glam::DVec3;
 use proptest::prelude::*;
 
-/// Numbers as they should be, mostly; and the worst there are.
+/// Mostly plausible numbers, and extreme ones.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         40 => -2.0..2.0,
@@ -28,7 +28,7 @@ fn vector() -> impl Strategy<Value = DVec3> {
     [number(), number(), number()].prop_map(DVec3::from_array)
 }
 
-/// A frame's forces: one value for all elements but one, so that most frames are sound.
+/// Forces of a frame: one value for all elements except one, so that most frames are valid.
 fn forces() -> impl Strategy<Value = Vec<DVec3>> {
     let count = prop_oneof![30 => Just(ELEMENTS), 1 => 0..50_usize];
     (count, -0.1..2.0_f64, vector()).prop_map(|(count, all, one)| {
@@ -48,10 +48,10 @@ fn stamp() -> impl Strategy<Value = f64> {
 struct Input {
     sequence: Vec<u64>,
     forces: Vec<Vec<DVec3>>,
-    /// Off the time it should be, s.
+    /// Offsets of the stamps from their nominal time (s).
     stamps: Vec<f64>,
     state_stamp: f64,
-    /// Off home, rad.
+    /// Offsets of the joints from home (rad).
     joints: Vec<DVec3>,
 }
 
@@ -77,7 +77,7 @@ proptest! {
     #![proptest_config(ProptestConfig { cases: 300, failure_persistence: None, ..Default::default() })]
 
     #[test]
-    fn commands_are_finite_and_within_limits_whatever_arrives(
+    fn commands_are_finite_and_within_limits_for_any_input(
         inputs in prop::collection::vec(input(), 1..40)
     ) {
         let config = config();

@@ -1,4 +1,5 @@
-//! The control laws beside the paper's: what each may know, and that none allocates or goes astray.
+//! Control laws other than the paper's: which data each uses, and that they neither allocate nor command unsafe
+//! motion.
 
 use super::rig::{Analyzers, ELEMENTS, config, controller, hand_at_home, layout, pressed, state};
 use assert_no_alloc::assert_no_alloc;
@@ -18,7 +19,7 @@ const MOVE: Plan = Plan {
     keep_grasp: true,
 };
 
-/// A finger at the origin of W whose apex element, which looks along x, feels `force`.
+/// Reading of a finger at the origin of W whose apex element, along x, measures `force`.
 fn touch(sequence: u64, force: DVec3) -> TactileReading {
     let mut touch = TactileReading::none(ELEMENTS);
     touch.frame.sequence = sequence;
@@ -29,7 +30,7 @@ fn touch(sequence: u64, force: DVec3) -> TactileReading {
     touch
 }
 
-/// Speed into the object that `law` wants when its apex element feels `force`.
+/// Speed towards the object that `law` requests if its apex element measures `force`.
 fn pressing(law: &mut dyn Law, sequence: u64, force: DVec3) -> f64 {
     let layout = layout();
     let touch = touch(sequence, force);
@@ -73,7 +74,7 @@ fn no_law_allocates_or_stops_the_hand() {
 }
 
 #[test]
-fn compression_alone_is_blind_to_shear_and_its_assumed_friction_sets_the_grasp() {
+fn normal_only_ignores_shear_and_grasps_by_its_assumed_friction() {
     let assumed = NormalOnlyConfig {
         friction: 0.5,
         tangential_load: 1.0,
@@ -83,14 +84,14 @@ fn compression_alone_is_blind_to_shear_and_its_assumed_friction_sets_the_grasp()
     let still = pressing(&mut *law, 1, DVec3::new(0.0, 0.0, 1.5));
     let sheared = pressing(&mut *law, 2, DVec3::new(0.9, -0.4, 1.5));
     assert_eq!(still, sheared);
-    // 1 N at a friction of 0.5 needs 2 N.
+    // 1 N at a friction of 0.5 requires 2 N.
     assert!(still > 0.0);
     assert_eq!(pressing(&mut *law, 3, DVec3::new(0.0, 0.0, 2.0)), 0.0);
     assert!(pressing(&mut *law, 4, DVec3::new(0.0, 0.0, 2.5)) < 0.0);
 }
 
 #[test]
-fn the_open_loop_feels_nothing_and_presses_its_planned_distance() {
+fn open_loop_ignores_forces_and_squeezes_its_distance() {
     let mut law = law(LawConfig::named("open-loop").expect("a law"));
     let squeezing = pressing(&mut *law, 1, DVec3::new(0.0, 0.0, 0.1));
     assert_eq!(squeezing, 0.004);
@@ -98,7 +99,7 @@ fn the_open_loop_feels_nothing_and_presses_its_planned_distance() {
 }
 
 #[test]
-fn the_best_grips_in_proportion_to_shear_before_anything_slips() {
+fn best_grasps_in_proportion_to_shear_before_any_slip() {
     let fixed = BestConfig {
         learning_rate: 0.0,
         friction: 0.5,
@@ -109,13 +110,13 @@ fn the_best_grips_in_proportion_to_shear_before_anything_slips() {
         ..BestConfig::default()
     };
     let mut law = law(LawConfig::Best(fixed));
-    // 0.3 N of shear needs 1.5 * 0.3 / 0.5 = 0.9 N of grasp.
+    // 0.3 N of shear require 1.5 * 0.3 / 0.5 = 0.9 N of grasp force.
     let at =
         |law: &mut dyn Law, sequence, grasp| pressing(law, sequence, DVec3::new(0.3, 0.0, grasp));
     assert!(at(&mut *law, 1, 0.7) > 0.0);
     assert!(at(&mut *law, 2, 0.9).abs() < 1e-12);
     assert!(at(&mut *law, 3, 1.1) < 0.0);
-    // However much shear: no element over its force, nor where a slip would bring it there.
+    // At any shear, no element exceeds its force limit, not even after a slip.
     let much = |law: &mut dyn Law, sequence, force| pressing(law, sequence, force);
     assert!(much(&mut *law, 4, DVec3::new(1.2, 0.0, 1.76)) < 0.0);
     assert!(much(&mut *law, 5, DVec3::new(1.9, 0.0, 1.5)) < 0.0);
@@ -123,11 +124,11 @@ fn the_best_grips_in_proportion_to_shear_before_anything_slips() {
 }
 
 #[test]
-fn the_best_learns_the_friction_of_what_slips() {
+fn best_learns_friction_from_slips() {
     let layout = layout();
     for friction in [0.4, 1.2] {
         let mut law = Best::new(BestConfig::default(), ELEMENTS);
-        // A sawtooth between the static limit and 0.7 of it, at 1 N, as a finger drags.
+        // A sawtooth between the static limit and 0.7 of it at 1 N, as for a dragging finger.
         for frame in 0..400_u64 {
             let used = 0.7 + 0.3 * (frame % 10) as f64 / 9.0;
             let touch = touch(frame, DVec3::new(friction * used, 0.0, 1.0));
@@ -139,15 +140,15 @@ fn the_best_learns_the_friction_of_what_slips() {
             };
             law.velocity(&MOVE, &sense);
         }
-        // Every slip brings it 0.3 of the way; nothing else here moves it away.
+        // Each slip corrects 0.3 of the error; nothing else changes the estimate here.
         let off = (law.friction() - friction).abs();
-        assert!(off < 0.01 * friction, "{} for {friction}", law.friction());
+        assert!(off < 0.01 * friction, "{} instead of {friction}", law.friction());
     }
 }
 
-/// Two elements of different normals share a press along the mean of these, weighted by their force.
+/// Two elements with different normals are pressed along the mean of their normals, weighted by force.
 #[test]
-fn the_best_presses_along_what_it_feels_and_shares_between_elements() {
+fn best_presses_along_the_mean_normal_of_all_touching_elements() {
     let layout = layout();
     let config = BestConfig {
         learning_rate: 0.0,
@@ -162,7 +163,7 @@ fn the_best_presses_along_what_it_feels_and_shares_between_elements() {
     let mut law = Best::new(config, ELEMENTS);
     let mut touch = touch(1, DVec3::new(0.0, 0.0, 0.6));
     touch.frame.forces[1].z = 0.3;
-    // Too little to count.
+    // Too small a force to count.
     touch.frame.forces[9].z = 0.019;
     let sense = FingerReadings {
         pose: FingertipPose::default(),
@@ -183,7 +184,7 @@ fn the_best_presses_along_what_it_feels_and_shares_between_elements() {
     assert_eq!(law.velocity(&search, &sense), MOVE.velocity);
 }
 
-/// Returns the law's friction estimate after an element's force changed from `before` to `now`, each `(shear, normal)` (N).
+/// Friction estimate of the law after an element's force changed from `before` to `now`, each `(shear, normal)` (N).
 fn believed(before: (f64, f64), now: (f64, f64)) -> f64 {
     let layout = layout();
     let config = BestConfig {
@@ -192,7 +193,7 @@ fn believed(before: (f64, f64), now: (f64, f64)) -> f64 {
         ..BestConfig::default()
     };
     let mut law = Best::new(config, ELEMENTS);
-    // Each frame is seen twice, as by control steps without a new one.
+    // Each frame is processed twice, as in control steps without a new frame.
     for (sequence, (shear, normal)) in [(1, before), (1, before), (2, now), (2, now)] {
         let touch = touch(sequence, DVec3::new(shear, 0.0, normal));
         let sense = FingerReadings {
@@ -207,22 +208,22 @@ fn believed(before: (f64, f64), now: (f64, f64)) -> f64 {
 }
 
 #[test]
-fn the_best_learns_from_slips_and_from_what_holds_harder_than_believed() {
+fn best_learns_from_slips_and_from_contacts_that_hold_better_than_estimated() {
     for (before, now, expected) in [
-        // A fall of more than 0.04 N at the same force: half way from 0.6 to 0.4.
+        // A decrease of more than 0.04 N at the same normal force: half way from 0.6 to 0.4.
         ((0.4, 1.0), (0.3, 1.0), 0.5),
         ((0.4, 1.0), (0.37, 1.0), 0.6),
-        // Less force, too: it was let go, and slipped not.
+        // The normal force also decreased: a release, not a slip.
         ((0.4, 1.0), (0.3, 0.89), 0.6),
         ((0.4, 1.0), (0.3, 0.91), 0.5),
-        // It holds with 0.8.
+        // The contact sticks at 0.8.
         ((0.8, 1.0), (0.8, 1.0), 0.7),
         ((0.59, 1.0), (0.8, 1.0), 0.6),
-        // Too little force to tell from, in either frame.
+        // The normal force is too small in one of the frames.
         ((0.12, 0.14), (0.12, 0.5), 0.6),
         ((0.4, 0.5), (0.12, 0.14), 0.6),
         ((0.128, 0.16), (0.128, 0.16), 0.7),
-        // Nothing is believed to be as slippery as this, or to hold so hard.
+        // The estimate is bounded.
         ((0.05, 2.0), (0.0, 2.0), 0.3125),
         ((3.0, 1.0), (3.0, 1.0), 1.5),
     ] {
@@ -235,7 +236,7 @@ fn the_best_learns_from_slips_and_from_what_holds_harder_than_believed() {
 }
 
 #[test]
-fn the_open_loop_presses_no_farther_than_its_distance_and_anew_in_each_grasp() {
+fn open_loop_limits_its_squeeze_and_restarts_with_each_grasp() {
     let layout = layout();
     let mut law = law(LawConfig::named("open-loop").expect("a law"));
     let LawConfig::OpenLoop(config) = LawConfig::named("open-loop").expect("a law") else {

@@ -1,5 +1,5 @@
-//! Sensors on background threads, and steps triggered by their images. No result depends on the speed of the computer: a
-//! test continues when a sensor's thread requests its next image, after it has published the reading of the previous one.
+//! Background sensors and steps that follow their images. The outcome does not depend on the computer's speed: a test
+//! proceeds when a sensor's thread requests the next reading, so the previous one has been processed.
 
 use super::hand::IdealHand;
 use super::rig::{ELEMENTS, config, controller, hand_at_home, pressed};
@@ -19,7 +19,7 @@ use std::time::Duration;
 
 type Reading = Result<TactileFrame, SensorError>;
 
-/// Camera that waits for the images of the test, and signals each request.
+/// A sensor that returns the readings given by the test and reports each request.
 struct Given {
     asks: Sender<()>,
     given: Receiver<Reading>,
@@ -31,7 +31,7 @@ impl TactileSensor for Given {
     }
 
     fn read(&mut self, reading: &mut TactileFrame) -> Result<(), SensorError> {
-        // The receiver is gone after the end of the test.
+        // After the test has ended, there is no receiver.
         let _ = self.asks.send(());
         let given = self.given.recv();
         let frame = given.unwrap_or(Err(SensorError::Ended { count: 0 }))?;
@@ -40,14 +40,14 @@ impl TactileSensor for Given {
     }
 }
 
-/// The test's end of a sensor.
+/// The test's side of a [`Given`] sensor.
 struct Giver {
     asked: Receiver<()>,
     give: Sender<Reading>,
 }
 
 impl Giver {
-    /// Gives the sensor a reading; it is at hand when this returns.
+    /// Passes a reading to the sensor. It has been processed when this returns.
     fn give(&self, reading: Reading) {
         self.give.send(reading).expect("a sensor");
         self.asked.recv().expect("a sensor that asks again");
@@ -68,7 +68,7 @@ fn sensors(thresholds: FlagThresholds) -> (Vec<Giver>, Vec<BackgroundSensor>, Ne
     (givers, touches, arrivals)
 }
 
-/// A frame of finger's newest picture at 100 Hz.
+/// Frame `sequence` of a finger's camera at 100 Hz.
 fn frame(sequence: u64, force: f64) -> Reading {
     Ok(pressed(sequence, 0.01 * sequence as f64, force))
 }
@@ -76,7 +76,7 @@ fn frame(sequence: u64, force: f64) -> Reading {
 const NOW: Duration = Duration::ZERO;
 
 #[test]
-fn all_flags_since_the_last_step_are_seen_and_nothing_waits() {
+fn flags_since_the_last_step_are_merged_without_waiting() {
     let thresholds = config().control.thresholds();
     let (givers, mut touches, mut arrivals) = sensors(thresholds);
     let mut touch = TactileReading::none(ELEMENTS);
@@ -87,7 +87,7 @@ fn all_flags_since_the_last_step_are_seen_and_nothing_waits() {
     assert_eq!(arrivals.wait_for(NOW), None);
     givers[1].give(frame(1, 0.0));
     let first = arrivals.wait_for(NOW).expect("both");
-    // Pressed too hard in one picture and not in the next.
+    // Pressed too hard in one image and not in the next.
     givers[0].give(frame(2, 10.0));
     givers[0].give(frame(3, 0.0));
     assert!(arrivals.wait_for(NOW).expect("both") > first);
@@ -97,7 +97,7 @@ fn all_flags_since_the_last_step_are_seen_and_nothing_waits() {
     assert_eq!(touch.frame.forces[0].z, 0.0);
     assert_eq!(arrivals.wait_for(NOW), None);
 
-    // The same picture again is nothing new; nor is one that is lost.
+    // Repeated and lost images are not new data.
     touches[1].touch(&mut touch).unwrap();
     givers[0].give(frame(4, 0.0));
     givers[1].give(frame(1, 0.0));
@@ -112,7 +112,8 @@ fn all_flags_since_the_last_step_are_seen_and_nothing_waits() {
     assert_eq!(again, touch);
 }
 
-/// Steps that follow the pictures of a hand, whose finger 1 has none any more after `pictures` of them, or fails.
+/// Runs steps that follow the images of a hand. After `pictures` images, finger 1 stalls or, if `fails`, its sensor
+/// fails.
 fn run(pictures: u64, fails: bool) -> (Vec<StopReason>, ControlLoop<BackgroundSensor, IdealHand>) {
     let mut config = config();
     config.control.stale_periods = 3.5;
@@ -128,7 +129,7 @@ fn run(pictures: u64, fails: bool) -> (Vec<StopReason>, ControlLoop<BackgroundSe
         } else if fails {
             let ended = SensorError::Ended { count: next };
             givers[1].give.send(Err(ended)).expect("a sensor");
-            // Its thread drops it.
+            // The sensor's thread has dropped it.
             assert!(givers[1].asked.recv().is_err());
         }
         next += 1;
@@ -152,14 +153,14 @@ fn run(pictures: u64, fails: bool) -> (Vec<StopReason>, ControlLoop<BackgroundSe
     (reasons, control_loop)
 }
 
-/// The steps continue without it, and it is detected as stale by the time of the data.
+/// Steps continue, and the finger's forces become stale by the time of the data.
 #[test]
-fn a_camera_that_stalls_stops_the_hand_as_stale_and_not_the_loop() {
+fn a_stalled_camera_stops_the_hand_but_not_the_loop() {
     let (reasons, control_loop) = run(20, false);
     let [StopReason::StaleForces { finger: 1, age, .. }] = reasons[..] else {
         panic!("{reasons:?}")
     };
-    // Its last picture is of 0.19 s.
+    // Its last image was taken at 0.19 s.
     assert!((age - 0.04).abs() < 1e-12, "{age}");
     assert!((control_loop.state().stamp - 0.23).abs() < 1e-12);
 }

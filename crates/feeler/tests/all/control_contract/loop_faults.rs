@@ -1,4 +1,4 @@
-//! Sensors that fail, stall or lie: the hand stops within one period, and says why.
+//! Sensors that fail, stall or repeat data: the hand stops within one period and reports the reason.
 
 use super::hand::IdealHand;
 use super::rig::{Analyzers, ELEMENTS, config, controller, hand_at_home, pressed, state};
@@ -14,9 +14,9 @@ use glam::DVec3;
 enum Fault {
     /// Reads fail from this frame on.
     Fails(u64),
-    /// Repeats the same frame from this one on.
+    /// All reads from this frame on return the same frame.
     Stalls(u64),
-    /// Repeats the same image from this frame on, with a new stamp each time.
+    /// All reads from this frame on return the same image with new stamps.
     Repeats(u64),
     None,
 }
@@ -48,10 +48,10 @@ impl TactileSensor for Sensor {
 
 type Loop = ControlLoop<FlaggedSensor<Sensor>, IdealHand>;
 
-/// A searching hand whose finger 1 has `fault`, after `periods`.
+/// A searching hand after `periods`, whose finger 1 has `fault`.
 fn run(fault: Fault, periods: usize) -> (Result<(), ControlError>, Loop) {
     let mut config = config();
-    // Between two periods, so that rounding does not decide.
+    // Between two periods, so that rounding does not matter.
     config.control.stale_periods = 3.5;
     let sensors = [Fault::None, fault].map(|fault| Sensor { fault, frames: 0 });
     let sensors = sensors.map(|s| FlaggedSensor::new(s, config.control.thresholds()));
@@ -78,7 +78,7 @@ fn a_failing_sensor_stops_the_hand_and_is_reported() {
         "{error:?}"
     );
     assert_eq!(*control_loop.command(), HandCommand::stop(2));
-    // The hand took that command: its joints stand still.
+    // The hand has executed the stop: its joints are at rest.
     assert!(control_loop.step().is_err());
     let joints = &control_loop.state().joints;
     assert!(
@@ -90,7 +90,7 @@ fn a_failing_sensor_stops_the_hand_and_is_reported() {
 #[test]
 fn stale_forces_stop_both_fingers_within_one_period() {
     for fault in [Fault::Stalls(20), Fault::Repeats(20)] {
-        // Frame 20 is 3 periods old at period 23 and 4 at period 24; 3.5 are allowed.
+        // Frame 20 is 3 periods old at period 23 and 4 periods old at period 24; the limit is 3.5.
         let (_, before) = run(fault, 24);
         assert_eq!(before.controller().stop_reason(), None);
         assert!(
@@ -115,7 +115,7 @@ fn stale_forces_stop_both_fingers_within_one_period() {
     }
 }
 
-/// The reason for which the reference controller stops at this input, and its command.
+/// Reason for which the reference controller stops at this input, and its command.
 fn decide(frames: &[TactileFrame], state: &HandState) -> (Option<StopReason>, HandCommand) {
     let config = config();
     let mut controller = controller(&config);
@@ -131,7 +131,7 @@ fn at_home() -> HandState {
 }
 
 #[test]
-fn every_fault_has_its_reason_and_stops_both_fingers() {
+fn each_fault_has_a_reason_and_stops_both_fingers() {
     let good = || vec![pressed(0, 0.0, 0.0); 2];
     let mut cases = vec![];
     let mut broken = good();
@@ -218,7 +218,7 @@ fn every_fault_has_its_reason_and_stops_both_fingers() {
 }
 
 #[test]
-fn the_first_reason_stays_and_the_hand_stays_stopped() {
+fn the_first_reason_is_kept_and_the_hand_stays_stopped() {
     let config = config();
     let mut controller = controller(&config);
     let mut analyzers = Analyzers::new(&config);
@@ -236,7 +236,7 @@ fn the_first_reason_stays_and_the_hand_stays_stopped() {
 }
 
 #[test]
-fn a_stopped_hand_goes_on_when_told_to_and_stops_again_while_the_cause_is_there() {
+fn a_resumed_hand_stops_again_while_the_cause_persists() {
     let config = config();
     let (mut controller, mut analyzers) = (controller(&config), Analyzers::new(&config));
     let mut command = HandCommand::stop(2);

@@ -1,4 +1,4 @@
-//! Slip by missing shear: sticking contacts, slipping contacts, and objects that move with the fingertip.
+//! Slip detection by missing shear: sticking and slipping elements, and objects that move with the fingertip.
 
 use super::rig::{ELEMENTS, config, layout};
 use feeler::control::FeelerShape;
@@ -10,25 +10,25 @@ use feeler::control::{FingerReadings, FingertipPose};
 use feeler::hand::JointState;
 use glam::{DMat3, DVec3};
 
-/// An element that misses more than this slips, N.
+/// Missing shear above which an element slips (N).
 const THRESHOLD: f64 = 0.0098;
-/// Way of the fingertip from one frame to the next, m, in W and T: across its apex element, which looks along x. It loads
-/// what sticks with 40 mN.
+/// Displacement of the fingertip between two frames (m, in W and T), across its apex element, which points along x.
+/// It loads sticking elements with 40 mN.
 const WAY: DVec3 = DVec3::new(0.0, 3.2e-4, 0.0);
-/// Elements that touch: the apex, and one beside it.
+/// Touching elements: the apex and one next to it.
 const TOUCHING: [usize; 2] = [0, 1];
-/// Pressed like this, N, with shear that the fingertip's way lets grow.
+/// Normal force of touching elements (N); their shear grows as the fingertip moves.
 const PRESSED: f64 = 0.8;
 
-/// Readings of touching elements before and after the fingertip moved by `WAY`, while the object moved by `share` of that
-/// and element 0 lost another `slip` newtons.
+/// Readings of touching elements before and after the fingertip moves by `WAY`, while the object moves by the
+/// fraction `share` of it and element 0 loses `slip` newtons of shear.
 fn frames(share: f64, slip: f64) -> [TactileReading; 2] {
     let (layout, feeler) = (layout(), FeelerShape::default());
     [0.0, 1.0].map(|gone| {
         let mut touch = TactileReading::none(ELEMENTS);
         touch.frame.sequence = 1 + gone as u64;
         for element in TOUCHING {
-            // The spring drags behind the fingertip.
+            // The feeler is deflected against the fingertip's motion.
             let way = layout.elements[element].rotation.transpose() * WAY;
             let before = -(0.2 / way.length()) * way;
             let stretched = before - gone * (1.0 - share) * feeler.shear_stiffness * way;
@@ -43,7 +43,7 @@ fn frames(share: f64, slip: f64) -> [TactileReading; 2] {
     })
 }
 
-/// Returns the missing shear of the two touching elements.
+/// Missing shear of the touching elements, as computed by `detector`.
 fn missing(mut detector: SlipDetector, share: f64, slip: f64) -> [f64; 2] {
     let layout = layout();
     let mut last = [0.0; 2];
@@ -72,7 +72,7 @@ fn moving() -> SlipDetector {
 }
 
 #[test]
-fn what_sticks_misses_nothing_and_what_slips_misses_what_it_lost() {
+fn sticking_elements_miss_no_shear_and_slipping_ones_miss_their_loss() {
     for detector in [still, moving] {
         let stuck = missing(detector(), 0.0, 0.0);
         assert!(stuck.iter().all(|&m| m <= 1e-9), "{stuck:?}");
@@ -82,7 +82,7 @@ fn what_sticks_misses_nothing_and_what_slips_misses_what_it_lost() {
 }
 
 #[test]
-fn what_all_elements_miss_alike_is_the_object_going_along() {
+fn shear_missing_on_all_elements_is_motion_of_the_object() {
     for share in [0.3, 0.7, 1.0] {
         let taken_for_slip = missing(still(), share, 0.0);
         assert!(taken_for_slip[0] > THRESHOLD / 2.0, "{taken_for_slip:?}");
@@ -94,8 +94,8 @@ fn what_all_elements_miss_alike_is_the_object_going_along() {
 }
 
 #[test]
-fn nothing_goes_farther_along_than_the_fingertip() {
-    // A single touching element can only have slipped.
+fn the_object_moves_no_farther_than_the_fingertip() {
+    // A larger loss of the only touching element is slip.
     let detect = |slip| {
         let mut detector = moving();
         let layout = layout();
@@ -119,8 +119,8 @@ fn nothing_goes_farther_along_than_the_fingertip() {
     assert!(detect(0.03) > THRESHOLD);
 }
 
-/// Speeds into the object, m/s, that the law wants of a finger at rest at each of the shear forces (N) of element 0; the
-/// paper's SLIP is up all the time.
+/// Speeds towards the object (m/s) that the law requests for a finger at rest, for each shear force (N) of element 0.
+/// The paper's SLIP is always set.
 fn pressing(shear: &[(u64, f64)]) -> Vec<f64> {
     let law = LawConfig::named("tri-axial-missing-shear").expect("a law");
     let control = config().control;
@@ -152,17 +152,17 @@ fn pressing(shear: &[(u64, f64)]) -> Vec<f64> {
 }
 
 #[test]
-fn the_law_presses_on_its_own_slip_and_not_on_that_of_the_flags() {
+fn the_law_presses_on_missing_shear_and_ignores_the_slip_flag() {
     let speed = config().control.recompression_speed;
-    // The third frame is seen twice, as by a control step without a new one.
+    // The third frame is processed twice, as in a control step without a new frame.
     let felt = [(1, 0.3), (2, 0.3), (3, 0.2), (3, 0.2), (4, 0.2), (5, 0.4)];
     assert_eq!(pressing(&felt), [0.0, 0.0, speed, speed, 0.0, 0.0]);
 }
 
-/// A sticking feeler is a spring between its rest tip and a point of the object on which its sphere rolls. After any small
-/// motion, the missing shear is at most the uncertainty of 8 % of the change.
+/// A sticking feeler is a spring between its tip's rest position and a contact point on which its sphere rolls. After
+/// any small motion, the only missing shear is the uncertainty of 8 % of the change.
 #[test]
-fn what_sticks_misses_nothing_however_the_fingertip_goes_and_turns() {
+fn sticking_elements_miss_no_shear_in_any_motion_of_the_fingertip() {
     let (layout, feeler) = (layout(), FeelerShape::default());
     let start = DMat3::from_euler(glam::EulerRot::XYZ, 0.3, -0.7, 1.1);
     let way = 2e-4 * DVec3::new(0.5, -0.8, 0.6);
@@ -198,7 +198,7 @@ fn what_sticks_misses_nothing_however_the_fingertip_goes_and_turns() {
                     (rest, pose.rotation * layout.elements[element].rotation)
                 });
                 let first = DVec3::new(0.2, -0.1, 0.5);
-                // The force on the feeler pushes its tip off its rest; the tip's middle rolls.
+                // The force deflects the feeler's tip from its rest position, and the tip's centre rolls.
                 let tip = before.0 + before.1 * (first.with_z(-first.z) / springs);
                 let outward = before.1.z_axis;
                 let tip = tip - turn.cross(feeler.tip_radius * outward);
@@ -221,7 +221,7 @@ fn what_sticks_misses_nothing_however_the_fingertip_goes_and_turns() {
                     missing = detector.detect(&sense)[element];
                 }
                 let expected = lost - 0.08 * change.length();
-                // Second order in the turn, of the tip's 2 mm against 127 N/m.
+                // Second order in the rotation: the tip's 2 mm times 127 N/m.
                 assert!(
                     (missing - expected).abs() < 2e-5,
                     "{element} {spin}: {missing} {expected}"
@@ -232,7 +232,7 @@ fn what_sticks_misses_nothing_however_the_fingertip_goes_and_turns() {
 }
 
 #[test]
-fn what_slips_slips_on_but_no_more_than_a_little_is_carried() {
+fn missing_shear_decays_and_its_carried_part_is_bounded() {
     let (layout, feeler) = (layout(), FeelerShape::default());
     let after = |losses: &[f64]| {
         let mut detector = SlipDetector::new(feeler, ELEMENTS);
@@ -254,7 +254,7 @@ fn what_slips_slips_on_but_no_more_than_a_little_is_carried() {
         missing
     };
     assert!((after(&[0.0, 0.002]) - 0.002).abs() < 1e-12);
-    // 0.8 of it, and then 0.8 of that.
+    // 0.8 of it, and 0.8 of that in the next frame.
     assert!((after(&[0.0, 0.002, 0.0]) - 0.0016).abs() < 1e-12);
     assert!((after(&[0.0, 0.002, 0.001]) - 0.0026).abs() < 1e-12);
     assert!((after(&[0.0, 0.1, 0.0]) - 0.004).abs() < 1e-12);

@@ -1,4 +1,4 @@
-//! Contracts of the control law: definitions, limits, no allocation, no panic.
+//! Properties of control: definitions, limits, and freedom from allocation and panics.
 
 mod config;
 mod grasp_slip;

@@ -1,4 +1,4 @@
-//! A learnt policy as a law: what it computes, held to plain loops in double precision and to numpy.
+//! A learned policy as a control law, compared with plain loops in double precision and with numpy.
 
 use super::policy_file::PolicyFile;
 use super::rig::{Analyzers, ELEMENTS, config, controller, hand_at_home, layout, pressed, state};
@@ -18,7 +18,7 @@ use rand_pcg::Pcg64;
 use serde::Deserialize;
 use std::sync::Arc;
 
-/// `file` with another entry of its metadata.
+/// `file` with a changed or additional metadata entry.
 pub fn saying(mut file: PolicyFile, key: &str, value: &str) -> PolicyFile {
     file.metadata.insert(key.into(), value.into());
     file
@@ -47,7 +47,7 @@ fn ring(elements: usize) -> ElementLayout {
     })
 }
 
-/// The file's network in double precision, in the order in which the file has its numbers.
+/// Output of the file's network in double precision, summed in the file's order.
 fn evaluated(file: &PolicyFile, observation: &[f32]) -> [f64; 3] {
     let numbers = |name: &str| -> Option<Vec<f64>> {
         let (_, numbers) = file.tensors.get(name)?;
@@ -81,7 +81,7 @@ fn evaluated(file: &PolicyFile, observation: &[f32]) -> [f64; 3] {
     [values[0], values[1], values[2]]
 }
 
-/// Draws a random pose and reading of a finger.
+/// Random reading, pose and joint state of a finger.
 fn drawn_touch(random: &mut Pcg64, elements: usize) -> (TactileReading, FingertipPose, JointState) {
     let mut vector =
         |size: f64| DVec3::from_array([0; 3].map(|_| random.random_range(-size..size)));
@@ -100,9 +100,9 @@ fn drawn_touch(random: &mut Pcg64, elements: usize) -> (TactileReading, Fingerti
 }
 
 #[test]
-fn its_velocity_is_that_of_plain_loops_in_double_precision() {
+fn policy_velocity_agrees_with_plain_loops_in_double_precision() {
     let mut random = Pcg64::seed_from_u64(5);
-    // Widths about the number of neurons that are computed together, and no hidden layer at all.
+    // Widths around the number of neurons that are computed together, and networks without hidden layers.
     let networks: [&[usize]; 6] = [&[], &[1], &[31, 33], &[64, 64], &[100, 7, 32], &[4; 7]];
     for (case, hidden) in networks.into_iter().enumerate() {
         for activation in ["tanh", "relu"] {
@@ -133,7 +133,7 @@ fn its_velocity_is_that_of_plain_loops_in_double_precision() {
                 let residual = pose.rotation * (0.01 * outputs);
                 let expected = plan.velocity + f64::from(u8::from(plan.reflex)) * residual;
                 let found = policy.velocity(&plan, &sense);
-                // Single precision over at most 150 terms a layer, of 0.01 m/s.
+                // Single precision over at most 150 terms per layer, of 0.01 m/s.
                 let off = found.distance(expected);
                 assert!(off < 1e-7, "{hidden:?} {activation} {step}: {off:e} m/s");
                 last_action = found;
@@ -142,7 +142,7 @@ fn its_velocity_is_that_of_plain_loops_in_double_precision() {
     }
 }
 
-/// Outputs that NumPy computed for a policy written by Python.
+/// Result of numpy for a policy written by Python.
 #[derive(Deserialize)]
 struct Reference {
     observation: Vec<f64>,
@@ -150,7 +150,7 @@ struct Reference {
 }
 
 #[test]
-fn a_policy_that_python_wrote_does_what_numpy_computes() {
+fn a_policy_written_by_python_agrees_with_numpy() {
     let reference: Reference =
         toml::from_str(include_str!("policy_reference.toml")).expect("a reference");
     let bytes = include_bytes!("policy_reference.safetensors");
@@ -166,7 +166,7 @@ fn a_policy_that_python_wrote_does_what_numpy_computes() {
         grasp_force: numbers[9],
         ..FingerFlags::default()
     };
-    // The fingertip's frame is W.
+    // The fingertip's frame coincides with W.
     let sense = FingerReadings {
         pose: FingertipPose::default(),
         joints: JointState {
@@ -195,7 +195,7 @@ fn a_policy_that_python_wrote_does_what_numpy_computes() {
 }
 
 #[test]
-fn it_neither_allocates_nor_stops_the_hand_and_limits_its_residual() {
+fn a_policy_limits_its_residual_and_neither_allocates_nor_stops_the_hand() {
     let mut config = config();
     config.control.law = policy_config(&PolicyFile::drawn(ELEMENTS, &[64, 64], 1));
     let mut controller = controller(&config);
@@ -216,13 +216,13 @@ fn it_neither_allocates_nor_stops_the_hand_and_limits_its_residual() {
         }
     }
     assert_eq!(controller.stop_reason(), None);
-    // Turned from T to W, at most the diagonal.
+    // Rotated from T to W, at most the diagonal.
     assert!(added > 1e-3 && added < 0.01 * 3_f64.sqrt(), "{added}");
 }
 
-/// The largest weights on the largest inputs, of either sign, through as many layers as there may be.
+/// Extreme weights and inputs of either sign, with the maximum number of layers.
 #[test]
-fn no_finite_input_gives_a_velocity_that_is_not_finite() {
+fn finite_inputs_give_finite_velocities() {
     let mut random = Pcg64::seed_from_u64(2);
     for activation in ["tanh", "relu"] {
         let mut file = saying(PolicyFile::zero(1, &[40; 7]), "activation", activation);
@@ -259,7 +259,7 @@ fn no_finite_input_gives_a_velocity_that_is_not_finite() {
 }
 
 #[test]
-fn it_is_for_fingertips_of_its_own_number_of_elements() {
+fn a_policy_requires_its_number_of_elements() {
     let control = config().control;
     let law = |law: LawConfig| law.finger_law(control.reflex(), control.touch_force, ELEMENTS);
     let file = "a.safetensors".to_string();
@@ -277,7 +277,7 @@ fn it_is_for_fingertips_of_its_own_number_of_elements() {
     };
     let unread = law(LawConfig::Policy(config)).map(|_| ());
     assert_eq!(unread, Err(LawError::NotRead { file }));
-    // A law that is handed another finger all the same gives the controller a reason to stop.
+    // A law that receives another fingertip's reading makes the controller stop the hand.
     let mut policy = Policy::new(model(&PolicyFile::zero(40, &[])));
     let touch = TactileReading::none(ELEMENTS);
     let sense = FingerReadings {

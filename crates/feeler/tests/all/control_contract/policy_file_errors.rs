@@ -12,7 +12,7 @@ fn good() -> PolicyFile {
 /// Asserts that `bytes` are rejected with a message that contains all of `words`.
 fn refused(bytes: &[u8], words: &[&str]) {
     let Err(error) = PolicyModel::from_bytes(bytes) else {
-        panic!("expected {words:?}, but it is a policy");
+        panic!("expected an error with {words:?}, but the policy was accepted");
     };
     let error = error.to_string();
     for word in words {
@@ -21,7 +21,7 @@ fn refused(bytes: &[u8], words: &[&str]) {
 }
 
 #[test]
-fn metadata_are_as_expected_or_named() {
+fn invalid_metadata_are_named() {
     assert!(PolicyModel::from_bytes(&saying(good(), "description", "any ✓").bytes()).is_ok());
     for (key, value, words) in [
         (
@@ -103,7 +103,7 @@ fn metadata_are_as_expected_or_named() {
 }
 
 #[test]
-fn tensors_are_there_of_their_shape_finite_and_no_others() {
+fn missing_misshapen_and_unknown_tensors_are_rejected() {
     let names: Vec<_> = good().tensors.into_keys().collect();
     for name in &names {
         let mut file = good();
@@ -197,7 +197,7 @@ fn tensors_are_there_of_their_shape_finite_and_no_others() {
 }
 
 #[test]
-fn other_numbers_than_single_precision_are_refused() {
+fn tensors_must_be_single_precision() {
     let numbers = [0_u8; 27 * 8];
     let view = TensorView::new(Dtype::F64, vec![27], &numbers).expect("a tensor");
     let metadata = good().metadata.into_iter().collect();
@@ -212,7 +212,7 @@ fn other_numbers_than_single_precision_are_refused() {
 }
 
 #[test]
-fn what_is_no_whole_file_is_refused() {
+fn damaged_files_are_rejected() {
     let whole = good().bytes();
     for length in 0..whole.len() {
         refused(&whole[..length], &["safetensors"]);

@@ -1,4 +1,4 @@
-//! A hand of two fingers, its controller, and sensors to try them on.
+//! A hand of two fingers, its controller and test sensors.
 
 use super::hand::IdealHand;
 use feeler::control::FlagAnalyzer;
@@ -50,7 +50,7 @@ pub fn controller(config: &Config) -> Controller {
     .expect("a controller")
 }
 
-/// Configuration of the task.
+/// Configuration of the screw task.
 pub fn screw(config: &mut Config) -> &mut ScrewConfig {
     let TaskConfig::Screw(screw) = &mut config.task else {
         panic!("a screw task")
@@ -58,7 +58,7 @@ pub fn screw(config: &mut Config) -> &mut ScrewConfig {
     screw
 }
 
-/// Joint angles, rad, with each finger at home.
+/// Joint angles of each finger at home (rad).
 pub fn home(config: &Config) -> Vec<DVec3> {
     let fingers = geometries(config).into_iter().zip(config.task.homes());
     fingers
@@ -73,7 +73,7 @@ pub fn hand_at_home(config: &Config) -> IdealHand {
     IdealHand::new(home(config), config.control.period)
 }
 
-/// State of `hand`.
+/// Measured state of `hand`.
 pub fn state(hand: &IdealHand) -> HandState {
     HandState {
         stamp: hand.stamp,
@@ -92,13 +92,13 @@ pub fn pressed(sequence: u64, stamp: f64, force: f64) -> TactileFrame {
     frame
 }
 
-/// The flag analyzers of a hand, which turn frames into what the controller takes.
+/// Flag analyzers of a hand, which convert frames to the controller's input.
 pub struct Analyzers(Vec<FlagAnalyzer>);
 
 impl Analyzers {
     pub fn new(config: &Config) -> Self {
         let analyzer = FlagAnalyzer::new(config.control.thresholds(), ELEMENTS);
-        // More than there are fingers, for input of too many.
+        // More than the number of fingers, for input with too many frames.
         Self(vec![analyzer; 4])
     }
 

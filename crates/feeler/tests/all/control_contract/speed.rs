@@ -1,4 +1,4 @@
-//! The finger speed estimator (paper, Fig. 5) over every combination of mode and flags.
+//! Finger speed estimator (paper, Fig. 5) for all combinations of mode and flags.
 
 use feeler::control::FingerFlags;
 use feeler::control::Plan;
@@ -21,7 +21,7 @@ const MOVE: Plan = Plan {
     reflex: true,
     keep_grasp: true,
 };
-/// Of the element of largest F_z, outward.
+/// Outward normal of the element with the largest F_z.
 const PRESSING: DVec3 = DVec3::new(0.6, 0.0, 0.8);
 
 fn flags(slip: bool, over: bool, grasp_force: f64) -> FingerFlags {
@@ -39,7 +39,7 @@ fn estimate(plan: &Plan, flags: &FingerFlags, pressing: Option<DVec3>) -> DVec3 
 }
 
 #[test]
-fn a_slip_presses_the_hardest_pressed_element_in_unless_one_is_over() {
+fn slip_recompresses_the_largest_element_unless_one_is_over() {
     for plan in [SEARCH, MOVE] {
         for (slip, over) in [(false, false), (false, true), (true, false), (true, true)] {
             let reflex = if slip && !over {
@@ -54,7 +54,7 @@ fn a_slip_presses_the_hardest_pressed_element_in_unless_one_is_over() {
 }
 
 #[test]
-fn a_slip_without_a_touching_element_presses_nothing() {
+fn slip_without_a_touching_element_has_no_effect() {
     assert_eq!(
         estimate(&MOVE, &flags(true, false, 1.0), None),
         MOVE.velocity
@@ -62,7 +62,7 @@ fn a_slip_without_a_touching_element_presses_nothing() {
 }
 
 #[test]
-fn without_the_reflex_a_slip_changes_nothing() {
+fn slip_without_the_reflex_has_no_effect() {
     let plan = Plan {
         reflex: false,
         ..SEARCH
@@ -74,7 +74,7 @@ fn without_the_reflex_a_slip_changes_nothing() {
 }
 
 #[test]
-fn a_weak_grasp_is_increased_in_move_only_below_its_threshold() {
+fn a_weak_grasp_is_increased_only_in_move() {
     let weak = flags(false, false, 0.699);
     assert_eq!(estimate(&SEARCH, &weak, Some(PRESSING)), SEARCH.velocity);
     let pressed = MOVE.velocity + 0.003 * PRESSING;
@@ -83,7 +83,7 @@ fn a_weak_grasp_is_increased_in_move_only_below_its_threshold() {
         estimate(&MOVE, &flags(false, false, 0.7), Some(PRESSING)),
         MOVE.velocity
     );
-    // With nothing to feel it goes where the object is thought to be.
+    // Without contact, it moves towards the object's expected position.
     assert_eq!(
         estimate(&MOVE, &weak, None),
         MOVE.velocity + 0.003 * DVec3::X
@@ -92,7 +92,7 @@ fn a_weak_grasp_is_increased_in_move_only_below_its_threshold() {
         estimate(&MOVE, &flags(false, true, 0.5), Some(PRESSING)),
         MOVE.velocity
     );
-    // Weak and slipping is re-compressed once, not twice.
+    // A weak, slipping grasp is recompressed once, not twice.
     assert_eq!(
         estimate(&MOVE, &flags(true, false, 0.5), Some(PRESSING)),
         pressed
@@ -100,10 +100,10 @@ fn a_weak_grasp_is_increased_in_move_only_below_its_threshold() {
 }
 
 #[test]
-fn the_velocity_is_kept_while_the_flags_do_not_change() {
+fn the_velocity_is_kept_while_the_flags_are_unchanged() {
     let mut estimator = TriAxialLaw::new(REFLEX);
     let first = estimator.estimate(&MOVE, &flags(true, false, 1.0), Some(PRESSING));
-    // Another element is the hardest pressed now; as the flags are the same, so is the velocity.
+    // The largest element changes, but the flags and therefore the velocity do not.
     let other = Some(DVec3::X);
     assert_eq!(
         estimator.estimate(&MOVE, &flags(true, false, 2.0), other),
@@ -113,7 +113,7 @@ fn the_velocity_is_kept_while_the_flags_do_not_change() {
     assert_eq!(calm, MOVE.velocity);
     let again = estimator.estimate(&MOVE, &flags(true, false, 1.0), other);
     assert_eq!(again, MOVE.velocity + 0.003 * DVec3::X);
-    // A new plan is obeyed at once.
+    // A new plan takes effect immediately.
     let search = estimator.estimate(&SEARCH, &flags(true, false, 1.0), other);
     assert_eq!(search, SEARCH.velocity + 0.003 * DVec3::X);
 }

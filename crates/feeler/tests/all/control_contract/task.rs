@@ -1,4 +1,4 @@
-//! The screw task, with a hand that follows its commands exactly and a wall as the object.
+//! The screw task, with a hand that executes commands exactly and a wall as the object.
 
 use super::hand::IdealHand;
 use super::rig::{
@@ -12,7 +12,7 @@ use feeler::hand::kinematics::fingertip_pose;
 use feeler::hand::{Hand, HandCommand};
 use glam::DVec3;
 
-/// Distance of the wall from home (m). The next constant is its stiffness (N/m).
+/// Distance of the wall from home (m) and its stiffness (N/m).
 const WALL: f64 = 0.004;
 const STIFFNESS: f64 = 2000.0;
 
@@ -24,7 +24,7 @@ struct Run {
     hand: IdealHand,
     commands: Vec<HandCommand>,
     periods: u64,
-    /// Of finger 0 when it decided, N.
+    /// Grasp force of finger 0 at the time of the decision (N).
     grasp_force: f64,
 }
 
@@ -48,7 +48,7 @@ impl Run {
         fingertip_pose(geometry, self.hand.joints[finger].position).0
     }
 
-    /// Goes round once; `wall` is how far from home the wall is, m.
+    /// Runs one control step with the wall `wall` metres from home.
     fn step(&mut self, wall: f64) {
         let fingers = self.screw.finger.iter().enumerate();
         let frames: Vec<_> = fingers
@@ -70,7 +70,7 @@ impl Run {
 }
 
 #[test]
-fn four_strokes_go_through_the_phases_in_order_and_travel_as_configured() {
+fn four_strokes_have_the_configured_phases_and_travel() {
     let mut run = Run::new(config());
     let (mut phases, mut start) = (vec![], [DVec3::ZERO; 2]);
     while run.periods < 3000 && run.controller.phase() != Phase::Done {
@@ -81,14 +81,14 @@ fn four_strokes_go_through_the_phases_in_order_and_travel_as_configured() {
         }
         phases.push(now);
         for (finger, start) in start.iter_mut().enumerate() {
-            // Where the controller saw the finger when it decided.
+            // Position of the finger at the time of the decision.
             let position = run.controller.poses()[finger].position;
             let path = &run.screw.finger[finger];
             match now.1 {
                 Phase::Move => *start = position,
                 Phase::Release => {
                     let travel = (position - *start).dot(path.stroke.into());
-                    // It stops at the first period past the end: one period's way further.
+                    // It stops in the first period past the end, at most one period's motion further.
                     let most = run.screw.travel + 1.1 * run.screw.move_speed * 0.01;
                     assert!((run.screw.travel..most).contains(&travel), "{travel} m");
                 }
@@ -112,18 +112,18 @@ fn four_strokes_go_through_the_phases_in_order_and_travel_as_configured() {
     assert_eq!(
         *last,
         HandCommand::stop(2),
-        "a hand that is done stands still"
+        "the hand must be at rest after the task"
     );
 }
 
 #[test]
-fn each_finger_waits_at_its_own_grasp_for_the_other() {
+fn each_finger_waits_for_the_other_to_grasp() {
     let mut run = Run::new(config());
     while run.grasp_force < run.screw.grasp_force {
         run.step(WALL);
         assert!(run.periods < 1000);
     }
-    // Both touch alike; a finger whose wall is out of reach keeps the first waiting.
+    // Both touch at the same time. A finger whose wall is out of reach keeps the other waiting.
     let mut run = Run::new(config());
     run.screw.finger[1].home[0] -= 0.004;
     for _ in 0..150 {
@@ -136,7 +136,7 @@ fn each_finger_waits_at_its_own_grasp_for_the_other() {
 }
 
 #[test]
-fn a_hand_that_finds_nothing_stops_and_says_so() {
+fn a_search_without_contact_stops_the_hand_with_a_reason() {
     let mut run = Run::new(config());
     while run.periods < 1000 && run.controller.phase() == Phase::Search {
         run.step(1.0);
@@ -146,7 +146,7 @@ fn a_hand_that_finds_nothing_stops_and_says_so() {
     let Some(&StopReason::NothingToGrasp { travel, .. }) = run.controller.stop_reason() else {
         panic!("{:?}", run.controller.stop_reason())
     };
-    // Seen at the first period past the limit.
+    // Detected in the first period past the limit.
     assert!((limit..limit + 1e-4).contains(&travel), "{travel} m");
     let commands = run.commands.len();
     for _ in 0..10 {
@@ -157,7 +157,7 @@ fn a_hand_that_finds_nothing_stops_and_says_so() {
 }
 
 #[test]
-fn an_element_that_is_pressed_beyond_the_limit_stops_the_hand_for_good() {
+fn an_overload_stops_the_hand_permanently() {
     let mut config = config();
     config.control.limits.element_force = Some(5.0);
     let mut run = Run::new(config);
@@ -165,7 +165,7 @@ fn an_element_that_is_pressed_beyond_the_limit_stops_the_hand_for_good() {
         run.step(WALL);
         assert_eq!(run.controller.stop_reason(), None);
     }
-    // The wall has come 5 mm nearer: 10 N more.
+    // The wall moves 5 mm closer, which adds 10 N.
     run.step(WALL - 0.005);
     let Some(&StopReason::Overload { finger, force, .. }) = run.controller.stop_reason() else {
         panic!("{:?}", run.controller.stop_reason())

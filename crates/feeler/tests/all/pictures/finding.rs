@@ -1,4 +1,4 @@
-//! Sub-regions by their definition, and the mean of several pictures.
+//! Sub-regions compared with their definition, and the mean of several images.
 
 use feeler::sensor::image::Picture;
 use feeler::sensor::locate::{
@@ -11,9 +11,9 @@ use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64;
 
 proptest! {
-    /// Each pixel belongs to the nearest of the discs that it is in.
+    /// Each pixel belongs to the nearest disc that contains it.
     #[test]
-    fn a_pixel_belongs_to_the_nearest_disc_about_it(
+    fn a_pixel_belongs_to_the_nearest_disc_that_contains_it(
         width in 1..40_usize,
         height in 1..40_usize,
         discs in prop::collection::vec((-5.0..45.0, -5.0..45.0, 0.3..15.0_f64), 0..6),
@@ -33,7 +33,7 @@ proptest! {
     }
 }
 
-/// A picture of noise of this deviation about 100.
+/// Image with Gaussian noise of this standard deviation around gray value 100.
 fn noisy(deviation: f64, seed: u64) -> Picture {
     let mut rng = Pcg64::seed_from_u64(seed);
     let noise = Normal::new(100.0, deviation).expect("a distribution");
@@ -45,13 +45,13 @@ fn noisy(deviation: f64, seed: u64) -> Picture {
 }
 
 #[test]
-fn noise_is_that_of_one_picture_however_many_there_are() {
+fn noise_is_that_of_a_single_image() {
     for deviation in [2.0, 8.0] {
         for count in [1, 9] {
             let pictures: Vec<_> = (0..count).map(|seed| noisy(deviation, seed)).collect();
             let reference = ReferencePicture::mean(&pictures).expect("a reference");
             assert_eq!(reference.pictures, pictures.len());
-            // A fifth of 4 661 values is known to 3 % of the deviation; neighbours share pixels.
+            // A fifth of 4661 values determines the standard deviation to 3 %; neighbours share pixels.
             let ratio = reference.noise() / deviation;
             assert!(
                 (ratio - 1.0).abs() < 0.12,
@@ -61,9 +61,9 @@ fn noise_is_that_of_one_picture_however_many_there_are() {
     }
 }
 
-/// Slopes are detail, not noise; and no noise is less than that of rounding.
+/// Slopes are detail, not noise. The smallest noise is that of rounding.
 #[test]
-fn a_slope_is_no_noise() {
+fn a_slope_is_not_noise() {
     let mut picture = Picture::black(64, 48);
     for (index, pixel) in picture.pixels.iter_mut().enumerate() {
         *pixel = (2 * (index % 64) + index / 64) as u8;
@@ -73,7 +73,7 @@ fn a_slope_is_no_noise() {
 }
 
 #[test]
-fn the_mean_is_taken_pixel_by_pixel() {
+fn the_mean_is_computed_per_pixel() {
     let mut rng = Pcg64::seed_from_u64(3);
     let mut pictures = vec![Picture::black(16, 17); 3];
     for pixel in pictures.iter_mut().flat_map(|p| &mut p.pixels) {
@@ -90,7 +90,7 @@ fn the_mean_is_taken_pixel_by_pixel() {
 }
 
 #[test]
-fn two_levels_are_black_and_white_in_all_pictures() {
+fn two_level_requires_black_and_white_in_all_images() {
     let two_level = |values: [u8; 2]| {
         let pictures = values.map(|value| {
             let mut picture = Picture::black(16, 16);
@@ -108,7 +108,7 @@ fn two_levels_are_black_and_white_in_all_pictures() {
 }
 
 #[test]
-fn pictures_that_are_too_small_or_differ_are_refused() {
+fn small_images_and_images_of_different_sizes_are_rejected() {
     let mut mean = MeanPicture::default();
     for (width, height) in [(15, 16), (16, 15), (0, 0)] {
         let error = mean.add(&Picture::black(width, height));
@@ -130,7 +130,7 @@ fn pictures_that_are_too_small_or_differ_are_refused() {
 }
 
 #[test]
-fn what_is_said_beforehand_lies_in_its_range() {
+fn configuration_out_of_range_is_rejected() {
     let mut picture = Picture::black(40, 30);
     picture.pixels.fill(90);
     let reference = ReferencePicture::mean([&picture]).expect("a reference");
@@ -150,7 +150,7 @@ fn what_is_said_beforehand_lies_in_its_range() {
         region_radius,
         ..LocateConfig::default()
     };
-    // Half of the shorter side, and all of it.
+    // Limits: half of the shorter side for spots, and the whole shorter side for elements.
     assert!(refused(&spot(0.99)) && !refused(&spot(1.0)));
     assert!(refused(&spot(15.01)) && !refused(&spot(15.0)));
     assert!(refused(&element(0.99)) && !refused(&element(1.0)));

@@ -5,7 +5,7 @@ use feeler::sensor::locate::{LocateConfig, LocateWarning};
 use glam::DVec2;
 use std::f64::consts::TAU;
 
-/// Radius of the circle on which a group's spots stand, px.
+/// Radius of the circle of a group's spots (px).
 const CIRCLE: f64 = 9.0;
 const SIGMA: f64 = 1.6;
 const SIZE: (usize, usize) = (255, 215);
@@ -45,7 +45,7 @@ fn groups_of_one_size_are_elements() {
             element.radius_px
         );
     }
-    // All of its spots have room in a sub-region, however small one is wanted.
+    // A sub-region contains all of its spots, regardless of the configured radius.
     let narrow = LocateConfig {
         region_radius: 0.2,
         ..LocateConfig::default()
@@ -59,15 +59,15 @@ fn groups_of_one_size_are_elements() {
     );
 }
 
-/// The corners of a pentagon.
+/// Corners of a pentagon.
 fn five(middle: DVec2) -> impl Iterator<Item = DVec2> {
     (0..5).map(move |n| middle + CIRCLE * DVec2::from_angle(TAU * f64::from(n) / 5.0 + 0.2))
 }
 
 #[test]
-fn a_group_that_misses_a_spot_is_named_and_a_spot_of_no_group_left_out() {
+fn incomplete_groups_are_named_and_stray_spots_are_left_out() {
     let mut spots: Vec<DVec2> = middles().into_iter().flat_map(five).collect();
-    // Element 4 lacks one.
+    // Element 4 lacks one spot.
     spots.remove(4 * 5 + 3);
     let picture = Spots::alike(&spots, SIGMA).picture(SIZE);
     let located = found(&picture, &LocateConfig::default()).expect("elements");
@@ -92,9 +92,9 @@ fn a_group_that_misses_a_spot_is_named_and_a_spot_of_no_group_left_out() {
     );
 }
 
-/// Its halves, and those of all others, would be whole groups of four.
+/// Splitting this group and all others in two would give complete groups of four.
 #[test]
-fn a_group_that_misses_two_spots_does_not_halve_the_others() {
+fn a_group_without_two_spots_does_not_split_the_others() {
     let mut spots: Vec<DVec2> = middles().into_iter().flat_map(group).collect();
     spots.drain(4 * 8 + 2..4 * 8 + 4);
     let picture = Spots::alike(&spots, SIGMA).picture(SIZE);
@@ -109,7 +109,7 @@ fn a_group_that_misses_two_spots_does_not_halve_the_others() {
 }
 
 #[test]
-fn a_group_with_spots_of_another_is_named_as_merged() {
+fn a_group_with_an_additional_spot_is_named_as_merged() {
     let mut spots: Vec<DVec2> = middles().into_iter().flat_map(group).collect();
     spots.push(middles()[11]);
     let config = LocateConfig {
@@ -132,9 +132,9 @@ fn a_group_with_spots_of_another_is_named_as_merged() {
     assert_eq!(times, 9.0 / 8.0);
 }
 
-/// Spots are grouped into elements of a given diameter, or refused.
+/// The configured diameter determines which spots form an element.
 #[test]
-fn the_size_of_elements_may_be_told() {
+fn the_size_of_elements_is_configurable() {
     let spots: Vec<DVec2> = middles().into_iter().flat_map(group).collect();
     let picture = Spots::alike(&spots, SIGMA).picture(SIZE);
     let count = |diameter: f64| {
@@ -145,13 +145,13 @@ fn the_size_of_elements_may_be_told() {
         let located = found(&picture, &config).expect("elements");
         (located.elements.len(), located.spots_per_element)
     };
-    // The spots of a group are 6.9 px from their neighbours and 18 px from those opposite.
+    // The spots of a group are 6.9 px from their neighbours and 18 px from the opposite ones.
     assert_eq!(count(4.0), (240, 1));
     assert_eq!(count(18.5), (30, 8));
     assert_eq!(count(30.0), (30, 8));
 }
 
-/// A lattice is not a set of groups, however it is divided.
+/// A lattice is not split into groups, although it could be in several ways.
 #[test]
 fn spots_on_a_lattice_are_elements_themselves() {
     let lattice = grid(DVec2::splat(15.3), 14.0, 14, 12);

@@ -1,4 +1,4 @@
-//! Layouts of elements that are where a test puts them.
+//! Layouts of elements at given places.
 
 use feeler::sensor::fingertip::{CameraConfig, DomeProjection};
 use feeler::sensor::fingertip::{DomeGeometry, LayoutError, LocatedLayout};
@@ -34,16 +34,16 @@ fn element(centre_px: DVec2, radius_px: f64, spots_px: Vec<DVec2>) -> LocatedEle
     }
 }
 
-/// Two discs of radius 6 px, in a picture of 60x40 px.
+/// Two discs of radius 6 px in an image of 60x40 px.
 fn flat() -> Located {
     let at = |x, y| element(DVec2::new(x, y), 6.0, vec![DVec2::new(x, y)]);
     located((60, 40), vec![at(20.251_237, 15.5), at(40.0, 25.0)])
 }
 
 #[test]
-fn without_a_dome_moments_are_in_pixels_from_the_centres() {
+fn without_a_dome_moments_are_in_pixels_relative_to_the_centres() {
     let layout = LocatedLayout::new(&flat());
-    // To a ten-thousandth of a pixel.
+    // Rounded to a ten-thousandth of a pixel.
     assert_eq!(layout.elements[0].centre_px, DVec2::new(20.2512, 15.5));
     assert_eq!((layout.elements[0].radius_px, layout.dark_level), (6.0, 20));
     let mut picture = Picture::black(60, 40);
@@ -64,7 +64,7 @@ fn without_a_dome_moments_are_in_pixels_from_the_centres() {
             (moments.integrated_gray / gray - 1.0).abs() < 3e-5,
             "{moments:?}"
         );
-        // A disc of 6 px has 113 px².
+        // A disc of radius 6 px has an area of 113 px².
         assert!(
             (pixels.len() as f64 - 113.0).abs() < 6.0,
             "{}",
@@ -76,7 +76,7 @@ fn without_a_dome_moments_are_in_pixels_from_the_centres() {
                 .all(|p| p.area == 1.0 && p.point.length() <= 6.0)
         );
     }
-    // 190 levels at (2, 3) beside 10 levels at each of 113 places about (0, 0).
+    // 190 levels at (2, 3), next to 10 levels at each of 113 places around (0, 0).
     let share = 190.0 / moments[1].integrated_gray;
     let expected = share * DVec2::new(2.0, 3.0);
     assert!(
@@ -86,7 +86,7 @@ fn without_a_dome_moments_are_in_pixels_from_the_centres() {
     );
 }
 
-/// The tips of the reference layout as its camera sees them, mixed up; each as two spots about it.
+/// Projected tips of the reference layout, in shuffled order, each with two spots around it.
 fn on_dome() -> (Located, DomeGeometry, ElementLayout) {
     let layout = ElementLayout::new(&LayoutConfig::default());
     let camera = CameraConfig::default();
@@ -112,7 +112,7 @@ fn on_dome() -> (Located, DomeGeometry, ElementLayout) {
 }
 
 #[test]
-fn on_a_dome_elements_are_sorted_into_their_rings_and_point_where_they_stand() {
+fn elements_on_a_dome_are_sorted_into_rings_and_point_outward() {
     let (found, dome, expected) = on_dome();
     let projection = DomeProjection::new(&dome.camera, dome.radius).expect("a dome");
     let layout = LocatedLayout::on_dome(&found, dome).expect("a layout");
@@ -125,7 +125,7 @@ fn on_a_dome_elements_are_sorted_into_their_rings_and_point_where_they_stand() {
             "element {n}: {place:?}"
         );
         let direction = place.direction.expect("a direction");
-        // The middle of two places on either side; rounding.
+        // The middle of two symmetrical spots, up to rounding.
         assert!(
             direction.distance(expected_element.normal()) < 1e-9,
             "element {n}: {place:?}"
@@ -136,16 +136,16 @@ fn on_a_dome_elements_are_sorted_into_their_rings_and_point_where_they_stand() {
             "element {n}: {place:?}"
         );
     }
-    // In metres: discs of 10 px by the dewarp's area.
+    // In metres: discs of radius 10 px, scaled by the dewarp's area.
     let areas = layout.weighted_pixels().expect("pixels");
     let apex: f64 = areas[0].iter().map(|p| p.area).sum();
     let scale = (DOME_RADIUS + 0.010) / 195.0;
     let area = std::f64::consts::PI * (10.0 * scale).powi(2);
-    assert!((apex / area - 1.0).abs() < 0.03, "{apex} m², not {area} m²");
+    assert!((apex / area - 1.0).abs() < 0.03, "{apex} m² instead of {area} m²");
 }
 
 #[test]
-fn what_is_seen_beside_the_dome_is_refused() {
+fn elements_outside_the_dome_are_rejected() {
     let (found, mut dome, _) = on_dome();
     dome.camera.standoff = -0.017;
     dome.camera.focal_length_px = 3.0;
@@ -163,7 +163,7 @@ fn text() -> String {
 }
 
 #[test]
-fn a_layout_survives_its_file_and_its_hash_tells_it_from_others() {
+fn layouts_survive_a_round_trip_and_have_distinct_hashes() {
     let layout = LocatedLayout::from_toml(&text()).expect("a layout");
     assert_eq!(layout.to_toml().expect("text"), text());
     let hash = layout.hash().expect("a hash");
@@ -174,7 +174,7 @@ fn a_layout_survives_its_file_and_its_hash_tells_it_from_others() {
 }
 
 #[test]
-fn values_that_cannot_be_used_are_refused() {
+fn invalid_values_are_rejected() {
     type Change = fn(&mut LocatedLayout);
     let cases: [(Change, &str); 19] = [
         (|l| l.version = 2, "version 1, got 2"),
@@ -230,7 +230,7 @@ fn values_that_cannot_be_used_are_refused() {
             .to_string();
         assert!(message.contains(words), "{words}: {message}");
     }
-    // As large as may be.
+    // The maximum size is accepted.
     let mut layout = LocatedLayout::from_toml(&text()).expect("a layout");
     layout.dome = None;
     (layout.width, layout.height) = (1 << 14, 1 << 12);
@@ -247,9 +247,10 @@ fn values_that_cannot_be_used_are_refused() {
     ));
 }
 
-/// On either side of a degree off the apex, and behind it: a right-handed frame whose z is the direction.
+/// At polar angles just below and above one degree, and beyond 90 degrees, the frame is right-handed and its z axis
+/// is the direction.
 #[test]
-fn an_element_faces_where_it_is_told_to() {
+fn an_element_faces_its_direction() {
     for (polar_deg, about_apex) in [
         (0.0, true),
         (0.9, true),
@@ -269,7 +270,7 @@ fn an_element_faces_where_it_is_told_to() {
             ];
             assert!(z.distance(direction) < 1e-12 && x.cross(y).distance(z) < 1e-12);
             assert!(x.is_normalized() && y.is_normalized());
-            // About the apex x is along y of `T`, elsewhere along the meridian, away from the apex.
+            // Around the apex, x is along y of `T`; elsewhere it is along the meridian, away from the apex.
             let meridian = DVec3::new(-sin, cos * around.x, cos * around.y);
             let expected = if about_apex { DVec3::Y } else { meridian };
             // A degree of tilt.

@@ -1,4 +1,4 @@
-//! Small images: readings, layouts, elements.
+//! Readings, layouts and elements computed from small images.
 
 mod finding;
 mod groups;

@@ -1,4 +1,4 @@
-//! Readings of two rectangles of a small picture.
+//! Readings of two rectangles of a small image.
 
 use feeler::sensor::calibration::{
     CALIBRATION_VERSION, Calibration, CalibrationTarget, ElementCalibration, ElementQuality,
@@ -19,7 +19,7 @@ use glam::{DVec2, DVec3};
 const SIZE: (usize, usize) = (20, 8);
 const DARK: u8 = 10;
 
-/// The left and the right half of the picture, places counted from their middles, px.
+/// The left and the right half of the image, with places relative to their middles (px).
 fn regions() -> Vec<Vec<WeightedPixel>> {
     let region = |first: usize| {
         let pixel = |n: usize| {
@@ -41,7 +41,7 @@ fn sensing() -> SensingChain {
     SensingChain::new(SIZE, kernel, &regions(), 0.1).expect("a sensor")
 }
 
-/// A picture with these gray values in the left half's left and right columns and in the right half.
+/// Image with gray values `left` and `right` in the outer columns of the left half, and `other` in the right half.
 fn picture(left: u8, right: u8, other: u8) -> Picture {
     let mut picture = Picture::black(SIZE.0, SIZE.1);
     for (index, pixel) in picture.pixels.iter_mut().enumerate() {
@@ -60,7 +60,7 @@ fn sensed(sensing: &mut SensingChain, picture: &Picture) -> [ElementReading; 2] 
     readings
 }
 
-/// Straight lines: 2 N for the double gray value, 0.1 N and 0.2 N for a pixel along x and y.
+/// Linear curves: 2 N for twice the gray value, and 0.1 N and 0.2 N per pixel along x and y.
 fn calibration() -> Calibration {
     let line = |slope: f64, end: f64| ForceCurve {
         range: [-end, end],
@@ -88,7 +88,7 @@ fn calibration() -> Calibration {
 
 /// 40 pixels at -2.5 px and 40 at 2.5 px.
 #[test]
-fn gray_value_and_centroid_are_those_of_the_halves() {
+fn gray_value_and_centroid_agree_with_the_image_halves() {
     let mut sensing = sensing();
     assert_eq!((sensing.element_count(), sensing.picture_size()), (2, SIZE));
     assert!(!sensing.is_calibrated() && sensing.reference().is_none());
@@ -111,7 +111,7 @@ fn gray_value_and_centroid_are_those_of_the_halves() {
 }
 
 #[test]
-fn displacements_count_from_the_mean_of_what_was_lit() {
+fn displacements_are_relative_to_the_mean_of_lit_references() {
     let mut sensing = sensing();
     let first = sensed(&mut sensing, &picture(30, 30, DARK));
     let second = sensed(&mut sensing, &picture(DARK + 10, DARK + 30, 60));
@@ -148,12 +148,13 @@ fn displacements_count_from_the_mean_of_what_was_lit() {
 }
 
 #[test]
-fn forces_are_given_where_the_light_allows_it() {
+fn forces_require_sufficient_exposure() {
     let mut sensing = sensing()
         .with_calibration(calibration())
         .expect("a calibration");
     assert!(sensing.is_calibrated());
-    // One and a half times the unloaded gray value of 50, moved by a third of 2.5 px; and a tenth saturated, or more.
+    // The left half has 1.5 times the unloaded gray value of 50, displaced by a third of 2.5 px. In the right half, a
+    // tenth of the pixels or more are saturated.
     for (saturated, exposure) in [(8, Exposure::Good), (9, Exposure::Saturated)] {
         let mut picture = picture(DARK + 50, DARK + 100, DARK + 50);
         for n in 0..saturated {
@@ -183,7 +184,7 @@ fn forces_are_given_where_the_light_allows_it() {
 }
 
 #[test]
-fn what_is_for_another_number_of_elements_is_refused() {
+fn calibrations_and_kernels_of_other_sizes_are_rejected() {
     let mut one = calibration();
     one.elements.pop();
     assert!(sensing().with_calibration(one).is_err());
@@ -203,9 +204,9 @@ fn what_is_for_another_number_of_elements_is_refused() {
     assert!(SensingChain::new(SIZE, kernel, &regions()[..1], 0.1).is_err());
 }
 
-/// The lamp of all elements dims by a tenth: with the correction, no force comes of it.
+/// The light of all elements dims by a tenth, which causes no force if the correction is active.
 #[test]
-fn drift_is_taken_out_where_it_is_asked_for() {
+fn drift_is_corrected_if_configured() {
     let read = |sensing: SensingChain| {
         let mut sensing = sensing
             .with_calibration(calibration())
@@ -226,7 +227,7 @@ fn drift_is_taken_out_where_it_is_asked_for() {
     assert!((readings[0].force.expect("a force").z + 0.2).abs() < 1e-6);
 }
 
-/// Takes pictures that get brighter.
+/// A camera whose images get brighter.
 struct Brightening(u64);
 
 impl Camera for Brightening {
@@ -240,16 +241,16 @@ impl Camera for Brightening {
 }
 
 #[test]
-fn an_optical_sensor_reads_what_its_camera_sees() {
+fn an_optical_sensor_computes_forces_from_its_cameras_images() {
     let config = FingertipConfig::default();
     let mut calibration = calibration();
     calibration.made_for = CalibrationTarget::fingertip(&config).expect("a fingertip");
     let mut element = calibration.elements[0].clone();
-    // A level of 100 above the dark one of 24, over a disc of 2.6 mm.
+    // Gray value 100 is 76 above the dark level of 24, over a disc of radius 2.6 mm.
     element.unloaded_gray = 76.0 * std::f64::consts::PI * 2.6e-3_f64.powi(2);
     element.unloaded_centroid = DVec2::ZERO;
     calibration.elements = vec![element; 41];
-    // Boxed, as where the camera is chosen at run time.
+    // Boxed, as if the camera were chosen at run time.
     let camera: Box<dyn Camera> = Box::new(Brightening(0));
     let mut sensor = OpticalSensor::new(camera, &config, calibration.clone()).expect("a sensor");
     let mut frame = TactileFrame::unloaded(41);
@@ -259,7 +260,7 @@ fn an_optical_sensor_reads_what_its_camera_sees() {
         assert_eq!((frame.sequence, frame.stamp), (n, 0.5 * n as f64));
         let expected = 2.0 * (10.0 * n as f64) / 76.0;
         for force in &frame.forces {
-            // The discs' areas are right to 1.2 %, by which G is off.
+            // The areas of the discs, and therefore G, are accurate to 1.2 %.
             assert!((force.z - expected).abs() < 2.0 * 0.012 * 1.5, "{force}");
         }
         assert!(frame.is_valid(40) && !frame.is_valid(41));
@@ -279,7 +280,7 @@ fn an_optical_sensor_reads_what_its_camera_sees() {
 }
 
 #[test]
-fn a_frame_of_another_size_is_refused() {
+fn frames_of_another_size_are_rejected() {
     assert!(check_frame_size((4, 3), &Frame::black(4, 3)).is_ok());
     for size in [(3, 4), (4, 4), (5, 3)] {
         assert!(check_frame_size(size, &Frame::black(4, 3)).is_err());

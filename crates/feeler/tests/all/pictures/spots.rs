@@ -1,4 +1,4 @@
-//! Pictures of round spots, as smooth as a lens makes them.
+//! Images of round, smooth spots.
 
 use feeler::sensor::image::Picture;
 use feeler::sensor::locate::{
@@ -9,19 +9,19 @@ use rand::SeedableRng;
 use rand_distr::{Distribution, Normal};
 use rand_pcg::Pcg64;
 
-/// Background level under all spots (grey levels).
+/// Gray value of the background.
 pub const BACKGROUND: f64 = 20.0;
 
-/// Gaussian spots: where each is, px, its deviation, px, and its height, grey levels.
+/// Gaussian spots: centre (px), standard deviation (px) and height (grey levels).
 pub struct Spots(pub Vec<(DVec2, f64, f64)>);
 
 impl Spots {
-    /// Spots of one kind.
+    /// Creates spots of equal size and height.
     pub fn alike(centres: &[DVec2], sigma: f64) -> Self {
         Self(centres.iter().map(|&c| (c, sigma, 120.0)).collect())
     }
 
-    /// A picture of them, with noise of one grey level.
+    /// Image of the spots, with noise of one grey level.
     pub fn picture(&self, (width, height): (usize, usize)) -> Picture {
         let mut gray = vec![BACKGROUND; width * height];
         for &(centre, sigma, contrast) in &self.0 {
@@ -50,7 +50,7 @@ pub fn found(picture: &Picture, config: &LocateConfig) -> Result<Located, Locate
     locate(&ReferencePicture::mean([picture])?, config)
 }
 
-/// Places on a square grid of `columns` and `rows`, the first at `first`.
+/// Places on a square grid of `columns` and `rows`, starting at `first`.
 pub fn grid(first: DVec2, spacing: f64, columns: usize, rows: usize) -> Vec<DVec2> {
     let place = |n: usize| first + spacing * DVec2::new((n % columns) as f64, (n / columns) as f64);
     (0..columns * rows).map(place).collect()
@@ -76,7 +76,7 @@ fn left_out(located: &Located) -> Vec<DVec2> {
 }
 
 #[test]
-fn pins_are_found_in_reading_order_with_discs_that_just_touch() {
+fn pins_are_found_in_reading_order_with_touching_discs() {
     for sigma in [2.0, 3.0] {
         let located = found(&Spots::alike(&pins(), sigma).picture(SIZE), &plain()).expect("pins");
         assert_eq!(located.size, SIZE);
@@ -100,18 +100,18 @@ fn pins_are_found_in_reading_order_with_discs_that_just_touch() {
             "{}",
             located.spacing_px
         );
-        // The response of a Gaussian is greatest at its own scale; layers are a factor of 1.19 apart.
+        // The response to a Gaussian is largest at its own scale; layers differ by a factor of 1.19.
         let diameter = 2.0 * std::f64::consts::SQRT_2 * sigma;
         let ratio = located.spot_diameter_px / diameter;
         assert!((0.84..1.19).contains(&ratio), "{ratio}");
-        // Four deviations of the noise above the background, to which the spots' flanks add a little.
+        // Four standard deviations of the noise above the background; the spots' flanks add a little.
         let dark = f64::from(located.dark_level) - BACKGROUND;
         assert!((3.0..=9.0).contains(&dark), "{dark}");
     }
 }
 
 #[test]
-fn a_larger_radius_is_given_where_it_is_asked_for() {
+fn the_radius_of_sub_regions_is_configurable() {
     let config = LocateConfig {
         region_radius: 0.8,
         ..plain()
@@ -120,9 +120,9 @@ fn a_larger_radius_is_given_where_it_is_asked_for() {
     assert!((located.elements[7].radius_px - 16.0).abs() < 0.25);
 }
 
-/// Many small spots outweigh a few large ones, unless a size is given.
+/// Many small spots are stronger together than a few large ones unless the large diameter is configured.
 #[test]
-fn the_size_of_spots_may_be_told() {
+fn the_size_of_spots_is_configurable() {
     let mut spots = Spots::alike(&pins(), 1.5);
     for place in grid(FIRST + DVec2::splat(140.0), 45.0, 4, 4) {
         spots.0.push((place, 9.0, 120.0));
@@ -138,9 +138,9 @@ fn the_size_of_spots_may_be_told() {
 }
 
 #[test]
-fn faint_specks_and_specks_beside_a_pin_are_none() {
+fn faint_specks_and_specks_next_to_a_pin_are_ignored() {
     let mut spots = Spots::alike(&pins(), 2.0);
-    // A tenth as bright, between four pins; and half as bright, at a third of the spacing from one.
+    // A tenth as bright, between four pins, and half as bright, at a third of the spacing from a pin.
     spots.0.push((pins()[7] + DVec2::splat(10.0), 2.0, 12.0));
     spots.0.push((pins()[14] + DVec2::new(7.5, 0.0), 1.5, 60.0));
     let located = found(&spots.picture(SIZE), &plain()).expect("pins");
@@ -151,7 +151,7 @@ fn faint_specks_and_specks_beside_a_pin_are_none() {
 }
 
 #[test]
-fn what_stands_apart_is_left_out_and_said() {
+fn isolated_spots_are_left_out_with_a_warning() {
     let mut spots = Spots::alike(&pins(), 2.0);
     let stray = DVec2::new(190.0, 60.0);
     spots.0.push((stray, 2.0, 120.0));
@@ -160,7 +160,7 @@ fn what_stands_apart_is_left_out_and_said() {
     let left_out = left_out(&located);
     assert_eq!(left_out.len(), 1);
     assert!(left_out[0].distance(stray) < 0.1, "{left_out:?}");
-    // Of fewer than twenty, none stands apart.
+    // With fewer than twenty spots, none is left out.
     let few = grid(FIRST, 20.0, 4, 4);
     let mut spots = Spots::alike(&few, 2.0);
     spots.0.push((stray, 2.0, 120.0));
@@ -168,9 +168,9 @@ fn what_stands_apart_is_left_out_and_said() {
     assert_eq!(located.elements.len(), 17);
 }
 
-/// Among closely spaced pins, a spot with few neighbours and another size is a reflection.
+/// On a dense lattice, a spot at the rim with few neighbours and another size is a reflection.
 #[test]
-fn what_is_unlike_the_pins_at_the_rim_of_a_lattice_is_left_out() {
+fn reflections_at_the_rim_of_a_lattice_are_left_out() {
     let row = |r: usize| {
         let shift = 10.0 * (r % 2) as f64;
         grid(FIRST + DVec2::new(shift, 17.32 * r as f64), 20.0, 8, 1)
@@ -189,9 +189,9 @@ fn what_is_unlike_the_pins_at_the_rim_of_a_lattice_is_left_out() {
 }
 
 #[test]
-fn lines_and_broad_light_are_no_spots() {
+fn lines_and_broad_light_are_not_spots() {
     let mut picture = Spots::alike(&pins(), 2.0).picture((145, 190));
-    // A bright bar three pixels wide, and a disc of 40 px with a spot upon it.
+    // A bright bar three pixels wide, and a disc of 40 px with a spot on it.
     for column in 10..135 {
         for row in 128..131 {
             picture.pixels[row * 145 + column] = 200;
@@ -211,7 +211,7 @@ fn lines_and_broad_light_are_no_spots() {
 }
 
 #[test]
-fn discs_beyond_the_rim_are_said_to_be_cut_off() {
+fn discs_beyond_the_image_are_reported_as_cut_off() {
     let beyond = |first: DVec2, size: (usize, usize)| {
         let pins = grid(first, 20.0, 6, 5);
         let located = found(&Spots::alike(&pins, 2.0).picture(size), &plain()).expect("pins");
@@ -221,7 +221,7 @@ fn discs_beyond_the_rim_are_said_to_be_cut_off() {
         });
         cut.unwrap_or_default()
     };
-    // Ten pixels of radius about the outermost centres, half a pixel aside.
+    // A radius of ten pixels around the outermost centres, offset by half a pixel.
     assert_eq!(beyond(DVec2::new(10.5, 10.5), (122, 102)), [0; 0]);
     assert_eq!(
         beyond(DVec2::new(8.5, 10.5), (120, 102)),
@@ -242,7 +242,7 @@ fn discs_beyond_the_rim_are_said_to_be_cut_off() {
 }
 
 #[test]
-fn black_and_white_pictures_are_cut_in_the_middle_and_warned_of() {
+fn black_and_white_images_are_thresholded_in_the_middle_with_a_warning() {
     let mut picture = Spots::alike(&pins(), 3.0).picture(SIZE);
     for pixel in &mut picture.pixels {
         *pixel = if *pixel > 80 { 255 } else { 0 };
@@ -256,7 +256,7 @@ fn black_and_white_pictures_are_cut_in_the_middle_and_warned_of() {
     assert!(!located.warnings.contains(&LocateWarning::TwoLevels));
 }
 
-/// All pixels of some pins are burnt out; of others, only the middle.
+/// In some pins all pixels are saturated; in others, only the middle is.
 #[test]
 fn saturated_pins_are_named() {
     let mut spots = Spots::alike(&pins(), 2.5);
@@ -273,7 +273,7 @@ fn saturated_pins_are_named() {
 }
 
 #[test]
-fn more_spots_than_a_sensor_has_are_texture() {
+fn too_many_spots_are_rejected_as_texture() {
     let many = grid(DVec2::splat(8.2), 7.0, 66, 66);
     let picture = Spots::alike(&many, 1.2).picture((480, 480));
     let error = found(&picture, &plain()).expect_err("refused");
@@ -284,7 +284,7 @@ fn more_spots_than_a_sensor_has_are_texture() {
 }
 
 #[test]
-fn what_there_was_instead_of_spots_is_said() {
+fn an_image_without_spots_is_described_in_the_error() {
     let error = found(&Spots(Vec::new()).picture(SIZE), &plain()).expect_err("refused");
     let LocateError::NoElement {
         darkest,
@@ -294,8 +294,8 @@ fn what_there_was_instead_of_spots_is_said() {
     else {
         panic!("{error}")
     };
-    // A level of noise, in 17 400 pixels: four deviations either way.
+    // Noise of one level in 17,400 pixels: four standard deviations in either direction.
     assert!((15.0..=17.0).contains(&darkest) && (23.0..=25.0).contains(&brightest));
-    // Whole grey levels tell it in steps of 0.66.
+    // Whole grey levels quantize the estimate in steps of 0.66.
     assert!((noise - 1.0).abs() < 0.66, "{noise}");
 }

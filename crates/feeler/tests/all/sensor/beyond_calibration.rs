@@ -3,12 +3,12 @@
 use feeler::sensor::calibration::{CoupledMap, RelativeMoments};
 use glam::{DVec2, DVec3};
 
-/// Ranges of different widths, none of them symmetrical, so that no two can be mistaken for each other.
+/// Asymmetrical ranges of different widths, so that none can be mistaken for another.
 const GROWTH: [f64; 2] = [-0.1, 2.0];
 const X: [f64; 2] = [-2e-4, 3e-4];
 const Y: [f64; 2] = [-8e-4, 5e-4];
 
-/// Forces with a curved part: a parabola of growth, cubes of displacements.
+/// Forces with a curved part: a parabola of growth, and cubes of the displacements.
 fn map() -> CoupledMap {
     CoupledMap {
         growth_range: GROWTH,
@@ -20,7 +20,7 @@ fn map() -> CoupledMap {
     }
 }
 
-/// The three forces as functions of growth and displacements, in SI units.
+/// Normal force as a function of growth, in SI units, like [`map`].
 fn normal(growth: f64) -> f64 {
     let g = growth / 2.0;
     1.5 * g + 0.4 * g * g
@@ -36,14 +36,14 @@ fn shear_y(y: f64) -> f64 {
     0.9 * y - 0.3 * y.powi(3)
 }
 
-/// Extrapolates `force` to `input` from the nearer end of `[low, high]` with its mean slope over that range.
+/// Value of `force` at `input` if it continues from the ends of `[low, high]` with its mean slope over that range.
 fn continued(force: fn(f64) -> f64, input: f64, [low, high]: [f64; 2]) -> f64 {
     let end = input.clamp(low, high);
     force(end) + (input - end) * (force(high) - force(low)) / (high - low)
 }
 
 #[test]
-fn each_force_goes_on_with_its_mean_slope_over_the_range_of_its_own_input() {
+fn each_force_continues_with_its_mean_slope_over_its_inputs_range() {
     let map = map();
     let reach = |[low, high]: [f64; 2]| {
         let width = high - low;
@@ -62,11 +62,11 @@ fn each_force_goes_on_with_its_mean_slope_over_the_range_of_its_own_input() {
                     continued(shear_y, y, Y),
                     continued(normal, growth, GROWTH),
                 );
-                // Rounding: the same few products in another order.
+                // Rounding of the same few products in another order.
                 let error = (force - expected).abs().max_element();
                 assert!(
                     error < 1e-12,
-                    "{force} N, not {expected} N, at {growth}, {displacement} m"
+                    "{force} N instead of {expected} N at {growth}, {displacement} m"
                 );
             }
         }

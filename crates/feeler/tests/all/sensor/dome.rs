@@ -1,4 +1,4 @@
-//! The projection of the dome against itself: there and back, and areas that add up.
+//! Consistency of the dome's projection: round trips and areas.
 
 use feeler::sensor::fingertip::{
     CameraConfig, DomeError, DomeProjection, ElementLayout, LayoutConfig,
@@ -27,8 +27,8 @@ fn camera() -> impl Strategy<Value = CameraConfig> {
         )
 }
 
-/// The pixel at which a pinhole `standoff` behind the dome's centre, with radial distortion, sees
-/// `point`: written out from the definition, independently of the projection under test.
+/// Pixel at which a pinhole camera `standoff` behind the dome's centre, with radial distortion, sees `point`.
+/// Computed from the definition, independently of the tested projection.
 fn brute_force_pixel(camera: &CameraConfig, point: DVec3) -> DVec2 {
     let slope = DVec2::new(point.y, point.z) / (point.x + camera.standoff);
     let [k1, k2] = camera.radial_distortion;
@@ -39,9 +39,8 @@ fn brute_force_pixel(camera: &CameraConfig, point: DVec3) -> DVec2 {
 }
 
 proptest! {
-    /// The dewarp is exact to 0.01 px: a place in an element's plane that a pixel is dewarped to,
-    /// put back on the sphere along the element's normal and projected by brute force, is at that
-    /// pixel, for random cameras and distortions.
+    /// The dewarp is exact to 0.01 px for random cameras and distortions: a pixel's place in the element's plane,
+    /// lifted onto the sphere along the element's normal and projected by brute force, is at that pixel.
     #[test]
     fn the_dewarp_agrees_with_a_brute_force_projection(
         camera in camera(),
@@ -62,8 +61,8 @@ proptest! {
         }
     }
 
-    /// A point of the dome that is seen is found again at its pixel. Points are 18 mm from the
-    /// origin and known to 1e-16 of it; pixels magnify errors at most a few thousandfold.
+    /// A visible point of the dome is recovered from its pixel. Points are 18 mm from the origin with a relative
+    /// error of 1e-16; pixels magnify errors at most a few thousandfold.
     #[test]
     fn point_to_pixel_and_back(
         camera in camera(),
@@ -75,18 +74,18 @@ proptest! {
         let point = DOME_RADIUS * DVec3::new(f64::cos(polar), tangent.x, tangent.y);
         let pixel = projection.project(point);
         if camera.radial_distortion[0] >= 0.0 && camera.radial_distortion[1] >= 0.0 && camera.standoff >= 0.0 {
-            prop_assert!(pixel.is_some(), "nothing hides this point");
+            prop_assert!(pixel.is_some(), "this point is visible");
         }
         if let Some(pixel) = pixel {
             let back = projection.point_at(pixel);
-            prop_assert!(back.is_some(), "{pixel} is seen");
-            // Next to the fold of a barrel the map is flat and loses half of the digits.
+            prop_assert!(back.is_some(), "{pixel} shows the dome");
+            // Next to the fold of barrel distortion, the map is flat and loses half of the digits.
             let tolerance = 1e-9;
             prop_assert!((back.unwrap() - point).length() < tolerance, "{back:?} {point}");
         }
     }
 
-    /// For any camera, the point of every pixel lies on the dome.
+    /// With any camera, the point of each pixel lies on the dome.
     #[test]
     fn pixels_see_the_dome(camera in camera(), x in 0.0..640.0, y in 0.0..480.0) {
         let projection = DomeProjection::new(&camera, DOME_RADIUS).unwrap();
@@ -96,7 +95,7 @@ proptest! {
         }
     }
 
-    /// A place in an element's plane, lifted onto the dome and seen, is dewarped to itself.
+    /// A visible place in an element's plane, lifted onto the dome, is dewarped to itself.
     #[test]
     fn plane_to_pixel_and_back(element in 0..41_usize, x in -2e-3..2e-3, y in -2e-3..2e-3) {
         let layout = ElementLayout::new(&LayoutConfig::default());
@@ -106,20 +105,20 @@ proptest! {
         let pixel = projection.project(projection.lift(place, element).unwrap()).unwrap();
         let dewarped = projection.dewarp(pixel, element).unwrap();
         prop_assert!((dewarped.point - place).length() < 1e-12);
-        // The area of the quadrilateral between the places half a pixel to each side, found through
-        // the inverse map: small steps in the plane against the determinant in the picture.
+        // Area of the quadrilateral between the places half a pixel to each side, computed with the inverse map:
+        // small steps in the plane, and the determinant in the image.
         let step = 1e-6;
         let seen = |offset| projection.project(projection.lift(place + offset, element).unwrap()).unwrap();
         let along_x = (seen(DVec2::X * step) - seen(-DVec2::X * step)) / (2.0 * step);
         let along_y = (seen(DVec2::Y * step) - seen(-DVec2::Y * step)) / (2.0 * step);
-        // A pixel is 0.15 mm at most, over which the area of a pixel changes by less than 1 %.
+        // A pixel covers at most 0.15 mm, over which the area of a pixel changes by less than 1 %.
         let expected = 1.0 / along_x.perp_dot(along_y).abs();
         prop_assert!((dewarped.area / expected - 1.0).abs() < 1e-2, "{} {expected}", dewarped.area);
     }
 }
 
 #[test]
-fn the_picture_is_not_mirrored() {
+fn the_image_is_not_mirrored() {
     let projection = DomeProjection::new(&CameraConfig::default(), DOME_RADIUS).unwrap();
     let centre = projection.centre();
     assert_eq!(centre, DVec2::new(319.5, 239.5));
@@ -131,7 +130,7 @@ fn the_picture_is_not_mirrored() {
 }
 
 #[test]
-fn geometry_that_cannot_be_is_refused() {
+fn impossible_geometry_is_rejected() {
     let refused = |change: fn(&mut CameraConfig)| {
         let mut camera = CameraConfig::default();
         change(&mut camera);

@@ -1,4 +1,4 @@
-//! Limits on the change of an element that is corrected as creep.
+//! Bounds of the drift correction: how much change of an element is attributed to creep.
 
 use feeler::sensor::calibration::{
     CALIBRATION_VERSION, Calibration, CalibrationTarget, CoupledMap, ElementCalibration,
@@ -10,7 +10,7 @@ use glam::DVec2;
 
 const ELEMENTS: usize = 12;
 const GRAY: f64 = 1e-3;
-/// Ranges of displacements that the calibration knows, m: the least counts.
+/// Calibrated ranges of displacements (m); the narrowest one counts.
 const X_RANGE: [f64; 2] = [-3e-4, 3e-4];
 const Y_RANGE: [f64; 2] = [-2e-4, 3e-4];
 
@@ -42,8 +42,10 @@ fn calibration() -> Calibration {
     }
 }
 
-/// Returns the remaining growth and displacement of one element that has crept to a `gain` and a displacement `moved` (m)
-/// over `frames` frames, while the others are unchanged.
+/// Moments of one element after drift correction, if it creeps to `gain` and a displacement `moved` (m) over `frames`
+/// frames while the others do not change.
+///
+/// Returns its growth and its displacement from rest.
 fn left_of_creep(gain: f64, moved: DVec2, frames: u32) -> (f64, DVec2) {
     let config = DriftConfig {
         tolerance: 0.03,
@@ -73,46 +75,43 @@ fn left_of_creep(gain: f64, moved: DVec2, frames: u32) -> (f64, DVec2) {
     left
 }
 
-/// Displacement up to which an element counts as unmoved, m: 2 % of the least range.
+/// Displacement up to which an element counts as unmoved (m): 2 % of the narrowest range.
 const UNMOVED: f64 = 0.02 * (Y_RANGE[1] - Y_RANGE[0]);
 
 #[test]
-fn creep_within_the_bounds_is_taken_out() {
+fn creep_within_the_bounds_is_corrected() {
     let direction = DVec2::new(0.6, -0.8);
     let (growth, displacement) = left_of_creep(1.04, 1.5 * UNMOVED * direction, 2000);
-    // It follows with a lag of ten frames, in 2000: half a per cent of the way.
+    // The correction lags by ten of 2000 frames, half a percent of the creep.
     assert!(growth.abs() < 0.006 * 0.04, "{growth}");
     let left = displacement.length() / UNMOVED;
-    assert!(
-        left < 0.006 * 1.5,
-        "{left} of the displacement limit of untouched elements"
-    );
+    assert!(left < 0.006 * 1.5, "{left} times UNMOVED");
 }
 
 #[test]
-fn a_displacement_beyond_the_bound_is_no_creep_however_slow() {
+fn a_displacement_beyond_the_bound_is_not_corrected_at_any_rate() {
     let direction = DVec2::new(0.6, -0.8);
     let (_, displacement) = left_of_creep(1.0, 6.0 * UNMOVED * direction, 6000);
-    // Two of the six are taken out: a push to the side may not become the rest.
+    // Two of the six are corrected; a sideways push must not become the rest position.
     let expected = 4.0 * UNMOVED * direction;
     let error = displacement.distance(expected) / UNMOVED;
     assert!(
         error < 1e-9,
-        "{displacement} m is left, {expected} m expected"
+        "expected {expected} m, got {displacement} m"
     );
 }
 
 #[test]
-fn a_gain_beyond_the_bounds_is_no_creep_however_slow() {
+fn a_gain_beyond_the_bounds_is_not_corrected_at_any_rate() {
     for (gain, own, others) in [(1.2, 1.05, 0.95), (0.8, 0.95, 1.05)] {
         let (growth, _) = left_of_creep(gain, DVec2::ZERO, 6000);
-        // Only the product of the common gain and an element's own shows: at worst the others end at the opposite
-        // bound, and the common gain makes up for it.
+        // Only the product of the common gain and an element's own gain is observable. In the worst case the other
+        // elements end at the opposite bound, and the common gain compensates for it.
         let least = gain * others / own - 1.0;
         let share = growth / least;
         assert!(
             share > 1.0 - 1e-9,
-            "{growth} is left of {gain}, at least {least} expected"
+            "gain {gain}: expected at least {least}, got {growth}"
         );
     }
 }

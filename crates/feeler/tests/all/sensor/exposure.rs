@@ -1,4 +1,4 @@
-//! Maximum number of saturated pixels of an element.
+//! Permitted number of saturated pixels of an element.
 
 use feeler::sensor::image::Picture;
 use feeler::sensor::image::WeightedPixel;
@@ -6,8 +6,8 @@ use feeler::sensor::image::{SATURATED, SaturationCheck};
 use glam::DVec2;
 
 #[test]
-fn no_more_than_the_allowed_part_of_any_number_of_pixels_may_be_saturated() {
-    // Fractions whose multiples are never integers only because of rounding.
+fn saturation_beyond_the_permitted_fraction_is_reported() {
+    // Fractions that are exactly representable.
     for (max_saturated, part) in [(0.0, (0, 1)), (0.0625, (1, 16)), (0.25, (1, 4))] {
         for pixels in 1..=70 {
             let region = (0..pixels).map(|column| WeightedPixel {
@@ -24,7 +24,7 @@ fn no_more_than_the_allowed_part_of_any_number_of_pixels_may_be_saturated() {
                 assert_eq!(
                     check.saturated(&picture, 0),
                     too_many,
-                    "{saturated} of {pixels} with {max_saturated} allowed"
+                    "{saturated} of {pixels} saturated with a limit of {max_saturated}"
                 );
                 if saturated < pixels {
                     picture.pixels[saturated] = SATURATED;

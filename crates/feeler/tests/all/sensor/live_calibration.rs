@@ -1,4 +1,5 @@
-//! A person loads a fingertip of two elements on a force sensor: played, with a camera that is late and noise in all that is measured.
+//! Simulates a person who loads a fingertip of two elements on a force sensor, with camera latency and measurement
+//! noise.
 
 use feeler::sensor::calibration::{Coverage, Goal, LiveCalibration, Seen, Stage};
 use feeler::sensor::moments::ElementMoments;
@@ -7,15 +8,16 @@ use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 use std::f64::consts::TAU;
 
-/// Time that the camera's pictures take, s, and between them.
+/// Latency of the camera's images and time between them (s).
 const LATE: f64 = 0.0613;
 const FRAME: f64 = 1.0 / 60.0;
 
-/// When loads begin, s, and how long each element has.
+/// Start of the loads and duration of each element's loads (s).
 const LOADS: f64 = 6.0;
 const EACH: f64 = 12.0;
 
-/// The force on an element in its frame, N, at a time: three presses after a second, then each element pressed and pushed all ways.
+/// Loaded element and the force on it in its frame (N) at `time`: three presses after the first second, then each
+/// element is pressed and pushed in all directions.
 fn load(time: f64) -> (usize, DVec3) {
     if time < LOADS {
         let press = (TAU * 0.5 * (time - 1.0) / 1.5).sin().powi(2);
@@ -52,7 +54,7 @@ fn moments(time: f64, random: &mut Pcg64) -> Vec<ElementMoments> {
 }
 
 #[test]
-fn loads_become_samples_of_the_elements_they_are_on() {
+fn loads_become_samples_of_the_loaded_elements() {
     let frames = vec![
         DMat3::IDENTITY,
         DMat3::from_rotation_y(0.6) * DMat3::from_rotation_z(1.1),
@@ -69,7 +71,7 @@ fn loads_become_samples_of_the_elements_they_are_on() {
     for tick in 0..((LOADS + 2.0 * EACH) * 1e3) as u32 {
         let now = f64::from(tick) * 1e-3;
         let (element, force) = load(now);
-        // On the fingertip: its frame, and outward is against compression.
+        // In the fingertip's frame, outward forces are opposite to compression.
         let own = frames[element] * force.with_z(-force.z);
         let noise = DVec3::splat(2e-3 * (random.random::<f64>() - 0.5));
         live.force(now, own + tare + noise);
@@ -94,17 +96,17 @@ fn loads_become_samples_of_the_elements_they_are_on() {
         }
     }
     let found = found.expect("a delay");
-    // A third of a millisecond by the test of the correlation, where picture and force are in proportion. Forces come in each
-    // millisecond, and a picture at the next after its time.
+    // The correlation is accurate to a third of a millisecond if image and force are proportional. Forces arrive
+    // every millisecond, and an image at the next one after its time.
     assert!((found.seconds - LATE).abs() < 2e-3, "{found:?}");
     assert!(samples.iter().all(|&count| count >= 36), "{samples:?}");
     assert!(live.coverage().iter().all(Coverage::is_complete));
-    // Two milliseconds of a force that changes by 2 N/s at most, and the sensor's noise.
+    // Two milliseconds of a force that changes by at most 2 N/s, and the sensor's noise.
     assert!(worst < 6e-3, "{worst} N");
 }
 
 #[test]
-fn what_does_not_go_together_is_no_delay_and_no_sample() {
+fn unrelated_forces_give_neither_delay_nor_samples() {
     let goal = Goal {
         normal: 1.0,
         shear: 0.4,
@@ -114,7 +116,7 @@ fn what_does_not_go_together_is_no_delay_and_no_sample() {
     let mut random = Pcg64::seed_from_u64(5);
     for tick in 0..1500 {
         let now = f64::from(tick) * FRAME;
-        // The sensor measures another force, then is absent, then returns NaN.
+        // The sensor measures an unrelated force, then nothing, then invalid values.
         let force = match tick {
             0..900 => DVec3::splat(random.random::<f64>()),
             900..1200 => continue,

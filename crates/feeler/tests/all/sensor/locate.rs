@@ -1,4 +1,4 @@
-//! Elements found in pictures of discs, whose centres are known.
+//! Elements located in images of discs with known centres.
 
 use feeler::sensor::fingertip::LocatedLayout;
 use feeler::sensor::image::Picture;
@@ -18,7 +18,7 @@ fn located(picture: &Picture) -> Result<Located, LocateError> {
     )
 }
 
-/// A picture of soft-edged discs on a background that brightens towards one corner.
+/// Image of soft-edged discs on a background that brightens towards one corner.
 #[derive(Debug, Clone)]
 struct Scene {
     size: (usize, usize),
@@ -51,7 +51,7 @@ impl Scene {
     }
 }
 
-/// Spots on a hexagonal lattice, turned and jittered, within a circle.
+/// Rotated and jittered spots on a hexagonal lattice within a circle.
 fn hexagonal(spacing: f64, rings: i32, turn: f64, jitter: f64, seed: u64) -> (usize, Vec<DVec2>) {
     let mut rng = Pcg64::seed_from_u64(seed);
     let reach = spacing * (f64::from(rings) + 1.5);
@@ -114,9 +114,9 @@ fn scenes() -> impl Strategy<Value = Scene> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(64))]
 
-    /// Every spot is found, nothing else is, and centres are right to a quarter of a pixel, or 3 %
-    /// of the spots' spacing where that is more: what noise of 4 % of the contrast leaves. Spots whose blurred edges
-    /// overlap hide part of each other, so that what is left to be seen has another centre.
+    /// All spots and nothing else are found. Centres are accurate to a quarter of a pixel, or to 3 % of the spots'
+    /// spacing if that is more, with noise of 4 % of the contrast. Spots with overlapping blurred edges hide parts of
+    /// each other, which shifts their centres.
     #[test]
     fn all_spots_and_nothing_else(scene in scenes()) {
         let found = located(&scene.picture()).unwrap();
@@ -129,9 +129,9 @@ proptest! {
                 continue;
             }
             let off = distance_to_nearest(centre, found.elements.iter().map(|e| e.centre_px));
-            prop_assert!(off < tolerance, "{} off by {}", centre, off);
+            prop_assert!(off < tolerance, "{} has an error of {}", centre, off);
         }
-        // Sub-regions do not overlap, and hold their own spots.
+        // Sub-regions do not overlap, and contain their own spots.
         let discs: Vec<_> = found.elements.iter().map(|e| (e.centre_px, e.radius_px)).collect();
         let regions = sub_regions(found.size, &discs);
         let mut pixels: Vec<_> = regions.iter().flatten().collect();
@@ -145,9 +145,9 @@ proptest! {
         }
     }
 
-    /// Any image gives a result or an error, never a panic.
+    /// Any image gives a result or an error without a panic.
     #[test]
-    fn any_picture_is_answered(width in 0..40_usize, height in 0..40_usize, seed: u64, levels in 1..256_u32) {
+    fn any_image_gives_a_result_or_an_error(width in 0..40_usize, height in 0..40_usize, seed: u64, levels in 1..256_u32) {
         let mut rng = Pcg64::seed_from_u64(seed);
         let mut picture = Picture::black(width, height);
         for pixel in &mut picture.pixels {
@@ -175,7 +175,7 @@ fn spots(centres: &[DVec2], size: (usize, usize), contrast: f64) -> Picture {
 }
 
 #[test]
-fn pictures_without_elements_are_refused() {
+fn images_without_elements_are_rejected() {
     let black = Picture::black(64, 48);
     assert!(matches!(located(&black), Err(LocateError::Black { .. })));
     let mut white = black.clone();
@@ -213,7 +213,7 @@ fn merged_and_saturated_elements_are_named() {
     let found = located(&spots(&centres, (170, 146), 300.0)).unwrap();
     let saturated = |w: &LocateWarning| matches!(w, LocateWarning::Saturated { elements } if elements.len() == 30);
     assert!(found.warnings.iter().any(saturated), "{:?}", found.warnings);
-    // Element 14 has drawn its neighbour close, so that they are one bright patch.
+    // Element 14 has moved so close to its neighbour that both form one bright patch.
     centres[15] = centres[14] + DVec2::new(5.0, 0.0);
     let found = located(&spots(&centres, (170, 146), 120.0)).unwrap();
     let merged = |w: &LocateWarning| matches!(w, LocateWarning::Merged { element: 14, .. });
@@ -222,7 +222,7 @@ fn merged_and_saturated_elements_are_named() {
 }
 
 #[test]
-fn diameters_that_make_no_sense_are_refused() {
+fn invalid_diameters_are_rejected() {
     let reference = ReferencePicture::mean([&spots(&[DVec2::new(80.0, 60.0)], (160, 120), 100.0)]);
     let reference = reference.unwrap();
     for wrong in [f64::NAN, -1.0, 0.0, 1e9] {

@@ -1,4 +1,4 @@
-//! Pictures of another fingertip than the calibration's are refused at the start.
+//! Images of a fingertip other than the calibrated one are rejected at the start.
 
 use feeler::sensor::calibration::{
     CALIBRATION_VERSION, Calibration, CalibrationTarget, CoupledMap, ElementCalibration,
@@ -12,7 +12,7 @@ use feeler::sensor::image::Picture;
 
 const ELEMENTS: usize = 41;
 
-/// The reference fingertip in a small picture.
+/// The reference fingertip with a small image.
 fn fingertip() -> FingertipConfig {
     let mut fingertip = FingertipConfig::default();
     let camera = &mut fingertip.camera;
@@ -20,7 +20,7 @@ fn fingertip() -> FingertipConfig {
     fingertip
 }
 
-/// An image of grey level `gray`, with level `other` in the last `columns` columns.
+/// Image with gray value `gray`, and `other` in the rightmost `columns` columns.
 fn picture(gray: u8, columns: usize, other: u8) -> Picture {
     let mut picture = Picture::black(160, 120);
     let width = picture.width;
@@ -34,7 +34,7 @@ fn picture(gray: u8, columns: usize, other: u8) -> Picture {
     picture
 }
 
-/// Senses `picture` and looks whether it is refused.
+/// Senses `picture` and checks it as the first image.
 fn check(sensing: &mut SensingChain, picture: &Picture) -> Result<(), Mismatch> {
     let mut frame = TactileFrame::unloaded(ELEMENTS);
     let sensed = sensing.sense_forces(picture, &mut frame.forces);
@@ -42,7 +42,7 @@ fn check(sensing: &mut SensingChain, picture: &Picture) -> Result<(), Mismatch> 
     sensing.check_first(picture)
 }
 
-/// Calibrated without load in a picture of grey level 60, and with loads up to three times as bright.
+/// Calibrated without load in an image of gray value 60, and with loads up to three times as bright.
 fn sensing() -> SensingChain {
     let fingertip = fingertip();
     let mut sensing = SensingChain::of_fingertip(&fingertip).expect("a fingertip");
@@ -78,7 +78,7 @@ fn sensing() -> SensingChain {
 }
 
 #[test]
-fn pictures_of_another_fingertip_are_refused() {
+fn images_of_another_fingertip_are_rejected() {
     let refused = Mismatch {
         off: ELEMENTS,
         lit: ELEMENTS,
@@ -86,7 +86,7 @@ fn pictures_of_another_fingertip_are_refused() {
     let mut sensing = sensing();
     let other = picture(90, 0, 0);
     assert_eq!(check(&mut sensing, &other), Err(refused.clone()));
-    // The next check returns the same error.
+    // The check is repeated if sensing continues regardless.
     assert_eq!(check(&mut sensing, &other), Err(refused.clone()));
     let words = refused.to_string();
     assert!(
@@ -96,7 +96,7 @@ fn pictures_of_another_fingertip_are_refused() {
 }
 
 #[test]
-fn a_finger_that_touches_at_the_start_and_a_lamp_that_drifts_a_little_are_let_be() {
+fn initial_contact_and_small_drift_are_accepted() {
     for first in [
         picture(60, 0, 0),
         picture(60, 60, 120),
@@ -105,13 +105,13 @@ fn a_finger_that_touches_at_the_start_and_a_lamp_that_drifts_a_little_are_let_be
     ] {
         let mut sensing = sensing();
         assert_eq!(check(&mut sensing, &first), Ok(()));
-        // What comes after the first picture is touch.
+        // Changes after the first image are contact.
         assert_eq!(check(&mut sensing, &picture(180, 0, 0)), Ok(()));
     }
 }
 
 #[test]
-fn a_picture_that_is_dark_or_saturated_tells_nothing() {
+fn dark_and_saturated_images_are_not_judged() {
     for nothing in [picture(0, 0, 0), picture(255, 0, 0), picture(90, 120, 0)] {
         let mut sensing = sensing();
         assert_eq!(check(&mut sensing, &nothing), Ok(()));

@@ -1,4 +1,4 @@
-//! From images to moments to forces, compared with closed forms and slower computations.
+//! Steps from images to moments to forces, compared with closed forms and slower methods.
 
 mod beyond_calibration;
 mod dome;

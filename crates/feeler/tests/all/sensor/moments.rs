@@ -1,4 +1,4 @@
-//! Moments against closed forms and against a slow, plain way of taking them.
+//! Moments compared with closed forms and with a slow, plain computation.
 
 use feeler::sensor::fingertip::{Fingertip, FingertipConfig};
 use feeler::sensor::image::Picture;
@@ -57,7 +57,7 @@ fn plain_moments(fingertip: &Fingertip, picture: &Picture) -> Vec<ElementMoments
 }
 
 #[test]
-fn agree_with_their_definition() {
+fn moments_agree_with_their_definition() {
     let fingertip = fingertip();
     let picture = random_picture(3);
     let fast = measure(&fingertip, &picture);
@@ -66,7 +66,7 @@ fn agree_with_their_definition() {
         .zip(plain_moments(&fingertip, &picture))
         .enumerate()
     {
-        // f32 has 6e-8; a lane adds some 200 values, so that errors stay below 200 times that.
+        // f32 has a precision of 6e-8; a lane adds some 200 values, so errors stay below 200 times that.
         let gray = fast.integrated_gray / plain.integrated_gray - 1.0;
         let centroid = (fast.centroid - plain.centroid).length();
         assert!(gray.abs() < 1.2e-5, "element {element}: {gray}");
@@ -77,7 +77,7 @@ fn agree_with_their_definition() {
     }
 }
 
-/// A picture of one gray value: `G` is the sub-region's area, its centroid the axis.
+/// In an image of one gray value, `G` is proportional to the sub-region's area and the centroid is on the axis.
 #[test]
 fn sub_regions_are_full_discs_in_their_planes() {
     let fingertip = fingertip();
@@ -85,7 +85,7 @@ fn sub_regions_are_full_discs_in_their_planes() {
     picture.pixels.fill(25);
     for (element, moments) in measure(&fingertip, &picture).iter().enumerate() {
         let expected = PI * 2.6e-3_f64.powi(2);
-        // Some 1000 pixels, 110 of them on the rim, each right to 0.3 px: 3 px, here four times.
+        // Some 1000 pixels, 110 of them on the rim, each accurate to 0.3 px: 3 px, times four as a margin.
         let error = moments.integrated_gray / expected - 1.0;
         assert!(error.abs() < 0.012, "element {element}: {error}");
         let offset = moments.centroid.length();
@@ -93,7 +93,7 @@ fn sub_regions_are_full_discs_in_their_planes() {
     }
 }
 
-/// A disc painted on the dome over an element, with 8x8 samples in a pixel.
+/// A disc painted on the dome over an element, with 8x8 samples per pixel.
 fn painted_disc(fingertip: &Fingertip, element: usize, centre: DVec2, radius: f64) -> Picture {
     let mut picture = Picture::black(640, 480);
     let projection = &fingertip.projection;
@@ -111,21 +111,21 @@ fn painted_disc(fingertip: &Fingertip, element: usize, centre: DVec2, radius: f6
             let place = projection.dewarp(pixel + offset, own).unwrap().point;
             (place - centre).length() < radius
         });
-        // Pixels of the disc reach 200 levels above the dark level, pixels off it none.
+        // Pixels of the disc are 200 levels above the dark level, all others are at it.
         *gray = (24.0 + 200.0 * samples.count() as f64 / 64.0).round() as u8;
     }
     picture
 }
 
 #[test]
-fn a_painted_disc_has_its_area_and_its_centre() {
+fn a_painted_disc_is_measured_with_its_area_and_centre() {
     let fingertip = fingertip();
     for element in [0, 4, 15, 25, 40] {
         let (centre, radius) = (DVec2::new(0.4e-3, -0.7e-3), 1.2e-3);
         let picture = painted_disc(&fingertip, element, centre, radius);
         let moments = measure(&fingertip, &picture);
         let expected = 200.0 * PI * radius * radius;
-        // Some 55 pixels on the edge, each right to half a sample in 8: 0.2 % of 200 px or more.
+        // Some 55 pixels on the edge, each accurate to half a sample in 8: 0.2 % of 200 px or more.
         let error = moments[element].integrated_gray / expected - 1.0;
         assert!(error.abs() < 3e-3, "element {element}: {error}");
         let offset = (moments[element].centroid - centre).length();
@@ -141,7 +141,7 @@ fn a_painted_disc_has_its_area_and_its_centre() {
 }
 
 #[test]
-fn pictures_of_another_size_are_refused() {
+fn images_of_another_size_are_rejected() {
     let fingertip = fingertip();
     let mut moments = vec![ElementMoments::default(); 41];
     let measure = |picture: &Picture, moments: &mut [ElementMoments]| {
@@ -170,7 +170,7 @@ fn pictures_of_another_size_are_refused() {
 }
 
 #[test]
-fn a_camera_that_cuts_elements_off_is_refused() {
+fn a_camera_that_cuts_off_elements_is_rejected() {
     let mut config = FingertipConfig::default();
     config.camera.focal_length_px = 205.0;
     let message = Fingertip::new(&config).unwrap_err().to_string();

@@ -1,5 +1,4 @@
-//! Whichever instructions moments are taken with, and however crooked the sub-region: the same sums,
-//! and those of the definition.
+//! Moments agree with their definition for all instruction sets and irregular sub-regions.
 
 use feeler::sensor::fingertip::{Fingertip, FingertipConfig};
 use feeler::sensor::image::{Picture, WeightedPixel, subregion};
@@ -28,7 +27,7 @@ fn plain(picture: &Picture, dark_level: u8, region: &[WeightedPixel]) -> (f64, D
     (gray, first)
 }
 
-/// Gray values of one kind: any, only dark and saturated ones, few bright ones, all the same.
+/// Random image of one kind: any values, only dark and saturated pixels, few bright pixels, or a constant.
 fn random_picture(width: usize, height: usize, seed: u64) -> Picture {
     let mut rng = Pcg64::seed_from_u64(seed);
     let mut picture = Picture::black(width, height);
@@ -48,7 +47,7 @@ fn random_picture(width: usize, height: usize, seed: u64) -> Picture {
     picture
 }
 
-/// A box of the picture with a share of its pixels left out; smooth weights, or any at all.
+/// A box of the image without a random share of its pixels, with smooth or arbitrary weights.
 fn random_region(
     (width, height): (usize, usize),
     rough: bool,
@@ -88,8 +87,7 @@ fn random_region(
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(200))]
 
-    /// Sub-regions reach the picture's edges and its last pixel, and pictures are as narrow as one
-    /// column.
+    /// Sub-regions reach the image's edges and its last pixel, and images may be a single column wide.
     #[test]
     fn all_instructions_give_the_same_moments(
         width in 1..200_usize,
@@ -106,7 +104,7 @@ proptest! {
         for instructions in Instructions::available() {
             let moments = measure(&kernel.clone().with_instructions(instructions), &picture);
             prop_assert_eq!(&moments, &portable, "{:?}", instructions);
-            // What waits in memory behind the picture changes nothing, however much it is.
+            // Memory beyond the image has no effect, regardless of its size.
             let (mut moments, kernel) = (moments, kernel.clone().with_instructions(instructions));
             for next in [&picture.pixels[..], &picture.pixels[..picture.pixels.len() / 2]] {
                 kernel.measure_with_prefetch(&picture, next, &mut moments).unwrap();
@@ -119,7 +117,7 @@ proptest! {
         for (moments, region) in portable.iter().zip(&regions) {
             let (gray, first) = plain(&picture, dark_level, region);
             let reach = region.iter().map(|p| p.point.length()).fold(0.0, f64::max);
-            // What the kernel promises of every pixel holds for their sum.
+            // The kernel's error bound per pixel also holds for the sum.
             let error = (moments.integrated_gray - gray).abs();
             prop_assert!(error <= 3e-5 * gray, "G {} for {gray}", moments.integrated_gray);
             if gray > 0.0 {
@@ -132,10 +130,10 @@ proptest! {
     }
 }
 
-/// The dewarped sums of the reference fingertip, and of one with a finer camera, over pictures of
-/// all kinds: `G` to 1e-4 of itself, the centroid to 0.2 um.
+/// Dewarped sums of the reference fingertip, and of one with a finer camera, over images of all kinds: `G` to 1e-4 of
+/// itself, the centroid to 0.2 µm.
 #[test]
-fn dewarped_sums_are_those_of_the_definition() {
+fn dewarped_sums_agree_with_the_definition() {
     for scale in [1, 2] {
         let mut config = FingertipConfig::default();
         config.camera.width *= scale;
@@ -167,9 +165,9 @@ fn dewarped_sums_are_those_of_the_definition() {
     }
 }
 
-/// One bright pixel at any place, which no average can hide.
+/// A single bright pixel at any place, whose error no average compensates.
 #[test]
-fn every_single_pixel_is_right() {
+fn each_single_pixel_is_measured_correctly() {
     let config = FingertipConfig::default();
     let fingertip = Fingertip::new(&config).unwrap();
     let radius = config.moments.subregion_radius;

@@ -1,11 +1,11 @@
-//! Layout files of taxel arrays: the built-in ones, and arbitrary text.
+//! Layout files of taxel arrays: built-in and user-written ones.
 
 use feeler::sensor::fingertip::MAX_ELEMENTS;
 use feeler::sensor::taxel::{BUILT_IN_TAXELS, BuiltInTaxels, TaxelLayout, TaxelUnit};
 use proptest::prelude::*;
 
 #[test]
-fn built_in_layouts_are_sound() {
+fn built_in_layouts_are_valid() {
     let expected = [
         ("uskin-4x4", 16, TaxelUnit::Counts, 0.0047),
         ("eflesh", 5, TaxelUnit::Counts, 0.007),
@@ -18,7 +18,7 @@ fn built_in_layouts_are_sound() {
         assert_eq!((layout.taxels.len(), layout.force_unit()), (taxels, unit));
         let again = TaxelLayout::from_toml(&layout.to_toml().unwrap()).unwrap();
         assert_eq!(again, layout);
-        // The nearest two of all taxels are a pitch apart, and the pad's middle is the origin.
+        // The smallest distance between taxels is the pitch, and the pad's middle is the origin.
         let places: Vec<_> = layout.elements().map(|(_, place)| place).collect();
         let pairs = places.iter().enumerate();
         let pairs = pairs.flat_map(|(i, a)| places[..i].iter().map(move |b| a.distance(*b)));
@@ -32,9 +32,9 @@ fn built_in_layouts_are_sound() {
     }
 }
 
-/// The layout of the book is one.
+/// The example layout in the book is valid.
 #[test]
-fn the_books_layout_can_be_used() {
+fn the_books_layout_is_valid() {
     let page = include_str!("../../../../../docs/taxels.md");
     let (_, rest) = page.split_once("```toml\n").unwrap();
     let (block, _) = rest.split_once("```").unwrap();
@@ -54,7 +54,7 @@ fn refused(text: &str) -> String {
 }
 
 #[test]
-fn what_is_wrong_is_named() {
+fn errors_name_the_invalid_value() {
     for (from, to, words) in [
         ("version = 1", "version = 2", "version 1, got 2"),
         ("version = 1", "", "missing field `version`"),
@@ -132,9 +132,9 @@ fn what_is_wrong_is_named() {
 }
 
 proptest! {
-    /// Any text is refused, or reads back as it was written.
+    /// Any text is rejected, or survives a round trip.
     #[test]
-    fn any_text_is_refused_or_read(place in 0usize..3000, cut in 0usize..40, text in "[ -~\n]{0,12}") {
+    fn any_text_is_rejected_or_survives_a_round_trip(place in 0usize..3000, cut in 0usize..40, text in "[ -~\n]{0,12}") {
         let whole = eflesh();
         let start = place.min(whole.len());
         let end = (start + cut).min(whole.len());

@@ -1,4 +1,4 @@
-//! Tables of taxel arrays, as messy as they come.
+//! Tables of taxel arrays with irregular content.
 
 use super::taxels::layout;
 use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
@@ -23,7 +23,7 @@ fn timed(unit: TimeUnit) -> TaxelLayout {
     layout
 }
 
-/// Returns the frames of a table, and its problems with count and first line.
+/// Frames of the table, and each kind of trouble with its count and the line of its first occurrence.
 fn sensed(layout: &TaxelLayout, table: &[u8]) -> (Vec<TactileFrame>, Vec<(Trouble, u64, u64)>) {
     let mut sensor = TaxelSensor::open(table, layout, None).unwrap();
     let mut frame = TactileFrame::unloaded(sensor.element_count());
@@ -35,7 +35,7 @@ fn sensed(layout: &TaxelLayout, table: &[u8]) -> (Vec<TactileFrame>, Vec<(Troubl
                 assert_eq!(count, frames.len() as u64);
                 break;
             }
-            // A first row of more cells than the header.
+            // The first row has more cells than the header.
             Err(SensorError::Table(_)) if frames.is_empty() => break,
             Err(error) => panic!("{error}"),
         }
@@ -50,7 +50,7 @@ fn refused(layout: &TaxelLayout, table: &str) -> TaxelError {
 }
 
 #[test]
-fn every_oddity_is_counted_and_no_row_is_lost() {
+fn irregularities_are_counted_and_no_row_is_lost() {
     let mut table = format!("\u{feff}Connected to COM3\r\n# made by hand\r\n{HEADER}");
     let long = "1,".repeat(MAX_LINE);
     for line in [
@@ -104,7 +104,7 @@ fn every_oddity_is_counted_and_no_row_is_lost() {
 }
 
 #[test]
-fn odd_times_are_counted_and_kept() {
+fn irregular_times_are_counted_and_kept() {
     let times = [
         "0", "10", "20", "30", "40", "50", "60", "60", "55", "65", "75", "x", "1e40", "500", "510",
     ];
@@ -125,7 +125,7 @@ fn odd_times_are_counted_and_kept() {
     let stamps: Vec<_> = frames.iter().map(|f| (f.stamp * 1e3).round()).collect();
     let expected = [0, 10, 20, 30, 40, 50, 60, 60, 55, 65, 75, 75, 75, 500, 510].map(f64::from);
     assert_eq!(stamps, expected);
-    // By a rate, the time's column is not looked at.
+    // With a rate, the time column is ignored.
     let sensor = TaxelSensor::open(table.as_bytes(), &timed(TimeUnit::Ms), Some(50.0));
     let mut frame = TactileFrame::unloaded(2);
     let mut sensor = sensor.unwrap();
@@ -137,14 +137,14 @@ fn odd_times_are_counted_and_kept() {
 }
 
 #[test]
-fn tables_without_a_header_are_read_by_the_layouts_columns() {
+fn tables_without_a_header_use_the_layouts_column_order() {
     let layout = BuiltInTaxels::named("anyskin").unwrap().layout().unwrap();
     let row = |time: f64, x: f64| format!("{time}{}\n", format!(",{x},2,3").repeat(5));
     let table = row(0.5, 1.0) + &row(0.51, 5.0);
     let (frames, troubles) = sensed(&layout, table.as_bytes());
     assert_eq!((frames.len(), troubles.len()), (2, 0));
     assert_eq!((frames[0].stamp, frames[1].stamp), (0.5, 0.51));
-    // Half of the way from 1 to 5, as the zero is the mean so far; the second chip is turned by -90 degrees.
+    // Half of the step from 1 to 5, because the zero is the mean so far. The second chip is turned by -90 degrees.
     assert!((frames[1].forces[1].y + 2.0).abs() < 1e-9, "{frames:?}");
     let short = refused(&layout, "1,2,3\n").to_string();
     assert!(
@@ -159,7 +159,7 @@ fn tables_without_a_header_are_read_by_the_layouts_columns() {
 }
 
 #[test]
-fn wrong_headers_are_told() {
+fn errors_describe_invalid_headers() {
     let newtons = newtons();
     for (table, words) in [
         ("", "in 0 lines"),
@@ -205,7 +205,7 @@ fn wrong_headers_are_told() {
     ));
 }
 
-/// Tables written by different programs give the same frames.
+/// Tables in the formats of different programs give equal frames.
 #[test]
 fn tables_of_other_programs_are_read() {
     let plain = format!("{HEADER}0.5,-1,2.25,3,4,5\n7,8,9,10,11,12.75\n");
@@ -228,7 +228,7 @@ fn tables_of_other_programs_are_read() {
 }
 
 #[test]
-fn numbers_that_are_not_clear_and_other_units_are_not_guessed() {
+fn ambiguous_numbers_and_units_are_not_guessed() {
     let header = HEADER.replace(',', ";");
     let (frames, troubles) = sensed(
         &newtons(),
@@ -243,7 +243,7 @@ fn numbers_that_are_not_clear_and_other_units_are_not_guessed() {
         ],
         [false, true, false]
     );
-    // Decimal commas between commas make more cells: in the first row, they are those of all rows.
+    // Decimal commas between comma separators add cells, which the first row reports as an error.
     let commas = "0,5,1,5,2,5,3,5,4,5,5,5\n";
     let error = first_error(&format!("{HEADER}{commas}"));
     assert!(
@@ -252,7 +252,7 @@ fn numbers_that_are_not_clear_and_other_units_are_not_guessed() {
         ),
         "{error}"
     );
-    // A later row, or one with a cell more, has no force of any.
+    // In a later row, or with one more cell, all forces are invalid.
     for table in [
         format!("{HEADER}1,2,3,4,5,6\n{commas}"),
         format!("{HEADER}1,2,3,4,5,6,7\n"),
@@ -276,19 +276,19 @@ fn numbers_that_are_not_clear_and_other_units_are_not_guessed() {
     assert!(error.contains("is in \"mN\"; expected N"), "{error}");
 }
 
-/// Returns the error of the first row of a table.
+/// Error for the first row of a table.
 fn first_error(table: &str) -> String {
     let mut sensor = TaxelSensor::open(table.as_bytes(), &newtons(), None).unwrap();
     let read = sensor.read(&mut TactileFrame::unloaded(2));
     read.unwrap_err().to_string()
 }
 
-/// Gives its bytes out a few at a time, and is interrupted between.
+/// A reader that returns a few bytes at a time and is interrupted in between.
 struct Trickle<'a>(&'a [u8], usize, bool);
 
 impl Read for Trickle<'_> {
     fn read(&mut self, _: &mut [u8]) -> io::Result<usize> {
-        unreachable!("it is read by its buffer")
+        unreachable!("only the buffered interface is used")
     }
 }
 
@@ -307,9 +307,9 @@ impl BufRead for Trickle<'_> {
 }
 
 proptest! {
-    /// Of any bytes below a header: nothing panics, and forces are finite or none.
+    /// With any bytes below a header, nothing panics and forces are finite or invalid.
     #[test]
-    fn any_bytes_are_sensed(bytes in proptest::collection::vec(
+    fn any_bytes_give_finite_or_invalid_forces(bytes in proptest::collection::vec(
         prop_oneof![Just(b','), Just(b'\n'), Just(b'1'), Just(b'-'), Just(b'e'), Just(b'"'), any::<u8>()], 0..600)
     ) {
         let table = [format!("time,{HEADER}").as_bytes(), &bytes].concat();
@@ -323,9 +323,9 @@ proptest! {
         prop_assert!(frames.iter().all(|frame| frame.stamp.is_finite()));
     }
 
-    /// Broken cells cost the force of their taxel in their frame, and nothing else.
+    /// A broken cell invalidates only its taxel's force in its frame.
     #[test]
-    fn broken_cells_cost_no_more_than_themselves(
+    fn broken_cells_invalidate_only_their_taxel(
         rows in proptest::collection::vec((proptest::array::uniform6(-1e6..1e6), proptest::option::of((0usize..6, 0usize..4))), 1..40),
         chunk in 1usize..50,
     ) {
@@ -348,7 +348,7 @@ proptest! {
                 }
             }
         }
-        // However the stream is cut into pieces.
+        // The result does not depend on how the stream is split.
         let mut sensor = TaxelSensor::open(Trickle(table.as_bytes(), chunk, false), &newtons(), None).unwrap();
         let mut frame = TactileFrame::unloaded(2);
         let same = |a: &TactileFrame, b: &TactileFrame| format!("{a:?}") == format!("{b:?}");

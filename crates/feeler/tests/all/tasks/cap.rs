@@ -1,4 +1,4 @@
-//! A cap between two fingers, that turns freely, meets a seat, or does not turn.
+//! A cap between two fingers that turns freely, reaches a seat, or does not turn.
 
 use super::fingers::{DOME, FEELER, Finger, PERIOD, Run};
 use feeler::control::Phase;
@@ -11,7 +11,7 @@ use std::f64::consts::TAU;
 
 const RADIUS: f64 = 0.03;
 const AXIS: DVec2 = DVec2::new(0.001, -0.002);
-/// From the axis to the middle of a tip that touches.
+/// Distance from the axis to the centre of a touching tip.
 const REACH: f64 = RADIUS + FEELER.tip_radius;
 const STATIC_FRICTION: f64 = 0.8;
 const KINETIC_FRICTION: f64 = 0.6;
@@ -60,16 +60,16 @@ fn start((screw, cap): &(ScrewConfig, CapConfig)) -> Run<CapTask> {
     )
 }
 
-/// A cap that turns clockwise, as the strokes do, when the fingers' torque overcomes what resists it.
+/// A cap that turns clockwise, in the direction of the strokes, if the fingers' torque overcomes its resistance.
 struct Cap<F> {
-    /// Torque that resists the cap at an angle (rad), in N·m.
+    /// Resistance of the cap at an angle (rad) in N m.
     resistance: F,
     friction: [f64; 2],
     angle: f64,
-    /// Angle of each touching tip about the axis (rad), positive in the direction of the stroke; `None` without contact.
+    /// Angle of each touching tip around the axis (rad), positive in the direction of the stroke.
     tips: [Option<f64>; 2],
     slips: u64,
-    /// Of both fingers, N m.
+    /// Torque of both fingers (N m).
     torque: f64,
 }
 
@@ -85,18 +85,18 @@ impl<F: Fn(f64) -> f64> Cap<F> {
         }
     }
 
-    /// Force of each finger along its stroke, N: its feeler is bent from where its tip is to where it would be.
+    /// Force of each finger along its stroke (N), from the deflection of its feeler.
     fn along(&self, free: [f64; 2]) -> [f64; 2] {
         let bent = |i: usize| self.tips[i].map_or(0.0, |tip| free[i] - tip);
         [0, 1].map(|i| FEELER.shear_stiffness * REACH * bent(i))
     }
 
-    /// The torque of these forces, N m.
+    /// Torque of these forces (N m).
     fn torque_of(forces: [f64; 2]) -> f64 {
         RADIUS * (forces[0] + forces[1])
     }
 
-    /// Lets tips slip and the cap turn until forces balance, and gives each feeler its own.
+    /// Slides the tips and turns the cap until forces are in equilibrium, and applies the forces to the feelers.
     fn hold(&mut self, fingers: &mut [Finger]) {
         let away = [0, 1].map(|i| (fingers[i].position.truncate() - AXIS).normalize());
         for (finger, away) in fingers.iter_mut().zip(away) {
@@ -110,7 +110,7 @@ impl<F: Fn(f64) -> f64> Cap<F> {
         for i in 0..2 {
             self.tips[i] = (pressed[i] > 0.0).then(|| {
                 let tip = self.tips[i].unwrap_or(free[i]);
-                // The angle jumps at half a turn.
+                // The angle wraps at half a turn.
                 tip + ((free[i] - tip) / TAU).round() * TAU
             });
         }
@@ -122,7 +122,7 @@ impl<F: Fn(f64) -> f64> Cap<F> {
                 self.slips += u64::from(force.abs() > 0.0 && pressed[i] > 0.0);
             }
         }
-        // The tips roll on the cap: their middles go as far as its surface.
+        // The tips roll on the cap: their centres move as far as its surface.
         let sticking = self.tips.iter().flatten().count() as f64;
         let stiffness = sticking * FEELER.shear_stiffness * RADIUS * RADIUS;
         for _ in 0..60 {
@@ -140,15 +140,16 @@ impl<F: Fn(f64) -> f64> Cap<F> {
         let along = self.along(free);
         self.torque = Self::torque_of(along);
         for (i, finger) in fingers.iter_mut().enumerate() {
-            // In the surface frame at the tip. Clockwise is against the perpendicular; the force on the feeler is against the
-            // stroke.
+            // Direction of the surface at the tip. Clockwise is opposite to the perpendicular, and the force on the
+            // feeler is opposite to the stroke.
             let away = self.tips[i].map_or(DVec2::ZERO, |tip| DVec2::from_angle(-tip));
             finger.force = (pressed[i] * away + along[i] * away.perp()).extend(0.0);
         }
     }
 }
 
-/// Runs the task to its end; the largest torque (N m) that the cap has felt, and the greatest force on a feeler's axis, N.
+/// Runs the task to its end. Returns the largest torque on the cap (N m) and the largest force along a feeler's axis
+/// (N).
 fn run<F: Fn(f64) -> f64>(run: &mut Run<CapTask>, cap: &mut Cap<F>) -> (f64, f64) {
     let (mut torque, mut pressed) = (0.0_f64, 0.0_f64);
     while !run.done() {
@@ -156,7 +157,7 @@ fn run<F: Fn(f64) -> f64>(run: &mut Run<CapTask>, cap: &mut Cap<F>) -> (f64, f64
         let slips = cap.slips;
         cap.hold(&mut run.fingers);
         if run.task.phase() != Phase::Move {
-            // What slips off the cap as it is released does not count.
+            // Slips during the release do not count.
             cap.slips = slips;
         }
         if run.task.phase() == Phase::Move {
@@ -179,13 +180,13 @@ fn run<F: Fn(f64) -> f64>(run: &mut Run<CapTask>, cap: &mut Cap<F>) -> (f64, f64
     (torque, pressed)
 }
 
-/// Runs with 3 mN m until a seat at `at`, rad, of such a stiffness, N m/rad.
+/// Resistance of 3 mN m, and a seat at `at` (rad) with this stiffness (N m/rad).
 fn seat(at: f64, stiffness: f64) -> impl Fn(f64) -> f64 {
     move |angle| 0.003 + stiffness * (angle - at).max(0.0)
 }
 
 #[test]
-fn a_cap_is_screwed_until_it_stands_still_on_its_seat() {
+fn a_cap_is_screwed_until_it_stops_at_its_seat() {
     for stiffness in [0.2, 0.4] {
         let config = config(Until::Closed);
         let (mut task, mut cap) = (start(&config), Cap::new(seat(1.2, stiffness)));
@@ -194,29 +195,29 @@ fn a_cap_is_screwed_until_it_stands_still_on_its_seat() {
             (task.task.outcome(), task.task.failed()),
             (Some("closed"), false)
         );
-        // All that friction can hold at the whole grip. It is felt at the tip, which 5 mm of bending put aside by 0.15 rad,
-        // and control is off by a few percent.
+        // The friction limit at full grip. It is measured at the tip, which 5 mm of deflection displace by 0.15 rad,
+        // and control has an error of a few percent.
         let limit = 2.0 * STATIC_FRICTION * 6.0 * RADIUS;
         assert!(
             (torque / limit - 1.0).abs() < 0.1,
-            "{torque} of {limit} N m"
+            "{torque} N m with a limit of {limit} N m"
         );
         let found = task.finding("largest_torque_nm");
         assert!(
             (found / torque - 1.0).abs() < 0.03,
-            "{found} of {torque} N m"
+            "{found} N m instead of {torque} N m"
         );
-        // What it turns while a finger slides is not counted.
+        // Rotation while a finger slides is not counted.
         let found = task.finding("turned_rad");
         assert!(
             (found / cap.angle - 1.0).abs() < 0.1,
-            "{found} of {} rad",
+            "{found} rad instead of {} rad",
             cap.angle
         );
         let found = task.finding("stiffness_nm_per_rad");
         assert!((found / stiffness - 1.0).abs() < 0.15, "{found} N m/rad");
         assert!(pressed < 9.0 * 0.85, "{pressed} N");
-        // It returns near the cap: 2 mm off it, and 5 mm less what it presses in.
+        // It returns to a place close to the cap: 2 mm off it, and 5 mm less the depth that it presses in.
         for finger in &task.fingers {
             let off = (finger.position.truncate() - AXIS).length() - REACH - DOME;
             assert!(off < 0.0026, "{off} m");
@@ -225,7 +226,7 @@ fn a_cap_is_screwed_until_it_stands_still_on_its_seat() {
 }
 
 #[test]
-fn while_it_turns_the_grip_and_the_radius_are_felt_as_they_are() {
+fn grip_and_radius_are_measured_while_the_cap_turns() {
     let config = config(Until::Closed);
     let (mut task, mut cap) = (start(&config), Cap::new(seat(1.2, 0.3)));
     let mut seen = 0;
@@ -238,11 +239,11 @@ fn while_it_turns_the_grip_and_the_radius_are_felt_as_they_are() {
             let forces = task.fingers.iter().map(|f| f.force.length());
             let least = forces.fold(f64::INFINITY, f64::min);
             let grip = task.finding("grip_n");
-            // The shear of 0.1 N that 3 mN m take is across.
-            assert!((grip / least - 1.0).abs() < 0.01, "{grip} N of {least} N");
+            // The shear of 0.1 N that corresponds to 3 mN m is perpendicular.
+            assert!((grip / least - 1.0).abs() < 0.01, "{grip} N instead of {least} N");
             assert!(
                 (grip - 2.0).abs() < 0.25,
-                "gentle strokes grip with 2 N, not {grip} N"
+                "gentle strokes grip with 2 N: got {grip} N"
             );
             let radius = task.finding("radius_m");
             assert!((radius - RADIUS).abs() < 1e-5, "{radius} m");
@@ -250,10 +251,10 @@ fn while_it_turns_the_grip_and_the_radius_are_felt_as_they_are() {
             let expected: f64 = 0.003;
             assert!(torque < 1.02 * expected, "{torque} N m");
             let turned = task.finding("turned_rad");
-            // Up to 3 mN m, feelers bend before the cap turns.
+            // Up to 3 mN m, feelers are deflected before the cap turns.
             assert!(
                 (turned - cap.angle).abs() < 0.02,
-                "{turned} of {} rad",
+                "{turned} rad instead of {} rad",
                 cap.angle
             );
         }
@@ -262,7 +263,7 @@ fn while_it_turns_the_grip_and_the_radius_are_felt_as_they_are() {
 }
 
 #[test]
-fn a_stroke_is_as_long_as_its_travel() {
+fn strokes_have_the_configured_travel() {
     let config = config(Until::Closed);
     let (mut task, mut cap) = (start(&config), Cap::new(seat(1.2, 0.3)));
     let mut from = None;
@@ -277,7 +278,7 @@ fn a_stroke_is_as_long_as_its_travel() {
                 let from = from.expect("a beginning");
                 for (i, way) in [(0, -1.0), (1, 1.0)] {
                     let travel = way * (positions[i] - from[i]).y;
-                    // It goes round the axis: a step is at most 0.1 mm along the stroke.
+                    // It moves around the axis: a step is at most 0.1 mm along the stroke.
                     assert!((0.016..0.016 + 1.1e-4).contains(&travel), "{travel} m");
                 }
             }
@@ -287,7 +288,7 @@ fn a_stroke_is_as_long_as_its_travel() {
 }
 
 #[test]
-fn what_stands_still_too_early_or_on_something_soft_is_cross_threaded() {
+fn an_early_or_soft_stop_is_cross_threaded() {
     let (screw, mut cap_config) = config(Until::Closed);
     cap_config.least_turns = 0.9;
     let early = (screw.clone(), cap_config.clone());
@@ -304,7 +305,7 @@ fn what_stands_still_too_early_or_on_something_soft_is_cross_threaded() {
 }
 
 #[test]
-fn what_never_resists_spins_freely() {
+fn a_cap_without_a_seat_spins_freely() {
     let config = config(Until::Closed);
     let (mut task, mut cap) = (start(&config), Cap::new(|_| 0.003));
     run(&mut task, &mut cap);
@@ -312,7 +313,7 @@ fn what_never_resists_spins_freely() {
         (task.task.outcome(), task.task.failed()),
         (Some("spinning freely"), true)
     );
-    // Half a turn, and no more than the stroke beyond.
+    // Half a turn, and at most one stroke more.
     assert!(
         cap.angle > 0.5 * TAU && cap.angle < 0.5 * TAU + 0.7,
         "{}",
@@ -322,8 +323,8 @@ fn what_never_resists_spins_freely() {
 }
 
 #[test]
-fn a_cap_is_opened_by_turning_it_open() {
-    // It breaks away at 0.1 N m, and runs then.
+fn a_cap_is_opened_in_the_opening_direction() {
+    // It breaks away at 0.1 N m and then turns easily.
     let resistance = |angle: f64| if angle < 0.02 { 0.1 } else { 0.003 };
     let config = config(Until::Open);
     let (mut task, mut cap) = (start(&config), Cap::new(resistance));
@@ -347,7 +348,7 @@ fn a_cap_is_opened_by_turning_it_open() {
 }
 
 #[test]
-fn strokes_that_do_not_suffice_leave_it_undecided() {
+fn too_few_strokes_leave_the_outcome_undecided() {
     let (mut screw, cap_config) = config(Until::Closed);
     screw.strokes = 3;
     let (mut task, mut cap) = (start(&(screw, cap_config)), Cap::new(|_| 0.003));
@@ -360,7 +361,7 @@ fn strokes_that_do_not_suffice_leave_it_undecided() {
 }
 
 #[test]
-fn where_no_cap_is_found_there_is_none() {
+fn a_search_without_contact_finds_no_cap() {
     let config = config(Until::Closed);
     let mut task = start(&config);
     let mut farthest = 0.0_f64;
@@ -373,16 +374,16 @@ fn where_no_cap_is_found_there_is_none() {
         (task.task.outcome(), task.task.failed()),
         (Some("no cap"), true)
     );
-    // At 10 mm/s, as 6 N at 2 mm/(s N) would be faster; seen one step later.
+    // At 10 mm/s, because 6 N at 2 mm/(s N) would be faster; detected one step later.
     assert!(
         farthest > 0.02 && farthest < 0.02 + 2.1 * 0.01 * PERIOD,
         "{farthest} m"
     );
 }
 
-/// Knurls resist more than friction can: the finger drags no further than any friction would allow.
+/// Knurls resist more than friction can. The torque stays below the limit of any plausible friction.
 #[test]
-fn what_holds_on_harder_than_friction_is_not_forced() {
+fn a_cap_that_resists_more_than_friction_is_not_forced() {
     let mut config = config(Until::Open);
     config.0.travel = 0.03;
     let (mut task, mut cap) = (start(&config), Cap::new(|_| 1.0));
@@ -390,10 +391,10 @@ fn what_holds_on_harder_than_friction_is_not_forced() {
     let (torque, _) = run(&mut task, &mut cap);
     assert_eq!(task.task.outcome(), Some("stuck"));
     assert_eq!(cap.slips, 0);
-    // 0.97 of a friction of 1.5 at a grip of 6 N, and a step more of up to 0.1 N.
+    // 0.97 of a friction of 1.5 at a grip of 6 N, and one more step of up to 0.1 N.
     let limit = 2.0 * 1.5 * 6.0 * RADIUS;
     assert!(
         (0.95..1.0).contains(&(torque / limit)),
-        "{torque} of {limit} N m"
+        "{torque} N m with a limit of {limit} N m"
     );
 }

@@ -1,4 +1,4 @@
-//! A box between two fingers that lift it, and one under a finger that slides it.
+//! A box that two fingers lift, and a box that one finger slides.
 
 use super::fingers::{DOME, FEELER, Finger, PERIOD, PHASES, Run};
 use feeler::control::Phase;
@@ -7,7 +7,7 @@ use feeler::control::task::Task;
 use feeler::control::task::carry::{Carry, CarryConfig, CarryFinger, Waypoint};
 use glam::{DMat3, DVec3};
 
-/// From the box's middle to its faces, m.
+/// Distance from the box's middle to its faces (m).
 const HALF: f64 = 0.02;
 const WEIGHT: f64 = 1.2;
 const HEIGHT: f64 = 0.1;
@@ -60,7 +60,7 @@ fn start(config: &CarryConfig) -> Run<Carry> {
     )
 }
 
-/// A box that stands on a table and is free otherwise: where it is, and where each finger holds it.
+/// A box that stands on a table and is otherwise free, with its displacement and the fingers' contact points.
 #[derive(Default)]
 struct Held {
     moved: DVec3,
@@ -69,10 +69,10 @@ struct Held {
 }
 
 impl Held {
-    /// Puts the box where its forces balance, and gives each of two fingers its own.
+    /// Moves the box to equilibrium and applies the contact forces to both fingers.
     ///
-    /// Along x both faces are equally stiff, and along y and about z nothing holds it: there, the box goes with the
-    /// fingers. Along z the feelers bend under its weight.
+    /// Along x, both faces are equally stiff. Along y and about z the box is free and follows the fingers. Along z,
+    /// its weight deflects the feelers.
     fn squeeze(&mut self, fingers: &mut [Finger]) {
         let side = [-1.0, 1.0];
         let tips = [0, 1].map(|i| fingers[i].free_tip());
@@ -86,7 +86,7 @@ impl Held {
         for (anchor, tip) in self.anchors.iter_mut().zip(tips) {
             anchor.get_or_insert(tip - self.moved);
         }
-        let off = [0, 1].map(|i| tips[i] - self.anchors[i].expect("it touches"));
+        let off = [0, 1].map(|i| tips[i] - self.anchors[i].expect("a contact"));
         self.moved.x = middle;
         self.moved.y = (off[0].y + off[1].y) / 2.0;
         self.turned = (off[1].y - off[0].y) / (2.0 * HALF);
@@ -99,7 +99,7 @@ impl Held {
     }
 }
 
-/// Turns both fingers about the vertical through their middle.
+/// Turns both fingers around the vertical through their midpoint.
 fn turn(fingers: &mut [Finger], angle: f64) {
     let middle = (fingers[0].free_tip() + fingers[1].free_tip()) / 2.0;
     for finger in fingers {
@@ -108,7 +108,7 @@ fn turn(fingers: &mut [Finger], angle: f64) {
     }
 }
 
-/// Grasps the box and continues for `steps` steps.
+/// Grasps the box and continues for `steps` more steps.
 fn held(config: &CarryConfig, steps: u64) -> (Run<Carry>, Held) {
     let (mut run, mut held) = (start(config), Held::default());
     while run.task.phase() == Phase::Search {
@@ -151,10 +151,10 @@ fn two_fingers_lift_a_box_along_its_path() {
         if before == Phase::Move {
             let found = ["moved_x_m", "moved_y_m", "moved_z_m"].map(|name| run.finding(name));
             let found = DVec3::from_array(found);
-            // The tips measure the whole motion, except for that within the step of the grasp.
+            // The tips measure all of the motion, except for the box's motion within the step of the grasp.
             assert!(
                 found.distance(held.moved) < 1e-4,
-                "{found} for {}",
+                "{found} instead of {}",
                 held.moved
             );
             places.push(held.moved);
@@ -165,19 +165,19 @@ fn two_fingers_lift_a_box_along_its_path() {
         (run.task.outcome(), run.task.failed()),
         (Some("carried"), false)
     );
-    // Way and stays: 10 mm and 5 mm at 10 mm/s, and twice 1.5 s; a few steps to get firm.
+    // Travel and holds: 10 mm and 5 mm at 10 mm/s, and twice 1.5 s; a few steps until the grip is firm.
     let expected = 1.0 + 0.5 + 2.0 * 1.5;
     let took = PERIOD * places.len() as f64;
     assert!((expected..expected + 0.8).contains(&took), "{took} s");
-    // An error goes with exp(-4 t/s): after 1.5 s, 0.25 % of it are left.
+    // Errors decay with exp(-4 t/s): after 1.5 s, 0.25 % are left.
     let last = places[places.len() - 1];
     let error = last.distance(DVec3::new(0.004, 0.003, 0.01));
     assert!(error < 1e-4, "{last}");
     let above = places
         .iter()
         .find(|p| p.x.abs() < 1e-6 && (p.z - 0.01).abs() < 1e-4);
-    assert!(above.is_some(), "not by way of the first waypoint");
-    // It never moves faster along its path than twice the speed, which is for making good what is behind.
+    assert!(above.is_some(), "the first waypoint was not passed");
+    // It never moves along its path at more than twice the speed, which is permitted to catch up.
     let fastest = places.windows(2).map(|w| w[1].distance(w[0]) / PERIOD);
     assert!(fastest.fold(0.0, f64::max) < 0.0201);
     for (finger, home) in run.fingers.iter().zip(&config.finger) {
@@ -185,13 +185,13 @@ fn two_fingers_lift_a_box_along_its_path() {
     }
 }
 
-/// 0.6 N a finger at a friction of 0.5 need 1.2 N, and half as much again.
+/// 0.6 N per finger at a friction of 0.5 require 1.2 N, and the margin adds half of that.
 #[test]
-fn the_grip_is_what_the_weight_needs_times_the_margin() {
+fn grip_is_the_force_that_the_weight_requires_times_the_margin() {
     let (run, _) = held(&config(), 400);
     let expected = 1.5 * WEIGHT / 2.0 / 0.5;
     let pressing = run.finding("pressing_n");
-    // What is left after two seconds of closing in by 4 % a step, and the load's forgetting of 1 % a step.
+    // Remaining error after two seconds of approaching by 4 % per step, and of averaging the load with 1 % per step.
     assert!((pressing / expected - 1.0).abs() < 0.02, "{pressing} N");
     assert_eq!(run.finding("friction"), 0.5);
 }
@@ -204,7 +204,8 @@ fn a_box_that_was_turned_is_turned_back() {
         held.squeeze(&mut run.fingers);
         run.step().expect("no reason to stop");
         let found = run.finding("turned_rad");
-        // The rotation has a sign, and is at most that of the fingers, whose feelers are compressed by 4 %.
+        // The rotation has the sign of the fingers' rotation and is slightly smaller, because their feelers' tips are
+        // pressed in by 4 %.
         assert!(
             (0.9..=1.0).contains(&(held.turned / angle)),
             "{}",
@@ -212,7 +213,7 @@ fn a_box_that_was_turned_is_turned_back() {
         );
         assert!(
             (found / held.turned - 1.0).abs() < 0.02,
-            "{found} for {}",
+            "{found} instead of {}",
             held.turned
         );
         let middle = (run.fingers[0].position + run.fingers[1].position) / 2.0;
@@ -220,7 +221,8 @@ fn a_box_that_was_turned_is_turned_back() {
             held.squeeze(&mut run.fingers);
             run.step().expect("no reason to stop");
         }
-        // About the fingers' middles, which are farther apart than the faces, it goes faster than exp(-4 t/s).
+        // Around the fingers' centres, which are farther apart than the faces, the error decays faster than exp(-4
+        // t/s).
         assert!(held.turned.abs() < 0.02 * angle.abs(), "{}", held.turned);
         let moved = (run.fingers[0].position + run.fingers[1].position) / 2.0 - middle;
         assert!(
@@ -231,9 +233,9 @@ fn a_box_that_was_turned_is_turned_back() {
 }
 
 #[test]
-fn a_grip_that_is_not_firm_waits() {
+fn motion_waits_for_a_firm_grip() {
     let (mut run, _) = held(&config(), 20);
-    // A pull of 1.5 N wants 4.5 N; that of 1 N is not 0.8 of it.
+    // A pull of 1.5 N requires 4.5 N; a grip of 1 N is less than 0.8 of that.
     let mut velocities = vec![];
     for pressing in [1.0, 1.0, 4.0, 4.0] {
         for (finger, side) in run.fingers.iter_mut().zip([-1.0, 1.0]) {
@@ -247,8 +249,8 @@ fn a_grip_that_is_not_firm_waits() {
     assert!(velocities[3].0 > velocities[1].0 + 0.015, "{velocities:?}");
 }
 
-/// Returns the outcome for a held box if each feeler of fingers 0 and 1 measures `force(n)` (N) in step `n`, and the step of
-/// the outcome.
+/// Outcome for a held box if each feeler of both fingers measures this force (N) in step `n`, and the number of steps
+/// until then.
 fn outcome(config: &CarryConfig, force: impl Fn(u64) -> f64) -> (&'static str, u64) {
     let (mut run, _) = held(config, 5);
     for n in 0..500 {
@@ -262,27 +264,27 @@ fn outcome(config: &CarryConfig, force: impl Fn(u64) -> f64) -> (&'static str, u
             return (outcome, n);
         }
     }
-    panic!("nothing became of it")
+    panic!("no outcome")
 }
 
 #[test]
-fn a_box_that_is_gone_or_in_the_way_is_given_up() {
-    // Nothing is felt from step 0 on, for more than 0.1 s at step 10 by rounding or 11.
+fn a_lost_or_blocked_box_ends_the_task() {
+    // No force from step 0 on, for more than 0.1 s at step 11, or at step 10 by rounding.
     let (lost, after) = outcome(&config(), |_| 0.0);
     assert_eq!(lost, "lost");
     assert!((9..=11).contains(&after), "{after}");
-    // 9 N are one and a half times what would crush it.
+    // 9 N is 1.5 times the force that would crush it.
     let (blocked, after) = outcome(&config(), |n| if n < 7 { 8.9 } else { 9.1 });
     assert_eq!((blocked, after), ("blocked", 7));
-    // It yields under half of the target force; the fingers follow at 2 mm/(s N).
+    // It yields to half of the required force, which the fingers follow at 2 mm/(s N).
     let (lost, after) = outcome(&config(), |_| 0.5);
     assert_eq!(lost, "lost");
-    // 4 mm at 1 mm/s of each finger, less the few tenths that it yielded before.
+    // 4 mm at 1 mm/s of each finger, less the few tenths by which it had yielded before.
     assert!((330..=410).contains(&after), "{after}");
 }
 
 #[test]
-fn what_is_pressed_too_hard_is_let_go_no_faster_than_the_press_speed() {
+fn excessive_grip_is_reduced_at_most_at_the_press_speed() {
     let config = CarryConfig {
         force_gain: 1.0,
         place_gain: 0.0,
@@ -299,7 +301,7 @@ fn what_is_pressed_too_hard_is_let_go_no_faster_than_the_press_speed() {
                 finger.force = DVec3::X * side * force;
             }
             let plans = run.step().expect("no reason to stop");
-            // No weight: the least grip of 1 N is wanted.
+            // Without weight, the minimum grip of 1 N is required.
             let expected = speed * DVec3::X;
             assert!(
                 plans[0].velocity.distance(expected) < 1e-9,
@@ -316,7 +318,7 @@ fn what_is_pressed_too_hard_is_let_go_no_faster_than_the_press_speed() {
 }
 
 #[test]
-fn an_element_that_is_over_its_limit_is_pressed_no_further() {
+fn an_element_over_its_limit_is_not_pressed_further() {
     let config = CarryConfig {
         place_gain: 0.0,
         grip_force: 2.0,
@@ -360,7 +362,7 @@ fn one_finger_slides_a_box_over_a_table() {
     while !run.done() {
         assert!(run.steps < 3000);
         let tip = run.fingers[0].free_tip();
-        // Sliding friction of 0.2 N against the way.
+        // Sliding friction of 0.2 N against the motion.
         let pressed = FEELER.normal_stiffness * (top - tip.z);
         let pull = if pressed > 0.0 && tip != last {
             -0.2 * (tip - last).with_z(0.0).normalize_or_zero()
@@ -375,7 +377,7 @@ fn one_finger_slides_a_box_over_a_table() {
             let moved = (tip - from).truncate();
             let found = [run.finding("moved_x_m"), run.finding("moved_y_m")];
             if !found[0].is_nan() {
-                // The pull bends the feeler by 0.2 mm.
+                // The pull deflects the feeler by 0.2 mm.
                 assert!(moved.distance(found.into()) < 2.5e-4, "{found:?} {moved}");
                 assert!(run.finding("turned_rad").is_nan());
                 assert!((run.finding("pressing_n") - 1.0).abs() < 0.1);
@@ -386,9 +388,9 @@ fn one_finger_slides_a_box_over_a_table() {
 }
 
 #[test]
-fn a_search_that_meets_nothing_is_given_up() {
+fn a_search_without_contact_fails() {
     let mut run = start(&config());
-    // Finger 0 has the box; finger 1 finds none.
+    // Finger 0 touches the box; finger 1 finds nothing.
     let reason = loop {
         run.fingers[0].force = if run.steps > 50 {
             -2.0 * DVec3::X

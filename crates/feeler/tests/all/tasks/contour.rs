@@ -1,4 +1,4 @@
-//! Round an upright cylinder with friction.
+//! A path around an upright cylinder with friction.
 
 use super::fingers::{FEELER, Finger, PERIOD, PHASES, Run};
 use feeler::control::Phase;
@@ -39,7 +39,7 @@ fn start(config: &ContourConfig) -> Run<Contour> {
     Run::new(Contour::new(config), vec![finger])
 }
 
-/// The force on the feeler, which looks at the cylinder's axis, where it slides counterclockwise.
+/// Applies the force on a feeler that faces the cylinder's axis and slides counterclockwise.
 fn press(run: &mut Run<Contour>, friction: f64) {
     let finger = &mut run.fingers[0];
     let normal = (finger.position.truncate() - CENTRE).normalize();
@@ -56,7 +56,7 @@ fn press(run: &mut Run<Contour>, friction: f64) {
 }
 
 #[test]
-fn a_cylinder_is_gone_round_and_its_size_and_friction_told() {
+fn a_cylinder_is_circled_and_its_size_and_friction_measured() {
     for friction in [0.0, 0.3] {
         let mut run = start(&config());
         let mut phases = vec![];
@@ -76,10 +76,10 @@ fn a_cylinder_is_gone_round_and_its_size_and_friction_told() {
                 Phase::Return => assert!(velocity.length() <= 0.02 + 1e-12),
                 _ => assert_eq!(velocity, DVec3::ZERO),
             }
-            // Nothing is drawn yet in the step in which it begins to follow.
+            // No outline point exists in the step in which following starts.
             if phase == Phase::Move && !run.finding("surface_x_m").is_nan() {
                 let point = DVec2::new(run.finding("surface_x_m"), run.finding("surface_y_m"));
-                // Before the lean is learnt, the normal is off by up to the angle of friction.
+                // Before the lean is learned, the normal has an error of up to the friction angle.
                 let error = (point.distance(CENTRE) - RADIUS).abs();
                 assert!(error < 0.3 * 0.3 * FEELER.tip_radius, "{error} m");
             }
@@ -95,18 +95,18 @@ fn a_cylinder_is_gone_round_and_its_size_and_friction_told() {
             assert!(error.abs() < 2e-4, "{size}: {error} m");
         }
         let found = run.finding("friction");
-        assert!((found - friction).abs() < 0.02, "{found} for {friction}");
+        assert!((found - friction).abs() < 0.02, "{found} instead of {friction}");
         let turned = run.finding("turned_rad");
-        // It closes within a millimetre of where it began, where it did not know the friction yet.
+        // It ends within a millimetre of its start, where the friction was still unknown.
         let expected = TAU + f64::atan(friction);
-        assert!((turned - expected).abs() < 0.1, "{turned} for {expected}");
+        assert!((turned - expected).abs() < 0.1, "{turned} instead of {expected}");
         assert_eq!(off_height, 0.0);
         assert!(run.fingers[0].position.distance(HOME.into()) <= 0.001);
     }
 }
 
 #[test]
-fn a_finger_off_its_height_goes_back_to_it() {
+fn a_finger_returns_to_its_height() {
     let mut run = start(&config());
     while run.task.phase() == Phase::Search {
         press(&mut run, 0.0);
@@ -120,11 +120,11 @@ fn a_finger_off_its_height_goes_back_to_it() {
         run.step().expect("no reason to stop");
     }
     let off = run.fingers[0].position.z - HOME[2];
-    // A tenth of a second each time it falls to a third.
+    // The error falls to about a third in each tenth of a second.
     assert!(off.abs() < 1e-6, "{off} m");
 }
 
-/// Speed off the surface and along it, m/s, at a force (N) that acts along the normal.
+/// Speeds along the normal and along the surface (m/s) with a normal force (N).
 fn velocity(force: f64) -> [f64; 2] {
     let mut run = start(&config());
     run.fingers[0].force = DVec3::X;
@@ -136,7 +136,7 @@ fn velocity(force: f64) -> [f64; 2] {
 }
 
 #[test]
-fn it_goes_along_as_fast_as_it_is_pressed_and_makes_the_force_good() {
+fn speed_along_the_surface_is_proportional_to_the_force_up_to_its_target() {
     for (force, off, along) in [(1.0, 0.0, 0.01), (1.2, 0.002, 0.01), (9.0, 0.008, 0.01)] {
         let found = velocity(force);
         assert!(
@@ -144,7 +144,7 @@ fn it_goes_along_as_fast_as_it_is_pressed_and_makes_the_force_good() {
             "{found:?}"
         );
     }
-    // Half the force: it presses first, and goes along half as fast.
+    // At half of the target force it presses, and moves along at half speed.
     let [off, along] = velocity(0.5);
     assert!(
         (off + 0.005).abs() < 1e-12 && (along - 0.005).abs() < 1e-12,
@@ -154,12 +154,12 @@ fn it_goes_along_as_fast_as_it_is_pressed_and_makes_the_force_good() {
 }
 
 #[test]
-fn contact_that_stays_lost_or_an_outline_that_does_not_close_ends_the_task() {
+fn lost_contact_or_an_unclosed_outline_ends_the_task() {
     let mut run = start(&config());
     run.fingers[0].force = DVec3::X;
     run.step().expect("no reason to stop");
     run.fingers[0].force = DVec3::ZERO;
-    // Lost for 0.2 s at step 20, seen one later.
+    // Lost for 0.2 s at step 20, detected one step later.
     for _ in 0..20 {
         run.step().expect("no reason to stop");
         assert_eq!(run.task.outcome(), None);
@@ -184,7 +184,7 @@ fn contact_that_stays_lost_or_an_outline_that_does_not_close_ends_the_task() {
 }
 
 #[test]
-fn a_search_that_meets_nothing_is_given_up() {
+fn a_search_without_contact_fails() {
     let mut run = start(&config());
     let reason = loop {
         match run.step() {

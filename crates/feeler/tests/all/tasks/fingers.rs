@@ -1,4 +1,4 @@
-//! Fingers that go exactly where a task wants them, with one feeler each that a test presses.
+//! Fingers that follow a task's plan exactly, with one feeler each that a test loads.
 
 use feeler::control::FeelerShape;
 use feeler::control::Phase;
@@ -12,9 +12,9 @@ use feeler::hand::JointState;
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, RingConfig};
 use glam::{DMat3, DVec3};
 
-/// Control period, s.
+/// Control period (s).
 pub const PERIOD: f64 = 0.01;
-/// From the dome's centre to the tip of the unloaded feeler, m.
+/// Distance from the dome's centre to the tip of the unloaded feeler (m).
 pub const DOME: f64 = 0.018;
 pub const FEELER: FeelerShape = FeelerShape {
     normal_stiffness: 2000.0,
@@ -22,7 +22,7 @@ pub const FEELER: FeelerShape = FeelerShape {
     tip_radius: 0.002,
 };
 
-/// The phases of a task that is done, one after the other.
+/// Phases of a completed task, in order.
 pub const PHASES: [Phase; 5] = [
     Phase::Search,
     Phase::Move,
@@ -43,14 +43,14 @@ fn layout() -> ElementLayout {
     })
 }
 
-/// One fingertip.
+/// A fingertip.
 #[derive(Clone)]
 pub struct Finger {
-    /// The dome's centre, m, in W.
+    /// Centre of the dome (m, in W).
     pub position: DVec3,
-    /// Unit vector along the feeler, outward, in W.
+    /// Outward unit vector along the feeler (in W).
     pub axis: DVec3,
-    /// On the feeler, N, in W.
+    /// Force on the feeler (N, in W).
     pub force: DVec3,
     analyzer: FlagAnalyzer,
 }
@@ -70,7 +70,7 @@ impl Finger {
         }
     }
 
-    /// Position of the tip without force (m, in W).
+    /// Position of the tip without a force (m, in W).
     pub fn free_tip(&self) -> DVec3 {
         self.position + DOME * self.axis
     }
@@ -95,7 +95,7 @@ impl Finger {
     }
 }
 
-/// A task and the fingers that it moves.
+/// A task and its fingers.
 pub struct Run<T> {
     pub task: T,
     pub fingers: Vec<Finger>,
@@ -111,7 +111,7 @@ impl<T: Task> Run<T> {
         }
     }
 
-    /// One control step: what the task makes of the forces on the feelers, and the way that it makes the fingers go.
+    /// Runs one control step: the task plans from the forces on the feelers, and the fingers move. Returns the plans.
     pub fn step(&mut self) -> Result<Vec<Plan>, StopReason> {
         let layouts = vec![layout(); self.fingers.len()];
         let poses: Vec<_> = self.fingers.iter().map(Finger::pose).collect();
@@ -130,7 +130,7 @@ impl<T: Task> Run<T> {
         self.task.advance(&hand)?;
         let count = self.fingers.len();
         let plans: Vec<_> = (0..count).map(|f| self.task.plan(f, &hand)).collect();
-        // There is no such finger.
+        // A finger that does not exist has an empty plan.
         assert_eq!(self.task.plan(count, &hand), Plan::default());
         for (finger, plan) in self.fingers.iter_mut().zip(&plans) {
             // These tasks control their contact forces themselves.

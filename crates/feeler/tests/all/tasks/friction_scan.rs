@@ -9,10 +9,10 @@ use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-/// Of the contact, N/m.
+/// Stiffness of the contact (N/m).
 const NORMAL_STIFFNESS: f64 = 200.0;
 const SHEAR_STIFFNESS: f64 = 100.0;
-/// Greatest error of each component of the force, N.
+/// Maximum error of each force component (N).
 const NOISE: f64 = 0.003;
 const HOME: [f64; 3] = [0.01, 0.02, 0.023];
 
@@ -20,7 +20,7 @@ fn config() -> FrictionScanConfig {
     FrictionScanConfig {
         home: HOME,
         approach: [0.0, 0.0, -2.0],
-        // Only what is across the approach counts.
+        // Only the part perpendicular to the approach counts.
         slide: [3.0, 0.0, -1.0],
         search_speed: 0.01,
         search_limit: 0.02,
@@ -36,14 +36,14 @@ fn config() -> FrictionScanConfig {
     }
 }
 
-/// A plane through W's origin that rises along x by `tilt`.
+/// A plane through W's origin that rises along x by the angle `tilt`.
 struct Specimen {
     tilt: f64,
     static_friction: f64,
     kinetic_friction: f64,
-    /// Anchor of the sticking feeler.
+    /// Contact point of the sticking feeler.
     anchor: Option<DVec3>,
-    /// Slips so far in each stroke, and where the finger was at the first.
+    /// Number of slips in each stroke, and the finger's position at the first one.
     slips: Vec<(u64, f64)>,
     rng: Pcg64,
 }
@@ -60,7 +60,7 @@ impl Specimen {
         }
     }
 
-    /// The force on a feeler whose unloaded tip would be at `tip`.
+    /// Force on a feeler whose unloaded tip would be at `tip`.
     fn force(&mut self, tip: DVec3, stroke: u32) -> DVec3 {
         let normal = DVec3::new(-self.tilt.sin(), 0.0, self.tilt.cos());
         let pressed = -NORMAL_STIFFNESS * tip.dot(normal);
@@ -89,7 +89,7 @@ fn start(config: &FrictionScanConfig) -> Run<FrictionScan> {
     Run::new(FrictionScan::new(config), vec![finger])
 }
 
-/// Runs the task until it is done. Calls `seen` in each step with the phase and the velocity of the finger.
+/// Runs the task to its end and calls `seen` after each step with the finger's velocity.
 fn run(
     run: &mut Run<FrictionScan>,
     specimen: &mut Specimen,
@@ -98,7 +98,7 @@ fn run(
     while !run.done() {
         assert!(run.steps < 10_000, "{:?}", run.task.phase());
         let tip = run.fingers[0].free_tip();
-        // What slips before and after the strokes is none of theirs.
+        // Slips before and after the strokes do not count.
         let stroke = match run.task.phase() {
             Phase::Move => run.task.stroke(),
             _ => 0,
@@ -111,18 +111,18 @@ fn run(
 }
 
 #[test]
-fn both_coefficients_and_the_tilt_are_told_and_slips_counted() {
+fn friction_coefficients_and_tilt_are_measured_and_slips_counted() {
     for (tilt, friction) in [(0.0, [0.8, 0.6]), (0.06, [0.5, 0.3]), (-0.05, [1.1, 0.9])] {
         let (mut task, mut specimen) = (start(&config()), Specimen::new(tilt, friction));
         run(&mut task, &mut specimen, |_, _| {});
         assert_eq!(task.task.outcome(), Some("measured"));
         assert!(!task.task.failed());
         let found = ["static_friction", "kinetic_friction", "tilt"].map(|n| task.finding(n));
-        // From frame to frame the angle rises by 5 mrad. Half of that is made good; noise leaves less than the rest.
+        // The angle rises by 5 mrad per frame. Half of that is corrected; noise is smaller than the rest.
         for (found, expected) in found.into_iter().zip([friction[0], friction[1], tilt]) {
-            assert!((found - expected).abs() < 0.01, "{found} for {expected}");
+            assert!((found - expected).abs() < 0.01, "{found} instead of {expected}");
         }
-        // The first stroke wipes away what pressing left, and does not count.
+        // The first stroke removes the deflection from pressing and does not count.
         let counted = specimen.slips[2..].iter().map(|s| s.0).sum::<u64>();
         assert!(counted >= 12, "{counted}");
         assert_eq!(task.finding("slips"), counted as f64);
@@ -132,7 +132,7 @@ fn both_coefficients_and_the_tilt_are_told_and_slips_counted() {
 }
 
 #[test]
-fn it_presses_settles_slides_to_and_fro_and_returns() {
+fn the_scan_presses_settles_slides_back_and_forth_and_returns() {
     let (mut task, mut specimen) = (start(&config()), Specimen::new(0.0, [0.8, 0.6]));
     let mut at_rest = 0;
     let mut phases = vec![];
@@ -153,10 +153,10 @@ fn it_presses_settles_slides_to_and_fro_and_returns() {
                     "stroke {stroke}: {velocity}"
                 );
                 assert_eq!(velocity.y, 0.0);
-                // The control's error at 0.01 m/s, and where a slip takes load off.
+                // Control error at 0.01 m/s, and the loss of load after a slip.
                 let load = run.fingers[0].force.z;
                 assert!((load - 1.0).abs() < 0.15, "{load} N");
-                // It presses where load is missing, with the gain, before noise.
+                // It corrects the missing load with the gain, before noise.
                 let press = 0.02 * (1.0 - load);
                 assert!((-velocity.z - press).abs() < 1e-12, "{velocity}");
             }
@@ -170,12 +170,12 @@ fn it_presses_settles_slides_to_and_fro_and_returns() {
         }
     });
     assert_eq!(phases, PHASES);
-    // 0.3 s and one step to see that they are over.
+    // 0.3 s, and one step to detect their end.
     assert!((30..=31).contains(&at_rest), "{at_rest}");
     assert_eq!(turned_at.len(), 5);
     for (stroke, turn) in (1..).zip(turned_at) {
         let travel = (turn - specimen.slips[stroke].1).abs();
-        // One or two steps of 50 µm from the slip to where the stroke ends.
+        // One or two steps of 50 µm from the slip to the end of the stroke.
         assert!(
             (travel - 0.012).abs() < 1.1e-4,
             "stroke {stroke}: {travel} m"
@@ -184,13 +184,13 @@ fn it_presses_settles_slides_to_and_fro_and_returns() {
 }
 
 #[test]
-fn a_load_that_is_far_off_is_made_good_no_faster_than_it_searches() {
+fn load_errors_are_corrected_at_most_at_the_search_speed() {
     let mut task = start(&config());
     while task.task.phase() == Phase::Search {
         task.fingers[0].force = 1.2 * DVec3::Z;
         task.step().expect("no reason to stop");
     }
-    // The angle rises, so that nothing slides; then the load changes.
+    // The angle rises, so nothing slides; then the load changes.
     for n in 0..60 {
         task.fingers[0].force =
             DVec3::new(-0.005 * f64::from(n), 0.0, 1.0 + 1e-3 * f64::from(n % 2));
@@ -202,12 +202,12 @@ fn a_load_that_is_far_off_is_made_good_no_faster_than_it_searches() {
     };
     assert_eq!(press(&mut task, 0.1), 0.01);
     assert_eq!(press(&mut task, 9.0), -0.01);
-    // A force below the contact threshold is not a load.
+    // A force below the contact threshold does not count as load.
     assert_eq!(press(&mut task, 0.04), 0.01);
 }
 
 #[test]
-fn an_element_that_is_over_its_limit_is_pressed_no_further() {
+fn an_element_over_its_limit_is_not_pressed_further() {
     let config = FrictionScanConfig {
         load: 2.0,
         ..config()
@@ -218,7 +218,7 @@ fn an_element_that_is_over_its_limit_is_pressed_no_further() {
     );
     let mut press = 0.0;
     for n in 0..60 {
-        // As much as is wanted first; then less, but still over the limit.
+        // The target load first, then less, but still over the limit.
         let load = if n < 5 {
             2.0
         } else {
@@ -228,13 +228,13 @@ fn an_element_that_is_over_its_limit_is_pressed_no_further() {
         let plans = task.step().expect("no reason to stop");
         press = -plans[0].velocity.z;
     }
-    assert_ne!(task.fingers[0].position.x, HOME[0], "it slides");
+    assert_ne!(task.fingers[0].position.x, HOME[0], "the finger must slide");
     assert_eq!(press, 0.0);
 }
 
 #[test]
-fn what_does_not_slip_is_told_by_its_angle_or_by_the_way_gone() {
-    // At 1 N the shear is three times the load after 30 mm.
+fn a_missing_slip_is_detected_by_angle_or_travel() {
+    // At 1 N, the shear is three times the load after 30 mm.
     for (slide_limit, ends_after) in [(0.02, 0.02), (0.05, 0.03)] {
         let config = FrictionScanConfig {
             slide_limit,
@@ -247,7 +247,7 @@ fn what_does_not_slip_is_told_by_its_angle_or_by_the_way_gone() {
         });
         assert_eq!(task.task.outcome(), Some("no slip"));
         assert!(task.task.failed());
-        // A step is 50 µm; what the load is off by counts thirtyfold in the angle.
+        // A step is 50 µm; an error of the load counts thirtyfold in the angle.
         let tolerance = if slide_limit == ends_after {
             1.1e-4
         } else {
@@ -259,7 +259,7 @@ fn what_does_not_slip_is_told_by_its_angle_or_by_the_way_gone() {
 }
 
 #[test]
-fn a_search_that_meets_nothing_is_given_up() {
+fn a_search_without_contact_fails() {
     let mut task = start(&config());
     let reason = loop {
         match task.step() {

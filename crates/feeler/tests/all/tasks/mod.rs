@@ -1,4 +1,4 @@
-//! Tasks from their beginning to their end, on objects whose contact forces are known in closed form.
+//! Complete runs of tasks on objects with contact forces in closed form.
 
 mod cap;
 mod carry;

@@ -1,4 +1,4 @@
-//! Markers followed by identity, in pictures that are drawn where every marker is known.
+//! Tracking of marker identities in synthetic images with known marker places.
 
 mod scene;
 mod single;

@@ -1,4 +1,4 @@
-//! Pictures of markers that a smooth field displaces.
+//! Images of markers displaced by a smooth field.
 
 use feeler::sensor::fingertip::LocatedLayout;
 use feeler::sensor::image::Picture;
@@ -12,7 +12,7 @@ use rand_pcg::Pcg64;
 pub const SIZE: (usize, usize) = (400, 360);
 pub const SPACING: f64 = 24.0;
 const RADIUS: f64 = 5.0;
-/// Grey levels of noise.
+/// Noise in grey levels.
 const NOISE: f64 = 2.0;
 
 /// Markers on a hexagonal lattice within a circle.
@@ -33,7 +33,7 @@ pub fn places() -> Vec<DVec2> {
     places
 }
 
-/// A picture of markers at `places`; the contrast of each is the part `seen` of the full one. Light is uneven.
+/// Image of markers at `places`, with uneven light. `seen` contains each marker's fraction of the full contrast.
 pub fn picture(polarity: Polarity, places: &[DVec2], seen: &[f64], seed: u64) -> Picture {
     let mut random = Pcg64::seed_from_u64(seed);
     let noise = Normal::new(0.0, NOISE).unwrap();
@@ -65,7 +65,7 @@ pub fn picture(polarity: Polarity, places: &[DVec2], seen: &[f64], seed: u64) ->
     picture
 }
 
-/// The tracker of the markers as they are located in the reference picture, and their true places in its order.
+/// Tracker of the markers located in the reference image, and their true places in its order.
 pub fn tracker(polarity: Polarity) -> (MarkerTracker, Vec<DVec2>) {
     let places = places();
     let reference = picture(polarity, &places, &vec![1.0; places.len()], 0);
@@ -90,10 +90,11 @@ pub fn tracker(polarity: Polarity) -> (MarkerTracker, Vec<DVec2>) {
     (MarkerTracker::new(&layout).unwrap(), ordered)
 }
 
-/// Distance from the middle at which nothing moves, px.
+/// Distance from the middle beyond which nothing moves (px).
 const REACH: f64 = 165.0;
 
-/// A contact that drags the middle by `drag`, px, turns and presses it, and leaves the rim alone.
+/// Displaces `place` by a contact that drags the middle by `drag` (px), turns it and presses it, and does not affect
+/// the rim.
 pub fn displaced(place: DVec2, drag: DVec2, turn: f64, press: f64) -> DVec2 {
     let middle = DVec2::new(SIZE.0 as f64, SIZE.1 as f64) / 2.0;
     let offset = place - middle;
@@ -102,7 +103,7 @@ pub fn displaced(place: DVec2, drag: DVec2, turn: f64, press: f64) -> DVec2 {
     middle + turned + part * drag
 }
 
-/// Largest error of markers of at least the `confidence`, px, and how many they are.
+/// Largest error (px) of the markers with at least this `confidence`, and their number.
 pub fn worst(markers: &[TrackedMarker], truth: &[DVec2], confidence: f64) -> (f64, usize) {
     let sure = markers
         .iter()

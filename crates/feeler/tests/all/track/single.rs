@@ -1,4 +1,4 @@
-//! Markers in single pictures, by the reference alone.
+//! Markers in single images, matched with the reference only.
 
 use super::scene::{SPACING, displaced, picture, tracker, worst};
 use feeler::sensor::image::Picture;
@@ -6,14 +6,15 @@ use feeler::sensor::locate::Polarity;
 use glam::DVec2;
 use proptest::prelude::*;
 
-/// Markers of 12 px that a contact has pushed to 12 px from each other see a pixel of each other's edge: up to a pixel, where a swap is 24 px off.
+/// Maximum error (px): markers of 12 px pushed to a distance of 12 px include a pixel of each other's edge, whereas a
+/// swap is an error of 24 px.
 const TOUCHING: f64 = 1.0;
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(12))]
-    /// However a contact drags, turns and presses within the field's reach: up to one and a half spacings.
+    /// Any drag, rotation and pressure within the field's reach, up to one and a half spacings.
     #[test]
-    fn displacements_beyond_the_spacing_are_told(
+    fn displacements_beyond_the_spacing_are_measured(
         drag in 0.0..1.5_f64,
         way in 0.0..std::f64::consts::TAU,
         turn in -0.25..0.25_f64,
@@ -35,7 +36,7 @@ proptest! {
 }
 
 #[test]
-fn what_was_seen_before_does_not_matter() {
+fn matching_is_independent_of_earlier_images() {
     let (mut fresh, places) = tracker(Polarity::Bright);
     let mut used = fresh.clone();
     let seen = vec![1.0; places.len()];
@@ -62,7 +63,7 @@ fn what_was_seen_before_does_not_matter() {
 }
 
 #[test]
-fn a_picture_without_markers_is_refused() {
+fn an_image_without_markers_is_rejected() {
     let (mut tracker, _) = tracker(Polarity::Bright);
     let refused = tracker
         .match_picture(&Picture::black(400, 360))

@@ -6,22 +6,22 @@ use feeler::sensor::locate::Polarity;
 use feeler::sensor::track::TrackError;
 use glam::DVec2;
 
-/// Edges of 2 px at 0.4 of 150 grey levels, noise of 2, neighbours that enter the window: a tenth of a pixel at the most from noise, some
-/// more where the ground slopes under a window; far less than the spacing of 24 px that a swap is off.
+/// Maximum error (px): at most a tenth of a pixel from edges of 2 px at 0.4 of 150 grey levels, noise of 2 and
+/// neighbours in the window, and more where the background has a slope. A swap is an error of a spacing, 24 px.
 const EXACT: f64 = 0.4;
 
-/// An affine field through the neighbours knows nothing of the field's curvature, which for a drag of 30 px is 2 30/165² = 0.0022 px/px²
-/// each way: half of that times the square of the spacing, both ways, is 1.3 px. Where all neighbours lie to one side it is extrapolated over as
-/// much again.
+/// Maximum error of predicted markers (px). An affine field through the neighbours ignores the field's curvature,
+/// which for a drag of 30 px is 2 30/165² = 0.0022 px/px² in each direction: half of that times the square of the
+/// spacing, in both directions, is 1.3 px. If all neighbours are on one side, extrapolation adds as much again.
 const FORETOLD: f64 = 0.1 * SPACING;
 
 #[test]
-fn markers_are_followed_beyond_their_neighbours_places_and_back() {
+fn markers_are_tracked_beyond_their_neighbours_places_and_back() {
     for polarity in [Polarity::Bright, Polarity::Dark] {
         let (mut tracker, places) = tracker(polarity);
         let seen = vec![1.0; places.len()];
         for frame in 0..=80 {
-            // 36 px, one and a half spacings, and a turn, and back.
+            // 36 px, which is one and a half spacings, and a rotation, and back.
             let part = (std::f64::consts::PI * f64::from(frame) / 80.0).sin();
             let there =
                 |place: &DVec2| displaced(*place, part * DVec2::new(34.0, -12.0), 0.1 * part, 0.0);
@@ -42,7 +42,7 @@ fn markers_are_followed_beyond_their_neighbours_places_and_back() {
 }
 
 #[test]
-fn what_is_hidden_is_foretold_said_to_be_lost_and_found_again() {
+fn hidden_markers_are_predicted_reported_as_lost_and_found_again() {
     let (mut tracker, places) = tracker(Polarity::Dark);
     for frame in 0..60 {
         let part = f64::from(frame) / 60.0;
@@ -74,7 +74,7 @@ fn what_is_hidden_is_foretold_said_to_be_lost_and_found_again() {
 }
 
 #[test]
-fn markers_that_fade_stay_the_same() {
+fn fading_markers_keep_their_identity() {
     let (mut tracker, places) = tracker(Polarity::Bright);
     for frame in 0..100 {
         let faded = 1.0 - 0.006 * f64::from(frame);
@@ -90,10 +90,10 @@ fn markers_that_fade_stay_the_same() {
     }
 }
 
-/// If the whole pattern jumps by about a spacing between two frames, each marker of high confidence is identified correctly,
-/// or the tracker reports that it is lost.
+/// The whole pattern jumps by about a spacing between two frames. Markers with high confidence have the correct
+/// identity, or the tracker reports that they are lost.
 #[test]
-fn a_jump_swaps_no_marker_silently() {
+fn a_jump_does_not_swap_markers_silently() {
     for step in [8.0, 14.0, 20.0, 26.0, 34.0] {
         let (mut tracker, places) = tracker(Polarity::Dark);
         let seen = vec![1.0; places.len()];
@@ -111,7 +111,7 @@ fn a_jump_swaps_no_marker_silently() {
             error < 0.5 * SPACING,
             "step {step}: {error} px in {count} sure markers"
         );
-        // The reference alone tells which is which.
+        // The reference alone identifies all markers.
         let (error, _) = worst(tracker.match_picture(&after).unwrap(), &truth, 0.0);
         assert!(error < EXACT, "step {step}: {error} px");
         let (error, _) = worst(tracker.track(&after).unwrap(), &truth, 0.0);
@@ -120,7 +120,7 @@ fn a_jump_swaps_no_marker_silently() {
 }
 
 #[test]
-fn a_black_picture_loses_all_and_the_next_good_one_finds_all() {
+fn a_black_image_loses_all_markers_and_the_next_valid_one_finds_them() {
     let (mut tracker, places) = tracker(Polarity::Bright);
     let seen = vec![1.0; places.len()];
     let good = picture(Polarity::Bright, &places, &seen, 1);
@@ -141,7 +141,7 @@ fn a_black_picture_loses_all_and_the_next_good_one_finds_all() {
 }
 
 #[test]
-fn a_picture_of_another_size_is_refused() {
+fn images_of_another_size_are_rejected() {
     let (mut tracker, _) = tracker(Polarity::Bright);
     let refused = tracker.track(&Picture::black(64, 64)).unwrap_err();
     assert!(matches!(

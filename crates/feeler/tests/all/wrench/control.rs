@@ -1,4 +1,4 @@
-//! A hand that is controlled by a wrench: a fingertip of one element touches a wall, strokes it and comes home.
+//! Control by a measured wrench: a fingertip of one element touches a wall, strokes it and returns.
 
 use super::world::{chain, made_for, picture, samples};
 use feeler::control::ControlLoop;
@@ -32,7 +32,7 @@ struct Config {
     task: TaskConfig,
 }
 
-/// Joint angles, rad, and time, s.
+/// Joint angles (rad) and time (s).
 type Rig = Rc<Cell<(DVec3, f64)>>;
 
 struct Drives {
@@ -63,7 +63,7 @@ impl Hand for Drives {
     }
 }
 
-/// Sees the spots under the force of a springy wall.
+/// A camera that sees the spots under the force of an elastic wall.
 struct Eye {
     rig: Rig,
     finger: FingerGeometry,
@@ -102,12 +102,12 @@ impl Camera for Still {
 }
 
 #[test]
-fn what_presses_is_positive_and_what_is_far_off_is_no_force() {
+fn compression_is_positive_and_implausible_wrenches_are_invalid() {
     let mut reading = TactileFrame::unloaded(1);
     let force = DVec3::new(0.5, -0.3, -2.0);
     let mut sensor = WrenchSensor::new(Still(force), chain(), estimator()).unwrap();
     sensor.read(&mut reading).unwrap();
-    // A tenth of a newton is the tolerance of the estimator's own test.
+    // The tolerance of the estimator's own test is a tenth of a newton.
     assert!(
         (reading.forces[0] - DVec3::new(0.5, -0.3, 2.0)).length() < 0.15,
         "{reading:?}"
@@ -139,7 +139,7 @@ fn what_presses_is_positive_and_what_is_far_off_is_no_force() {
 }
 
 #[test]
-fn a_hand_touches_strokes_and_comes_home_by_it() {
+fn a_hand_touches_strokes_and_returns_by_its_wrench() {
     let mut config: Config =
         toml::from_str(include_str!("../../../examples/own_hand.toml")).unwrap();
     config.layout.rings.truncate(1);
@@ -185,6 +185,6 @@ fn a_hand_touches_strokes_and_comes_home_by_it() {
     });
     ran.unwrap();
     assert_eq!(control_loop.controller().phase(), Phase::Done);
-    // It moves on at 0.5 N, and presses no deeper than it comes in the steps until it has turned.
+    // It moves on at 0.5 N, and presses no deeper than it moves in the steps until it has turned.
     assert!((0.5..1.0).contains(&greatest), "{greatest} N");
 }

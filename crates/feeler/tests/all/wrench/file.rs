@@ -1,4 +1,4 @@
-//! The file of a wrench calibration: read back as it was written, or refused.
+//! Wrench calibration files are read as written, or rejected.
 
 use super::world::{ELEMENTS, made_for, samples};
 use feeler::sensor::fingertip::{CalibrationTarget, LengthUnit};
@@ -14,7 +14,7 @@ static TEXT: LazyLock<String> = LazyLock::new(|| {
 });
 
 #[test]
-fn it_is_read_as_it_was_written() {
+fn wrench_calibrations_survive_a_round_trip() {
     let calibration = WrenchCalibration::from_toml(&TEXT).unwrap();
     assert_eq!(calibration.to_toml().unwrap(), *TEXT);
     assert!(WrenchCalibration::is_kind(&TEXT) && !WrenchCalibration::is_kind("version = 2"));
@@ -24,7 +24,7 @@ fn it_is_read_as_it_was_written() {
 }
 
 #[test]
-fn what_cannot_be_used_is_named() {
+fn errors_name_the_invalid_value() {
     for (from, to, words) in [
         ("version = 1", "version = 7", "version = 7"),
         ("kind = \"wrench\"", "kind = \"other\"", "kind = \"other\""),
@@ -57,11 +57,11 @@ fn what_cannot_be_used_is_named() {
 }
 
 proptest! {
-    // Each reads a whole file.
+    // Few cases, because each parses a whole file.
     #![proptest_config(ProptestConfig::with_cases(64))]
-    /// A file with changed numbers is refused, or predicts finite values for any image.
+    /// A file with changed numbers is rejected, or gives finite results for any readings.
     #[test]
-    fn changed_numbers_are_refused_or_harmless(
+    fn changed_numbers_are_rejected_or_give_finite_results(
         changes in proptest::collection::vec((any::<proptest::sample::Index>(), prop_oneof![
             Just("0"), Just("-1"), Just("nan"), Just("inf"), Just("1e300"), Just("-1e14"), Just("1e-300"), Just("5"), Just("\"x\""), Just("[]"),
         ]), 1..4),

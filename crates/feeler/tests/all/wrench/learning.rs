@@ -1,4 +1,4 @@
-//! Learned wrenches, compared with the law of the synthetic images; refused data.
+//! Learned wrenches compared with the law that generated the images, and rejected data.
 
 use super::world::{ELEMENTS, chain, layout, made_for, picture, read, samples};
 use assert_no_alloc::assert_no_alloc;
@@ -19,13 +19,14 @@ fn fitted(samples: &[WrenchSample], recordings: usize) -> WrenchEstimator {
     WrenchEstimator::new(fit.calibration).expect("an estimator")
 }
 
-/// Over the 80 lit pixels of a spot, with weights that add up to half of them, 2 grey levels of noise out of 120 are about
-/// 0.3 % of its growth; a newton changes 16 spots by about 3 % each. The best combination leaves 0.3 / (3 * sqrt(16)) = 0.03 N
-/// of noise. Ridge regression and the 0.01 N of the measurement stay below three times that, over forces of 3 N.
+/// Maximum error (N). Over a spot's 80 lit pixels, whose weights add up to half of them, noise of 2 of 120 grey
+/// levels is about 0.3 % of its growth; a newton changes 16 spots by about 3 % each. The best combination leaves 0.3
+/// / (3 * sqrt(16)) = 0.03 N of noise. The contributions of ridge regression and of the measurement's noise of 0.01 N
+/// stay below three times that, over forces of 3 N.
 const TOLERANCE: f64 = 0.09;
 
 #[test]
-fn forces_are_told_from_pictures_of_another_recording_with_a_dimmer_lamp() {
+fn forces_are_estimated_in_another_recording_with_a_dimmer_lamp() {
     let mut estimator = fitted(&samples(150, 0, 1.0, 1), 1);
     let mut chain = chain();
     let mut random = Pcg64::seed_from_u64(9);
@@ -48,7 +49,7 @@ fn forces_are_told_from_pictures_of_another_recording_with_a_dimmer_lamp() {
             assert_eq!(estimate.component(WrenchAxis::TorqueX), None);
         }
     }
-    // Over nine tenths are as near as nine tenths of the calibration's.
+    // More than nine tenths are as close to the calibration as nine tenths of the images it was fitted to.
     assert!(valid > 72, "{valid} of 80 are valid");
     for (axis, square) in errors.into_iter().enumerate() {
         assert!(
@@ -60,7 +61,7 @@ fn forces_are_told_from_pictures_of_another_recording_with_a_dimmer_lamp() {
 }
 
 #[test]
-fn held_out_errors_are_those_on_pictures_that_come_later() {
+fn held_out_errors_predict_errors_on_later_images() {
     let both = [samples(100, 0, 1.0, 1), samples(60, 1, 1.1, 2)].concat();
     let fit = fit(made_for(), &names(2), &both, false).expect("a fit");
     assert!(
@@ -77,9 +78,10 @@ fn held_out_errors_are_those_on_pictures_that_come_later() {
             (estimate.components[axis].unwrap() - sample.wrench[axis].unwrap()).powi(2)
         });
         let rmse = (squares.sum::<f64>() / later.len() as f64).sqrt();
-        // Learned from four fifths, and judged on 160 pictures whose errors scatter by 1/sqrt(2 * 160) = 6 %; three times that.
+        // Learned from four fifths, and tested on 160 images whose errors scatter by 1/sqrt(2 * 160) = 6 %; the bound
+        // is three times that.
         let ratio = quality.blocks.rmse / rmse;
-        assert!((0.7..1.5).contains(&ratio), "{quality:?}: {rmse} N later");
+        assert!((0.7..1.5).contains(&ratio), "{quality:?}: {rmse} N on later images");
         assert!(quality.r2 > 0.95 && quality.recordings.len() == 2);
         let left_out = quality.recordings[1]
             .left_out
@@ -88,10 +90,11 @@ fn held_out_errors_are_those_on_pictures_that_come_later() {
     }
 }
 
-/// A twist brightens spots like the usual forces, so that only their motion reveals it: 0.6 px on average, twice that of a
-/// newton of shear. The limit of novelty is 1.25 times the 90th percentile of the calibration's own images.
+/// A twist brightens spots like the usual forces, and differs only in their displacement: 0.6 px on average, twice
+/// that of a newton of shear. The novelty limit is 1.25 times the value that nine tenths of the calibration's images
+/// reach.
 #[test]
-fn a_load_of_another_kind_is_not_valid_even_where_spots_brighten_as_usual() {
+fn another_kind_of_load_is_invalid_even_if_brightness_is_usual() {
     let mut estimator = fitted(&samples(150, 0, 1.0, 1), 1);
     let mut chain = chain();
     let places: Vec<_> = layout().elements.iter().map(|e| e.centre_px).collect();
@@ -111,7 +114,7 @@ fn a_load_of_another_kind_is_not_valid_even_where_spots_brighten_as_usual() {
 }
 
 #[test]
-fn what_is_unlike_the_calibration_is_not_valid() {
+fn readings_unlike_the_calibration_are_invalid() {
     let mut estimator = fitted(&samples(120, 0, 1.0, 1), 1);
     let mut chain = chain();
     let mut random = Pcg64::seed_from_u64(3);
@@ -142,7 +145,7 @@ fn what_is_unlike_the_calibration_is_not_valid() {
 }
 
 #[test]
-fn what_explains_nothing_is_left_out_or_refused() {
+fn components_without_correlation_are_left_out_or_rejected() {
     let mut random = Pcg64::seed_from_u64(5);
     let mut all = samples(80, 0, 1.0, 1);
     for sample in &mut all {
@@ -181,7 +184,7 @@ fn what_explains_nothing_is_left_out_or_refused() {
 }
 
 #[test]
-fn a_component_is_learned_from_where_it_was_measured() {
+fn a_component_is_learned_from_the_samples_that_contain_it() {
     let mut all = samples(120, 0, 1.0, 1);
     for sample in &mut all[..50] {
         sample.wrench[0] = None;

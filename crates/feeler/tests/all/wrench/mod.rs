@@ -1,4 +1,4 @@
-//! A wrench on a whole fingertip: what is learned of it from pictures, what is refused, and a hand that is controlled by it.
+//! Wrenches on a whole fingertip: learning from images, rejected data, and control of a hand.
 
 mod control;
 mod file;

@@ -1,4 +1,4 @@
-//! Synthetic fingertip whose spots brighten and move by a known law.
+//! A synthetic fingertip whose spots brighten and move by a known law.
 
 use feeler::sensor::fingertip::{CalibrationTarget, LengthUnit};
 use feeler::sensor::fingertip::{ElementPlace, LAYOUT_VERSION, LocatedLayout};
@@ -11,7 +11,7 @@ use glam::{DVec2, DVec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
-/// Spots along a side of the picture.
+/// Number of spots along a side of the image.
 const SIDE: usize = 4;
 /// Distance between spots, px.
 const SPACING: usize = 20;
@@ -62,10 +62,10 @@ pub fn made_for() -> CalibrationTarget {
     )
 }
 
-/// The picture under a force on the fingertip, N, of a lamp of brightness `lamp`.
+/// Image under a force on the fingertip (N), with a lamp of brightness `lamp`.
 ///
-/// Spot i brightens by `a_i . f` with fixed a_i of up to 5 % for a newton, and moves by 0.3 px for a newton of shear. Noise of each
-/// pixel is 2 grey levels.
+/// Spot i brightens by `a_i . f` with fixed a_i of up to 5 % per newton, and moves by 0.3 px per newton of shear.
+/// Each pixel has noise of 2 grey levels.
 pub fn picture(force: DVec3, lamp: f64, random: &mut Pcg64) -> Picture {
     let side = SIDE * SPACING;
     let mut pixels = vec![0_u8; side * side];
@@ -90,14 +90,14 @@ fn sensitivity(index: usize) -> DVec3 {
     DVec3::from_array([(); 3].map(|()| random.random_range(-0.05..0.05)))
 }
 
-/// Reading of each spot in an image.
+/// Readings of all spots in an image.
 pub fn read(chain: &mut SensingChain, picture: &Picture) -> Vec<ElementReading> {
     let mut readings = vec![ElementReading::default(); ELEMENTS];
     chain.sense(picture, &mut readings).expect("readings");
     readings
 }
 
-/// A picture as a sample.
+/// Creates a sample from an image's readings.
 pub fn sample(
     readings: &[ElementReading],
     recording: usize,
@@ -110,8 +110,8 @@ pub fn sample(
     }
 }
 
-/// `count` pictures under forces that wander, as a hand that rubs makes them: neighbours in time are alike. Each comes with a
-/// measured force, which has the noise of a good sensor, 0.01 N.
+/// Creates `count` images under slowly varying forces, like those of rubbing: consecutive images are similar. Each
+/// has a measured force with the noise of a good sensor, 0.01 N.
 pub fn samples(count: usize, recording: usize, lamp: f64, seed: u64) -> Vec<WrenchSample> {
     let mut random = Pcg64::seed_from_u64(seed);
     let mut chain = chain();
