@@ -74,7 +74,10 @@ impl PolicyFile {
             .collect();
         let views = tensors.iter().map(|(name, shape, bytes)| {
             let view = TensorView::new(Dtype::F32, shape.to_vec(), bytes);
-            (name.as_str(), view.expect("as many numbers as the shape requires"))
+            (
+                name.as_str(),
+                view.expect("as many numbers as the shape requires"),
+            )
         });
         serialize(views, Some(self.metadata.clone().into_iter().collect())).expect("a file's bytes")
     }

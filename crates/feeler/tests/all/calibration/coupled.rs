@@ -136,7 +136,10 @@ fn each_coefficient_multiplies_its_power_of_the_scaled_inputs() {
         let map = map(own.clone());
         for inputs in places(20, 4) {
             let error = map.force(inputs).distance(force(&own, inputs));
-            assert!(error < 1e-14, "term {term} at {inputs:?}: error of {error} N");
+            assert!(
+                error < 1e-14,
+                "term {term} at {inputs:?}: error of {error} N"
+            );
         }
     }
 }

@@ -149,7 +149,10 @@ fn no_joint_passes_its_limit_at_any_speed() {
             );
             nearest = nearest.min(room);
         }
-        assert!(nearest < 1e-6, "{nearest} rad: the limit was never approached");
+        assert!(
+            nearest < 1e-6,
+            "{nearest} rad: the limit was never approached"
+        );
     }
 }
 
@@ -178,7 +181,10 @@ fn no_fingertip_leaves_its_workspace_at_any_speed() {
             );
             nearest = nearest.min(room.min_element());
         }
-        assert!(nearest < 1e-5, "{nearest} m: the boundary was never approached");
+        assert!(
+            nearest < 1e-5,
+            "{nearest} m: the boundary was never approached"
+        );
     }
 }
 

@@ -142,7 +142,11 @@ fn best_learns_friction_from_slips() {
         }
         // Each slip corrects 0.3 of the error; nothing else changes the estimate here.
         let off = (law.friction() - friction).abs();
-        assert!(off < 0.01 * friction, "{} instead of {friction}", law.friction());
+        assert!(
+            off < 0.01 * friction,
+            "{} instead of {friction}",
+            law.friction()
+        );
     }
 }
 

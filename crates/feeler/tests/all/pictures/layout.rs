@@ -141,7 +141,10 @@ fn elements_on_a_dome_are_sorted_into_rings_and_point_outward() {
     let apex: f64 = areas[0].iter().map(|p| p.area).sum();
     let scale = (DOME_RADIUS + 0.010) / 195.0;
     let area = std::f64::consts::PI * (10.0 * scale).powi(2);
-    assert!((apex / area - 1.0).abs() < 0.03, "{apex} m² instead of {area} m²");
+    assert!(
+        (apex / area - 1.0).abs() < 0.03,
+        "{apex} m² instead of {area} m²"
+    );
 }
 
 #[test]

@@ -95,10 +95,7 @@ fn a_displacement_beyond_the_bound_is_not_corrected_at_any_rate() {
     // Two of the six are corrected; a sideways push must not become the rest position.
     let expected = 4.0 * UNMOVED * direction;
     let error = displacement.distance(expected) / UNMOVED;
-    assert!(
-        error < 1e-9,
-        "expected {expected} m, got {displacement} m"
-    );
+    assert!(error < 1e-9, "expected {expected} m, got {displacement} m");
 }
 
 #[test]

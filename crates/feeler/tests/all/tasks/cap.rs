@@ -240,7 +240,10 @@ fn grip_and_radius_are_measured_while_the_cap_turns() {
             let least = forces.fold(f64::INFINITY, f64::min);
             let grip = task.finding("grip_n");
             // The shear of 0.1 N that corresponds to 3 mN m is perpendicular.
-            assert!((grip / least - 1.0).abs() < 0.01, "{grip} N instead of {least} N");
+            assert!(
+                (grip / least - 1.0).abs() < 0.01,
+                "{grip} N instead of {least} N"
+            );
             assert!(
                 (grip - 2.0).abs() < 0.25,
                 "gentle strokes grip with 2 N: got {grip} N"

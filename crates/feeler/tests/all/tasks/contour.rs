@@ -95,11 +95,17 @@ fn a_cylinder_is_circled_and_its_size_and_friction_measured() {
             assert!(error.abs() < 2e-4, "{size}: {error} m");
         }
         let found = run.finding("friction");
-        assert!((found - friction).abs() < 0.02, "{found} instead of {friction}");
+        assert!(
+            (found - friction).abs() < 0.02,
+            "{found} instead of {friction}"
+        );
         let turned = run.finding("turned_rad");
         // It ends within a millimetre of its start, where the friction was still unknown.
         let expected = TAU + f64::atan(friction);
-        assert!((turned - expected).abs() < 0.1, "{turned} instead of {expected}");
+        assert!(
+            (turned - expected).abs() < 0.1,
+            "{turned} instead of {expected}"
+        );
         assert_eq!(off_height, 0.0);
         assert!(run.fingers[0].position.distance(HOME.into()) <= 0.001);
     }

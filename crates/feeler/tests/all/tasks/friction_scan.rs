@@ -120,7 +120,10 @@ fn friction_coefficients_and_tilt_are_measured_and_slips_counted() {
         let found = ["static_friction", "kinetic_friction", "tilt"].map(|n| task.finding(n));
         // The angle rises by 5 mrad per frame. Half of that is corrected; noise is smaller than the rest.
         for (found, expected) in found.into_iter().zip([friction[0], friction[1], tilt]) {
-            assert!((found - expected).abs() < 0.01, "{found} instead of {expected}");
+            assert!(
+                (found - expected).abs() < 0.01,
+                "{found} instead of {expected}"
+            );
         }
         // The first stroke removes the deflection from pressing and does not count.
         let counted = specimen.slips[2..].iter().map(|s| s.0).sum::<u64>();

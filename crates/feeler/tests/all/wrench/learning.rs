@@ -81,7 +81,10 @@ fn held_out_errors_predict_errors_on_later_images() {
         // Learned from four fifths, and tested on 160 images whose errors scatter by 1/sqrt(2 * 160) = 6 %; the bound
         // is three times that.
         let ratio = quality.blocks.rmse / rmse;
-        assert!((0.7..1.5).contains(&ratio), "{quality:?}: {rmse} N on later images");
+        assert!(
+            (0.7..1.5).contains(&ratio),
+            "{quality:?}: {rmse} N on later images"
+        );
         assert!(quality.r2 > 0.95 && quality.recordings.len() == 2);
         let left_out = quality.recordings[1]
             .left_out
