@@ -76,7 +76,7 @@ fn without_instruments_strokes_are_measured_by_tactile_data() {
     assert!(json["strokes"][3]["peak_torque"].is_null());
     assert!(page.contains("Done."), "the page lacks the final phase");
     assert!(page.contains("the hand made 4 of 4 strokes."));
-    assert!(page.contains("Not measured: Peak torque; Cap turn; Precision of SLIP"));
+    assert!(page.contains("Not measured: Peak torque; Cap rotation; Precision of SLIP"));
 }
 
 #[test]
