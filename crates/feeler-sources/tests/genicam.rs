@@ -1,4 +1,4 @@
-//! GenICam cameras: the one simulated by Aravis in this process, and Aravis' fake camera program on the network.
+//! GenICam cameras: Aravis' simulated camera in this process, and its fake camera program on the network.
 #![cfg(all(feature = "genicam", target_os = "linux"))]
 
 #[path = "../../feeler-lab/tests/support/skip.rs"]
@@ -57,7 +57,7 @@ fn sixty_frames_have_device_stamps_and_the_numbers_in_their_pixels() {
     let mut first = None;
     let mut before = (None, f64::NEG_INFINITY);
     for _ in 0..60 {
-        camera.capture(&mut frame).expect("a picture");
+        camera.capture(&mut frame).expect("an image");
         let arrived = camera.opened().elapsed().as_secs_f64();
         let (sequence, stamp) = before;
         assert!(sequence.is_none_or(|sequence| frame.sequence > sequence));
@@ -73,9 +73,9 @@ fn sixty_frames_have_device_stamps_and_the_numbers_in_their_pixels() {
     }
 }
 
-/// Buffered images arrive at once, so arrival stamps would be equal. With 8 buffers at 60 Hz the images were taken
-/// over more than 0.1 s. The test requires half of that, as a stamp may lag while the smallest latency is unknown. A
-/// busy computer may spoil one attempt, but not a hundred.
+/// Buffered images are delivered at once, so arrival stamps would be equal. With 8 buffers at 60 Hz, the exposures span
+/// more than 0.1 s. The test requires half of that, because a stamp may lag while the smallest latency is unknown. A
+/// busy computer may disturb an attempt, so up to a hundred are made.
 #[test]
 fn stamps_are_exposure_times_not_arrivals() {
     let Some(camera) = open("Fake_1", 60.0, |_| {}) else {
@@ -87,7 +87,7 @@ fn stamps_are_exposure_times_not_arrivals() {
     for _ in 0..100 {
         sleep(Duration::from_millis(250));
         let waiting = [(); 8].map(|()| {
-            camera.capture(&mut frame).expect("a picture");
+            camera.capture(&mut frame).expect("an image");
             (frame.stamp, camera.opened().elapsed().as_secs_f64())
         });
         let [(first, came), .., (last, finished)] = waiting;
@@ -104,7 +104,7 @@ fn stamps_are_exposure_times_not_arrivals() {
 
 /// At 500 Hz the 16-bit counter, which starts near its end, wraps in the first second.
 #[test]
-fn sequence_numbers_continue_when_the_device_s_counter_wraps() {
+fn sequence_numbers_continue_when_the_device_counter_wraps() {
     let set = |settings: &mut CameraSettings| {
         (settings.exposure, settings.gain) = (Some(0.01), Some(0.0));
     };
@@ -113,10 +113,10 @@ fn sequence_numbers_continue_when_the_device_s_counter_wraps() {
     };
     let mut camera = camera.expect("a camera");
     let mut frame = frame();
-    camera.capture(&mut frame).expect("a picture");
+    camera.capture(&mut frame).expect("an image");
     let first = number(&frame);
     while frame.sequence < 300 {
-        camera.capture(&mut frame).expect("a picture");
+        camera.capture(&mut frame).expect("an image");
         // 65535 is a multiple of 255.
         assert_eq!(
             number(&frame),
@@ -140,9 +140,9 @@ fn gain_and_exposure_affect_the_image() {
         camera
             .expect("a camera")
             .capture(&mut frame)
-            .expect("a picture");
-        // The image is a ramp of 255 steps, brightened and saturated at 255. The count of remaining grey levels
-        // depends on whether one of them is exactly 255.
+            .expect("an image");
+        // The image is a ramp of 255 steps, brightened and saturated at 255. The number of remaining gray levels
+        // differs by one depending on whether one of them is exactly 255.
         let distinct: std::collections::BTreeSet<u8> =
             frame.picture.pixels.iter().copied().collect();
         let steps = (255.0 / scale) as usize + 1;
@@ -163,7 +163,7 @@ fn images_are_triggered_by_software() {
     let mut camera = camera.expect("a camera");
     let mut frame = frame();
     for sequence in 0..5 {
-        camera.capture(&mut frame).expect("a picture");
+        camera.capture(&mut frame).expect("an image");
         // One image per trigger, and none in between.
         assert_eq!(frame.sequence, sequence);
     }
@@ -175,7 +175,7 @@ fn unsupported_settings_are_refused() {
         let Some(opened) = open("Fake_1", 60.0, set) else {
             return;
         };
-        let error = opened.err().expect("a refusal").to_string();
+        let error = opened.err().expect("an error").to_string();
         for word in words {
             assert!(error.contains(word), "no {word:?} in {error}");
         }
@@ -194,7 +194,7 @@ fn unsupported_settings_are_refused() {
     let Some(opened) = open("no-such-camera", 60.0, |_| {}) else {
         return;
     };
-    let error = opened.err().expect("a refusal").to_string();
+    let error = opened.err().expect("an error").to_string();
     assert!(
         error.contains("genicam:no-such-camera: no such camera"),
         "{error}"
@@ -276,7 +276,7 @@ fn open_peer(set: impl Fn(&mut CameraSettings)) -> Option<GenicamCamera> {
     panic!("no camera at 127.0.0.1");
 }
 
-/// One test instead of several, because they would all use the one port of GigE Vision.
+/// A single test, because GigE Vision uses a fixed port and tests run in parallel.
 #[test]
 fn a_network_camera_is_configured_loses_packets_and_disappears() {
     let Some(mut peer) = Peer::start("0") else {
@@ -306,9 +306,9 @@ fn a_network_camera_is_configured_loses_packets_and_disappears() {
             Err(error) => assert!(error.is_recoverable(), "{error}"),
         }
     }
-    // The camera accepts only one controlling process.
+    // The camera accepts only one controlling application.
     if let Some(second) = open("127.0.0.1", 60.0, set) {
-        let error = second.err().expect("a refusal").to_string();
+        let error = second.err().expect("an error").to_string();
         assert!(error.contains("another program uses it"), "{error}");
     }
     drop(camera);
@@ -320,7 +320,7 @@ fn a_network_camera_is_configured_loses_packets_and_disappears() {
     let abilities = listed.expect("the camera").abilities.as_ref();
     assert_eq!(abilities.expect("abilities").region, [16, 32, 256, 128]);
 
-    // The process is killed, like pulling a cable.
+    // Killing the process has the effect of a pulled cable.
     let Some(mut camera) = open_peer(set) else {
         return;
     };
@@ -337,7 +337,7 @@ fn a_network_camera_is_configured_loses_packets_and_disappears() {
     assert!(error.to_string().contains("does not respond"), "{error}");
     drop(camera);
 
-    // Images with lost packets are reported as unreadable, and others arrive.
+    // Images with lost packets are reported as unreadable; the others are delivered.
     let Some(_peer) = Peer::start("10") else {
         return;
     };

@@ -1,4 +1,4 @@
-//! A force sensor on the network, against the emulator: samples and errors.
+//! Samples and errors of a network force sensor, tested with its emulator.
 
 use feeler_sources::{ForceError, ForceSample, NetFt, NetFtAddress, NetFtEmulator};
 use std::io::{Read, Write};
@@ -53,7 +53,7 @@ fn the_scale_of_counts_is_read_from_the_web_page() {
     assert_eq!(next(&sensor).unwrap().wrench, [2.0; 6]);
 }
 
-/// Error of connecting to a sensor whose web page responds with `answer` once.
+/// Connects to a sensor whose web page responds with `answer`, and returns the error.
 fn refused_by(answer: &'static [u8]) -> String {
     let listener = TcpListener::bind("127.0.0.1:0").unwrap();
     let port = listener.local_addr().unwrap().port();
@@ -72,7 +72,7 @@ fn refused_by(answer: &'static [u8]) -> String {
 }
 
 #[test]
-fn invalid_web_pages_are_refused() {
+fn invalid_web_pages_are_rejected() {
     static LONG: [u8; 300_000] = [b'x'; 300_000];
     for (answer, words) in [
         (&b""[..], "expected status 200"),
@@ -100,14 +100,14 @@ fn invalid_web_pages_are_refused() {
 }
 
 #[test]
-fn an_absent_sensor_is_reported_and_received_once_it_responds() {
+fn an_absent_sensor_is_reported_until_it_responds() {
     // A port without a sensor.
     let socket = UdpSocket::bind("127.0.0.1:0").unwrap();
     let port = socket.local_addr().unwrap();
     let sensor = connect(&format!("netft://{port}?cpf=1000000&cpt=1000000"));
     let error = next(&sensor).unwrap_err();
     assert!(matches!(error, ForceError::Silent { .. }), "{error}");
-    // The request is repeated. The response consists of invalid datagrams and one valid record.
+    // The client repeats its request. The response consists of invalid datagrams and one valid record.
     let mut bytes = [0; 8];
     let (_, client) = socket.recv_from(&mut bytes).unwrap();
     assert_eq!(bytes, [0x12, 0x34, 0, 2, 0, 0, 0, 0]);
@@ -124,7 +124,7 @@ fn an_absent_sensor_is_reported_and_received_once_it_responds() {
 }
 
 #[test]
-fn a_fault_is_reported_and_passes() {
+fn a_fault_is_reported_until_it_clears() {
     let faulty = Arc::new(AtomicBool::new(true));
     let shared = Arc::clone(&faulty);
     let wrench = move || (!shared.load(Ordering::Relaxed)).then_some([1.0; 6]);

@@ -1,4 +1,4 @@
-//! Images stored rotated or mirrored, with an EXIF orientation.
+//! Images that are stored rotated or mirrored, with an EXIF orientation.
 
 use feeler_sources::decode_picture;
 use image::codecs::png::PngEncoder;
@@ -6,7 +6,7 @@ use image::{ExtendedColorType, ImageEncoder};
 
 /// Columns and rows as stored, px.
 const STORED: (usize, usize) = (3, 2);
-/// Grey levels as stored, row by row.
+/// Gray values as stored, row by row.
 const PIXELS: [u8; 6] = [10, 20, 30, 40, 50, 60];
 
 /// Sides on which the first stored row and the first stored column are displayed, for orientations 1 to 8 (Exif 3.0,
@@ -38,10 +38,10 @@ fn file(orientation: u8) -> Vec<u8> {
 }
 
 #[test]
-fn pixels_are_where_a_viewer_shows_them() {
+fn images_are_decoded_in_display_orientation() {
     let (columns, rows) = STORED;
     for (index, (first_row, first_column)) in SIDES.into_iter().enumerate() {
-        let picture = decode_picture(&file(index as u8 + 1)).expect("a picture");
+        let picture = decode_picture(&file(index as u8 + 1)).expect("an image");
         let turned = first_row == "left" || first_row == "right";
         let (width, height) = if turned {
             (rows, columns)
@@ -66,9 +66,9 @@ fn pixels_are_where_a_viewer_shows_them() {
 }
 
 #[test]
-fn an_invalid_orientation_changes_nothing() {
+fn an_invalid_orientation_is_ignored() {
     for orientation in [0, 9, 255] {
-        let picture = decode_picture(&file(orientation)).expect("a picture");
+        let picture = decode_picture(&file(orientation)).expect("an image");
         assert_eq!(picture.pixels, PIXELS, "{orientation}");
     }
 }

@@ -11,8 +11,8 @@ use recordings::recordings;
 use sheared_contact::contact_pose::{self, DataSet, contact_pose};
 use sheared_contact::sheared_contact;
 
-/// Independent count of the pins in an image: components of white pixels, except those with less than half or more
-/// than twice the median area, which are reflections and noise.
+/// Counts the pins in an image independently: components of white pixels with an area from half to twice the median.
+/// Others are reflections and noise.
 fn pins(picture: &Picture) -> usize {
     let mut left: Vec<bool> = picture.pixels.iter().map(|&pixel| pixel > 127).collect();
     let mut areas = Vec::new();
@@ -43,7 +43,7 @@ fn pins(picture: &Picture) -> usize {
     pins.count()
 }
 
-/// Checks a number of pins against the count in an image, within 3 % because pins at the rim may touch bright
+/// Asserts that `found` pins agree with the count in an image within 3 %. Pins at the rim may merge with bright
 /// surroundings.
 fn as_many_as(found: usize, picture: &Picture) {
     let counted = pins(picture);
@@ -53,11 +53,11 @@ fn as_many_as(found: usize, picture: &Picture) {
     );
 }
 
-/// Bounds: results known from the data's README (0.080 mm, 0.88 and 0.76 degrees), rounded up for depth and the
+/// The bounds are the results in the data's README (0.080 mm, 0.88 and 0.76 degrees), rounded up for depth and the
 /// second tilt.
 #[test]
-fn contact_pose_is_told_from_real_pictures() {
-    let name = "contact_pose_is_told_from_real_pictures";
+fn contact_pose_is_estimated_from_real_images() {
+    let name = "contact_pose_is_estimated_from_real_images";
     let Some(folder) = recordings("tactip-surface3d-tap", name) else {
         return;
     };
@@ -69,13 +69,15 @@ fn contact_pose_is_told_from_real_pictures() {
     }
 }
 
-/// Tracks pins that move farther than their spacing from one image. Bounds: depth 0.15 mm, shears 1.2 mm, tilts 1.3
-/// degrees, as reached by a neural network and by nearest-pin matching of well-matched images; no result is known for
-/// the twist. To save time, every sixth image is used, which is too little data for tilts, so their bounds are not
+/// Matches pins that have moved farther than their spacing, using single images. The bounds are 0.15 mm of depth,
+/// 1.2 mm of shear and 1.3 degrees of tilt, as achieved by a neural network and by nearest-pin matching of well-matched
+/// images. No result is known for the twist.
+///
+/// To save time, only every sixth image is used. These are too few to estimate tilts, so the bounds on tilts are not
 /// checked. `FEELER_LONG_TESTS=1` uses all images and checks all bounds.
 #[test]
-fn sheared_contacts_are_told_from_real_pictures() {
-    let name = "sheared_contacts_are_told_from_real_pictures";
+fn sheared_contacts_are_estimated_from_real_images() {
+    let name = "sheared_contacts_are_estimated_from_real_images";
     let Some(folder) = recordings("tactip-shear", name) else {
         return;
     };

@@ -1,4 +1,4 @@
-//! A control period over the bus does not allocate.
+//! Control periods on the bus do not allocate.
 
 #![cfg(target_os = "linux")]
 
@@ -14,7 +14,7 @@ use feeler_drives::packet::Protocol;
 use feeler_drives::packet::instruction::READ;
 use std::io;
 
-/// The port of an emulated bus. The emulator may allocate, since real servos are not part of this process.
+/// Port of an emulated bus. The emulator may allocate, because real servos are not part of this process.
 struct Elsewhere(Lockstep);
 
 impl Port for Elsewhere {
@@ -31,7 +31,7 @@ impl Port for Elsewhere {
     }
 }
 
-/// Checks the health of a servo in every period, and each servo several times.
+/// Every period includes a health check, and each servo is checked several times.
 #[test]
 fn a_period_does_not_allocate() {
     for protocol in [Protocol::Dynamixel, Protocol::Feetech] {

@@ -1,4 +1,4 @@
-//! The hand on an emulated bus in lockstep: it moves as commanded and stops on faults, deterministically.
+//! Motion, faults and determinism of a hand on an emulated bus in lockstep.
 
 #![cfg(target_os = "linux")]
 
@@ -48,7 +48,7 @@ fn joints_turn_as_commanded() {
             let most = 0.004 + 0.024 * PERIOD;
             assert!(
                 off.abs().max_element() < most,
-                "{protocol:?}: {off} beside {turned}"
+                "{protocol:?}: error of {off} after {turned} rad"
             );
             assert!(joints.velocity.abs().max_element() < 0.03, "{joints:?}");
         }
@@ -63,7 +63,7 @@ fn joints_turn_as_commanded() {
 }
 
 #[test]
-fn servos_are_set_before_they_get_torque_and_lose_it_at_the_end() {
+fn servos_are_configured_before_torque_is_enabled_and_disabled_at_the_end() {
     for protocol in PROTOCOLS {
         let rig = Rig::new(protocol);
         let registers = Registers::of(protocol);
@@ -145,7 +145,7 @@ fn stops(protocol: Protocol, fault: BusFault, words: &[&str]) {
     for (time, age) in &stopped {
         assert!(*age <= MAX_AGE + 1e-3, "{fault:?}: {age} s old at {time} s");
     }
-    // The hand remains stopped for any command.
+    // The hand rejects further commands.
     assert!(rig.period(0.02).is_err());
     rig.settle();
     let told = ages_of_commands(&rig.emulator.servos(), protocol).len();
@@ -169,7 +169,7 @@ fn within(protocol: Protocol, fault: BusFault) -> f64 {
 }
 
 #[test]
-fn a_servo_that_fails_stops_all() {
+fn a_failed_servo_stops_the_hand() {
     for protocol in PROTOCOLS {
         stops(
             protocol,
@@ -202,14 +202,14 @@ fn a_servo_that_fails_stops_all() {
 
 /// A restarting servo is silent for 0.3 s, which is detected at once.
 #[test]
-fn a_servo_that_restarts_stops_all() {
+fn a_restarting_servo_stops_the_hand() {
     for protocol in PROTOCOLS {
         stops(protocol, BusFault::Reboot(1), &["servo 1"]);
     }
 }
 
 #[test]
-fn a_bus_that_fails_stops_all() {
+fn a_failed_bus_stops_the_hand() {
     for protocol in PROTOCOLS {
         stops(protocol, BusFault::FlipBytes(0.01), &["servo"]);
         stops(protocol, BusFault::LoseBytes(0.01), &["servo"]);
@@ -223,7 +223,7 @@ fn a_bus_that_fails_stops_all() {
     }
 }
 
-/// A busy computer may receive a response after it has sent a request to another servo.
+/// On a busy computer, a response may arrive after a request to another servo was sent.
 #[test]
 fn a_late_response_is_not_attributed_to_the_next_servo() {
     for protocol in PROTOCOLS {
@@ -237,7 +237,7 @@ fn a_late_response_is_not_attributed_to_the_next_servo() {
         assert!(error.contains("servo 1 did not answer"), "{error}");
         lockstep.inject(BusFault::Late(0.0));
         master.ping(2).unwrap_or_else(|error| panic!("{error}"));
-        // If only late responses arrive, they are reported.
+        // If only late responses arrive, the error reports them.
         lockstep.inject(BusFault::Late(0.015));
         master.ping(1).unwrap_err();
         let error = master.ping(2).unwrap_err().to_string();
@@ -261,7 +261,8 @@ impl Port for Babbling {
     fn receive(&mut self, bytes: &mut [u8], _: f64) -> io::Result<usize> {
         let mut answer = Vec::new();
         let parameters = [0, 0, 0, 0];
-        encode(Protocol::Dynamixel, (9, STATUS), &parameters, &mut answer).expect("it fits");
+        encode(Protocol::Dynamixel, (9, STATUS), &parameters, &mut answer)
+            .expect("a packet within the limit");
         bytes[..answer.len()].copy_from_slice(&answer);
         Ok(answer.len())
     }
@@ -275,9 +276,9 @@ fn a_servo_that_sends_without_pause_does_not_block() {
     assert!(error.contains("from servo 9"), "{error}");
 }
 
-/// A command is rejected if the joint angles that it is based on are too old.
+/// A command is rejected if its joint angles are too old.
 #[test]
-fn a_slow_computer_stops_all() {
+fn a_slow_computer_stops_the_hand() {
     let mut rig = Rig::new(Protocol::Dynamixel);
     rig.period(0.02).unwrap();
     rig.hand.read(&mut rig.state).unwrap();
@@ -297,9 +298,9 @@ fn a_slow_computer_stops_all() {
     assert!(rig.goals().iter().any(|&goal| goal != 0.0));
 }
 
-/// A computer that fails sends nothing, not even a stop.
+/// A failed computer does not even send a stop command.
 #[test]
-fn the_watchdogs_stop_motors_of_a_dead_computer() {
+fn the_watchdogs_stop_the_motors_if_the_computer_fails() {
     let mut rig = Rig::new(Protocol::Dynamixel);
     for _ in 0..5 {
         rig.period(0.1).unwrap();
@@ -314,7 +315,7 @@ fn the_watchdogs_stop_motors_of_a_dead_computer() {
     assert!(rig.goals().iter().all(|&goal| goal != 0.0));
     rig.emulator.wait(2.0 * PERIOD);
     assert_eq!(rig.goals(), [0.0; 6]);
-    // Later commands move nothing, because the servos report the watchdog.
+    // Later commands have no effect, because the servos report the watchdog.
     let mut periods = 0..20;
     let error = periods
         .find_map(|_| rig.period(0.1).err())
@@ -323,7 +324,8 @@ fn the_watchdogs_stop_motors_of_a_dead_computer() {
     assert_eq!(rig.goals(), [0.0; 6]);
 }
 
-/// If the computer was blocked for so long, even before the last command, the error names the watchdog as the cause.
+/// If the computer was blocked until the watchdog stopped the servo, the error names the watchdog as the cause, even if
+/// the next jog has velocity zero.
 #[test]
 fn a_late_jog_reports_that_the_watchdog_stopped_it() {
     for last in [0.1, 0.0] {
@@ -340,7 +342,7 @@ fn a_late_jog_reports_that_the_watchdog_stopped_it() {
         let (joint, why) = ("theta2 of finger 0", "received nothing for too long");
         assert!(error.contains(joint) && error.contains(why), "{error}");
         assert_eq!(rig.hand.fault(), Some(&*error));
-        // The next jog does not move it either, although joint angles are still fresh.
+        // The next jog is rejected too, although joint angles are still fresh.
         let error = rig.hand.jog(0, 1, 0.1).unwrap_err().to_string();
         assert!(
             error.contains("until it is restarted") && error.contains(why),
@@ -351,7 +353,7 @@ fn a_late_jog_reports_that_the_watchdog_stopped_it() {
 }
 
 #[test]
-fn rejects_invalid_configurations() {
+fn invalid_configurations_are_rejected() {
     let refused = |change: &dyn Fn(&mut feeler_drives::config::DrivesConfig), words: &[&str]| {
         let mut config = config(Protocol::Dynamixel, 1);
         change(&mut config);
@@ -387,7 +389,7 @@ fn rejects_invalid_configurations() {
 }
 
 #[test]
-fn reports_an_unexpected_servo() {
+fn unexpected_servos_are_reported() {
     let config = config(Protocol::Dynamixel, 1);
     let bus = bus(&config);
     let open = |change: &dyn Fn(&mut feeler_drives::config::DrivesConfig)| {
@@ -410,7 +412,7 @@ fn reports_an_unexpected_servo() {
 
 /// Fast sync reads require firmware 46 in this series.
 #[test]
-fn reports_firmware_too_old_for_fast_sync_reads() {
+fn firmware_too_old_for_fast_sync_reads_is_reported() {
     let mut config = config(Protocol::Dynamixel, 1);
     let mut servos = EmulatorConfig::of(&config, 1);
     servos.servos[1].set_firmware(45);
@@ -428,7 +430,7 @@ fn reports_firmware_too_old_for_fast_sync_reads() {
 }
 
 #[test]
-fn reports_a_missing_port() {
+fn a_missing_port_is_reported() {
     let mut config = config(Protocol::Dynamixel, 1);
     config.port = "/dev/not-there".into();
     let opened = DriveHand::open(&config, &[finger()], MAX_AGE, RigClock::real());
@@ -439,7 +441,7 @@ fn reports_a_missing_port() {
     );
 }
 
-/// Equal commands and faults give equal packets at equal times.
+/// Identical commands and faults result in identical packets at identical times.
 #[test]
 fn a_bus_in_lockstep_is_deterministic() {
     let said = || {

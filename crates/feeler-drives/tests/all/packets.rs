@@ -1,4 +1,4 @@
-//! Tests of the codec with the vendors' examples, round trips, and hostile bytes.
+//! The packet codec with the vendors' examples, round trips and hostile bytes.
 
 #[path = "../../../feeler-link/tests/support/how_many.rs"]
 mod how_many;
@@ -113,7 +113,7 @@ fn encodes_and_decodes_the_vendors_examples() {
         assert_eq!(written, example);
         let mut decoder = Decoder::new(Protocol::Dynamixel, sender);
         decoder.feed(&example);
-        let packet = decoder.next().expect("a packet").expect("a whole one");
+        let packet = decoder.next().expect("a packet").expect("a valid packet");
         assert_eq!(
             (packet.id, packet.code, packet.parameters),
             (id, code, parameters)
@@ -158,7 +158,7 @@ fn encodes_and_decodes_the_vendors_fast_sync_read() {
     assert_eq!(decoder.next(), None);
     assert_eq!(complete_blocks(decoder.pending(), 4), 2);
     decoder.feed(&example[25..]);
-    let packet = decoder.next().expect("a packet").expect("a whole one");
+    let packet = decoder.next().expect("a packet").expect("a valid packet");
     assert_eq!((packet.id, packet.code), (BROADCAST, STATUS));
     assert!(fast_blocks(packet.parameters, 4).eq(blocks));
 }
@@ -232,7 +232,7 @@ fn encodes_and_decodes_feetechs_examples() {
         assert_eq!(written, example);
         let mut decoder = Decoder::new(Protocol::Feetech, sender);
         decoder.feed(&example);
-        let packet = decoder.next().expect("a packet").expect("a whole one");
+        let packet = decoder.next().expect("a packet").expect("a valid packet");
         assert_eq!(
             (packet.id, packet.code, packet.parameters),
             (id, code, parameters)
@@ -247,7 +247,10 @@ fn detects_a_corrupted_byte_and_finds_the_next_packet() {
     changed[9] ^= 0x10;
     decoder.feed(&changed);
     decoder.feed(&bytes(VENDORS[0].4));
-    let error = decoder.next().expect("something").expect_err("no packet");
+    let error = decoder
+        .next()
+        .expect("an error")
+        .expect_err("a corrupted packet");
     assert!(
         matches!(error, PacketError::Check { actual: 0x151D, .. }),
         "{error}"
@@ -257,7 +260,11 @@ fn detects_a_corrupted_byte_and_finds_the_next_packet() {
         Some(Err(PacketError::Noise { .. }))
     ));
     assert_eq!(
-        decoder.next().expect("a packet").expect("a whole one").code,
+        decoder
+            .next()
+            .expect("a packet")
+            .expect("a valid packet")
+            .code,
         PING
     );
 }
@@ -273,7 +280,7 @@ fn rejects_packets_that_are_too_long() {
     assert!(encode(Protocol::Dynamixel, (1, WRITE), &[0; LONGEST], &mut written).is_err());
 }
 
-/// Random bytes, with those of headers and stuffing more frequent.
+/// Random bytes, with an increased frequency of the bytes of headers and stuffing.
 fn byte() -> impl Strategy<Value = u8> {
     prop_oneof![3 => Just(0xFF), 2 => Just(0xFD), 1 => Just(0), 3 => any::<u8>()]
 }
@@ -287,7 +294,7 @@ fn protocol() -> impl Strategy<Value = (Protocol, Sender)> {
 }
 
 proptest! {
-    /// Encoded packets are decoded, in one piece or several.
+    /// Encoded packets are decoded, whole or in pieces.
     #[test]
     fn packets_round_trip(
         (protocol, sender) in protocol(),

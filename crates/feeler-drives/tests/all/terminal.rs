@@ -1,4 +1,4 @@
-//! The hand on a pseudo-terminal in real time, slowed down so that a busy computer keeps up.
+//! A hand on a pseudo-terminal in slowed-down real time, so that a busy computer keeps up.
 
 #![cfg(target_os = "linux")]
 
@@ -21,7 +21,7 @@ const SPEED: f64 = 0.05;
 const EVER: f64 = 180.0;
 
 #[test]
-fn a_hand_moves_over_a_pseudo_terminal_and_a_pulled_cable_stops_it() {
+fn a_hand_moves_on_a_pseudo_terminal_and_stops_if_the_cable_is_pulled() {
     for protocol in [Protocol::Dynamixel, Protocol::Feetech] {
         let mut config = config(protocol, 2);
         // Disable other reasons to stop the hand.
@@ -43,7 +43,7 @@ fn a_hand_moves_over_a_pseudo_terminal_and_a_pulled_cable_stops_it() {
             hand.command(&command).unwrap();
             hand.read(&mut state).unwrap();
         }
-        // The lag of the servos takes 0.01 s of the time; a count is 1.5 mrad.
+        // The servos lag by 0.01 s, and a count is 1.5 mrad.
         let least = 0.2 * (0.05 - 0.02) - 0.003;
         for (joints, begin) in state.joints.iter().zip(&begin.joints) {
             let turned = joints.position - begin.position;
@@ -71,7 +71,7 @@ fn a_closed_bus_can_be_reopened_while_processes_start() {
     let emulator = Emulator::start(&bus, plant(&config), clock.clone()).expect("a terminal");
     let over = AtomicBool::new(false);
     thread::scope(|scope| {
-        // A new process shares all open files until it executes another program.
+        // A new process inherits all open files until it executes its program.
         scope.spawn(|| {
             while !over.load(Ordering::Relaxed) {
                 let ended = Command::new("true").status();

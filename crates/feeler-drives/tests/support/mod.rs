@@ -16,9 +16,9 @@ use feeler_drives::packet::instruction::SYNC_WRITE;
 use feeler_drives::registers::{COUNTS_PER_TURN, Registers};
 use std::f64::consts::TAU;
 
-/// Maximum age of the joint angles that a command is based on, s.
+/// Maximum age of the joint angles of a command (s).
 pub const MAX_AGE: f64 = 0.035;
-/// Control period, s.
+/// Control period (s).
 pub const PERIOD: f64 = 0.01;
 
 pub fn finger() -> FingerGeometry {
@@ -34,7 +34,7 @@ pub fn finger() -> FingerGeometry {
     FingerGeometry::new(&config).expect("a finger")
 }
 
-/// Configuration of servos with `protocol` and with various offsets, directions and gear ratios.
+/// Configuration of servos with `protocol` and different offsets, directions and gear ratios.
 pub fn config(protocol: Protocol, fingers: usize) -> DrivesConfig {
     let mut config = DrivesConfig::emulated(fingers);
     config.protocol = protocol;
@@ -59,7 +59,7 @@ pub fn config(protocol: Protocol, fingers: usize) -> DrivesConfig {
     config
 }
 
-/// Mechanism of the servos of `config`, with joints in the middle of their ranges.
+/// Simulated mechanism for the servos of `config`, with joints at the middle of their ranges.
 pub fn plant(config: &DrivesConfig) -> Box<LagPlant> {
     let geometry = finger();
     let middle = (geometry.joint_lower() + geometry.joint_upper()) / 2.0;
@@ -112,7 +112,7 @@ impl Rig {
         })
     }
 
-    /// Runs a control period: reads, and commands all joints of all fingers with `velocity`, rad/s.
+    /// Runs a control period: reads the state and commands all joints with `velocity` (rad/s).
     pub fn period(&mut self, velocity: f64) -> Result<(), HandError> {
         self.hand.read(&mut self.state)?;
         self.command(velocity)?;
@@ -120,19 +120,19 @@ impl Rig {
         Ok(())
     }
 
-    /// Commands all joints with `velocity`, rad/s.
+    /// Commands all joints with `velocity` (rad/s).
     pub fn command(&mut self, velocity: f64) -> Result<(), HandError> {
         let velocities = vec![DVec3::splat(velocity); self.config.finger.len()];
         self.command.relay(&velocities);
         self.hand.command(&self.command)
     }
 
-    /// Current time of the rig, s.
+    /// Current time of the rig (s).
     pub fn now(&self) -> f64 {
         self.emulator.clock().now()
     }
 
-    /// Goals of all servos, rad/s.
+    /// Goal velocities of all servos (rad/s).
     pub fn goals(&self) -> Vec<f64> {
         let bus = self.emulator.servos();
         bus.servos().iter().map(|servo| servo.goal()).collect()
@@ -144,7 +144,7 @@ impl Rig {
     }
 }
 
-/// Time of every motion command on the bus, and the age of the latest response at that time, s.
+/// Time of each motion command on the bus, and age of the latest response at that time (s).
 pub fn ages_of_commands(bus: &EmulatedBus, protocol: Protocol) -> Vec<(f64, f64)> {
     let goal = Registers::of(protocol).goal_velocity;
     let mut newest = f64::NEG_INFINITY;

@@ -1,4 +1,4 @@
-//! Tests of LeRobot data sets: which runs are accepted and which files are written.
+//! LeRobot data sets: accepted runs and written files.
 
 use crate::support::{MadeUp, force, path, recording, recording_file};
 use feeler_export::ExportError;
@@ -57,10 +57,13 @@ fn each_run_is_an_episode() {
             ..MadeUp::default()
         })
     });
-    // Steps before all fingers have readings are not frames.
+    // Steps before the first readings of all fingers are left out.
     assert_eq!(add(&mut set, "first", &runs[0]).unwrap(), 20);
     assert_eq!(add(&mut set, "second", &runs[1]).unwrap(), 5);
-    assert!(!folder.join("meta").exists(), "it is not finished");
+    assert!(
+        !folder.join("meta").exists(),
+        "meta was written before finish"
+    );
     set.finish().unwrap();
     let info = json_of(&folder.join("meta/info.json"));
     assert_eq!(info["codebase_version"], "v3.0");
@@ -97,7 +100,7 @@ fn each_run_is_an_episode() {
 }
 
 #[test]
-fn unfit_runs_are_refused_with_a_reason() {
+fn unsuitable_runs_are_rejected_with_a_reason() {
     let folder = folder("refused");
     let mut set = DataSet::new(&folder);
     add(&mut set, "first", &recording(&MadeUp::default())).unwrap();
@@ -190,7 +193,7 @@ fn a_full_file_is_followed_by_another() {
     let file = path("full-files.mcap");
     recording_file(&made_up, &file);
     let recording = Recording::read(&file).unwrap();
-    // A limit of zero: full after one episode.
+    // With a limit of zero, a file is full after one episode.
     let sizes = FileSizes { data: 0, videos: 0 };
     let mut set = DataSet::new(&folder).with_file_sizes(sizes);
     for name in ["first", "second", "third"] {
@@ -227,7 +230,7 @@ fn a_full_file_is_followed_by_another() {
 }
 
 #[test]
-fn unfit_images_are_refused_with_a_reason() {
+fn unsuitable_images_are_rejected_with_a_reason() {
     let folder = folder("refused-pictures");
     let seen = |name: &str, size| {
         let made_up = MadeUp {
@@ -255,7 +258,7 @@ fn unfit_images_are_refused_with_a_reason() {
         &["images.finger_0", "shape [16,32,3]", "shape [17,32,3]"],
     );
     refused(seen("blind.mcap", None), &["features", "images.finger_0"]);
-    // Its images are in another file.
+    // The images are in another file.
     let (elsewhere, _) = seen("elsewhere.mcap", Some((32, 16)));
     refused((elsewhere.clone(), path("nothing.mcap")), &["nothing.mcap"]);
     let (mut lost, file) = seen("lost.mcap", Some((32, 16)));

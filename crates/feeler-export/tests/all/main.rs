@@ -1,4 +1,4 @@
-//! All tests of this crate in one binary, so that they link once and run in parallel.
+//! Tests of this crate, linked into a single program.
 
 mod data_set;
 #[path = "../support/mod.rs"]

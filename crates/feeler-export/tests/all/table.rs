@@ -1,4 +1,4 @@
-//! Tests of Parquet tables, read back with the `parquet` crate.
+//! Parquet tables, read back with the `parquet` crate.
 
 use crate::support::{MadeUp, PERIOD, force, path, recording};
 use feeler_export::table;
@@ -7,7 +7,7 @@ use parquet::record::{Field, Row};
 use std::collections::BTreeMap;
 use std::fs::File;
 
-/// Rows of a file by column name, and the file's key-value metadata.
+/// Reads the rows of a file by column name, and its key-value metadata.
 fn read(name: &str) -> (Vec<BTreeMap<String, Field>>, BTreeMap<String, String>) {
     let reader = SerializedFileReader::new(File::open(path(name)).unwrap()).unwrap();
     let about = reader.metadata().file_metadata().key_value_metadata();
@@ -34,7 +34,7 @@ fn numbers(field: &Field) -> Vec<f64> {
 
 #[test]
 fn each_control_step_is_a_row_of_recorded_values() {
-    // More than one row group.
+    // Enough steps for more than one row group.
     let made_up = MadeUp {
         fingers: 2,
         elements: 3,
@@ -97,7 +97,7 @@ fn defects_of_a_recording_appear_in_its_table() {
     assert!(forces(3)[1].is_nan() && forces(3)[2] == force(3, 0, 2).x);
     assert!(forces(4).is_empty());
     assert_eq!(forces(5).len(), 3);
-    // The latest flags, from the previous step.
+    // Without a flags message, the row contains the flags of the previous step.
     assert_eq!(rows[5]["finger_0_slip"], rows[4]["finger_0_slip"]);
     assert_eq!(about["feeler.problem"], "it was cut off");
 }

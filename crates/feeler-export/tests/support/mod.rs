@@ -1,6 +1,6 @@
 //! Synthetic recordings.
 
-#![allow(dead_code, reason = "each test binary uses a part")]
+#![allow(dead_code, reason = "not every test program uses all items")]
 
 use feeler::control::Phase;
 use feeler::sensor::image::Frame;
@@ -67,13 +67,13 @@ fn facts(made_up: &MadeUp) -> RunFacts {
     }
 }
 
-/// Force on an element at a step (N); distinct for each step, finger and element.
+/// Force on an element at a step (N). It differs between steps, fingers and elements.
 pub fn force(step: usize, finger: usize, element: usize) -> DVec3 {
     let number = (step * 100 + finger * 10 + element) as f64;
     DVec3::new(number, -0.5 * number, 1.0 / (1.0 + number))
 }
 
-/// Synthetic recording without images. Forces follow [`force`]; joint angles encode joint and step.
+/// Synthetic recording without images. Forces are those of [`force`], and joint angles encode joint and step.
 pub fn recording(made_up: &MadeUp) -> Recording {
     let mut recorder = MemoryRecorder::new(&facts(made_up)).unwrap();
     record(&mut recorder, made_up);
@@ -124,7 +124,7 @@ fn record(recorder: &mut impl MessageSink, made_up: &MadeUp) {
     }
 }
 
-/// First column (px) of the bright bar in an image of this width; depends on step and finger.
+/// First column (px) of the bright bar in an image of this width. It depends on step and finger.
 pub fn bar(step: usize, finger: usize, width: usize) -> usize {
     (8 * finger + 4 * step) % (width - BAR)
 }
@@ -193,7 +193,7 @@ fn move_finger(recorder: &mut impl MessageSink, (step, finger): (usize, usize), 
         .unwrap();
 }
 
-/// Path of a file for the test called `name`.
+/// Path of a temporary file with this name.
 pub fn path(name: &str) -> PathBuf {
     let folder = Path::new(env!("CARGO_TARGET_TMPDIR")).join("export");
     std::fs::create_dir_all(&folder).unwrap();

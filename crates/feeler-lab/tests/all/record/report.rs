@@ -37,8 +37,8 @@ fn a_complete_run_gives_every_figure_in_the_page_and_as_a_file() {
     let page = fs::read_to_string(&outcome.report_path).unwrap();
     assert!(!page.contains("INCOMPLETE"));
     assert!(page.contains("All 11 claims of the paper pass."));
-    assert!(page.contains("About the hand: 8 of 8 pass"));
-    assert!(page.contains("the paper's bottle and the torque sensor: 3 of 3 pass"));
+    assert!(page.contains("Hand: 8 of 8 pass"));
+    assert!(page.contains("Hand, bottle and torque sensor: 3 of 3 pass"));
     for figure in FIGURES {
         let svg = fs::read_to_string(directory.join(format!("figures/{figure}.svg"))).unwrap();
         assert!(page.contains(&svg), "{figure} is not in the page");
