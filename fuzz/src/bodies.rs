@@ -37,7 +37,7 @@ use feeler_link::messages::message::{
     Heartbeat, MessageHeader, NO_FINGER, PROTOCOL, ResumeMessage, StateMessage, StopMessage,
     TactileUpdate,
 };
-use feeler_link::stop_door::wire::parse as parse_datagram;
+use feeler_link::stop_server::wire::parse as parse_datagram;
 use feeler_link::transport::header;
 use feeler_link::transport::{Place, Topic};
 use feeler_record::wire::{Message, Vector3, cdr};

@@ -2,7 +2,7 @@
 
 use std::io;
 
-/// Byte stream with timeouts: a [`SerialPort`](crate::serial::SerialPort), or the port of an emulated bus in
+/// Byte stream with timeouts: a `SerialPort`, or the port of an emulated bus in
 /// [`Lockstep`](crate::emulator::Lockstep).
 pub trait Port: Send {
     /// Discards received bytes that were not read.

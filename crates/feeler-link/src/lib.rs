@@ -6,5 +6,5 @@ pub mod inboxes;
 pub mod messages;
 pub mod programs;
 pub mod security;
-pub mod stop_door;
+pub mod stop_server;
 pub mod transport;

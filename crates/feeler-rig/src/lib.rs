@@ -28,7 +28,7 @@ pub use run_outcome::{make_report, print_outcome};
 #[cfg(all(feature = "drives", target_os = "linux"))]
 pub use served_drives::{DrivesOptions, serve_drives};
 pub use session::RigSession;
-pub use stop::{call_stop_door, open_stop_door};
+pub use stop::{call_stop_server, open_stop_server};
 pub use wrench_topic::WrenchAddress;
 #[cfg(feature = "ros2")]
 pub use wrench_topic::{WrenchError, WrenchTopic};

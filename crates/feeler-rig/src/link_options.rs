@@ -63,8 +63,8 @@ impl LinkOptions {
         or_default(&self.connect)
     }
 
-    /// Selects the certificate that grants the first possible of `rights`, if certificates are used. Prints a warning on
-    /// standard error if it expires soon.
+    /// Selects a certificate that grants one of `rights`, in order of preference, if certificates are used. Prints a warning
+    /// on standard error if it expires soon.
     ///
     /// # Errors
     /// If no valid certificate grants any of the rights.

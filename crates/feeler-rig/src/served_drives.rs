@@ -36,7 +36,7 @@ pub struct DrivesOptions {
     pub dry_run: bool,
     /// `true` to request real-time scheduling.
     pub real_time: bool,
-    /// Seconds of the experiment per second; other than 1 for emulated servos only.
+    /// Speed of the experiment's time relative to real time; other than 1 for emulated servos only.
     pub speed: RigSpeed,
 }
 

@@ -7,7 +7,7 @@ use feeler_link::security::Right;
 use feeler_link::transport::Network;
 use std::sync::Arc;
 
-/// Experiment, name and link of a rig, as one of its programs is started with them.
+/// Experiment, name and link of a rig, with which each of its programs is started.
 pub struct RigSession {
     /// Experiment that all programs of the rig run.
     pub experiment: Experiment,
@@ -18,7 +18,7 @@ pub struct RigSession {
 }
 
 impl RigSession {
-    /// Connects to the hand of the rig with the first possible of `rights`.
+    /// Connects to the hand of the rig with a certificate for one of `rights`, in order of preference.
     ///
     /// # Errors
     /// If no certificate grants one of the rights, or the network cannot be opened.

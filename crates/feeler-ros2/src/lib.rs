@@ -35,34 +35,27 @@ pub(crate) mod type_description;
 #[cfg(feature = "zenoh")]
 pub(crate) mod velocity_sender;
 
-pub use attachment::Attachment;
-pub use attachment::AttachmentError;
+pub use attachment::{Attachment, AttachmentError};
 pub use cloud::{CloudError, read_forces};
 #[cfg(feature = "zenoh")]
-pub use freshness::GraphClock;
-#[cfg(feature = "zenoh")]
-pub use freshness::StaleError;
+pub use freshness::{GraphClock, StaleError};
 pub use hand_messages::{HandMessages, Touch};
 #[cfg(feature = "zenoh")]
 pub use hand_node::HandPublishers;
-pub use joint_reader::JointError;
-pub use joint_reader::JointReader;
-pub use key::key;
+pub use joint_reader::{JointError, JointReader};
+pub use key::{dds_type, key};
 pub use message_text::DescriptionError;
-pub use name::NameError;
-pub use name::NodeName;
+pub use name::{NameError, NodeName};
 #[cfg(feature = "zenoh")]
 pub use node::{NODE_ENDPOINT, Node, NodeConfig, NodeError, ROUTER_ENDPOINT, Subscription};
 #[cfg(feature = "zenoh")]
 pub use parameter_server::serve_parameters;
 #[cfg(feature = "zenoh")]
 pub use publisher::Publisher;
-pub use qos::QosError;
-pub use qos::{History, Qos};
+pub use qos::{Durability, History, Qos, QosError, Reliability};
 #[cfg(feature = "zenoh")]
 pub use ros_hand::{RosHand, RosHandConfig, RosHandError};
 #[cfg(feature = "zenoh")]
 pub use ros_sensor::{RosSensor, SensorAge};
-pub use token::TokenError;
-pub use token::{Endpoint, EndpointKind, Token};
+pub use token::{Endpoint, EndpointKind, Token, TokenError};
 pub use type_description::{Service, TypeDescription};

@@ -47,7 +47,7 @@ impl Fit {
     /// Fits images of the `offered` size (columns, rows; px) to the `wanted` size.
     ///
     /// # Errors
-    /// If the offered size has fewer columns or rows, or more than [`MAX_CROP`] would be cropped.
+    /// If the offered size has fewer columns or rows, or more than `MAX_CROP` would be cropped.
     pub fn new(offered: (usize, usize), wanted: (usize, usize)) -> Result<Self, FitError> {
         if wanted.0 == 0 || wanted.1 == 0 || offered.0 < wanted.0 || offered.1 < wanted.1 {
             return Err(FitError::TooSmall { offered, wanted });

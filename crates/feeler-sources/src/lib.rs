@@ -2,6 +2,10 @@
 #![warn(missing_docs)]
 
 pub(crate) mod files;
+#[cfg_attr(
+    not(feature = "camera"),
+    allow(dead_code, reason = "only cameras average areas")
+)]
 pub(crate) mod fit;
 #[cfg(all(feature = "genicam", target_os = "linux"))]
 pub mod genicam;

@@ -1,5 +1,5 @@
 """
-Rust side of the package `feeler`.
+Native module of the package `feeler`.
 """
 
 from _typeshed import Incomplete, SupportsGetItem, SupportsLenAndGetItem
@@ -14,58 +14,58 @@ __version__: Final[str]
 @final
 class Calibration:
     """
-    From moments to forces, for one fingertip.
+    A function from moments to forces for one fingertip.
     """
     @property
     def element_count(self, /) -> int: ...
     def held_out_rms(self, /) -> list[list[float]]:
         """
-        Root mean square error on held-out loads along x, y, z of each element, N [E, 3].
+        Root mean square error on held-out loads along x, y and z of each element, N [E, 3].
         """
     @property
     def model(self, /) -> str: ...
     @staticmethod
     def parse(text: str) -> Calibration:
         """
-        The calibration that `text` (TOML) says.
+        Parses a calibration (TOML).
         """
     def report(self, /) -> str:
         """
-        Its errors, as text.
+        Returns the errors of the calibration as text.
         """
     def to_toml(self, /) -> str: ...
 
 @final
 class EnvironmentSpec:
     """
-    What an environment's numbers mean.
+    Layout and ranges of an environment's arrays.
     """
     @property
     def action_bounds(self, /) -> list[float]:
         """
-        How large each number of an action can be before a limit changes it.
+        Maximum magnitude of each component of an action before a limit changes it.
         """
     @property
     def high(self, /) -> list[float]: ...
     @property
     def info_names(self, /) -> list[str]:
         """
-        What is told beside the reward, with units.
+        Names of the values reported in addition to the reward, with units.
         """
     @property
     def low(self, /) -> list[float]:
         """
-        Least and greatest of each number of an observation.
+        Minimum and maximum of each component of an observation.
         """
     @property
     def max_steps(self, /) -> int:
         """
-        Most control steps of an episode.
+        Maximum number of control steps of an episode.
         """
     @property
     def parts(self, /) -> list[list[tuple[str, str, int, int]]]:
         """
-        Of each finger, parts of its observation: name, unit, first number, and the one after the last.
+        Parts of each finger's observation: name, unit, start and end index.
         """
     @property
     def period(self, /) -> float:
@@ -76,7 +76,7 @@ class EnvironmentSpec:
 @final
 class FingerSense:
     """
-    What one finger feels, and where.
+    Readings and pose of one finger.
     """
     def __repr__(self, /) -> str: ...
     @property
@@ -102,7 +102,7 @@ class FingerSense:
     @property
     def largest_element(self, /) -> int | None:
         """
-        The touching element of largest compression; none where none touches.
+        Touching element with the largest compression, or `None` if no element touches.
         """
     @property
     def normal(self, /) -> Incomplete:
@@ -112,49 +112,49 @@ class FingerSense:
     @property
     def over(self, /) -> bool:
         """
-        OVER: an element is pressed harder than F2.
+        OVER: the compression of an element is above F2.
         """
     @property
     def position(self, /) -> Incomplete:
         """
-        The dome's centre [3], m, in W, by the encoders.
+        Position of the dome's centre [3], m, in W, from the encoders.
         """
     @property
     def resultant(self, /) -> Incomplete:
         """
-        Resultant force on the fingertip by what it touches [3], N, in W.
+        Resultant force on the fingertip by the object [3], N, in W.
         """
     @property
     def rotation(self, /) -> Incomplete:
         """
-        From the fingertip's frame `T` to W [3, 3].
+        Rotation from the fingertip's frame `T` to W [3, 3].
         """
     @property
     def shear_rate(self, /) -> Incomplete:
         """
-        Rate of each element's shear force [E], N/s.
+        Shear rate of each element [E], N/s.
         """
     @property
     def slip(self, /) -> bool:
         """
-        SLIP: an element's shear force changes faster than dr.
+        SLIP: the shear rate of an element is above dr.
         """
     @property
     def touch(self, /) -> bool:
         """
-        TOUCH: an element is pressed harder than F1, or slips.
+        TOUCH: the compression of an element is above F1, or SLIP is raised.
         """
 
 @final
 class HandSense:
     """
-    What the whole hand feels in one control step.
+    Readings of the whole hand in one control step.
     """
     def __repr__(self, /) -> str: ...
     @property
     def fingers(self, /) -> list[FingerSense]:
         """
-        What each finger feels.
+        Readings of each finger.
         """
     @property
     def time(self, /) -> float:
@@ -165,7 +165,7 @@ class HandSense:
 @final
 class Layout:
     """
-    Where a sensor's elements are in its pictures.
+    Positions of a sensor's elements in its images.
     """
     def centres(self, /) -> Incomplete:
         """
@@ -180,17 +180,17 @@ class Layout:
     @staticmethod
     def parse(text: str, warnings: SupportsGetItem[int, str] = ...) -> Layout:
         """
-        Parses the layout in `text` (TOML); `warnings` are those about its pictures.
+        Parses the layout in `text` (TOML); `warnings` are those about its images.
         """
     @property
     def picture_size(self, /) -> tuple[int, int]:
         """
-        Columns and rows of the pictures, px.
+        Columns and rows of the images, px.
         """
     @property
     def polarity(self, /) -> str:
         """
-        Whether the elements are bright or dark.
+        Polarity of the elements: bright or dark.
         """
     def radii(self, /) -> Incomplete:
         """
@@ -203,7 +203,7 @@ class Layout:
 @final
 class ManyEnvironments:
     """
-    Environments that step together, on threads.
+    Environments that are stepped together, on threads.
     """
     def __new__(cls, /, experiment: str, settings: SupportsGetItem[int, str], vary: SupportsGetItem[int, str], action: str, count: SupportsIndex, threads: SupportsIndex, autoreset: str) -> ManyEnvironments: ...
     def guide(self, /, actions: Incomplete) -> None:
@@ -212,48 +212,48 @@ class ManyEnvironments:
         """
     def last(self, /, index: SupportsIndex, observation: Incomplete, info: Incomplete) -> bool:
         """
-        Writes the observation and info with which the episode of environment `index` ended, if the newest step ended it and
-        began another; whether it did.
+        Writes the final observation and info of the previous episode of environment `index`, if the latest step ended
+        it and began another. Returns whether it did.
         """
     def render(self, /, index: SupportsIndex, picture: Incomplete) -> None:
         """
-        Draws the scene of environment `index` as it is into `picture` [H, W, 3].
+        Renders the current scene of environment `index` into `picture` [H, W, 3].
         """
     def reset(self, /, seeds: SupportsGetItem[int, SupportsIndex | None], mask: Incomplete | None, results: tuple[Incomplete, Incomplete, Incomplete, Incomplete, Incomplete]) -> None:
         """
-        Begins an episode in each environment, or in each for which `mask` has `true`.
+        Begins an episode in each environment, or in each for which `mask` is `true`.
         """
     def spec(self, /) -> EnvironmentSpec: ...
     def step(self, /, actions: Incomplete, results: tuple[Incomplete, Incomplete, Incomplete, Incomplete, Incomplete]) -> None:
         """
-        Makes a control step in each environment, with `actions` [n, A].
+        Runs one control step in each environment, with `actions` [n, A].
         """
     def stop_reason(self, /, index: SupportsIndex) -> str | None:
         """
-        Why the hand of environment `index` was stopped, if it was.
+        Reason for which the hand of environment `index` was stopped, or `None`.
         """
 
 @final
 class Plan:
     """
-    What a task wants of a finger.
+    Motion that a task plans for a finger.
     """
     def __new__(cls, /, velocity: SupportsLenAndGetItem[SupportsFloat | SupportsIndex], towards_object: SupportsLenAndGetItem[SupportsFloat | SupportsIndex] = ..., *, reflex: bool = False, keep_grasp: bool = False) -> Plan: ...
     def __repr__(self, /) -> str: ...
     @property
     def keep_grasp(self, /) -> bool:
         """
-        Whether the finger re-compresses when its grasp force is low.
+        `True` if the finger is to be re-compressed when its grasp force is low.
         """
     @property
     def reflex(self, /) -> bool:
         """
-        Whether the finger re-compresses when it slips.
+        `True` if the finger is to be re-compressed when it slips.
         """
     @property
     def towards_object(self, /) -> Incomplete:
         """
-        Where the object is thought to be: a unit vector [3] in W.
+        Assumed direction to the object, a unit vector [3] in W.
         """
     @property
     def velocity(self, /) -> Incomplete:
@@ -264,11 +264,11 @@ class Plan:
 @final
 class Recording:
     """
-    What was read of a recording.
+    Content of a recording.
     """
     def __new__(cls, /, path: str | PathLike[str]) -> Recording:
         """
-        Reads the recording at `path`, as far as it goes.
+        Reads the recording at `path`, up to the first damage if there is any.
         """
     @property
     def columns(self, /) -> dict:
@@ -278,19 +278,19 @@ class Recording:
     @property
     def complete(self, /) -> bool:
         """
-        Whether it is whole.
+        `True` if the recording is complete.
         """
     @property
     def digest(self, /) -> str: ...
     @property
     def elements(self, /) -> int:
         """
-        Elements of the finger that has most.
+        Maximum number of elements of a finger.
         """
     @property
     def end(self, /) -> tuple[str, str | None]:
         """
-        How the run ended, and why, if it did not end as it should have.
+        State in which the run ended, and the reason if it did not end as intended.
         """
     @property
     def experiment(self, /) -> str:
@@ -301,22 +301,22 @@ class Recording:
     def fingers(self, /) -> int: ...
     def frame_count(self, /, finger: SupportsIndex) -> int:
         """
-        Number of pictures on record of `finger`.
+        Number of recorded frames of `finger`.
         """
     def frames(self, /, finger: SupportsIndex, start: SupportsIndex, stop: SupportsIndex) -> tuple[Incomplete, Incomplete]:
         """
-        Pictures `start` to `stop` of `finger` [N, H, W], and their times [N], s.
+        Frames `start` to `stop` of `finger` [N, H, W], and their times [N], s.
         """
     @property
     def problem(self, /) -> str | None:
         """
-        What is wrong with it, if it is not.
+        Description of the damage, or `None` if the recording is complete.
         """
 
 @final
 class RunOutcome:
     """
-    What came of a run.
+    Result of a run.
     """
     @property
     def folder(self, /) -> Path: ...
@@ -329,7 +329,7 @@ class RunOutcome:
     @property
     def summary(self, /) -> str:
         """
-        What stands in `summary.json`.
+        Content of `summary.json`.
         """
     @property
     def wall_time(self, /) -> float: ...
@@ -337,11 +337,11 @@ class RunOutcome:
 @final
 class Sensor:
     """
-    The sensing of one fingertip.
+    Sensing chain of one fingertip.
     """
     def __new__(cls, /, calibration: Calibration | None, layout: Layout | None, experiment: str | None, finger: SupportsIndex | None, drift_correction: bool, max_saturated: SupportsFloat | SupportsIndex | None) -> Sensor:
         """
-        The sensor of `calibration`, or without one of `layout` or the experiment's fingertip.
+        Creates the sensor of `calibration`, or without one, of `layout` or of the experiment's fingertip.
         """
     def centres(self, /) -> Incomplete:
         """
@@ -354,55 +354,56 @@ class Sensor:
     @property
     def picture_size(self, /) -> tuple[int, int]:
         """
-        Columns and rows of the pictures, px.
+        Columns and rows of the frames, px.
         """
     def reference(self, /) -> list[tuple[float, float] | None] | None:
         """
-        The mean centroids that displacements count from, if they were set: column and row of each element; none for one that was dark.
+        Column and row of each element's reference centroid, or `None` if no reference was set. The entry of an
+        element that was dark is `None`.
         """
     def rotations(self, /) -> Incomplete | None:
         """
-        From each element's frame `E_i` to `T` [E, 3, 3]; none if the dome is not known.
+        Rotation from each element's frame `E_i` to `T` [E, 3, 3], or `None` if the dome is not known.
         """
     def sense(self, /, frames: Incomplete, force: Incomplete, valid: Incomplete, gray: Incomplete, displacement: Incomplete, threads: SupportsIndex) -> None:
         """
-        Fills `force` [N, E, 3], `valid` [N, E], `gray` [N, E] and `displacement` [N, E, 2] with what is sensed in
-        `frames` [N, H, W], on up to `threads` threads.
+        Fills `force` [N, E, 3], `valid` [N, E], `gray` [N, E] and `displacement` [N, E, 2] from `frames` [N, H, W],
+        on up to `threads` threads.
         """
     def tips(self, /) -> Incomplete | None:
         """
-        Tip of each unloaded feeler, m, in `T` [E, 3]; none if the dome is not known.
+        Tip of each unloaded feeler, m, in `T` [E, 3], or `None` if the dome is not known.
         """
     def with_reference(self, /, frames: Incomplete) -> Sensor:
         """
-        The same sensor, whose displacements count from the mean centroids in `frames` [N, H, W].
+        Returns a copy of the sensor whose displacements are relative to the mean centroids in `frames` [N, H, W].
         """
     def with_reference_at(self, /, centroids: SupportsGetItem[int, tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex] | None]) -> Sensor:
         """
-        The same sensor, whose displacements count from these centroids.
+        Returns a copy of the sensor whose displacements are relative to these centroids.
         """
 
 @final
 class Session:
     """
-    A control loop under way, and its recording.
+    A control loop in progress, with its recording.
     """
     def __new__(cls, /, experiment: str, settings: SupportsGetItem[int, str], out: str | PathLike[str] | None, task: Any | None, homes: SupportsGetItem[int, SupportsLenAndGetItem[SupportsFloat | SupportsIndex]] | None, law: SupportsGetItem[int, Any] | None) -> Session:
         """
-        Sets up `experiment` with `settings`, recorded in the folder `out` if there is one; with `task`, whose fingers start
-        from `homes`, and `law` in place of its own.
+        Creates a session of `experiment` with `settings`, recorded in the folder `out` if given. `task`, whose
+        fingers start from `homes`, and `law` replace those of the experiment.
         """
     def act(self, /, velocity: Incomplete | None) -> None:
         """
-        Moves the fingers: at `velocity` [F, 3], m/s in W, or as the laws say.
+        Moves the fingers at `velocity` [F, 3], m/s in W, or by the control laws if it is `None`.
         """
     def close(self, /, interrupted: bool) -> RunOutcome | None:
         """
-        Closes the recording, if there is one, and makes its report.
+        Closes the recording, if any, and writes its report.
         """
     def findings(self, /) -> tuple[list[tuple[str, float]], str | None]:
         """
-        What the task found out so far, by name, and what came of it.
+        Returns the findings of the task so far by name, and its outcome.
         """
     @property
     def period(self, /) -> float:
@@ -411,26 +412,26 @@ class Session:
         """
     def plan(self, /) -> tuple[HandSense, list[Plan]] | None:
         """
-        Reads hand and sensors and asks the task; none once the run is finished, else what the hand feels and what the task
-        wants of each finger.
+        Reads hand and sensors and updates the task. Returns the readings of the hand and the plan of each finger, or
+        `None` once the run is finished.
         """
     def resume(self, /) -> None:
         """
-        Lets a hand that was stopped go on.
+        Resumes after a stop.
         """
     def stands(self, /) -> tuple[str, int, str | None]:
         """
-        Phase of the task, stroke, and why the hand was stopped, if it was.
+        Returns the phase of the task, the stroke, and the reason of a stop, if any.
         """
     def stop(self, /, by: str) -> None:
         """
-        Stops the hand, as `by` says.
+        Stops the hand; `by` names the source of the request.
         """
 
 @final
 class SingleEnvironment:
     """
-    An experiment as episodes.
+    An environment that runs an experiment in episodes.
     """
     def __new__(cls, /, experiment: str, settings: SupportsGetItem[int, str], vary: SupportsGetItem[int, str], action: str) -> SingleEnvironment: ...
     def guide(self, /, action: Incomplete) -> None:
@@ -439,56 +440,58 @@ class SingleEnvironment:
         """
     def render(self, /, picture: Incomplete) -> None:
         """
-        Draws the scene as it is into `picture` [H, W, 3].
+        Renders the current scene into `picture` [H, W, 3].
         """
     def reset(self, /, seed: SupportsIndex | None, observation: Incomplete, info: Incomplete) -> int:
         """
-        Begins the episode of `seed`, or of one that follows from the last one given. Its seed.
+        Begins the episode of `seed`, or if it is `None`, of a seed that is derived from the last one given. Returns
+        the seed.
         """
     def reset_to(self, /, seed: SupportsIndex, following: SupportsIndex, observation: Incomplete, info: Incomplete) -> int:
         """
-        Begins the episode that comes so many after that of `seed` where no other seed is given. Its seed.
+        Begins the episode that is the `following`-th after the episode of `seed` without further seeds. Returns its
+        seed.
         """
     def spec(self, /) -> EnvironmentSpec: ...
     def step(self, /, action: Incomplete, observation: Incomplete, info: Incomplete) -> tuple[float, bool, bool]:
         """
-        Makes a control step: reward, terminated, truncated.
+        Runs one control step. Returns the reward, terminated and truncated.
         """
     def stop_reason(self, /) -> str | None:
         """
-        Why the hand was stopped, if it was.
+        Reason for which the hand was stopped, or `None`.
         """
 
 @final
 class Store:
     """
-    The folder of a sweep, open for rows.
+    The folder of a sweep, open for adding rows.
     """
     def __new__(cls, /, folder: str | PathLike[str], trials: Trials, resume: bool) -> Store:
         """
-        The new folder of `trials`, or with `resume` that in which they were stopped.
+        Creates the folder of `trials`, or with `resume` opens the one in which they were interrupted.
         """
     def finish(self, /) -> None:
         """
-        Puts the sorted table in place of the growing one, and makes the page.
+        Replaces the growing table by the sorted one, and writes the page.
         """
     @property
     def finished(self, /) -> int:
         """
-        How many trials are finished.
+        Number of finished trials.
         """
     def missing(self, /) -> list[int]:
         """
-        The trials that are not finished.
+        Returns the unfinished trials.
         """
     def push(self, /, rows: bytes) -> None:
         """
-        Takes in rows as `Trials.run` returns them.
+        Adds rows as returned by `Trials.run`.
         """
     def run(self, /, jobs: SupportsIndex | None, progress: Any | None) -> None:
         """
-        Runs what is missing here, `jobs` trials at a time; one for each core if none are given. `progress` is called with the
-        number of finished trials, now and then.
+        Runs the missing trials in this process, `jobs` at a time, by default one per core. `progress` is called
+        periodically with the number of finished trials.
         """
 
 @final
@@ -498,17 +501,16 @@ class Trials:
     """
     def __new__(cls, /, plan: str, folder: str | PathLike[str] | None) -> Trials:
         """
-        The trials of a plan, the text of `sweep.toml`, on a machine where the files that it names are in `folder`, if it
-        names any.
+        Parses a plan, the text of `sweep.toml`. On this machine, the files that it names are in `folder`.
         """
     @property
     def count(self, /) -> int:
         """
-        How many there are.
+        Number of trials.
         """
     def files(self, /) -> dict:
         """
-        The files that trials may read (bytes), by the name that the experiment has for each.
+        Returns the files that trials may read (bytes), by the name that the experiment uses for each.
         """
     @property
     def plan(self, /) -> str:
@@ -518,13 +520,13 @@ class Trials:
     @staticmethod
     def planned(experiment: str, settings: SupportsGetItem[int, str], vary: SupportsGetItem[int, str], seed: SupportsIndex, count: SupportsIndex, resume: str | PathLike[str] | None) -> Trials:
         """
-        `count` trials of `experiment` with `settings` that vary as `vary` says; those that were stopped in the folder
-        `resume`, if one is given, which must be the same.
+        Plans `count` trials of `experiment` with `settings` and the variations `vary`. With `resume`, continues the
+        interrupted sweep in that folder, which must have the same plan.
         """
     def run(self, /, trials: SupportsGetItem[int, SupportsIndex], progress: Any | None = None) -> bytes:
         """
-        Runs the trials of these numbers one after the other; their rows as a table with header (CSV). `progress` is called
-        with the number of finished ones, now and then.
+        Runs the given trials one after the other and returns their rows as a table with a header (CSV). `progress` is
+        called periodically with the number of finished trials.
         """
 
 def calibrate_file(path: str | PathLike[str], how: Incomplete) -> Calibration:
@@ -534,37 +536,37 @@ def calibrate_file(path: str | PathLike[str], how: Incomplete) -> Calibration:
 
 def calibrate_frames(frames: Incomplete, forces: Incomplete, how: Incomplete) -> Calibration:
     """
-    Fits a calibration to `frames` [N, H, W] under `forces` [N, E, 3], N; not a number where a force is not known.
+    Fits a calibration to `frames` [N, H, W] under `forces` [N, E, 3], N; NaN for unknown forces.
     """
 
 def locate(frames: Incomplete, polarity: str | None, spot_diameter: SupportsFloat | SupportsIndex | None, element_diameter: SupportsFloat | SupportsIndex | None, region_radius: SupportsFloat | SupportsIndex, dome: str | None) -> Layout:
     """
-    Finds the elements in the mean of `frames` [N, H, W] of the untouched sensor.
+    Locates the elements in the mean of `frames` [N, H, W] of the untouched sensor.
     """
 
 def raise_flags(force: Incomplete, stamps: Incomplete, thresholds: tuple[SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex, SupportsFloat | SupportsIndex], flags: tuple[Incomplete, Incomplete, Incomplete, Incomplete, Incomplete]) -> None:
     """
-    Fills shear rate, TOUCH, SLIP, OVER and grasp force by `force` [N, E, 3] at `stamps` [N] with the thresholds F1, F2 and
-    dr.
+    Computes shear rate, TOUCH, SLIP, OVER and grasp force from `force` [N, E, 3] at `stamps` [N] with the thresholds
+    F1, F2 and dr.
     """
 
 def read_table(path: str | PathLike[str]) -> dict:
     """
-    The columns of the table at `path` by name: arrays, or lists of words.
+    Returns the columns of the table at `path` by name, as arrays or lists of text.
     """
 
 def report(folder: str | PathLike[str]) -> None:
     """
-    Makes the report of the run in `folder` again.
+    Writes the report of the run in `folder` again.
     """
 
 def run(experiment: str, settings: SupportsGetItem[int, str], out: str | PathLike[str] | None, record_frames: bool, progress: Any | None) -> RunOutcome:
     """
-    Runs `experiment` with `settings` and records it in the folder `out`, or in one of its own in `runs`. `progress` is
-    called with the simulated time, s, now and then.
+    Runs `experiment` with `settings` and records it in the folder `out`, or in a new folder in `runs`. `progress` is
+    called periodically with the simulated time, s.
     """
 
 def simulate_loads(experiment: str, finger: SupportsIndex | None, combined: SupportsIndex, seed: SupportsIndex) -> tuple[Incomplete, Incomplete]:
     """
-    Pictures of the simulated fingertip of `experiment` [N, H, W] under known loads [N, E, 3], N.
+    Returns images of the simulated fingertip of `experiment` [N, H, W] with their loads [N, E, 3], N.
     """

@@ -6,8 +6,7 @@ use feeler_lab::config::Experiment;
 use feeler_lab::sweep::results::summary;
 use feeler_lab::sweep::results::{Store, TRIALS, read_finished};
 use feeler_lab::sweep::trial::Trials;
-use feeler_lab::sweep::{Ended, Plan, Progress, Shard, SweepError, Table};
-use indicatif::{ProgressBar, ProgressStyle};
+use feeler_lab::sweep::{Ended, Plan, Shard, SweepError, Table};
 use std::io::Write;
 use std::path::{Path, PathBuf};
 use std::time::Instant;
@@ -225,42 +224,4 @@ pub fn one_trial(folder: &Path, trial: &str) -> Result<Experiment, CommandError>
     })?;
     let trials = Trials::new(&plan).map_err(|e: SweepError| e.to_string())?;
     Ok(trials.experiment(number)?)
-}
-
-/// Progress bar of a sweep.
-pub(crate) struct Bar {
-    bar: ProgressBar,
-    start: Instant,
-    before: u64,
-}
-
-impl Bar {
-    /// Creates a bar that starts with `before` finished trials.
-    pub(crate) fn new(before: u64) -> Self {
-        let bar = ProgressBar::new(0).with_position(before);
-        let style = ProgressStyle::with_template("{bar:32} {pos}/{len} trials, {msg}, {eta} left");
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        bar.reset_eta();
-        Self {
-            bar,
-            start: Instant::now(),
-            before,
-        }
-    }
-
-    /// Removes the bar.
-    pub(crate) fn clear(&self) {
-        self.bar.finish_and_clear();
-    }
-}
-
-impl Progress for Bar {
-    fn show(&mut self, finished: u64, of: u64, successes: u64) {
-        self.bar.set_length(of);
-        self.bar.set_position(finished);
-        let rate = (finished - self.before) as f64 / self.start.elapsed().as_secs_f64();
-        let share = 100.0 * successes as f64 / finished as f64;
-        self.bar
-            .set_message(format!("{share:.1} % success, {rate:.1} trials/s"));
-    }
 }

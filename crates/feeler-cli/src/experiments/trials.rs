@@ -1,14 +1,15 @@
 //! Arguments and functions shared by the commands that run trials: sweeps, comparisons, robustness studies.
 
-use super::sweep::Bar;
 use crate::CommandError;
 use feeler_console::watch_for_interrupt;
 use feeler_lab::sweep::results::Store;
 use feeler_lab::sweep::trial::Trials;
-use feeler_lab::sweep::{Ended, engine};
+use feeler_lab::sweep::{Ended, Progress, engine};
+use indicatif::{ProgressBar, ProgressStyle};
 use std::num::NonZero;
 use std::path::Path;
 use std::thread;
+use std::time::Instant;
 
 /// Options of every command that runs trials.
 #[derive(Debug, clap::Args)]
@@ -66,4 +67,42 @@ pub fn parse_seed(text: &str) -> Result<u64, String> {
         .ok()
         .filter(|&seed: &u64| seed <= i64::MAX as u64);
     seed.ok_or_else(|| format!("expected a whole number from 0 to {}", i64::MAX))
+}
+
+/// Progress bar over trials.
+pub(super) struct Bar {
+    bar: ProgressBar,
+    start: Instant,
+    before: u64,
+}
+
+impl Bar {
+    /// Creates a bar that starts with `before` finished trials.
+    pub(super) fn new(before: u64) -> Self {
+        let bar = ProgressBar::new(0).with_position(before);
+        let style = ProgressStyle::with_template("{bar:32} {pos}/{len} trials, {msg}, {eta} left");
+        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+        bar.reset_eta();
+        Self {
+            bar,
+            start: Instant::now(),
+            before,
+        }
+    }
+
+    /// Removes the bar.
+    pub(super) fn clear(&self) {
+        self.bar.finish_and_clear();
+    }
+}
+
+impl Progress for Bar {
+    fn show(&mut self, finished: u64, of: u64, successes: u64) {
+        self.bar.set_length(of);
+        self.bar.set_position(finished);
+        let rate = (finished - self.before) as f64 / self.start.elapsed().as_secs_f64();
+        let share = 100.0 * successes as f64 / finished as f64;
+        self.bar
+            .set_message(format!("{share:.1} % success, {rate:.1} trials/s"));
+    }
 }

@@ -11,7 +11,7 @@ use feeler_lab::experiment::rigs::linked::hand_program;
 use feeler_link::programs::RigSpeed;
 use feeler_link::security::Right;
 use feeler_record::{RunEnd, RunState};
-use feeler_rig::{HandRecord, ListenOptions, open_stop_door, patience, request_real_time};
+use feeler_rig::{HandRecord, ListenOptions, open_stop_server, patience, request_real_time};
 use std::io::Write;
 use std::path::PathBuf;
 use std::sync::atomic::Ordering;
@@ -54,7 +54,7 @@ pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     let warnings = Warnings::on_stderr();
     program.set_warn(warnings.warn());
     let stopper = program.stopper();
-    let _door = open_stop_door(&link, &listening, rig, stopper, &warnings);
+    let _door = open_stop_server(&link, &listening, rig, stopper, &warnings);
     let missing = match program.missing() {
         none if none.is_empty() => "fresh data".to_string(),
         missing => missing.join(", "),

@@ -8,8 +8,8 @@ use feeler_link::hand::{Ack, HandClient, INTERVAL, STEADY};
 use feeler_link::hand::{Order, stop_to_resume};
 use feeler_link::messages::{HandMode, StopInForce};
 use feeler_link::security::Right;
-use feeler_link::stop_door::wire::StopAnswer;
-use feeler_rig::{LinkOptions, call_stop_door};
+use feeler_link::stop_server::wire::StopAnswer;
+use feeler_rig::{LinkOptions, call_stop_server};
 use serde::Serialize;
 use std::io::Write;
 use std::time::{Duration, Instant};
@@ -84,22 +84,22 @@ const BY: &str = "the command line";
 
 /// Stops the hand of a rig, and prints whether it stopped.
 pub fn stop(arguments: &StopArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    told_to_stop(arguments)?.print(arguments.json, out)
+    send_stop(arguments)?.print(arguments.json, out)
 }
 
 /// Stops the hand of a rig.
-fn told_to_stop(arguments: &StopArguments) -> Result<Stopped, CommandError> {
+fn send_stop(arguments: &StopArguments) -> Result<Stopped, CommandError> {
     let link = LinkOptions::from(&arguments.link).with_right(&[Right::Order, Right::Stop])?;
     let rig = &rig_name(&arguments.rig)?;
     let (order, id) = Order::stop(&arguments.from);
     // Use both ways at once: the stop server answers even if connecting is impossible.
-    let door = call_stop_door(&link, rig, id, &arguments.from);
+    let answers = call_stop_server(&link, rig, id, &arguments.from);
     let client = HandClient::new(link.connect(rig)?)?;
     if !client.wait_until(DOOR_FIRST, |_| true) {
         let start = Instant::now();
         while !client.wait_until(INTERVAL / 4, |_| true) {
-            if let Ok(answer) = door.try_recv() {
-                return Ok(said_at_door(answer));
+            if let Ok(answer) = answers.try_recv() {
+                return Ok(from_answer(answer));
             }
             if start.elapsed() > LONGEST {
                 return Err(unheard(rig));
@@ -113,7 +113,7 @@ fn told_to_stop(arguments: &StopArguments) -> Result<Stopped, CommandError> {
     let stop = mode.stops.iter().find(|stop| stop.id == id);
     let number = stop.map(|stop| stop.number);
     let words = number.unwrap_or(0);
-    let told = |message: &str| Stopped {
+    let unconfirmed = |message: &str| Stopped {
         message: message.to_string(),
         ..Stopped::default()
     };
@@ -137,16 +137,16 @@ fn told_to_stop(arguments: &StopArguments) -> Result<Stopped, CommandError> {
             reason: mode.stopped,
             ..Stopped::default()
         },
-        Ack::Reverted => told("the hand stopped, but another client resumed it at once"),
-        Ack::None => match door.recv_timeout(LONGEST) {
-            Ok(answer) => said_at_door(answer),
-            Err(_) => told("the hand did not confirm the stop"),
+        Ack::Reverted => unconfirmed("the hand stopped, but another client resumed it at once"),
+        Ack::None => match answers.recv_timeout(LONGEST) {
+            Ok(answer) => from_answer(answer),
+            Err(_) => unconfirmed("the hand did not confirm the stop"),
         },
     })
 }
 
 /// Interprets the answer of the stop server.
-fn said_at_door(answer: StopAnswer) -> Stopped {
+fn from_answer(answer: StopAnswer) -> Stopped {
     let (number, reason) = (answer.order, answer.stopped);
     Stopped {
         stands_still: !reason.is_empty(),

@@ -140,7 +140,7 @@ fn probe_without_contact_or_rectangle_is_refused() {
         &["contour"],
         &[
             "expected an experiment with [task.screw]",
-            "found [task.contour]",
+            "got [task.contour]",
         ],
     );
     refused(

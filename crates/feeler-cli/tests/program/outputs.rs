@@ -111,7 +111,7 @@ fn init_writes_a_valid_experiment_and_overwrites_nothing() {
     let (rig, _) = text.split_once("[sim]").unwrap();
     fs::write(folder.join("rig.toml"), rig).unwrap();
     let said = run(&folder, &["check", "rig.toml"]).done();
-    assert!(said.contains("a real rig"), "{said}");
+    assert!(said.contains("real rig"), "{said}");
     let direct = ["run", "my.toml", "--sensing=direct", "--out=run"];
     let said = run(&folder, &direct).done();
     // The outcome, followed by the results.

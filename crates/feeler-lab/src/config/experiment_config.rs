@@ -27,7 +27,7 @@ pub struct ExperimentConfig {
     #[serde(default)]
     pub seed: u64,
     /// Seed for which the hand in this file was drawn; see
-    /// [`plausible_hand`](crate::sweep::plan::plausible::plausible_hand). If present and different from `seed`, another
+    /// `plausible_hand`. If present and different from `seed`, another
     /// plausible hand is drawn on loading.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub plausible_hand: Option<i64>,

@@ -100,7 +100,7 @@ fn nearest(name: &str, leaves: &[(String, Value)]) -> Vec<String> {
 /// Returns the end of an error message that suggests the most similar of `names`, or an empty string if none is
 /// similar to `name`.
 pub fn did_you_mean<'a>(name: &str, names: impl Iterator<Item = &'a str>) -> String {
-    /// Maximum fraction of letters that may differ.
+    /// Maximum fraction of letters in which a suggested name differs from the given one.
     const DIFFERENT: f64 = 1.0 / 3.0;
     let most = (DIFFERENT * name.len() as f64).ceil() as usize;
     let like = names.map(|other| (distance(name, other), other)).min();

@@ -6,7 +6,7 @@ use super::check::check;
 use super::error::ConfigError;
 use super::experiment_config::ExperimentConfig;
 use super::missing::missing;
-use super::settings::put;
+use super::settings::{put, with_defaults};
 use super::words::in_words;
 use crate::sweep::plan::plausible::plausible_hand;
 use feeler::sensor::fingertip::FingertipConfig;
@@ -190,17 +190,6 @@ impl Experiment {
             Some(finger) => Err(ConfigError::NoFinger { finger, fingers }),
         }
     }
-}
-
-/// Returns the experiment file `text` with all default values written out, so that `settings` can index lists that it
-/// omits. `None` if no setting indexes a list, or `text` is invalid.
-pub(super) fn with_defaults(text: &str, settings: &[String]) -> Option<DocumentMut> {
-    let is_index = |part: &str| part.trim().parse::<usize>().is_ok();
-    let key = |setting: &'_ String| setting.split('=').next().map(str::to_string);
-    let mut keys = settings.iter().filter_map(key);
-    keys.any(|key| key.split('.').any(is_index)).then_some(())?;
-    let config: ExperimentConfig = toml::from_str(text).ok()?;
-    toml::to_string(&config).ok()?.parse().ok()
 }
 
 /// Returns the keys that `toml` lacks if the parser stopped at a missing key, else an empty list.

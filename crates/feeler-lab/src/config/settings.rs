@@ -1,6 +1,7 @@
 //! Applies settings from the command line, such as `control.slip_threshold=2.5`, to the text of an experiment.
 
 use super::error::ConfigError;
+use super::experiment_config::ExperimentConfig;
 use toml_edit::{DocumentMut, Item, Value};
 
 /// Sets `key.path=value` in a document. Numbers in the path index arrays. A list that is missing in `document` is first
@@ -72,4 +73,14 @@ fn step_into<'a>(item: &'a mut Item, part: &str) -> Result<&'a mut Item, String>
     let table = item.as_table_like_mut();
     let entry = table.map(|table| table.entry(part).or_insert(Item::None));
     entry.ok_or_else(|| format!("{part}: there is no such key; its parent is a single value"))
+}
+
+/// Returns a valid `text` with all defaults spelled out if any of `settings` indexes a list, else `None`.
+pub(super) fn with_defaults(text: &str, settings: &[String]) -> Option<DocumentMut> {
+    let is_index = |part: &str| part.trim().parse::<usize>().is_ok();
+    let key = |setting: &'_ String| setting.split('=').next().map(str::to_string);
+    let mut keys = settings.iter().filter_map(key);
+    keys.any(|key| key.split('.').any(is_index)).then_some(())?;
+    let config: ExperimentConfig = toml::from_str(text).ok()?;
+    toml::to_string(&config).ok()?.parse().ok()
 }

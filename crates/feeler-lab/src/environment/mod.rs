@@ -23,7 +23,8 @@ mod vector_error;
 
 pub use action::ActionKind;
 pub use error::EnvironmentError;
-pub use vector::{Autoreset, Batch, VectorEnvironment};
+pub use slot::Autoreset;
+pub use vector::{Batch, VectorEnvironment};
 pub use vector_error::VectorError;
 
 use crate::config::Experiment;

@@ -1,7 +1,19 @@
 //! One environment of a vector environment, with its requested operation and results.
 
-use super::vector::Autoreset;
 use super::{Environment, EnvironmentError, Step};
+
+/// Time at which a finished environment begins its next episode, with the names of Gymnasium.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub enum Autoreset {
+    /// In the following step, which ignores its action and returns reward 0.
+    #[default]
+    NextStep,
+    /// In the step that ends the episode. The step returns the observation of the new episode;
+    /// `VectorEnvironment::last` returns the final one of the old episode.
+    SameStep,
+    /// Only on `VectorEnvironment::reset`; an earlier step is an error.
+    Disabled,
+}
 
 /// Operation of an environment in a round.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]

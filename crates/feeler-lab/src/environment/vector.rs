@@ -1,25 +1,12 @@
 //! Vector environments: many environments that step together, on several threads.
 
 use super::pool::Pool;
-use super::slot::{Order, Slot};
+use super::slot::{Autoreset, Order, Slot};
 use super::vector_error::{VectorError, at, check_count, check_range};
 use super::{Environment, EnvironmentConfig};
 
 /// Number of work items per thread, for load balancing.
 const PARTS_PER_THREAD: usize = 8;
-
-/// Time at which a finished environment begins its next episode, with the names of Gymnasium.
-#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
-pub enum Autoreset {
-    /// In the following step, which ignores its action and returns reward 0.
-    #[default]
-    NextStep,
-    /// In the step that ends the episode. The step returns the observation of the new episode;
-    /// [`VectorEnvironment::last`] returns the final one of the old episode.
-    SameStep,
-    /// Only on [`VectorEnvironment::reset`]; an earlier step is an error.
-    Disabled,
-}
 
 /// Output buffers for the results of n environments, row by row. Each field states the required length.
 #[derive(Debug)]

@@ -160,8 +160,8 @@ fn cap_radius(sim: &SimConfig) -> f64 {
     }
 }
 
-/// Returns the object whose outline is traced, and its true section. `None` if the task is a different one, or the
-/// shape of the object is in a file.
+/// Returns the object whose outline is traced, and its true cross-section. `None` if the task traces no
+/// outline, or if the shape of the object is read from a file.
 pub(crate) fn true_section(config: &ExperimentConfig) -> Option<(&ObjectConfig, Vec<[f64; 2]>)> {
     let TaskConfig::Contour(contour) = &config.task else {
         return None;

@@ -50,7 +50,7 @@ impl Instruments {
         }
     }
 
-    /// Writes the latest step of `control_loop`, with these readings from its beginning, to `log`.
+    /// Writes the latest step of `control_loop` to `log`, with these readings, taken at the beginning of that step.
     ///
     /// # Errors
     /// If the recording cannot be written.

@@ -402,7 +402,7 @@ fn is_finished(control_loop: &SimulatedLoop, time_limit: f64) -> bool {
     over || control_loop.state().stamp >= time_limit
 }
 
-/// Builds the rig of `experiment`, and returns the index of its object with a thread.
+/// Builds the rig of `experiment`. Also returns the index of its object with a screw thread, if any.
 fn rig(
     experiment: &Experiment,
     joints: &[DVec3],
@@ -517,7 +517,7 @@ pub fn fingers_at_home(
     fingers_at(config, &config.task.homes())
 }
 
-/// Returns the fingers and the joint angles (rad) that bring them to `homes` (m, in `W`), one each.
+/// Returns the fingers, and for each the joint angles (rad) at its position in `homes` (m, in `W`).
 fn fingers_at(
     config: &ExperimentConfig,
     homes: &[[f64; 3]],

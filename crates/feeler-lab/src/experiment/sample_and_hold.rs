@@ -48,7 +48,7 @@ pub(super) struct SampleAndHold {
 pub(super) type FrameCounter = Arc<AtomicU64>;
 
 impl SampleAndHold {
-    /// Samples `sensor` of `rig` every `period` seconds, and counts the frames in `taken`.
+    /// Creates a source that samples `sensor` of `rig` every `period` seconds and counts its frames in `taken`.
     pub(super) fn new(sensor: Sensor, rig: SimRig, period: f64, taken: FrameCounter) -> Self {
         Self {
             taken,

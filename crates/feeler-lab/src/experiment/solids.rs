@@ -7,8 +7,9 @@ use feeler_sim::world::SimConfig;
 use glam::{DMat3, DQuat, DVec3};
 use std::f64::consts::TAU;
 
-/// Number of corners of an outline, and of each of its knurls.
+/// Minimum number of corners of a drawn outline.
 const CORNERS: u32 = 120;
+/// Number of corners of each knurl of an outline.
 const CORNERS_PER_KNURL: u32 = 6;
 /// Size of the plate that represents a half-space (m).
 const PLATE: [f64; 3] = [0.12, 0.12, 0.002];

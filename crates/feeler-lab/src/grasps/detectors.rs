@@ -102,7 +102,7 @@ impl Detector {
 pub enum ContactReference {
     /// Nothing is known.
     Unknown,
-    /// The vectors of the elements are 0 without contact.
+    /// The measured vectors of the elements are 0 without contact, so that a zero vector means an untouched element.
     Zero,
     /// The elements form a regular pattern in the image. The argument describes the image, if known.
     Pattern(Option<Picture>),
@@ -118,7 +118,7 @@ pub struct GraspFrame {
     pub stamp: f64,
     /// Shear or in-plane displacement of each element; NaN if unknown.
     pub shear: Vec<DVec2>,
-    /// Normal load of each element in the same unit. Empty if only the plane is measured.
+    /// Normal load of each element, in the unit of `shear`. Empty if only in-plane values are measured.
     pub normal: Vec<f64>,
 }
 

@@ -47,8 +47,8 @@ pub struct Fit {
 }
 
 impl Fit {
-    /// Fits those of `stretches` together whose separate fits have a residual of at most twice the smallest one. This
-    /// excludes elements that slip. Also returns the stretches used.
+    /// Jointly fits those `stretches` whose separate fits have a residual of at most twice the smallest one, which excludes
+    /// elements that slip. Also returns the stretches used.
     pub fn of_consistent(stretches: Vec<Stretch>, used: usize) -> Option<(Self, Vec<Stretch>)> {
         let alone = stretches.into_iter().filter_map(|stretch| {
             let fit = Self::of(std::slice::from_ref(&stretch), used)?;

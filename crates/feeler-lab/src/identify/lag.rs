@@ -7,7 +7,7 @@ use glam::DVec3;
 /// Duration of the sections in which the modelled joint angles have separate offsets (s), to allow for drift of a
 /// drive.
 const STRETCH: f64 = 1.0;
-/// Maximum lag and delay considered (s).
+/// Maximum lag of the drives, and maximum delay of the encoders, that the fit considers (s).
 const MAX_LAG: f64 = 0.2;
 const MAX_DELAY: f64 = 0.1;
 const MIN_LAG: f64 = 1e-4;

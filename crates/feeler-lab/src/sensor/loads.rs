@@ -47,7 +47,7 @@ pub enum LoadsFileError {
     Picture {
         /// Path of the CSV file.
         csv: PathBuf,
-        /// Line of the image's first row.
+        /// Line number in the CSV file of the first row that names the image.
         line: u64,
         /// Name of the image, as in the file.
         picture: String,

@@ -1,7 +1,7 @@
 //! Sweeps: many randomised trials of one experiment.
 //!
 //! The random streams of trial `k` depend only on the seed of the sweep and `k`. The result is therefore independent of
-//! other trials, their order and the machine. The trials of a [`design`] instead fill the parameter space evenly; they,
+//! other trials, their order and the machine. The trials of a `design` instead fill the parameter space evenly; they,
 //! too, depend only on seed and number.
 
 pub mod analysis;

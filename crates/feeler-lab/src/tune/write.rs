@@ -20,7 +20,7 @@ pub struct Change {
     pub before: f64,
     /// The tuned value.
     pub after: f64,
-    /// Ratio computed by the rule, and its physical reason.
+    /// Text of the rule: the ratio that it computes, and the physical reason for it.
     pub reason: String,
 }
 

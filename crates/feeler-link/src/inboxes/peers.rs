@@ -56,7 +56,7 @@ impl Peer {
         works(&self.heartbeat)
     }
 
-    /// Returns `true` if no heartbeat has arrived for longer than [`SILENT_AFTER`] at `now` (s).
+    /// Returns `true` if no heartbeat has arrived for longer than `SILENT_AFTER` at `now` (s).
     pub fn is_silent(&self, now: f64) -> bool {
         now - self.heard > SILENT_AFTER
     }

@@ -101,7 +101,7 @@ pub struct TactileUpdate {
     /// Mask of slipping elements: bit `i % 8` of byte `i / 8` is element `i`.
     #[serde(with = "serde_bytes")]
     pub slip_mask: Vec<u8>,
-    /// Mask of elements without a valid force (dark or saturated), same layout. Their forces are 0 N.
+    /// Bit mask of the elements without a valid force (dark or saturated), laid out like `slip_mask`. Their forces are 0 N.
     #[serde(with = "serde_bytes")]
     pub invalid_mask: Vec<u8>,
 }
@@ -221,7 +221,7 @@ impl HandMode {
         self.phase == u8::from(Phase::Search) && !self.search
     }
 
-    /// Escapes control characters in all texts and limits their length, see [`printable`].
+    /// Escapes control characters in all texts and limits their length, see `printable`.
     pub fn make_printable(&mut self) {
         self.stopped = printable(&self.stopped);
         for stop in &mut self.stops {

@@ -33,7 +33,7 @@ pub enum Rejection {
     /// Echoes or refers to a step or time in the future.
     #[error("from the future")]
     Future,
-    /// Does not prove its age: echoes another run of the hand, or too old a step.
+    /// Cannot be shown to be recent: it echoes a step of another run of the hand, or a step that is too old.
     #[error("without proof of age")]
     Unproven,
     /// Stamped by a clock other than the rig's.

@@ -8,7 +8,7 @@ use super::rejection::Rejection;
 /// Maximum rate of a message kind from one program (1/s).
 const MAX_RATE: f64 = 10_000.0;
 
-/// Maximum gap regardless of time, for messages lost in a burst.
+/// Maximum gap between sequence numbers that is accepted after any time, since a burst of messages may be lost.
 const MAX_AHEAD: f64 = 1000.0;
 
 /// Time without an accepted message (s) after which the next one is accepted with any number. This readmits a sender

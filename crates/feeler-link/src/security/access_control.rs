@@ -8,7 +8,7 @@ use crate::transport::endpoints::LinkConfig;
 use serde_json::{Value, json};
 use std::collections::BTreeSet;
 
-/// Position of a program in the link.
+/// Side of a connection: the hand, or a program that connects to it.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Role {
     /// The hand, which routes all messages.

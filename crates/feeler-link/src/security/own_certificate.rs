@@ -120,7 +120,7 @@ impl OwnCertificate {
         Ok(own)
     }
 
-    /// Returns a warning if the certificate expires within [`WARNING_DAYS`].
+    /// Returns a warning if the certificate expires within `WARNING_DAYS`.
     pub fn warning(&self) -> Option<String> {
         let days = self.until.saturating_sub(now()) / (24 * 60 * 60);
         let (name, until) = (self.name, day(self.until));

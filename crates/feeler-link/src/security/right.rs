@@ -93,7 +93,7 @@ impl FromStr for Right {
 pub struct CertificateName {
     /// Right of the holder.
     pub right: Right,
-    /// Serial number among the lab's certificates for this right, from 1 to [`MAX_SERIAL`]. Never reused.
+    /// Serial number among the lab's certificates for this right, from 1 to `MAX_SERIAL`. Never reused.
     pub serial: u32,
 }
 

@@ -33,7 +33,7 @@ pub enum Place {
     Hand,
     /// Simulates the rig, or serves a real one.
     World,
-    /// Senses for a finger.
+    /// Measures the forces on a finger.
     Sense(usize),
     /// Sends one order and exits. Several such programs may run at once.
     Order,

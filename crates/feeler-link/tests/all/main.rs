@@ -14,5 +14,5 @@ mod model;
 mod ports;
 mod programs;
 mod rights;
-mod stop_door;
+mod stop_server;
 mod stop_wire;

@@ -1,6 +1,6 @@
-//! Valid and hostile datagrams of the stop door.
+//! Valid and hostile datagrams of the stop server.
 
-use feeler_link::stop_door::wire::{Datagram, MAX_BYTES, Proof, StopAnswer, Verdict, parse};
+use feeler_link::stop_server::wire::{Datagram, MAX_BYTES, Proof, StopAnswer, Verdict, parse};
 use proptest::prelude::*;
 
 fn proof() -> impl Strategy<Value = Option<Proof>> {

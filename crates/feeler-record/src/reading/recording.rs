@@ -197,7 +197,7 @@ impl Recording {
     }
 }
 
-/// Removes messages older than the latest message at `time` (s). Returns their number.
+/// Removes all messages before the one that is current at `time` (s). Returns how many were removed.
 fn forget<M: Stamped>(messages: &mut Vec<M>, time: f64) -> usize {
     let count = count_before_latest(messages, time);
     messages.drain(..count);

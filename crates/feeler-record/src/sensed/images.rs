@@ -38,7 +38,7 @@ pub struct SensedPictures {
     problem: Option<String>,
 }
 
-/// Returns `true` if the file at `path` is a sensor's recording without a run.
+/// Returns `true` if the file at `path` was recorded by a sensor program alone, not during a run.
 pub fn is_sensed(path: &Path) -> bool {
     let Ok(file) = File::open(path) else {
         return false;
@@ -145,7 +145,7 @@ impl Camera for SensedPictures {
     }
 }
 
-/// Frames and images found in a file. They need not be adjacent, because moments may be written after a delay.
+/// Frames and images found in a file. A frame need not be next to its image, since moments may be written later.
 #[derive(Default)]
 struct Index {
     moments: HashSet<u16>,

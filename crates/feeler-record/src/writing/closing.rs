@@ -3,7 +3,7 @@
 use super::options::Backpressure;
 use std::time::{Duration, Instant};
 
-/// Maximum time to close the file of a run with limited patience.
+/// Maximum time to close the file of a recording that must not block its run ([`Backpressure::Limited`]).
 pub const CLOSE_TIMEOUT: Duration = Duration::from_secs(5);
 
 /// Time after which `on_slow` is called.
@@ -27,7 +27,7 @@ impl<'a> CloseDeadline<'a> {
         }
     }
 
-    /// Starts closing with the time limit of a recording with this patience.
+    /// Starts the time limit for closing a recording with this back-pressure.
     pub fn of(patience: Backpressure) -> Self {
         Self {
             start: Instant::now(),

@@ -34,7 +34,7 @@ pub(crate) struct Collector {
     channels: HashMap<u16, (Channel, String)>,
     end: Option<BTreeMap<String, String>>,
     has_experiment: bool,
-    /// `true` if only messages follow.
+    /// `true` once the header (channels, attachments, facts) is complete and only messages follow.
     has_begun: bool,
     /// First damaged chunk.
     damage: Option<Damage>,

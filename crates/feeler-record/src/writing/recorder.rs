@@ -50,7 +50,7 @@ impl Recorder {
         Self::create_with(path, facts, experiment_toml, &RecordOptions::default())
     }
 
-    /// Creates the file with additional content or another way of writing.
+    /// Like [`create`](Self::create), with `options` for additional content and for buffering.
     ///
     /// # Errors
     /// See [`create`](Self::create).

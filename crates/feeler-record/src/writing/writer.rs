@@ -150,7 +150,7 @@ impl Writer {
         self.gap.as_ref()
     }
 
-    /// Error of the file, for a writer of limited patience.
+    /// Error that ended the writing, for a writer that drops messages instead of blocking; `None` otherwise.
     pub fn failure(&self) -> Option<&RecordError> {
         self.failure.as_ref()
     }

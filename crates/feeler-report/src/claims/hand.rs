@@ -112,8 +112,8 @@ pub(super) fn slip_means_slip(data: &RunData) -> Claim {
     .decided_by(DecidedBy::Hand)
 }
 
-/// The distance R of the dome's centre from the cap's axis stays constant, compared with the planned line and with
-/// stroke 1, in which the cap turns along. See [`PathFit`](crate::measures::path_fit::PathFit).
+/// Claim that the distance R of the dome's centre from the cap's axis stays constant, more so than on the planned line and
+/// in stroke 1, in which the cap turns with the finger. See [`PathFit`](crate::measures::path_fit::PathFit).
 pub(super) fn path_follows_contour(measured: &Measured) -> Claim {
     let to_first = measured.each_fit(&CLOSED, |fit, finger| {
         ratio(fit.radius_std, measured.fit(1, finger)?.radius_std)

@@ -36,7 +36,7 @@ pub(super) fn curvature(measured: &Measured) -> [ClaimPart; 2] {
     ]
 }
 
-/// Variation of the grasp force within the window of strokes 3 and 4.
+/// Variation of the grasp force in the evaluated window of strokes 3 and 4.
 pub(super) fn grip_variation(data: &RunData) -> ClaimPart {
     let variation = each_finger(data, &CLOSED, |stroke, finger| {
         grasp_force_variation(data, stroke, finger)

@@ -18,7 +18,7 @@ pub const DAMAGE_TIME: f64 = 0.05;
 pub struct FeltStroke {
     /// Number of the stroke, from 1.
     pub index: u32,
-    /// Estimated rotation of the cap (rad), positive with the stroke.
+    /// Estimated rotation of the cap (rad), positive in the direction of the stroke.
     pub felt_turn: Option<f64>,
     /// True rotation of the cap (rad), positive with the stroke.
     pub turn: Option<f64>,
@@ -71,7 +71,7 @@ pub struct CapMeasures {
 }
 
 impl CapMeasures {
-    /// Measures a run; `None` if its strokes were only counted.
+    /// Measures a run. `None` if neither a cap nor estimates of a cap were recorded.
     pub fn new(recording: &Recording, data: &RunData) -> Option<Self> {
         let facts = data.facts.cap;
         if facts.is_none() && !is_felt(recording) {
@@ -108,7 +108,8 @@ impl CapMeasures {
             && self.harmed_nothing()
     }
 
-    /// `true` if the cap was detected open, turned as far as estimated, and no element was damaged.
+    /// `true` if the hand detected that the cap is open, the true rotation agrees with the estimate, and no element was
+    /// damaged.
     pub fn opened_well(&self, outcome: Option<&TaskOutcome>) -> bool {
         let sum = |turn: fn(&FeltStroke) -> Option<f64>| self.strokes.iter().map(turn).sum();
         let (felt, turned): (Option<f64>, Option<f64>) = (sum(|s| s.felt_turn), sum(|s| s.turn));

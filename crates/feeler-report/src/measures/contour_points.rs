@@ -4,7 +4,7 @@ use super::series::finite;
 use feeler_record::{FindingName, Recording};
 use glam::DVec2;
 
-/// Drawn points in W (m), with their times (s).
+/// Surface points that the hand found along the outline, in W (m), with their times (s).
 pub fn drawn(recording: &Recording) -> Vec<(f64, DVec2)> {
     let points = recording.findings.iter().filter_map(|found| {
         let value = |name: FindingName| finite(found.value(&name)?);

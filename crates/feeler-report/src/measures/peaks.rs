@@ -66,7 +66,8 @@ impl PeakCounter {
         }
     }
 
-    /// Adds the mean of the latest samples without the first `skipped`, summed in the order of `moving_mean`.
+    /// Adds the mean of the current window without its first `skipped` samples. Sums in the order of `moving_mean`, so that
+    /// results are identical.
     fn take_mean(&mut self, skipped: usize) {
         let near = self.newest.iter().skip(skipped);
         let mean = near.sum::<f64>() / (self.newest.len() - skipped) as f64;

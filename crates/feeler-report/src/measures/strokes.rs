@@ -13,8 +13,8 @@ pub const TRUE_SLIP: f64 = 20e-6;
 /// Cap rotation relative to the first stroke up to which the cap counts as closed.
 pub const CLOSED_TURN: f64 = 0.05;
 
-/// `true` if the last stroke found the cap closed ([`CLOSED_TURN`]). `turns` are the cap rotations of all strokes
-/// (rad); `false` if the cap never turned.
+/// `true` if the last stroke found the cap closed ([`CLOSED_TURN`]), `false` otherwise or if the cap never turned.
+/// `turns` are the cap rotations of all strokes (rad).
 pub fn found_closed(turns: &[Option<f64>]) -> bool {
     let [first, .., last] = turns else {
         return false;
@@ -60,19 +60,19 @@ pub struct StrokeMeasures {
     /// Fraction of MOVE in which a feeler of the finger truly slipped, averaged over fingers (0 to 1). Equals the
     /// precision of a random flag.
     pub true_slip_fraction: Option<f64>,
-    /// Standard deviation of the grasp force relative to its mean, within the window of [`window_rows`], averaged over
+    /// Standard deviation of the grasp force relative to its mean, within the window of `window_rows`, averaged over
     /// fingers.
     pub grasp_force_variation: Option<f64>,
     /// Fraction of the same window with OVER, averaged over fingers (0 to 1).
     pub over_fraction: Option<f64>,
     /// Largest inward deviation of the fingertip's path over MOVE from the planned straight line, averaged over fingers
-    /// (m). See [`inward_bend`].
+    /// (m). See `inward_bend`.
     pub path_inward_bend: Option<f64>,
-    /// [`PathFit::radius_std`], averaged over fingers (m).
+    /// `PathFit::radius_std`, averaged over fingers (m).
     pub path_radius_std: Option<f64>,
-    /// [`PathFit::line_radius_std`], averaged over fingers (m).
+    /// `PathFit::line_radius_std`, averaged over fingers (m).
     pub line_radius_std: Option<f64>,
-    /// [`PathFit::curvature`], averaged over fingers.
+    /// `PathFit::curvature`, averaged over fingers.
     pub path_curvature: Option<f64>,
     /// Largest F_z of any element during the stroke (N).
     pub peak_element_force: Option<f64>,

@@ -156,7 +156,7 @@ pub struct Points {
     pub command: Option<Command>,
 }
 
-/// A command for each point.
+/// Shell command for each point of a figure, which reruns its trial.
 #[derive(Debug, Clone, PartialEq, Eq, Serialize)]
 pub struct Command {
     /// Command with placeholders: `{folder}` for the page's folder, `{trial}` for the trial.
@@ -207,7 +207,7 @@ impl Points {
         }
     }
 
-    /// Adds intervals in y, from low to high.
+    /// Adds a vertical error bar to each point, given as (low, high).
     #[must_use]
     pub fn within(mut self, intervals: impl IntoIterator<Item = (f64, f64)>) -> Self {
         let ends = intervals.into_iter().map(|(l, h)| (shown(l), shown(h)));

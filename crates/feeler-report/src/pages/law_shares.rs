@@ -9,7 +9,7 @@ use crate::page_data::PageData;
 use maud::{Markup, html};
 use serde::Serialize;
 
-/// Content of the page of control laws on the same hands, serialized as `laws.json`.
+/// Content of the page that compares control laws on the same hands, serialized as `laws.json`.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct LawSharesPage {
     /// Name of the experiment.

@@ -37,7 +37,7 @@ pub struct RobustnessPage {
     pub factors: Vec<String>,
     /// Number of factors that are parameters; these come first.
     pub parameters: usize,
-    /// Each claim, and all claims together.
+    /// One measure for each claim, and one for all claims together.
     pub measures: Vec<Measure>,
     /// Outcomes of the trials in which everything varies.
     pub endings: Vec<Ending>,

@@ -52,7 +52,7 @@ pub struct AxisPoints {
     pub points: Vec<PredictedPoint>,
 }
 
-/// One component in one image, in its unit.
+/// Measured and predicted value of one wrench component in one image, in the unit of the component.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PredictedPoint {
     /// Index of the recording.

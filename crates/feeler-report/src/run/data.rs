@@ -54,7 +54,7 @@ pub struct RunData {
     /// Longest stretch without touch in the tactile frames of the first finger within MOVE, in frames; `None` if there
     /// are no such frames.
     pub longest_loss: Option<usize>,
-    /// Measures of all rows, if only some rows were kept ([`super::long_run`]).
+    /// Measures of all rows, if only some rows were kept (`super::long_run`).
     pub thinned: Option<Box<DecimatedRun>>,
 }
 

@@ -88,7 +88,7 @@ pub fn make(run_dir: impl AsRef<Path>) -> Result<ReportOutcome, ReportError> {
 }
 
 /// Like [`make`], but calls `progress` with the fraction of the recording that has been read (0 to 1). Memory use is
-/// bounded, independent of the recording's length ([`long_run`]).
+/// bounded, independent of the recording's length (`long_run`).
 ///
 /// # Errors
 /// Same as [`make`].

@@ -15,9 +15,9 @@ use maud::Markup;
 
 /// Maximum final distance of the object from its goal (m).
 const PLACE: f64 = 2e-3;
-/// Maximum rotation, and maximum tilt (deg).
+/// Maximum rotation of the object about the vertical, and maximum tilt (deg).
 const TURN: f64 = 3.0;
-/// Maximum shortfall of the object's highest position relative to the path's (m).
+/// Maximum distance of the object's highest position below the highest position of the path (m).
 const DROP: f64 = 5e-3;
 /// Metres to millimetres.
 const MM: f64 = 1e3;

@@ -98,7 +98,8 @@ pub fn claims_are_shown(facts: &RunFacts) -> bool {
     claims_apply(facts) && !(too_few && of(facts).whose() == PAPERS)
 }
 
-/// `true` if the claims of any hand apply: a cap is screwed in at least as many strokes as in the paper.
+/// `true` if the claims that hold for any hand, not only the reference hand, apply: a cap is screwed in at least as many
+/// strokes as in the paper.
 pub(crate) fn is_for_any_hand(recording: &Recording) -> bool {
     recording.facts.stroke_count >= PAPERS_STROKES && of_recording(recording).whose() == PAPERS
 }

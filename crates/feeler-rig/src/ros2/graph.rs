@@ -103,7 +103,7 @@ pub struct PeerWatch {
 }
 
 impl PeerWatch {
-    /// Creates the warning for a node that connects as `graph` specifies.
+    /// Creates a watch that warns while a node connected as in `graph` has no peers.
     pub fn new(graph: &NodeConfig) -> Self {
         Self {
             places: graph.connect.join(", "),

@@ -14,10 +14,10 @@ const PATIENCE: Duration = Duration::from_secs(2);
 /// from the stamps of the joint states that it is based on.
 pub struct RobotRig {
     hand: RosHand,
-    /// The graph's time (s) at time 0 of the rig.
+    /// Time of the ROS graph (s) at which the rig's time was 0.
     began: Option<f64>,
     warnings: Warnings,
-    /// Start of the current lack of joint states, and `true` if it was reported. `None` while joint states arrive.
+    /// Start of the current gap in the joint states, and `true` if it was reported. `None` while joint states arrive.
     lost: Option<(Instant, bool)>,
 }
 

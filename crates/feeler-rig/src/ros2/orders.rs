@@ -9,7 +9,7 @@ use feeler_ros2::message::{Trigger, TriggerResponse};
 use std::sync::Arc;
 use std::time::Duration;
 
-/// Time to repeat an order before it fails.
+/// Time for which an unconfirmed order is repeated before it counts as failed.
 const LONGEST: Duration = Duration::from_secs(3);
 
 /// Serves `/stop` and `/resume` of the hand that `client` calls.

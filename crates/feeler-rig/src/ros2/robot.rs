@@ -25,7 +25,7 @@ const NODE_NAME: &str = "feeler_rig";
 /// Interval of checks for missing joint states.
 const LOOK: Duration = Duration::from_millis(20);
 
-/// Serves the robot that the table `[ros2]` of the session's experiment names, until Ctrl-C. The age of data is judged by
+/// Serves the robot named in the table `[ros2]` of the session's experiment to the hand, until Ctrl-C. The age of data is judged by
 /// the time of day or, if `use_sim_time`, by the topic `/clock`, which advances by `rig_speed` seconds per second.
 ///
 /// # Errors

@@ -3,7 +3,7 @@
 use feeler_record::ros::Time;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-/// Delay (s) beyond the smallest one seen above which a clock is taken to run slower or to have paused.
+/// Delay (s) above the smallest one so far from which a clock is assumed to run slower or to have paused.
 const LONGEST_BEHIND: f64 = 0.1;
 
 /// Maximum number of clocks in a rig, one per program. Beyond, the oldest is dropped.

@@ -1,10 +1,9 @@
 //! Compares keys and liveliness tokens with another Rust implementation of `rmw_zenoh`, for arbitrary names, types and
 //! quality-of-service settings.
 
-use feeler_ros2::key::{dds_type, key};
-use feeler_ros2::name::NodeName;
-use feeler_ros2::qos::{Durability, History, Qos, Reliability};
-use feeler_ros2::token::{Endpoint, EndpointKind, Token};
+use feeler_ros2::{
+    Durability, Endpoint, EndpointKind, History, NodeName, Qos, Reliability, Token, dds_type, key,
+};
 use hiroz_protocol::entity::{
     EndpointEntity, EndpointKind as TheirKind, Entity, NodeEntity, TypeHash, TypeInfo,
 };

@@ -18,7 +18,7 @@ const LOADS: &str = "LOADS.csv";
 const UNTOUCHED: &str = "untouched.png";
 
 /// Writes images of the simulated fingertip under load, with their table of loads. An image without load is saved a
-/// second time under the name [`UNTOUCHED`].
+/// second time under the name `UNTOUCHED`.
 pub fn write_simulated_loads(
     folder: &Path,
     fingertip: &FingertipConfig,

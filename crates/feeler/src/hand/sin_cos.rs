@@ -56,7 +56,7 @@ pub fn sin_cos(angles: DVec3) -> (DVec3, DVec3) {
     )
 }
 
-/// Returns the sine and cosine of one `angle` (rad), bit-identical to [`sin_cos`].
+/// Returns the sine and cosine of one `angle` (rad), bit-identical to `sin_cos`.
 #[inline(always)]
 pub fn sin_cos_of(angle: f64) -> (f64, f64) {
     if angle.abs() > MOST {

@@ -1,8 +1,8 @@
 //! Tactile sensing: from an image of the dome's inside to tri-axial forces on its elements.
 //!
-//! The stages are: image ([`camera`], [`frame`]) → integrated gray value and centroid per element ([`moments`], with
-//! the dewarping of [`dome`]) → forces ([`calibration`]) → [`reading`]. [`sensing`] is the complete chain, which also
-//! works without a calibration; [`optical`] connects it to a camera.
+//! The stages are: image ([`Camera`](image::Camera), [`Frame`](image::Frame)) → integrated gray value and centroid per element ([`moments`], with
+//! the dewarping of [`fingertip`]) → forces ([`calibration`]) → [`TactileFrame`](forces::TactileFrame). [`SensingChain`](forces::SensingChain) is the complete chain, which also
+//! works without a calibration; [`OpticalSensor`](forces::OpticalSensor) connects it to a camera.
 //!
 //! Three-axis taxel arrays have no images: [`taxel`] reads their tables. [`table`] reads tables of all kinds.
 

@@ -4,7 +4,7 @@ use super::faults::{GOES_ON, NO_HURRY, check};
 use crate::rig::{Rig, Setup, connect};
 use feeler_link::inboxes::read;
 use feeler_link::messages::message::{CommandMessage, PROTOCOL, ResumeMessage};
-use feeler_link::stop_door::call_stop;
+use feeler_link::stop_server::call_stop;
 use feeler_link::transport::Network;
 use feeler_link::transport::Topic;
 use feeler_link::transport::{Outlet, draw_instance, send};

@@ -27,7 +27,7 @@ fn run_with_top_equals_the_run_without() {
     let started = InTerminal::start(&folder, &format!("{feeler} {arguments}"));
     let Some(mut terminal) = started else { return };
     // The view stays open after the run until it is quit; the report exists by then.
-    terminal.wait_for("q to quit");
+    terminal.wait_for("written");
     assert!(folder.join("watched/report.html").exists());
     terminal.press("q");
     let (drawn, status) = terminal.end();

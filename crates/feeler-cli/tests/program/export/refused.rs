@@ -36,7 +36,7 @@ fn tables_replace_files_only_with_force() {
     let onto_input = ["in.parquet", "-o", "in.parquet", "--force"];
     export(&onto_input).refused(&["the file is an input"]);
     export(&["one", "one", "-o", "o"]).refused(&["two runs are named one"]);
-    export(&["one", "in.parquet", "-o", "x.parquet"]).refused(&["2 are given", "a folder"]);
+    export(&["one", "in.parquet", "-o", "x.parquet"]).refused(&["expected a folder for 2 runs"]);
     export(&["nothing", "-o", "x.parquet"]).refused(&["nothing", "found no recording"]);
     assert_eq!(names(&folder), ["in.parquet", "one", "one.parquet"]);
 }

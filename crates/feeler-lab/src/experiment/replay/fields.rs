@@ -44,7 +44,7 @@ impl fmt::Display for Value<'_> {
     }
 }
 
-/// A value of two messages with its name `list[index]part`.
+/// Field in which two messages are compared: its name `list[index]part`, and its value in each message.
 #[derive(Debug, Clone, Copy)]
 pub struct Field<'a> {
     list: &'a str,

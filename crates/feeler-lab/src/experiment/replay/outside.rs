@@ -13,7 +13,7 @@ use feeler::control::TactileReading;
 use feeler::hand::{HandCommand, HandState};
 use feeler_record::Recording;
 
-/// External request before the decision of a step.
+/// Stop or resume requested from outside the control loop, applied before the controller decides a step.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Outside {
     Stop,

@@ -15,7 +15,7 @@ const BINS: usize = 8;
 /// Strokes in which the fingers follow a cap that is closed.
 const CLOSED: [u32; 2] = [3, 4];
 
-/// Criterion of a successful trial.
+/// Success criterion of a trial.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Goal {
     /// Minimum final torque of the cap (N·m).

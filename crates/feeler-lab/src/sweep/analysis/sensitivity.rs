@@ -29,7 +29,7 @@ pub struct Swap {
     pub ab: f64,
 }
 
-/// Indices of one factor, each with the 95 % interval of the percentile bootstrap over pairs of rows.
+/// Sobol' sensitivity indices of one factor, each with its 95 % interval from a percentile bootstrap over pairs of rows.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Indices {
     /// First-order index.

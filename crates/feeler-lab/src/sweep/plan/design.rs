@@ -131,7 +131,7 @@ impl Scheme {
         start..start + self.design.controls
     }
 
-    /// Returns for each pair the trials of row A, of row B, and of row A with `factor` from row B.
+    /// Returns, for each pair of rows A and B, the numbers of three trials: A, B, and A with `factor` taken from B.
     pub fn swaps(&self, factor: usize) -> impl Iterator<Item = [u64; 3]> + use<> {
         let start = self.design.rows + self.controls() + factor as u64;
         let step = self.factors.len() as u64;

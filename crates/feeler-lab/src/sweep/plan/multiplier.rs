@@ -54,7 +54,7 @@ impl Multiplier {
         self.raised(self.nominal)
     }
 
-    /// Returns the factor after the settings `earlier` (`KEY=VALUE`); the last setting of the key wins.
+    /// Returns the factor with the settings `earlier` (`KEY=VALUE`) applied; the last setting of the key wins.
     pub fn after(&self, earlier: &[String]) -> f64 {
         let set = earlier.iter().rev().find_map(|setting| {
             let (key, value) = setting.split_once('=')?;

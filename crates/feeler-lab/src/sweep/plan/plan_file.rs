@@ -71,7 +71,7 @@ pub struct Plan {
     pub policy: Option<String>,
     /// Shard in this folder.
     pub shard: Shard,
-    /// Design of the trials in the space of `parameter`. `None` if each trial draws independently.
+    /// Sampling design over the parameters in `parameter`. `None` if each trial samples its values independently.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub design: Option<Design>,
     /// Parameters varied by the design.

@@ -7,7 +7,7 @@ use feeler_report::{Claim, DecidedBy, Summary};
 pub struct ClaimColumns {
     /// Id of the claim. Its columns are `claim.ID`, `claim.ID.value` and `claim.ID.margin`.
     pub id: &'static str,
-    /// Subject of the claim: the hand, or the hand and the bottle.
+    /// Parts of the rig that decide the result of the claim: the hand alone, or the hand and the bottle.
     pub decided_by: Option<DecidedBy>,
     /// `true` if the claim applies to any hand instead of to the task.
     pub of_any_hand: bool,

@@ -76,7 +76,7 @@ fn without_instruments_strokes_are_measured_by_tactile_data() {
     assert!(json["strokes"][3]["peak_torque"].is_null());
     assert!(page.contains("Done."), "the page lacks the final phase");
     assert!(page.contains("the hand made 4 of 4 strokes."));
-    assert!(page.contains("Not measured: Peak torque; Cap turn; Precision of SLIP"));
+    assert!(page.contains("Not measured: Peak torque; Cap rotation; Precision of SLIP"));
 }
 
 #[test]
@@ -224,7 +224,7 @@ fn findings_about_a_cap_are_reported_without_ground_truth() {
     }
     let texts = texts(&directory, "fig-01");
     assert!(
-        texts.contains("felt") && !texts.contains("limit of friction"),
+        texts.contains("estimated") && !texts.contains("friction limit"),
         "{texts}"
     );
     let cap = outcome.summary.cap.expect("a cap");

@@ -125,7 +125,8 @@ fn held_up<S: Store>(store: S, patience: Backpressure) -> (Recorder, Sender<()>)
     (recorder, permit)
 }
 
-/// Creates a recorder with its permits and the flag of [`Gated::begun`].
+/// Creates a recorder whose store performs one write per permit sent. Returns the sender of permits and the flag of
+/// [`Gated::begun`].
 fn gate<S: Store>(store: S, patience: Backpressure) -> (Recorder, Sender<()>, Arc<AtomicBool>) {
     let (permit, permits) = channel();
     let begun = Arc::<AtomicBool>::default();

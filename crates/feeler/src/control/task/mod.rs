@@ -1,7 +1,7 @@
 //! Tasks of a hand: the [`Task`] trait and the built-in tasks.
 //!
 //! A task is a state machine that plans each finger's motion. The [law](super::law) determines how a finger follows
-//! the plan without losing or crushing the object, and the [limits](super::limits) restrict every command.
+//! the plan without losing or crushing the object, and the limits restrict every command.
 
 /// Defines default values for optional keys of a table that also has required keys: a module of functions for
 /// `#[serde(default = "default::key")]`. A table without required keys has a [`Default`] instead.

@@ -1,7 +1,7 @@
 //! Calibration of one fingertip: the map from moments to forces, and its file.
 //!
-//! There are two models: [`separable`](super::separable), the paper's, with one curve for each component of the
-//! force; and [`coupled`](super::coupled), with each component a function of all moments. Both take an element's
+//! There are two models: `separable`, the paper's, with one curve for each component of the
+//! force; and `coupled`, with each component a function of all moments. Both take an element's
 //! moments relative to its unloaded ones ([`RelativeMoments`]). The calibration contains its accuracy ([`ElementQuality`]).
 
 pub use super::coupled::CoupledMap;

@@ -175,7 +175,7 @@ impl SensingChain {
     }
 
     /// Enables drift correction of all readings, relative to the calibration. Has no effect without a calibration.
-    /// See [`drift`](super::drift).
+    /// See `drift`.
     #[must_use]
     pub fn with_drift_correction(mut self, config: DriftConfig) -> Self {
         let calibration = self.calibration.as_ref();

@@ -4,8 +4,8 @@
 //! 1. **Untouched**: measures forces and images without load.
 //! 2. **Presses**: estimates the latency of images relative to forces from their correlation.
 //! 3. **Loads**: collects samples. An image in which only one element is touched becomes a sample of that element, if
-//!   forces of its kind are still missing and the force does not change so fast that the error of the latency
-//!   matters.
+//!    forces of its kind are still missing and the force does not change so fast that the error of the latency
+//!    matters.
 //!
 //! If elements cannot be loaded individually, [`LiveWrench`] guides through loading the whole fingertip, in rounds.
 //!

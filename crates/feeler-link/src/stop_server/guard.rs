@@ -1,4 +1,4 @@
-//! Request handler of the stop door. Stateless until the caller's address is verified, with a bounded number of
+//! Request handler of the stop server. Stateless until the caller's address is verified, with a bounded number of
 //! signature checks per second.
 
 use super::proof::{Credentials, Denial};
@@ -28,7 +28,7 @@ const KEPT: usize = 64;
 /// Stops the hand, given the order's id and the sender's name, and returns the answer.
 pub type StopHandler = Arc<dyn Fn(u64, &str) -> StopAnswer + Send + Sync>;
 
-/// Request handler of one socket.
+/// Verifies and answers the stop requests that arrive at one UDP socket.
 pub struct StopGuard {
     secret: hmac::Key,
     rig: String,

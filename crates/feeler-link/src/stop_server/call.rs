@@ -1,4 +1,4 @@
-//! Client of the stop door.
+//! Client of the stop server.
 
 use super::proof::{Credentials, CredentialsError, Denial};
 use super::wire::{Cookie, Datagram, MAX_BYTES, Nonce, StopAnswer, Verdict, parse};
@@ -23,10 +23,10 @@ pub enum StopCallError {
     #[error(transparent)]
     Endpoint(#[from] LinkError),
     /// Invalid certificates.
-    #[error("stop door: {0}")]
+    #[error("stop server: {0}")]
     Credentials(#[from] CredentialsError),
     /// The endpoint cannot be reached.
-    #[error("stop door at {endpoint}: {source}; expected a reachable address")]
+    #[error("stop server at {endpoint}: {source}; expected a reachable address")]
     Socket {
         /// The unreachable endpoint.
         endpoint: String,
@@ -34,11 +34,11 @@ pub enum StopCallError {
         source: io::Error,
     },
     /// The system provides no random numbers.
-    #[error("stop door: the system provides no random numbers")]
+    #[error("stop server: the system provides no random numbers")]
     Random,
     /// The call does not fit into a datagram.
     #[error(
-        "stop door: the call has {length} bytes with rig and certificate; expected at most {MAX_BYTES}"
+        "stop server: the call has {length} bytes with rig and certificate; expected at most {MAX_BYTES}"
     )]
     TooLong {
         /// Size of the call in bytes.
@@ -49,7 +49,7 @@ pub enum StopCallError {
     Refused(String),
     /// No trusted answer arrived.
     #[error(
-        "no hand answered at its stop door within {LONGEST:?}{}",
+        "no hand answered at its stop server within {LONGEST:?}{}",
         distrusted.as_ref().map(|d| format!("; untrusted answer: {d}")).unwrap_or_default()
     )]
     Unanswered {
@@ -67,7 +67,7 @@ struct Call {
     from: String,
 }
 
-/// Orders the hand of `rig` to stop, through the stop doors at all `tcp/` and `tls/` endpoints, and returns the hand's
+/// Orders the hand of `rig` to stop, through the stop servers at all `tcp/` and `tls/` endpoints, and returns the hand's
 /// answer. Repeats the call ten times per second for up to five seconds.
 ///
 /// `id` identifies the order as in [`StopMessage`](crate::messages::message::StopMessage). `from` is the name of the sender,
@@ -109,7 +109,7 @@ pub fn call_stop(
 }
 
 impl Call {
-    /// Creates a call to each address of an endpoint. Empty for a `udp/` endpoint, which has no stop door.
+    /// Creates a call to each address of an endpoint. Empty for a `udp/` endpoint, which has no stop server.
     fn new(
         endpoint: &str,
         certificates: Option<&Path>,

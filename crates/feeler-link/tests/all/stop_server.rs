@@ -1,4 +1,4 @@
-//! Stopping a hand through its stop door, also under floods and attacks.
+//! Stopping a hand through its stop server, also under floods and attacks.
 #![cfg(feature = "zenoh")]
 
 use crate::lab::{lab, listening, of};
@@ -6,11 +6,11 @@ use crate::ports::unused_endpoint;
 use feeler_link::security::Authority;
 use feeler_link::security::Right;
 use feeler_link::security::Validity;
-use feeler_link::stop_door::Credentials;
-use feeler_link::stop_door::StopGuard;
-use feeler_link::stop_door::wire::{Datagram, Verdict, parse};
-use feeler_link::stop_door::{StopAnswer, StopServer};
-use feeler_link::stop_door::{StopCallError, call_stop};
+use feeler_link::stop_server::Credentials;
+use feeler_link::stop_server::StopGuard;
+use feeler_link::stop_server::wire::{Datagram, Verdict, parse};
+use feeler_link::stop_server::{StopAnswer, StopServer};
+use feeler_link::stop_server::{StopCallError, call_stop};
 use ring::hmac;
 use std::fs;
 use std::net::{SocketAddr, TcpStream, UdpSocket};
@@ -29,7 +29,7 @@ fn counting() -> impl Fn(u64, &str) -> StopAnswer + Send + Sync + 'static {
     }
 }
 
-/// Opens a stop door on an unused port with the certificate in `folder`, and returns its endpoint.
+/// Opens a stop server on an unused port with the certificate in `folder`, and returns its endpoint.
 fn door(folder: &Path) -> (StopServer, [String; 1]) {
     let endpoints = [unused_endpoint().replace("tcp", "tls")];
     let door = StopServer::open(&endpoints, Some(folder), "bench", counting());

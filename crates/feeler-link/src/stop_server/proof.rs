@@ -1,4 +1,4 @@
-//! Authentication of the stop door's datagrams by certificates and signatures.
+//! Authentication of the stop server's datagrams by certificates and signatures.
 
 use super::wire::{Datagram, Proof};
 use crate::security::own_certificate::name;

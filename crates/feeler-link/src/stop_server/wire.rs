@@ -1,4 +1,4 @@
-//! Wire format of the stop door's datagrams.
+//! Wire format of the stop server's datagrams.
 //!
 //! All datagrams start with `feelstop`, version and kind (one byte each) and the caller's nonce (16 bytes). Texts and
 //! byte blocks are encoded as their length (2 bytes, little-endian) and their bytes. Trailing bytes are an error.
@@ -19,7 +19,7 @@ const HELLO_BYTES: usize = 64;
 /// Random number drawn by the caller, contained in all datagrams of a call.
 pub type Nonce = [u8; 16];
 
-/// HMAC of the caller's address and nonce under the stop door's secret.
+/// HMAC of the caller's address and nonce under the stop server's secret.
 pub type Cookie = [u8; 32];
 
 /// Certificate, and a signature by its key.
@@ -49,7 +49,7 @@ pub enum Verdict {
     Refused(String),
 }
 
-/// Datagram between a caller and the stop door.
+/// Datagram between a caller and the stop server.
 #[derive(Debug, Clone, PartialEq)]
 pub enum Datagram {
     /// Request of the caller for a challenge.
@@ -83,7 +83,7 @@ pub enum Datagram {
         nonce: Nonce,
         /// Result of the call.
         verdict: Verdict,
-        /// Proof that the answer is from the hand, over [`Datagram::signed`].
+        /// Proof that the answer is from the hand: a signature of [`Datagram::signed`].
         proof: Option<Proof>,
     },
 }
@@ -109,7 +109,7 @@ impl Datagram {
     /// Returns the bytes that a proof signs: everything but the proof, with a prefix that no TLS message has, because
     /// TLS uses the same keys.
     pub fn signed(&self) -> Vec<u8> {
-        [b"feeler stop door\0", &self.unproven()[..]].concat()
+        [b"feeler stop server\0", &self.unproven()[..]].concat()
     }
 
     fn unproven(&self) -> Vec<u8> {

@@ -1,4 +1,4 @@
-//! Stop door: a UDP server for stop orders, on the port on which the hand listens. Unlike the link, it cannot be
+//! Stop server: a UDP server for stop orders, on the port on which the hand listens. Unlike the link, it cannot be
 //! blocked by opening many connections.
 //!
 //! A call has two exchanges: hello and challenge, which verify the caller's address, then stop and answer. Until an
@@ -23,17 +23,17 @@ use std::time::{Duration, Instant};
 /// Maximum time to close the server.
 const CLOSING: Duration = Duration::from_millis(200);
 
-/// Error of opening the stop door.
+/// Error of opening the stop server.
 #[derive(Debug, thiserror::Error)]
 pub enum StopServerError {
     /// Invalid endpoint, or missing certificates.
     #[error(transparent)]
     Endpoint(#[from] LinkError),
     /// Invalid certificates.
-    #[error("stop door: {0}")]
+    #[error("stop server: {0}")]
     Credentials(#[from] CredentialsError),
     /// The port is in use or not available.
-    #[error("stop door at {endpoint}: {source}; expected a free UDP port")]
+    #[error("stop server at {endpoint}: {source}; expected a free UDP port")]
     Socket {
         /// The unavailable endpoint.
         endpoint: String,
@@ -41,7 +41,7 @@ pub enum StopServerError {
         source: io::Error,
     },
     /// The system provides no random numbers.
-    #[error("stop door: the system provides no random numbers")]
+    #[error("stop server: the system provides no random numbers")]
     Random,
 }
 
@@ -125,7 +125,7 @@ impl StopServer {
             }
         };
         let thread = thread::Builder::new()
-            .name("stop door".into())
+            .name("stop server".into())
             .spawn(work)?;
         self.threads.push(thread);
         Ok(())
