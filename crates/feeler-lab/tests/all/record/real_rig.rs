@@ -260,7 +260,12 @@ fn findings_about_an_object_are_drawn_without_ground_truth() {
     ];
     let drawn = [FindingName::SurfaceX, FindingName::SurfaceY];
     for (task, names, outcome, legend) in [
-        (TaskKind::Carry, &moved[..], TaskOutcome::Carried, "estimated"),
+        (
+            TaskKind::Carry,
+            &moved[..],
+            TaskOutcome::Carried,
+            "estimated",
+        ),
         (TaskKind::Contour, &drawn, TaskOutcome::Closed, "measured"),
     ] {
         let recording = of_task(task.clone(), names, outcome);
