@@ -3,21 +3,15 @@
 //! The targets share them with the tests `fuzz_corpus` of `feeler-cli`, which run all corpora. A body returns `true` if
 //! its bytes were valid.
 
-use feeler::control::Plan;
-use feeler::control::TactileReading;
 use feeler::control::law::Law;
 use feeler::control::law::policy::{Policy, PolicyModel};
 use feeler::control::sense::{FingerReadings, FingertipPose};
+use feeler::control::{Plan, TactileReading};
 use feeler::hand::{Hand, HandState, JointState};
-use feeler::sensor::calibration::Calibration;
-use feeler::sensor::calibration::ForceAxes;
-use feeler::sensor::calibration::read_loads;
-use feeler::sensor::fingertip::ElementLayout;
-use feeler::sensor::fingertip::LocatedLayout;
+use feeler::sensor::calibration::{Calibration, ForceAxes, read_loads};
+use feeler::sensor::fingertip::{ElementLayout, LocatedLayout};
 use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
-use feeler::sensor::image::Frame;
-use feeler::sensor::image::ProjectedElement;
-use feeler::sensor::image::{Camera, CameraError};
+use feeler::sensor::image::{Camera, CameraError, Frame, ProjectedElement};
 use feeler::sensor::moments::ElementMoments;
 use feeler::sensor::taxel::{TaxelLayout, TaxelSensor};
 use feeler::sensor::wrench::forces::read_forces;
@@ -27,26 +21,19 @@ use feeler_drives::packet::{
 };
 use feeler_lab::config::Experiment;
 use feeler_link::hand::{RigSpeed, RunClock};
-use feeler_link::inboxes::HandInbox;
-use feeler_link::inboxes::Inbox;
-use feeler_link::inboxes::RigInbox;
-use feeler_link::inboxes::SenseInbox;
-use feeler_link::inboxes::{Expected, MAX_PEERS};
+use feeler_link::inboxes::{Expected, HandInbox, Inbox, MAX_PEERS, RigInbox, SenseInbox};
 use feeler_link::messages::Echo;
 use feeler_link::messages::message::{
     Heartbeat, MessageHeader, NO_FINGER, PROTOCOL, ResumeMessage, StateMessage, StopMessage,
     TactileUpdate,
 };
 use feeler_link::stop_server::wire::parse as parse_datagram;
-use feeler_link::transport::header;
-use feeler_link::transport::{Place, Topic};
+use feeler_link::transport::{Place, Topic, header};
 use feeler_record::wire::{Message, Vector3, cdr};
 use feeler_record::{RecordedCamera, RecordedHand, RecordedSensor, Recording};
-use feeler_ros2::Attachment;
-use feeler_ros2::JointReader;
-use feeler_ros2::Token;
 use feeler_ros2::message::{ListParametersRequest, SetParametersRequest};
 use feeler_ros2::parameter::Parameters;
+use feeler_ros2::{Attachment, JointReader, Token};
 use feeler_sources::decode_picture;
 use glam::{DVec2, DVec3};
 use std::io::Cursor;

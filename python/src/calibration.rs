@@ -3,13 +3,10 @@
 use crate::errors::{failed, refused};
 use crate::interrupt::interruptible;
 use crate::layout::Layout;
-use feeler::sensor::calibration::CalibrationReport;
-use feeler::sensor::calibration::ForceAxes;
-use feeler::sensor::calibration::FullScale;
-use feeler::sensor::calibration::RecordBuilder;
-use feeler::sensor::calibration::model as core;
-use feeler::sensor::calibration::{ELEMENT_RANGE, check_axes, check_magnitude, check_numbers};
-use feeler::sensor::calibration::{ElementRecord, ModelChoice, fit};
+use feeler::sensor::calibration::{
+    CalibrationReport, ELEMENT_RANGE, ElementRecord, ForceAxes, FullScale, ModelChoice,
+    RecordBuilder, check_axes, check_magnitude, check_numbers, fit, model as core,
+};
 use feeler::sensor::image::Picture;
 use feeler::sensor::moments::ElementMoments;
 use feeler_lab::config::Experiment;

@@ -1,10 +1,9 @@
 //! Positions of a fingertip's elements.
 
 use crate::errors::refused;
-use feeler::sensor::fingertip::DomeProjection;
-use feeler::sensor::fingertip::LocatedLayout;
-use feeler::sensor::fingertip::{ElementLayout, SensingElement};
-use feeler::sensor::fingertip::{Fingertip, FingertipConfig};
+use feeler::sensor::fingertip::{
+    DomeProjection, ElementLayout, Fingertip, FingertipConfig, LocatedLayout, SensingElement,
+};
 use glam::{DMat3, DVec2, DVec3};
 use pyo3::PyResult;
 

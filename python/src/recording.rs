@@ -2,8 +2,7 @@
 
 use crate::errors::refused;
 use crate::interrupt::interruptible;
-use feeler_record::reading::PictureAt;
-use feeler_record::reading::PictureReader;
+use feeler_record::reading::{PictureAt, PictureReader};
 use feeler_record::wire::Vector3;
 use feeler_record::{self as record, FingerStep, NO_ELEMENT, Step, Steps};
 use glam::{DQuat, DVec3};

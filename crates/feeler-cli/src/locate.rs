@@ -2,16 +2,13 @@
 
 use super::locate_preview::preview;
 use super::{CommandError, Outcome};
-use crate::options::Json;
-use crate::options::Overwrite;
+use crate::options::{Json, Overwrite};
 use feeler::sensor::fingertip::{CameraConfig, DomeGeometry, LocatedLayout};
 use feeler::sensor::locate;
 use feeler::sensor::locate::{
     LocateConfig, LocateWarning, MeanPicture, Polarity, ReferencePicture,
 };
-use feeler_console::Outputs;
-use feeler_console::print_json;
-use feeler_console::{Steps, Working};
+use feeler_console::{Outputs, Steps, Working, print_json};
 use feeler_lab::config::Experiment;
 use feeler_lab::sensor::{file_of, named_picture};
 use serde::Serialize;

@@ -12,8 +12,7 @@ fn main() {}
 #[cfg(target_os = "linux")]
 fn main() {
     use feeler::glam::DVec3;
-    use feeler::hand::Hand;
-    use feeler::hand::{HandCommand, HandState};
+    use feeler::hand::{Hand, HandCommand, HandState};
     use feeler::pace::FixedRate;
     use feeler_drives::RigClock;
     use feeler_drives::emulator::{Emulator, EmulatorConfig};

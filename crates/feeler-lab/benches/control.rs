@@ -1,17 +1,13 @@
 //! Time of control: from the latest forces to joint velocities.
 
 use divan::{Bencher, black_box};
-use feeler::control::Controller;
-use feeler::control::FlagAnalyzer;
-use feeler::control::Plan;
-use feeler::control::TactileReading;
 use feeler::control::grasp_slip::{ContactLoss, ContactLossConfig, GraspDrag, GraspDragConfig};
 use feeler::control::law::LawConfig;
 use feeler::control::law::policy::{PolicyConfig, PolicyModel};
-use feeler::control::{FingertipPose, HandReadings};
-use feeler::hand::FingerGeometry;
-use feeler::hand::inverse_kinematics;
-use feeler::hand::{HandCommand, HandState, JointState};
+use feeler::control::{
+    Controller, FingertipPose, FlagAnalyzer, HandReadings, Plan, TactileReading,
+};
+use feeler::hand::{FingerGeometry, HandCommand, HandState, JointState, inverse_kinematics};
 use feeler::sensor::fingertip::ElementLayout;
 use feeler::sensor::forces::TactileFrame;
 use feeler_lab::config::{Experiment, ExperimentConfig};

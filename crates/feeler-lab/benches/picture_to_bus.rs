@@ -48,15 +48,12 @@ enum Steps {
 #[cfg(target_os = "linux")]
 mod rig {
     use super::{Cameras, Steps};
-    use feeler::control::ControlLoop;
-    use feeler::control::Phase;
-    use feeler::control::{BackgroundSensor, NewDataSignal, live};
+    use feeler::control::{BackgroundSensor, ControlLoop, NewDataSignal, Phase, live};
     use feeler::pace::real_time::fine_timer;
     use feeler::pace::{DataDriven, FixedRate, Punctuality, Schedule};
     use feeler::sensor::fingertip::Fingertip;
     use feeler::sensor::forces::OpticalSensor;
-    use feeler::sensor::image::Frame;
-    use feeler::sensor::image::{Camera, CameraError};
+    use feeler::sensor::image::{Camera, CameraError, Frame};
     use feeler_drives::RigClock;
     use feeler_drives::config::DrivesConfig;
     use feeler_drives::emulator::{EmulatedBus, Emulator};
@@ -67,8 +64,7 @@ mod rig {
     use feeler_lab::experiment::rigs::driven;
     use feeler_lab::experiment::{controller, fingers_at_home, layouts, world};
     use feeler_sim::optics::SimCamera;
-    use feeler_sim::rig::SensorFaults;
-    use feeler_sim::rig::SimRig;
+    use feeler_sim::rig::{SensorFaults, SimRig};
     use std::error::Error;
     use std::ops::ControlFlow;
     use std::sync::atomic::AtomicBool;

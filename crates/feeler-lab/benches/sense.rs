@@ -2,12 +2,9 @@
 
 use feeler::sensor::fingertip::Fingertip;
 use feeler::sensor::forces::{ElementReading, SensingChain};
-use feeler::sensor::image::Picture;
-use feeler::sensor::image::subregion;
-use feeler::sensor::image::{DEFAULT_MAX_SATURATED, SaturationCheck};
+use feeler::sensor::image::{DEFAULT_MAX_SATURATED, Picture, SaturationCheck, subregion};
 use feeler_lab::config::Experiment;
-use feeler_sim::optics::OpticsModel;
-use feeler_sim::optics::{OpticsScratch, render};
+use feeler_sim::optics::{OpticsModel, OpticsScratch, render};
 use feeler_sources::decode_picture;
 use glam::DVec3;
 use image::{ExtendedColorType, ImageEncoder};

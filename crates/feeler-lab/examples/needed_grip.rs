@@ -17,8 +17,7 @@
 use feeler::control::Phase;
 use feeler::sensor::fingertip::ElementLayout;
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::Truth;
-use feeler_lab::experiment::{Pictures, Session};
+use feeler_lab::experiment::{Pictures, Session, Truth};
 use feeler_sim::contact::FeelerConfig;
 use feeler_sim::world::FingerState;
 use glam::{DVec2, DVec3};

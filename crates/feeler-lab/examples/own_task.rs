@@ -5,11 +5,8 @@
 //! cargo run --release --example own_task
 //! ```
 
-use feeler::control::HandReadings;
-use feeler::control::Phase;
-use feeler::control::Plan;
-use feeler::control::StopReason;
 use feeler::control::task::{Finding, Task};
+use feeler::control::{HandReadings, Phase, Plan, StopReason};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::Session;
 use glam::DVec3;

@@ -5,11 +5,8 @@
 //! cargo run --release --example slip_on_a_cap
 //! ```
 
-use feeler::control::FeelerShape;
-use feeler::control::FingerReadings;
-use feeler::control::Phase;
-use feeler::control::SlipDetector;
 use feeler::control::law::missing_shear::MissingShearConfig;
+use feeler::control::{FeelerShape, FingerReadings, Phase, SlipDetector};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{Pictures, Session};
 use std::error::Error;

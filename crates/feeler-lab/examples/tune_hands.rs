@@ -12,8 +12,7 @@
 use feeler_lab::config::{ConfigError, Experiment};
 use feeler_lab::identify::{Estimate, FingerEstimates, Identified, ObjectEstimates};
 use feeler_lab::sweep::Plan;
-use feeler_lab::sweep::plan::Design;
-use feeler_lab::sweep::plan::ranges;
+use feeler_lab::sweep::plan::{Design, ranges};
 use feeler_lab::sweep::trial::Trials;
 use feeler_lab::tune::hand::{Hand, rated_force};
 use feeler_lab::tune::judge::{CLAIM_IDS, Margins, judge_all};

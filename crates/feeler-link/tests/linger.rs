@@ -6,11 +6,7 @@ mod ports;
 #[path = "../../feeler-lab/tests/support/skip.rs"]
 mod skip;
 
-use feeler_link::transport::Link;
-use feeler_link::transport::LinkConfig;
-use feeler_link::transport::Network;
-use feeler_link::transport::Outlet;
-use feeler_link::transport::Topic;
+use feeler_link::transport::{Link, LinkConfig, Network, Outlet, Topic};
 use rustix::net::sockopt::{set_socket_linger, socket_linger};
 use rustix::process::{PidfdFlags, PidfdGetfdFlags, getpid, pidfd_getfd, pidfd_open};
 use std::net::{TcpListener, TcpStream};

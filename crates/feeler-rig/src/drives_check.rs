@@ -2,13 +2,12 @@
 
 use feeler::hand::FingerGeometry;
 use feeler_console::{CommandError, Outcome};
-use feeler_drives::RigClock;
 use feeler_drives::bus::Bus;
 use feeler_drives::config::{DrivesConfig, JointDriveConfig};
 use feeler_drives::setup::{
     Change, changes, check_fast_sync_read, check_model, named_joints, read_angle, read_health,
 };
-use feeler_drives::{DriveError, JointName};
+use feeler_drives::{DriveError, JointName, RigClock};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::fingers_at_home;
 use std::io::Write;

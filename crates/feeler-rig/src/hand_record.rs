@@ -2,8 +2,7 @@
 
 use crate::run_outcome::{make_report, print_outcome};
 use feeler::control::RecordingFailure;
-use feeler_console::Warnings;
-use feeler_console::{CommandError, Outcome};
+use feeler_console::{CommandError, Outcome, Warnings};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::run_facts;
 use feeler_link::programs::{RemoteLoop, RigSpeed};

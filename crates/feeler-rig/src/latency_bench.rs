@@ -2,22 +2,18 @@
 
 use crate::link_options::{LinkOptions, ListenOptions};
 use feeler::pace::{Clock, FixedRate, Monotonic};
-use feeler_console::watch_for_interrupt;
-use feeler_console::{CommandError, Outcome};
+use feeler_console::{CommandError, Outcome, watch_for_interrupt};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::fingers_at_home;
 use feeler_lab::experiment::rigs::linked::{expected, hand_program};
-use feeler_link::inboxes::Beacon;
-use feeler_link::inboxes::RigInbox;
-use feeler_link::inboxes::listen;
+use feeler_link::inboxes::{Beacon, RigInbox, listen};
 use feeler_link::messages::message::{
     Heartbeat, MessageHeader, NO_ELEMENT, NO_FINGER, StateMessage, TactileUpdate,
 };
 use feeler_link::programs::RigSpeed;
-use feeler_link::transport::Network;
-use feeler_link::transport::Shared;
-use feeler_link::transport::Topic;
-use feeler_link::transport::{TimeSource, draw_instance, header, monotonic, send};
+use feeler_link::transport::{
+    Network, Shared, TimeSource, Topic, draw_instance, header, monotonic, send,
+};
 use feeler_record::wire::{Message, Vector3};
 use hdrhistogram::Histogram;
 use std::io::Write;

@@ -2,8 +2,7 @@
 
 use feeler_console::CommandError;
 use feeler_link::security::Right;
-use feeler_link::transport::{HAND_ENDPOINT, LinkConfig};
-use feeler_link::transport::{ImpairedNetwork, Impairment, Network};
+use feeler_link::transport::{HAND_ENDPOINT, ImpairedNetwork, Impairment, LinkConfig, Network};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 

@@ -1,8 +1,7 @@
 //! Result of a run, as text.
 
 use feeler_console::Reading;
-use feeler_report::measures::CapMeasures;
-use feeler_report::measures::Success;
+use feeler_report::measures::{CapMeasures, Success};
 use feeler_report::run::make::{ReportError, ReportOutcome, make_with};
 use feeler_report::{Summary, Verdict};
 use std::io::{self, Write};

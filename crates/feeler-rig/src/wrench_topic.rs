@@ -65,9 +65,9 @@ mod topic {
     use feeler_console::CommandError;
     use feeler_record::ros::WrenchStamped;
     use feeler_record::wire::cdr;
-    use feeler_ros2::NodeName;
-    use feeler_ros2::Qos;
-    use feeler_ros2::{NODE_ENDPOINT, Node, NodeConfig, ROUTER_ENDPOINT, Subscription};
+    use feeler_ros2::{
+        NODE_ENDPOINT, Node, NodeConfig, NodeName, Qos, ROUTER_ENDPOINT, Subscription,
+    };
     use feeler_sources::ForceSample;
     use std::cell::Cell;
     use std::sync::mpsc::{Receiver, TryRecvError, sync_channel};

@@ -8,10 +8,8 @@
 
 use feeler_record::ros::{JointState, PointCloud2, TFMessage, WrenchStamped};
 use feeler_record::wire::{Message, cdr};
-use feeler_ros2::NodeName;
-use feeler_ros2::Qos;
 use feeler_ros2::message::TactileState;
-use feeler_ros2::{Node, NodeConfig, NodeError, Subscription};
+use feeler_ros2::{Node, NodeConfig, NodeError, NodeName, Qos, Subscription};
 use std::sync::Arc;
 use std::sync::atomic::{AtomicU64, Ordering};
 use std::thread::sleep;

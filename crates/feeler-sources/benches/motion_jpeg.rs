@@ -1,9 +1,7 @@
 //! Decoding of one Motion JPEG frame of 3280x2464 px, the format of a GelSight Mini.
 
 use feeler::sensor::image::Picture;
-use feeler_sources::Fit;
-use feeler_sources::MotionJpeg;
-use feeler_sources::decode_picture;
+use feeler_sources::{Fit, MotionJpeg, decode_picture};
 use image::codecs::jpeg::JpegEncoder;
 use std::hint::black_box;
 

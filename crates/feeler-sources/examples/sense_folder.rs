@@ -6,8 +6,7 @@
 
 use feeler::sensor::calibration::Calibration;
 use feeler::sensor::forces::SensingChain;
-use feeler::sensor::image::Frame;
-use feeler::sensor::image::{Camera, CameraError};
+use feeler::sensor::image::{Camera, CameraError, Frame};
 use feeler_sources::PictureFiles;
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {

@@ -1,8 +1,7 @@
 //! A camera that reads image files.
 
 use super::picture::{extensions, is_picture_name, picture_files, read_picture};
-use feeler::sensor::image::Frame;
-use feeler::sensor::image::{Camera, CameraError, check_frame_size};
+use feeler::sensor::image::{Camera, CameraError, Frame, check_frame_size};
 use std::path::{Path, PathBuf};
 
 /// Error of a list of image files.

@@ -17,8 +17,7 @@ pub use list::{Abilities, GenicamDevice, GenicamInfo, Range, list};
 use crate::settings::{CameraSettings, Trigger};
 use aravis::{Aravis, Device, Stream};
 use clock::{DeviceClock, FrameCounter};
-use feeler::sensor::image::Frame;
-use feeler::sensor::image::{Camera, CameraError, CaptureReport, check_frame_size};
+use feeler::sensor::image::{Camera, CameraError, CaptureReport, Frame, check_frame_size};
 use pixels::Pixels;
 use std::time::{Duration, Instant};
 

@@ -22,23 +22,18 @@ pub(crate) mod settings;
 pub mod video;
 pub(crate) mod video_file;
 
-pub use files::FilesError;
-pub use files::PictureFiles;
-pub use fit::Fit;
-pub use fit::FitError;
+pub use files::{FilesError, PictureFiles};
+pub use fit::{Fit, FitError};
 #[cfg(feature = "camera")]
 pub use motion_jpeg::MotionJpeg;
 #[cfg(feature = "camera")]
 pub use motion_jpeg::MotionJpegError;
-pub use netft::{AddressError, Command, Counts, CountsError, RDT_PORT, RdtError, read_counts};
 pub use netft::{
-    ForceError, ForceSample, NetFt, NetFtAddress, NetFtEmulator, Record, Request, parse_counts,
+    AddressError, Command, Counts, CountsError, ForceError, ForceSample, NetFt, NetFtAddress,
+    NetFtEmulator, RDT_PORT, RdtError, Record, Request, parse_counts, read_counts,
 };
-pub use picture::PictureError;
-pub use picture::{decode_picture, read_picture};
+pub use picture::{PictureError, decode_picture, read_picture};
 pub use pump::{Captured, FramePump};
 pub use raw::RawFrames;
-pub use settings::ParseTriggerError;
-pub use settings::{CameraSettings, Trigger};
-pub use video_file::VideoFileError;
-pub use video_file::{Ffmpeg, VideoFile, VideoFrames, is_video_name};
+pub use settings::{CameraSettings, ParseTriggerError, Trigger};
+pub use video_file::{Ffmpeg, VideoFile, VideoFileError, VideoFrames, is_video_name};

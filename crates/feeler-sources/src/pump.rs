@@ -1,7 +1,6 @@
 //! Captures images on a background thread, so that the caller can wait with a timeout.
 
-use feeler::sensor::image::Frame;
-use feeler::sensor::image::{Camera, CameraError, CaptureReport};
+use feeler::sensor::image::{Camera, CameraError, CaptureReport, Frame};
 use std::any::Any;
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, SyncSender, channel, sync_channel};

@@ -1,7 +1,6 @@
 //! A camera that reads a stream of raw grey frames, such as the output of `ffmpeg … -f rawvideo -pix_fmt gray -`.
 
-use feeler::sensor::image::Frame;
-use feeler::sensor::image::{Camera, CameraError, check_frame_size};
+use feeler::sensor::image::{Camera, CameraError, Frame, check_frame_size};
 use std::io::{ErrorKind, Read};
 
 /// Reads consecutive frames of `width * height` bytes. Frame k (from 0) has the stamp `k / rate`, as the stream

@@ -4,8 +4,7 @@
 #[path = "../../feeler-lab/tests/support/skip.rs"]
 mod skip;
 
-use feeler::sensor::image::Frame;
-use feeler::sensor::image::{Camera, CameraError};
+use feeler::sensor::image::{Camera, CameraError, Frame};
 use feeler_sources::genicam::{GenicamCamera, GenicamConfig, GenicamError, list};
 use feeler_sources::{CameraSettings, Trigger};
 use std::process::{Child, Command, Stdio};

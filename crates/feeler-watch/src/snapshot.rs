@@ -1,7 +1,6 @@
 //! Plain-data snapshot of a running system, for display.
 
-use feeler::control::Phase;
-use feeler::control::{FingerFlags, FlagThresholds};
+use feeler::control::{FingerFlags, FlagThresholds, Phase};
 use feeler::sensor::fingertip::SensingElement;
 use glam::DVec3;
 

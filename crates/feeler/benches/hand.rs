@@ -1,10 +1,8 @@
 //! Time per call of the kinematics functions.
 
 use divan::{Bencher, black_box};
-use feeler::hand::inverse_kinematics;
 use feeler::hand::kinematics::{fingertip_pose, jacobian};
-use feeler::hand::resolved_rate;
-use feeler::hand::{FingerConfig, FingerGeometry};
+use feeler::hand::{FingerConfig, FingerGeometry, inverse_kinematics, resolved_rate};
 use glam::DVec3;
 
 const THETA: DVec3 = DVec3::new(0.05, 0.9, -0.95);

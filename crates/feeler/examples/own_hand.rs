@@ -2,16 +2,14 @@
 //! commands instantly, and the feelers are springs that touch a wall, which the finger approaches, strokes and
 //! leaves.
 
-use feeler::control::ControlLoop;
-use feeler::control::FlaggedSensor;
-use feeler::control::Phase;
 use feeler::control::task::TaskConfig;
-use feeler::control::{ControlConfig, Controller};
+use feeler::control::{ControlConfig, ControlLoop, Controller, FlaggedSensor, Phase};
 use feeler::glam::DVec3;
-use feeler::hand::inverse_kinematics;
 use feeler::hand::kinematics::fingertip_pose;
-use feeler::hand::{FingerConfig, FingerGeometry};
-use feeler::hand::{Hand, HandCommand, HandError, HandState, JointState};
+use feeler::hand::{
+    FingerConfig, FingerGeometry, Hand, HandCommand, HandError, HandState, JointState,
+    inverse_kinematics,
+};
 use feeler::pace::FixedRate;
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
 use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};

@@ -3,11 +3,9 @@
 //! An exception in Python code stops the hand and is kept for the code that steps the loop.
 
 use super::sense::{FingerSense, HandSense, Plan, Vector, phase};
-use feeler::control::Phase;
-use feeler::control::StopReason;
 use feeler::control::law::Law;
 use feeler::control::task::{Finding, Task};
-use feeler::control::{plan, sense};
+use feeler::control::{Phase, StopReason, plan, sense};
 use glam::DVec3;
 use pyo3::prelude::*;
 use std::collections::{BTreeMap, BTreeSet};

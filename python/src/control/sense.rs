@@ -1,8 +1,6 @@
 //! Readings of a hand and plans of a task, as Python objects.
 
-use feeler::control::Phase;
-use feeler::control::plan;
-use feeler::control::sense;
+use feeler::control::{Phase, plan, sense};
 use glam::DVec3;
 use numpy::{PyArray1, PyArray2, PyArrayMethods as _};
 use pyo3::exceptions::PyValueError;

@@ -5,18 +5,14 @@ mod live;
 mod wrench;
 
 use super::{CommandError, Outcome};
-use crate::options::Json;
-use crate::options::Overwrite;
+use crate::options::{Json, Overwrite};
 use axes::AxesArguments;
-use feeler::sensor::calibration::CalibrationReport;
-use feeler::sensor::calibration::ElementQuality;
-use feeler::sensor::calibration::ForceAxes;
-use feeler::sensor::calibration::{Calibration, FullScale};
-use feeler::sensor::calibration::{ElementRecord, ModelChoice, fit};
+use feeler::sensor::calibration::{
+    Calibration, CalibrationReport, ElementQuality, ElementRecord, ForceAxes, FullScale,
+    ModelChoice, fit,
+};
 use feeler::sensor::wrench::quality::AxisQuality;
-use feeler_console::Outputs;
-use feeler_console::print_json;
-use feeler_console::{Steps, Working};
+use feeler_console::{Outputs, Steps, Working, print_json};
 use feeler_lab::config::Experiment;
 use feeler_lab::sensor::{LoadsFile, SensorGeometry};
 use feeler_sensing::calibration::{LOADS, checks, page, write_simulated_loads};

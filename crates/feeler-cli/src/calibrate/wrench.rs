@@ -5,10 +5,7 @@ use super::{
 };
 use feeler::sensor::wrench::quality::{HeldOut, outlier};
 use feeler::sensor::wrench::{WrenchFit, fit};
-use feeler_console::Outputs;
-use feeler_console::print_json;
-use feeler_console::warn;
-use feeler_console::{Steps, Working};
+use feeler_console::{Outputs, Steps, Working, print_json, warn};
 use feeler_lab::sensor::{ForcesFile, MeasuredSamples};
 use feeler_sensing::calibration::checks::CONFIRM;
 use feeler_sensing::calibration::{FORCES, wrench_page, wrench_table};

@@ -2,11 +2,7 @@
 
 use super::measured::{Measured, Spread};
 use super::{Arguments, CommandError, Kind, Outcome};
-use feeler_console::Working;
-use feeler_console::is_raised;
-use feeler_console::print_json;
-use feeler_console::warn;
-use feeler_console::watch_for_interrupt;
+use feeler_console::{Working, is_raised, print_json, warn, watch_for_interrupt};
 use feeler_sensing::{CameraName, CameraOptions, NAMES};
 use feeler_sources::{Captured, FramePump};
 use std::io::Write;
@@ -189,8 +185,7 @@ impl Counted {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use feeler::sensor::image::Frame;
-    use feeler::sensor::image::{Camera, CameraError, CaptureReport};
+    use feeler::sensor::image::{Camera, CameraError, CaptureReport, Frame};
 
     /// Camera of 1000-byte images at 100 Hz: number 3 is damaged, 5 and 6 are dropped, 9 is the last.
     struct Lossy(u64);

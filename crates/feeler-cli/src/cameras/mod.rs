@@ -13,8 +13,7 @@ mod measured;
 )]
 mod video;
 
-use super::camera::CameraArguments;
-use super::camera::parse_size;
+use super::camera::{CameraArguments, parse_size};
 use super::{CommandError, Outcome};
 use crate::options::parse_rate;
 use serde_json::{Value, json};

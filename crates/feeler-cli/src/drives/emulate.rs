@@ -3,8 +3,7 @@
 use super::EmulateArguments;
 use super::bus_log::BusLog;
 use crate::{CommandError, Outcome};
-use feeler_console::Outputs;
-use feeler_console::watch_for_interrupt;
+use feeler_console::{Outputs, watch_for_interrupt};
 use feeler_drives::RigClock;
 use feeler_drives::emulator::{
     BusFault, EmulatedServo, Emulator, EmulatorConfig, LagPlant, LogEntry,

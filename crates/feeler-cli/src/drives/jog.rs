@@ -5,9 +5,8 @@ use crate::{CommandError, Outcome};
 use feeler::hand::{Hand, HandState};
 use feeler::pace::{FixedRate, Schedule};
 use feeler_console::watch_for_interrupt;
-use feeler_drives::DriveError;
-use feeler_drives::RigClock;
 use feeler_drives::hand::{DriveHand, JOG_SPEED};
+use feeler_drives::{DriveError, RigClock};
 use feeler_rig::{ServoRig, all_changes, print_changes};
 use std::io::Write;
 

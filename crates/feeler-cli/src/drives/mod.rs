@@ -12,8 +12,7 @@ mod jog;
 mod scan;
 
 use super::{CommandError, Outcome};
-use crate::options::Overwrite;
-use crate::options::parse_between;
+use crate::options::{Overwrite, parse_between};
 use std::io::Write;
 use std::path::PathBuf;
 

@@ -1,12 +1,10 @@
 //! The `feeler replay` subcommand.
 
 use crate::{CommandError, Outcome};
-use feeler_console::watch_for_interrupt;
-use feeler_console::{Steps, Working};
+use feeler_console::{Steps, Working, watch_for_interrupt};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::replay::{Comparison, Kind, Replay, ReplayFrom, recorded_experiment};
-use feeler_lab::experiment::run_facts;
-use feeler_lab::experiment::run_folder;
+use feeler_lab::experiment::{run_facts, run_folder};
 use feeler_record::{RecordOptions, Recorder, Recording, RunFacts};
 use feeler_report::run::RECORDING;
 use feeler_rig::{make_report, print_outcome};

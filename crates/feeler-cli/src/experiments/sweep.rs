@@ -3,8 +3,7 @@
 use super::trials::TrialArguments;
 use crate::{CommandError, Outcome};
 use feeler_lab::config::Experiment;
-use feeler_lab::sweep::results::summary;
-use feeler_lab::sweep::results::{Store, TRIALS, read_finished};
+use feeler_lab::sweep::results::{Store, TRIALS, read_finished, summary};
 use feeler_lab::sweep::trial::Trials;
 use feeler_lab::sweep::{Ended, Plan, Shard, SweepError, Table};
 use std::io::Write;

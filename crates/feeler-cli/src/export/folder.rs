@@ -2,9 +2,8 @@
 
 use crate::CommandError;
 use feeler_report::run::create_folder;
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 /// File that identifies a folder as a data set.
 const INFO: &str = "meta/info.json";

@@ -3,8 +3,7 @@
 use super::TableArguments;
 use super::runs::Run;
 use crate::{CommandError, Outcome};
-use feeler_console::watch_for_interrupt;
-use feeler_console::{Outputs, PartFile};
+use feeler_console::{Outputs, PartFile, watch_for_interrupt};
 use feeler_export::table;
 use feeler_report::run::create_folder;
 use std::io::Write;

@@ -2,8 +2,7 @@
 
 use super::{ExperimentArguments, LinkArguments};
 use crate::{CommandError, Outcome};
-use feeler_console::Warnings;
-use feeler_console::watch_for_interrupt;
+use feeler_console::{Warnings, watch_for_interrupt};
 use feeler_lab::experiment::SimRigServer;
 use feeler_lab::experiment::rigs::linked::rig_config;
 use feeler_link::programs::{RigProgram, RigSpeed};

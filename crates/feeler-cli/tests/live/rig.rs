@@ -5,8 +5,7 @@
 
 use crate::ports::unused_endpoint;
 use crate::program::{Ended, feeler, folder, run};
-use feeler_link::transport::Link;
-use feeler_link::transport::LinkConfig;
+use feeler_link::transport::{Link, LinkConfig};
 use feeler_record::{Phase, Recording};
 use std::fs::{self, File};
 use std::path::{Path, PathBuf};

@@ -11,8 +11,7 @@ use crate::registers::Registers;
 use crate::servo::Servo;
 use crate::setup::blame;
 use feeler::check::Checker;
-use feeler::hand::FingerGeometry;
-use feeler::hand::{Hand, HandCommand, HandError, HandState, check_finger_count};
+use feeler::hand::{FingerGeometry, Hand, HandCommand, HandError, HandState, check_finger_count};
 use glam::DVec3;
 
 /// Maximum speed of a jogged joint, rad/s.

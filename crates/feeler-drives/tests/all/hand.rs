@@ -5,14 +5,13 @@
 use crate::support::{MAX_AGE, PERIOD, Rig, ages_of_commands, bus, config, finger, hand_on, plant};
 use feeler::glam::DVec3;
 use feeler::hand::Hand;
-use feeler_drives::Port;
-use feeler_drives::RigClock;
 use feeler_drives::bus::Bus;
 use feeler_drives::emulator::{BusFault, EmulatorConfig, Lockstep};
 use feeler_drives::hand::DriveHand;
 use feeler_drives::packet::instruction::STATUS;
 use feeler_drives::packet::{Protocol, encode};
 use feeler_drives::registers::Registers;
+use feeler_drives::{Port, RigClock};
 use std::io;
 
 const PROTOCOLS: [Protocol; 2] = [Protocol::Dynamixel, Protocol::Feetech];

@@ -4,8 +4,7 @@
 #![allow(dead_code)]
 
 use feeler::glam::DVec3;
-use feeler::hand::{FingerConfig, FingerGeometry};
-use feeler::hand::{Hand, HandCommand, HandError, HandState};
+use feeler::hand::{FingerConfig, FingerGeometry, Hand, HandCommand, HandError, HandState};
 use feeler_drives::DriveError;
 use feeler_drives::bus::Bus;
 use feeler_drives::config::DrivesConfig;

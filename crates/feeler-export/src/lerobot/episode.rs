@@ -2,9 +2,8 @@
 
 use super::feature::{Feature, Values};
 use crate::error::ExportError;
-use feeler_record::Recording;
 use feeler_record::messages::joint_names;
-use feeler_record::{FingerStep, Step, Steps};
+use feeler_record::{FingerStep, Recording, Step, Steps};
 use serde_json::{Map, Value, json};
 
 /// Maximum relative deviation of the frame rate from a whole number.

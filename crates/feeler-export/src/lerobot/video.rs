@@ -4,10 +4,8 @@ use super::data_set::Run;
 use super::mp4::Mp4;
 use super::stats::Stats;
 use crate::error::ExportError;
-use feeler::sensor::image::Camera as _;
-use feeler::sensor::image::Frame;
-use feeler_record::Step;
-use feeler_record::{RecordedCamera, Tactile};
+use feeler::sensor::image::{Camera as _, Frame};
+use feeler_record::{RecordedCamera, Step, Tactile};
 use rav1e::prelude::{
     ChromaSampling, Config, Context, EncoderConfig, EncoderStatus, PixelRange, Rational,
     SceneDetectionSpeed,

@@ -15,8 +15,7 @@ mod oracle;
 mod variant;
 
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::Truth;
-use feeler_lab::experiment::{Pictures, Session};
+use feeler_lab::experiment::{Pictures, Session, Truth};
 use feeler_report::claims::of_any_hand;
 use feeler_report::figures::sweep::wilson;
 use std::error::Error;

@@ -1,13 +1,10 @@
 //! The physical limit: the largest torque that circular paths about the cap's true axis reach without overload.
 
 use super::{AnyError, Outcome, Variant, outcome};
-use feeler::control::Phase;
-use feeler::control::Plan;
-use feeler::control::StopReason;
 use feeler::control::law::Law;
 use feeler::control::task::screw::ScrewConfig;
 use feeler::control::task::{Task, TaskConfig};
-use feeler::control::{FingerReadings, HandReadings};
+use feeler::control::{FingerReadings, HandReadings, Phase, Plan, StopReason};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{Pictures, Session};
 use glam::DVec3;

@@ -3,8 +3,7 @@
 use super::error::ConfigError;
 use super::experiment_config::ExperimentConfig;
 use super::key::{find, leaves};
-use super::settings::put;
-use super::settings::with_defaults;
+use super::settings::{put, with_defaults};
 use super::words::in_words;
 use toml_edit::DocumentMut;
 

@@ -9,8 +9,7 @@ use feeler::hand::FingerConfig;
 use feeler::sensor::fingertip::FingertipConfig;
 use feeler::sensor::forces::DriftConfig;
 use feeler_drives::config::DrivesConfig;
-use feeler_sim::objects::ObjectConfig;
-use feeler_sim::objects::ThreadConfig;
+use feeler_sim::objects::{ObjectConfig, ThreadConfig};
 use feeler_sim::world::SimConfig;
 use serde::{Deserialize, Serialize};
 

@@ -1,11 +1,8 @@
 //! Interpretation of actions.
 
 use super::EnvironmentError;
-use feeler::control::FingerReadings;
-use feeler::control::LimitsConfig;
-use feeler::hand::FingerGeometry;
-use feeler::hand::jacobian;
-use feeler::hand::resolved_rate;
+use feeler::control::{FingerReadings, LimitsConfig};
+use feeler::hand::{FingerGeometry, jacobian, resolved_rate};
 use glam::DVec3;
 
 /// Actions are clamped to this magnitude (m/s or rad/s), which is far above all limits, to prevent overflow.

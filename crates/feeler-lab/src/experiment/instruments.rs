@@ -1,16 +1,12 @@
 //! Readings of a simulated rig's instruments, and their recording.
 
 use super::truth::SlipMeter;
-use feeler::control::ControlLoop;
-use feeler::control::TactileSource;
+use feeler::control::{ControlLoop, TactileSource};
 use feeler::hand::{Hand, MAX_FINGERS};
 use feeler_link::messages::message::InstrumentsMessage;
 use feeler_record::{MessageSink, RecordError, RunLog};
-use feeler_sim::objects::Motion;
-use feeler_sim::objects::Pose;
-use feeler_sim::objects::Turn;
-use feeler_sim::rig::SimRig;
-use feeler_sim::rig::TorqueReading;
+use feeler_sim::objects::{Motion, Pose, Turn};
+use feeler_sim::rig::{SimRig, TorqueReading};
 use glam::{DQuat, DVec3};
 
 /// Simultaneous readings of the rig's instruments and ground truth, in addition to the hand's sensors.

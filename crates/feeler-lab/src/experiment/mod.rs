@@ -30,19 +30,14 @@ pub(crate) use facts::{cap_facts, true_section};
 pub use instruments::Instruments;
 
 use facts::simulated_facts;
-use feeler::control::Phase;
-use feeler::control::StopReason;
-use feeler::control::TactileSource;
 use feeler::control::law::{Law, LawError};
 use feeler::control::task::Task;
-use feeler::control::{ControlConfig, Controller};
-use feeler::control::{ControlError, ControlLoop};
-use feeler::hand::Hand;
-use feeler::hand::{FingerError, FingerGeometry};
-use feeler::hand::{KinematicsError, inverse_kinematics};
+use feeler::control::{
+    ControlConfig, ControlError, ControlLoop, Controller, Phase, StopReason, TactileSource,
+};
+use feeler::hand::{FingerError, FingerGeometry, Hand, KinematicsError, inverse_kinematics};
 use feeler::pace::{Schedule, Tick};
-use feeler::sensor::fingertip::ElementLayout;
-use feeler::sensor::fingertip::{Fingertip, FingertipError};
+use feeler::sensor::fingertip::{ElementLayout, Fingertip, FingertipError};
 use feeler::sensor::forces::SensingError;
 use feeler_record::{RecordError, RunFacts};
 use feeler_sim::error::SimError;
@@ -53,10 +48,9 @@ use glam::DVec3;
 use prefetching_sensor::PrefetchingSensor;
 use sample_and_hold::FrameCounter;
 use specimen::{SpecimenError, check_specimen};
-use std::io;
 use std::ops::ControlFlow;
 use std::sync::atomic::AtomicBool;
-use std::thread;
+use std::{io, thread};
 use supervised::InstrumentedRun;
 use truth::SlipMeter;
 

@@ -5,10 +5,9 @@ use feeler::control::{TactileReading, TactileSource};
 use feeler::sensor::forces::SensorError;
 use feeler::sensor::image::Frame;
 use std::hint::spin_loop;
-use std::io;
 use std::sync::mpsc::{Receiver, RecvError, SyncSender, TryRecvError, sync_channel};
-use std::thread;
 use std::time::{Duration, Instant};
+use std::{io, thread};
 
 /// Duration of spinning before a waiting thread sleeps. Most waits here are shorter than waking a thread.
 const LOOKING: Duration = Duration::from_micros(100);

@@ -3,8 +3,7 @@
 use super::reported_recorder::{Recorded, ReportingRecorder};
 use super::{ExperimentError, Instruments, Pictures, Session, SimulatedLoop};
 use crate::config::{ConfigError, Experiment, Sensing};
-use feeler::control::Controller;
-use feeler::control::Phase;
+use feeler::control::{Controller, Phase};
 use feeler::pace::{Schedule, Tick};
 use feeler_record::{RecordError, RecordOptions, Recorder, RunEnd, RunLog, RunState};
 use feeler_report::run::{RECORDING, ReportError, ReportOutcome, make, make_of};

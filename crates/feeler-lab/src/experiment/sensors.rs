@@ -4,15 +4,11 @@ use super::sample_and_hold::{FrameCounter, SampleAndHold};
 use crate::config::{Experiment, Sensing};
 use crate::experiment::{ExperimentError, Pictures, Sensor};
 use feeler::control::FlaggedSensor;
-use feeler::sensor::fingertip::ElementLayout;
-use feeler::sensor::fingertip::Fingertip;
+use feeler::sensor::fingertip::{ElementLayout, Fingertip};
 use feeler::sensor::forces::OpticalSensor;
 use feeler::sensor::image::Camera;
 use feeler_sim::optics::SimCamera;
-use feeler_sim::rig::DirectSensor;
-use feeler_sim::rig::SensorFaults;
-use feeler_sim::rig::SimRig;
-use feeler_sim::rig::{FaultConfig, FaultKind};
+use feeler_sim::rig::{DirectSensor, FaultConfig, FaultKind, SensorFaults, SimRig};
 
 /// Simulated sensor of a finger.
 pub(super) enum RigSensor {

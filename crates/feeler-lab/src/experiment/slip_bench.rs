@@ -3,20 +3,16 @@
 
 use super::{ExperimentError, fingers_at_home, layouts, steps_per_command};
 use crate::config::{Experiment, ExperimentConfig};
-use feeler::control::FeelerShape;
-use feeler::control::FlagAnalyzer;
-use feeler::control::SlipDetector;
-use feeler::control::TactileReading;
-use feeler::control::{FingerReadings, FingertipPose};
+use feeler::control::{
+    FeelerShape, FingerReadings, FingertipPose, FlagAnalyzer, SlipDetector, TactileReading,
+};
 use feeler::hand::JointState;
 use feeler::sensor::fingertip::ElementLayout;
 use feeler_sim::contact::Friction;
-use feeler_sim::objects::Pose;
-use feeler_sim::objects::{MotionConfig, ObjectConfig};
+use feeler_sim::objects::{MotionConfig, ObjectConfig, Pose};
 use feeler_sim::random::normal;
 use feeler_sim::shapes::ShapeConfig;
-use feeler_sim::world::World;
-use feeler_sim::world::{DirectSensingConfig, SimConfig};
+use feeler_sim::world::{DirectSensingConfig, SimConfig, World};
 use glam::{DMat3, DVec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;

@@ -3,8 +3,7 @@
 use crate::config::ExperimentConfig;
 use feeler::control::task::TaskConfig;
 use feeler::control::task::friction_scan::FrictionScanConfig;
-use feeler::hand::FingerGeometry;
-use feeler::hand::{KinematicsError, inverse_kinematics};
+use feeler::hand::{FingerGeometry, KinematicsError, inverse_kinematics};
 use feeler_sim::world::World;
 use glam::DVec3;
 

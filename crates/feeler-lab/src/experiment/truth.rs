@@ -4,8 +4,7 @@ use super::sample_and_hold::{FrameCounter, FrameTimes};
 use crate::experiment::Session;
 use feeler::hand::MAX_FINGERS;
 use feeler_sim::objects::Motion;
-use feeler_sim::world::State;
-use feeler_sim::world::World;
+use feeler_sim::world::{State, World};
 use std::sync::atomic::Ordering;
 
 /// Ground truth of a run so far.

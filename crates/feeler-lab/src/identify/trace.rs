@@ -1,10 +1,7 @@
 //! Recorded data of a probing run, limited to signals that a real hand provides.
 
-use feeler::control::ControlConfig;
-use feeler::control::ControlLoop;
-use feeler::control::FingertipPose;
-use feeler::control::TactileSource;
 use feeler::control::task::probe::{ProbeConfig, Step};
+use feeler::control::{ControlConfig, ControlLoop, FingertipPose, TactileSource};
 use feeler::hand::Hand;
 use feeler::sensor::fingertip::ElementLayout;
 use glam::DVec3;

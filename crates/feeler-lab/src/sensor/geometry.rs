@@ -2,13 +2,11 @@
 
 use crate::config::{ConfigError, Experiment};
 use feeler::sensor::calibration::{Calibration, CalibrationError, CalibrationTarget, LengthUnit};
-use feeler::sensor::fingertip::{Fingertip, FingertipConfig, FingertipError};
-use feeler::sensor::fingertip::{LayoutError, LocatedLayout};
-use feeler::sensor::image::DEFAULT_MAX_SATURATED;
-use feeler::sensor::image::ProjectedElement;
-use feeler::sensor::image::WeightedPixel;
-use feeler::sensor::moments::MomentsError;
-use feeler::sensor::moments::MomentsKernel;
+use feeler::sensor::fingertip::{
+    Fingertip, FingertipConfig, FingertipError, LayoutError, LocatedLayout,
+};
+use feeler::sensor::image::{DEFAULT_MAX_SATURATED, ProjectedElement, WeightedPixel};
+use feeler::sensor::moments::{MomentsError, MomentsKernel};
 use feeler::sensor::wrench::WrenchError;
 use glam::DMat3;
 use std::fs::File;

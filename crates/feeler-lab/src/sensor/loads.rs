@@ -2,12 +2,10 @@
 
 use super::SensorGeometry;
 use super::recorded::{NamedFrame, NamedFrames, files_of};
-use feeler::sensor::calibration::Calibration;
-use feeler::sensor::calibration::ForceAxes;
-use feeler::sensor::calibration::{COLUMNS, LoadedImage, LoadsError, RecordBuilder, read_loads};
 use feeler::sensor::calibration::{
-    ELEMENT_RANGE, LoadCheckError, check_axes_of_recordings, check_magnitude, check_numbers,
-    check_offsets, check_outliers, check_unloaded,
+    COLUMNS, Calibration, ELEMENT_RANGE, ForceAxes, LoadCheckError, LoadedImage, LoadsError,
+    RecordBuilder, check_axes_of_recordings, check_magnitude, check_numbers, check_offsets,
+    check_outliers, check_unloaded, read_loads,
 };
 use feeler::sensor::image::ProjectedElement;
 use feeler::sensor::moments::ElementMoments;

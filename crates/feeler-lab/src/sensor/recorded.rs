@@ -1,12 +1,10 @@
 //! Frames named in CSV files or on the command line: image files, frames of videos, and frames of recordings made by
 //! `feeler sense`, which contain either images or only moments.
 
-use feeler::sensor::image::Camera;
-use feeler::sensor::image::{Frame, Picture};
+use feeler::sensor::image::{Camera, Frame, Picture};
 use feeler::sensor::moments::ElementMoments;
 use feeler_record::{Moments, SensedPictures, read_moments};
-use feeler_sources::read_picture;
-use feeler_sources::{VideoFile, VideoFrames, is_video_name};
+use feeler_sources::{VideoFile, VideoFrames, is_video_name, read_picture};
 use glam::DVec2;
 use std::collections::hash_map::Entry;
 use std::collections::{HashMap, HashSet};

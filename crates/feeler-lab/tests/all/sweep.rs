@@ -1,8 +1,7 @@
 //! Random parameters of a sweep's trials, and resuming interrupted sweeps.
 
 use feeler_lab::config::Experiment;
-use feeler_lab::sweep::results::GROWING;
-use feeler_lab::sweep::results::line;
+use feeler_lab::sweep::results::{GROWING, line};
 use feeler_lab::sweep::trial::Trials;
 use feeler_lab::sweep::{Ended, Plan, Progress, Store, engine};
 use std::collections::BTreeSet;

@@ -1,12 +1,9 @@
 //! Scene of `references/mujoco_cap.py`: two fingertips turn a cap under a motion prescribed over time.
 
-use feeler::hand::fingertip_pose;
-use feeler::hand::{FingerConfig, FingerGeometry};
+use feeler::hand::{FingerConfig, FingerGeometry, fingertip_pose};
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
 use feeler_lab::config::Experiment;
-use feeler_sim::objects::MotionConfig;
-use feeler_sim::objects::Pose;
-use feeler_sim::objects::ThreadConfig;
+use feeler_sim::objects::{MotionConfig, Pose, ThreadConfig};
 use feeler_sim::shapes::shape::ShapeConfig;
 use feeler_sim::world::World;
 use glam::DVec3;

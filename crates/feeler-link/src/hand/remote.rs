@@ -6,9 +6,7 @@ use crate::messages::message::{CommandMessage, HandMode, MessageHeader, StopInFo
 use crate::transport::outlet::{Outlet, TimeSource, header, send};
 use crate::transport::shared::Shared;
 use crate::transport::topic::Topic;
-use feeler::control::Controller;
-use feeler::control::Phase;
-use feeler::control::{TactileReading, TactileSource};
+use feeler::control::{Controller, Phase, TactileReading, TactileSource};
 use feeler::hand::{Hand, HandCommand, HandError, HandState, check_finger_count};
 use feeler::sensor::forces::SensorError;
 use feeler_record::wire::Vector3;

@@ -4,8 +4,7 @@ use crate::hand::remote::{RemoteFinger, RemoteHand};
 use crate::hand::run_clock::RigSpeed;
 use crate::inboxes::peers::Expected;
 use crate::messages::rejection::Rejections;
-use feeler::control::ControlConfig;
-use feeler::control::ControlLoop;
+use feeler::control::{ControlConfig, ControlLoop};
 use feeler::pace::PunctualitySummary;
 use std::fmt;
 

@@ -10,9 +10,7 @@ use crate::inboxes::peers::Peer;
 use crate::messages::message::HandMode;
 use crate::transport::endpoints::LinkError;
 use crate::transport::topic::Topic;
-use feeler::control::Phase;
-use feeler::control::StopReason;
-use feeler::control::{ControlConfig, ResumePolicy};
+use feeler::control::{ControlConfig, Phase, ResumePolicy, StopReason};
 use feeler::pace::Punctuality;
 
 /// Minimum interval between equal modes (s). At the usual 100 Hz, every step publishes its mode.

@@ -28,5 +28,4 @@ pub use register::RegisterError;
 pub use right::{CertificateName, Right, RightError};
 #[cfg(feature = "zenoh")]
 pub use validity::{DAYS, Validity};
-pub use withdrawn::WITHDRAWN;
-pub use withdrawn::WithdrawnError;
+pub use withdrawn::{WITHDRAWN, WithdrawnError};

@@ -3,9 +3,8 @@
 use super::right::{CertificateName, Right, RightError};
 use super::validity::{day, now};
 use super::withdrawn::{self, WithdrawnError};
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 use x509_parser::certificate::X509Certificate;
 use x509_parser::pem::parse_x509_pem;
 

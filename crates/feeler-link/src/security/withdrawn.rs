@@ -2,9 +2,8 @@
 
 use super::right::{CertificateName, RightError};
 use std::collections::BTreeSet;
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 /// File name of the list, in the lab's folder and in each certificate folder.
 pub const WITHDRAWN: &str = "withdrawn.txt";

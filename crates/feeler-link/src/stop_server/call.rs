@@ -6,11 +6,10 @@ use crate::messages::printable::printable;
 use crate::security::right::Right;
 use crate::transport::endpoints::{LinkError, address};
 use ring::rand::{SecureRandom, SystemRandom};
-use std::io;
 use std::net::{SocketAddr, ToSocketAddrs, UdpSocket};
 use std::path::Path;
-use std::thread;
 use std::time::{Duration, Instant};
+use std::{io, thread};
 
 /// Interval and total duration of repeated calls.
 const INTERVAL: Duration = Duration::from_millis(100);

@@ -1,20 +1,15 @@
 //! Hand, rig and sensor programs over an in-memory network give the same run as a single control loop.
 
-use feeler::control::ControlLoop;
-use feeler::control::FlaggedSensor;
-use feeler::control::Phase;
-use feeler::control::StopReason;
 use feeler::control::task::TaskConfig;
-use feeler::control::{ControlConfig, Controller};
-use feeler::hand::{FingerConfig, FingerGeometry};
-use feeler::hand::{Hand, HandCommand, HandError, HandState, JointState};
-use feeler::hand::{fingertip_pose, inverse_kinematics};
+use feeler::control::{ControlConfig, ControlLoop, Controller, FlaggedSensor, Phase, StopReason};
+use feeler::hand::{
+    FingerConfig, FingerGeometry, Hand, HandCommand, HandError, HandState, JointState,
+    fingertip_pose, inverse_kinematics,
+};
 use feeler::pace::FreeRunning;
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
 use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
-use feeler_link::inboxes::Expected;
-use feeler_link::inboxes::Exposed;
-use feeler_link::inboxes::read;
+use feeler_link::inboxes::{Expected, Exposed, read};
 use feeler_link::messages::message::{
     HandMode, Heartbeat, InstrumentsMessage, MessageHeader, NO_FINGER, PROTOCOL, ProgramKind,
     ResumeMessage, StopMessage, TactileUpdate,
@@ -23,10 +18,9 @@ use feeler_link::programs::{
     HandConfig, HandProgram, ProgramError, Rig, RigConfig, RigProgram, RigSpeed, SensorConfig,
     SensorOutput, SensorProgram,
 };
-use feeler_link::transport::LinkError;
-use feeler_link::transport::{MessageHandler, Network};
-use feeler_link::transport::{Outlet, encode, header};
-use feeler_link::transport::{Place, Topic};
+use feeler_link::transport::{
+    LinkError, MessageHandler, Network, Outlet, Place, Topic, encode, header,
+};
 use feeler_record::InstrumentRecord;
 use glam::DVec3;
 use std::ops::ControlFlow;

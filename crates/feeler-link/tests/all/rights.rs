@@ -2,13 +2,10 @@
 #![cfg(feature = "zenoh")]
 
 use crate::lab::{HERE, connecting, heard, lab, listening, of, until_heard};
-use feeler_link::security::Authority;
-use feeler_link::security::Right;
-use feeler_link::security::Validity;
-use feeler_link::security::{OwnCertificate, OwnCertificateError};
-use feeler_link::security::{Role, access_control};
-use feeler_link::transport::LinkConfig;
-use feeler_link::transport::Topic;
+use feeler_link::security::{
+    Authority, OwnCertificate, OwnCertificateError, Right, Role, Validity, access_control,
+};
+use feeler_link::transport::{LinkConfig, Topic};
 use std::fs;
 use std::path::Path;
 use std::time::Instant;

@@ -3,22 +3,18 @@
 
 use crate::lab::{lab, listening, of};
 use crate::ports::unused_endpoint;
-use feeler_link::security::Authority;
-use feeler_link::security::Right;
-use feeler_link::security::Validity;
-use feeler_link::stop_server::Credentials;
-use feeler_link::stop_server::StopGuard;
+use feeler_link::security::{Authority, Right, Validity};
 use feeler_link::stop_server::wire::{Datagram, Verdict, parse};
-use feeler_link::stop_server::{StopAnswer, StopServer};
-use feeler_link::stop_server::{StopCallError, call_stop};
+use feeler_link::stop_server::{
+    Credentials, StopAnswer, StopCallError, StopGuard, StopServer, call_stop,
+};
 use ring::hmac;
-use std::fs;
 use std::net::{SocketAddr, TcpStream, UdpSocket};
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
 use std::sync::{Arc, Mutex};
-use std::thread;
 use std::time::Duration;
+use std::{fs, thread};
 
 /// Handler that counts its orders.
 fn counting() -> impl Fn(u64, &str) -> StopAnswer + Send + Sync + 'static {

@@ -1,14 +1,8 @@
 //! Labs with certificates for tests, and links that use them.
 
 use super::ports::unused_endpoint;
-use feeler_link::security::Authority;
-use feeler_link::security::Right;
-use feeler_link::security::Validity;
-use feeler_link::transport::Link;
-use feeler_link::transport::LinkConfig;
-use feeler_link::transport::Network;
-use feeler_link::transport::Outlet;
-use feeler_link::transport::Topic;
+use feeler_link::security::{Authority, Right, Validity};
+use feeler_link::transport::{Link, LinkConfig, Network, Outlet, Topic};
 use std::path::{Path, PathBuf};
 use std::sync::Arc;
 use std::sync::mpsc::{Receiver, channel};

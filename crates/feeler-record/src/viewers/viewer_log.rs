@@ -16,8 +16,7 @@ use crate::viewers::scene::{ForceArrows, scene};
 use crate::viewers::urdf::urdf;
 use crate::writing::memory::MessageSink;
 use crate::writing::run_log::InstrumentRecord;
-use feeler::control::ControlLoop;
-use feeler::control::{TactileReading, TactileSource};
+use feeler::control::{ControlLoop, TactileReading, TactileSource};
 use feeler::hand::Hand;
 use glam::DVec3;
 

@@ -14,12 +14,11 @@ use crate::viewers::viewer_log::ViewerLog;
 use crate::wire::Vector3;
 use crate::writing::memory::MessageSink;
 use crate::writing::recorder::Recorder;
-use feeler::control::ControlLoop;
-use feeler::control::FingertipPose;
-use feeler::control::StopReason;
 use feeler::control::task::Task as ControlTask;
-use feeler::control::{Controller, FingerControl};
-use feeler::control::{TactileReading, TactileSource};
+use feeler::control::{
+    ControlLoop, Controller, FingerControl, FingertipPose, StopReason, TactileReading,
+    TactileSource,
+};
 use feeler::hand::{Hand, JointState};
 use feeler::sensor::image::Frame;
 use glam::{DAffine3, DQuat};

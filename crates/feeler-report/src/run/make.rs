@@ -10,11 +10,10 @@ use crate::page_data::RunTable;
 use crate::pages::run::page;
 use crate::tasks;
 use feeler_record::{RecordError, Recording};
-use std::fs;
 use std::io::{self, ErrorKind, Write};
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
-use std::thread;
+use std::{fs, thread};
 
 /// File name of the recording in a run's folder.
 pub const RECORDING: &str = "recording.mcap";

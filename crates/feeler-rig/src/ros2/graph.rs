@@ -1,12 +1,9 @@
 //! ROS 2 node configured by the command line.
 
-use feeler_console::CommandError;
-use feeler_console::Warnings;
+use feeler_console::{CommandError, Warnings};
 use feeler_lab::config::Experiment;
-use feeler_ros2::NodeName;
 use feeler_ros2::parameter::{Meaning, Parameters};
-use feeler_ros2::serve_parameters;
-use feeler_ros2::{NODE_ENDPOINT, Node, NodeConfig, ROUTER_ENDPOINT};
+use feeler_ros2::{NODE_ENDPOINT, Node, NodeConfig, NodeName, ROUTER_ENDPOINT, serve_parameters};
 use serde_json::json;
 use std::time::{Duration, Instant};
 

@@ -1,8 +1,7 @@
 //! Services that stop and resume the hand of a rig, like `feeler stop` and `feeler resume`.
 
 use feeler_console::CommandError;
-use feeler_link::hand::{Ack, HandClient};
-use feeler_link::hand::{Order, stop_to_resume};
+use feeler_link::hand::{Ack, HandClient, Order, stop_to_resume};
 use feeler_link::messages::message::HandMode;
 use feeler_ros2::Node;
 use feeler_ros2::message::{Trigger, TriggerResponse};

@@ -5,16 +5,13 @@ use super::graph::{GraphOptions, NODE_NAME, PeerWatch, check_ports, config, serv
 use super::orders::serve_orders;
 use super::stamps::{Stamps, time_of_day};
 use crate::session::RigSession;
-use feeler_console::watch_for_interrupt;
-use feeler_console::{CommandError, Outcome};
+use feeler_console::{CommandError, Outcome, watch_for_interrupt};
 use feeler_lab::experiment::run_facts;
 use feeler_link::hand::HandClient;
 use feeler_link::messages::message::MessageHeader;
 use feeler_link::security::Right;
 use feeler_record::ros::Time;
-use feeler_ros2::HandPublishers;
-use feeler_ros2::{HandMessages, Touch};
-use feeler_ros2::{Node, NodeError};
+use feeler_ros2::{HandMessages, HandPublishers, Node, NodeError, Touch};
 use feeler_watch::WatchedRig;
 use glam::DVec3;
 use std::io::Write;

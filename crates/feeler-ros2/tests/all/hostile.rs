@@ -2,10 +2,8 @@
 
 use feeler_record::ros::{JointState, PointCloud2, WrenchStamped};
 use feeler_record::wire::{Message, cdr};
-use feeler_ros2::Attachment;
-use feeler_ros2::Qos;
-use feeler_ros2::Token;
 use feeler_ros2::message::*;
+use feeler_ros2::{Attachment, Qos, Token};
 use proptest::prelude::*;
 
 /// Decodes a message and, if it is valid, encodes and decodes it again.

@@ -9,13 +9,10 @@ use assert_no_alloc::assert_no_alloc;
 use feeler::hand::{Hand, HandCommand, HandState};
 use feeler_record::ros::{JointState, Time};
 use feeler_record::wire::cdr;
-use feeler_ros2::GraphClock;
-use feeler_ros2::NodeName;
-use feeler_ros2::Publisher;
-use feeler_ros2::Qos;
 use feeler_ros2::message::Float64MultiArray;
-use feeler_ros2::{Node, NodeConfig, Subscription};
-use feeler_ros2::{RosHand, RosHandConfig};
+use feeler_ros2::{
+    GraphClock, Node, NodeConfig, NodeName, Publisher, Qos, RosHand, RosHandConfig, Subscription,
+};
 use glam::DVec3;
 use ports::unused_endpoint;
 use std::sync::mpsc::{Receiver, channel};

@@ -1,9 +1,6 @@
 //! Keys, liveliness tokens and source ids compared with pyzeros, whose output `references/tokens.py` prints.
 
-use feeler_ros2::NodeName;
-use feeler_ros2::key;
-use feeler_ros2::{Endpoint, EndpointKind, Token};
-use feeler_ros2::{History, Qos};
+use feeler_ros2::{Endpoint, EndpointKind, History, NodeName, Qos, Token, key};
 
 const JOINTS: &str = "sensor_msgs/msg/JointState";
 const TRIGGER: &str = "std_srvs/srv/Trigger";

@@ -1,12 +1,9 @@
 //! Plausibility checks of loads and fits. The messages name the options that convert or accept the loads.
 
-use feeler::sensor::calibration::ElementRecord;
-use feeler::sensor::calibration::ForceAxes;
-use feeler::sensor::calibration::LoadCheckError;
-use feeler::sensor::calibration::RecordBuilder;
-use feeler::sensor::calibration::{Calibration, explained};
-use feeler_console::CommandError;
-use feeler_console::warn;
+use feeler::sensor::calibration::{
+    Calibration, ElementRecord, ForceAxes, LoadCheckError, RecordBuilder, explained,
+};
+use feeler_console::{CommandError, warn};
 use feeler_lab::sensor::{LoadsFile, LoadsFileError};
 
 /// Rejects loads outside the range that a soft element can bear and a camera can resolve.

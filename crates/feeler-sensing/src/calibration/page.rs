@@ -1,8 +1,8 @@
 //! HTML report of a calibration.
 
-use feeler::sensor::calibration::ElementRecord;
 use feeler::sensor::calibration::{
-    Calibration, CalibrationModel, ElementCalibration, ForceMap, LengthUnit, RelativeMoments,
+    Calibration, CalibrationModel, ElementCalibration, ElementRecord, ForceMap, LengthUnit,
+    RelativeMoments,
 };
 use feeler_report::pages::{CalibrationPage, ElementErrors, ElementLoads, calibration_page};
 use glam::{DVec2, DVec3};

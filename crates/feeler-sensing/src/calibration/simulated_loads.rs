@@ -3,8 +3,7 @@
 use feeler::sensor::calibration::{COLUMNS, PLACE_COLUMNS};
 use feeler::sensor::fingertip::{Fingertip, FingertipConfig};
 use feeler::sensor::image::Picture;
-use feeler_console::CommandError;
-use feeler_console::Outputs;
+use feeler_console::{CommandError, Outputs};
 use feeler_report::run::make::create_folder;
 use feeler_sim::bench::{CalibrationBenchConfig, take_pictures};
 use feeler_sim::optics::OpticsConfig;

@@ -9,8 +9,7 @@ use super::sources::{Kind, Source, find};
 use super::taxels::TaxelTables;
 use super::tracks::{TrackTables, is_tracks};
 use super::videos::Videos;
-use feeler_console::CommandError;
-use feeler_console::Steps;
+use feeler_console::{CommandError, Steps};
 use feeler_lab::grasps::{
     ContactReference, DETECTORS, Detector, DetectorTrace, GraspRecording, Labelled,
 };

@@ -1,10 +1,7 @@
 //! `feeler score-slip [EXPERIMENT]`: compares detectors with the simulator's ground truth.
 
 use super::{PAGE, SlipScoreOptions, make_folder};
-use feeler_console::Outputs;
-use feeler_console::Steps;
-use feeler_console::print_json;
-use feeler_console::{CommandError, Outcome};
+use feeler_console::{CommandError, Outcome, Outputs, Steps, print_json};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::slip_bench::{DETECTORS, Sample, trial};
 use feeler_lab::sweep::analysis::{operating_point, roc, tune};

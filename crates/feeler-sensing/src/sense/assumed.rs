@@ -3,8 +3,7 @@
 use super::SenseOptions;
 use feeler::sensor::calibration::Calibration;
 use feeler::sensor::forces::Likeness;
-use feeler::sensor::image::Picture;
-use feeler::sensor::image::WeightedPixel;
+use feeler::sensor::image::{Picture, WeightedPixel};
 use feeler::sensor::moments::ElementMoments;
 use feeler_console::CommandError;
 use feeler_lab::config::Experiment;

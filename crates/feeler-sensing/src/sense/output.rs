@@ -13,8 +13,7 @@ use super::row_file::RowFile;
 use feeler::sensor::forces::ElementReading;
 use feeler::sensor::image::Frame;
 use feeler::sensor::track::TrackedMarker;
-use feeler_console::CommandError;
-use feeler_console::Outputs;
+use feeler_console::{CommandError, Outputs};
 use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 

@@ -3,8 +3,7 @@
 use super::output::{FrameReadings, Output};
 use super::tally::SensingStats;
 use super::{SenseOptions, close};
-use feeler::sensor::forces::ElementReading;
-use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
+use feeler::sensor::forces::{ElementReading, SensorError, TactileFrame, TactileSensor};
 use feeler_console::{CommandError, is_raised};
 use feeler_record::{RecordedSensor, Recording};
 use std::path::Path;

@@ -2,8 +2,7 @@
 
 use super::SenseOptions;
 use feeler::sensor::calibration::Calibration;
-use feeler::sensor::forces::DriftConfig;
-use feeler::sensor::forces::{ElementReading, Reference, SensingChain};
+use feeler::sensor::forces::{DriftConfig, ElementReading, Reference, SensingChain};
 use feeler::sensor::wrench::WrenchEstimator;
 use feeler_console::CommandError;
 use feeler_lab::config::Experiment;

@@ -7,9 +7,7 @@ use feeler_console::CommandError;
 use feeler_record::SensedPictures;
 use feeler_record::sensed::is_sensed;
 use feeler_report::run::make::RECORDING;
-use feeler_sources::PictureFiles;
-use feeler_sources::RawFrames;
-use feeler_sources::{VideoFile, is_video_name};
+use feeler_sources::{PictureFiles, RawFrames, VideoFile, is_video_name};
 use std::io::stdin;
 use std::path::{Path, PathBuf};
 

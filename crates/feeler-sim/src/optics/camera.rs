@@ -7,8 +7,7 @@ use crate::random::{Generator, Purpose, generator};
 use crate::rig::hand::SimRig;
 use crate::rig::sensor_faults::SensorFaults;
 use feeler::sensor::fingertip::Fingertip;
-use feeler::sensor::image::Frame;
-use feeler::sensor::image::{Camera, CameraError, check_frame_size};
+use feeler::sensor::image::{Camera, CameraError, Frame, check_frame_size};
 use glam::DVec3;
 
 /// Renders images of one finger's dome. Forces reach the sensor only through these images.

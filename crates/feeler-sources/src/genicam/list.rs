@@ -1,8 +1,7 @@
 //! Lists the cameras that respond, with their capabilities.
 
-use super::FAKE;
-use super::GenicamError;
 use super::aravis::{Aravis, Quantity};
+use super::{FAKE, GenicamError};
 
 /// Minimum and maximum value.
 pub type Range = [f64; 2];

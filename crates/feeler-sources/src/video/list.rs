@@ -2,9 +2,8 @@
 
 use linuxvideo::format::{FrameIntervals, FrameSizes, PixelFormat};
 use linuxvideo::{BufType, CapabilityFlags, Device, Fract};
-use std::fs;
-use std::io;
 use std::path::{Path, PathBuf};
+use std::{fs, io};
 
 /// A device with the name of a video device.
 #[derive(Debug)]

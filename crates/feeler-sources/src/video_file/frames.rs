@@ -1,8 +1,7 @@
 //! Random access to the frames of a video file.
 
 use super::{VideoFile, VideoFileError};
-use feeler::sensor::image::{Camera, CameraError};
-use feeler::sensor::image::{Frame, Picture};
+use feeler::sensor::image::{Camera, CameraError, Frame, Picture};
 use std::path::{Path, PathBuf};
 
 /// Frames of a video file, by index from 0.

@@ -8,8 +8,7 @@ pub use error::VideoFileError;
 pub use ffmpeg::Ffmpeg;
 pub use frames::VideoFrames;
 
-use feeler::sensor::image::Frame;
-use feeler::sensor::image::{Camera, CameraError, CaptureReport, check_frame_size};
+use feeler::sensor::image::{Camera, CameraError, CaptureReport, Frame, check_frame_size};
 use ffmpeg::{FrameInfo, listen};
 use std::io::Read;
 use std::path::{Path, PathBuf};

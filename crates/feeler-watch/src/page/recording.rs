@@ -3,9 +3,7 @@
 use super::ServerOptions;
 use super::server::PageListener;
 use super::source::print_url;
-use feeler_console::Reading;
-use feeler_console::watch_for_interrupt;
-use feeler_console::{CommandError, Outcome};
+use feeler_console::{CommandError, Outcome, Reading, watch_for_interrupt};
 use feeler_report::run::make::page_of_file;
 use std::io::Write;
 use std::path::Path;

@@ -3,8 +3,7 @@
 use super::programs::warnings;
 use crate::snapshot::{Fault, UNKNOWN};
 use feeler::control::FingerFlags;
-use feeler_link::inboxes::Inbox;
-use feeler_link::inboxes::WatchInbox;
+use feeler_link::inboxes::{Inbox, WatchInbox};
 use feeler_link::messages::message::{
     HandMode, InstrumentsMessage, NO_FINGER, ProgramKind, StateMessage, TactileUpdate,
 };

@@ -5,8 +5,7 @@ use crate::terminal::{
     Action, Fault, Finger, History, Program, ProgramState, Snapshot, TaskState, TimeBase, Torque,
     UNKNOWN, View,
 };
-use feeler::control::StopReason;
-use feeler::control::TactileReading;
+use feeler::control::{StopReason, TactileReading};
 use feeler::pace::Tick;
 use feeler::sensor::fingertip::ElementLayout;
 use feeler_console::CommandError;

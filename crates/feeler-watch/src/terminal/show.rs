@@ -3,8 +3,7 @@
 use super::{Action, View, text};
 use crate::rig::WatchedRig;
 use crate::snapshot::Snapshot;
-use feeler_console::watch_for_interrupt;
-use feeler_console::{CommandError, Outcome};
+use feeler_console::{CommandError, Outcome, watch_for_interrupt};
 use feeler_lab::config::Experiment;
 use feeler_link::transport::Network;
 use std::io::Write;

@@ -3,9 +3,10 @@
 
 use assert_no_alloc::assert_no_alloc;
 use feeler::hand::kinematics::{fingertip_pose, jacobian};
-use feeler::hand::{FingerConfig, FingerGeometry};
-use feeler::hand::{KinematicsError, POSITION_TOLERANCE, inverse_kinematics};
-use feeler::hand::{damping_threshold, resolved_rate};
+use feeler::hand::{
+    FingerConfig, FingerGeometry, KinematicsError, POSITION_TOLERANCE, damping_threshold,
+    inverse_kinematics, resolved_rate,
+};
 use glam::{DMat3, DVec3};
 use nalgebra::{Matrix3, Matrix4, Vector3};
 use proptest::prelude::*;

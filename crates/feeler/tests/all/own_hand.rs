@@ -4,8 +4,7 @@
 #[path = "../../examples/own_hand.rs"]
 mod example;
 
-use feeler::control::Phase;
-use feeler::control::StopReason;
+use feeler::control::{Phase, StopReason};
 use feeler::hand::HandCommand;
 use feeler::pace::{Clock, FixedRate};
 use std::cell::Cell;

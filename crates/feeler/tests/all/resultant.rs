@@ -1,7 +1,6 @@
 //! Resultant force of a tactile frame, compared with a case calculated by hand.
 
-use feeler::control::TactileReading;
-use feeler::control::{FingerReadings, FingertipPose};
+use feeler::control::{FingerReadings, FingertipPose, TactileReading};
 use feeler::glam::{DMat3, DVec3};
 use feeler::hand::JointState;
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, RingConfig};

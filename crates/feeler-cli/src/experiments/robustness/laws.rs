@@ -5,14 +5,12 @@ use crate::experiments::compare::laws::laws;
 use crate::experiments::contenders::{Contender, contenders, run, under_law};
 use crate::{CommandError, Outcome};
 use feeler_lab::sweep::analysis::{LawTrials, law_shares};
-use feeler_lab::sweep::plan::Design;
-use feeler_lab::sweep::plan::ranges;
 use feeler_lab::sweep::plan::ranges::Ranges;
+use feeler_lab::sweep::plan::{Design, ranges};
 use feeler_lab::sweep::results::write_whole;
 use feeler_lab::sweep::trial::Trials;
 use feeler_lab::sweep::{Ended, Plan};
-use feeler_report::pages::percent;
-use feeler_report::pages::{LawSharesPage, law_shares_page};
+use feeler_report::pages::{LawSharesPage, law_shares_page, percent};
 use std::io::Write;
 
 /// File name of the report.

@@ -2,8 +2,7 @@
 
 use super::schedule::{Event, Program, SPEED, Schedule};
 use crate::rig::{Rig, Running, Setup, ages_of_moves, connect};
-use feeler_link::transport::Outlet;
-use feeler_link::transport::Topic;
+use feeler_link::transport::{Outlet, Topic};
 use feeler_record::{Phase, Recording};
 use std::collections::HashSet;
 use std::fs;

@@ -6,19 +6,15 @@ use feeler_link::messages::message::{
     CommandMessage, HandMode, Heartbeat, MessageHeader, NO_FINGER, PROTOCOL, ProgramKind,
     ResumeMessage, StateMessage, StopMessage, TactileUpdate,
 };
-use feeler_link::transport::Link;
-use feeler_link::transport::Topic;
-use feeler_link::transport::{MessageHandler, Network};
-use feeler_link::transport::{Outlet, draw_instance, send};
+use feeler_link::transport::{Link, MessageHandler, Network, Outlet, Topic, draw_instance, send};
 use feeler_record::wire::{Vector3, cdr};
 use std::collections::HashMap;
-use std::fs;
 use std::io::Write;
 use std::net::TcpStream;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
-use std::thread;
 use std::time::Duration;
+use std::{fs, thread};
 
 const NOT_A_NUMBER: Vector3 = Vector3 {
     x: f64::NAN,

@@ -3,8 +3,7 @@
 use super::faults::{NO_HURRY, check};
 use crate::rig::{Setup, certificates, connect};
 use feeler_link::messages::message::{PROTOCOL, ResumeMessage};
-use feeler_link::transport::Topic;
-use feeler_link::transport::send;
+use feeler_link::transport::{Topic, send};
 use feeler_record::Phase;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;

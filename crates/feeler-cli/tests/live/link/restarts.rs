@@ -12,10 +12,9 @@ use feeler_link::programs::{Rig as _, SensorOutput};
 use image::GrayImage;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
-use std::fs;
 use std::io::Write;
-use std::thread;
 use std::time::Duration;
+use std::{fs, thread};
 
 /// Number of restarts of each program, set by `FEELER_RESTARTS` (default 3).
 fn times() -> usize {

@@ -4,11 +4,10 @@ use super::faults::{GOES_ON, STALE};
 use super::hostile::be_hostile;
 use crate::how_many::how_many;
 use crate::rig::{Running, Setup, ages_of_moves};
-use std::fs;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::thread;
 use std::time::Duration;
+use std::{fs, thread};
 
 /// Ratio of the rig's time to real time.
 const SPEED: f64 = 4.0;

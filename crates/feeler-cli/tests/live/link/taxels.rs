@@ -5,10 +5,9 @@ use crate::rig::{Rig, Running, Setup};
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
 use glam::DVec3;
 use std::fmt::Write as _;
-use std::fs;
 use std::io::Write as _;
-use std::thread;
 use std::time::Duration;
+use std::{fs, thread};
 
 /// Rows per second: low enough for a busy computer, high enough that a slow rig's data stay fresh.
 const RATE: u64 = 5;

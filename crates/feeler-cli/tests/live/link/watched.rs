@@ -7,10 +7,9 @@ use crate::ports::unused_endpoint;
 use crate::program::{folder, run};
 use crate::rig::{HANGS, QUARTER, Rig, Setup, within_reason};
 use crate::skip::not_permitted;
-use std::fs;
 use std::process::Command;
-use std::thread;
 use std::time::{Duration, Instant};
+use std::{fs, thread};
 
 /// Labels of a stroke's phases. The current phase is shown in capitals.
 const PHASES: [&str; 4] = [" SEARCH ", " MOVE ", " RELEASE ", " RETURN "];

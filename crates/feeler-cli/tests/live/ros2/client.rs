@@ -3,10 +3,7 @@
 use super::peers::{Running, Words, pyzeros, script};
 use crate::ports::unused_endpoint;
 use feeler::hand::{Hand, HandCommand, HandState};
-use feeler_ros2::GraphClock;
-use feeler_ros2::NodeName;
-use feeler_ros2::{Node, NodeConfig};
-use feeler_ros2::{RosHand, RosHandConfig};
+use feeler_ros2::{GraphClock, Node, NodeConfig, NodeName, RosHand, RosHandConfig};
 use glam::DVec3;
 use serde_json::json;
 use std::io::Write;

@@ -1,8 +1,7 @@
 //! Arbitrary terminal sizes and values do not break the screen.
 
 use super::scenes::{finger, idle, program, screen, slipping, stopped};
-use feeler::control::Phase;
-use feeler::control::{FingerFlags, FlagThresholds};
+use feeler::control::{FingerFlags, FlagThresholds, Phase};
 use feeler::sensor::fingertip::SensingElement;
 use feeler_watch::{Fault, Finger, Program, ProgramState, Snapshot, TaskState, TimeBase, Torque};
 use glam::{DMat3, DVec3};

@@ -1,7 +1,6 @@
 //! Snapshots of typical situations, and their rendering.
 
-use feeler::control::Phase;
-use feeler::control::{FingerFlags, FlagThresholds};
+use feeler::control::{FingerFlags, FlagThresholds, Phase};
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
 pub use feeler_watch::text as screen;
 use feeler_watch::{Fault, Finger, Program, ProgramState, Snapshot, TaskState, TimeBase, Torque};

@@ -2,32 +2,22 @@
 //! over the link.
 
 use super::bench::{load, step_at};
-use feeler::control::ControlLoop;
-use feeler::control::Controller;
-use feeler::control::FlagAnalyzer;
-use feeler::control::StopReason;
-use feeler::control::TactileReading;
+use feeler::control::{ControlLoop, Controller, FlagAnalyzer, StopReason, TactileReading};
 use feeler::hand::HandState;
-use feeler::sensor::forces::NO_FORCE;
-use feeler::sensor::forces::SensingChain;
+use feeler::sensor::forces::{NO_FORCE, SensingChain};
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::SimRigServer;
 use feeler_lab::experiment::replay::{Replay, ReplayFrom, recorded_experiment};
-use feeler_lab::experiment::{Session, controller, fingers_at_home, layouts, run_facts};
-use feeler_link::hand::RunClock;
-use feeler_link::hand::{RemoteFinger, RemoteHand};
-use feeler_link::inboxes::Expected;
-use feeler_link::inboxes::HandInbox;
-use feeler_link::inboxes::Inbox;
+use feeler_lab::experiment::{
+    Session, SimRigServer, controller, fingers_at_home, layouts, run_facts,
+};
+use feeler_link::hand::{RemoteFinger, RemoteHand, RunClock};
+use feeler_link::inboxes::{Expected, HandInbox, Inbox};
 use feeler_link::messages::Echo;
 use feeler_link::messages::message::{
     Heartbeat, MessageHeader, NO_FINGER, PROTOCOL, StateMessage, TactileUpdate,
 };
 use feeler_link::programs::{Rig, RigSpeed, SensorOutput};
-use feeler_link::transport::LinkError;
-use feeler_link::transport::Shared;
-use feeler_link::transport::Topic;
-use feeler_link::transport::{Outlet, header, monotonic};
+use feeler_link::transport::{LinkError, Outlet, Shared, Topic, header, monotonic};
 use feeler_record::wire::{Message, Vector3, cdr};
 use feeler_record::{RecordOptions, Recorder, Recording, RunLog};
 use std::fs;

@@ -5,12 +5,10 @@ use assert_no_alloc::assert_no_alloc;
 use feeler::control::StopReason;
 use feeler::sensor::fingertip::Fingertip;
 use feeler::sensor::forces::TactileFrame;
-use feeler::sensor::image::Camera;
-use feeler::sensor::image::Frame;
+use feeler::sensor::image::{Camera, Frame};
 use feeler_lab::experiment::Session;
 use feeler_sim::optics::SimCamera;
-use feeler_sim::rig::SensorFaults;
-use feeler_sim::rig::SimRig;
+use feeler_sim::rig::{SensorFaults, SimRig};
 use glam::DVec3;
 
 /// Number of control steps. The fingers turn the cap from about 1.5 s on.

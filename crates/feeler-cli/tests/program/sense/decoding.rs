@@ -77,8 +77,7 @@ proptest! {
 #[test]
 fn damaged_motion_jpeg() {
     use feeler::sensor::image::Picture;
-    use feeler_sources::Fit;
-    use feeler_sources::MotionJpeg;
+    use feeler_sources::{Fit, MotionJpeg};
     use rand::{RngExt, SeedableRng};
     let frames: Vec<&Vec<u8>> = FILES
         .iter()

@@ -3,8 +3,7 @@
 use feeler::sensor::fingertip::Fingertip;
 use feeler::sensor::image::Picture;
 use feeler_lab::config::Experiment;
-use feeler_sim::optics::OpticsModel;
-use feeler_sim::optics::{OpticsScratch, render};
+use feeler_sim::optics::{OpticsModel, OpticsScratch, render};
 use glam::{DVec2, DVec3};
 use image::{DynamicImage, GrayImage};
 use rand::{RngExt, SeedableRng};

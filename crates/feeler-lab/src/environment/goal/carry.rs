@@ -14,8 +14,7 @@ use crate::config::Experiment;
 use crate::environment::EnvironmentError;
 use feeler::control::task::TaskConfig;
 use feeler::control::task::carry::CarryConfig;
-use feeler_sim::objects::Motion;
-use feeler_sim::objects::Pose;
+use feeler_sim::objects::{Motion, Pose};
 use feeler_sim::world::World;
 use glam::DVec3;
 

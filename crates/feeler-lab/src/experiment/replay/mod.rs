@@ -13,8 +13,7 @@ use super::sensors::optical_sensor;
 use super::{Sensor, controller, fingers_at_home, layouts};
 use crate::config::{ConfigError, Experiment};
 use compare::Comparer;
-use feeler::control::ControlLoop;
-use feeler::control::Controller;
+use feeler::control::{ControlLoop, Controller};
 use feeler_record::{
     InstrumentRecord, RecordedCamera, RecordedHand, Recorder, Recording, RunLog, Tactile,
 };

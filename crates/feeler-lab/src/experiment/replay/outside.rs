@@ -6,10 +6,7 @@
 
 use super::{ReplayError, control_loop, recorded_forces, steps};
 use crate::config::Experiment;
-use feeler::control::Controller;
-use feeler::control::Phase;
-use feeler::control::StopReason;
-use feeler::control::TactileReading;
+use feeler::control::{Controller, Phase, StopReason, TactileReading};
 use feeler::hand::{HandCommand, HandState};
 use feeler_record::Recording;
 

@@ -1,7 +1,6 @@
 //! Recorded tactile readings, with flags computed from the forces if possible.
 
-use feeler::control::{FingerFlags, FlagAnalyzer, FlagThresholds};
-use feeler::control::{TactileReading, TactileSource};
+use feeler::control::{FingerFlags, FlagAnalyzer, FlagThresholds, TactileReading, TactileSource};
 use feeler::sensor::forces::{SensorError, TactileSensor};
 use feeler_record::{FingerRecord, Flags, NO_ELEMENT, RecordedSensor, Recording};
 

@@ -4,13 +4,12 @@
 use crate::config::Experiment;
 use crate::experiment::{ExperimentError, Session, fingers_at_home};
 use feeler::pace::{FixedRate, PaceError, Schedule};
-use feeler_drives::DriveError;
-use feeler_drives::RigClock;
 use feeler_drives::bus::Bus;
 use feeler_drives::config::{DrivesConfig, JointDriveConfig};
 use feeler_drives::emulator::{Emulator, EmulatorConfig, EmulatorError, Lockstep, Motion, Plant};
 use feeler_drives::hand::DriveHand;
 use feeler_drives::registers::COUNTS_PER_TURN;
+use feeler_drives::{DriveError, RigClock};
 use feeler_sim::rig::SimRig;
 use feeler_sim::world::World;
 use glam::DVec3;

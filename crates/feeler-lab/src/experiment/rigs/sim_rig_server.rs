@@ -8,13 +8,11 @@ use crate::experiment::{
 };
 use feeler::hand::{Hand, HandCommand, HandError, HandState};
 use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
-use feeler::sensor::image::Camera;
-use feeler::sensor::image::Frame;
+use feeler::sensor::image::{Camera, Frame};
 use feeler_link::messages::message::InstrumentsMessage;
 use feeler_link::programs::{Rig, SensorOutput};
 use feeler_sim::optics::SimCamera;
-use feeler_sim::rig::DirectSensor;
-use feeler_sim::rig::{SimHand, SimRig};
+use feeler_sim::rig::{DirectSensor, SimHand, SimRig};
 
 /// A simulated rig that advances step by step.
 pub struct SimRigServer {

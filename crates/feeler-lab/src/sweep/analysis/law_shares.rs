@@ -4,8 +4,7 @@ use super::robustness::{is_hand, ranges, share};
 use crate::sweep::results::claim_columns::ClaimColumns;
 use crate::sweep::results::table::Table;
 use crate::sweep::trial::Trials;
-use feeler_report::pages::Share;
-use feeler_report::pages::{LawShares, LawSharesPage};
+use feeler_report::pages::{LawShares, LawSharesPage, Share};
 use std::collections::BTreeSet;
 
 /// A law with its trials.

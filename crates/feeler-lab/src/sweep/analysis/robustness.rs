@@ -13,10 +13,8 @@ use crate::sweep::results::table::Table;
 use crate::sweep::trial::Trials;
 use feeler_report::DecidedBy;
 use feeler_report::figures::sweep::wilson;
-use feeler_report::pages::RangeRow;
-use feeler_report::pages::Varied;
 use feeler_report::pages::{
-    ALL_OF_HAND, Ending, Index, Measure, NOTHING, RobustnessPage, Share, Trace,
+    ALL_OF_HAND, Ending, Index, Measure, NOTHING, RangeRow, RobustnessPage, Share, Trace, Varied,
 };
 use std::collections::BTreeMap;
 

@@ -5,8 +5,9 @@ use super::table::Table;
 use crate::sweep::SweepError;
 use crate::sweep::plan::distribution::Distribution;
 use crate::sweep::trial::Trials;
-use feeler_report::pages::significant;
-use feeler_report::pages::{Counted, Measured, SweepPage, TrialMeasure, Varied, sweep_page};
+use feeler_report::pages::{
+    Counted, Measured, SweepPage, TrialMeasure, Varied, significant, sweep_page,
+};
 use std::collections::BTreeMap;
 use std::path::Path;
 

@@ -2,15 +2,11 @@
 
 use super::hand::IdealHand;
 use assert_no_alloc::assert_no_alloc;
-use feeler::control::ControlLoop;
-use feeler::control::FlaggedSensor;
-use feeler::control::Phase;
+use feeler::control::{ControlLoop, FlaggedSensor, Phase};
 use feeler::hand::HandCommand;
 use feeler::sensor::calibration::Calibration;
-use feeler::sensor::forces::OpticalSensor;
-use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
-use feeler::sensor::image::Frame;
-use feeler::sensor::image::{Camera, CameraError};
+use feeler::sensor::forces::{OpticalSensor, SensorError, TactileFrame, TactileSensor};
+use feeler::sensor::image::{Camera, CameraError, Frame};
 use feeler_lab::config::{BUILT_IN, Experiment};
 use feeler_lab::experiment::{self, Session, fingers_at_home, layouts};
 

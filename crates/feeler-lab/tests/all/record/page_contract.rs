@@ -5,14 +5,14 @@
 
 use crate::support;
 use feeler_record::{Recording, Solid, SolidFrame, SolidShape};
-use feeler_report::pages::{Live, LiveRig, live_page};
-use feeler_report::pages::{Measured, SweepPage, TrialMeasure, Varied, sweep_page};
-use feeler_report::pages::{OperatingPoint, Roc, SlipPage, slip_page};
+use feeler_report::pages::{
+    Live, LiveRig, Measured, OperatingPoint, Roc, SlipPage, SweepPage, TrialMeasure, Varied,
+    live_page, slip_page, sweep_page,
+};
 use feeler_report::run::page_of;
 use serde_json::Value;
-use std::env;
-use std::fs;
 use std::path::{Path, PathBuf};
+use std::{env, fs};
 
 /// Maximum number of entries of a list in the examples.
 const SHOWN: usize = 4;

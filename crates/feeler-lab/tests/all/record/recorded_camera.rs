@@ -3,8 +3,7 @@
 // Only the constants of the synthetic run are used.
 #[allow(dead_code)]
 use crate::support;
-use feeler::sensor::image::Frame;
-use feeler::sensor::image::{Camera, CameraError};
+use feeler::sensor::image::{Camera, CameraError, Frame};
 use feeler_record::{
     Image, MessageSink, RecordOptions, RecordedCamera, Recorder, Recording, Tactile, topics,
 };

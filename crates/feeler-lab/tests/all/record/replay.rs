@@ -1,9 +1,6 @@
 //! Replaying a recording through the same sensing and control is bit-identical.
 
-use feeler::control::FlaggedSensor;
-use feeler::control::Phase;
-use feeler::control::StopReason;
-use feeler::control::{ControlError, ControlLoop};
+use feeler::control::{ControlError, ControlLoop, FlaggedSensor, Phase, StopReason};
 use feeler::hand::HandError;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::replay::{Comparison, Kind, Replay, ReplayFrom, recorded_experiment};

@@ -3,8 +3,7 @@
 use super::python;
 use crate::support;
 use crate::whole_runs::run;
-use feeler::sensor::image::Camera;
-use feeler::sensor::image::Frame;
+use feeler::sensor::image::{Camera, Frame};
 use feeler_lab::experiment::Pictures;
 use feeler_record::{
     Image, MessageSink, RecordOptions, RecordedCamera, Recorder, Recording, Tactile, topics,

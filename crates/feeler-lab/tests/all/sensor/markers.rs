@@ -5,11 +5,10 @@ use feeler::sensor::fingertip::Fingertip;
 use feeler::sensor::locate::{LocateConfig, Polarity, ReferencePicture, locate};
 use feeler::sensor::moments::ElementMoments;
 use feeler_lab::config::Experiment;
-use feeler_sim::bench::CalibrationBenchError;
-use feeler_sim::bench::{CalibrationBenchConfig, Load, load_simulated, take_pictures};
-use feeler_sim::optics::MarkerConfig;
-use feeler_sim::optics::OpticsModel;
-use feeler_sim::optics::{OpticsConfig, OpticsError};
+use feeler_sim::bench::{
+    CalibrationBenchConfig, CalibrationBenchError, Load, load_simulated, take_pictures,
+};
+use feeler_sim::optics::{MarkerConfig, OpticsConfig, OpticsError, OpticsModel};
 use glam::{DVec2, DVec3};
 
 const FINGERTIPS: [&str; 3] = ["cap-closing-pins", "cap-closing-fibres", "cap-closing-gel"];

@@ -1,7 +1,6 @@
 //! Shapes of objects, compared with brute force, the geometry library and finite differences.
 
-use feeler_sim::shapes::KnurledCylinder;
-use feeler_sim::shapes::shape;
+use feeler_sim::shapes::{KnurledCylinder, shape};
 use glam::{DVec2, DVec3};
 use proptest::prelude::*;
 use std::f64::consts::TAU;

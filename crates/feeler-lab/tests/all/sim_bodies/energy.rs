@@ -4,8 +4,7 @@ use super::scene::{empty, fixed, world_with_fingers};
 use feeler_sim::contact::RelaxationConfig;
 use feeler_sim::objects::Pose;
 use feeler_sim::shapes::shape::ShapeConfig;
-use feeler_sim::world::SimConfig;
-use feeler_sim::world::World;
+use feeler_sim::world::{SimConfig, World};
 use glam::{DMat3, DVec3, EulerRot};
 use std::f64::consts::TAU;
 

@@ -3,8 +3,7 @@
 use super::scene::{GRAVITY, cuboid, empty, fixed, free, world_with_fingers};
 use feeler_sim::objects::Pose;
 use feeler_sim::shapes::shape::ShapeConfig;
-use feeler_sim::world::SimConfig;
-use feeler_sim::world::World;
+use feeler_sim::world::{SimConfig, World};
 use glam::{DMat3, DVec3};
 
 const MASS: f64 = 0.05;

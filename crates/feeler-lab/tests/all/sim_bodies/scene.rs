@@ -5,8 +5,7 @@ use feeler::sensor::fingertip::ElementLayout;
 use feeler_lab::config::Experiment;
 use feeler_sim::objects::{FreeConfig, MotionConfig, ObjectConfig};
 use feeler_sim::shapes::shape::ShapeConfig;
-use feeler_sim::world::SimConfig;
-use feeler_sim::world::World;
+use feeler_sim::world::{SimConfig, World};
 use glam::DVec3;
 use std::path::Path;
 

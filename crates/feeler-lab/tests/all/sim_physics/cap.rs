@@ -1,10 +1,7 @@
 //! Cap on its thread: descent, tightening and loosening.
 
 use super::reference::{commands, experiment, replay, world};
-use feeler_sim::objects::Motion;
-use feeler_sim::objects::PlaySpring;
-use feeler_sim::objects::Pose;
-use feeler_sim::objects::{FingerLoad, Hinge, ThreadConfig, Turn};
+use feeler_sim::objects::{FingerLoad, Hinge, Motion, PlaySpring, Pose, ThreadConfig, Turn};
 use glam::{DMat3, DVec3};
 use std::f64::consts::TAU;
 

@@ -1,10 +1,8 @@
 //! Invariants of every physics step of the reference run.
 
 use super::reference::{commands, experiment, replay, world};
-use feeler_sim::objects::Motion;
-use feeler_sim::objects::ThreadConfig;
-use feeler_sim::world::Contact;
-use feeler_sim::world::World;
+use feeler_sim::objects::{Motion, ThreadConfig};
+use feeler_sim::world::{Contact, World};
 use glam::DVec3;
 
 /// Torque of the fingers' contacts about the cap's axis (N·m), from forces and contact points in W.

@@ -2,8 +2,9 @@
 
 use super::one_feeler::OneFeeler;
 use super::reference::{commands, experiment, replay, world};
-use feeler_sim::objects::{FingerLoad, Hinge, ThreadConfig, Turn};
-use feeler_sim::objects::{HolderConfig, LateralConfig, PlaySpring};
+use feeler_sim::objects::{
+    FingerLoad, Hinge, HolderConfig, LateralConfig, PlaySpring, ThreadConfig, Turn,
+};
 use feeler_sim::world::State;
 use glam::DVec3;
 

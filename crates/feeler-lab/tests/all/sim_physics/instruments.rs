@@ -2,9 +2,7 @@
 
 use feeler::hand::{Hand, HandCommand, HandState};
 use feeler_sim::random::{Purpose, generator};
-use feeler_sim::rig::TorqueSensorConfig;
-use feeler_sim::rig::{Joints, ServoConfig};
-use feeler_sim::rig::{SimHand, SimRig};
+use feeler_sim::rig::{Joints, ServoConfig, SimHand, SimRig, TorqueSensorConfig};
 use glam::DVec3;
 
 use super::reference::{commands, experiment, world};

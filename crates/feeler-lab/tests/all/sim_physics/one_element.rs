@@ -1,7 +1,6 @@
 //! A fingertip with a single element on a fixed cap: the contact law within a complete world.
 
-use feeler::hand::resolved_rate;
-use feeler::hand::{FingerConfig, FingerGeometry};
+use feeler::hand::{FingerConfig, FingerGeometry, resolved_rate};
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, RingConfig};
 use feeler_sim::objects::MotionConfig;
 use feeler_sim::shapes::shape::ShapeConfig;

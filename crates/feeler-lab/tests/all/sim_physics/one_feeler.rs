@@ -4,8 +4,7 @@ use feeler::hand::FingerGeometry;
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, RingConfig};
 use feeler_sim::contact::FeelerConfig;
 use feeler_sim::objects::Pose;
-use feeler_sim::world::SimConfig;
-use feeler_sim::world::World;
+use feeler_sim::world::{SimConfig, World};
 use glam::{DMat3, DVec3};
 use std::path::Path;
 

@@ -1,19 +1,13 @@
 //! Valid messages, to be invalidated by tests, and inboxes that have accepted a hand, a world and a sensor program.
 
 use feeler_link::hand::{RigSpeed, RunClock};
-use feeler_link::inboxes::Expected;
-use feeler_link::inboxes::HandInbox;
-use feeler_link::inboxes::Inbox;
-use feeler_link::inboxes::RigInbox;
-use feeler_link::inboxes::SenseInbox;
-use feeler_link::messages::Rejection;
+use feeler_link::inboxes::{Expected, HandInbox, Inbox, RigInbox, SenseInbox};
 use feeler_link::messages::message::{
     CommandMessage, HandMode, Heartbeat, MessageHeader, NO_ELEMENT, NO_FINGER, PROTOCOL,
     StateMessage, TactileUpdate,
 };
-use feeler_link::messages::{Echo, SentSteps};
-use feeler_link::transport::Topic;
-use feeler_link::transport::{encode, header};
+use feeler_link::messages::{Echo, Rejection, SentSteps};
+use feeler_link::transport::{Topic, encode, header};
 use feeler_record::wire::{Message, Vector3};
 
 /// Instances of the programs.

@@ -5,15 +5,13 @@ use super::bench::{
 };
 use feeler::control::StopReason;
 use feeler_link::hand::Permission;
-use feeler_link::inboxes::HandInbox;
-use feeler_link::inboxes::Inbox;
+use feeler_link::inboxes::{HandInbox, Inbox};
 use feeler_link::messages::Rejection;
 use feeler_link::messages::message::{
     InstrumentsMessage, MessageHeader, PROTOCOL, ResumeMessage, StateMessage, StopMessage,
     TactileUpdate,
 };
-use feeler_link::transport::Topic;
-use feeler_link::transport::encode;
+use feeler_link::transport::{Topic, encode};
 use feeler_record::wire::Vector3;
 use glam::DQuat;
 

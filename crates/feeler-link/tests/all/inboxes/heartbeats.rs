@@ -1,13 +1,10 @@
 //! Acceptance of programs by their heartbeats.
 
 use super::bench::{NOBODY, SENSE, WORLD, expected, hand, hear, heartbeat, put};
-use feeler_link::inboxes::Inbox;
-use feeler_link::inboxes::Peers;
-use feeler_link::messages::Mismatch;
-use feeler_link::messages::Rejection;
+use feeler_link::inboxes::{Inbox, Peers};
 use feeler_link::messages::message::Heartbeat;
-use feeler_link::transport::encode;
-use feeler_link::transport::{Place, Topic};
+use feeler_link::messages::{Mismatch, Rejection};
+use feeler_link::transport::{Place, Topic, encode};
 
 /// Reason for refusing a program with this heartbeat, if any.
 fn refused(heartbeat: &Heartbeat) -> Option<Mismatch> {

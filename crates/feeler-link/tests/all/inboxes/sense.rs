@@ -3,8 +3,7 @@
 use super::bench::{ELEMENTS, HAND, NOBODY, WORLD, hear, heartbeat, mode, put, sense};
 use feeler_link::messages::Rejection;
 use feeler_link::messages::message::{DirectForces, PictureMessage};
-use feeler_link::transport::Topic;
-use feeler_link::transport::header;
+use feeler_link::transport::{Topic, header};
 use feeler_record::wire::Vector3;
 
 fn picture(sequence: u64) -> PictureMessage {

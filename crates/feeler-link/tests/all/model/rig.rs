@@ -1,19 +1,13 @@
 //! Model of a rig with one finger, whose programs do the same as the real ones in a control period.
 
 use super::periods::{Channel, Fate, Happening, Period};
-use feeler_link::hand::Permission;
-use feeler_link::hand::{RigSpeed, RunClock};
-use feeler_link::inboxes::Expected;
-use feeler_link::inboxes::HandInbox;
-use feeler_link::inboxes::Inbox;
-use feeler_link::inboxes::RigInbox;
-use feeler_link::inboxes::SenseInbox;
+use feeler_link::hand::{Permission, RigSpeed, RunClock};
+use feeler_link::inboxes::{Expected, HandInbox, Inbox, RigInbox, SenseInbox};
 use feeler_link::messages::message::{
     CommandMessage, HandMode, Heartbeat, MessageHeader, NO_ELEMENT, NO_FINGER, PROTOCOL,
     ResumeMessage, StateMessage, StopMessage, TactileUpdate,
 };
-use feeler_link::transport::Topic;
-use feeler_link::transport::{encode, header};
+use feeler_link::transport::{Topic, encode, header};
 use feeler_record::wire::{Message, Vector3};
 
 /// Control period (s).

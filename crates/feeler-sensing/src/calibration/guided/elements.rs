@@ -3,10 +3,10 @@
 use super::folder::Folder;
 use super::guide::Guide;
 use super::{LOADS, Work};
-use feeler::sensor::calibration::FullScale;
-use feeler::sensor::calibration::ModelChoice;
-use feeler::sensor::calibration::{COLUMNS, PLACE_COLUMNS};
-use feeler::sensor::calibration::{Coverage, ForceAxes, Goal, LiveCalibration, Seen, Wrench};
+use feeler::sensor::calibration::{
+    COLUMNS, Coverage, ForceAxes, FullScale, Goal, LiveCalibration, ModelChoice, PLACE_COLUMNS,
+    Seen, Wrench,
+};
 use feeler::sensor::image::Picture;
 use feeler::sensor::moments::ElementMoments;
 use feeler_console::CommandError;

@@ -1,8 +1,7 @@
 //! Folder of images recorded live, with a table that grows by one row per image.
 
 use feeler::sensor::image::Picture;
-use feeler_console::CommandError;
-use feeler_console::cut_torn_line;
+use feeler_console::{CommandError, cut_torn_line};
 use feeler_report::run::make::create_folder;
 use image::{ExtendedColorType, ImageFormat};
 use std::fs::{self, File};

@@ -1,9 +1,10 @@
 //! Display for the operator while loading one element after another.
 
 use super::screen::{Screen, missing_before_loads};
-use feeler::sensor::calibration::{CalibrationTarget, FullScale};
-use feeler::sensor::calibration::{ElementRecord, LoadSample, ModelChoice, fit};
-use feeler::sensor::calibration::{LiveCalibration, Seen, Stage};
+use feeler::sensor::calibration::{
+    CalibrationTarget, ElementRecord, FullScale, LiveCalibration, LoadSample, ModelChoice, Seen,
+    Stage, fit,
+};
 use feeler::sensor::moments::ElementMoments;
 use feeler_lab::sensor::SensorGeometry;
 use glam::DVec3;

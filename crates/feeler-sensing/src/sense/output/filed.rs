@@ -2,8 +2,7 @@
 
 use super::{FrameReadings, Output, partial};
 use feeler::sensor::image::Frame;
-use feeler_console::CommandError;
-use feeler_console::PartFile;
+use feeler_console::{CommandError, PartFile};
 use std::path::PathBuf;
 
 /// An output to a file that gets its final name only when it is complete.

@@ -1,8 +1,7 @@
 //! Publishes the forces of a taxel array for the hand program.
 
 use super::super::SenseOptions;
-use feeler::sensor::fingertip::CalibrationTarget;
-use feeler::sensor::fingertip::{ElementLayout, SensingElement};
+use feeler::sensor::fingertip::{CalibrationTarget, ElementLayout, SensingElement};
 use feeler::sensor::forces::TactileFrame;
 use feeler::sensor::taxel::{TaxelLayout, TaxelUnit};
 use feeler_console::CommandError;

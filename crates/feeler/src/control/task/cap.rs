@@ -6,13 +6,12 @@
 //! expected angle, it uses the maximum grip. Once the fingers have slipped over a cap at rest in two consecutive
 //! strokes, the resistance measured so far decides the outcome.
 
-use super::Finding;
-use super::Task;
 use super::cap_config::{CapConfig, Until};
 use super::cap_estimator::CapEstimator;
 use super::homing::homeward;
 use super::resistance_curve::ResistanceCurve;
 use super::screw::{Path, ScrewConfig};
+use super::{Finding, Task};
 use crate::control::phase::Phase;
 use crate::control::plan::Plan;
 use crate::control::sense::{FingerReadings, HandReadings};

@@ -14,19 +14,18 @@ pub(crate) mod separable;
 pub(crate) mod signs;
 
 pub use coupled::{NORMAL_ORDERS, SHEAR_ORDERS};
-pub use fit::Outlier;
-pub use fit::{ElementRecord, LoadSample, ModelChoice, fit};
+pub use fit::{ElementRecord, LoadSample, ModelChoice, Outlier, fit};
 pub use live::{
-    Coverage, Delay, ForceAxes, Goal, LiveCalibration, LiveWrench, Seen, SeenWrench, Stage, Wrench,
-    WrenchCoverage,
+    Coverage, Delay, ForceAxes, Goal, LiveCalibration, LiveWrench, Missing, ParseAxesError, Seen,
+    SeenWrench, Stage, Wrench, WrenchCoverage, WrenchMissing,
 };
-pub use live::{Missing, ParseAxesError, WrenchMissing};
 pub use load_check::{
     ELEMENT_RANGE, FINGERTIP_RANGE, LoadCheckError, check_axes, check_axes_of_recordings,
     check_magnitude, check_numbers, check_offsets, check_outliers, check_unloaded,
 };
-pub use loads::CapturedImage;
-pub use loads::{COLUMNS, LoadedImage, LoadsError, PLACE_COLUMNS, RecordBuilder, read_loads};
+pub use loads::{
+    COLUMNS, CapturedImage, LoadedImage, LoadsError, PLACE_COLUMNS, RecordBuilder, read_loads,
+};
 pub use model::{
     CALIBRATION_VERSION, Calibration, CalibrationError, CalibrationModel, CalibrationTarget,
     CoupledMap, ElementCalibration, ForceCurve, ForceMap, ForceUnit, ForceValidity, HeldOutError,

@@ -7,8 +7,9 @@ pub(crate) mod made_for;
 pub(crate) mod model;
 
 pub use dome::{CameraConfig, DomeError, DomeProjection};
-pub use layout::GridConfig;
-pub use layout::{ElementLayout, LayoutConfig, MAX_ELEMENTS, RingConfig, SensingElement};
+pub use layout::{
+    ElementLayout, GridConfig, LayoutConfig, MAX_ELEMENTS, RingConfig, SensingElement,
+};
 pub use located_layout::{
     DomeGeometry, ElementPlace, LAYOUT_VERSION, LayoutError, LocatedLayout, MAX_LOCATED_ELEMENTS,
 };

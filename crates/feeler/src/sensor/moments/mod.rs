@@ -3,6 +3,5 @@
 pub(crate) mod config;
 pub(crate) mod kernel;
 
-pub use config::MomentsConfig;
-pub use config::MomentsError;
+pub use config::{MomentsConfig, MomentsError};
 pub use kernel::{ElementMoments, Instructions, MomentsKernel};

@@ -1,9 +1,10 @@
 //! Coupled model: meaning and number of coefficients, and the choice between models.
 
 use super::element::{RANGES, fitted, inputs, places, record};
-use feeler::sensor::calibration::ModelChoice;
-use feeler::sensor::calibration::{CalibrationModel, CoupledMap, ForceMap, RelativeMoments};
-use feeler::sensor::calibration::{NORMAL_ORDERS, SHEAR_ORDERS};
+use feeler::sensor::calibration::{
+    CalibrationModel, CoupledMap, ForceMap, ModelChoice, NORMAL_ORDERS, RelativeMoments,
+    SHEAR_ORDERS,
+};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;

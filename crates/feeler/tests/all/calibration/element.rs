@@ -1,9 +1,9 @@
 //! An element whose force is a given function of its moments.
 
 use feeler::sensor::calibration::{
-    Calibration, CalibrationError, CalibrationTarget, FullScale, LengthUnit, RelativeMoments,
+    Calibration, CalibrationError, CalibrationTarget, ElementRecord, FullScale, LengthUnit,
+    LoadSample, ModelChoice, RelativeMoments, fit,
 };
-use feeler::sensor::calibration::{ElementRecord, LoadSample, ModelChoice, fit};
 use feeler::sensor::moments::ElementMoments;
 use glam::{DVec2, DVec3};
 use rand::{RngExt, SeedableRng};

@@ -1,9 +1,9 @@
 //! Loads that do not determine a calibration are rejected with messages.
 
 use super::element::{fitted, inputs, made_for, moments, places, record};
-use feeler::sensor::calibration::RecordBuilder;
-use feeler::sensor::calibration::{ElementRecord, ModelChoice, fit};
-use feeler::sensor::calibration::{FullScale, RelativeMoments};
+use feeler::sensor::calibration::{
+    ElementRecord, FullScale, ModelChoice, RecordBuilder, RelativeMoments, fit,
+};
 use glam::DVec3;
 
 fn good() -> ElementRecord {

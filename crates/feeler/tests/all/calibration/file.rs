@@ -1,10 +1,10 @@
 //! Calibration files: contents and rejected values.
 
 use super::element::{fitted, made_for, places, record};
-use feeler::sensor::calibration::ModelChoice;
-use feeler::sensor::calibration::{Calibration, CalibrationTarget, ForceMap, LengthUnit};
-use feeler::sensor::fingertip::FingertipConfig;
-use feeler::sensor::fingertip::sha256;
+use feeler::sensor::calibration::{
+    Calibration, CalibrationTarget, ForceMap, LengthUnit, ModelChoice,
+};
+use feeler::sensor::fingertip::{FingertipConfig, sha256};
 use glam::DVec3;
 
 fn calibration(choice: ModelChoice) -> Calibration {

@@ -2,11 +2,10 @@
 
 use super::element::{CENTROID, GRAY, fitted, inputs, moments, places, record};
 use feeler::sensor::calibration::{
-    Calibration, CalibrationTarget, ElementQuality, FullScale, HeldOutError, RelativeMoments,
+    Calibration, CalibrationReport, CalibrationTarget, CycledReading, ElementQuality, Errors,
+    FullScale, HeldOutError, LoadSample, ModelChoice, RelativeMoments,
+    repeatability_and_hysteresis,
 };
-use feeler::sensor::calibration::{CalibrationReport, Errors};
-use feeler::sensor::calibration::{CycledReading, repeatability_and_hysteresis};
-use feeler::sensor::calibration::{LoadSample, ModelChoice};
 use feeler::sensor::fingertip::FingertipConfig;
 use glam::DVec3;
 

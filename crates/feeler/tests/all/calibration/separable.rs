@@ -1,9 +1,9 @@
 //! Separable model: three cubic curves, continued as straight lines beyond their ranges.
 
 use super::element::{RANGES, fitted, inputs, moments, places, record};
-use feeler::sensor::calibration::ModelChoice;
 use feeler::sensor::calibration::{
-    Calibration, CalibrationModel, ForceCurve, ForceMap, ForceValidity, RelativeMoments,
+    Calibration, CalibrationModel, ForceCurve, ForceMap, ForceValidity, ModelChoice,
+    RelativeMoments,
 };
 use feeler::sensor::moments::ElementMoments;
 use glam::{DVec2, DVec3};

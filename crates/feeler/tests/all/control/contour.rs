@@ -1,12 +1,9 @@
 //! The outline that the contour task measures on a plane surface, with forces that follow Coulomb's law.
 
 use super::rig::layout;
-use feeler::control::FeelerShape;
-use feeler::control::Phase;
-use feeler::control::TactileReading;
 use feeler::control::task::Task;
 use feeler::control::task::contour::{Contour, ContourConfig};
-use feeler::control::{FingertipPose, HandReadings};
+use feeler::control::{FeelerShape, FingertipPose, HandReadings, Phase, TactileReading};
 use feeler::hand::JointState;
 use glam::{DMat3, DVec2, DVec3};
 

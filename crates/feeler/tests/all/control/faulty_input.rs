@@ -1,8 +1,7 @@
 //! Input that is NaN or infinite stops the hand, in any field.
 
 use super::rig::{controller, state, touch};
-use feeler::control::StopReason;
-use feeler::control::TactileReading;
+use feeler::control::{StopReason, TactileReading};
 use feeler::hand::{HandCommand, HandState};
 use glam::DVec3;
 

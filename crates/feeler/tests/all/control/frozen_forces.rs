@@ -1,9 +1,7 @@
 //! New images with unchanging forces stop the hand.
 
 use super::rig::{controller_with, state, touch};
-use feeler::control::Controller;
-use feeler::control::MonitorConfig;
-use feeler::control::StopReason;
+use feeler::control::{Controller, MonitorConfig, StopReason};
 use feeler::hand::HandCommand;
 use glam::DVec3;
 

@@ -1,9 +1,7 @@
 //! Joint encoders that freeze, report wrong angles or jump stop the hand. Drives with lag and missed readings do not.
 
 use super::rig::{controller_with, state, touch};
-use feeler::control::Controller;
-use feeler::control::MonitorConfig;
-use feeler::control::StopReason;
+use feeler::control::{Controller, MonitorConfig, StopReason};
 use feeler::hand::HandCommand;
 use glam::DVec3;
 

@@ -1,16 +1,10 @@
 //! One finger with three elements, a task that only moves, and their configuration.
 
-use feeler::control::HandReadings;
-use feeler::control::MonitorConfig;
-use feeler::control::Phase;
-use feeler::control::Plan;
-use feeler::control::StopReason;
-use feeler::control::TactileReading;
 use feeler::control::task::Task;
-use feeler::control::{ControlConfig, Controller};
-use feeler::hand::inverse_kinematics;
-use feeler::hand::{FingerConfig, FingerGeometry};
-use feeler::hand::{HandState, JointState};
+use feeler::control::{
+    ControlConfig, Controller, HandReadings, MonitorConfig, Phase, Plan, StopReason, TactileReading,
+};
+use feeler::hand::{FingerConfig, FingerGeometry, HandState, JointState, inverse_kinematics};
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, RingConfig};
 use glam::DVec3;
 

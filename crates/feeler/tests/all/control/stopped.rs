@@ -1,9 +1,7 @@
 //! Stopped hands: which reason is kept, and how the controller acts meanwhile.
 
 use super::rig::{controller, state, touch};
-use feeler::control::Phase;
-use feeler::control::Plan;
-use feeler::control::StopReason;
+use feeler::control::{Phase, Plan, StopReason};
 use feeler::hand::HandCommand;
 use glam::DVec3;
 

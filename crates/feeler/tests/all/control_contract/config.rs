@@ -1,12 +1,11 @@
 //! Configuration of laws and tasks in files.
 
 use super::rig::{Config, config};
-use feeler::control::Phase;
-use feeler::control::StopReason;
 use feeler::control::law::LawConfig;
 use feeler::control::law::best::BestConfig;
 use feeler::control::task::TaskConfig;
 use feeler::control::task::cap_config::Until;
+use feeler::control::{Phase, StopReason};
 use serde::Deserialize;
 
 #[derive(Debug, Deserialize)]

@@ -3,12 +3,9 @@
 
 use super::rig::{Analyzers, ELEMENTS, config, controller, hand_at_home, layout, pressed, state};
 use assert_no_alloc::assert_no_alloc;
-use feeler::control::Plan;
-use feeler::control::TactileReading;
-use feeler::control::law::LawConfig;
 use feeler::control::law::best::{Best, BestConfig};
-use feeler::control::law::{Law, normal_only::NormalOnlyConfig};
-use feeler::control::{FingerReadings, FingertipPose};
+use feeler::control::law::{Law, LawConfig, normal_only::NormalOnlyConfig};
+use feeler::control::{FingerReadings, FingertipPose, Plan, TactileReading};
 use feeler::hand::{Hand, HandCommand, JointState};
 use glam::DVec3;
 

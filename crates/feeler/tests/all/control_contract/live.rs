@@ -4,11 +4,10 @@
 use super::hand::IdealHand;
 use super::rig::{ELEMENTS, config, controller, hand_at_home, pressed};
 use assert_no_alloc::assert_no_alloc;
-use feeler::control::ControlLoop;
-use feeler::control::FlagThresholds;
-use feeler::control::StopReason;
-use feeler::control::{BackgroundSensor, NewDataSignal, live};
-use feeler::control::{TactileReading, TactileSource};
+use feeler::control::{
+    BackgroundSensor, ControlLoop, FlagThresholds, NewDataSignal, StopReason, TactileReading,
+    TactileSource, live,
+};
 use feeler::pace::{DataDriven, StepTrigger};
 use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
 use feeler::sensor::image::CameraError;

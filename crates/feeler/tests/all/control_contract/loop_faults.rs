@@ -2,10 +2,7 @@
 
 use super::hand::IdealHand;
 use super::rig::{Analyzers, ELEMENTS, config, controller, hand_at_home, pressed, state};
-use feeler::control::FlaggedSensor;
-use feeler::control::Phase;
-use feeler::control::StopReason;
-use feeler::control::{ControlError, ControlLoop};
+use feeler::control::{ControlError, ControlLoop, FlaggedSensor, Phase, StopReason};
 use feeler::hand::{HandCommand, HandState};
 use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
 use glam::DVec3;

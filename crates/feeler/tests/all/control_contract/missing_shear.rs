@@ -1,12 +1,10 @@
 //! Slip detection by missing shear: sticking and slipping elements, and objects that move with the fingertip.
 
 use super::rig::{ELEMENTS, config, layout};
-use feeler::control::FeelerShape;
-use feeler::control::Plan;
-use feeler::control::SlipDetector;
-use feeler::control::TactileReading;
 use feeler::control::law::LawConfig;
-use feeler::control::{FingerReadings, FingertipPose};
+use feeler::control::{
+    FeelerShape, FingerReadings, FingertipPose, Plan, SlipDetector, TactileReading,
+};
 use feeler::hand::JointState;
 use glam::{DMat3, DVec3};
 

@@ -3,13 +3,11 @@
 use super::policy_file::PolicyFile;
 use super::rig::{Analyzers, ELEMENTS, config, controller, hand_at_home, layout, pressed, state};
 use assert_no_alloc::assert_no_alloc;
-use feeler::control::FingerFlags;
-use feeler::control::ObservationLayout;
-use feeler::control::Plan;
-use feeler::control::TactileReading;
 use feeler::control::law::policy::{Policy, PolicyConfig, PolicyModel};
 use feeler::control::law::{Law, LawConfig, LawError};
-use feeler::control::{FingerReadings, FingertipPose};
+use feeler::control::{
+    FingerFlags, FingerReadings, FingertipPose, ObservationLayout, Plan, TactileReading,
+};
 use feeler::hand::{Hand, HandCommand, JointState};
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, RingConfig};
 use glam::{DMat3, DVec3};

@@ -1,14 +1,10 @@
 //! A hand of two fingers, its controller and test sensors.
 
 use super::hand::IdealHand;
-use feeler::control::FlagAnalyzer;
-use feeler::control::TactileReading;
 use feeler::control::task::TaskConfig;
 use feeler::control::task::screw::ScrewConfig;
-use feeler::control::{ControlConfig, Controller};
-use feeler::hand::HandState;
-use feeler::hand::inverse_kinematics;
-use feeler::hand::{FingerConfig, FingerGeometry};
+use feeler::control::{ControlConfig, Controller, FlagAnalyzer, TactileReading};
+use feeler::hand::{FingerConfig, FingerGeometry, HandState, inverse_kinematics};
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
 use feeler::sensor::forces::TactileFrame;
 use glam::DVec3;

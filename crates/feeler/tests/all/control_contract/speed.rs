@@ -1,8 +1,7 @@
 //! Finger speed estimator (paper, Fig. 5) for all combinations of mode and flags.
 
-use feeler::control::FingerFlags;
-use feeler::control::Plan;
 use feeler::control::law::tri_axial::{Reflex, TriAxialLaw};
+use feeler::control::{FingerFlags, Plan};
 use glam::DVec3;
 
 const REFLEX: Reflex = Reflex {

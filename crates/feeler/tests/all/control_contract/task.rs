@@ -4,10 +4,8 @@ use super::hand::IdealHand;
 use super::rig::{
     Analyzers, Config, config, controller, geometries, hand_at_home, pressed, screw, state,
 };
-use feeler::control::Controller;
-use feeler::control::Phase;
-use feeler::control::StopReason;
 use feeler::control::task::screw::ScrewConfig;
+use feeler::control::{Controller, Phase, StopReason};
 use feeler::hand::kinematics::fingertip_pose;
 use feeler::hand::{Hand, HandCommand};
 use glam::DVec3;

@@ -1,8 +1,9 @@
 //! Layouts of elements at given places.
 
-use feeler::sensor::fingertip::{CameraConfig, DomeProjection};
-use feeler::sensor::fingertip::{DomeGeometry, LayoutError, LocatedLayout};
-use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, SensingElement};
+use feeler::sensor::fingertip::{
+    CameraConfig, DomeGeometry, DomeProjection, ElementLayout, LayoutConfig, LayoutError,
+    LocatedLayout, SensingElement,
+};
 use feeler::sensor::image::Picture;
 use feeler::sensor::locate::{Located, LocatedElement, Polarity};
 use feeler::sensor::moments::ElementMoments;

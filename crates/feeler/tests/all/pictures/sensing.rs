@@ -5,14 +5,13 @@ use feeler::sensor::calibration::{
     ForceCurve, ForceMap, ForceUnit, ForceValidity, FullScale, LengthUnit, SeparableMap,
 };
 use feeler::sensor::fingertip::FingertipConfig;
-use feeler::sensor::forces::DriftConfig;
-use feeler::sensor::forces::OpticalSensor;
-use feeler::sensor::forces::{ElementReading, Reference, SensingChain, SensingError};
-use feeler::sensor::forces::{TactileFrame, TactileSensor};
-use feeler::sensor::image::Exposure;
-use feeler::sensor::image::WeightedPixel;
-use feeler::sensor::image::{Camera, CameraError, check_frame_size};
-use feeler::sensor::image::{Frame, Picture};
+use feeler::sensor::forces::{
+    DriftConfig, ElementReading, OpticalSensor, Reference, SensingChain, SensingError,
+    TactileFrame, TactileSensor,
+};
+use feeler::sensor::image::{
+    Camera, CameraError, Exposure, Frame, Picture, WeightedPixel, check_frame_size,
+};
 use feeler::sensor::moments::{ElementMoments, MomentsKernel};
 use glam::{DVec2, DVec3};
 

@@ -1,8 +1,6 @@
 //! Permitted number of saturated pixels of an element.
 
-use feeler::sensor::image::Picture;
-use feeler::sensor::image::WeightedPixel;
-use feeler::sensor::image::{SATURATED, SaturationCheck};
+use feeler::sensor::image::{Picture, SATURATED, SaturationCheck, WeightedPixel};
 use glam::DVec2;
 
 #[test]

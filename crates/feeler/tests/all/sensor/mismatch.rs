@@ -5,9 +5,7 @@ use feeler::sensor::calibration::{
     ElementQuality, ForceMap, ForceUnit, FullScale,
 };
 use feeler::sensor::fingertip::FingertipConfig;
-use feeler::sensor::forces::Mismatch;
-use feeler::sensor::forces::SensingChain;
-use feeler::sensor::forces::TactileFrame;
+use feeler::sensor::forces::{Mismatch, SensingChain, TactileFrame};
 use feeler::sensor::image::Picture;
 
 const ELEMENTS: usize = 41;

@@ -1,10 +1,9 @@
 //! A box that two fingers lift, and a box that one finger slides.
 
 use super::fingers::{DOME, FEELER, Finger, PERIOD, PHASES, Run};
-use feeler::control::Phase;
-use feeler::control::StopReason;
 use feeler::control::task::Task;
 use feeler::control::task::carry::{Carry, CarryConfig, CarryFinger, Waypoint};
+use feeler::control::{Phase, StopReason};
 use glam::{DMat3, DVec3};
 
 /// Distance from the box's middle to its faces (m).

@@ -1,10 +1,9 @@
 //! A path around an upright cylinder with friction.
 
 use super::fingers::{FEELER, Finger, PERIOD, PHASES, Run};
-use feeler::control::Phase;
-use feeler::control::StopReason;
 use feeler::control::task::Task;
 use feeler::control::task::contour::{Contour, ContourConfig};
+use feeler::control::{Phase, StopReason};
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 

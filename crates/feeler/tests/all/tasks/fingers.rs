@@ -1,13 +1,10 @@
 //! Fingers that follow a task's plan exactly, with one feeler each that a test loads.
 
-use feeler::control::FeelerShape;
-use feeler::control::Phase;
-use feeler::control::Plan;
-use feeler::control::StopReason;
-use feeler::control::TactileReading;
 use feeler::control::task::Task;
-use feeler::control::{FingertipPose, HandReadings};
-use feeler::control::{FlagAnalyzer, FlagThresholds};
+use feeler::control::{
+    FeelerShape, FingertipPose, FlagAnalyzer, FlagThresholds, HandReadings, Phase, Plan,
+    StopReason, TactileReading,
+};
 use feeler::hand::JointState;
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, RingConfig};
 use glam::{DMat3, DVec3};

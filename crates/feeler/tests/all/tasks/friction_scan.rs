@@ -1,10 +1,9 @@
 //! A specimen on which a feeler sticks and slips.
 
 use super::fingers::{Finger, PERIOD, PHASES, Run};
-use feeler::control::Phase;
-use feeler::control::StopReason;
 use feeler::control::task::Task;
 use feeler::control::task::friction_scan::{FrictionScan, FrictionScanConfig};
+use feeler::control::{Phase, StopReason};
 use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;

@@ -1,20 +1,17 @@
 //! Control by a measured wrench: a fingertip of one element touches a wall, strokes it and returns.
 
 use super::world::{chain, made_for, picture, samples};
-use feeler::control::ControlLoop;
-use feeler::control::FlaggedSensor;
-use feeler::control::Phase;
 use feeler::control::task::TaskConfig;
-use feeler::control::{ControlConfig, Controller};
-use feeler::hand::inverse_kinematics;
+use feeler::control::{ControlConfig, ControlLoop, Controller, FlaggedSensor, Phase};
 use feeler::hand::kinematics::fingertip_pose;
-use feeler::hand::{FingerConfig, FingerGeometry};
-use feeler::hand::{Hand, HandCommand, HandError, HandState, JointState};
+use feeler::hand::{
+    FingerConfig, FingerGeometry, Hand, HandCommand, HandError, HandState, JointState,
+    inverse_kinematics,
+};
 use feeler::pace::FreeRunning;
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
 use feeler::sensor::forces::{TactileFrame, TactileSensor};
-use feeler::sensor::image::Frame;
-use feeler::sensor::image::{Camera, CameraError};
+use feeler::sensor::image::{Camera, CameraError, Frame};
 use feeler::sensor::wrench::{WrenchError, WrenchEstimator, WrenchSensor, fit};
 use glam::{DMat3, DVec3};
 use rand::SeedableRng;

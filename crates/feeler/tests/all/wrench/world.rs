@@ -1,10 +1,10 @@
 //! A synthetic fingertip whose spots brighten and move by a known law.
 
-use feeler::sensor::fingertip::{CalibrationTarget, LengthUnit};
-use feeler::sensor::fingertip::{ElementPlace, LAYOUT_VERSION, LocatedLayout};
+use feeler::sensor::fingertip::{
+    CalibrationTarget, ElementPlace, LAYOUT_VERSION, LengthUnit, LocatedLayout,
+};
 use feeler::sensor::forces::{ElementReading, SensingChain};
-use feeler::sensor::image::Picture;
-use feeler::sensor::image::Polarity;
+use feeler::sensor::image::{Picture, Polarity};
 use feeler::sensor::wrench::features::usable;
 use feeler::sensor::wrench::{MeasuredWrench, WrenchSample};
 use glam::{DVec2, DVec3};
