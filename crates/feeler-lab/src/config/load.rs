@@ -202,32 +202,26 @@ fn missing_keys(toml: &str, error: &toml::de::Error) -> Vec<String> {
 
 /// Reads a text file. Rejects files much longer than any valid one, such as devices and recordings.
 pub(super) fn read(path: &Path, expected: &'static str) -> Result<String, ConfigError> {
-    let bytes = read_bytes(path, MAX_TEXT, expected)?;
-    String::from_utf8(bytes).map_err(|_| ConfigError::Read {
-        path: path.to_path_buf(),
-        expected,
-        source: io::Error::new(io::ErrorKind::InvalidData, "not text in UTF-8"),
-    })
-}
-
-/// Reads a file, unless it is longer than `most` bytes.
-pub(super) fn read_bytes(
-    path: &Path,
-    most: u64,
-    expected: &'static str,
-) -> Result<Vec<u8>, ConfigError> {
-    let whole = || {
-        let mut bytes = Vec::new();
-        File::open(path)?.take(most + 1).read_to_end(&mut bytes)?;
-        if bytes.len() as u64 > most {
-            let reason = format!("longer than {} MiB", most >> 20);
-            return Err(io::Error::new(io::ErrorKind::FileTooLarge, reason));
-        }
-        Ok(bytes)
-    };
-    whole().map_err(|source| ConfigError::Read {
+    read_text(path).map_err(|source| ConfigError::Read {
         path: path.to_path_buf(),
         expected,
         source,
     })
+}
+
+/// Reads a text file in UTF-8 of at most 16 MiB.
+pub(crate) fn read_text(path: &Path) -> io::Result<String> {
+    let not_text = |_| io::Error::new(io::ErrorKind::InvalidData, "not text in UTF-8");
+    String::from_utf8(read_at_most(path, MAX_TEXT)?).map_err(not_text)
+}
+
+/// Reads a file of at most `max` bytes.
+pub(super) fn read_at_most(path: &Path, max: u64) -> io::Result<Vec<u8>> {
+    let mut bytes = Vec::new();
+    File::open(path)?.take(max + 1).read_to_end(&mut bytes)?;
+    if bytes.len() as u64 > max {
+        let reason = format!("longer than {} MiB", max >> 20);
+        return Err(io::Error::new(io::ErrorKind::FileTooLarge, reason));
+    }
+    Ok(bytes)
 }

@@ -1,7 +1,7 @@
 //! The policy file that an experiment may use as its control law.
 
 use super::error::ConfigError;
-use super::load::{Experiment, read_bytes};
+use super::load::{Experiment, read_at_most};
 use feeler::control::ControlConfig;
 use feeler::control::law::LawConfig;
 use feeler::control::law::policy::{MAX_BYTES, PolicyConfig, PolicyModel};
@@ -28,14 +28,14 @@ impl Experiment {
             return Ok(Some(own.clone()));
         }
         let path = self.folder().join(file);
-        let read = read_bytes(
-            &path,
-            MAX_BYTES as u64,
-            "the file of a policy (safetensors)",
-        );
+        let read = read_at_most(&path, MAX_BYTES as u64);
         let bytes = read.map_err(|source| ConfigError::PolicyFile {
             file: file.clone(),
-            source: Box::new(source),
+            source: Box::new(ConfigError::Read {
+                path,
+                expected: "the file of a policy (safetensors)",
+                source,
+            }),
         })?;
         Ok(Some(PolicyFile {
             name: file.clone(),

@@ -1,6 +1,6 @@
 //! Geometry of a sensor, from the fingertip of an experiment or from a located layout.
 
-use crate::config::{ConfigError, Experiment};
+use crate::config::{ConfigError, Experiment, read_text};
 use feeler::sensor::calibration::{Calibration, CalibrationError, CalibrationTarget, LengthUnit};
 use feeler::sensor::fingertip::{
     Fingertip, FingertipConfig, FingertipError, LayoutError, LocatedLayout,
@@ -9,12 +9,7 @@ use feeler::sensor::image::{DEFAULT_MAX_SATURATED, ProjectedElement, WeightedPix
 use feeler::sensor::moments::{MomentsError, MomentsKernel};
 use feeler::sensor::wrench::WrenchError;
 use glam::DMat3;
-use std::fs::File;
-use std::io::Read;
 use std::path::Path;
-
-/// Maximum size of a layout or calibration file in bytes.
-const MAX_TEXT: u64 = 16 << 20;
 
 /// Error of a sensor geometry or calibration that cannot be used.
 #[derive(Debug, thiserror::Error)]
@@ -134,16 +129,4 @@ impl SensorGeometry {
 /// If the file cannot be read or is invalid.
 pub fn read_layout(path: &Path) -> Result<LocatedLayout, GeometryError> {
     Ok(LocatedLayout::from_toml(&read_text(path)?)?)
-}
-
-/// Reads the text of a layout or calibration file.
-pub(super) fn read_text(path: &Path) -> Result<String, std::io::Error> {
-    let mut text = String::new();
-    File::open(path)?
-        .take(MAX_TEXT + 1)
-        .read_to_string(&mut text)?;
-    if text.len() as u64 > MAX_TEXT {
-        return Err(std::io::Error::other("expected at most 16 MiB of text"));
-    }
-    Ok(text)
 }

@@ -1,9 +1,9 @@
 //! Measured wrenches on disk: a CSV file with the wrench on the whole fingertip, and the images or recordings it
 //! refers to.
 
-use super::geometry::read_text;
 use super::recorded::{NamedFrame, NamedFrames, files_of};
 use super::{GeometryError, SensorGeometry};
+use crate::config::read_text;
 use feeler::sensor::calibration::{FINGERTIP_RANGE, LoadCheckError, check_magnitude};
 use feeler::sensor::forces::{ElementReading, SensingChain, SensingError};
 use feeler::sensor::moments::ElementMoments;

@@ -277,6 +277,18 @@ fn failures_keep_an_existing_table() {
     run(&folder, &another).refused(&["new.csv.part: exists already"]);
 }
 
+#[cfg(target_os = "linux")]
+#[test]
+fn an_endless_layout_or_calibration_is_refused() {
+    let folder = folder("sense-endless");
+    save(&pictures(1), &folder.join("pictures"));
+    for option in ["--layout=/dev/zero", "--calibration=/dev/zero"] {
+        let sense = ["sense", "pictures", option, "-o", "new.csv"];
+        run(&folder, &sense).refused(&["/dev/zero", "longer than 16 MiB"]);
+        assert!(!folder.join("new.csv").exists());
+    }
+}
+
 #[test]
 fn inputs_are_never_overwritten() {
     let folder = folder("sense-inputs");
