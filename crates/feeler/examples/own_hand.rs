@@ -123,9 +123,9 @@ pub fn touch_and_stroke() -> Result<(Phase, f64), Failure> {
         &interrupted,
         |after, _tick| {
             greatest = greatest.max(after.touches()[0].flags.grasp_force);
-            match after.controller().phase() {
-                Phase::Done | Phase::Stopped => ControlFlow::Break(()),
-                _ => ControlFlow::Continue(()),
+            match after.controller().phase().is_final() {
+                true => ControlFlow::Break(()),
+                false => ControlFlow::Continue(()),
             }
         },
     )?;

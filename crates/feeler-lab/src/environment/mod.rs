@@ -30,7 +30,7 @@ pub use vector_error::VectorError;
 use crate::config::Experiment;
 use crate::experiment::{Pictures, Session};
 use episodes::Episodes;
-use feeler::control::{Controller, ObservationLayout, Phase, StopReason};
+use feeler::control::{Controller, ObservationLayout, StopReason};
 use feeler_sim::optics::{View, draw};
 use glam::DVec3;
 use goal::{Goal, Seen, Verdict, goal};
@@ -180,7 +180,7 @@ impl Environment {
         self.session.plan()?;
         self.observe()?;
         let verdict = self.judge();
-        let over = matches!(self.controller().phase(), Phase::Done | Phase::Stopped);
+        let over = self.controller().phase().is_final();
         let terminated = verdict.over || over;
         let limit = self.experiment().config.time_limit;
         let truncated = !terminated && self.session.control_loop().state().stamp >= limit;

@@ -116,9 +116,9 @@ impl<S: TactileSource, H: Hand> ControlLoop<S, H> {
             schedule,
             MAX_MISSED,
             interrupted,
-            |control_loop, _| match control_loop.controller().phase() {
-                Phase::Done | Phase::Stopped => ControlFlow::Break(()),
-                _ => ControlFlow::Continue(()),
+            |control_loop, _| match control_loop.controller().phase().is_final() {
+                true => ControlFlow::Break(()),
+                false => ControlFlow::Continue(()),
             },
         )?;
         Ok(self.controller().phase())

@@ -34,6 +34,11 @@ impl Phase {
         Self::Done,
         Self::Stopped,
     ];
+
+    /// Returns `true` if the task is over: done or stopped.
+    pub fn is_final(self) -> bool {
+        matches!(self, Self::Done | Self::Stopped)
+    }
 }
 
 impl From<Phase> for u8 {

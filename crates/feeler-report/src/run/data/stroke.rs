@@ -19,8 +19,10 @@ pub struct Stroke {
 /// Splits rows into strokes. A stroke is a run of rows with the same number above 0, excluding rows after the end of
 /// the task. Its MOVE is its longest run of MOVE rows.
 pub(crate) fn split_strokes(numbers: &[u32], phases: &[Phase]) -> Vec<Stroke> {
-    let ended = |phase| matches!(phase, Phase::Done | Phase::Stopped);
-    let number = |row: usize| if ended(phases[row]) { 0 } else { numbers[row] };
+    let number = |row: usize| match phases[row].is_final() {
+        true => 0,
+        false => numbers[row],
+    };
     runs(numbers.len(), number)
         .filter(|(index, _)| *index > 0)
         .map(|(index, rows)| {
