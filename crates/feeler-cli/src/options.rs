@@ -18,6 +18,30 @@ pub struct Json {
     pub json: bool,
 }
 
+/// Options that change values of the experiment.
+#[derive(Debug, Clone, clap::Args)]
+pub struct SettingArguments {
+    /// Random seed.
+    #[arg(long, value_parser = crate::experiments::trials::parse_seed)]
+    pub seed: Option<u64>,
+    /// Source of forces: `image` (rendered camera images) or `direct` (simulated forces plus noise).
+    #[arg(long, value_parser = ["image", "direct"])]
+    pub sensing: Option<String>,
+    /// Override an experiment value, e.g. control.slip_threshold=2.5. Repeatable.
+    #[arg(long = "set", value_name = "KEY=VALUE")]
+    pub settings: Vec<String>,
+}
+
+impl SettingArguments {
+    /// Returns the settings given on the command line; dedicated flags come last.
+    pub fn settings(&self) -> Vec<String> {
+        let seed = self.seed.map(|seed| format!("seed={seed}"));
+        let sensing = self.sensing.as_ref().map(|s| format!("sensing={s}"));
+        let named = seed.into_iter().chain(sensing);
+        self.settings.iter().cloned().chain(named).collect()
+    }
+}
+
 /// Interval at which a recording is written to disk.
 #[derive(Debug, Clone, clap::Args)]
 pub struct FlushArguments {

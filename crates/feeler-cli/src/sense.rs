@@ -172,7 +172,7 @@ impl Arguments {
                 prefix: self.taxels.prefix.clone(),
                 sequence: self.taxels.sequence.clone(),
             },
-            settings: self.values.settings(),
+            settings: self.values.changes.settings(),
             rig: self.values.rig.clone(),
             link: (&self.link).into(),
             publishing_option: self.values.given().or(self.link.given()),

@@ -1,6 +1,6 @@
 //! The `feeler identify` subcommand.
 
-use crate::options::Overwrite;
+use crate::options::{Overwrite, SettingArguments};
 use crate::{CommandError, Outcome};
 use feeler_console::Outputs;
 use feeler_lab::config::Experiment;
@@ -29,15 +29,8 @@ Examples:
 pub struct Arguments {
     /// Experiment file or name of a built-in experiment, with [task.screw] or [task.probe].
     experiment: String,
-    /// Random seed.
-    #[arg(long, value_parser = crate::experiments::trials::parse_seed)]
-    seed: Option<u64>,
-    /// Source of forces: `image` (rendered camera images) or `direct` (simulated forces plus noise).
-    #[arg(long, value_parser = ["image", "direct"])]
-    sensing: Option<String>,
-    /// Override an experiment value, e.g. sim.servo.lag=0.02. Repeatable.
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    settings: Vec<String>,
+    #[command(flatten)]
+    changes: SettingArguments,
     /// Output folder [default: runs/NAME-identified]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -46,9 +39,7 @@ pub struct Arguments {
 }
 
 pub fn identify(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let mut settings = arguments.settings.clone();
-    settings.extend(arguments.seed.map(|seed| format!("seed={seed}")));
-    settings.extend(arguments.sensing.as_ref().map(|s| format!("sensing={s}")));
+    let settings = arguments.changes.settings();
     let experiment = probing(&Experiment::load(&arguments.experiment, &settings)?)?;
     let config = &experiment.config;
     let default = || Path::new("runs").join(format!("{}-identified", config.name));

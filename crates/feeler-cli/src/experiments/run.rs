@@ -6,7 +6,7 @@ use super::watcher::Watcher;
 use crate::emulated::EmulatedBus;
 #[cfg(not(feature = "top"))]
 use crate::no_screen::Screen;
-use crate::options::FlushArguments;
+use crate::options::{FlushArguments, SettingArguments};
 use crate::view::{LiveRun, ServerArguments};
 use crate::{CommandError, Outcome, emulated};
 use feeler::pace::Punctuality;
@@ -29,15 +29,8 @@ pub struct Arguments {
     /// Rerun one trial of a sweep, given by the sweep's folder and the trial's number.
     #[arg(long, num_args = 2, value_names = ["SWEEP", "TRIAL"], conflicts_with_all = ["experiment", "seed", "sensing", "settings"])]
     trial: Option<Vec<String>>,
-    /// Random seed.
-    #[arg(long, value_parser = crate::experiments::trials::parse_seed)]
-    seed: Option<u64>,
-    /// Source of forces: `image` (rendered camera images) or `direct` (simulated forces plus noise).
-    #[arg(long, value_parser = ["image", "direct"])]
-    sensing: Option<String>,
-    /// Override an experiment value, e.g. control.slip_threshold=2.5. Repeatable.
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    settings: Vec<String>,
+    #[command(flatten)]
+    changes: SettingArguments,
     /// Output folder; must not contain a run [default: runs/NAME-SENSING-seedN, or -trialN]
     #[arg(long, value_name = "DIR")]
     out: Option<PathBuf>,
@@ -185,16 +178,7 @@ fn load(arguments: &Arguments) -> Result<Experiment, CommandError> {
         return one_trial(Path::new(folder), trial);
     }
     let name = arguments.experiment.as_deref().unwrap_or_default();
-    Ok(Experiment::load(name, &settings(arguments))?)
-}
-
-/// Returns the settings given on the command line; dedicated flags come last.
-fn settings(arguments: &Arguments) -> Vec<String> {
-    let seed = arguments.seed.map(|seed| format!("seed={seed}"));
-    let sensing = arguments.sensing.as_ref().map(|s| format!("sensing={s}"));
-    let mut settings = arguments.settings.clone();
-    settings.extend(seed.into_iter().chain(sensing));
-    settings
+    Ok(Experiment::load(name, &arguments.changes.settings())?)
 }
 
 /// Creates the run's folder. Without `out`, its name is new and contains the seed or the number of the `trial`.

@@ -9,6 +9,7 @@ pub mod top;
 pub mod world;
 
 use super::CommandError;
+use crate::options::SettingArguments;
 use feeler_lab::config::Experiment;
 use feeler_link::transport::Impairment;
 use feeler_rig::{LinkOptions, ListenOptions, RigSession};
@@ -77,15 +78,8 @@ impl LinkArguments {
 /// Arguments that modify the experiment; they must be the same for all programs of a rig.
 #[derive(Debug, Clone, clap::Args)]
 pub struct ExperimentArguments {
-    /// Random seed.
-    #[arg(long, value_parser = crate::experiments::trials::parse_seed)]
-    pub seed: Option<u64>,
-    /// Source of forces: `image` (rendered camera images) or `direct` (simulated forces plus noise).
-    #[arg(long, value_parser = ["image", "direct"])]
-    pub sensing: Option<String>,
-    /// Override an experiment value, e.g. control.slip_threshold=2.5. Repeatable.
-    #[arg(long = "set", value_name = "KEY=VALUE")]
-    pub settings: Vec<String>,
+    #[command(flatten)]
+    pub changes: SettingArguments,
     /// Name of the rig; programs with the same name communicate [default: the experiment's name]
     #[arg(long, value_name = "NAME", help_heading = "Link")]
     pub rig: Option<String>,
@@ -94,7 +88,7 @@ pub struct ExperimentArguments {
 impl ExperimentArguments {
     /// Session of the rig that runs the experiment `name`.
     pub fn session(&self, name: &str, link: &LinkArguments) -> Result<RigSession, CommandError> {
-        let experiment = Experiment::load(name, &self.settings())?;
+        let experiment = Experiment::load(name, &self.changes.settings())?;
         Ok(RigSession {
             name: self.rig(&experiment),
             experiment,
@@ -111,20 +105,12 @@ impl ExperimentArguments {
     /// Returns the name of the first of these options that is present on the command line, if any.
     pub fn given(&self) -> Option<&'static str> {
         let options = [
-            ("--set", !self.settings.is_empty()),
-            ("--seed", self.seed.is_some()),
-            ("--sensing", self.sensing.is_some()),
+            ("--set", !self.changes.settings.is_empty()),
+            ("--seed", self.changes.seed.is_some()),
+            ("--sensing", self.changes.sensing.is_some()),
             ("--rig", self.rig.is_some()),
         ];
         first_given(&options)
-    }
-
-    /// Returns the settings given on the command line; dedicated flags come last.
-    pub fn settings(&self) -> Vec<String> {
-        let seed = self.seed.map(|seed| format!("seed={seed}"));
-        let sensing = self.sensing.as_ref().map(|s| format!("sensing={s}"));
-        let named = seed.into_iter().chain(sensing);
-        self.settings.iter().cloned().chain(named).collect()
     }
 }
 
