@@ -58,9 +58,9 @@ pub enum DriveError {
     Firmware {
         /// The joint.
         joint: JointName,
-        /// First suitable firmware.
+        /// Minimum firmware version for the setting.
         expected: i64,
-        /// Firmware of the servo.
+        /// Firmware version of the servo.
         actual: i64,
     },
     /// A servo's velocity limit is below the joint's speed limit.

@@ -94,8 +94,8 @@ impl Decoder {
         &self.parameters
     }
 
-    /// Appends `bytes` to the buffer as far as there is space. Returns the number of bytes taken. After
-    /// [`next`](Self::next) returned `None`, there is space for at least one packet.
+    /// Appends the beginning of `bytes` that fits into the buffer, and returns its length. After [`next`](Self::next)
+    /// returned `None`, there is space for at least one packet.
     pub fn feed(&mut self, bytes: &[u8]) -> usize {
         self.bytes.drain(..self.done);
         self.done = 0;

@@ -25,7 +25,7 @@ pub struct Uncertainty {
     seed: u64,
 }
 
-/// One plausible hand.
+/// A plausible hand: the experiment with randomly drawn values of the uncertain parameters.
 pub struct Draw {
     /// The experiment with the drawn values in `[sim]` and directly sensed forces.
     pub experiment: Experiment,

@@ -19,7 +19,7 @@ const PLACE: f64 = 2e-3;
 const TURN: f64 = 3.0;
 /// Maximum distance of the object's highest position below the highest position of the path (m).
 const DROP: f64 = 5e-3;
-/// Metres to millimetres.
+/// Millimetres per metre.
 const MM: f64 = 1e3;
 
 fn position(pose: &ObjectPose) -> DVec3 {

@@ -64,7 +64,7 @@ impl Header {
         name_and_unit(self.names.get(index)?).1
     }
 
-    /// The names on one line for messages, truncated if long.
+    /// Returns the column names on one line for messages, truncated if long.
     pub fn shown(&self) -> String {
         shortened(&self.names.join(","))
     }
