@@ -4,6 +4,7 @@
 pub mod check;
 pub mod control;
 pub mod hand;
+pub mod math;
 pub mod pace;
 pub mod sensor;
 

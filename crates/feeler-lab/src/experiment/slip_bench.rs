@@ -206,7 +206,7 @@ fn on_specimen(
     // The dome's axis points into the surface, tilted by up to 25 degrees in a random direction, with a random
     // rotation about itself.
     let towards = between(0.0, TAU);
-    let axis = frame * DVec3::new(towards.cos(), towards.sin(), 0.0);
+    let axis = frame * DVec3::new(libm::cos(towards), libm::sin(towards), 0.0);
     let lean = DMat3::from_axis_angle(axis, between(0.0, 25_f64.to_radians()));
     let onto = DMat3::from_cols(-normal, frame.x_axis, -frame.y_axis);
     let rotation = lean * onto * DMat3::from_rotation_x(between(0.0, TAU));
@@ -274,7 +274,7 @@ impl Motion {
             0 => motion.depth = (between(DEPTH.0, DEPTH.1) - course.depth) / duration,
             1 => {
                 let (speed, angle) = (between(0.001, 0.015), between(0.0, TAU));
-                motion.drag = [speed * angle.cos(), speed * angle.sin()];
+                motion.drag = [speed * libm::cos(angle), speed * libm::sin(angle)];
             }
             2 => motion.twist = between(-1.5, 1.5),
             _ => {}

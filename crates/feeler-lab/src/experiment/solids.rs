@@ -66,9 +66,9 @@ fn shapes(shape: &ShapeConfig) -> Vec<(SolidShape, DVec3)> {
             ovality,
         } => {
             let side = |angle: f64| {
-                let knurl = 0.5 * depth * ((f64::from(knurls) * angle).cos() - 1.0);
-                let radius = radius * (1.0 + ovality * (2.0 * angle).cos()) + knurl;
-                [radius * angle.cos(), radius * angle.sin()]
+                let knurl = 0.5 * depth * (libm::cos(f64::from(knurls) * angle) - 1.0);
+                let radius = radius * (1.0 + ovality * libm::cos(2.0 * angle)) + knurl;
+                [radius * libm::cos(angle), radius * libm::sin(angle)]
             };
             let corners = CORNERS.max(CORNERS_PER_KNURL * knurls);
             single(prism(corners, height, side))
@@ -77,7 +77,7 @@ fn shapes(shape: &ShapeConfig) -> Vec<(SolidShape, DVec3)> {
             semi_axes: [x, y],
             height,
         } => single(prism(CORNERS, height, |angle| {
-            [x * angle.cos(), y * angle.sin()]
+            [x * libm::cos(angle), y * libm::sin(angle)]
         })),
         ShapeConfig::RoundedPrism {
             ref corners,
@@ -117,7 +117,7 @@ fn prism(corners: u32, length: f64, corner: impl Fn(f64) -> [f64; 2]) -> SolidSh
 /// The point farthest in direction `angle` of the convex hull of `corners`, expanded by `rounding`. `corners` must not
 /// be empty.
 fn rounded(corners: &[[f64; 2]], rounding: f64, angle: f64) -> [f64; 2] {
-    let (sin, cos) = angle.sin_cos();
+    let (sin, cos) = libm::sincos(angle);
     let reach = |[x, y]: &&[f64; 2]| x * cos + y * sin;
     let farthest = corners.iter().max_by(|a, b| reach(a).total_cmp(&reach(b)));
     let [x, y] = farthest.copied().unwrap_or_default();

@@ -2,8 +2,9 @@
 
 use crate::error::RecordError;
 use feeler::hand::{FingerConfig, FingerGeometry};
+use feeler::math::{rotation_x, rotation_y, rotation_z};
 use feeler::sensor::fingertip::{MAX_ELEMENTS, SensingElement};
-use glam::{DAffine3, DMat3, DVec3};
+use glam::{DAffine3, DVec3};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
@@ -68,10 +69,7 @@ impl Frame {
     /// Pose in the parent frame at the joint angle `angle` (rad).
     pub fn in_parent(&self, angle: f64) -> DAffine3 {
         let [roll, pitch, yaw] = self.rpy;
-        let turned = DMat3::from_rotation_z(yaw)
-            * DMat3::from_rotation_y(pitch)
-            * DMat3::from_rotation_x(roll)
-            * DMat3::from_rotation_z(angle);
+        let turned = rotation_z(yaw) * rotation_y(pitch) * rotation_x(roll) * rotation_z(angle);
         DAffine3::from_mat3_translation(turned, DVec3::from_array(self.xyz))
     }
 }

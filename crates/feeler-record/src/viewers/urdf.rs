@@ -284,7 +284,7 @@ impl Shape {
 
 /// Returns `true` if all corners have about the same distance from the origin.
 fn is_round(outline: &[[f64; 2]]) -> bool {
-    let radii = outline.iter().map(|[x, y]| x.hypot(*y));
+    let radii = outline.iter().map(|[x, y]| libm::hypot(*x, *y));
     let (low, high) = radii.fold((f64::MAX, 0.0), |(low, high): (f64, f64), radius| {
         (low.min(radius), high.max(radius))
     });

@@ -1,6 +1,7 @@
 //! Sequence of loads that a calibration bench applies to each element.
 
 use super::calibration::CalibrationBenchConfig;
+use feeler::math::direction_at;
 use feeler::sensor::fingertip::ElementLayout;
 use glam::{DVec2, DVec3};
 use rand::{RngExt, seq::SliceRandom};
@@ -80,7 +81,7 @@ pub(crate) fn program(bench: &CalibrationBenchConfig, rng: &mut Pcg64) -> Vec<Lo
 fn load_in_friction_cone(bench: &CalibrationBenchConfig, rng: &mut Pcg64) -> DVec3 {
     let normal = bench.largest_normal * rng.random::<f64>();
     let shear = bench.largest_friction * normal * rng.random::<f64>();
-    let direction = DVec2::from_angle(TAU * rng.random::<f64>());
+    let direction = direction_at(TAU * rng.random::<f64>());
     (shear * direction).extend(normal)
 }
 

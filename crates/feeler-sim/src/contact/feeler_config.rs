@@ -84,7 +84,7 @@ impl Friction {
         if self.stribeck_speed <= 0.0 {
             return self;
         }
-        let remaining = (-speed / self.stribeck_speed).exp();
+        let remaining = libm::exp(-speed / self.stribeck_speed);
         let drop = self.static_friction - self.kinetic_friction;
         Self {
             kinetic_friction: self.kinetic_friction + remaining * drop,

@@ -53,12 +53,12 @@ impl RelaxationConfig {
     /// The set after `duration` (s) at constant `displacement`; both in one frame (m).
     pub fn held(&self, set: DVec3, displacement: DVec3, duration: f64) -> DVec3 {
         let end = self.share * displacement;
-        end + (-duration / self.time).exp() * (set - end)
+        end + libm::exp(-duration / self.time) * (set - end)
     }
 
     /// The set of a feeler (m) after `duration` (s) without contact.
     pub fn recovered(&self, set: DVec3, duration: f64) -> DVec3 {
-        let left = set * (-duration / self.creep_time()).exp();
+        let left = set * libm::exp(-duration / self.creep_time());
         if left.length_squared() < FORGOTTEN * FORGOTTEN {
             return DVec3::ZERO;
         }

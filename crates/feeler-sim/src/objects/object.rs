@@ -5,7 +5,8 @@ use super::thread::{Hinge, HingeConfig, ThreadConfig};
 use crate::contact::columnar_feeler::Friction;
 use crate::shapes::shape::{Shape, ShapeConfig, ShapeError, SurfacePoint};
 use feeler::check::Checker;
-use glam::{DMat3, DVec3, EulerRot};
+use feeler::math::{rotation_x, rotation_y, rotation_z};
+use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 use std::path::Path;
 
@@ -76,7 +77,7 @@ impl ObjectConfig {
     /// Rotation in W at the start.
     pub fn rotation(&self) -> DMat3 {
         let [x, y, z] = self.orientation_deg.map(f64::to_radians);
-        DMat3::from_euler(EulerRot::XYZEx, x, y, z)
+        rotation_z(z) * rotation_y(y) * rotation_x(x)
     }
 
     /// Thread of the object, if any.
@@ -198,7 +199,7 @@ impl Object {
             },
             start: Pose {
                 position: config.position.into(),
-                rotation: config.rotation() * DMat3::from_rotation_z(angle),
+                rotation: config.rotation() * rotation_z(angle),
             },
             friction: config.friction,
         })

@@ -104,13 +104,13 @@ impl GelLayer {
     fn response_of(&self, wave_number: f64) -> [f64; 4] {
         let x = (wave_number * self.thickness).min(DEEP);
         let doubled = 2.0 * x;
-        let below = doubled.cosh() + 2.0 * x * x + 1.0;
+        let below = libm::cosh(doubled) + 2.0 * x * x + 1.0;
         let half_space = 1.0 / (2.0 * self.shear_modulus * wave_number);
         [
-            half_space * (doubled.sinh() + doubled) / below,
-            half_space * 2.0 * x.tanh(),
+            half_space * (libm::sinh(doubled) + doubled) / below,
+            half_space * 2.0 * libm::tanh(x),
             half_space * 2.0 * x * x / below,
-            half_space * (doubled.sinh() - doubled) / below,
+            half_space * (libm::sinh(doubled) - doubled) / below,
         ]
     }
 
@@ -131,7 +131,7 @@ impl GelLayer {
                 true => j1 / turn,
                 false => 0.5,
             };
-            let strength = (-(wave_number * spread).powi(2) / 2.0).exp();
+            let strength = libm::exp(-(wave_number * spread).powi(2) / 2.0);
             let weight = strength * wave_number * width / TAU;
             sum.along += weight * (along * (j0 - beside) + across * beside);
             sum.across += weight * (along * beside + across * (j0 - beside));
@@ -148,7 +148,7 @@ fn bessel(order: i32, at: f64) -> f64 {
     let points = (0.5 * at).ceil() as usize + 16;
     let value = |point: usize| {
         let angle = PI * point as f64 / points as f64;
-        (f64::from(order) * angle - at * angle.sin()).cos()
+        libm::cos(f64::from(order) * angle - at * libm::sin(angle))
     };
     let ends = 0.5 * (value(0) + value(points));
     ((1..points).map(value).sum::<f64>() + ends) / points as f64

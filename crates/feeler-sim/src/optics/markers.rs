@@ -15,6 +15,7 @@
 
 use super::config::{OpticsError, in_range};
 use super::model::Spot;
+use feeler::math::direction_at;
 use feeler::sensor::fingertip::{DomeProjection, ElementLayout};
 use glam::{DMat3, DVec2, DVec3};
 use rand::{RngExt, SeedableRng};
@@ -71,9 +72,7 @@ impl MarkerConfig {
         match self.per_element {
             1 => vec![DVec2::ZERO],
             count => (0..count)
-                .map(|k| {
-                    self.circle_radius * DVec2::from_angle(TAU * (k as f64 + 0.5) / count as f64)
-                })
+                .map(|k| self.circle_radius * direction_at(TAU * (k as f64 + 0.5) / count as f64))
                 .collect(),
         }
     }
@@ -215,7 +214,7 @@ fn compliance(
         true => config.spread.powi(-2),
         false => 0.0,
     };
-    let share = (-0.5 * away.length_squared() * per_square).exp();
+    let share = libm::exp(-0.5 * away.length_squared() * per_square);
     let slope = per_square * away.truncate();
     let turned = to_marker * layout.elements[of].rotation;
     let shear = [DVec3::X, DVec3::Y].map(|axis| {

@@ -22,6 +22,7 @@ use super::config::{OpticsConfig, OpticsError};
 use super::drawn_blocks::DrawnBlocks;
 use super::markers::{MarkerConfig, MarkerModel};
 use super::renderer::{ExposedBlock, RestLight, exposed_at_rest};
+use feeler::math::direction_at;
 use feeler::sensor::fingertip::{DomeProjection, ElementLayout};
 use glam::{DVec2, DVec3};
 use std::f64::consts::{PI, TAU};
@@ -83,7 +84,7 @@ impl OpticsModel {
         // Offset by half a step from the element's axes, which maximizes the distance between spots of neighbours on a
         // ring.
         let cones = std::array::from_fn(|k| {
-            config.cone_circle_radius * DVec2::from_angle(TAU * (k as f64 + 0.5) / CONES as f64)
+            config.cone_circle_radius * direction_at(TAU * (k as f64 + 0.5) / CONES as f64)
         });
         let markers = config.markers.as_ref();
         let about_axis = markers.map_or(config.cone_circle_radius, MarkerConfig::reach);
@@ -101,7 +102,7 @@ impl OpticsModel {
             projection: projection.clone(),
             cones,
             markers: markers.map(|markers| MarkerModel::new(markers, layout, projection)),
-            area_per_load: PI * PI / (2.0 * modulus * flank.tan()),
+            area_per_load: PI * PI / (2.0 * modulus * libm::tan(flank)),
             scales,
             dome_points: dome_points(projection),
             light_lost_by_column: light_lost(
@@ -185,7 +186,7 @@ fn pixel_scales(
     let step = 1e-5;
     let mut largest = 0.0_f64;
     for k in 0..CONES {
-        let place = radius * DVec2::from_angle(TAU * k as f64 / CONES as f64);
+        let place = radius * direction_at(TAU * k as f64 / CONES as f64);
         let seen = |offset| projection.project(projection.lift(place + offset, own)?);
         let along_x = (seen(DVec2::X * step)? - seen(DVec2::ZERO)?) / step;
         let along_y = (seen(DVec2::Y * step)? - seen(DVec2::ZERO)?) / step;

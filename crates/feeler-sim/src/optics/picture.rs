@@ -108,7 +108,7 @@ pub fn draw(
     }
     let bodies = bodies(world);
     let camera = camera(view);
-    let half = (view.field_of_view / 2.0).tan();
+    let half = libm::tan(view.field_of_view / 2.0);
     let light = (camera.y_axis + 0.8 * camera.z_axis - 0.6 * camera.x_axis).normalize_or_zero();
     for (index, pixel) in rgb.chunks_exact_mut(3).enumerate() {
         let (column, row) = (index % width, index / width);
@@ -182,7 +182,7 @@ fn bodies(world: &World) -> Vec<Body<'_>> {
 fn of_finger<'a>(finger: &'a Finger, now: &'a FingerState) -> Vec<Body<'a>> {
     let (geometry, tip) = (&finger.geometry, &now.tip);
     let [l2, _, l4] = geometry.links();
-    let (sin, cos) = now.joints.link.x.sin_cos();
+    let (sin, cos) = libm::sincos(now.joints.link.x);
     let base = geometry.base_rotation();
     let shoulder = geometry.base_position() + l2 * (base.x_axis * cos + base.y_axis * sin);
     let wrist = tip.position - l4 * tip.rotation.x_axis;

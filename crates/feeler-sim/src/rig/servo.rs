@@ -112,7 +112,7 @@ impl ServoConfig {
     /// Fraction of a velocity error that remains after `step` seconds.
     pub fn remaining_error(&self, step: f64) -> f64 {
         if self.lag > 0.0 {
-            (-step / self.lag).exp()
+            libm::exp(-step / self.lag)
         } else {
             0.0
         }

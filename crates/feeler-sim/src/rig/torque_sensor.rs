@@ -87,7 +87,7 @@ pub struct TorqueReading {
 impl TorqueSensorConfig {
     /// Gain of the low-pass filter for a step of `step` seconds: fraction of the difference to the input.
     pub fn low_pass_gain(&self, step: f64) -> f64 {
-        1.0 - (-std::f64::consts::TAU * self.cutoff_frequency * step).exp()
+        1.0 - libm::exp(-std::f64::consts::TAU * self.cutoff_frequency * step)
     }
 
     /// Output voltage of the bridge at `torque` (N·m): gauges 1 and 3 are stretched, 2 and 4 compressed.

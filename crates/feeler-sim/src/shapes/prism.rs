@@ -1,5 +1,6 @@
 //! Upright prisms: convex sections extruded along z.
 
+use feeler::math::direction_at;
 use glam::{DVec2, DVec3};
 use parry3d_f64::shape::SharedShape;
 use std::f64::consts::TAU;
@@ -10,7 +11,7 @@ const CORNERS_PER_TURN: u32 = 360;
 /// Corners of a polygon that approximates an ellipse with semi-axes along x and y (m).
 pub fn ellipse([x, y]: [f64; 2]) -> Vec<DVec2> {
     let angles = (0..CORNERS_PER_TURN).map(|i| TAU * f64::from(i) / f64::from(CORNERS_PER_TURN));
-    let corners = angles.map(|angle| DVec2::from_angle(angle) * DVec2::new(x, y));
+    let corners = angles.map(|angle| direction_at(angle) * DVec2::new(x, y));
     corners.collect()
 }
 

@@ -1,6 +1,7 @@
 //! Ground truth of an object's cross-section, for comparison with measurements.
 
 use crate::objects::object::Object;
+use feeler::math::direction_at;
 use glam::{DVec2, DVec3};
 use std::f64::consts::TAU;
 
@@ -20,7 +21,7 @@ pub fn section(object: &Object, height: f64) -> Vec<[f64; 2]> {
     };
     let reach = 1.1 * (half.length() + middle.length() + object.offset.length());
     let angles = (0..POINTS).map(|i| TAU * f64::from(i) / f64::from(POINTS));
-    let points = angles.map(|angle| meet(object, height, DVec2::from_angle(angle), reach));
+    let points = angles.map(|angle| meet(object, height, direction_at(angle), reach));
     let points: Option<Vec<_>> = points.collect();
     points.unwrap_or_default()
 }

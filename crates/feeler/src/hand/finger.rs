@@ -1,5 +1,6 @@
 //! Geometry and joint limits of a finger.
 
+use crate::math::{rotation_x, rotation_y};
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 
@@ -81,7 +82,7 @@ impl FingerGeometry {
     pub fn new(config: &FingerConfig) -> Result<Self, FingerError> {
         check(config)?;
         let (phi1, phi2) = (config.phi1_deg.to_radians(), config.phi2_deg.to_radians());
-        let base_rotation = DMat3::from_rotation_y(phi1) * DMat3::from_rotation_x(phi2);
+        let base_rotation = rotation_y(phi1) * rotation_x(phi2);
         Ok(Self {
             base_position: DVec3::from_array(config.base_position),
             base_angles: (phi1, phi2),

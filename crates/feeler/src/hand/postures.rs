@@ -26,24 +26,24 @@ pub(super) fn postures(
     let (minimum, maximum) = ((l3 - l4).abs(), l3 + l4);
     let in_base = geometry.base_rotation().transpose() * (target - geometry.base_position());
     let radius = in_base.truncate().length();
-    let distance = |side: f64| (side * radius - l2).hypot(in_base.z);
+    let distance = |side: f64| libm::hypot(side * radius - l2, in_base.z);
     let posture = |side: f64, elbow: f64| {
         let distance = distance(side);
         if distance < minimum - REACH_TOLERANCE || distance > maximum + REACH_TOLERANCE {
             return None;
         }
         let cos_theta3 = (distance * distance - l3 * l3 - l4 * l4) / (2.0 * l3 * l4);
-        let theta3 = elbow * cos_theta3.clamp(-1.0, 1.0).acos();
-        let (s3, c3) = theta3.sin_cos();
+        let theta3 = elbow * libm::acos(cos_theta3.clamp(-1.0, 1.0));
+        let (s3, c3) = libm::sincos(theta3);
         let theta1 = if radius <= REACH_TOLERANCE {
             start.x
         } else {
-            (side * in_base.y).atan2(side * in_base.x)
+            libm::atan2(side * in_base.y, side * in_base.x)
         };
         let theta2 = if distance <= REACH_TOLERANCE {
             start.y
         } else {
-            in_base.z.atan2(side * radius - l2) - (l4 * s3).atan2(l3 + l4 * c3)
+            libm::atan2(in_base.z, side * radius - l2) - libm::atan2(l4 * s3, l3 + l4 * c3)
         };
         Some(DVec3::new(theta1, theta2, theta3))
     };

@@ -42,7 +42,7 @@ const COSINE: [f64; 6] = [
 #[inline(always)]
 pub fn sin_cos(angles: DVec3) -> (DVec3, DVec3) {
     if angles.abs().max_element() > MOST {
-        let each = angles.to_array().map(f64::sin_cos);
+        let each = angles.to_array().map(libm::sincos);
         return (
             each.map(|(sine, _)| sine).into(),
             each.map(|(_, cosine)| cosine).into(),
@@ -60,7 +60,7 @@ pub fn sin_cos(angles: DVec3) -> (DVec3, DVec3) {
 #[inline(always)]
 pub fn sin_cos_of(angle: f64) -> (f64, f64) {
     if angle.abs() > MOST {
-        return angle.sin_cos();
+        return libm::sincos(angle);
     }
     // Fast path: most angles are small and need no range reduction.
     if angle.abs() < FRAC_PI_4 {

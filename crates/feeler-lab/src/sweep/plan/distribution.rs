@@ -90,7 +90,7 @@ impl Distribution {
         let number = match self {
             Self::Uniform(a, b) => a + (b - a) * p,
             Self::Normal(mean, _) => *mean,
-            Self::LogUniform(a, b) => (a.ln() + (b / a).ln() * p).exp().clamp(*a, *b),
+            Self::LogUniform(a, b) => libm::exp(libm::log(*a) + libm::log(b / a) * p).clamp(*a, *b),
             Self::Choice(choices) => {
                 let index = (p * choices.len() as f64) as usize;
                 return choices[index.min(choices.len() - 1)].clone();

@@ -66,7 +66,7 @@ impl Multiplier {
     fn raised(&self, value: f64) -> f64 {
         match self.power == 1.0 {
             true => value,
-            false => value.powf(self.power),
+            false => libm::pow(value, self.power),
         }
     }
 }

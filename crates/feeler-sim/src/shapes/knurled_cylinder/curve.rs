@@ -7,6 +7,7 @@
 
 mod minimum;
 
+use feeler::math::direction_at;
 use glam::DVec2;
 use std::f64::consts::{PI, TAU};
 
@@ -63,7 +64,7 @@ impl Curve {
         let cell = TAU / (f64::from(knurls.max(1)) * cells as f64);
         let phase = |k: usize| match knurls {
             0 => DVec2::X,
-            _ => DVec2::from_angle(TAU * k as f64 / cells as f64),
+            _ => direction_at(TAU * k as f64 / cells as f64),
         };
         let knurls = f64::from(knurls);
         let max_slope = 2.0 * radius * ovality.abs() + knurls * depth / 2.0;
@@ -73,10 +74,10 @@ impl Curve {
             depth: if knurls == 0.0 { 0.0 } else { depth },
             ovality,
             cell,
-            step: DVec2::from_angle(cell),
+            step: direction_at(cell),
             cells,
             phases: std::array::from_fn(phase),
-            max_speed: max_slope.hypot(radius * (1.0 + ovality.abs())),
+            max_speed: libm::hypot(max_slope, radius * (1.0 + ovality.abs())),
         }
     }
 
@@ -92,8 +93,8 @@ impl Curve {
         let weight = TAU / count as f64;
         let (mut area, mut second) = (0.0, DVec2::ZERO);
         for k in 0..count {
-            let direction = DVec2::from_angle(k as f64 * weight);
-            let phase = (self.knurls * k as f64 * weight).cos();
+            let direction = direction_at(k as f64 * weight);
+            let phase = libm::cos(self.knurls * k as f64 * weight);
             let radius = self.radius_at(direction, phase);
             area += weight * radius.powi(2) / 2.0;
             second += weight * radius.powi(4) / 4.0 * direction * direction;
@@ -151,7 +152,7 @@ impl Curve {
         } else {
             knurl.floor() as i64 * self.cells + self.cells / 2
         };
-        let direction = DVec2::from_angle(k as f64 * self.cell);
+        let direction = direction_at(k as f64 * self.cell);
         (self.sample(point, direction, self.phase(k)), k)
     }
 
@@ -175,9 +176,9 @@ impl Curve {
         let half_sine_squared = (rest / (4.0 * length * radius)).clamp(0.0, 1.0);
         let foot = length * (1.0 - 2.0 * half_sine_squared);
         if radius > 0.0 && (length < radius || length > radius && foot >= radius) {
-            2.0 * half_sine_squared.sqrt().asin()
+            2.0 * libm::asin(half_sine_squared.sqrt())
         } else {
-            sine.asin()
+            libm::asin(sine)
         }
     }
 
@@ -198,8 +199,8 @@ impl Curve {
     }
 
     fn sample_after(&self, point: DVec2, from: &Sample, angle: f64) -> Sample {
-        let direction = from.direction.rotate(DVec2::from_angle(angle));
-        let phase = from.phase.rotate(DVec2::from_angle(self.knurls * angle));
+        let direction = from.direction.rotate(direction_at(angle));
+        let phase = from.phase.rotate(direction_at(self.knurls * angle));
         self.sample(point, direction, phase)
     }
 

@@ -192,7 +192,7 @@ impl ContactLoss {
     /// Negative logarithm of the load, -ln L, or `None` while it is unknown. The higher the score, the more likely the
     /// object is lost.
     pub fn score(&self) -> Option<f64> {
-        self.load.map(|load| -load.max(LEAST).ln())
+        self.load.map(|load| -libm::log(load.max(LEAST)))
     }
 }
 

@@ -68,7 +68,7 @@ impl ResistanceCurve {
 
     /// The last point below a share of the largest torque.
     fn point(&self, share: f64) -> Option<usize> {
-        let steps = (share * self.largest / LOWEST).ln() / RATIO.ln();
+        let steps = libm::log(share * self.largest / LOWEST) / libm::log(RATIO);
         let last = self.reached.checked_sub(1)?;
         (steps >= 0.0).then(|| (steps as usize).min(last))
     }

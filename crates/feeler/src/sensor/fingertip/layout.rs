@@ -120,8 +120,8 @@ impl GridConfig {
             let (row, column) = (index / self.columns, index % self.columns);
             let place = DVec2::new(off_middle(column, self.columns), off_middle(row, self.rows));
             let angle = place.length() * self.spacing / dome_radius;
-            let across = angle.sin() * place.normalize_or_zero();
-            DVec3::new(angle.cos(), across.x, across.y)
+            let across = libm::sin(angle) * place.normalize_or_zero();
+            DVec3::new(libm::cos(angle), across.x, across.y)
         })
     }
 }
@@ -142,14 +142,14 @@ impl SensingElement {
     /// rings. Within a degree of the apex, where the meridian would be determined by noise, x of the element is along
     /// y of `T`, like at the apex. The ring is unknown and set to 0.
     pub fn facing(direction: DVec3) -> Self {
-        let off_axis = direction.y.hypot(direction.z);
-        let rotation = if direction.x > 0.0 && off_axis < 1_f64.to_radians().sin() {
+        let off_axis = libm::hypot(direction.y, direction.z);
+        let rotation = if direction.x > 0.0 && off_axis < libm::sin(1_f64.to_radians()) {
             let normal = direction.normalize();
             let x = DVec3::Y.reject_from_normalized(normal).normalize();
             DMat3::from_cols(x, normal.cross(x), normal)
         } else {
-            let azimuth = direction.z.atan2(direction.y);
-            element_rotation(off_axis.atan2(direction.x), azimuth)
+            let azimuth = libm::atan2(direction.z, direction.y);
+            element_rotation(libm::atan2(off_axis, direction.x), azimuth)
         };
         Self { ring: 0, rotation }
     }
@@ -213,8 +213,8 @@ impl ElementLayout {
 
 /// Frame of the element at the angle `polar` from x of `T` and at `azimuth` from y of `T` towards z of `T`, rad.
 fn element_rotation(polar: f64, azimuth: f64) -> DMat3 {
-    let (sin_polar, cos_polar) = polar.sin_cos();
-    let (sin_azimuth, cos_azimuth) = azimuth.sin_cos();
+    let (sin_polar, cos_polar) = libm::sincos(polar);
+    let (sin_azimuth, cos_azimuth) = libm::sincos(azimuth);
     let normal = DVec3::new(cos_polar, sin_polar * cos_azimuth, sin_polar * sin_azimuth);
     let meridian = DVec3::new(-sin_polar, cos_polar * cos_azimuth, cos_polar * sin_azimuth);
     DMat3::from_cols(meridian, normal.cross(meridian), normal)

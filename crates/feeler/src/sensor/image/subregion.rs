@@ -1,5 +1,6 @@
 //! Assignment of pixels to elements.
 
+use crate::math::direction_at;
 use crate::sensor::fingertip::dome::DomeProjection;
 use crate::sensor::fingertip::layout::{ElementLayout, SensingElement};
 use crate::sensor::moments::config::{MomentsConfig, MomentsError};
@@ -104,7 +105,7 @@ fn bounding_box(
     };
     let (mut low, mut high) = (DVec2::INFINITY, DVec2::NEG_INFINITY);
     for step in 0..64 {
-        let rim = radius * DVec2::from_angle(TAU * f64::from(step) / 64.0);
+        let rim = radius * direction_at(TAU * f64::from(step) / 64.0);
         let pixel = projection
             .lift(rim, &layout.elements[element])
             .and_then(|point| projection.project(point))

@@ -213,7 +213,7 @@ fn unlike(groups: &[Vec<usize>], centres: &[DVec2]) -> f64 {
     let sizes: Vec<f64> = groups.iter().zip(&middles).map(size).collect();
     let off = |(own, near): (usize, &Vec<usize>)| {
         let mut about: Vec<f64> = near.iter().map(|&i| sizes[i]).collect();
-        (sizes[own] / median(&mut about)).ln().abs()
+        libm::log(sizes[own] / median(&mut about)).abs()
     };
     let mut off: Vec<f64> = nearest(&middles, 5).iter().enumerate().map(off).collect();
     median(&mut off)

@@ -33,7 +33,7 @@ fn regularity(spots: &[Spot]) -> Option<Regularity> {
     let spread = |value: &dyn Fn(usize) -> f64| {
         let off = |own: usize| {
             let mut about: Vec<f64> = neighbours[own].iter().map(|&i| value(i)).collect();
-            (value(own) / median(&mut about)).ln().abs()
+            libm::log(value(own) / median(&mut about)).abs()
         };
         let mut off: Vec<f64> = (0..spots.len()).map(off).collect();
         median(&mut off)

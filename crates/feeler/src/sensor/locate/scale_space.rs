@@ -176,7 +176,7 @@ pub(super) fn blur(picture: &[f32], width: usize, height: usize, sigma: f64) -> 
 fn gaussian(sigma: f64) -> Vec<f32> {
     let reach = (4.0 * sigma).ceil() as usize + 1;
     let weights: Vec<f64> = (0..=reach)
-        .map(|i| (-0.5 * (i as f64 / sigma).powi(2)).exp())
+        .map(|i| libm::exp(-0.5 * (i as f64 / sigma).powi(2)))
         .collect();
     let sum = 2.0 * weights.iter().sum::<f64>() - weights[0];
     weights.iter().map(|w| (w / sum) as f32).collect()

@@ -166,7 +166,7 @@ fn beside(own: usize, space: &ScaleSpace) -> Range<usize> {
 }
 
 fn layer_of(space: &ScaleSpace, sigma: f64) -> usize {
-    let off = |layer: &usize| (space.layers[*layer].sigma / sigma).ln().abs();
+    let off = |layer: &usize| libm::log(space.layers[*layer].sigma / sigma).abs();
     (0..space.layers.len())
         .min_by(|a, b| off(a).total_cmp(&off(b)))
         .unwrap_or(0)

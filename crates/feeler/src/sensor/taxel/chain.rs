@@ -2,6 +2,7 @@
 
 use super::zero::Zeros;
 use super::{Axes, TaxelError, TaxelLayout};
+use crate::math::direction_at;
 use crate::sensor::forces::reading::NO_FORCE;
 use glam::{DVec2, DVec3};
 
@@ -29,7 +30,7 @@ impl TaxelChain {
         let turns = layout.taxels.iter().map(|t| t.turn_deg.to_radians());
         Ok(Self {
             axes: layout.axes,
-            turns: turns.map(DVec2::from_angle).collect(),
+            turns: turns.map(direction_at).collect(),
             zeros: Zeros::new(layout, &scales),
             scales,
         })

@@ -114,7 +114,7 @@ impl Zeros {
             return;
         };
         // Limits the weight of a single row after a gap to about a tenth.
-        let part = 1.0 - (-(interval / drift.time_constant).min(0.1)).exp();
+        let part = 1.0 - libm::exp(-(interval / drift.time_constant).min(0.1));
         let valid = self.zeros.iter_mut().zip(values);
         for (zero, value) in valid.filter(|(_, value)| !value.is_nan()) {
             let off = *value - zero.taken - zero.drift;

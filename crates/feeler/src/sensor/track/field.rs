@@ -38,7 +38,7 @@ impl Field {
         let spacing: Vec<f64> = (0..places.len()).map(gap).collect();
         let offset = |own: usize, i: usize| {
             let offset = (places[i] - places[own]) / spacing[own];
-            (offset, (-offset.length_squared() / 4.5).exp())
+            (offset, libm::exp(-offset.length_squared() / 4.5))
         };
         let offsets: Vec<Vec<(DVec2, f64)>> = neighbours
             .iter()

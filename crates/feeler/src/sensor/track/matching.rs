@@ -1,6 +1,7 @@
 //! Matches the spots of an image with the markers of the reference.
 
 use super::{field::Field, mending::mend};
+use crate::math::direction_at;
 use glam::DVec2;
 
 /// Maximum distance of a spot from a marker's predicted position, over the spacing.
@@ -80,7 +81,7 @@ fn shifts(spacing: f64) -> impl Iterator<Item = DVec2> {
     let turned = move |step: f64| {
         (0..12).map(move |twelfth| {
             let angle = f64::from(twelfth) * std::f64::consts::FRAC_PI_6;
-            step * spacing * DVec2::from_angle(angle)
+            step * spacing * direction_at(angle)
         })
     };
     [DVec2::ZERO]

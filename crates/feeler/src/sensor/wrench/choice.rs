@@ -153,7 +153,7 @@ fn best_penalty(
     cuts: &[Vec<Fold>],
 ) -> Option<Choice> {
     let choices = HALF_DECADES.filter_map(|power| {
-        let penalty = 10_f64.powf(f64::from(power) / 2.0);
+        let penalty = libm::pow(10.0, f64::from(power) / 2.0);
         let mut squares = vec![0.0; measured.len()];
         for folds in cuts {
             let errors = spectrum.errors(measured, penalty, folds)?;

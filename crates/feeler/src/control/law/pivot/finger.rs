@@ -294,7 +294,7 @@ impl Finger {
         let from_pivot = self.position - circle.centre;
         let (radius, outward) = (from_pivot.length(), from_pivot.normalize_or_zero());
         let start = self.course.start - circle.centre;
-        let swept = start.normalize_or_zero().perp_dot(outward).abs().asin();
+        let swept = libm::asin(start.normalize_or_zero().perp_dot(outward).abs());
         let speed = plan.velocity.length();
         let planned = plan.velocity.truncate();
         if speed > 0.0 {

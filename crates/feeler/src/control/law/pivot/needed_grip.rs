@@ -155,7 +155,7 @@ impl NeededGrip {
         }
         let frame = &sense.touch.frame;
         self.interval = frame.stamp - std::mem::replace(&mut self.stamp, frame.stamp);
-        self.extra *= (-self.interval / EXTRA_TIME).exp();
+        self.extra *= libm::exp(-self.interval / EXTRA_TIME);
         if turns {
             self.friction.start(self.interval);
         } else {
@@ -170,7 +170,7 @@ impl NeededGrip {
             load += contact.y;
             let touches = turns && force.z > self.touch_force && contact.x > 0.0;
             let now = touches.then(|| Observation {
-                ratio: contact.y.hypot(contact.z) / contact.x,
+                ratio: libm::hypot(contact.y, contact.z) / contact.x,
                 normal: force.z,
                 lost,
                 noise,

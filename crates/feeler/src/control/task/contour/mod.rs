@@ -17,6 +17,7 @@ use crate::control::phase::Phase;
 use crate::control::plan::Plan;
 use crate::control::sense::{FingerReadings, HandReadings};
 use crate::control::stop_reason::StopReason;
+use crate::math::direction_at;
 use glam::{DVec2, DVec3};
 use outline::Outline;
 use std::f64::consts::TAU;
@@ -97,7 +98,7 @@ impl Contour {
         let force: DVec3 = touching(finger, config.touch_force).map(|(_, f)| f).sum();
         let force = force.truncate();
         if let Some(direction) = force.try_normalize() {
-            self.normal = DVec2::from_angle(self.lean).rotate(direction);
+            self.normal = direction_at(self.lean).rotate(direction);
             self.force = force.dot(self.normal);
             self.touched = stamp;
             if self.phase == Phase::Move {
@@ -140,11 +141,18 @@ impl Contour {
         ) else {
             return;
         };
-        let normal = DVec2::from_angle(self.lean).rotate(direction);
+        let normal = direction_at(self.lean).rotate(direction);
         let point = tip.truncate() - self.config.feeler.tip_radius * normal;
         self.outline.add(point, normal);
         let (size, turned) = (self.outline.size(), self.outline.turned());
-        let values = [point.x, point.y, size.x, size.y, turned, self.lean.tan()];
+        let values = [
+            point.x,
+            point.y,
+            size.x,
+            size.y,
+            turned,
+            libm::tan(self.lean),
+        ];
         for (finding, value) in self.findings.iter_mut().zip(values) {
             finding.value = value;
         }

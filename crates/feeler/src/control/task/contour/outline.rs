@@ -1,5 +1,6 @@
 //! Extent and closure of an outline that grows point by point.
 
+use crate::math::angle_to;
 use glam::DVec2;
 
 /// Summary of an outline; the points themselves are not stored.
@@ -32,7 +33,7 @@ impl Outline {
         if self.first.is_none() {
             self.first = Some(point);
         } else {
-            self.turned += self.normal.angle_to(normal);
+            self.turned += angle_to(self.normal, normal);
         }
         (self.lowest, self.highest) = (self.lowest.min(point), self.highest.max(point));
         (self.last, self.normal) = (point, normal);

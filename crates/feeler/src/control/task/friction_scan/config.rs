@@ -86,7 +86,7 @@ impl FrictionScanConfig {
         checker.require(
             &format!("{key}.slide"),
             format!("{:?}", self.slide),
-            slide.cross(approach).length() >= MIN_SLIDE.to_radians().sin(),
+            slide.cross(approach).length() >= libm::sin(MIN_SLIDE.to_radians()),
             &format!(
                 "a direction {MIN_SLIDE} degrees or more off {key}.approach = {:?}",
                 self.approach

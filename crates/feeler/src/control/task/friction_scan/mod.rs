@@ -119,7 +119,7 @@ impl FrictionScan {
         let touches = frame.forces.get(self.element)?.z > TOUCHING;
         let force = finger.force(self.element);
         let against = |direction: DVec3| -force.dot(direction);
-        touches.then(|| against(self.way()).atan2(against(self.approach)))
+        touches.then(|| libm::atan2(against(self.way()), against(self.approach)))
     }
 
     fn noise(&self) -> f64 {
@@ -147,7 +147,7 @@ impl FrictionScan {
 
     fn slide(&mut self, finger: &FingerReadings<'_>) {
         if let Some(angle) = self.new_angle(finger) {
-            if angle > GREATEST_FRICTION.atan() {
+            if angle > libm::atan(GREATEST_FRICTION) {
                 return self.end("no slip");
             }
             // Pressing leaves shear in every direction, which the first stroke removes.

@@ -143,7 +143,7 @@ impl FrictionEstimate {
                 .zip(backward.limits_by_spread(noise))
         };
         let (forward, backward) = falls.or_else(spread)?;
-        let coefficient = |one: f64, other: f64| (0.5 * (one + other)).tan();
+        let coefficient = |one: f64, other: f64| libm::tan(0.5 * (one + other));
         Some(Self {
             static_friction: coefficient(forward.highest, backward.highest),
             kinetic_friction: coefficient(forward.lowest, backward.lowest),

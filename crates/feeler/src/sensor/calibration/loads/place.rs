@@ -1,6 +1,7 @@
 //! Identifies the elements of a layout by position.
 
 use super::LoadsError;
+use crate::math::direction_at;
 use crate::sensor::image::seen::ProjectedElement;
 use glam::{DVec2, DVec3};
 use std::collections::HashMap;
@@ -101,8 +102,6 @@ impl<'a> Places<'a> {
     /// Rotates a `force` from a frame whose x axis points along `x_angle` in the image to the frame of `element`.
     pub fn turned(&self, element: usize, force: DVec3, x_angle: f64) -> DVec3 {
         let by = x_angle - self.seen[element].x_angle;
-        DVec2::from_angle(by)
-            .rotate(force.truncate())
-            .extend(force.z)
+        direction_at(by).rotate(force.truncate()).extend(force.z)
     }
 }

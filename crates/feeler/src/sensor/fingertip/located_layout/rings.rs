@@ -7,7 +7,7 @@ use std::f64::consts::TAU;
 /// Sorts by ring and azimuth. A new ring starts at an increase of the polar angle by a third of the typical spacing.
 pub(super) fn sort_into_rings(elements: &mut [ElementPlace]) {
     let axis = |e: &ElementPlace| e.direction.unwrap_or(DVec3::X);
-    let polar = |e: &ElementPlace| axis(e).x.clamp(-1.0, 1.0).acos();
+    let polar = |e: &ElementPlace| libm::acos(axis(e).x.clamp(-1.0, 1.0));
     elements.sort_by(|a, b| polar(a).total_cmp(&polar(b)));
     let directions: Vec<DVec3> = elements.iter().map(axis).collect();
     let nearest = |(own, d): (usize, &DVec3)| {
@@ -34,7 +34,7 @@ pub(super) fn sort_into_rings(elements: &mut [ElementPlace]) {
     // Tolerates noise around azimuth 0, so that the element at y of `T` always comes first.
     let azimuth = |e: &ElementPlace| {
         let d = axis(e);
-        (d.z.atan2(d.y) + 0.25 * step).rem_euclid(TAU)
+        (libm::atan2(d.z, d.y) + 0.25 * step).rem_euclid(TAU)
     };
     elements.sort_by(|a, b| a.ring.cmp(&b.ring).then(azimuth(a).total_cmp(&azimuth(b))));
 }
