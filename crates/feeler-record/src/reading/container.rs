@@ -9,7 +9,7 @@ use ::mcap::{Attachment, McapError, WriteOptions, Writer};
 use std::borrow::Cow;
 use std::collections::BTreeMap;
 use std::fs::File;
-use std::io::{BufWriter, Write as _};
+use std::io::{BufWriter, Write};
 use std::path::{Path, PathBuf};
 
 /// Start of the library name in files written by feeler.
@@ -30,10 +30,13 @@ const LATCHED: &str = "\
   avoid_ros_namespace_conventions: false
 ";
 
+/// Destination of the bytes of an MCAP file.
+pub type Output = Box<dyn Write + Send>;
+
 /// An MCAP file and its channels.
 pub struct Container {
     path: PathBuf,
-    writer: Writer<NoSeek<BufWriter<File>>>,
+    writer: Writer<NoSeek<Output>>,
     channels: Vec<OpenChannel>,
 }
 
@@ -49,13 +52,22 @@ impl Container {
     /// Creates the file. `options` controls how chunks are made.
     pub fn create(path: &Path, options: WriteOptions) -> Result<Self, RecordError> {
         let file = File::create(path).map_err(|source| file_error(path, source))?;
+        Self::to_output(Box::new(BufWriter::new(file)), path, options)
+    }
+
+    /// Writes an MCAP file to `output`, which errors call `path`.
+    pub fn to_output(
+        output: Output,
+        path: &Path,
+        options: WriteOptions,
+    ) -> Result<Self, RecordError> {
         let writer = options
             .profile("ros2")
             .library(format!("{LIBRARY}{}", env!("CARGO_PKG_VERSION")))
             // Sensor noise does not compress: LZ4 saved an eighth of the size for a third of the run's time.
             .compression(None)
             .disable_seeking(true)
-            .create(NoSeek::new(BufWriter::new(file)))
+            .create(NoSeek::new(output))
             .map_err(|source| RecordError::of_mcap(path, source))?;
         Ok(Self {
             path: path.to_path_buf(),

@@ -39,15 +39,26 @@ impl Recording {
             source,
         };
         let file = File::open(path).map_err(failed)?;
-        let length = file.metadata().map_err(failed)?.len().max(1);
+        let length = file.metadata().map_err(failed)?.len();
+        Self::read_from(&mut BufReader::new(file), length, path, part)
+    }
+
+    /// Like [`read_in_parts`](Self::read_in_parts), from an open `file` of `length` bytes, which errors call `path`.
+    ///
+    /// # Errors
+    /// If not even the run's facts are readable.
+    pub fn read_from(
+        file: &mut (impl Read + Seek),
+        length: u64,
+        path: &Path,
+        part: &mut dyn FnMut(&mut Self, f64),
+    ) -> Result<Self, RecordError> {
         let mut part = |recording: &mut Self, offset: u64| {
-            part(recording, (offset as f64 / length as f64).min(1.0));
+            part(recording, (offset as f64 / length.max(1) as f64).min(1.0));
         };
-        Self::from_reader(&mut BufReader::new(file), &mut part).map_err(|reason| {
-            RecordError::NothingReadable {
-                path: path.to_path_buf(),
-                reason,
-            }
+        Self::from_reader(file, &mut part).map_err(|reason| RecordError::NothingReadable {
+            path: path.to_path_buf(),
+            reason,
         })
     }
 

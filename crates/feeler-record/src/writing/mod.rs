@@ -1,6 +1,7 @@
 //! Writing recordings.
 
 pub(crate) mod batch;
+pub(crate) mod buffer_recorder;
 pub(crate) mod closing;
 pub(crate) mod collector;
 pub(crate) mod memory;

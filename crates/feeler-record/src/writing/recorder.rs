@@ -1,19 +1,16 @@
 //! Writes a recording during a run.
 
-use super::batch::Entry;
 use super::closing::CloseDeadline;
 use super::memory::MessageSink;
 use super::options::{Backpressure, RecordOptions};
 use super::sink::Sink;
-use super::writer::{CHUNK_BYTES, End, Store, Writer};
+use super::writer::{End, Store, Writer};
 use crate::error::RecordError;
 use crate::messages::channels::RecordingGap;
 use crate::messages::facts::RunFacts;
 use crate::messages::run_end::RunEnd;
 use crate::messages::topic::{Channel, RecordedMessage, RecordedTopic};
-use crate::reading::container::{find, log_time};
 use crate::reading::digest::Digest;
-use crate::wire::cdr;
 use std::path::Path;
 use std::time::Duration;
 
@@ -149,9 +146,7 @@ impl Recorder {
     /// Sends the batch to the writer if it is large or old enough for a chunk. Returns `false` if messages were
     /// dropped.
     fn send_if_full(&mut self) -> Result<bool, RecordError> {
-        let batch = &self.writer.batch;
-        let is_full = batch.bytes.len() >= CHUNK_BYTES || batch.span() >= self.flush_interval;
-        if batch.messages.is_empty() || !is_full {
+        if !self.writer.batch.is_full(self.flush_interval) {
             return Ok(true);
         }
         self.writer.send()
@@ -168,15 +163,8 @@ impl MessageSink for Recorder {
         topic: RecordedTopic<M>,
         message: &M,
     ) -> Result<(), RecordError> {
-        let channel = find(&self.channels, self.fingers, topic)?;
-        let log_time = log_time(topic, message)?;
-        let batch = &mut self.writer.batch;
-        cdr::encode(message, &mut batch.bytes)?;
-        batch.messages.push(Entry {
-            channel,
-            log_time,
-            end: batch.bytes.len(),
-        });
+        let (channels, batch) = (&self.channels, &mut self.writer.batch);
+        batch.push(channels, self.fingers, topic, message)?;
         if self.in_steps {
             return Ok(());
         }

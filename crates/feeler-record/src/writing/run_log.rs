@@ -20,6 +20,7 @@ use feeler::control::{
     TactileSource,
 };
 use feeler::hand::{Hand, JointState};
+use feeler::math::quaternion_z;
 use feeler::sensor::image::Frame;
 use glam::{DAffine3, DQuat};
 
@@ -56,7 +57,7 @@ impl InstrumentRecord<'_> {
     pub(crate) fn pose(&self, frame: SolidFrame) -> Option<DAffine3> {
         let (turned, origin) = match frame {
             SolidFrame::World => return Some(DAffine3::IDENTITY),
-            SolidFrame::Cap => (DQuat::from_rotation_z(self.cap?.angle), self.cap?.centre),
+            SolidFrame::Cap => (quaternion_z(self.cap?.angle), self.cap?.centre),
             SolidFrame::Object => (self.object?.orientation.into(), self.object?.position),
         };
         Some(DAffine3::from_rotation_translation(turned, origin.into()))

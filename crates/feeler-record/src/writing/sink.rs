@@ -7,7 +7,7 @@ use crate::error::RecordError;
 use crate::messages::channels::{RecordingGap, nanoseconds};
 use crate::messages::facts::RunFacts;
 use crate::messages::topic::{Channel, topics};
-use crate::reading::container::Container;
+use crate::reading::container::{Container, Output};
 use crate::reading::digest::{Digest, Digester};
 use crate::wire::cdr;
 use ::mcap::WriteOptions;
@@ -53,12 +53,33 @@ impl Sink {
         channels: &[Channel],
     ) -> Result<Self, RecordError> {
         facts.validate()?;
+        let container = Container::create(path, unchunked())?;
+        Self::in_container(container, facts, experiment, options, channels)
+    }
+
+    /// Like [`create`](Self::create), but for the start of a file that is written to `output`.
+    pub fn to_output(
+        output: Output,
+        facts: &RunFacts,
+        experiment: &str,
+        options: &RecordOptions,
+        channels: &[Channel],
+    ) -> Result<Self, RecordError> {
+        facts.validate()?;
+        let container = Container::to_output(output, Path::new(""), unchunked())?;
+        Self::in_container(container, facts, experiment, options, channels)
+    }
+
+    fn in_container(
+        mut container: Container,
+        facts: &RunFacts,
+        experiment: &str,
+        options: &RecordOptions,
+        channels: &[Channel],
+    ) -> Result<Self, RecordError> {
         let mut digester = Digester::default();
         let facts = facts.to_map()?;
         digest_facts(&mut digester, &facts, experiment);
-        // A chunk ends with its batch.
-        let unchunked = WriteOptions::new().chunk_size(None);
-        let mut container = Container::create(path, unchunked)?;
         container.metadata(FACTS, facts)?;
         container.attach(EXPERIMENT.into(), TOML, experiment.as_bytes())?;
         for (name, text) in &options.calibrations {
@@ -140,6 +161,11 @@ impl Store for Sink {
         self.container.close()?;
         Ok(digest)
     }
+}
+
+/// Options for chunks that end with their batch.
+fn unchunked() -> WriteOptions {
+    WriteOptions::new().chunk_size(None)
 }
 
 /// Facts that are not part of the digest. Ground truth affects the forces, and a hand in a separate program does not

@@ -1,6 +1,6 @@
 //! Background thread that writes a recording's file, and the queue in front of it.
 
-use super::batch::Batch;
+use super::batch::{Batch, CHUNK_BYTES};
 use super::closing::CloseDeadline;
 use super::options::Backpressure;
 use crate::error::RecordError;
@@ -14,10 +14,6 @@ use std::sync::mpsc::{
 };
 use std::thread;
 use std::time::{Duration, Instant};
-
-/// Size in bytes at which a chunk is written. A larger chunk loses more if the program is killed; each chunk costs 0.6
-/// KB in the index at the end.
-pub const CHUNK_BYTES: usize = 512 * 1024;
 
 /// Capacity of a batch in bytes: a chunk and the message that exceeds it.
 const BATCH_ROOM: usize = CHUNK_BYTES + 16 * 1024;

@@ -22,6 +22,7 @@ use letting_go::{
     has_many_messages, kept_rows, moved, row_size, rows_of_cells, shifted, thin_messages,
 };
 use over_all::OverAll;
+use std::io::{Read, Seek};
 use std::ops::Range;
 use std::path::Path;
 
@@ -55,8 +56,34 @@ pub fn read_within(
     memory: usize,
     progress: &mut dyn FnMut(f64),
 ) -> Result<(Recording, RunData), RecordError> {
+    convert(memory, progress, |part| {
+        Recording::read_in_parts(path, part)
+    })
+}
+
+/// Like [`read`], from an open `file` of `length` bytes, which errors call `path`.
+///
+/// # Errors
+/// Same as [`Recording::read_from`].
+pub fn read_from(
+    file: &mut (impl Read + Seek),
+    length: u64,
+    path: &Path,
+    progress: &mut dyn FnMut(f64),
+) -> Result<(Recording, RunData), RecordError> {
+    convert(MEMORY, progress, |part| {
+        Recording::read_from(file, length, path, part)
+    })
+}
+
+/// Converts the parts of a recording while `read_parts` reads them.
+fn convert(
+    memory: usize,
+    progress: &mut dyn FnMut(f64),
+    read_parts: impl FnOnce(&mut dyn FnMut(&mut Recording, f64)) -> Result<Recording, RecordError>,
+) -> Result<(Recording, RunData), RecordError> {
     let mut run = None;
-    let mut recording = Recording::read_in_parts(path, &mut |recording, share| {
+    let mut recording = read_parts(&mut |recording, share| {
         let run = run.get_or_insert_with(|| LongRun::new(recording, memory));
         run.take(recording, recording.readable_until - LATE);
         progress(share);

@@ -10,7 +10,7 @@ use crate::page_data::RunTable;
 use crate::pages::run::page;
 use crate::tasks;
 use feeler_record::{RecordError, Recording};
-use std::io::{self, ErrorKind, Write};
+use std::io::{self, ErrorKind, Read, Seek, Write};
 use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::{fs, thread};
@@ -194,6 +194,21 @@ pub fn page_of_file(
     Ok(page_of_rows(&recording, &data))
 }
 
+/// Report of an open recording of `length` bytes, which errors call `path`: its page, and its summary. Writes no files.
+///
+/// # Errors
+/// If the recording is unreadable.
+pub fn report_from(
+    file: &mut (impl Read + Seek),
+    length: u64,
+    path: &Path,
+    progress: &mut dyn FnMut(f64),
+) -> Result<(String, Summary), RecordError> {
+    let (recording, data) = long_run::read_from(file, length, path, progress)?;
+    let drawn = draw(&recording, &data, RECORDING, |_, _| ());
+    Ok((drawn.html, drawn.summary))
+}
+
 /// A drawn report, and the result of the callback of [`draw`].
 struct Drawn<T> {
     html: String,
@@ -211,7 +226,8 @@ fn draw<T>(
     give: impl FnOnce(&[Figure], &Summary) -> T,
 ) -> Drawn<T> {
     thread::scope(|scope| {
-        let table = scope.spawn(|| RunTable::new(data));
+        // Platforms without threads, such as browsers, compress at the end.
+        let table = thread::Builder::new().spawn_scoped(scope, || RunTable::new(data));
         let mut summary = Summary::new(recording, data);
         summary.success = Success::of(&recording.facts, &summary);
         // Trial tables have the same columns for every law; a report shows the paper's claims only if they apply.
@@ -221,7 +237,10 @@ fn draw<T>(
         let task = tasks::of_recording(recording);
         let figures = task.figures(recording, data);
         let given = give(&figures, &summary);
-        let table = table.join().unwrap_or_else(|panic| resume_unwind(panic));
+        let table = match table {
+            Ok(table) => table.join().unwrap_or_else(|panic| resume_unwind(panic)),
+            Err(_) => RunTable::new(data),
+        };
         let html = page((recording, link), data, table, &summary, &figures);
         let (_, whose) = tasks::shown_claims(recording, &summary);
         Drawn {

@@ -10,5 +10,5 @@ pub use data::{FingerColumns, RunData, Stroke};
 pub use long_run::{RunRecorder, read, read_within};
 pub use make::{
     RECORDING, REPORT, ReportError, ReportOutcome, SUMMARY, create_folder, make, make_into,
-    make_of, page_of,
+    make_of, page_of, report_from,
 };
