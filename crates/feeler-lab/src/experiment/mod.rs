@@ -3,6 +3,7 @@
 pub(crate) mod facts;
 mod in_memory;
 pub(crate) mod instruments;
+pub mod live;
 pub(crate) mod prefetching_sensor;
 pub mod recorded_run;
 pub mod replay;

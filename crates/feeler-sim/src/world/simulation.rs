@@ -105,6 +105,14 @@ impl World {
         self.model.servo.encode(shown)
     }
 
+    /// Multiplies the friction coefficients of feelers on all objects by `factor` from the next step on. Faults of
+    /// friction replace it on their objects.
+    pub fn set_friction_factor(&mut self, factor: f64) {
+        for object in &mut self.state.objects {
+            object.friction_factor = factor;
+        }
+    }
+
     /// Sets the target joint velocities of the drives of `finger` (rad/s).
     pub fn command(&mut self, finger: usize, joint_velocity: DVec3) {
         if let Some(finger) = self.state.fingers.get_mut(finger) {

@@ -2,16 +2,14 @@
 
 use super::ServerOptions;
 use super::feed::{Feed, Moment, Orders};
-use super::row::{FingerRow, Row};
 use super::server::Server;
-use super::source::{Source, serve};
+use super::source::serve;
 use feeler::control::{Phase, StopReason};
 use feeler_console::CommandError;
 use feeler_lab::config::Experiment;
+use feeler_lab::experiment::live::LiveRows;
 use feeler_lab::experiment::{Instruments, SimulatedLoop};
 use feeler_record::{RunEnd, RunState};
-use feeler_report::measures::TRUE_SLIP;
-use glam::DQuat;
 use std::fmt::Write as _;
 use std::io::Write;
 use std::sync::Arc;
@@ -30,7 +28,7 @@ pub struct LiveRun {
 
 /// Constants needed to build a run's rows.
 struct Run {
-    source: Source,
+    rows: LiveRows,
     strokes: u32,
 }
 
@@ -42,14 +40,14 @@ impl LiveRun {
         out: &mut dyn Write,
     ) -> Result<Self, CommandError> {
         let config = &experiment.config;
-        let source = Source::new(config)?;
+        let rows = LiveRows::new(config)?;
         let title = format!("{}, seed {}", config.name, config.seed);
-        let (feed, server) = serve(&title, &source, BY, options, out)?;
+        let (feed, server) = serve(&title, &rows, BY, options, out)?;
         Ok(Self {
             feed,
             server,
             run: Run {
-                source,
+                rows,
                 strokes: config.task.strokes(),
             },
             instruments: None,
@@ -103,7 +101,7 @@ impl LiveRun {
 
 impl Run {
     fn fill(&self, moment: &mut Moment, control_loop: &SimulatedLoop, at: &Instruments) {
-        let (controller, state) = (control_loop.controller(), control_loop.state());
+        let controller = control_loop.controller();
         let (phase, stroke) = (controller.phase(), controller.task().stroke());
         let stopped = controller.stop_reason();
         moment.stopped = stopped.is_some();
@@ -113,30 +111,8 @@ impl Run {
             Some(reason) => write!(moment.words, "The hand is stopped: {reason}."),
             None => write_phase(moment, phase, stroke, self.strokes),
         };
-        let mut row = Row::begin(moment, state.stamp);
-        row.push(f64::from(u8::from(phase)));
-        let fingers = control_loop.touches().iter().zip(&state.joints);
-        let slipped = at.slipped.iter().chain(std::iter::repeat(&0.0));
-        let elements = self.source.elements.iter();
-        for (((touch, joints), slipped), elements) in fingers.zip(slipped).zip(elements) {
-            row.finger(FingerRow {
-                joints: joints.position.to_array(),
-                elements: *elements,
-                forces: touch.frame.forces.iter().copied(),
-                flags: &touch.flags,
-                slips: *slipped > TRUE_SLIP,
-                shear_rates: &touch.shear_rate,
-            });
-        }
-        row.push(at.torque.torque);
-        if self.source.cap {
-            row.cap(at.cap_centre, at.cap.angle);
-        }
-        if self.source.object
-            && let Some(pose) = at.object
-        {
-            row.pose(pose.position, DQuat::from_mat3(&pose.rotation));
-        }
+        moment.time = control_loop.state().stamp;
+        self.rows.write(&mut moment.numbers, control_loop, at);
     }
 }
 

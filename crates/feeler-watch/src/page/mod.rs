@@ -8,7 +8,6 @@ mod live_run;
 mod pump;
 mod recording;
 mod rig;
-mod row;
 mod server;
 mod site;
 mod source;

@@ -3,12 +3,12 @@
 use super::ServerOptions;
 use super::feed::{Feed, Moment, Orders};
 use super::live_run::write_phase;
-use super::row::{FingerRow, Row};
-use super::source::{Source, serve};
+use super::source::serve;
 use crate::rig::WatchedRig;
 use crate::snapshot::{Snapshot, UNKNOWN};
 use feeler_console::{CommandError, Outcome, watch_for_interrupt};
 use feeler_lab::config::Experiment;
+use feeler_lab::experiment::live::{FingerRow, LiveRows, Row};
 use feeler_link::transport::{LinkError, Network};
 use glam::{DQuat, DVec3};
 use std::fmt::Write as _;
@@ -34,12 +34,12 @@ pub fn serve_rig(
     options: ServerOptions,
     out: &mut dyn Write,
 ) -> Result<Outcome, CommandError> {
-    let source = Source::new(&experiment.config)?;
+    let rows = LiveRows::new(&experiment.config)?;
     let interrupted = watch_for_interrupt()?;
     let mut watched = WatchedRig::new(experiment, rig, network)?;
     let title = format!("rig {rig}");
-    let (feed, server) = serve(&title, &source, BY, options, out)?;
-    let watching = watch(&mut watched, &source, &feed, &interrupted);
+    let (feed, server) = serve(&title, &rows, BY, options, out)?;
+    let watching = watch(&mut watched, &rows, &feed, &interrupted);
     feed.offer_last(|moment| {
         moment.words.clear();
         // Text that does not fit is cut off.
@@ -57,13 +57,13 @@ pub fn serve_rig(
 /// Shows received messages and sends orders until `interrupted`.
 fn watch(
     watched: &mut WatchedRig,
-    source: &Source,
+    rows: &LiveRows,
     feed: &Feed,
     interrupted: &AtomicBool,
 ) -> Result<(), LinkError> {
     while !interrupted.load(Ordering::Relaxed) {
         watched.look();
-        feed.offer(|moment| fill(moment, source, watched));
+        feed.offer(|moment| fill(moment, rows, watched));
         let Orders { stop, resume } = feed.orders();
         if resume {
             watched.resume(BY)?;
@@ -77,16 +77,17 @@ fn watch(
     Ok(())
 }
 
-fn fill(moment: &mut Moment, source: &Source, watched: &WatchedRig) {
+fn fill(moment: &mut Moment, rows: &LiveRows, watched: &WatchedRig) {
     let snapshot = watched.snapshot();
     moment.stopped = watched.is_stopped();
     moment.words.clear();
     // Text that does not fit is cut off.
     let _ = say(moment, &snapshot);
-    let mut row = Row::begin(moment, snapshot.time);
+    moment.time = snapshot.time;
+    let mut row = Row::begin(&mut moment.numbers);
     let phase = snapshot.task.map(|task| f64::from(u8::from(task.phase)));
     row.push(phase.unwrap_or(UNKNOWN));
-    for (finger, elements) in snapshot.fingers.iter().zip(&source.elements) {
+    for (finger, elements) in snapshot.fingers.iter().zip(&rows.elements) {
         row.finger(FingerRow {
             joints: finger.joints,
             elements: *elements,
@@ -98,12 +99,12 @@ fn fill(moment: &mut Moment, source: &Source, watched: &WatchedRig) {
     }
     row.push(snapshot.torque.map_or(UNKNOWN, |torque| torque.newest));
     let instruments = watched.instruments();
-    if source.cap {
+    if rows.cap {
         let cap = instruments.map(|at| (at.cap_centre.into(), at.cap_angle));
         let (centre, angle) = cap.unwrap_or((DVec3::NAN, UNKNOWN));
         row.cap(centre, angle);
     }
-    if source.object {
+    if rows.object {
         let object = instruments.filter(|at| at.has_object);
         let pose = object.map(|at| (at.object_position.into(), at.object_orientation.into()));
         let (position, rotation) = pose.unwrap_or((DVec3::NAN, DQuat::NAN));

@@ -1,7 +1,7 @@
-//! Writes one row of a page in the order of its columns.
+//! Writes one row of a live page in the order of its columns, without the time.
 
-use super::feed::Moment;
 use feeler::control::FingerFlags;
+use feeler::math::quaternion_z;
 use feeler_report::page_data::flag_bits;
 use glam::{DQuat, DVec3};
 use std::iter;
@@ -26,11 +26,10 @@ pub struct FingerRow<'a, F> {
 }
 
 impl<'a> Row<'a> {
-    /// Starts the row of `moment` at `time` (s).
-    pub fn begin(moment: &'a mut Moment, time: f64) -> Self {
-        moment.time = time;
-        moment.numbers.clear();
-        Self(&mut moment.numbers)
+    /// Starts a row in `numbers`, whose content is discarded.
+    pub fn begin(numbers: &'a mut Vec<f32>) -> Self {
+        numbers.clear();
+        Self(numbers)
     }
 
     /// Appends a number.
@@ -61,7 +60,7 @@ impl<'a> Row<'a> {
 
     /// Appends the pose of the cap: its centre in `W` (m) and its angle (rad).
     pub fn cap(&mut self, centre: DVec3, angle: f64) {
-        self.pose(centre, DQuat::from_rotation_z(angle));
+        self.pose(centre, quaternion_z(angle));
         self.push(angle);
     }
 

@@ -1,0 +1,89 @@
+//! Rows of a live page: the numbers of one control step.
+
+mod row;
+
+pub use row::{FingerRow, Row};
+
+use super::{ExperimentError, Instruments, SimulatedLoop, run_facts};
+use crate::config::ExperimentConfig;
+use feeler_record::{RunFacts, SolidFrame};
+use feeler_report::measures::TRUE_SLIP;
+use feeler_report::pages::LiveRig;
+use glam::DQuat;
+use std::iter;
+
+/// Constants of a rig that determine the rows of its live page.
+pub struct LiveRows {
+    facts: RunFacts,
+    homes: Vec<[f64; 3]>,
+    /// Number of elements of each fingertip.
+    pub elements: Vec<usize>,
+    /// `true` if rows contain the pose of a cap.
+    pub cap: bool,
+    /// `true` if rows contain the pose of a carried object.
+    pub object: bool,
+}
+
+impl LiveRows {
+    /// Reads the constants of the rig of `config`.
+    ///
+    /// # Errors
+    /// If a fingertip is invalid.
+    pub fn new(config: &ExperimentConfig) -> Result<Self, ExperimentError> {
+        let facts = run_facts(config)?;
+        let elements = facts.hand.iter().map(|model| model.element_tips.len());
+        let mut solids = facts.solids.iter();
+        Ok(Self {
+            homes: config.task.homes(),
+            elements: elements.collect(),
+            cap: config.cap().is_some(),
+            object: solids.any(|solid| solid.frame == SolidFrame::Object),
+            facts,
+        })
+    }
+
+    /// The rig as a live page describes it.
+    pub fn rig(&self) -> LiveRig<'_> {
+        LiveRig {
+            facts: &self.facts,
+            homes: &self.homes,
+            cap: self.cap,
+            object: self.object,
+        }
+    }
+
+    /// Number of numbers in a row, without the time.
+    pub fn width(&self) -> usize {
+        let columns = self.rig().columns();
+        columns.iter().map(|(_, width)| width).sum::<usize>() - 1
+    }
+
+    /// Writes the row of the latest step of `control_loop`, with the readings `at` its beginning, into `numbers`. What
+    /// exceeds the capacity is omitted.
+    pub fn write(&self, numbers: &mut Vec<f32>, control_loop: &SimulatedLoop, at: &Instruments) {
+        let state = control_loop.state();
+        let mut row = Row::begin(numbers);
+        row.push(f64::from(u8::from(control_loop.controller().phase())));
+        let fingers = control_loop.touches().iter().zip(&state.joints);
+        let slipped = at.slipped.iter().chain(iter::repeat(&0.0));
+        for (((touch, joints), slipped), elements) in fingers.zip(slipped).zip(&self.elements) {
+            row.finger(FingerRow {
+                joints: joints.position.to_array(),
+                elements: *elements,
+                forces: touch.frame.forces.iter().copied(),
+                flags: &touch.flags,
+                slips: *slipped > TRUE_SLIP,
+                shear_rates: &touch.shear_rate,
+            });
+        }
+        row.push(at.torque.torque);
+        if self.cap {
+            row.cap(at.cap_centre, at.cap.angle);
+        }
+        if self.object
+            && let Some(pose) = at.object
+        {
+            row.pose(pose.position, DQuat::from_mat3(&pose.rotation));
+        }
+    }
+}
