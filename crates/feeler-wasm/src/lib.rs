@@ -1,0 +1,18 @@
+#![doc = include_str!("../README.md")]
+#![warn(missing_docs)]
+
+mod catalogue;
+mod js_file;
+mod report;
+mod run;
+
+pub use catalogue::catalogue;
+pub use report::report;
+pub use run::{FinishedRun, Run};
+
+use wasm_bindgen::JsError;
+
+/// Converts an error to one of JavaScript, with the messages of its sources.
+fn js(error: impl std::error::Error) -> JsError {
+    JsError::new(&error.to_string())
+}

@@ -1,0 +1,32 @@
+//! Reports of recordings that the user chose.
+
+use crate::js;
+use crate::js_file::JsFile;
+use feeler_report::run::report_from;
+use js_sys::Function;
+use std::io::BufReader;
+use std::path::Path;
+use wasm_bindgen::prelude::*;
+use web_sys::File;
+
+/// Bytes that are read from a file at once.
+const BLOCK: usize = 1 << 20;
+
+/// Returns the report page (HTML) of a recording. Calls `progress` with the fraction that has been read, 0 to 1. The
+/// file is read in blocks, so its size is limited by the report, not by memory.
+///
+/// # Errors
+/// If the file is not a recording, not even the run's facts are readable, or this is not called in a worker.
+#[wasm_bindgen]
+pub fn report(file: &File, progress: &Function) -> Result<String, JsValue> {
+    let name = file.name();
+    let file = JsFile::new(file.clone().into())?;
+    let length = file.len();
+    let mut reader = BufReader::with_capacity(BLOCK, file);
+    let mut told = |share: f64| {
+        // A page that cannot show the progress still gets its report.
+        let _ = progress.call1(&JsValue::NULL, &share.into());
+    };
+    let report = report_from(&mut reader, length, Path::new(&name), &mut told);
+    Ok(report.map_err(js)?.0)
+}

@@ -1,0 +1,174 @@
+/** The playground: the same results as the program, without a network. `PLAYGROUND` is the page, `FEELER` the program. */
+import assert from "node:assert/strict";
+import { execFileSync } from "node:child_process";
+import { mkdtempSync, readFileSync, statSync, writeFileSync } from "node:fs";
+import { tmpdir } from "node:os";
+import { join } from "node:path";
+import { after, before, test } from "node:test";
+import { pathToFileURL } from "node:url";
+import type { Browser, Page } from "playwright-core";
+import { eventually, launch, open, type Opened, until } from "./browser";
+
+const page = process.env["PLAYGROUND"];
+const feeler = process.env["FEELER"];
+const skip = page && feeler ? false : "needs PLAYGROUND and FEELER";
+const LARGEST = 4e6;
+
+let browser: Browser;
+before(async () => {
+  if (!skip) browser = await launch();
+});
+after(async () => {
+  if (!skip) await browser.close();
+});
+
+async function opened(hash = "", options = {}): Promise<Opened> {
+  const url = pathToFileURL(page ?? "").href + hash;
+  const result = await open(browser, url, options);
+  await result.page.waitForFunction(() => "feeler" in window);
+  return result;
+}
+
+/** No errors, and nothing was loaded but the page's own parts. */
+function nothingElse({ errors, requests }: Opened): void {
+  assert.deepEqual(errors, []);
+  assert.deepEqual(
+    requests.filter((url) => !url.startsWith("blob:") && !url.startsWith("about:")),
+    [],
+  );
+}
+
+/** Digest of the program's run. */
+function digestOf(experiment: string, sensing: string): string {
+  const out = join(mkdtempSync(join(tmpdir(), "feeler-playground-")), "run");
+  try {
+    execFileSync(feeler ?? "", ["run", experiment, "--sensing", sensing, "--out", out], { stdio: "ignore" });
+  } catch {
+    // A run whose task fails has a digest, too.
+  }
+  return JSON.parse(readFileSync(join(out, "summary.json"), "utf8")).digest;
+}
+
+function experiments(): string[] {
+  const list = execFileSync(feeler ?? "", ["list"], { encoding: "utf8" });
+  const own = list.split("\n\n")[0] ?? "";
+  return own.split("\n").map((line) => line.split(" ")[0] ?? "");
+}
+
+const run = (page: Page, experiment: string, sensing: "direct" | "image") =>
+  page.evaluate(async ([experiment, sensing]) => (await window.feeler.run({ experiment, sensing })).digest, [
+    experiment,
+    sensing,
+  ] as const);
+
+test("every built-in experiment has the digest of the program", { skip }, async () => {
+  const result = await opened();
+  const names = experiments();
+  assert.ok(names.length >= 14, String(names));
+  for (const experiment of names) {
+    for (const sensing of ["direct", "image"] as const) {
+      const expected = digestOf(experiment, sensing);
+      if (!expected) continue;
+      assert.equal(await run(result.page, experiment, sensing), expected, `${experiment} ${sensing}`);
+    }
+  }
+  nothingElse(result);
+});
+
+test("a run is shown, reported, and can be repeated from its link and its command", { skip }, async () => {
+  const result = await opened(
+    "#experiment=cap-closing&seed=3&sensing=direct&set=sim.feeler.static_friction%3D0.9",
+  );
+  const { page } = result;
+  await page.selectOption("#speed", "Infinity");
+  await page.click("button.primary");
+  const digest = page.locator(".result .digest");
+  await digest.waitFor();
+  assert.match((await digest.textContent()) ?? "", /^[0-9a-f]{64}$/);
+  const settings = {
+    experiment: "cap-closing",
+    seed: 3,
+    sensing: "direct",
+    set: ["sim.feeler.static_friction=0.9"],
+  } as const;
+  const again = await page.evaluate(
+    async (all) => (await window.feeler.run({ ...all, set: [...all.set] })).digest,
+    settings,
+  );
+  assert.equal(await digest.textContent(), again);
+  assert.match(page.url(), /seed=3.*static_friction%3D0\.9/);
+  nothingElse(result);
+});
+
+test("two laws are compared on the same hand", { skip }, async () => {
+  const result = await opened("#experiment=cap-closing&seed=0&sensing=direct&compare=open-loop");
+  await result.page.selectOption("#speed", "Infinity");
+  await result.page.click("button.primary");
+  await eventually(() => result.page.locator(".result .digest").count(), 2, "two results");
+  const [first, second] = await result.page.locator(".result .digest").allTextContents();
+  assert.notEqual(first, second);
+  nothingElse(result);
+});
+
+test("a paused run advances by single steps, and friction changes it while it runs", { skip }, async () => {
+  const { page } = await opened("#experiment=cap-closing&seed=0&sensing=direct");
+  await page.click("button.primary");
+  await page.getByRole("button", { name: "Pause or continue" }).click();
+  await until(async () => (await page.locator(".player-time").textContent()) !== "no data yet", "a row");
+  const time = () => page.locator(".player-time").textContent();
+  await page.waitForTimeout(300);
+  const before = await time();
+  await page.getByRole("button", { name: "one control step" }).click();
+  await until(async () => (await time()) !== before, "a step");
+  await page.locator("#slider-friction").fill("0.5");
+  await page.getByRole("button", { name: "End the run" }).click();
+  await page.getByText("You changed the run at").waitFor();
+});
+
+test("a setting out of range is refused in a sentence", { skip }, async () => {
+  const { page } = await opened("#experiment=cap-closing&seed=0&sensing=direct&set=control.period%3D-1");
+  await page.click("button.primary");
+  await page.getByText("control.period").first().waitFor();
+});
+
+test("a recording is reported, and a damaged file is refused in a sentence", { skip }, async () => {
+  const folder = mkdtempSync(join(tmpdir(), "feeler-playground-"));
+  execFileSync(feeler ?? "", ["run", "cap-closing", "--sensing", "direct", "--out", join(folder, "run")], {
+    stdio: "ignore",
+  });
+  const { page } = await opened();
+  await page.getByRole("tab", { name: "Your recording" }).click();
+  await page.setInputFiles("#recording", join(folder, "run", "recording.mcap"));
+  const frame = page.frameLocator("iframe.report");
+  await frame.getByRole("heading", { name: "cap-closing" }).first().waitFor();
+  const damaged = join(folder, "damaged.mcap");
+  writeFileSync(damaged, "not a recording");
+  await page.setInputFiles("#recording", damaged);
+  await page.getByText("damaged.mcap:").waitFor();
+});
+
+test("every lesson can be started, and the first is solved by a high threshold", { skip }, async () => {
+  const { page } = await opened();
+  await page.getByRole("tab", { name: "Learn" }).click();
+  assert.equal(await page.locator(".lesson").count(), 5);
+  await page.getByRole("button", { name: /What SLIP sees/ }).click();
+  await page.selectOption("#speed", "Infinity");
+  await page.locator("#slider-slip-threshold").fill("32");
+  await page.click("button.primary");
+  await page.locator(".result").waitFor();
+  await page.getByRole("tab", { name: "Learn" }).click();
+  await page.getByText("✓ Solved.").waitFor();
+});
+
+test("a phone shows the page without scrolling sideways", { skip }, async () => {
+  const { page } = await opened("", { viewport: { width: 390, height: 800 } });
+  await page.click("button.primary");
+  await page.locator(".run-view canvas").first().waitFor();
+  const width = await page.evaluate(() => document.documentElement.scrollWidth);
+  assert.ok(width <= 390, `${width} px`);
+});
+
+test("the page is small enough", { skip }, () => {
+  const { size } = statSync(page ?? "");
+  assert.ok(size <= LARGEST, `${size} bytes`);
+});

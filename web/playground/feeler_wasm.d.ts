@@ -1,0 +1,24 @@
+/** The program's interface, from `crates/feeler-wasm`. */
+declare module "*/wasm/feeler_wasm" {
+  export function initSync(options: { module: WebAssembly.Module }): void;
+  export function catalogue(): string;
+  export function report(file: File, progress: (share: number) => void): string;
+  export class Run {
+    constructor(experiment: string, settings: string[]);
+    page(keep: number): string;
+    step(steps: number): Uint8Array;
+    state(): string;
+    stop(): void;
+    resume(): void;
+    set_friction(factor: number): void;
+    finish(wallTime: number): FinishedRun;
+    free(): void;
+  }
+  export class FinishedRun {
+    readonly digest: string;
+    readonly summary: string;
+    readonly report: string;
+    readonly recording: Uint8Array<ArrayBuffer>;
+    free(): void;
+  }
+}

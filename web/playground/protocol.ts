@@ -1,0 +1,82 @@
+/** Messages between the page and its worker. */
+
+/** Settings of a run, as the program takes them. */
+export interface RunSettings {
+  /** Name of a built-in experiment. */
+  experiment: string;
+  seed: number;
+  sensing: "direct" | "image";
+  /** Changes of the form `KEY=VALUE`, as for `feeler run --set`. */
+  set: string[];
+}
+
+/** What the page can run: the built-in experiments and control laws. */
+export interface Catalogue {
+  version: string;
+  experiments: Experiment[];
+  laws: string[];
+}
+
+export interface Experiment {
+  name: string;
+  description: string;
+  seed: number;
+  sensing: "direct" | "image";
+  law: string;
+  toml: string;
+  /** Values of the experiment file, with defaults. */
+  config: object;
+}
+
+export interface FinishedRun {
+  /** SHA-256 digest of the run, equal to that of `feeler run` with the same settings. */
+  digest: string;
+  /** Content of `summary.json`. */
+  summary: string;
+  /** Report page (HTML). */
+  report: string;
+  /** Content of `recording.mcap`. */
+  recording: Uint8Array<ArrayBuffer>;
+}
+
+/** State of a run, as on a live page. */
+export interface RunState {
+  state: string;
+  stopped: boolean;
+  over: boolean;
+  /** Simulated time (s). */
+  time: number;
+}
+
+/** Functions of the worker: argument and result of each. */
+export interface Calls {
+  catalogue: { argument: undefined; result: Catalogue };
+  /** Sets up a run and returns the data of its live page (JSON). The run is paused. */
+  create: { argument: { run: number; settings: RunSettings; keep: number }; result: string };
+  /** Advances a run at `speed` times real time (`Infinity`: as fast as possible), or pauses it (0). */
+  pace: { argument: { run: number; speed: number }; result: undefined };
+  /** Advances a paused run by `steps` control steps. */
+  step: { argument: { run: number; steps: number }; result: undefined };
+  order: { argument: { run: number; order: "stop" | "resume" }; result: undefined };
+  /** Multiplies the friction on all objects by `factor` from now on. */
+  friction: { argument: { run: number; factor: number }; result: undefined };
+  finish: { argument: { run: number }; result: FinishedRun };
+  discard: { argument: { run: number }; result: undefined };
+  /** Returns the report page (HTML) of a recording. */
+  report: { argument: { file: File }; result: string };
+}
+
+export type Request = {
+  [Name in keyof Calls]: { call: number; name: Name; argument: Calls[Name]["argument"] };
+}[keyof Calls];
+
+export type Reply =
+  | { kind: "ready" }
+  | { kind: "done"; call: number; result: unknown }
+  | { kind: "failed"; call: number; error: string }
+  /** Progress of a call, 0 to 1. */
+  | { kind: "progress"; call: number; share: number }
+  /** New rows of a run, each in the form of a live page's message, and its state. */
+  | { kind: "rows"; run: number; rows: ArrayBuffer; state: RunState }
+  /** A run ended with an error. */
+  | { kind: "broken"; run: number; error: string };

@@ -1,0 +1,269 @@
+/** The tab in which runs are computed and shown. */
+import { readPage } from "../src/read_page";
+import { PageProblem } from "../src/problem";
+import { button, make, setText } from "../src/ui/dom";
+import { Player } from "../src/ui/player";
+import type { Engine } from "./engine";
+import { RunForm } from "./form";
+import type { Catalogue, FinishedRun, RunSettings, RunState } from "./protocol";
+import { resultPanel, type Summary } from "./result";
+import { fromHash, type PageSettings, toHash } from "./settings_link";
+import { RunView } from "./run_view";
+
+/** Number of rows that a view keeps: two minutes at 100 Hz. */
+const KEEP = 12_000;
+const SPEEDS: [number, string][] = [
+  [0.25, "quarter speed"],
+  [1, "real time"],
+  [4, "4 × real time"],
+  [16, "16 × real time"],
+  [Infinity, "as fast as possible"],
+];
+
+interface Shown {
+  number: number;
+  title: string;
+  settings: RunSettings;
+  view: RunView;
+  over: boolean;
+}
+
+/** Called with every finished run. */
+export type Finished = (settings: RunSettings, summary: Summary, digest: string) => void;
+
+export class RunTab {
+  readonly element: HTMLElement;
+  readonly form: RunForm;
+  readonly #engine: Engine;
+  readonly #views = make("div", { class: "run-views" });
+  readonly #results = make("div", { class: "results" });
+  readonly #status = make("p", { class: "note", role: "status", "aria-live": "polite" });
+  readonly #pause: HTMLButtonElement;
+  readonly #step: HTMLButtonElement;
+  readonly #end: HTMLButtonElement;
+  readonly #speed = make("select", { id: "speed" });
+  readonly #finished: Finished[] = [];
+  #player: HTMLElement | undefined;
+  #shown: Shown[] = [];
+  #paused = false;
+  /** Simulated time of the first change during the run (s). */
+  #changedAt: number | undefined;
+  #time = 0;
+
+  constructor(engine: Engine, catalogue: Catalogue) {
+    this.#engine = engine;
+    this.form = new RunForm(
+      catalogue,
+      () => void this.start(),
+      (slider) => this.#moved(slider),
+    );
+    this.#speed.append(...SPEEDS.map(([speed, text]) => make("option", { value: String(speed) }, text)));
+    this.#speed.value = "1";
+    this.#speed.addEventListener("change", () => this.#pace());
+    this.#pause = button("Pause", "Pause or continue the computation", () => this.#toggle());
+    this.#step = button("Step", "Compute one control step", () => this.#each("step", { steps: 1 }));
+    this.#end = button("End", "End the run now and show its result", () => void this.#finish());
+    const controls = make(
+      "div",
+      { class: "orders" },
+      this.#pause,
+      this.#step,
+      this.#end,
+      make("label", { for: "speed" }, "Speed"),
+      this.#speed,
+    );
+    this.#enable(false);
+    const left = make("div", { class: "run-controls" }, this.form.element, controls, this.#status);
+    this.element = make("div", { class: "run-tab" }, left, make("div", {}, this.#views, this.#results));
+    this.form.apply(fromHash(location.hash));
+    addEventListener("hashchange", () => {
+      if (location.hash !== toHash(this.form.settings())) this.form.apply(fromHash(location.hash));
+    });
+  }
+
+  onFinished(finished: Finished): void {
+    this.#finished.push(finished);
+  }
+
+  /** Shows `settings` and starts the run at `speed` times real time. */
+  async start(settings?: Partial<PageSettings>, speed?: number): Promise<void> {
+    if (settings) this.form.apply(settings);
+    if (speed !== undefined) this.#speed.value = String(speed);
+    const chosen = this.form.settings();
+    history.replaceState(null, "", toHash(chosen));
+    await this.#close();
+    setText(this.#status, "Setting up the run.");
+    try {
+      const { compare, ...first } = chosen;
+      const all = compare ? [first, { ...first, set: withLaw(first.set, compare) }] : [first];
+      for (const [place, settings] of all.entries()) {
+        const law = place === 1 ? compare : lawOf(settings.set) || this.form.experiment.law;
+        await this.#create(`${settings.experiment}, ${law}, seed ${settings.seed}`, settings);
+      }
+      this.#paused = false;
+      this.#enable(true);
+      this.#pace();
+      setText(
+        this.#status,
+        "The run is being computed in this page. Sliders change the next run; friction changes this one, too.",
+      );
+    } catch (error) {
+      await this.#close();
+      setText(this.#status, problem(error));
+    }
+  }
+
+  async #create(title: string, settings: RunSettings): Promise<void> {
+    const shown: Partial<Shown> = { title, settings, over: false };
+    const number = this.#engine.listen({
+      rows: (rows, state) => this.#rows(shown as Shown, rows, state),
+      broken: (error) => {
+        shown.view?.fail(error);
+        setText(this.#status, error);
+        this.#enable(false);
+      },
+    });
+    const page = readPage(await this.#engine.call("create", { run: number, settings, keep: KEEP }));
+    const view = new RunView(page, title, KEEP, (order) => {
+      void this.#engine.call("order", { run: number, order });
+      this.#changedAt ??= this.#time;
+    });
+    Object.assign(shown, { number, view });
+    this.#shown.push(shown as Shown);
+    this.#views.append(view.element);
+    if (this.#shown.length === 1) {
+      this.#player = new Player(view.playback, view.run).element;
+      document.body.append(this.#player);
+    } else {
+      this.#follow(view);
+    }
+  }
+
+  /** Lets `view` show the time of the first view when the reader looks at earlier rows. */
+  #follow(view: RunView): void {
+    const first = this.#shown[0]?.view;
+    if (!first || first === view) return;
+    first.playback.onState(() => {
+      if (first.playback.playing) view.playback.play();
+      else view.playback.pause();
+    });
+    first.playback.onMoment((row) => {
+      if (!first.playback.playing && first.run.table.length > 0) {
+        view.playback.seekTime(first.run.table.time(row));
+      }
+    });
+  }
+
+  #rows(shown: Shown, rows: ArrayBuffer, state: RunState): void {
+    this.#time = state.time;
+    shown.view.add(rows, state);
+    if (!state.over || shown.over) return;
+    shown.over = true;
+    if (this.#shown.every(({ over }) => over)) void this.#finish();
+  }
+
+  async #finish(): Promise<void> {
+    this.#enable(false);
+    setText(this.#status, "Writing the report.");
+    for (const { number, title, settings } of this.#shown) {
+      try {
+        const finished = await this.#engine.call("finish", { run: number });
+        this.#results.append(resultPanel(title, settings, finished, this.#note()));
+        const summary = JSON.parse(finished.summary) as Summary;
+        for (const listener of this.#finished) listener(settings, summary, finished.digest);
+      } catch (error) {
+        setText(this.#status, problem(error));
+        return;
+      }
+    }
+    setText(this.#status, "The run has ended; see its result below.");
+  }
+
+  #note(): string {
+    if (this.#changedAt === undefined) return "";
+    return `You changed the run at ${this.#changedAt.toFixed(2)} s. The command and the link do not repeat that, so they lead to another digest.`;
+  }
+
+  #moved(slider: string): void {
+    if (slider !== "friction" || this.#shown.length === 0 || this.#shown.every(({ over }) => over)) return;
+    const factor = this.form.sliders.factor("friction") / this.#startFriction;
+    this.#each("friction", { factor });
+    this.#changedAt ??= this.#time;
+  }
+
+  /** Friction of the run at its start, relative to the experiment's. */
+  #startFriction = 1;
+
+  #toggle(): void {
+    this.#paused = !this.#paused;
+    this.#enable(true);
+    this.#pace();
+  }
+
+  #pace(): void {
+    this.#each("pace", { speed: this.#paused ? 0 : Number(this.#speed.value) });
+  }
+
+  #each<Name extends "pace" | "step" | "friction">(
+    name: Name,
+    argument: Omit<
+      { pace: { speed: number }; step: { steps: number }; friction: { factor: number } }[Name],
+      "run"
+    >,
+  ): void {
+    for (const { number, over } of this.#shown) {
+      if (over) continue;
+      const call = this.#engine.call(name, { run: number, ...argument } as never);
+      call.catch((error) => setText(this.#status, problem(error)));
+    }
+  }
+
+  #enable(running: boolean): void {
+    for (const control of [this.#pause, this.#end]) control.disabled = !running;
+    this.#step.disabled = !running || !this.#paused;
+    setText(this.#pause, this.#paused ? "Continue" : "Pause");
+  }
+
+  /** Discards all runs and their views. */
+  async #close(): Promise<void> {
+    for (const { number, view } of this.#shown) {
+      view.close();
+      await this.#engine.call("discard", { run: number });
+    }
+    this.#shown = [];
+    this.#changedAt = undefined;
+    this.#startFriction = this.form.sliders.factor("friction");
+    this.#player?.remove();
+    this.#views.replaceChildren();
+    this.#results.replaceChildren();
+    this.#enable(false);
+  }
+}
+
+function problem(error: unknown): string {
+  return error instanceof PageProblem ? error.message : `The run failed: ${error}`;
+}
+
+function withLaw(set: string[], law: string): string[] {
+  return [...set.filter((setting) => !setting.startsWith("control.law=")), `control.law="${law}"`];
+}
+
+function lawOf(set: string[]): string {
+  const setting = set.find((setting) => setting.startsWith("control.law="));
+  return setting?.slice("control.law=".length).replaceAll('"', "") ?? "";
+}
+
+/** Computes a run as fast as possible without showing it. */
+export async function compute(engine: Engine, settings: RunSettings): Promise<FinishedRun> {
+  let over: () => void = () => {};
+  let failed: (error: Error) => void = () => {};
+  const ended = new Promise<void>((resolve, reject) => ([over, failed] = [resolve, reject]));
+  const run = engine.listen({
+    rows: (_, state) => state.over && over(),
+    broken: (error) => failed(new PageProblem(error)),
+  });
+  await engine.call("create", { run, settings, keep: 2 });
+  await engine.call("pace", { run, speed: Infinity });
+  await ended;
+  return engine.call("finish", { run });
+}

@@ -1,0 +1,157 @@
+/** The worker: advances runs and reads recordings, so that the page never waits. */
+import { catalogue, initSync, report, Run } from "../out/wasm/feeler_wasm";
+import type { Calls, FinishedRun, Reply, Request, RunState } from "./protocol";
+
+/** Duration of computation between two rows (ms), about one image of the screen. */
+const BURST = 15;
+
+interface Active {
+  run: Run;
+  /** Speed relative to real time; 0 while paused. */
+  speed: number;
+  /** Wall time (ms) and simulated time (s) at which the current speed was set. */
+  since: { wall: number; simulated: number };
+  state: RunState;
+  /** Wall time spent so far (ms). */
+  spent: number;
+}
+
+const scope = self as unknown as {
+  postMessage(message: Reply, transfer?: Transferable[]): void;
+  onmessage: ((event: MessageEvent) => void) | null;
+};
+const runs = new Map<number, Active>();
+/** Yields to messages without the delay of timers. */
+const yields = new MessageChannel();
+let advancing = false;
+
+scope.onmessage = ({ data }) => {
+  initSync({ module: data as WebAssembly.Module });
+  scope.onmessage = ({ data }) => answer(data as Request);
+  scope.postMessage({ kind: "ready" });
+};
+
+function answer({ call, name, argument }: Request): void {
+  try {
+    const result = (functions[name] as (argument: unknown, call: number) => unknown)(argument, call);
+    scope.postMessage({ kind: "done", call, result });
+  } catch (error) {
+    scope.postMessage({
+      kind: "failed",
+      call,
+      error: error instanceof Error ? error.message : String(error),
+    });
+  }
+}
+
+const functions: {
+  [Name in keyof Calls]: (argument: Calls[Name]["argument"], call: number) => Calls[Name]["result"];
+} = {
+  catalogue: () => JSON.parse(catalogue()),
+  create({ run, settings, keep }) {
+    const { experiment, seed, sensing, set } = settings;
+    const made = new Run(experiment, [`seed=${seed}`, `sensing="${sensing}"`, ...set]);
+    const state = JSON.parse(made.state()) as RunState;
+    runs.set(run, { run: made, speed: 0, since: { wall: 0, simulated: 0 }, state, spent: 0 });
+    return made.page(keep);
+  },
+  pace({ run, speed }) {
+    const active = get(run);
+    active.speed = speed;
+    active.since = { wall: performance.now(), simulated: active.state.time };
+    goOn();
+  },
+  step({ run, steps }) {
+    advance(run, get(run), () => steps);
+  },
+  order({ run, order }) {
+    if (order === "stop") get(run).run.stop();
+    else get(run).run.resume();
+  },
+  friction({ run, factor }) {
+    get(run).run.set_friction(factor);
+  },
+  finish({ run }): FinishedRun {
+    const active = get(run);
+    runs.delete(run);
+    const finished = active.run.finish(active.spent / 1000);
+    const { digest, summary, report, recording } = finished;
+    finished.free();
+    return { digest, summary, report, recording };
+  },
+  discard({ run }) {
+    runs.get(run)?.run.free();
+    runs.delete(run);
+  },
+  report: ({ file }, call) =>
+    report(file, (share: number) => scope.postMessage({ kind: "progress", call, share })),
+};
+
+function get(run: number): Active {
+  const active = runs.get(run);
+  if (!active) throw new Error("This run has ended.");
+  return active;
+}
+
+function goOn(): void {
+  if (advancing) return;
+  advancing = true;
+  yields.port2.postMessage(null);
+}
+
+yields.port1.onmessage = () => {
+  advancing = false;
+  let busy = false;
+  let waiting = false;
+  for (const [number, active] of runs) {
+    if (active.speed === 0 || active.state.over) continue;
+    const advanced = advance(number, active, stepsDue);
+    busy ||= advanced;
+    waiting ||= !advanced;
+  }
+  if (busy) goOn();
+  else if (waiting) setTimeout(goOn, BURST / 2);
+};
+
+/** Number of steps to compute next, a few at a time: 0 if the run is ahead of its speed. */
+function stepsDue({ speed, since, state }: Active): number {
+  if (speed === Infinity) return 4;
+  const due = since.simulated + (speed * (performance.now() - since.wall)) / 1000;
+  return Math.min(4, Math.ceil((due - state.time) / PERIOD));
+}
+
+/** Smallest control period of the built-in experiments (s); only the pace depends on it. */
+const PERIOD = 0.01;
+
+/** Advances a run for one burst, and sends its rows. Returns `false` if no step was due. */
+function advance(number: number, active: Active, due: (active: Active) => number): boolean {
+  const start = performance.now();
+  const rows: Uint8Array[] = [];
+  try {
+    do {
+      const steps = due(active);
+      if (steps <= 0) break;
+      rows.push(active.run.step(steps));
+      active.state = JSON.parse(active.run.state());
+    } while (active.speed > 0 && !active.state.over && performance.now() - start < BURST);
+  } catch (error) {
+    active.speed = 0;
+    scope.postMessage({ kind: "broken", run: number, error: String(error) });
+    return false;
+  }
+  active.spent += performance.now() - start;
+  if (rows.length === 0) return false;
+  const buffer = concatenated(rows);
+  scope.postMessage({ kind: "rows", run: number, rows: buffer, state: active.state }, [buffer]);
+  return true;
+}
+
+function concatenated(parts: Uint8Array[]): ArrayBuffer {
+  const bytes = new Uint8Array(parts.reduce((length, part) => length + part.length, 0));
+  let place = 0;
+  for (const part of parts) {
+    bytes.set(part, place);
+    place += part.length;
+  }
+  return bytes.buffer;
+}
