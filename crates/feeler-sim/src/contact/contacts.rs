@@ -5,8 +5,22 @@
 //! order, so results are bit-identical on all processors.
 
 use super::columnar_feeler::Anchor;
-use crate::world::state::Contact;
 use glam::DVec3;
+
+/// A feeler in contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// Index of its element.
+    pub element: usize,
+    /// Index of the object.
+    pub object: usize,
+    /// Point where the feeler sticks to the object.
+    pub anchor: Anchor,
+    /// Rolling distance since the anchor was last projected onto the surface (m).
+    pub rolled: f64,
+    /// Centre of the undeformed tip in the object's frame, one step ago (m).
+    pub tip_before: DVec3,
+}
 
 /// Number of contacts in a block: one cache line of `f64`.
 pub(crate) const BLOCK: usize = 8;

@@ -1,14 +1,14 @@
 //! Load of the feelers on an object along a degree of freedom, and its derivative by the object's motion.
 
-use super::columnar_feeler::{Anchor, FeelerConfig, Friction, Tip, split, tip_of, within_cone};
+use super::columnar_feeler::{Anchor, Tip, split, tip_of, within_cone};
 use super::contacts::{BLOCK, Block, Column, Share};
+use super::feeler_config::{FeelerConfig, Friction};
 use super::settle::friction;
 use crate::objects::object::Object;
 use crate::objects::pose::Pose;
 use crate::objects::thread::FingerLoad;
 use crate::world::model::{Finger, WorldModel};
 use crate::world::state::{FingerState, ObjectState};
-use crate::world::step::undeformed;
 use glam::DVec3;
 
 /// Degree of freedom of an object, in its own frame.
@@ -148,7 +148,7 @@ impl Fingertip<'_> {
             let element = block.element(lane);
             let feeler = &self.finger.feelers[element];
             let anchor = feeler.rolled(&block.anchor(lane), self.turned);
-            let tip = undeformed(self.finger, sets, &self.seen, element);
+            let tip = self.finger.undeformed(sets, &self.seen, element);
             let moved = (tip.position - block.tip_before(lane), duration);
             let friction = friction(feeler, self.object, self.own);
             let (mut grip, _) =

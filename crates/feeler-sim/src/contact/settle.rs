@@ -1,14 +1,14 @@
 //! Resolves stick, slip and separation of all contacts with one object, and their forces.
 
-use super::columnar_feeler::{FeelerConfig, Friction, Overload, split, tip_of, within_cone};
+use super::columnar_feeler::{Overload, split, tip_of, within_cone};
 use super::contacts::{BLOCK, Block, Column, Share, Vectors};
+use super::feeler_config::{FeelerConfig, Friction};
 use super::slip::{Slipped, lost, sticks};
 use super::slips::{Alike, Mask, Slips, slip_together};
 use crate::objects::object::Object;
 use crate::objects::pose::Pose;
 use crate::world::model::{Finger, WorldModel};
 use crate::world::state::{FingerState, ObjectState, State};
-use crate::world::step::undeformed;
 use glam::DVec3;
 use multiversion::multiversion;
 
@@ -206,7 +206,7 @@ impl FingerContacts<'_> {
         let element = block.element(lane);
         let feeler = self.finger.feeler(element);
         let before = block.anchor(lane);
-        let tip = undeformed(self.finger, sets, &self.seen, element);
+        let tip = self.finger.undeformed(sets, &self.seen, element);
         let mut friction = friction(feeler, self.object, self.state);
         let velocity = (tip.position - block.tip_before(lane)) / self.duration;
         if friction.stribeck_speed > 0.0 {
@@ -235,7 +235,7 @@ pub(crate) fn remember_tips(model: &WorldModel, state: &mut State, index: usize)
         let FingerState { contacts, sets, .. } = state;
         for (share, block) in contacts.on_mut(index).blocks_mut() {
             for lane in 0..share.count {
-                let tip = undeformed(finger, sets, &seen, block.element(lane));
+                let tip = finger.undeformed(sets, &seen, block.element(lane));
                 block.set_tip_before(lane, tip.position);
             }
         }

@@ -2,8 +2,10 @@
 
 use super::pose::Pose;
 use super::thread::{Hinge, HingeConfig, ThreadConfig};
-use crate::contact::columnar_feeler::Friction;
-use crate::shapes::shape::{Shape, ShapeConfig, ShapeError, SurfacePoint};
+use crate::contact::feeler_config::Friction;
+use crate::shapes::shape::{Shape, ShapeError};
+use crate::shapes::shape_config::ShapeConfig;
+use crate::shapes::surface_point::SurfacePoint;
 use feeler::check::Checker;
 use glam::{DMat3, DVec3, EulerRot};
 use serde::{Deserialize, Serialize};

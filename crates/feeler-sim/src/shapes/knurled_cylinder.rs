@@ -4,7 +4,7 @@
 
 mod curve;
 
-use super::shape::SurfacePoint;
+use super::surface_point::SurfacePoint;
 use curve::Curve;
 use glam::DVec3;
 

@@ -1,11 +1,12 @@
 //! Parameters of the simulated world in an experiment file: the table `sim`.
 
 use crate::bench::element::ElementConfig;
-use crate::contact::columnar_feeler::FeelerConfig;
+use crate::contact::feeler_config::FeelerConfig;
 use crate::objects::holder::HolderConfig;
 use crate::objects::object::ObjectConfig;
 use crate::objects::thread::ThreadConfig;
-use crate::optics::config::{OpticsConfig, OpticsError};
+use crate::optics::config::OpticsConfig;
+use crate::optics::error::OpticsError;
 use crate::rig::fault::FaultConfig;
 use crate::rig::fault_check::FaultTargets;
 use crate::rig::servo::ServoConfig;
