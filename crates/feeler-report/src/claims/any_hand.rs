@@ -1,9 +1,9 @@
 //! Claims that apply to any hand that screws a cap, independent of its control law.
 
-use super::DAMAGE_FORCE;
 use super::measured::{Measured, ratio};
 use super::parts::{curvature, grip_variation, radius_to_line};
 use crate::measures::claim::{Claim, ClaimPart, DecidedBy, Relation};
+use crate::measures::overload::DAMAGE_FORCE;
 use crate::measures::series::maximum;
 use crate::measures::strokes::{CLOSED_TURN, StrokeMeasures};
 use crate::run::data::RunData;

@@ -2,17 +2,19 @@
 //! torque.
 
 use super::measured::{change, ratio};
-use super::{PEAK_ENDS_BELOW, PEAK_RISES_ABOVE, SMOOTHING, samples};
 use crate::measures::claim::{Claim, ClaimPart, DecidedBy, Relation};
 use crate::measures::paths::{LaggedCorrelation, lagged_correlation};
+use crate::measures::peaks::{PEAK_ENDS_BELOW, PEAK_RISES_ABOVE};
 use crate::measures::series::{absolute_rate, count_peaks, mean, moving_mean};
-use crate::run::data::{RunData, Stroke};
+use crate::measures::smoothing::smoothing_window;
+use crate::run::data::RunData;
+use crate::run::stroke::Stroke;
 
 /// Maximum lag between torque rate and shear rate (s).
 const MAX_LAG: f64 = 0.05;
 
 pub(super) fn four_peaks(data: &RunData) -> Claim {
-    let window = samples(data, SMOOTHING);
+    let window = smoothing_window(&data.facts);
     let peaks = |values: Vec<f64>| {
         let count = count_peaks(
             &moving_mean(&values, window),
@@ -144,13 +146,13 @@ pub(super) fn bumps_in_step(data: &RunData) -> Claim {
 }
 
 /// Shear rate and absolute torque rate over MOVE. Both are absolute differences between consecutive control steps (the
-/// shear rate by definition), smoothed by the same centred moving mean of [`SMOOTHING`], which removes the A/D
+/// shear rate by definition), smoothed by the same centred moving mean of [`SMOOTHING`](super::SMOOTHING), which removes the A/D
 /// converter noise that differencing amplifies. The torque sensor's delay is not compensated; it appears as lag. `None`
 /// without a torque sensor.
 pub fn rates(data: &RunData, stroke: &Stroke) -> Option<(Vec<f64>, Vec<f64>)> {
     let first = stroke.moving.start.max(1);
     let rows = first..stroke.moving.end.max(first);
-    let window = samples(data, SMOOTHING);
+    let window = smoothing_window(&data.facts);
     let shear: Vec<f64> = rows.clone().map(|row| data.shear_rate(row)).collect();
     let torque = data.torque.as_ref()?.get(first - 1..rows.end)?;
     let torque = absolute_rate(torque, data.facts.control_period);

@@ -3,18 +3,17 @@
 
 use super::measured::{CLOSED, Measured, change, each_finger, greatest, least, ratio};
 use super::parts::{curvature, grip_variation, radius_to_line};
-use super::{damage_limit, longest_above};
 use crate::measures::claim::{Claim, ClaimPart, DecidedBy, Relation};
+use crate::measures::measure_stroke::{over_fraction, share, slip_precision, slip_skill};
+use crate::measures::overload::{DAMAGE_TIME, damage_limit, longest_above};
 use crate::measures::paths::distance_between_paths;
 use crate::measures::series::mean;
 use crate::measures::stroke_pattern::ALIKE;
-use crate::measures::strokes::{CLOSED_TURN, over_fraction, share, slip_precision, slip_skill};
+use crate::measures::strokes::CLOSED_TURN;
 use crate::run::data::RunData;
 
 /// Id of the claim that no element is damaged.
 pub const NO_DAMAGE: &str = "no-damage";
-/// Maximum time for which an element may exceed the damage limit (s).
-const DAMAGE_TIME: f64 = 0.05;
 
 pub(super) fn closed_after_third(measured: &Measured) -> Claim {
     let peak_torque = measured.compare(3, 4, |m| m.peak_torque, change);

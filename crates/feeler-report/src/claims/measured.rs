@@ -2,7 +2,8 @@
 
 use crate::measures::path_fit::PathFit;
 use crate::measures::strokes::StrokeMeasures;
-use crate::run::data::{RunData, Stroke};
+use crate::run::data::RunData;
+use crate::run::stroke::Stroke;
 
 /// Strokes in which the cap is closed.
 pub(super) const CLOSED: [u32; 2] = [3, 4];

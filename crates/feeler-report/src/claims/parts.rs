@@ -2,7 +2,7 @@
 
 use super::measured::{CLOSED, Measured, each_finger, greatest, least, ratio};
 use crate::measures::claim::{ClaimPart, Relation};
-use crate::measures::strokes::grasp_force_variation;
+use crate::measures::measure_stroke::grasp_force_variation;
 use crate::run::data::RunData;
 
 /// Deviation of the distance R from the cap's axis relative to the planned line, strokes 3 and 4. See

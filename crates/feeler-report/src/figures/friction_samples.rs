@@ -1,6 +1,7 @@
 //! Data of the friction figures: the force on the observed element of each stroke, along the axes of the specimen.
 
-use crate::run::data::{RunData, Stroke};
+use crate::run::data::RunData;
+use crate::run::stroke::Stroke;
 use feeler_record::FindingName;
 use glam::DVec3;
 

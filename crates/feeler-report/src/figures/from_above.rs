@@ -5,7 +5,8 @@ use crate::figures::drawing::canvas::{
     CAP, Pen, REFERENCE, WIDTH, finger_colour, line, panel, range,
 };
 use crate::figures::drawing::grid::{Panel, Row};
-use crate::run::data::{RunData, Stroke};
+use crate::run::data::RunData;
+use crate::run::stroke::Stroke;
 use feeler_record::RunFacts;
 use glam::{DVec2, DVec3};
 use kuva::render::layout::Layout;

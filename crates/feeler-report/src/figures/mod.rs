@@ -9,6 +9,7 @@ mod friction_samples;
 mod from_above;
 pub mod identify;
 pub mod law_shares;
+pub(crate) mod outline;
 pub mod paths;
 pub mod radius;
 pub mod robustness;
@@ -19,8 +20,8 @@ pub mod time;
 mod unrolled;
 pub mod wrench;
 
-use super::page_data::Panel;
 use crate::figures::drawing::sheet::Drawing;
+use crate::page_data::panels::Panel;
 use maud::{Markup, PreEscaped, html};
 
 /// A figure of a page.

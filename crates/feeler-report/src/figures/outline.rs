@@ -1,8 +1,8 @@
 //! Figures of a measured outline: top view with the true section, and its error.
 
-use super::canvas::{CAP, Pen, finger_colour, line, panel, range};
-use super::sheet::column;
-use crate::figures::Figure;
+use super::Figure;
+use crate::figures::drawing::canvas::{CAP, Pen, finger_colour, line, panel, range};
+use crate::figures::drawing::sheet::column;
 use crate::measures::contour_points::{drawn, section};
 use crate::measures::paths::Polyline;
 use crate::run::data::RunData;

@@ -1,6 +1,5 @@
 //! Figs. 12 and 13: paths of the fingertips in a stroke, compared with the cap's contour.
 
-use super::super::page_data::panels::{Axis, Colour, Panel as AnsweringPanel, Points, Series};
 use super::Figure;
 use super::from_above::{
     ARC, BOLD, CONTOUR, JUST_TOUCHING, MM, PLANNED, TOUCHING, cap_above, close_ups, overview,
@@ -10,7 +9,9 @@ use crate::figures::drawing::canvas::{
     Pen, SHADE, finger_colour, finger_legend, frame, line, panel, range,
 };
 use crate::figures::drawing::grid::{Panel, rows, stack};
-use crate::run::data::{RunData, Stroke};
+use crate::page_data::panels::{Axis, Colour, Panel as AnsweringPanel, Points, Series};
+use crate::run::data::RunData;
+use crate::run::stroke::Stroke;
 use glam::DVec2;
 use kuva::render::annotations::ShadedRegion;
 use kuva::render::layout::Layout;

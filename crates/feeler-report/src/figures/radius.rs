@@ -1,13 +1,14 @@
 //! Fig. 14: distance of each dome centre from the cap's axis over the travel, for every stroke.
 
-use super::super::page_data::panels::{Axis, Colour, Panel as AnsweringPanel, Points, Series};
 use super::Figure;
 use super::from_above::{MM, PLANNED};
 use super::paths::with_window;
 use super::unrolled::{Step, Unrolled};
 use crate::figures::drawing::canvas::{Pen, SHADE, frame, line, panel, range, stroke_colour};
 use crate::figures::drawing::grid::{Panel, rows, stack};
-use crate::run::data::{RunData, Stroke};
+use crate::page_data::panels::{Axis, Colour, Panel as AnsweringPanel, Points, Series};
+use crate::run::data::RunData;
+use crate::run::stroke::Stroke;
 
 /// Height of a row of panels.
 const HEIGHT: f64 = 270.0;

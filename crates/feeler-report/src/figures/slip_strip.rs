@@ -3,7 +3,8 @@
 use crate::figures::drawing::canvas::{CAP, finger_colour, panel};
 use crate::figures::drawing::grid::Panel;
 use crate::measures::strokes::TRUE_SLIP;
-use crate::run::data::{FingerColumns, RunData};
+use crate::run::data::RunData;
+use crate::run::finger_columns::FingerColumns;
 use kuva::plot::BandPlot;
 use kuva::render::layout::TickFormat;
 use kuva::render::plots::Plot;

@@ -1,7 +1,5 @@
 //! Figs. 8 to 11: forces, rates and torque over time.
 
-use super::super::page_data::of_finger;
-use super::super::page_data::panels::{Axis, Colour, Panel as AnsweringPanel, Series};
 use super::Figure;
 use super::slip_strip::slip_strip;
 use crate::figures::drawing::canvas::{
@@ -9,7 +7,10 @@ use crate::figures::drawing::canvas::{
     range, thin,
 };
 use crate::figures::drawing::grid::{Panel, Row, stack};
-use crate::run::data::{FingerColumns, RunData};
+use crate::page_data::panels::{Axis, Colour, Panel as AnsweringPanel, Series};
+use crate::page_data::table::of_finger;
+use crate::run::data::RunData;
+use crate::run::finger_columns::FingerColumns;
 use kuva::render::annotations::{ReferenceLine, ShadedRegion, TextAnnotation};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;

@@ -2,7 +2,8 @@
 //! the planned line and the arc about the cap's axis.
 
 use crate::measures::path_fit::{travel, window_rows};
-use crate::run::data::{RunData, Stroke};
+use crate::run::data::RunData;
+use crate::run::stroke::Stroke;
 use glam::DVec3;
 
 /// One finger's path over one MOVE. The planned line and the arc start on the path at the start of the claims' window.

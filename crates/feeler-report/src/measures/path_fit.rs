@@ -1,7 +1,8 @@
 //! Fit of a fingertip's path over a stroke to the arc about the cap's axis.
 
 use super::series::{finite, mean, standard_deviation};
-use crate::run::data::{RunData, Stroke};
+use crate::run::data::RunData;
+use crate::run::stroke::Stroke;
 use glam::DVec3;
 
 /// Range of a stroke's travel (as fractions) in which the grip has built up and the finger does not brake yet.

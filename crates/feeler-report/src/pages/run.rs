@@ -1,7 +1,7 @@
 //! `report.html`: a self-contained page for phone, desktop and print.
 
 use super::claims_table::claims_table;
-use super::document::{Tile, document, tiles};
+use super::document::{self, Tile, document, tiles};
 use super::text::significant;
 use crate::figures::Figure;
 use crate::measures::claim::{Claim, Verdict};
@@ -47,7 +47,7 @@ pub(crate) fn page(
         div id="scene" {}
         h2 { "Figures" }
         @if let Some(thinned) = &data.thinned { (left_out(thinned, data)) }
-        div.figures { @for figure in figures { (figure.markup()) } }
+        (document::figures(figures))
         @if !claims.is_empty() {
             h2 { "Claims " (whose) }
             (claims_table(claims, data))

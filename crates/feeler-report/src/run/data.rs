@@ -1,20 +1,12 @@
 //! A recording as time-aligned columns with one row per control step, split into strokes.
 
-mod finger_columns;
-mod stroke;
-
-pub use finger_columns::FingerColumns;
-pub(crate) use finger_columns::keep;
-pub use stroke::Stroke;
-pub(crate) use stroke::split_strokes;
-
+use super::finger_columns::{FingerColumns, FingerNewest, fingers, keep};
+use super::stroke::{Stroke, split_strokes};
 use super::thinned::DecimatedRun;
 use crate::measures::contact::Contact;
-use crate::measures::strokes::StrokeMeasures;
 use feeler_record::{
     Cap, FindingName, LatestAt, ObjectPose, Phase, Recording, RunFacts, TorqueSensor, TrueSlip,
 };
-use finger_columns::{FingerNewest, fingers};
 use glam::{DQuat, DVec3};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -158,17 +150,6 @@ impl RunData {
         }
         for finger in &mut self.fingers {
             finger.keep(rows);
-        }
-    }
-
-    /// Measures of each stroke.
-    pub fn stroke_measures(&self) -> Vec<StrokeMeasures> {
-        match &self.thinned {
-            Some(thinned) => thinned.strokes.clone(),
-            None => {
-                let strokes = self.strokes.iter();
-                strokes.map(|s| StrokeMeasures::new(self, s)).collect()
-            }
         }
     }
 

@@ -1,6 +1,7 @@
 //! Creates the report of a run from its recording.
 
 use super::data::RunData;
+pub use super::file_names::{FIGURES, RECORDING, REPORT, SUMMARY};
 use super::long_run;
 use crate::figures::Figure;
 use crate::measures::claim::Claim;
@@ -15,14 +16,6 @@ use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::{fs, thread};
 
-/// File name of the recording in a run's folder.
-pub const RECORDING: &str = "recording.mcap";
-/// File name of the report page in a run's folder.
-pub const REPORT: &str = "report.html";
-/// Folder name of the individual figures in a run's folder.
-pub const FIGURES: &str = "figures";
-/// File name of the summary in a run's folder.
-pub const SUMMARY: &str = "summary.json";
 /// Suffix for files of an earlier report whose recording has become unreadable.
 const STALE: &str = ".stale";
 

@@ -1,11 +1,12 @@
 //! Report of closing or opening a cap by touch. It replaces the paper's claims.
 
 use super::screw::ScrewReport;
-use super::{TaskReport, shown};
+use super::task_report::{TaskReport, shown};
 use crate::figures::{Figure, cap};
-use crate::measures::cap::{CapMeasures, DAMAGE_TIME, FeltStroke, TIGHT};
+use crate::measures::cap::{CapMeasures, TIGHT};
 use crate::measures::claim::Claim;
-use crate::measures::strokes::StrokeMeasures;
+use crate::measures::overload::DAMAGE_TIME;
+use crate::measures::strokes::{FeltStroke, StrokeMeasures};
 use crate::measures::summary::Summary;
 use crate::pages::text::{significant, value};
 use crate::run::data::RunData;

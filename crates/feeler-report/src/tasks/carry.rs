@@ -1,6 +1,7 @@
 //! Report of the carry task: path of the object compared with its goal, and grasp forces.
 
-use super::{TaskReport, findings};
+use super::findings;
+use super::task_report::TaskReport;
 use crate::figures::Figure;
 use crate::figures::drawing::canvas::{CAP, Pen, finger_colour, line, panel, range};
 use crate::figures::drawing::sheet::column;

@@ -1,8 +1,8 @@
 //! Report of the contour task: the drawn outline compared with the true section.
 
-use super::{TaskReport, findings};
-use crate::figures::Figure;
-use crate::figures::drawing::outline;
+use super::findings;
+use super::task_report::TaskReport;
+use crate::figures::{Figure, outline};
 use crate::measures::claim::{Claim, ClaimPart, Relation};
 use crate::measures::contour_points::{drawn, section};
 use crate::measures::paths::Polyline;

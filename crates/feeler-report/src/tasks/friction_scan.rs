@@ -1,7 +1,7 @@
 //! Report of the friction scan: measured coefficients, compared with ground truth if known.
 
-use super::TaskReport;
-use crate::claims::no_damage;
+use super::task_report::TaskReport;
+use crate::claims::hand::no_damage;
 use crate::figures::{Figure, friction};
 use crate::measures::claim::{Claim, ClaimPart, Relation};
 use crate::measures::strokes::StrokeMeasures;

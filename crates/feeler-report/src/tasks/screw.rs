@@ -1,6 +1,6 @@
 //! Report of the screw task: the paper's claims and figures, and a table of strokes.
 
-use super::{PAPERS, TaskReport, shown};
+use super::task_report::{TaskReport, shown};
 use crate::claims::claims;
 use crate::figures::{Figure, paths, radius, time};
 use crate::measures::claim::Claim;
@@ -16,7 +16,7 @@ pub struct ScrewReport;
 
 impl TaskReport for ScrewReport {
     fn whose(&self) -> &'static str {
-        PAPERS
+        "of the paper"
     }
 
     fn claims(&self, _: &Recording, data: &RunData, strokes: &[StrokeMeasures]) -> Vec<Claim> {
