@@ -15,7 +15,8 @@ pub use crate::measures::smoothing::SMOOTHING;
 pub use any_hand::of_any_hand;
 pub use bottle::rates;
 
-use crate::measures::claim::{Claim, DecidedBy};
+use crate::measures::claim::Claim;
+use crate::measures::claim::DecidedBy::{Hand, HandAndBottle};
 use crate::measures::strokes::StrokeMeasures;
 use crate::run::data::RunData;
 use measured::Measured;
@@ -24,17 +25,19 @@ use measured::Measured;
 /// reported as not measured.
 pub fn claims(data: &RunData, strokes: &[StrokeMeasures]) -> Vec<Claim> {
     let measured = Measured::new(data, strokes);
-    vec![
-        bottle::four_peaks(data),
-        bottle::first_stroke_torque_rises(data),
-        hand::closed_after_third(&measured),
-        hand::shear_rate_marks_closing(&measured),
-        bottle::bumps_in_step(data),
-        hand::slip_means_slip(data),
-        hand::path_follows_contour(&measured),
-        hand::path_is_curved(&measured),
-        hand::grip_levels_off(data),
-        hand::path_saturates(&measured),
-        hand::no_damage(data).decided_by(DecidedBy::Hand),
-    ]
+    let claims = [
+        (HandAndBottle, bottle::four_peaks(data)),
+        (HandAndBottle, bottle::first_stroke_torque_rises(data)),
+        (Hand, hand::closed_after_third(&measured)),
+        (Hand, hand::shear_rate_marks_closing(&measured)),
+        (HandAndBottle, bottle::bumps_in_step(data)),
+        (Hand, hand::slip_means_slip(data)),
+        (Hand, hand::path_follows_contour(&measured)),
+        (Hand, hand::path_is_curved(&measured)),
+        (Hand, hand::grip_levels_off(data)),
+        (Hand, hand::path_saturates(&measured)),
+        (Hand, hand::no_damage(data)),
+    ];
+    let decided = claims.map(|(decided_by, claim)| claim.decided_by(decided_by));
+    decided.into()
 }

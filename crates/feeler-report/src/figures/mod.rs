@@ -49,22 +49,15 @@ impl Figure {
         caption: impl Into<String>,
         drawing: Option<Drawing>,
     ) -> Self {
-        let (title, caption) = (title.into(), caption.into());
-        let Some(Drawing {
-            svg,
-            panels,
-            columns,
-        }) = drawing
-        else {
-            return Self::missing(number, title, caption);
+        let missing = Self::missing(number, title.into(), caption.into());
+        let Some(drawing) = drawing else {
+            return missing;
         };
         Self {
-            number,
-            title,
-            caption,
-            svg: Some(svg),
-            panels,
-            columns,
+            svg: Some(drawing.svg),
+            panels: drawing.panels,
+            columns: drawing.columns,
+            ..missing
         }
     }
 

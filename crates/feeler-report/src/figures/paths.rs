@@ -2,18 +2,18 @@
 
 use super::Figure;
 use super::from_above::{
-    ARC, BOLD, CONTOUR, JUST_TOUCHING, MM, PLANNED, TOUCHING, cap_above, close_ups, overview,
+    ARC, BOLD, CONTOUR, JUST_TOUCHING, PLANNED, TOUCHING, cap_above, close_ups, overview,
 };
 use super::unrolled::{Step, Unrolled};
 use crate::figures::drawing::canvas::{
-    Pen, SHADE, finger_colour, finger_legend, frame, line, panel, range,
+    Pen, SHADE, exact_panel, finger_colour, finger_legend, frame, line, range, shaded,
 };
 use crate::figures::drawing::grid::{Panel, rows, stack};
+use crate::measures::paths::MM;
 use crate::page_data::panels::{Axis, Colour, Panel as AnsweringPanel, Points, Series};
 use crate::run::data::RunData;
 use crate::run::stroke::Stroke;
 use glam::DVec2;
-use kuva::render::annotations::ShadedRegion;
 use kuva::render::layout::Layout;
 use std::f64::consts::TAU;
 
@@ -182,12 +182,7 @@ fn bends(data: &RunData, stroke: &Stroke) -> Vec<Panel> {
         } else {
             ""
         };
-        let layout = panel(x, y, "travel (mm)", y_label)
-            .with_ticks(4)
-            .with_x_axis_min(x.0)
-            .with_x_axis_max(x.1)
-            .with_y_axis_min(y.0)
-            .with_y_axis_max(y.1);
+        let layout = exact_panel(x, y, "travel (mm)", y_label).with_ticks(4);
         let Some(unrolled) = Unrolled::new(data, stroke, finger) else {
             return (Vec::new(), layout);
         };
@@ -207,8 +202,7 @@ fn bends(data: &RunData, stroke: &Stroke) -> Vec<Panel> {
 
 /// Shades the travel (m) evaluated by the claims.
 pub fn with_window(layout: Layout, window: (f64, f64)) -> Layout {
-    let shade = ShadedRegion::vertical(MM * window.0, MM * window.1);
-    layout.with_shaded_region(shade.with_color(SHADE).with_opacity(0.55))
+    shaded(layout, [(MM * window.0, MM * window.1)])
 }
 
 /// Ranges of travel and offset (mm) over all fingers in strokes 1 and 4.

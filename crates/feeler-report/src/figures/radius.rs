@@ -1,11 +1,12 @@
 //! Fig. 14: distance of each dome centre from the cap's axis over the travel, for every stroke.
 
 use super::Figure;
-use super::from_above::{MM, PLANNED};
+use super::from_above::PLANNED;
 use super::paths::with_window;
 use super::unrolled::{Step, Unrolled};
-use crate::figures::drawing::canvas::{Pen, SHADE, frame, line, panel, range, stroke_colour};
+use crate::figures::drawing::canvas::{Pen, SHADE, exact_panel, frame, line, range, stroke_colour};
 use crate::figures::drawing::grid::{Panel, rows, stack};
+use crate::measures::paths::MM;
 use crate::page_data::panels::{Axis, Colour, Panel as AnsweringPanel, Points, Series};
 use crate::run::data::RunData;
 use crate::run::stroke::Stroke;
@@ -106,14 +107,10 @@ fn radius_panel(
         .map(|(place, path)| curve(path, |step| step.radius, pen(*place, strokes)))
         .collect();
     let y_label = if finger == 0 { "R − R₀ (mm)" } else { "" };
-    let layout = panel(x, y, "travel (mm)", y_label)
+    let layout = exact_panel(x, y, "travel (mm)", y_label)
         .with_title(format!("finger {finger}"))
         .with_title_size(14)
-        .with_ticks(4)
-        .with_x_axis_min(x.0)
-        .with_x_axis_max(x.1)
-        .with_y_axis_min(y.0)
-        .with_y_axis_max(y.1);
+        .with_ticks(4);
     let Some((_, last)) = paths.last() else {
         return (plots, layout);
     };

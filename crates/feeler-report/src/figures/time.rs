@@ -3,23 +3,19 @@
 use super::Figure;
 use super::slip_strip::slip_strip;
 use crate::figures::drawing::canvas::{
-    CAP, MAX_SHADED, Pen, REFERENCE, SHADE, finger_colour, finger_legend, frame, line, panel,
-    range, thin,
+    BUCKETS, CAP, MAX_SHADED, Pen, REFERENCE, SHADE, exact_panel, finger_colour, finger_legend,
+    frame, line, range, thin, with_moves,
 };
 use crate::figures::drawing::grid::{Panel, Row, stack};
 use crate::page_data::panels::{Axis, Colour, Panel as AnsweringPanel, Series};
 use crate::page_data::table::of_finger;
 use crate::run::data::RunData;
 use crate::run::finger_columns::FingerColumns;
-use kuva::render::annotations::{ReferenceLine, ShadedRegion, TextAnnotation};
+use kuva::render::annotations::{ReferenceLine, TextAnnotation};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use std::ops::Range;
 
-/// Number of buckets to which a series is decimated.
-const BUCKETS: usize = 480;
-/// Left and right margins of both panels, so that their time axes align.
-const MARGINS: (f64, f64) = (64.0, 20.0);
 /// Height of a panel.
 const HEIGHT: f64 = 170.0;
 /// Height of the time axis of the lowest panel.
@@ -264,11 +260,8 @@ fn upper_panel(data: &RunData, upper: &Upper, rows: Range<usize>, time: (f64, f6
     let threshold = ReferenceLine::horizontal(upper.threshold)
         .with_color(REFERENCE)
         .with_stroke_width(THRESHOLD);
-    let layout = panel(time, (0.0, top), "", upper.label);
-    let layout = with_strokes(layout, data, time, Some(top))
-        .with_y_axis_min(0.0)
-        .with_y_axis_max(top)
-        .with_reference_line(threshold);
+    let layout = exact_panel(time, (0.0, top), "", upper.label);
+    let layout = with_strokes(layout, data, time, Some(top)).with_reference_line(threshold);
     (fingers.collect(), layout)
 }
 
@@ -292,11 +285,8 @@ fn torque_panel(data: &RunData, rows: Range<usize>, time: (f64, f64)) -> Option<
     let torque = series(data, rows, |row| 1e3 * column[row], pen);
     let torques = range(column.iter().map(|torque| 1e3 * torque))?;
     let (low, high) = (torques.0.min(0.0), 1.08 * torques.1.max(1.0));
-    let layout = panel(time, (low, high), TIME, "Torque (mN·m)");
-    let layout = with_strokes(layout, data, time, None)
-        .with_y_axis_min(low)
-        .with_y_axis_max(high);
-    Some((vec![torque], layout))
+    let layout = exact_panel(time, (low, high), TIME, "Torque (mN·m)");
+    Some((vec![torque], with_strokes(layout, data, time, None)))
 }
 
 fn legend(data: &RunData, upper: &Upper, has_torque: bool) -> Vec<(&'static str, Pen)> {
@@ -311,10 +301,6 @@ fn legend(data: &RunData, upper: &Upper, has_torque: bool) -> Vec<(&'static str,
 
 /// Shades the MOVE phases within a time span, and numbers the strokes at height `top`.
 fn with_strokes(layout: Layout, data: &RunData, time: (f64, f64), top: Option<f64>) -> Layout {
-    let mut layout = layout
-        .with_x_axis_min(time.0)
-        .with_x_axis_max(time.1)
-        .with_force_margins(MARGINS.0, MARGINS.1);
     let mut shown = Vec::new();
     for stroke in data.strokes.iter().filter(|s| !s.moving.is_empty()) {
         let start = data.time[stroke.moving.start].max(time.0);
@@ -323,18 +309,13 @@ fn with_strokes(layout: Layout, data: &RunData, time: (f64, f64), top: Option<f6
             shown.push((stroke.index, start, end));
         }
     }
-    if shown.len() > MAX_SHADED {
+    let moves = shown.iter().map(|&(_, start, end)| (start, end));
+    let layout = with_moves(layout, moves.collect());
+    let Some(top) = top.filter(|_| shown.len() <= MAX_SHADED) else {
         return layout;
-    }
-    for (index, start, end) in shown {
-        let shade = ShadedRegion::vertical(start, end);
-        layout = layout.with_shaded_region(shade.with_color(SHADE).with_opacity(0.55));
-        if let Some(top) = top {
-            let text = index.to_string();
-            let middle = 0.5 * (start + end);
-            layout = layout
-                .with_annotation(TextAnnotation::new(text, middle, 0.88 * top).with_font_size(15));
-        }
-    }
-    layout
+    };
+    shown.iter().fold(layout, |layout, (index, start, end)| {
+        let number = TextAnnotation::new(index.to_string(), 0.5 * (start + end), 0.88 * top);
+        layout.with_annotation(number.with_font_size(15))
+    })
 }

@@ -54,12 +54,10 @@ impl PageData {
             panel.take_rows(&rows);
         }
         Self {
-            version: VERSION,
-            title: title.into(),
             run: (!data.time.is_empty()).then_some(run),
             scene: Scene::new(recording, data),
             figures,
-            live: None,
+            ..Self::of_figures(title, &[])
         }
     }
 
@@ -84,12 +82,11 @@ impl PageData {
             panels: vec![panel],
         };
         Self {
-            version: VERSION,
-            title: title.into(),
             run: Some(RunTable::to_come(rig.columns())),
             scene: Scene::of_rig(rig),
             figures: figures.map(figure).collect(),
             live: Some(live),
+            ..Self::of_figures(title, &[])
         }
     }
 

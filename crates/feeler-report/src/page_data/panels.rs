@@ -329,15 +329,6 @@ impl Series {
         }
     }
 
-    /// Selects another value of each row.
-    #[must_use]
-    pub fn at(mut self, index: usize) -> Self {
-        if let Some(column) = &mut self.column {
-            column.index = index;
-        }
-        self
-    }
-
     /// Series of separate points.
     pub fn of_points(name: impl Into<String>, colour: Colour, points: Points) -> Self {
         Self {

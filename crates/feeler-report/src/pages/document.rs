@@ -78,6 +78,15 @@ pub fn table(head: Markup, rows: impl IntoIterator<Item = Markup>) -> Markup {
     }
 }
 
+/// A table of names and values.
+pub fn facts_table(facts: impl IntoIterator<Item = (impl Render, impl Render)>) -> Markup {
+    html! {
+        table {
+            tbody { @for (name, value) in facts { tr { th scope="row" { (name) } td { (value) } } } }
+        }
+    }
+}
+
 /// Header cells of numeric columns.
 pub fn number_heads(names: impl IntoIterator<Item = impl Render>) -> Markup {
     html! { @for name in names { th.number { (name) } } }

@@ -3,7 +3,6 @@
 mod cap;
 pub(crate) mod carry;
 pub mod contour;
-mod findings;
 mod friction_scan;
 pub(crate) mod papers_setup;
 mod screw;

@@ -6,6 +6,7 @@ use crate::figures::{Figure, paths, radius, time};
 use crate::measures::claim::Claim;
 use crate::measures::strokes::StrokeMeasures;
 use crate::measures::summary::Summary;
+use crate::pages::document::{number_heads, numbers, table};
 use crate::pages::text::{significant, value};
 use crate::run::data::RunData;
 use feeler_record::{Phase, Recording};
@@ -112,28 +113,15 @@ fn strokes_table(strokes: &[StrokeMeasures]) -> Markup {
         STROKE_COLUMNS.iter().partition(|c| measured(c));
     let missing: Vec<_> = missing.iter().map(|column| column.0).collect();
     let (strokes, left_out) = shown(strokes);
-    html! {
-        div.scroll {
-            table {
-                thead {
-                    tr {
-                        th { "Stroke" }
-                        @for stroke in &strokes { th.number { (stroke.index) } }
-                    }
-                }
-                tbody {
-                    @for (name, unit, measure) in columns {
-                        tr {
-                            td {
-                                (name)
-                                @if !unit.is_empty() { " " span.unit { "(" (unit) ")" } }
-                            }
-                            @for stroke in &strokes { td.number { (value(measure(stroke))) } }
-                        }
-                    }
-                }
-            }
+    let head = html! { th { "Stroke" } (number_heads(strokes.iter().map(|stroke| stroke.index))) };
+    let rows = columns.into_iter().map(|(name, unit, measure)| {
+        html! {
+            td { (name) @if !unit.is_empty() { " " span.unit { "(" (unit) ")" } } }
+            (numbers(strokes.iter().map(|stroke| value(measure(stroke)))))
         }
+    });
+    html! {
+        (table(head, rows))
         (left_out)
         @if !missing.is_empty() { p.note { "Not measured: " (missing.join("; ")) "." } }
     }

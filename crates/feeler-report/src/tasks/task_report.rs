@@ -4,15 +4,18 @@ use crate::figures::Figure;
 use crate::measures::claim::Claim;
 use crate::measures::strokes::StrokeMeasures;
 use crate::measures::summary::Summary;
+use crate::pages::text::{significant, value};
 use crate::run::data::RunData;
 use crate::run::file_names::SUMMARY;
-use feeler_record::Recording;
+use feeler_record::{Recording, TaskOutcome};
 use maud::{Markup, html};
 
 /// Task-specific part of a report.
 pub trait TaskReport: Sync {
     /// Origin of the claims, as it follows the word "claims".
-    fn whose(&self) -> &'static str;
+    fn whose(&self) -> &'static str {
+        "of this task"
+    }
 
     /// Claims about a run with these [`stroke_measures`](RunData::stroke_measures).
     fn claims(
@@ -26,10 +29,27 @@ pub trait TaskReport: Sync {
     fn figures(&self, recording: &Recording, data: &RunData) -> Vec<Figure>;
 
     /// One-sentence summary of the run.
-    fn verdict(&self, recording: &Recording, summary: &Summary) -> Markup;
+    fn verdict(&self, _: &Recording, summary: &Summary) -> Markup {
+        let outcome = summary.outcome.as_ref().map(TaskOutcome::as_str);
+        html! {
+            "The task ended after " (significant(summary.sim_time)) " s. Outcome: "
+            (outcome.unwrap_or("undetermined")) "."
+        }
+    }
 
-    /// Sections with the measures of the run.
-    fn measured(&self, recording: &Recording, summary: &Summary) -> Markup;
+    /// Sections with the measures of the run; by default a table of the task's findings.
+    fn measured(&self, _: &Recording, summary: &Summary) -> Markup {
+        html! {
+            h2 { "Findings" }
+            table {
+                tbody {
+                    @for (name, found) in &summary.findings {
+                        tr { th scope="row" { code { (name) } } td.number { (value(*found)) } }
+                    }
+                }
+            }
+        }
+    }
 }
 
 /// Maximum number of strokes in a table.
