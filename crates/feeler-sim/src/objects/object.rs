@@ -96,9 +96,7 @@ impl ObjectConfig {
             _ => None,
         }
     }
-}
 
-impl ObjectConfig {
     /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         checker.vector(&format!("{key}.position"), self.position);

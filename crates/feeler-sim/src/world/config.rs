@@ -117,9 +117,7 @@ impl SimConfig {
         let mut objects = self.object.iter();
         objects.find_map(|(name, object)| Some((name.as_str(), object, object.thread()?)))
     }
-}
 
-impl SimConfig {
     /// Checks that every value is in its range, for a hand with `fingertips`, one per finger, and a control period of
     /// `period` seconds. Messages use the keys of an experiment file, below `sim`.
     pub fn check(&self, fingertips: &[&FingertipConfig], period: f64, checker: &mut Checker) {
