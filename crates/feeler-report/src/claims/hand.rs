@@ -4,7 +4,7 @@
 use super::measured::{CLOSED, Measured, change, each_finger, greatest, least, ratio};
 use super::parts::{curvature, grip_variation, radius_to_line};
 use crate::measures::claim::{Claim, part};
-use crate::measures::measure_stroke::{over_fraction, share, slip_precision, slip_skill};
+use crate::measures::measure_stroke::{over_fraction, slip_fraction, slip_precision, slip_skill};
 use crate::measures::overload::{DAMAGE_TIME, damage_limit, longest_above};
 use crate::measures::paths::distance_between_paths;
 use crate::measures::series::mean;
@@ -44,17 +44,10 @@ pub(super) fn shear_rate_marks_closing(measured: &Measured) -> Claim {
 
 /// SLIP against ground truth: raised while a feeler slips, and not all the time.
 pub(super) fn slip_means_slip(data: &RunData) -> Claim {
-    let precision = each_finger(data, &CLOSED, |stroke, finger| {
-        slip_precision(&data.fingers[finger], stroke)
-    });
+    let precision = each_finger(data, &CLOSED, slip_precision);
     // If feelers slip most of the time, even a constant flag is precise; the skill accounts for that.
-    let skill = each_finger(data, &CLOSED, |stroke, finger| {
-        slip_skill(&data.fingers[finger], stroke)
-    });
-    let raised = each_finger(data, &CLOSED, |stroke, finger| {
-        let slip = &data.fingers[finger].slip;
-        share(stroke.moving.clone().map(|row| slip[row]))
-    });
+    let skill = each_finger(data, &CLOSED, slip_skill);
+    let raised = each_finger(data, &CLOSED, slip_fraction);
     Claim::new(
         "slip-means-slip",
         "SLIP is raised where a feeler slips (MOVE of strokes 3 and 4; each finger).",
@@ -103,9 +96,7 @@ pub(super) fn path_is_curved(measured: &Measured) -> Claim {
 /// The grasp force that slips have built up is limited by OVER, within the window of
 /// [`PathFit`](crate::measures::path_fit::PathFit).
 pub(super) fn grip_levels_off(data: &RunData) -> Claim {
-    let over = each_finger(data, &CLOSED, |stroke, finger| {
-        over_fraction(data, stroke, finger)
-    });
+    let over = each_finger(data, &CLOSED, over_fraction);
     Claim::new(
         "grip-levels-off",
         "With the cap closed, the grasp force levels off, limited by OVER (strokes 3 and 4; each finger).",
@@ -119,10 +110,7 @@ pub(super) fn grip_levels_off(data: &RunData) -> Claim {
 
 pub(super) fn path_saturates(measured: &Measured) -> Claim {
     let data = measured.data;
-    let paths = |index, finger: usize| {
-        let stroke = data.whole_stroke(index)?;
-        Some(&data.fingers[finger].position[stroke.moving.clone()])
-    };
+    let paths = |index, finger| data.path(data.whole_stroke(index)?, finger);
     let distances: Option<Vec<f64>> = (0..data.fingers.len())
         .map(|finger| distance_between_paths(paths(3, finger)?, paths(4, finger)?))
         .collect();

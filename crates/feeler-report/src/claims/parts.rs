@@ -25,8 +25,6 @@ pub(super) fn curvature(measured: &Measured) -> [ClaimPart; 2] {
 
 /// Variation of the grasp force in the evaluated window of strokes 3 and 4.
 pub(super) fn grip_variation(data: &RunData) -> ClaimPart {
-    let variation = each_finger(data, &CLOSED, |stroke, finger| {
-        grasp_force_variation(data, stroke, finger)
-    });
+    let variation = each_finger(data, &CLOSED, grasp_force_variation);
     part("maximum std of the grasp force relative to its mean").at_most(greatest(&variation), 0.2)
 }

@@ -3,7 +3,6 @@
 use crate::run::data::RunData;
 use crate::run::stroke::Stroke;
 use feeler_record::FindingName;
-use glam::DVec3;
 
 /// Force on the observed element at one row (N).
 #[derive(Clone, Copy)]
@@ -37,9 +36,11 @@ pub fn strokes(data: &RunData) -> Option<Vec<Vec<Sample>>> {
 
 fn samples(data: &RunData, stroke: &Stroke) -> Option<Vec<Sample>> {
     let finger = data.fingers.first()?;
-    let approach = DVec3::from(*data.facts.approach.first()?);
-    let along = DVec3::from(*data.facts.stroke_direction.first()?);
-    let along = along.reject_from_normalized(approach).normalize_or_zero();
+    let approach = data.approach(0)?;
+    let along = data
+        .direction(0)?
+        .reject_from_normalized(approach)
+        .normalize_or_zero();
     // Axes of the tilted surface.
     let (sin, cos) = data
         .findings

@@ -166,9 +166,9 @@ fn stretches<'a>(
 /// travel.
 fn planned_segment(data: &RunData, stroke: &Stroke, finger: usize) -> Option<[DVec3; 2]> {
     let columns = &data.fingers[finger];
-    let direction = DVec3::from(*data.facts.stroke_direction.get(finger)?);
+    let direction = data.direction(finger)?;
     let start = *columns.leading_path(stroke)?.first()?;
-    let path = columns.position.get(stroke.moving.clone())?;
+    let path = data.path(stroke, finger)?;
     let travel = (*path.last()? - *path.first()?).dot(direction);
     Some([start, start + travel * direction])
 }

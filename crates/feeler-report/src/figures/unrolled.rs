@@ -39,12 +39,10 @@ pub struct Step {
 impl Unrolled {
     /// Path of `finger` over the MOVE of `stroke`; `None` if the finger does not move.
     pub fn new(data: &RunData, stroke: &Stroke, finger: usize) -> Option<Self> {
-        let facts = &data.facts;
-        let direction = DVec3::from(*facts.stroke_direction.get(finger)?);
-        let approach = DVec3::from(*facts.approach.get(finger)?);
+        let (direction, approach) = (data.direction(finger)?, data.approach(finger)?);
         let inward = approach.reject_from_normalized(direction).try_normalize()?;
         let rows = stroke.moving.clone();
-        let path = data.fingers.get(finger)?.position.get(rows.clone())?;
+        let path = data.path(stroke, finger)?;
         let centre = data.cap.as_ref().map(|cap| &cap.centre);
         let axis = |row: usize| {
             let centre = centre.and_then(|centre| centre.get(rows.start + row));

@@ -5,7 +5,6 @@ use super::paths::inward_bend;
 use super::series::{finite, maximum, mean, percentile, standard_deviation};
 use super::strokes::{StrokeMeasures, TRUE_SLIP};
 use crate::run::data::RunData;
-use crate::run::finger_columns::FingerColumns;
 use crate::run::stroke::Stroke;
 use glam::DVec3;
 
@@ -29,7 +28,8 @@ impl StrokeMeasures {
         let moving = || stroke.moving.clone();
         let fits = (0..data.fingers.len()).map(|finger| PathFit::new(data, stroke, finger));
         let fits: Vec<_> = fits.collect();
-        let fit = |part: fn(PathFit) -> f64| every_finger(data, |finger| fits[finger].map(part));
+        let fit = |part: fn(PathFit) -> f64| over_fingers(data, |finger| fits[finger].map(part));
+        let of = |measure: Measure| over_fingers(data, |finger| measure(data, stroke, finger));
         Self {
             index: stroke.index,
             peak_torque: (data.has_torque(moving()))
@@ -38,16 +38,12 @@ impl StrokeMeasures {
             mean_grasp_force: mean(moving().map(|row| data.grasp_force(row))),
             peak_grasp_force: maximum(rows().map(|row| data.grasp_force(row))),
             cap_turn: cap_turn(data, stroke),
-            peak_shear_rate: over_fingers(data, |finger| {
-                percentile(moving().map(|row| finger.shear_rate[row]), 99.0)
-            }),
-            slip_fraction: over_fingers(data, |finger| share(moving().map(|row| finger.slip[row]))),
-            slip_precision: over_fingers(data, |finger| slip_precision(finger, stroke)),
-            true_slip_fraction: over_fingers(data, |finger| true_slip_fraction(finger, stroke)),
-            grasp_force_variation: every_finger(data, |finger| {
-                grasp_force_variation(data, stroke, finger)
-            }),
-            over_fraction: every_finger(data, |finger| over_fraction(data, stroke, finger)),
+            peak_shear_rate: of(peak_shear_rate),
+            slip_fraction: of(slip_fraction),
+            slip_precision: of(slip_precision),
+            true_slip_fraction: of(true_slip_fraction),
+            grasp_force_variation: of(grasp_force_variation),
+            over_fraction: of(over_fraction),
             path_inward_bend: path_inward_bend(data, stroke),
             path_radius_std: fit(|fit| fit.radius_std),
             line_radius_std: fit(|fit| fit.line_radius_std),
@@ -57,45 +53,52 @@ impl StrokeMeasures {
     }
 }
 
-/// Mean of a measure over fingers; `None` unless every finger defines it.
-fn over_fingers(data: &RunData, measure: impl Fn(&FingerColumns) -> Option<f64>) -> Option<f64> {
-    every_finger(data, |finger| measure(&data.fingers[finger]))
-}
+/// Measure of the finger with this index over a stroke; `None` if undefined.
+type Measure = fn(&RunData, &Stroke, usize) -> Option<f64>;
 
-/// Like [`over_fingers`], for a measure that needs the finger's index.
-fn every_finger(data: &RunData, measure: impl Fn(usize) -> Option<f64>) -> Option<f64> {
+/// Mean of a measure over fingers; `None` unless every finger defines it.
+fn over_fingers(data: &RunData, measure: impl Fn(usize) -> Option<f64>) -> Option<f64> {
     let values: Option<Vec<f64>> = (0..data.fingers.len()).map(measure).collect();
     mean(values?)
 }
 
 /// Fraction of values that are `true` (0 to 1).
-pub fn share(values: impl IntoIterator<Item = bool>) -> Option<f64> {
+fn share(values: impl IntoIterator<Item = bool>) -> Option<f64> {
     mean(values.into_iter().map(|value| f64::from(u8::from(value))))
 }
 
+/// [`StrokeMeasures::peak_shear_rate`] of one finger.
+fn peak_shear_rate(data: &RunData, stroke: &Stroke, finger: usize) -> Option<f64> {
+    let rates = &data.fingers[finger].shear_rate;
+    percentile(stroke.moving.clone().map(|row| rates[row]), 99.0)
+}
+
+/// [`StrokeMeasures::slip_fraction`] of one finger.
+pub fn slip_fraction(data: &RunData, stroke: &Stroke, finger: usize) -> Option<f64> {
+    let slip = &data.fingers[finger].slip;
+    share(stroke.moving.clone().map(|row| slip[row]))
+}
+
 /// [`StrokeMeasures::slip_precision`] of one finger.
-pub fn slip_precision(finger: &FingerColumns, stroke: &Stroke) -> Option<f64> {
+pub fn slip_precision(data: &RunData, stroke: &Stroke, finger: usize) -> Option<f64> {
+    let finger = &data.fingers[finger];
     let raised = stroke.moving.clone().filter(|&row| finger.slip[row]);
     let right = raised.map(|row| Some(finger.slipped[row]? > TRUE_SLIP));
     share(right.collect::<Option<Vec<_>>>()?)
 }
 
 /// [`StrokeMeasures::true_slip_fraction`] of one finger.
-fn true_slip_fraction(finger: &FingerColumns, stroke: &Stroke) -> Option<f64> {
-    let slipped = stroke
-        .moving
-        .clone()
-        .map(|row| Some(finger.slipped[row]? > TRUE_SLIP));
+fn true_slip_fraction(data: &RunData, stroke: &Stroke, finger: usize) -> Option<f64> {
+    let slipped = &data.fingers[finger].slipped;
+    let slipped = (stroke.moving.clone()).map(|row| Some(slipped[row]? > TRUE_SLIP));
     share(slipped.collect::<Option<Vec<_>>>()?)
 }
 
 /// Skill of SLIP in detecting true slip: gain in precision over a random flag, relative to the possible gain. 1 if SLIP
 /// is never wrong, 0 if it carries no information.
-pub fn slip_skill(finger: &FingerColumns, stroke: &Stroke) -> Option<f64> {
-    let (precision, at_random) = (
-        slip_precision(finger, stroke)?,
-        true_slip_fraction(finger, stroke)?,
-    );
+pub fn slip_skill(data: &RunData, stroke: &Stroke, finger: usize) -> Option<f64> {
+    let precision = slip_precision(data, stroke, finger)?;
+    let at_random = true_slip_fraction(data, stroke, finger)?;
     finite((precision - at_random) / (1.0 - at_random))
 }
 

@@ -159,6 +159,24 @@ impl RunData {
         strokes.find(|s| s.index == index && s.whole && !s.moving.is_empty())
     }
 
+    /// Direction of a finger's planned strokes.
+    pub(crate) fn direction(&self, finger: usize) -> Option<DVec3> {
+        let direction = self.facts.stroke_direction.get(finger)?;
+        Some(DVec3::from(*direction))
+    }
+
+    /// Direction from which a finger approaches the object.
+    pub(crate) fn approach(&self, finger: usize) -> Option<DVec3> {
+        let approach = self.facts.approach.get(finger)?;
+        Some(DVec3::from(*approach))
+    }
+
+    /// Path of a dome's centre over the MOVE of `stroke` (m).
+    pub(crate) fn path(&self, stroke: &Stroke, finger: usize) -> Option<&[DVec3]> {
+        let finger = self.fingers.get(finger)?;
+        finger.position.get(stroke.moving.clone())
+    }
+
     /// Grasp force at a row, averaged over fingers (N).
     pub fn grasp_force(&self, row: usize) -> f64 {
         self.mean_over_fingers(|finger| finger.grasp_force[row])
