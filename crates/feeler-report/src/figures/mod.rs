@@ -49,7 +49,7 @@ impl Figure {
         caption: impl Into<String>,
         drawing: Option<Drawing>,
     ) -> Self {
-        let missing = Self::missing(number, title.into(), caption.into());
+        let missing = Self::missing(number, title, caption);
         let Some(drawing) = drawing else {
             return missing;
         };
@@ -70,15 +70,16 @@ impl Figure {
     ) -> Self {
         Self {
             svg: Some(svg),
-            ..Self::missing(number, title.into(), caption.into())
+            ..Self::missing(number, title, caption)
         }
     }
 
-    fn missing(number: u32, title: String, caption: String) -> Self {
+    /// A placeholder.
+    fn missing(number: u32, title: impl Into<String>, caption: impl Into<String>) -> Self {
         Self {
             number,
-            title,
-            caption,
+            title: title.into(),
+            caption: caption.into(),
             svg: None,
             panels: Vec::new(),
             columns: 1,

@@ -40,18 +40,17 @@ pub fn before_closing(data: &RunData) -> Figure {
             ". The line starts at a quarter of the travel, where the shading starts, because the grip has built up by then."
         }
     };
-    Figure {
-        number: 12,
-        title: "Paths of the fingertips in stroke 1, before closing".into(),
-        caption: format!(
-            "In the paper's Fig. 12 the cap is loose; the tips of the touching elements follow the planned straight segment \
+    let title = "Paths of the fingertips in stroke 1, before closing";
+    let caption = format!(
+        "In the paper's Fig. 12 the cap is loose; the tips of the touching elements follow the planned straight segment \
             (dashed) and only pass by the cap. Top: top view; {above} of the most compressed elements when MOVE starts. Middle: close-up of the tips;{close_up} \
             Bottom: offset of each dome centre from its \
             planned line, magnified{laid_out}"
-        ),
+    );
+    Figure {
         panels: from_above(data, 1),
-        columns: 1,
         svg: paths(data, 12, 1),
+        ..Figure::missing(12, title, caption)
     }
 }
 
@@ -65,17 +64,16 @@ pub fn after_closing(data: &RunData) -> Figure {
         true => "Claims path-follows-contour, path-is-curved and path-saturates measure this.",
         false => "Claim path-saturates compares it with stroke 3.",
     };
-    Figure {
-        number: 13,
-        title: "Paths of the fingertips in stroke 4, after closing".into(),
-        caption: format!(
-            "Same views and axes as for stroke 1. In the paper's Fig. 13 each slip has \
+    let title = "Paths of the fingertips in stroke 4, after closing";
+    let caption = format!(
+        "Same views and axes as for stroke 1. In the paper's Fig. 13 each slip has \
             pressed the finger further inward, so that the straight segment has become a curve \
             closer to the cap's contour. At the bottom, compare the bold path with {compare}; a straight path that leaves the line is tilted, not curved. {claims}"
-        ),
+    );
+    Figure {
         panels: from_above(data, 4),
-        columns: 1,
         svg: paths(data, 13, 4),
+        ..Figure::missing(13, title, caption)
     }
 }
 

@@ -18,17 +18,16 @@ const LINE: (f64, f64) = (1.4, 1.2);
 
 /// Fig. 14, which has no counterpart in the paper.
 pub fn over_travel(data: &RunData) -> Figure {
-    Figure {
-        number: 14,
-        title: "Distance R of the dome centres from the cap's axis, over the travel of each stroke".into(),
-        caption: "A finger that follows the cap keeps its distance from the axis, so its line is level. A straight path \
+    let title =
+        "Distance R of the dome centres from the cap's axis, over the travel of each stroke";
+    let caption = "A finger that follows the cap keeps its distance from the axis, so its line is level. A straight path \
             (dashed, for the last stroke) approaches the axis until it is level with it, and then recedes. R₀ is R where \
             the shading starts, at 25 % of the travel, when the grip has built up; it ends at 98 %, when the finger starts to brake. \
-            The paper has no such figure; claim path-follows-contour measures this quantity."
-            .into(),
+            The paper has no such figure; claim path-follows-contour measures this quantity.";
+    Figure {
         panels: answering(data),
-        columns: 1,
         svg: radius(data),
+        ..Figure::missing(14, title, caption)
     }
 }
 

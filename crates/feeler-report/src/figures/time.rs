@@ -51,12 +51,9 @@ pub fn grasp_force_and_torque(data: &RunData) -> Figure {
             four; those of strokes 3 and 4 are nearly identical, because the cap is closed."
     };
     Figure {
-        number: 8,
         panels: answering(data, &upper, None),
-        columns: 1,
         svg: panels(data, 8, &title, &upper, rows, false),
-        title,
-        caption: caption.into(),
+        ..Figure::missing(8, title, caption)
     }
 }
 
@@ -78,12 +75,9 @@ pub fn shear_rate_and_torque(data: &RunData) -> Figure {
             exceed it."
     );
     Figure {
-        number: 9,
         panels: answering(data, &upper, None),
-        columns: 1,
         svg: panels(data, 9, &title, &upper, rows, false),
-        title,
-        caption,
+        ..Figure::missing(9, title, caption)
     }
 }
 
@@ -107,14 +101,11 @@ pub fn stroke_in_detail(data: &RunData, number: u32, stroke: u32) -> Figure {
         (false, false) => [CLOSED, ""],
     };
     Figure {
-        number,
-        columns: 1,
         panels: rows
             .as_ref()
             .map_or_else(Vec::new, |rows| answering(data, &upper, Some(rows))),
         svg: rows.and_then(|rows| panels(data, number, &title, &upper, rows, true)),
-        title,
-        caption: caption.concat(),
+        ..Figure::missing(number, title, caption.concat())
     }
 }
 
@@ -199,11 +190,10 @@ fn answering(data: &RunData, upper: &Upper, rows: Option<&Range<usize>>) -> Vec<
         let axis = Axis::new("Torque", "mN·m", 1e3);
         panels.push(AnsweringPanel::over_time(axis, vec![torque]));
     }
-    let shown = |panel: AnsweringPanel| match rows {
-        Some(rows) => panel.of_rows(rows),
-        None => panel,
-    };
-    panels.into_iter().map(shown).collect()
+    for panel in &mut panels {
+        panel.rows = rows.map(|rows| (rows.start, rows.end));
+    }
+    panels
 }
 
 /// A quantity of each finger above the torque over a range of rows, optionally with the slip strip between them.

@@ -128,26 +128,21 @@ pub fn robustness_page(page: &RobustnessPage) -> String {
 
 /// Key figures of the study.
 fn tiles_of(page: &RobustnessPage) -> Vec<Tile> {
-    let share = |share: &Share| significant(100.0 * share.share[1]);
+    let percent = |share: Option<&Share>, label| {
+        share.map(|share| Tile::new(significant(100.0 * share.share[1]), "%", label))
+    };
+    let count = |count: u64, label| Some(Tile::new(count.to_string(), "", label));
     let all = page.measures.last().map_or(&[][..], |all| &all.shares);
-    let plausible = all
-        .first()
-        .map(|s| (share(s), "of plausible hands pass all claims"));
     let hand = page.measure(ALL_OF_HAND).and_then(|m| m.shares.first());
-    let hand = hand.map(|s| (share(s), "pass all claims about the hand"));
-    let nothing = all.iter().rfind(|share| share.of == NOTHING);
-    let nominal = nothing.map(|s| (share(s), "with only the seed varied"));
-    let shares = plausible.into_iter().chain(hand).chain(nominal);
-    let mut tiles: Vec<_> = shares
-        .map(|(value, label)| Tile::new(value, "%", label))
-        .collect();
-    tiles.push(Tile::new(page.hands.to_string(), "", "hands"));
-    tiles.push(Tile::new(
-        page.ranges.len().to_string(),
-        "",
-        "values varied",
-    ));
-    tiles
+    let nominal = all.iter().rfind(|share| share.of == NOTHING);
+    let tiles = [
+        percent(all.first(), "of plausible hands pass all claims"),
+        percent(hand, "pass all claims about the hand"),
+        percent(nominal, "with only the seed varied"),
+        count(page.hands, "hands"),
+        count(page.ranges.len() as u64, "values varied"),
+    ];
+    tiles.into_iter().flatten().collect()
 }
 
 /// Heat maps of the sensitivity of results and margins.

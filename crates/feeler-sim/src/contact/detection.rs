@@ -131,14 +131,14 @@ fn put_back(model: &WorldModel, finger: &Finger, own: &mut FingerState) {
     for (index, object) in model.objects.iter().enumerate() {
         for (share, block) in own.contacts.on_mut(index).blocks_mut() {
             for lane in 0..share.count {
-                if block.rolled(lane) <= FLAT {
+                if block.rolled[lane] <= FLAT {
                     continue;
                 }
                 if let Some(surface) = object.nearest(block.anchor(lane).position) {
-                    let feeler = finger.feeler(block.element(lane));
+                    let feeler = finger.feeler(block.element[lane]);
                     block.set_anchor(lane, &feeler.anchor(&surface));
                 }
-                block.set_rolled(lane, 0.0);
+                block.rolled[lane] = 0.0;
             }
         }
     }
