@@ -62,13 +62,15 @@ impl<'s, 'a> Columns<'s, 'a> {
     }
 
     /// Adds a column with one list of numbers per step.
-    pub fn list(
+    pub fn list<L>(
         &mut self,
         name: &str,
         unit: &'static str,
         meaning: &'static str,
-        cell: impl Fn(&Step<'a>) -> Option<Vec<f64>>,
-    ) {
+        cell: impl Fn(&Step<'a>) -> Option<L>,
+    ) where
+        L: IntoIterator<Item = f64, IntoIter: ExactSizeIterator>,
+    {
         let cells = Cells::of_lists(self.steps.iter().map(cell));
         self.add(name, unit, meaning, AnyCells::Double(cells));
     }

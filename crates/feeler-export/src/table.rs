@@ -3,6 +3,7 @@
 use crate::columnar::{AnyCells, ParquetFile};
 use crate::columns::{Columns, Described};
 use crate::error::ExportError;
+use feeler_record::wire::{Quaternion, Vector3};
 use feeler_record::{NO_ELEMENT, Recording, RunFacts, Step, Steps};
 use serde_json::{Map, Value, json};
 use std::io::Write;
@@ -99,24 +100,23 @@ fn motion_columns(columns: &mut Columns<'_, '_>, finger: usize) {
         "joint_position",
         "rad",
         "encoders: theta1 to theta3",
-        move |s| Some(s.finger(finger)?.joints?.position.to_vec()),
+        move |s| Some(s.finger(finger)?.joints?.position),
     );
     columns.list(
         "joint_velocity",
         "rad/s",
         "encoders: theta1 to theta3",
-        move |s| Some(s.finger(finger)?.joints?.velocity.to_vec()),
+        move |s| Some(s.finger(finger)?.joints?.velocity),
     );
     columns.list(
         "command_joint_velocity",
         "rad/s",
         "as sent to the drives",
-        move |s| Some(s.finger(finger)?.command?.joint_velocity.to_vec()),
+        move |s| Some(s.finger(finger)?.command?.joint_velocity),
     );
     let asked = "world frame; as requested, before limiting";
     columns.list("command_fingertip_velocity", "m/s", asked, move |s| {
-        let velocity = s.finger(finger)?.command?.fingertip_velocity;
-        Some(vec![velocity.x, velocity.y, velocity.z])
+        Some(xyz(s.finger(finger)?.command?.fingertip_velocity))
     });
     columns.flag(
         "command_limited",
@@ -127,15 +127,11 @@ fn motion_columns(columns: &mut Columns<'_, '_>, finger: usize) {
         "fingertip_position",
         "m",
         "centre of the dome in the world frame",
-        move |s| {
-            let position = s.finger(finger)?.fingertip?.position;
-            Some(vec![position.x, position.y, position.z])
-        },
+        move |s| Some(xyz(s.finger(finger)?.fingertip?.position)),
     );
     let turned = "quaternion x, y, z, w: from the fingertip frame to the world frame";
     columns.list("fingertip_orientation", "", turned, move |s| {
-        let turned = s.finger(finger)?.fingertip?.orientation;
-        Some(vec![turned.x, turned.y, turned.z, turned.w])
+        Some(xyzw(s.finger(finger)?.fingertip?.orientation))
     });
 }
 
@@ -149,41 +145,21 @@ fn touch_columns(columns: &mut Columns<'_, '_>, finger: usize) {
     );
     let tangential = "tangential force on each element by the object, in the element's frame";
     let compression = "compression of each element, positive when pressed";
-    columns.list("force_x", "N", tangential, move |s| {
-        Some(
-            s.finger(finger)?
-                .tactile?
-                .forces
-                .iter()
-                .map(|f| f.x)
-                .collect(),
-        )
-    });
-    columns.list("force_y", "N", tangential, move |s| {
-        Some(
-            s.finger(finger)?
-                .tactile?
-                .forces
-                .iter()
-                .map(|f| f.y)
-                .collect(),
-        )
-    });
-    columns.list("force_z", "N", compression, move |s| {
-        Some(
-            s.finger(finger)?
-                .tactile?
-                .forces
-                .iter()
-                .map(|f| f.z)
-                .collect(),
-        )
-    });
+    let forces: [(&str, &str, fn(&Vector3) -> f64); 3] = [
+        ("force_x", tangential, |force| force.x),
+        ("force_y", tangential, |force| force.y),
+        ("force_z", compression, |force| force.z),
+    ];
+    for (name, meaning, component) in forces {
+        columns.list(name, "N", meaning, move |s| {
+            Some(s.finger(finger)?.tactile?.forces.iter().map(component))
+        });
+    }
     columns.list(
         "shear_rate",
         "N/s",
         "|d(F_x, F_y)/dt| of each element",
-        move |s| Some(s.finger(finger)?.flags?.shear_rate.clone()),
+        move |s| Some(s.finger(finger)?.flags?.shear_rate.iter().copied()),
     );
     columns.flag(
         "touch",
@@ -220,8 +196,7 @@ fn instrument_columns(columns: &mut Columns<'_, '_>, recording: &Recording) {
         let turned = "rotation of the cap since the start, positive = closing";
         columns.number("true_cap_angle", "rad", turned, |s| Some(s.cap?.angle));
         columns.list("true_cap_centre", "m", "world frame", |s| {
-            let centre = s.cap?.centre;
-            Some(vec![centre.x, centre.y, centre.z])
+            Some(xyz(s.cap?.centre))
         });
         let resists = "torque between cap and bottle, positive when it resists closing";
         columns.number("true_resisting_torque", "N m", resists, |s| {
@@ -230,13 +205,19 @@ fn instrument_columns(columns: &mut Columns<'_, '_>, recording: &Recording) {
     }
     if !recording.object.is_empty() {
         columns.list("true_object_position", "m", "world frame", |s| {
-            let position = s.object?.position;
-            Some(vec![position.x, position.y, position.z])
+            Some(xyz(s.object?.position))
         });
         let turned = "quaternion x, y, z, w: from the object's frame to the world frame";
         columns.list("true_object_orientation", "", turned, |s| {
-            let turned = s.object?.orientation;
-            Some(vec![turned.x, turned.y, turned.z, turned.w])
+            Some(xyzw(s.object?.orientation))
         });
     }
+}
+
+fn xyz(vector: Vector3) -> [f64; 3] {
+    [vector.x, vector.y, vector.z]
+}
+
+fn xyzw(quaternion: Quaternion) -> [f64; 4] {
+    [quaternion.x, quaternion.y, quaternion.z, quaternion.w]
 }

@@ -3,29 +3,16 @@
 use super::episode::{features, frame_rate, frames};
 use super::feature::{Feature, Values};
 use super::meta::{self, Episode, FileSizes, file_path};
+use super::run::Run;
 use super::video::{Watch, cameras};
 use super::videos::{Videos, create};
 use crate::columnar::{Column, ParquetFile};
 use crate::error::ExportError;
-use feeler_record::Recording;
 use serde_json::{Map, Value};
 use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-
-/// A run to be added as an episode.
-#[derive(Debug, Clone, Copy)]
-pub struct Run<'a> {
-    /// Name of the run in messages and in the list of episodes.
-    pub name: &'a str,
-    /// Task description in natural language, for language-conditioned policies.
-    pub task: &'a str,
-    /// The run's recording.
-    pub recording: &'a Recording,
-    /// File of the recording, from which images are read.
-    pub path: &'a Path,
-}
 
 /// Writer of a LeRobot data set (format v3.0): add runs, then finish. LeRobot does not recognize the folder until
 /// `finish` has written `meta/`.

@@ -5,10 +5,12 @@ mod episode;
 mod feature;
 mod meta;
 mod mp4;
+mod run;
 mod stats;
 mod video;
 mod videos;
 
-pub use data_set::{DataSet, Run};
+pub use data_set::DataSet;
 pub use meta::FileSizes;
+pub use run::Run;
 pub use video::Watch;

@@ -77,9 +77,9 @@ impl Mp4 {
         Ok(())
     }
 
-    /// Number of frames so far.
-    pub fn pictures(&self) -> usize {
-        self.sizes.len()
+    /// Display time of the next frame (s).
+    pub fn time(&self) -> f64 {
+        self.sizes.len() as f64 / f64::from(self.rate)
     }
 
     /// Size of the frames so far (bytes).

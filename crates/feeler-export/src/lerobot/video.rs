@@ -1,7 +1,7 @@
 //! Encodes the images of one camera over an episode as a video.
 
-use super::data_set::Run;
 use super::mp4::Mp4;
+use super::run::Run;
 use super::stats::Stats;
 use crate::error::ExportError;
 use feeler::sensor::image::{Camera as _, Frame};
@@ -73,7 +73,10 @@ impl Camera<'_> {
     /// Encodes all images, appends them to `video` and returns their statistics.
     pub fn encode(mut self, video: &mut Mp4, watch: Watch<'_>) -> Result<Stats, ExportError> {
         let mut encoder = self.encoder()?;
-        let mut histogram = Histogram::default();
+        let mut histogram = Histogram {
+            pictures: 0,
+            counts: [0; 256],
+        };
         let (width, height) = self.size;
         let mut frame = Frame::black(width.into(), height.into());
         let seen = std::mem::take(&mut self.seen);
@@ -197,15 +200,6 @@ fn is_of(frame: &Frame, tactile: &Tactile) -> bool {
 struct Histogram {
     pictures: usize,
     counts: [u64; 256],
-}
-
-impl Default for Histogram {
-    fn default() -> Self {
-        Self {
-            pictures: 0,
-            counts: [0; 256],
-        }
-    }
 }
 
 impl Histogram {

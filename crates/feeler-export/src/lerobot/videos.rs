@@ -21,7 +21,6 @@ pub(crate) struct Videos {
 struct VideoFile {
     number: usize,
     path: PathBuf,
-    rate: u32,
     video: Mp4,
 }
 
@@ -58,12 +57,12 @@ impl Videos {
         }
         let encode = |(camera, mut file): (Camera<'_>, VideoFile)| {
             let key = camera.key.clone();
-            let from = file.time();
+            let from = file.video.time();
             let stats = camera.encode(&mut file.video, watch)?;
             let place = VideoPlace {
                 file: file.number,
                 from,
-                to: file.time(),
+                to: file.video.time(),
             };
             Ok((file, Written { key, place, stats }))
         };
@@ -110,7 +109,6 @@ impl Videos {
         let video = Mp4::create(create(&path)?, camera.rate, camera.size);
         Ok(VideoFile {
             number,
-            rate: camera.rate,
             video: video.map_err(ExportError::of_file(&path))?,
             path,
         })
@@ -118,11 +116,6 @@ impl Videos {
 }
 
 impl VideoFile {
-    /// Display time of the next frame (s).
-    fn time(&self) -> f64 {
-        self.video.pictures() as f64 / f64::from(self.rate)
-    }
-
     fn finish(self) -> Result<(), ExportError> {
         let finished = self.video.finish();
         finished.map_err(ExportError::of_file(&self.path))

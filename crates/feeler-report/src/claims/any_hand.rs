@@ -1,9 +1,9 @@
 //! Claims that apply to any hand that screws a cap, independent of its control law.
 
-use super::DAMAGE_FORCE;
 use super::measured::{Measured, ratio};
 use super::parts::{curvature, grip_variation, radius_to_line};
-use crate::measures::claim::{Claim, ClaimPart, DecidedBy, Relation};
+use crate::measures::claim::{Claim, ClaimPart, DecidedBy, part};
+use crate::measures::overload::DAMAGE_FORCE;
 use crate::measures::series::maximum;
 use crate::measures::strokes::{CLOSED_TURN, StrokeMeasures};
 use crate::run::data::RunData;
@@ -52,10 +52,8 @@ pub fn of_any_hand(data: &RunData, strokes: &[StrokeMeasures]) -> Vec<Claim> {
 /// Largest force on an element in any stroke, relative to F2.
 fn peak_to_rating(data: &RunData, strokes: &[StrokeMeasures]) -> ClaimPart {
     let peak = maximum(strokes.iter().filter_map(|s| s.peak_element_force));
-    ClaimPart::new(
-        "maximum force on an element relative to F2, whole run",
+    part("maximum force on an element relative to F2, whole run").at_most(
         peak.and_then(|peak| ratio(peak, data.facts.over_force_threshold)),
-        Relation::AtMost,
         DAMAGE_FORCE,
     )
 }
@@ -64,10 +62,8 @@ fn peak_to_rating(data: &RunData, strokes: &[StrokeMeasures]) -> ClaimPart {
 fn last_turn(data: &RunData, strokes: &[StrokeMeasures]) -> ClaimPart {
     let turn = |index| strokes.iter().find(|s| s.index == index)?.cap_turn;
     let turns = turn(1).zip(turn(data.facts.stroke_count));
-    ClaimPart::new(
-        "cap rotation, last stroke relative to stroke 1",
+    part("cap rotation, last stroke relative to stroke 1").within(
         turns.and_then(|(first, last)| ratio(last, first)),
-        Relation::Within,
         CLOSED_TURN,
     )
 }

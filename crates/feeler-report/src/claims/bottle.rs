@@ -2,49 +2,41 @@
 //! torque.
 
 use super::measured::{change, ratio};
-use super::{PEAK_ENDS_BELOW, PEAK_RISES_ABOVE, SMOOTHING, samples};
-use crate::measures::claim::{Claim, ClaimPart, DecidedBy, Relation};
+use crate::measures::claim::{Claim, part};
 use crate::measures::paths::{LaggedCorrelation, lagged_correlation};
+use crate::measures::peaks::{PEAK_ENDS_BELOW, PEAK_RISES_ABOVE};
 use crate::measures::series::{absolute_rate, count_peaks, mean, moving_mean};
-use crate::run::data::{RunData, Stroke};
+use crate::measures::smoothing::smoothing_window;
+use crate::run::data::RunData;
+use crate::run::stroke::Stroke;
 
 /// Maximum lag between torque rate and shear rate (s).
 const MAX_LAG: f64 = 0.05;
 
 pub(super) fn four_peaks(data: &RunData) -> Claim {
-    let window = samples(data, SMOOTHING);
+    let window = smoothing_window(&data.facts);
     let peaks = |values: Vec<f64>| {
-        let count = count_peaks(
-            &moving_mean(&values, window),
-            PEAK_RISES_ABOVE,
-            PEAK_ENDS_BELOW,
-        );
-        count.map(|count| count as f64)
+        let smooth = moving_mean(&values, window);
+        count_peaks(&smooth, PEAK_RISES_ABOVE, PEAK_ENDS_BELOW)
     };
-    let (grasp_force, torque) = match &data.thinned {
-        Some(thinned) => {
-            let count = |peaks: Option<usize>| peaks.map(|count| count as f64);
-            (
-                count(thinned.grasp_force_peaks),
-                count(thinned.torque_peaks),
-            )
-        }
+    let counts = match &data.thinned {
+        Some(thinned) => [thinned.grasp_force_peaks, thinned.torque_peaks],
         None => {
             let rows = 0..data.time.len();
             let grasp_force = peaks(rows.map(|row| data.grasp_force(row)).collect());
-            (grasp_force, torque_over_strokes(data).and_then(peaks))
+            [grasp_force, torque_over_strokes(data).and_then(peaks)]
         }
     };
+    let [grasp_force, torque] = counts.map(|count| count.map(|count| count as f64));
     let bound = f64::from(data.facts.stroke_count);
     Claim::new(
         "four-peaks",
         "Grasp force and torque each have one peak per stroke (four in the paper).",
         vec![
-            ClaimPart::new("peaks of grasp force", grasp_force, Relation::Equals, bound),
-            ClaimPart::new("peaks of torque", torque, Relation::Equals, bound),
+            part("peaks of grasp force").equals(grasp_force, bound),
+            part("peaks of torque").equals(torque, bound),
         ],
     )
-    .decided_by(DecidedBy::HandAndBottle)
 }
 
 /// Torque from the first sample of the torque sensor on (N·m); `None` if the first MOVE, and possibly the first peak,
@@ -78,21 +70,10 @@ pub(super) fn first_stroke_torque_rises(data: &RunData) -> Claim {
         "first-stroke-torque-rises",
         "In stroke 1, torque rises while grasp force stays constant.",
         vec![
-            ClaimPart::new(
-                "torque, last third of MOVE relative to first third",
-                torque,
-                Relation::AtLeast,
-                2.0,
-            ),
-            ClaimPart::new(
-                "change of mean grasp force from first third to last",
-                grasp_force,
-                Relation::Within,
-                0.30,
-            ),
+            part("torque, last third of MOVE relative to first third").at_least(torque, 2.0),
+            part("change of mean grasp force from first third to last").within(grasp_force, 0.30),
         ],
     )
-    .decided_by(DecidedBy::HandAndBottle)
 }
 
 /// Minimum correlation of the bumps for a hand with two fingers.
@@ -131,26 +112,23 @@ pub(super) fn bumps_in_step(data: &RunData) -> Claim {
         "bumps-in-step",
         "Bumps in shear rate and torque coincide (MOVE of strokes 3 and 4).",
         vec![
-            ClaimPart::new(
-                "correlation of |d torque/dt| and shear rate",
+            part("correlation of |d torque/dt| and shear rate").at_least(
                 best.map(|best| best.correlation),
-                Relation::AtLeast,
                 least_in_step(data.fingers.len()),
             ),
-            ClaimPart::new("lag of torque", lag, Relation::Within, MAX_LAG).in_unit("s"),
+            part("lag of torque").in_unit("s").within(lag, MAX_LAG),
         ],
     )
-    .decided_by(DecidedBy::HandAndBottle)
 }
 
 /// Shear rate and absolute torque rate over MOVE. Both are absolute differences between consecutive control steps (the
-/// shear rate by definition), smoothed by the same centred moving mean of [`SMOOTHING`], which removes the A/D
+/// shear rate by definition), smoothed by the same centred moving mean of [`SMOOTHING`](super::SMOOTHING), which removes the A/D
 /// converter noise that differencing amplifies. The torque sensor's delay is not compensated; it appears as lag. `None`
 /// without a torque sensor.
 pub fn rates(data: &RunData, stroke: &Stroke) -> Option<(Vec<f64>, Vec<f64>)> {
     let first = stroke.moving.start.max(1);
     let rows = first..stroke.moving.end.max(first);
-    let window = samples(data, SMOOTHING);
+    let window = smoothing_window(&data.facts);
     let shear: Vec<f64> = rows.clone().map(|row| data.shear_rate(row)).collect();
     let torque = data.torque.as_ref()?.get(first - 1..rows.end)?;
     let torque = absolute_rate(torque, data.facts.control_period);

@@ -3,18 +3,17 @@
 
 use super::measured::{CLOSED, Measured, change, each_finger, greatest, least, ratio};
 use super::parts::{curvature, grip_variation, radius_to_line};
-use super::{damage_limit, longest_above};
-use crate::measures::claim::{Claim, ClaimPart, DecidedBy, Relation};
+use crate::measures::claim::{Claim, part};
+use crate::measures::measure_stroke::{over_fraction, slip_fraction, slip_precision, slip_skill};
+use crate::measures::overload::{DAMAGE_TIME, damage_limit, longest_above};
 use crate::measures::paths::distance_between_paths;
 use crate::measures::series::mean;
 use crate::measures::stroke_pattern::ALIKE;
-use crate::measures::strokes::{CLOSED_TURN, over_fraction, share, slip_precision, slip_skill};
+use crate::measures::strokes::CLOSED_TURN;
 use crate::run::data::RunData;
 
 /// Id of the claim that no element is damaged.
 pub const NO_DAMAGE: &str = "no-damage";
-/// Maximum time for which an element may exceed the damage limit (s).
-const DAMAGE_TIME: f64 = 0.05;
 
 pub(super) fn closed_after_third(measured: &Measured) -> Claim {
     let peak_torque = measured.compare(3, 4, |m| m.peak_torque, change);
@@ -24,27 +23,11 @@ pub(super) fn closed_after_third(measured: &Measured) -> Claim {
         "closed-after-third",
         "Strokes 3 and 4 are alike: the cap is closed after stroke 3.",
         vec![
-            ClaimPart::new(
-                "change of peak torque from stroke 3 to 4",
-                peak_torque,
-                Relation::Within,
-                ALIKE,
-            ),
-            ClaimPart::new(
-                "change of peak grasp force from stroke 3 to 4",
-                peak_grasp,
-                Relation::Within,
-                ALIKE,
-            ),
-            ClaimPart::new(
-                "cap rotation, stroke 4 relative to stroke 1",
-                cap_turn,
-                Relation::AtMost,
-                CLOSED_TURN,
-            ),
+            part("change of peak torque from stroke 3 to 4").within(peak_torque, ALIKE),
+            part("change of peak grasp force from stroke 3 to 4").within(peak_grasp, ALIKE),
+            part("cap rotation, stroke 4 relative to stroke 1").at_most(cap_turn, CLOSED_TURN),
         ],
     )
-    .decided_by(DecidedBy::Hand)
 }
 
 pub(super) fn shear_rate_marks_closing(measured: &Measured) -> Claim {
@@ -52,64 +35,30 @@ pub(super) fn shear_rate_marks_closing(measured: &Measured) -> Claim {
     Claim::new(
         "shear-rate-marks-closing",
         "The shear rate is pronounced in stroke 4, not in stroke 1.",
-        vec![ClaimPart::new(
-            "99th percentile of the largest element's shear rate over MOVE, stroke 4 relative to stroke 1",
-            marked,
-            Relation::AtLeast,
-            2.0,
-        )],
+        vec![
+            part("99th percentile of the largest element's shear rate over MOVE, stroke 4 relative to stroke 1")
+                .at_least(marked, 2.0),
+        ],
     )
-    .decided_by(DecidedBy::Hand)
 }
 
 /// SLIP against ground truth: raised while a feeler slips, and not all the time.
 pub(super) fn slip_means_slip(data: &RunData) -> Claim {
-    let precision = each_finger(data, &CLOSED, |stroke, finger| {
-        slip_precision(&data.fingers[finger], stroke)
-    });
+    let precision = each_finger(data, &CLOSED, slip_precision);
     // If feelers slip most of the time, even a constant flag is precise; the skill accounts for that.
-    let skill = each_finger(data, &CLOSED, |stroke, finger| {
-        slip_skill(&data.fingers[finger], stroke)
-    });
-    let raised = each_finger(data, &CLOSED, |stroke, finger| {
-        share(
-            stroke
-                .moving
-                .clone()
-                .map(|row| data.fingers[finger].slip[row]),
-        )
-    });
+    let skill = each_finger(data, &CLOSED, slip_skill);
+    let raised = each_finger(data, &CLOSED, slip_fraction);
     Claim::new(
         "slip-means-slip",
         "SLIP is raised where a feeler slips (MOVE of strokes 3 and 4; each finger).",
         vec![
-            ClaimPart::new(
-                "minimum precision of SLIP against true slip",
-                least(&precision),
-                Relation::AtLeast,
-                0.9,
-            ),
-            ClaimPart::new(
-                "minimum gain in precision over a random flag, relative to the possible gain",
-                least(&skill),
-                Relation::AtLeast,
-                0.5,
-            ),
-            ClaimPart::new(
-                "minimum fraction of MOVE with SLIP",
-                least(&raised),
-                Relation::AtLeast,
-                0.10,
-            ),
-            ClaimPart::new(
-                "maximum fraction of MOVE with SLIP",
-                greatest(&raised),
-                Relation::AtMost,
-                0.60,
-            ),
+            part("minimum precision of SLIP against true slip").at_least(least(&precision), 0.9),
+            part("minimum gain in precision over a random flag, relative to the possible gain")
+                .at_least(least(&skill), 0.5),
+            part("minimum fraction of MOVE with SLIP").at_least(least(&raised), 0.10),
+            part("maximum fraction of MOVE with SLIP").at_most(greatest(&raised), 0.60),
         ],
     )
-    .decided_by(DecidedBy::Hand)
 }
 
 /// Claim that the distance R of the dome's centre from the cap's axis stays constant, more so than on the planned line and
@@ -123,15 +72,9 @@ pub(super) fn path_follows_contour(measured: &Measured) -> Claim {
         "With the cap closed, the fingertips circle its axis at a constant distance R (strokes 3 and 4; each finger).",
         vec![
             radius_to_line(measured),
-            ClaimPart::new(
-                "maximum std of R relative to stroke 1",
-                greatest(&to_first),
-                Relation::AtMost,
-                0.5,
-            ),
+            part("maximum std of R relative to stroke 1").at_most(greatest(&to_first), 0.5),
         ],
     )
-    .decided_by(DecidedBy::Hand)
 }
 
 /// The path is curved like the arc about the cap's axis, unlike any straight line, however tilted. See
@@ -145,51 +88,29 @@ pub(super) fn path_is_curved(measured: &Measured) -> Claim {
         vec![
             at_least,
             at_most,
-            ClaimPart::new(
-                "maximum curvature relative to the arc, stroke 1",
-                greatest(&first),
-                Relation::AtMost,
-                0.4,
-            ),
+            part("maximum curvature relative to the arc, stroke 1").at_most(greatest(&first), 0.4),
         ],
     )
-    .decided_by(DecidedBy::Hand)
 }
 
 /// The grasp force that slips have built up is limited by OVER, within the window of
 /// [`PathFit`](crate::measures::path_fit::PathFit).
 pub(super) fn grip_levels_off(data: &RunData) -> Claim {
-    let over = each_finger(data, &CLOSED, |stroke, finger| {
-        over_fraction(data, stroke, finger)
-    });
+    let over = each_finger(data, &CLOSED, over_fraction);
     Claim::new(
         "grip-levels-off",
         "With the cap closed, the grasp force levels off, limited by OVER (strokes 3 and 4; each finger).",
         vec![
             grip_variation(data),
-            ClaimPart::new(
-                "minimum fraction of the window with OVER",
-                least(&over),
-                Relation::AtLeast,
-                0.03,
-            ),
-            ClaimPart::new(
-                "maximum fraction of the window with OVER",
-                greatest(&over),
-                Relation::AtMost,
-                0.50,
-            ),
+            part("minimum fraction of the window with OVER").at_least(least(&over), 0.03),
+            part("maximum fraction of the window with OVER").at_most(greatest(&over), 0.50),
         ],
     )
-    .decided_by(DecidedBy::Hand)
 }
 
 pub(super) fn path_saturates(measured: &Measured) -> Claim {
     let data = measured.data;
-    let paths = |index, finger: usize| {
-        let stroke = data.whole_stroke(index)?;
-        Some(&data.fingers[finger].position[stroke.moving.clone()])
-    };
+    let paths = |index, finger| data.path(data.whole_stroke(index)?, finger);
     let distances: Option<Vec<f64>> = (0..data.fingers.len())
         .map(|finger| distance_between_paths(paths(3, finger)?, paths(4, finger)?))
         .collect();
@@ -199,14 +120,11 @@ pub(super) fn path_saturates(measured: &Measured) -> Claim {
     Claim::new(
         "path-saturates",
         "The path stops changing after the cap is closed.",
-        vec![ClaimPart::new(
-            "RMS distance between the paths of strokes 3 and 4, relative to the bend of stroke 4",
-            share,
-            Relation::AtMost,
-            0.15,
-        )],
+        vec![
+            part("RMS distance between the paths of strokes 3 and 4, relative to the bend of stroke 4")
+                .at_most(share, 0.15),
+        ],
     )
-    .decided_by(DecidedBy::Hand)
 }
 
 pub(crate) fn no_damage(data: &RunData) -> Claim {
@@ -216,13 +134,9 @@ pub(crate) fn no_damage(data: &RunData) -> Claim {
         NO_DAMAGE,
         "OVER protects the elements from overload.",
         vec![
-            ClaimPart::new(
-                "longest time of an element above 1.25 F2",
-                longest,
-                Relation::AtMost,
-                DAMAGE_TIME,
-            )
-            .in_unit("s"),
+            part("longest time of an element above 1.25 F2")
+                .in_unit("s")
+                .at_most(longest, DAMAGE_TIME),
         ],
     )
 }

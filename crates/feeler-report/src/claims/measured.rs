@@ -2,7 +2,8 @@
 
 use crate::measures::path_fit::PathFit;
 use crate::measures::strokes::StrokeMeasures;
-use crate::run::data::{RunData, Stroke};
+use crate::run::data::RunData;
+use crate::run::stroke::Stroke;
 
 /// Strokes in which the cap is closed.
 pub(super) const CLOSED: [u32; 2] = [3, 4];
@@ -73,7 +74,7 @@ impl<'a> Measured<'a> {
         strokes: &[u32],
         part: impl Fn(PathFit, usize) -> Option<f64>,
     ) -> Option<Vec<f64>> {
-        each_finger(self.data, strokes, |stroke, finger| {
+        each_finger(self.data, strokes, |_, stroke, finger| {
             part(self.fit(stroke.index, finger)?, finger)
         })
     }
@@ -83,14 +84,14 @@ impl<'a> Measured<'a> {
 pub(super) fn each_finger(
     data: &RunData,
     strokes: &[u32],
-    measure: impl Fn(&Stroke, usize) -> Option<f64>,
+    measure: impl Fn(&RunData, &Stroke, usize) -> Option<f64>,
 ) -> Option<Vec<f64>> {
     let fingers = 0..data.fingers.len();
     let pairs = strokes
         .iter()
         .flat_map(|&stroke| fingers.clone().map(move |f| (stroke, f)));
     pairs
-        .map(|(stroke, finger)| measure(data.whole_stroke(stroke)?, finger))
+        .map(|(stroke, finger)| measure(data, data.whole_stroke(stroke)?, finger))
         .collect()
 }
 

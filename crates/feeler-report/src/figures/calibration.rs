@@ -3,8 +3,39 @@
 use super::Figure;
 use crate::figures::drawing::canvas::{Pen, airy, dots, finger_colour, line, panel, range};
 use crate::figures::drawing::sheet::tiled;
-use crate::pages::calibration::{CalibrationPage, ElementLoads};
 use kuva::render::layout::Layout;
+
+/// Errors of one element along x, y, z of its frame (N).
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ElementErrors {
+    /// Element name.
+    pub name: String,
+    /// Root mean square error on held-out loads.
+    pub rms: [f64; 3],
+    /// Maximum error on held-out loads.
+    pub worst: [f64; 3],
+    /// Maximum standard deviation under a constant load, if known.
+    pub repeatability: Option<[f64; 3]>,
+    /// Maximum difference between rising and falling loads, if known.
+    pub hysteresis: Option<[f64; 3]>,
+    /// Three standard deviations without load, if known.
+    pub resolution: Option<[f64; 3]>,
+}
+
+/// Loads on one element.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct ElementLoads {
+    /// Element name.
+    pub name: String,
+    /// Unit of displacements in the figure.
+    pub length_unit: String,
+    /// For x, y, z: applied force (N) over displacement along x, along y, or growth.
+    pub loads: [Vec<(f64, f64)>; 3],
+    /// For x, y, z: calibrated force (N) over the same input, with the other inputs constant.
+    pub curves: [Vec<Vec<(f64, f64)>>; 3],
+    /// For x, y, z: reading minus load (mN) over load (N).
+    pub residuals: [Vec<(f64, f64)>; 3],
+}
 
 const AXES: [&str; 3] = ["x", "y", "z"];
 /// Maximum number of dots per panel.
@@ -13,18 +44,18 @@ const DOTS: usize = 200;
 const LOADS: &str = "#999999";
 
 /// Root mean square errors of all elements (% of full scale).
-pub fn errors_figure(page: &CalibrationPage) -> Figure {
+pub fn errors_figure(elements: &[ElementErrors], full_scale: [f64; 3]) -> Figure {
     let percent = |axis: usize| {
-        let elements = page.elements.iter().enumerate();
+        let elements = elements.iter().enumerate();
         elements.map(move |(index, element)| {
-            let share = element.rms[axis] / page.full_scale[axis];
+            let share = element.rms[axis] / full_scale[axis];
             (index as f64, 100.0 * share)
         })
     };
     let pens = [0, 1, 2].map(|axis| Pen::solid(finger_colour(axis), 1.6));
     let plots = (0..3).map(|axis| line(percent(axis), pens[axis])).collect();
     let largest = range((0..3).flat_map(|axis| percent(axis).map(|p| p.1))).map_or(1.0, |r| r.1);
-    let last = page.elements.len().saturating_sub(1) as f64;
+    let last = elements.len().saturating_sub(1) as f64;
     let upright = (0.0, 1.1 * largest);
     let layout = panel((0.0, last), upright, "element", "error (% of full scale)");
     let legend: Vec<_> = AXES.into_iter().zip(pens).collect();

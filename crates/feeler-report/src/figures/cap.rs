@@ -2,19 +2,14 @@
 
 use super::Figure;
 use crate::figures::drawing::canvas::{
-    CAP, MAX_SHADED, Pen, REFERENCE, SHADE, finger_colour, line, panel, range, thin,
+    BUCKETS, CAP, Pen, REFERENCE, SHADE, exact_panel, finger_colour, line, range, thin, with_moves,
 };
 use crate::figures::drawing::sheet::{Drawing, column};
 use crate::measures::cap::{CapMeasures, Felt};
 use crate::run::data::RunData;
 use feeler_record::{FindingName, Recording};
-use kuva::render::annotations::{ReferenceLine, ShadedRegion};
-use kuva::render::layout::Layout;
+use kuva::render::annotations::ReferenceLine;
 
-/// Number of buckets to which a series is decimated.
-const BUCKETS: usize = 480;
-/// Left and right margins of both panels, so that their time axes align.
-const MARGINS: (f64, f64) = (64.0, 20.0);
 /// Time span that covers a whole recording (s).
 const ALWAYS: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
@@ -80,11 +75,17 @@ fn torque_and_turn(
         own(&FindingName::Turned, 1f64.to_degrees()),
     ];
     let limit = cap.friction_limit.map(|limit| 1e3 * limit);
+    let strokes = data.strokes.iter().filter(|s| !s.moving.is_empty());
+    let moves = strokes.map(|stroke| {
+        let (start, end) = (stroke.moving.start, stroke.moving.end - 1);
+        (data.time[start], data.time[end])
+    });
+    let moves: Vec<_> = moves.collect();
     let panel_of = |points: &[Points; 2], least: f64, x: &str, y: &str| {
         let (low, high) = range(points.iter().flatten().map(|p| p.1))?;
         let (low, high) = (low.min(0.0), 1.08 * high.max(least).max(1.0));
-        let layout = panel(time, (low, high), x, y).with_y_axis_min(low);
-        Some(with_strokes(layout.with_y_axis_max(high), data, time))
+        let layout = exact_panel(time, (low, high), x, y);
+        Some(with_moves(layout, moves.clone()))
     };
     let upper = panel_of(&torques, limit.unwrap_or(0.0), "", "Torque (mN·m)")?;
     let upper = limit.into_iter().fold(upper, |layout, limit| {
@@ -93,10 +94,7 @@ fn torque_and_turn(
     });
     let lower = panel_of(&turns, 0.0, "Time (s)", "Rotation (°)")?;
     // There is no torque estimate between strokes, so each stroke is a separate line.
-    let strokes = data.strokes.iter().filter(|s| !s.moving.is_empty());
-    let felt_torques = strokes.map(|stroke| {
-        let (start, end) = (stroke.moving.start, stroke.moving.end - 1);
-        let times = (data.time[start], data.time[end]);
+    let felt_torques = moves.iter().map(|&times| {
         let points = felt.series(&FindingName::Torque, times).into_iter();
         line(points.map(|(t, torque)| (t, 1e3 * torque)), hand)
     });
@@ -120,22 +118,4 @@ fn torque_and_turn(
     legend.push(("MOVE", Pen::solid(SHADE, 14.0)));
     let panels = vec![(upper_lines, upper), (lower_lines, lower)];
     Some(column((1, title), &legend, panels, 380.0))
-}
-
-/// Shades the MOVE phases.
-fn with_strokes(layout: Layout, data: &RunData, time: (f64, f64)) -> Layout {
-    let mut layout = layout
-        .with_x_axis_min(time.0)
-        .with_x_axis_max(time.1)
-        .with_force_margins(MARGINS.0, MARGINS.1);
-    let strokes = data.strokes.iter().filter(|s| !s.moving.is_empty());
-    if strokes.clone().count() > MAX_SHADED {
-        return layout;
-    }
-    for stroke in strokes {
-        let (start, end) = (stroke.moving.start, stroke.moving.end - 1);
-        let shade = ShadedRegion::vertical(data.time[start], data.time[end]);
-        layout = layout.with_shaded_region(shade.with_color(SHADE).with_opacity(0.55));
-    }
-    layout
 }

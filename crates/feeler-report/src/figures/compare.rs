@@ -1,13 +1,52 @@
 //! Figures of a law comparison: measures against varied quantities, and two laws trial by trial.
 
-use super::super::page_data::panels::{COLOURS, Colour, Command, Line, Points, Series};
 use super::Figure;
 use crate::figures::drawing::canvas::{
     Pen, REFERENCE, airy, dots, finger_colour, line, line_in_band, panel, range,
 };
 use crate::figures::drawing::grid;
 use crate::figures::drawing::sheet::{Drawing, tiled};
-use crate::pages::compare::{Curves, PairedMeasure, Pairs};
+use crate::page_data::panels::{COLOURS, Colour, Command, Line, Points, Series};
+
+/// A measure of all laws as a function of a varied quantity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curves {
+    /// Name and unit of the measure.
+    pub title: String,
+    /// Varied quantity.
+    pub against: String,
+    /// One curve per law.
+    pub curves: Vec<Curve>,
+}
+
+/// A measure of one law as a function of a varied quantity.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Curve {
+    /// Name of the law.
+    pub law: String,
+    /// Value of the varied quantity, and mean with its 95 % confidence interval (`[low, mean, high]`).
+    pub points: Vec<(f64, [f64; 3])>,
+}
+
+/// Paired comparison of two laws on the same trials.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Pairs {
+    /// Name of the first law.
+    pub first: String,
+    /// Name of the other law.
+    pub other: String,
+    /// Compared measures.
+    pub measures: Vec<PairedMeasure>,
+}
+
+/// A measure of two laws.
+#[derive(Debug, Clone, PartialEq)]
+pub struct PairedMeasure {
+    /// Name and unit of the measure.
+    pub name: &'static str,
+    /// For each trial with this measure under both laws: trial number, value of the first law, value of the other law.
+    pub trials: Vec<(u64, f64, f64)>,
+}
 
 /// Maximum number of trials drawn in the static figure.
 const MAX_DOTS: usize = 300;

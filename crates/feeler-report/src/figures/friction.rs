@@ -4,20 +4,16 @@
 use super::Figure;
 use super::friction_samples::{Sample, strokes};
 use crate::figures::drawing::canvas::{
-    CAP, MAX_SHADED, Pen, REFERENCE, SHADE, Style, finger_colour, line, panel, range, thin,
+    BUCKETS, CAP, Pen, REFERENCE, Style, exact_panel, finger_colour, line, range, thin, with_moves,
 };
 use crate::figures::drawing::sheet::{Drawing, column};
 use crate::measures::series::mean;
 use crate::run::data::RunData;
 use feeler_record::FindingName;
-use kuva::render::annotations::ShadedRegion;
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use std::f64::consts::TAU;
 
-const BUCKETS: usize = 480;
-/// Left and right margins of panels over time, so that their time axes align.
-const MARGINS: (f64, f64) = (64.0, 20.0);
 const LINE: f64 = 1.6;
 const STATIC: Pen = Pen {
     colour: "#D55E00",
@@ -133,12 +129,7 @@ fn tangential_path(data: &RunData, title: &str) -> Option<Drawing> {
     }
     let reach = 1.15 * reach;
     let (x, y) = ((-reach, reach), (across - reach, across + reach));
-    let layout = panel(x, y, "Along the slide", "Across")
-        .with_equal_aspect()
-        .with_x_axis_min(x.0)
-        .with_x_axis_max(x.1)
-        .with_y_axis_min(y.0)
-        .with_y_axis_max(y.1);
+    let layout = exact_panel(x, y, "Along the slide", "Across").with_equal_aspect();
     Some(column((3, title), &legend, vec![(plots, layout)], 460.0))
 }
 
@@ -168,12 +159,7 @@ fn crosses(data: &RunData, truth: [Option<f64>; 2], title: &str) -> Option<Drawi
         plots.push(line([(truth, found - arm), (truth, found + arm)], pen));
         legend.push((words.trim_start_matches("measured "), pen));
     }
-    let layout = panel((0.0, top), (0.0, top), "True", "Measured")
-        .with_equal_aspect()
-        .with_x_axis_min(0.0)
-        .with_x_axis_max(top)
-        .with_y_axis_min(0.0)
-        .with_y_axis_max(top);
+    let layout = exact_panel((0.0, top), (0.0, top), "True", "Measured").with_equal_aspect();
     Some(column((4, title), &legend, vec![(plots, layout)], 440.0))
 }
 
@@ -194,24 +180,15 @@ fn time_panel(
     x_label: &str,
     y_label: &str,
 ) -> Layout {
-    let layout = panel(time, y, x_label, y_label)
-        .with_x_axis_min(time.0)
-        .with_x_axis_max(time.1)
-        .with_y_axis_min(y.0)
-        .with_y_axis_max(y.1)
-        .with_force_margins(MARGINS.0, MARGINS.1);
     let counting = data
         .strokes
         .iter()
         .filter(|s| s.index > 1 && !s.moving.is_empty());
-    if counting.clone().count() > MAX_SHADED {
-        return layout;
-    }
-    counting.fold(layout, |layout, stroke| {
+    let moves = counting.map(|stroke| {
         let start = data.time[stroke.moving.start];
         let end = data.time[stroke.moving.end - 1];
         // Leave a gap between consecutive strokes.
-        let shade = ShadedRegion::vertical(start + 0.01 * (end - start), end);
-        layout.with_shaded_region(shade.with_color(SHADE).with_opacity(0.55))
-    })
+        (start + 0.01 * (end - start), end)
+    });
+    with_moves(exact_panel(time, y, x_label, y_label), moves.collect())
 }

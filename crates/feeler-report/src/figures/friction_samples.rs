@@ -1,8 +1,8 @@
 //! Data of the friction figures: the force on the observed element of each stroke, along the axes of the specimen.
 
-use crate::run::data::{RunData, Stroke};
+use crate::run::data::RunData;
+use crate::run::stroke::Stroke;
 use feeler_record::FindingName;
-use glam::DVec3;
 
 /// Force on the observed element at one row (N).
 #[derive(Clone, Copy)]
@@ -36,9 +36,11 @@ pub fn strokes(data: &RunData) -> Option<Vec<Vec<Sample>>> {
 
 fn samples(data: &RunData, stroke: &Stroke) -> Option<Vec<Sample>> {
     let finger = data.fingers.first()?;
-    let approach = DVec3::from(*data.facts.approach.first()?);
-    let along = DVec3::from(*data.facts.stroke_direction.first()?);
-    let along = along.reject_from_normalized(approach).normalize_or_zero();
+    let approach = data.approach(0)?;
+    let along = data
+        .direction(0)?
+        .reject_from_normalized(approach)
+        .normalize_or_zero();
     // Axes of the tilted surface.
     let (sin, cos) = data
         .findings

@@ -2,18 +2,18 @@
 
 use super::unrolled::{Step, Unrolled};
 use crate::figures::drawing::canvas::{
-    CAP, Pen, REFERENCE, WIDTH, finger_colour, line, panel, range,
+    CAP, Pen, REFERENCE, WIDTH, exact_panel, finger_colour, line, range,
 };
 use crate::figures::drawing::grid::{Panel, Row};
-use crate::run::data::{RunData, Stroke};
+use crate::measures::paths::MM;
+use crate::run::data::RunData;
+use crate::run::stroke::Stroke;
 use feeler_record::RunFacts;
 use glam::{DVec2, DVec3};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use std::f64::consts::TAU;
 
-/// Metres to millimetres.
-pub const MM: f64 = 1e3;
 /// Line width of the main path.
 pub const BOLD: f64 = 2.6;
 /// Pen of the touching elements other than the leading one.
@@ -66,14 +66,10 @@ pub fn close_ups(data: &RunData, stroke: &Stroke) -> Option<Vec<Panel>> {
 
 /// Axes of a top view with ticks every `ticks` millimetres. Only the `first` panel of a row labels its y axis.
 fn plan((x, y): Window, first: bool, ticks: f64) -> Layout {
-    panel(x, y, "x (mm)", if first { "y (mm)" } else { "" })
+    exact_panel(x, y, "x (mm)", if first { "y (mm)" } else { "" })
         .with_equal_aspect()
         .with_x_tick_step(ticks)
         .with_y_tick_step(ticks)
-        .with_x_axis_min(x.0)
-        .with_x_axis_max(x.1)
-        .with_y_axis_min(y.0)
-        .with_y_axis_max(y.1)
 }
 
 /// Position of the cap's axis when MOVE starts (m); `None` unless it and the cap's radius are known.
@@ -170,9 +166,9 @@ fn stretches<'a>(
 /// travel.
 fn planned_segment(data: &RunData, stroke: &Stroke, finger: usize) -> Option<[DVec3; 2]> {
     let columns = &data.fingers[finger];
-    let direction = DVec3::from(*data.facts.stroke_direction.get(finger)?);
+    let direction = data.direction(finger)?;
     let start = *columns.leading_path(stroke)?.first()?;
-    let path = columns.position.get(stroke.moving.clone())?;
+    let path = data.path(stroke, finger)?;
     let travel = (*path.last()? - *path.first()?).dot(direction);
     Some([start, start + travel * direction])
 }

@@ -1,9 +1,21 @@
 //! Figure of control laws on the same hands: one bar per law and claim.
 
 use super::Figure;
+use super::robustness::Share;
 use crate::figures::drawing::canvas::{WIDTH, finger_colour, sheet};
-use crate::pages::law_shares::LawSharesPage;
 use maud::html;
+use serde::Serialize;
+
+/// Results of one law.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct LawShares {
+    /// Name of the law.
+    pub law: String,
+    /// Number of hands that are invalid under this law only. They count as hands on which no claim passes.
+    pub refused: u64,
+    /// Fraction of hands for each claim of any hand, and for all claims with the task completed.
+    pub shares: Vec<Share>,
+}
 
 /// Height of a 100 % bar.
 const HEIGHT: f64 = 220.0;
@@ -13,14 +25,14 @@ const LEFT: f64 = 44.0;
 const PER_LINE: usize = 2;
 
 /// One group of bars per claim, one bar per law, with Wilson's interval.
-pub fn law_shares_figure(page: &LawSharesPage, number: u32) -> Figure {
-    let of = page.laws.first().map_or(&[][..], |law| &law.shares);
-    let top = 24.0 * page.laws.len().div_ceil(PER_LINE) as f64 + 14.0;
+pub fn law_shares_figure(laws: &[LawShares], number: u32) -> Figure {
+    let of = laws.first().map_or(&[][..], |law| &law.shares);
+    let top = 24.0 * laws.len().div_ceil(PER_LINE) as f64 + 14.0;
     let group = (WIDTH - LEFT - 16.0) / of.len().max(1) as f64;
-    let bar = (group - 14.0) / page.laws.len().max(1) as f64;
+    let bar = (group - 14.0) / laws.len().max(1) as f64;
     let y = |share: f64| top + HEIGHT * (1.0 - share);
     let body = html! {
-        @for (index, law) in page.laws.iter().enumerate() {
+        @for (index, law) in laws.iter().enumerate() {
             @let (x, y) = (LEFT + 210.0 * (index % PER_LINE) as f64, 8.0 + 24.0 * (index / PER_LINE) as f64);
             rect x=(x) y=(y) width="14" height="14" fill=(finger_colour(index)) {}
             text x=(x + 20.0) y=(y + 12.0) font-size="13" { (law.law) }
@@ -37,7 +49,7 @@ pub fn law_shares_figure(page: &LawSharesPage, number: u32) -> Figure {
             text x=(middle) y=(y(0.0) + 16.0) text-anchor="middle" font-size="12" { (first) }
             text x=(middle) y=(y(0.0) + 30.0) text-anchor="middle" font-size="12" { (last) }
         }
-        @for (row, law) in page.laws.iter().enumerate() {
+        @for (row, law) in laws.iter().enumerate() {
             @for (column, share) in law.shares.iter().enumerate() {
                 @let x = LEFT + group * column as f64 + 7.0 + bar * row as f64;
                 @let [low, middle, high] = share.share;

@@ -9,6 +9,7 @@ mod friction_samples;
 mod from_above;
 pub mod identify;
 pub mod law_shares;
+pub(crate) mod outline;
 pub mod paths;
 pub mod radius;
 pub mod robustness;
@@ -19,8 +20,8 @@ pub mod time;
 mod unrolled;
 pub mod wrench;
 
-use super::page_data::Panel;
 use crate::figures::drawing::sheet::Drawing;
+use crate::page_data::panels::Panel;
 use maud::{Markup, PreEscaped, html};
 
 /// A figure of a page.
@@ -48,22 +49,15 @@ impl Figure {
         caption: impl Into<String>,
         drawing: Option<Drawing>,
     ) -> Self {
-        let (title, caption) = (title.into(), caption.into());
-        let Some(Drawing {
-            svg,
-            panels,
-            columns,
-        }) = drawing
-        else {
-            return Self::missing(number, title, caption);
+        let missing = Self::missing(number, title, caption);
+        let Some(drawing) = drawing else {
+            return missing;
         };
         Self {
-            number,
-            title,
-            caption,
-            svg: Some(svg),
-            panels,
-            columns,
+            svg: Some(drawing.svg),
+            panels: drawing.panels,
+            columns: drawing.columns,
+            ..missing
         }
     }
 
@@ -76,15 +70,16 @@ impl Figure {
     ) -> Self {
         Self {
             svg: Some(svg),
-            ..Self::missing(number, title.into(), caption.into())
+            ..Self::missing(number, title, caption)
         }
     }
 
-    fn missing(number: u32, title: String, caption: String) -> Self {
+    /// A placeholder.
+    fn missing(number: u32, title: impl Into<String>, caption: impl Into<String>) -> Self {
         Self {
             number,
-            title,
-            caption,
+            title: title.into(),
+            caption: caption.into(),
             svg: None,
             panels: Vec::new(),
             columns: 1,

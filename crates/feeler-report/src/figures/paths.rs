@@ -1,18 +1,19 @@
 //! Figs. 12 and 13: paths of the fingertips in a stroke, compared with the cap's contour.
 
-use super::super::page_data::panels::{Axis, Colour, Panel as AnsweringPanel, Points, Series};
 use super::Figure;
 use super::from_above::{
-    ARC, BOLD, CONTOUR, JUST_TOUCHING, MM, PLANNED, TOUCHING, cap_above, close_ups, overview,
+    ARC, BOLD, CONTOUR, JUST_TOUCHING, PLANNED, TOUCHING, cap_above, close_ups, overview,
 };
 use super::unrolled::{Step, Unrolled};
 use crate::figures::drawing::canvas::{
-    Pen, SHADE, finger_colour, finger_legend, frame, line, panel, range,
+    Pen, SHADE, exact_panel, finger_colour, finger_legend, frame, line, range, shaded,
 };
 use crate::figures::drawing::grid::{Panel, rows, stack};
-use crate::run::data::{RunData, Stroke};
+use crate::measures::paths::MM;
+use crate::page_data::panels::{Axis, Colour, Panel as AnsweringPanel, Points, Series};
+use crate::run::data::RunData;
+use crate::run::stroke::Stroke;
 use glam::DVec2;
-use kuva::render::annotations::ShadedRegion;
 use kuva::render::layout::Layout;
 use std::f64::consts::TAU;
 
@@ -39,18 +40,17 @@ pub fn before_closing(data: &RunData) -> Figure {
             ". The line starts at a quarter of the travel, where the shading starts, because the grip has built up by then."
         }
     };
-    Figure {
-        number: 12,
-        title: "Paths of the fingertips in stroke 1, before closing".into(),
-        caption: format!(
-            "In the paper's Fig. 12 the cap is loose; the tips of the touching elements follow the planned straight segment \
+    let title = "Paths of the fingertips in stroke 1, before closing";
+    let caption = format!(
+        "In the paper's Fig. 12 the cap is loose; the tips of the touching elements follow the planned straight segment \
             (dashed) and only pass by the cap. Top: top view; {above} of the most compressed elements when MOVE starts. Middle: close-up of the tips;{close_up} \
             Bottom: offset of each dome centre from its \
             planned line, magnified{laid_out}"
-        ),
+    );
+    Figure {
         panels: from_above(data, 1),
-        columns: 1,
         svg: paths(data, 12, 1),
+        ..Figure::missing(12, title, caption)
     }
 }
 
@@ -64,17 +64,16 @@ pub fn after_closing(data: &RunData) -> Figure {
         true => "Claims path-follows-contour, path-is-curved and path-saturates measure this.",
         false => "Claim path-saturates compares it with stroke 3.",
     };
-    Figure {
-        number: 13,
-        title: "Paths of the fingertips in stroke 4, after closing".into(),
-        caption: format!(
-            "Same views and axes as for stroke 1. In the paper's Fig. 13 each slip has \
+    let title = "Paths of the fingertips in stroke 4, after closing";
+    let caption = format!(
+        "Same views and axes as for stroke 1. In the paper's Fig. 13 each slip has \
             pressed the finger further inward, so that the straight segment has become a curve \
             closer to the cap's contour. At the bottom, compare the bold path with {compare}; a straight path that leaves the line is tilted, not curved. {claims}"
-        ),
+    );
+    Figure {
         panels: from_above(data, 4),
-        columns: 1,
         svg: paths(data, 13, 4),
+        ..Figure::missing(13, title, caption)
     }
 }
 
@@ -181,12 +180,7 @@ fn bends(data: &RunData, stroke: &Stroke) -> Vec<Panel> {
         } else {
             ""
         };
-        let layout = panel(x, y, "travel (mm)", y_label)
-            .with_ticks(4)
-            .with_x_axis_min(x.0)
-            .with_x_axis_max(x.1)
-            .with_y_axis_min(y.0)
-            .with_y_axis_max(y.1);
+        let layout = exact_panel(x, y, "travel (mm)", y_label).with_ticks(4);
         let Some(unrolled) = Unrolled::new(data, stroke, finger) else {
             return (Vec::new(), layout);
         };
@@ -206,8 +200,7 @@ fn bends(data: &RunData, stroke: &Stroke) -> Vec<Panel> {
 
 /// Shades the travel (m) evaluated by the claims.
 pub fn with_window(layout: Layout, window: (f64, f64)) -> Layout {
-    let shade = ShadedRegion::vertical(MM * window.0, MM * window.1);
-    layout.with_shaded_region(shade.with_color(SHADE).with_opacity(0.55))
+    shaded(layout, [(MM * window.0, MM * window.1)])
 }
 
 /// Ranges of travel and offset (mm) over all fingers in strokes 1 and 4.

@@ -1,13 +1,15 @@
 //! Fig. 14: distance of each dome centre from the cap's axis over the travel, for every stroke.
 
-use super::super::page_data::panels::{Axis, Colour, Panel as AnsweringPanel, Points, Series};
 use super::Figure;
-use super::from_above::{MM, PLANNED};
+use super::from_above::PLANNED;
 use super::paths::with_window;
 use super::unrolled::{Step, Unrolled};
-use crate::figures::drawing::canvas::{Pen, SHADE, frame, line, panel, range, stroke_colour};
+use crate::figures::drawing::canvas::{Pen, SHADE, exact_panel, frame, line, range, stroke_colour};
 use crate::figures::drawing::grid::{Panel, rows, stack};
-use crate::run::data::{RunData, Stroke};
+use crate::measures::paths::MM;
+use crate::page_data::panels::{Axis, Colour, Panel as AnsweringPanel, Points, Series};
+use crate::run::data::RunData;
+use crate::run::stroke::Stroke;
 
 /// Height of a row of panels.
 const HEIGHT: f64 = 270.0;
@@ -16,17 +18,16 @@ const LINE: (f64, f64) = (1.4, 1.2);
 
 /// Fig. 14, which has no counterpart in the paper.
 pub fn over_travel(data: &RunData) -> Figure {
-    Figure {
-        number: 14,
-        title: "Distance R of the dome centres from the cap's axis, over the travel of each stroke".into(),
-        caption: "A finger that follows the cap keeps its distance from the axis, so its line is level. A straight path \
+    let title =
+        "Distance R of the dome centres from the cap's axis, over the travel of each stroke";
+    let caption = "A finger that follows the cap keeps its distance from the axis, so its line is level. A straight path \
             (dashed, for the last stroke) approaches the axis until it is level with it, and then recedes. R₀ is R where \
             the shading starts, at 25 % of the travel, when the grip has built up; it ends at 98 %, when the finger starts to brake. \
-            The paper has no such figure; claim path-follows-contour measures this quantity."
-            .into(),
+            The paper has no such figure; claim path-follows-contour measures this quantity.";
+    Figure {
         panels: answering(data),
-        columns: 1,
         svg: radius(data),
+        ..Figure::missing(14, title, caption)
     }
 }
 
@@ -105,14 +106,10 @@ fn radius_panel(
         .map(|(place, path)| curve(path, |step| step.radius, pen(*place, strokes)))
         .collect();
     let y_label = if finger == 0 { "R − R₀ (mm)" } else { "" };
-    let layout = panel(x, y, "travel (mm)", y_label)
+    let layout = exact_panel(x, y, "travel (mm)", y_label)
         .with_title(format!("finger {finger}"))
         .with_title_size(14)
-        .with_ticks(4)
-        .with_x_axis_min(x.0)
-        .with_x_axis_max(x.1)
-        .with_y_axis_min(y.0)
-        .with_y_axis_max(y.1);
+        .with_ticks(4);
     let Some((_, last)) = paths.last() else {
         return (plots, layout);
     };

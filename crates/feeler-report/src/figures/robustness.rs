@@ -2,12 +2,84 @@
 //! parameters.
 
 use super::Figure;
-use super::sweep::{parameter_panel, rate_with_band};
+use super::sweep::{Varied, parameter_panel, rate_with_band};
 use crate::figures::drawing::canvas::{Pen, REFERENCE, WIDTH, finger_colour, line, range, sheet};
 use crate::figures::drawing::grid;
 use crate::figures::drawing::sheet::tiled;
-use crate::pages::robustness::{Index, Measure, NOTHING, RobustnessPage, Share, Trace};
+use crate::measures::claim::DecidedBy;
 use maud::{Markup, html};
+use serde::Serialize;
+
+/// Name of the share in which only the run's seed varies.
+pub const NOTHING: &str = "nothing varied";
+
+/// A claim, or all claims together.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Measure {
+    /// Name of the claim or combination.
+    pub name: String,
+    /// Part of the apparatus (hand, or hand and bottle) on which the result depends; `None` (JSON null) for all claims
+    /// together and for tasks other than screwing a cap.
+    pub decided_by: Option<DecidedBy>,
+    /// Fraction of hands that pass: with everything varied, with each group varied alone, and with only the seed
+    /// varied.
+    pub shares: Vec<Share>,
+    /// Sensitivity of the result (pass or fail) to each factor.
+    pub holds: Vec<Index>,
+    /// Sensitivity of the margin (-1 to 1) to each factor; empty if the measure has no margin.
+    pub margin: Vec<Index>,
+    /// Parameters with the largest total effect.
+    #[serde(skip)]
+    pub traces: Vec<Trace>,
+}
+
+/// A fraction of hands.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Share {
+    /// Set of hands.
+    pub of: String,
+    /// Number of hands in the set.
+    pub hands: u64,
+    /// Number of hands that pass.
+    pub holding: u64,
+    /// Fraction (0 to 1) with Wilson's 95 % interval: `[low, fraction, high]`.
+    pub share: [f64; 3],
+}
+
+/// Sensitivity indices of one factor with their 95 % intervals (`[low, index, high]`); `None` if the measure does not
+/// vary.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct Index {
+    /// Name of the factor.
+    pub factor: String,
+    /// First-order index.
+    pub first: Option<[f64; 3]>,
+    /// Total-effect index.
+    pub total: Option<[f64; 3]>,
+}
+
+/// Values of a parameter in all hands, with the claim's result.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Trace {
+    /// Values and results.
+    pub varied: Varied,
+    /// Total-effect index of the parameter.
+    pub total: f64,
+    /// Nominal value in the experiment.
+    pub nominal: Option<f64>,
+}
+
+impl Measure {
+    /// Parameters that influence the result, by decreasing total effect. Excludes those whose interval includes 0.
+    pub fn deciding(&self, parameters: usize) -> Vec<(&str, f64)> {
+        let alone = self.holds.iter().take(parameters);
+        let known = alone.filter_map(|index| Some((index.factor.as_str(), index.total?)));
+        let clear = known.filter(|(_, total)| total[0] > 0.0);
+        let mut ranked: Vec<_> = clear.map(|(factor, total)| (factor, total[1])).collect();
+        ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
+        ranked
+    }
+}
 
 /// Pen of the experiment's nominal value.
 const NOMINAL: Pen = Pen::dashed(REFERENCE, 1.2);
@@ -21,13 +93,13 @@ const SLANT: f64 = 44.0;
 const MOST: usize = 16;
 
 /// Chart of fractions: for each claim one dot per set of hands, with its interval.
-pub fn shares_figure(page: &RobustnessPage, number: u32) -> Figure {
-    let kinds = page.measures.first().map_or(0, |m| m.shares.len());
+pub fn shares_figure(measures: &[Measure], number: u32) -> Figure {
+    let kinds = measures.first().map_or(0, |m| m.shares.len());
     let block = 10.0 * kinds as f64 + 14.0;
     let top = 24.0 * kinds.div_ceil(2) as f64 + 8.0;
-    let bottom = top + block * page.measures.len() as f64;
+    let bottom = top + block * measures.len() as f64;
     let x = |share: f64| LEFT + share * (WIDTH - LEFT - 20.0);
-    let legend = page.measures.first().map_or(&[][..], |m| &m.shares);
+    let legend = measures.first().map_or(&[][..], |m| &m.shares);
     let body = html! {
         @for (kind, share) in legend.iter().enumerate() {
             @let (left, y) = (16.0 + 230.0 * (kind % 2) as f64, 16.0 + 24.0 * (kind / 2) as f64);
@@ -40,7 +112,7 @@ pub fn shares_figure(page: &RobustnessPage, number: u32) -> Figure {
             line x1=(x(share)) x2=(x(share)) y1=(top) y2=(bottom) stroke="#d9d9d9" stroke-width="0.8" {}
             text x=(x(share)) y=(bottom + 18.0) text-anchor="middle" font-size="13" { (25 * tick) }
         }
-        @for (index, measure) in page.measures.iter().enumerate() {
+        @for (index, measure) in measures.iter().enumerate() {
             @let upper = top + block * index as f64;
             line x1="10" x2=(WIDTH - 20.0) y1=(upper) y2=(upper) stroke="#d9d9d9" stroke-width="0.8" {}
             text x=(LEFT - 10.0) y=(upper + 0.5 * block + 5.0) text-anchor="end" { (measure.name) }
@@ -73,35 +145,34 @@ fn dot(x: f64, y: f64, share: &Share, kind: usize) -> Markup {
     html! { circle cx=(x) cy=(y) r=(radius) fill=(colour(share, kind)) {} }
 }
 
-/// Total-effect indices by factor and claim: parameters by decreasing influence, then the other factors.
+/// Total-effect indices by factor and claim: parameters by decreasing influence, then the other factors. The first
+/// `parameters` factors are parameters.
 pub fn indices_figure(
-    page: &RobustnessPage,
+    measures: &[Measure],
+    (factor_names, parameters): (&[String], usize),
     (of, caption): (&str, &str),
     which: impl Fn(&Measure) -> &Vec<Index>,
     number: u32,
 ) -> Figure {
-    let measures: Vec<_> = page
-        .measures
-        .iter()
-        .filter(|m| !which(m).is_empty())
-        .collect();
+    let measures = measures.iter().filter(|m| !which(m).is_empty());
+    let measures: Vec<_> = measures.collect();
     let total = |measure: &Measure, factor: usize| which(measure).get(factor).and_then(|i| i.total);
     // Sum over claims of the indices that are significantly above 0.
     let weight = |factor: usize| -> f64 {
         let totals = measures.iter().filter_map(|m| total(m, factor));
         totals.filter(|t| t[0] > 0.0).map(|t| t[1]).sum()
     };
-    let mut factors: Vec<usize> = (0..page.parameters).collect();
+    let mut factors: Vec<usize> = (0..parameters).collect();
     factors.sort_by(|&a, &b| weight(b).total_cmp(&weight(a)));
     let left_out = factors.len().saturating_sub(MOST);
     factors.truncate(MOST);
-    factors.extend(page.parameters..page.factors.len());
+    factors.extend(parameters..factor_names.len());
     let cell = (WIDTH - LEFT - SLANT) / measures.len().max(1) as f64;
     let top = 128.0;
     // Factors that are not parameters are set apart.
     let y = |row: usize| {
         top + ROW * row as f64
-            + if row >= factors.len() - (page.factors.len() - page.parameters) {
+            + if row >= factors.len() - (factor_names.len() - parameters) {
                 8.0
             } else {
                 0.0
@@ -115,7 +186,7 @@ pub fn indices_figure(
             text x=(x) y=(top - 8.0) font-size="12" transform=(format!("rotate(-45 {x} {})", top - 8.0)) { (measure.name) }
         }
         @for (row, &factor) in factors.iter().enumerate() {
-            text x=(LEFT - 8.0) y=(y(row) + 13.0) text-anchor="end" font-size="12.5" { (page.factors[factor]) }
+            text x=(LEFT - 8.0) y=(y(row) + 13.0) text-anchor="end" font-size="12.5" { (factor_names[factor]) }
             @for (column, measure) in measures.iter().enumerate() {
                 (cell_of(total(measure, factor), LEFT + cell * column as f64, y(row), cell))
             }

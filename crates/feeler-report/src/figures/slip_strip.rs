@@ -1,9 +1,10 @@
 //! Strip that shows SLIP and, below it, true slip over time.
 
-use crate::figures::drawing::canvas::{CAP, finger_colour, panel};
+use crate::figures::drawing::canvas::{CAP, exact_panel, finger_colour};
 use crate::figures::drawing::grid::Panel;
 use crate::measures::strokes::TRUE_SLIP;
-use crate::run::data::{FingerColumns, RunData};
+use crate::run::data::RunData;
+use crate::run::finger_columns::FingerColumns;
 use kuva::plot::BandPlot;
 use kuva::render::layout::TickFormat;
 use kuva::render::plots::Plot;
@@ -49,10 +50,7 @@ pub fn slip_strip(data: &RunData, rows: Range<usize>, time: (f64, f64)) -> (f64,
         lane.filter(|_| tick >= 0.0)
             .map_or(String::new(), |name| (*name).into())
     };
-    let range = (-0.5, count - 0.5);
-    let layout = panel(time, range, "", "")
-        .with_y_axis_min(range.0)
-        .with_y_axis_max(range.1)
+    let layout = exact_panel(time, (-0.5, count - 0.5), "", "")
         .with_y_tick_step(1.0)
         .with_y_tick_format(TickFormat::Custom(Arc::new(name)))
         .with_tick_size(12)

@@ -1,15 +1,43 @@
 //! Figures of a sweep: success rate against a parameter, and distributions of measures.
 
-use super::super::page_data::panels::{Colour, Command, Points, Series};
 use super::Figure;
 use crate::figures::drawing::canvas::{
     Pen, airy, dots, finger_colour, line, line_in_band, panel, range,
 };
 use crate::figures::drawing::grid;
 use crate::figures::drawing::sheet::tiled;
-use crate::pages::sweep::{Measured, TrialMeasure, Varied};
+use crate::page_data::panels::{Colour, Command, Points, Series};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
+
+/// A varied number with its value in each trial.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Varied {
+    /// Name of the number.
+    pub name: String,
+    /// `true` if it was drawn on a logarithmic scale.
+    pub logarithmic: bool,
+    /// Value in each trial, and whether the trial was a success.
+    pub trials: Vec<(f64, bool)>,
+}
+
+/// A measure with its values over all trials.
+#[derive(Debug, Clone, PartialEq)]
+pub struct Measured {
+    /// Name and unit.
+    pub name: String,
+    /// Values of the trials that define it.
+    pub values: Vec<f64>,
+}
+
+/// The measure plotted per trial against the varied numbers.
+#[derive(Debug, Clone, PartialEq)]
+pub struct TrialMeasure {
+    /// Name and unit.
+    pub name: String,
+    /// Trial number and value of each trial, in the order of [`Varied::trials`].
+    pub trials: Vec<(u64, Option<f64>)>,
+}
 
 /// Number of bins of a parameter's range.
 const BINS: usize = 12;

@@ -1,24 +1,21 @@
 //! Figs. 8 to 11: forces, rates and torque over time.
 
-use super::super::page_data::of_finger;
-use super::super::page_data::panels::{Axis, Colour, Panel as AnsweringPanel, Series};
 use super::Figure;
 use super::slip_strip::slip_strip;
 use crate::figures::drawing::canvas::{
-    CAP, MAX_SHADED, Pen, REFERENCE, SHADE, finger_colour, finger_legend, frame, line, panel,
-    range, thin,
+    BUCKETS, CAP, MAX_SHADED, Pen, REFERENCE, SHADE, exact_panel, finger_colour, finger_legend,
+    frame, line, range, thin, with_moves,
 };
 use crate::figures::drawing::grid::{Panel, Row, stack};
-use crate::run::data::{FingerColumns, RunData};
-use kuva::render::annotations::{ReferenceLine, ShadedRegion, TextAnnotation};
+use crate::page_data::panels::{Axis, Colour, Panel as AnsweringPanel, Series};
+use crate::page_data::table::of_finger;
+use crate::run::data::RunData;
+use crate::run::finger_columns::FingerColumns;
+use kuva::render::annotations::{ReferenceLine, TextAnnotation};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 use std::ops::Range;
 
-/// Number of buckets to which a series is decimated.
-const BUCKETS: usize = 480;
-/// Left and right margins of both panels, so that their time axes align.
-const MARGINS: (f64, f64) = (64.0, 20.0);
 /// Height of a panel.
 const HEIGHT: f64 = 170.0;
 /// Height of the time axis of the lowest panel.
@@ -54,12 +51,9 @@ pub fn grasp_force_and_torque(data: &RunData) -> Figure {
             four; those of strokes 3 and 4 are nearly identical, because the cap is closed."
     };
     Figure {
-        number: 8,
         panels: answering(data, &upper, None),
-        columns: 1,
         svg: panels(data, 8, &title, &upper, rows, false),
-        title,
-        caption: caption.into(),
+        ..Figure::missing(8, title, caption)
     }
 }
 
@@ -81,12 +75,9 @@ pub fn shear_rate_and_torque(data: &RunData) -> Figure {
             exceed it."
     );
     Figure {
-        number: 9,
         panels: answering(data, &upper, None),
-        columns: 1,
         svg: panels(data, 9, &title, &upper, rows, false),
-        title,
-        caption,
+        ..Figure::missing(9, title, caption)
     }
 }
 
@@ -110,14 +101,11 @@ pub fn stroke_in_detail(data: &RunData, number: u32, stroke: u32) -> Figure {
         (false, false) => [CLOSED, ""],
     };
     Figure {
-        number,
-        columns: 1,
         panels: rows
             .as_ref()
             .map_or_else(Vec::new, |rows| answering(data, &upper, Some(rows))),
         svg: rows.and_then(|rows| panels(data, number, &title, &upper, rows, true)),
-        title,
-        caption: caption.concat(),
+        ..Figure::missing(number, title, caption.concat())
     }
 }
 
@@ -202,11 +190,10 @@ fn answering(data: &RunData, upper: &Upper, rows: Option<&Range<usize>>) -> Vec<
         let axis = Axis::new("Torque", "mN·m", 1e3);
         panels.push(AnsweringPanel::over_time(axis, vec![torque]));
     }
-    let shown = |panel: AnsweringPanel| match rows {
-        Some(rows) => panel.of_rows(rows),
-        None => panel,
-    };
-    panels.into_iter().map(shown).collect()
+    for panel in &mut panels {
+        panel.rows = rows.map(|rows| (rows.start, rows.end));
+    }
+    panels
 }
 
 /// A quantity of each finger above the torque over a range of rows, optionally with the slip strip between them.
@@ -263,11 +250,8 @@ fn upper_panel(data: &RunData, upper: &Upper, rows: Range<usize>, time: (f64, f6
     let threshold = ReferenceLine::horizontal(upper.threshold)
         .with_color(REFERENCE)
         .with_stroke_width(THRESHOLD);
-    let layout = panel(time, (0.0, top), "", upper.label);
-    let layout = with_strokes(layout, data, time, Some(top))
-        .with_y_axis_min(0.0)
-        .with_y_axis_max(top)
-        .with_reference_line(threshold);
+    let layout = exact_panel(time, (0.0, top), "", upper.label);
+    let layout = with_strokes(layout, data, time, Some(top)).with_reference_line(threshold);
     (fingers.collect(), layout)
 }
 
@@ -291,11 +275,8 @@ fn torque_panel(data: &RunData, rows: Range<usize>, time: (f64, f64)) -> Option<
     let torque = series(data, rows, |row| 1e3 * column[row], pen);
     let torques = range(column.iter().map(|torque| 1e3 * torque))?;
     let (low, high) = (torques.0.min(0.0), 1.08 * torques.1.max(1.0));
-    let layout = panel(time, (low, high), TIME, "Torque (mN·m)");
-    let layout = with_strokes(layout, data, time, None)
-        .with_y_axis_min(low)
-        .with_y_axis_max(high);
-    Some((vec![torque], layout))
+    let layout = exact_panel(time, (low, high), TIME, "Torque (mN·m)");
+    Some((vec![torque], with_strokes(layout, data, time, None)))
 }
 
 fn legend(data: &RunData, upper: &Upper, has_torque: bool) -> Vec<(&'static str, Pen)> {
@@ -310,10 +291,6 @@ fn legend(data: &RunData, upper: &Upper, has_torque: bool) -> Vec<(&'static str,
 
 /// Shades the MOVE phases within a time span, and numbers the strokes at height `top`.
 fn with_strokes(layout: Layout, data: &RunData, time: (f64, f64), top: Option<f64>) -> Layout {
-    let mut layout = layout
-        .with_x_axis_min(time.0)
-        .with_x_axis_max(time.1)
-        .with_force_margins(MARGINS.0, MARGINS.1);
     let mut shown = Vec::new();
     for stroke in data.strokes.iter().filter(|s| !s.moving.is_empty()) {
         let start = data.time[stroke.moving.start].max(time.0);
@@ -322,18 +299,13 @@ fn with_strokes(layout: Layout, data: &RunData, time: (f64, f64), top: Option<f6
             shown.push((stroke.index, start, end));
         }
     }
-    if shown.len() > MAX_SHADED {
+    let moves = shown.iter().map(|&(_, start, end)| (start, end));
+    let layout = with_moves(layout, moves.collect());
+    let Some(top) = top.filter(|_| shown.len() <= MAX_SHADED) else {
         return layout;
-    }
-    for (index, start, end) in shown {
-        let shade = ShadedRegion::vertical(start, end);
-        layout = layout.with_shaded_region(shade.with_color(SHADE).with_opacity(0.55));
-        if let Some(top) = top {
-            let text = index.to_string();
-            let middle = 0.5 * (start + end);
-            layout = layout
-                .with_annotation(TextAnnotation::new(text, middle, 0.88 * top).with_font_size(15));
-        }
-    }
-    layout
+    };
+    shown.iter().fold(layout, |layout, (index, start, end)| {
+        let number = TextAnnotation::new(index.to_string(), 0.5 * (start + end), 0.88 * top);
+        layout.with_annotation(number.with_font_size(15))
+    })
 }

@@ -2,7 +2,8 @@
 //! the planned line and the arc about the cap's axis.
 
 use crate::measures::path_fit::{travel, window_rows};
-use crate::run::data::{RunData, Stroke};
+use crate::run::data::RunData;
+use crate::run::stroke::Stroke;
 use glam::DVec3;
 
 /// One finger's path over one MOVE. The planned line and the arc start on the path at the start of the claims' window.
@@ -38,12 +39,10 @@ pub struct Step {
 impl Unrolled {
     /// Path of `finger` over the MOVE of `stroke`; `None` if the finger does not move.
     pub fn new(data: &RunData, stroke: &Stroke, finger: usize) -> Option<Self> {
-        let facts = &data.facts;
-        let direction = DVec3::from(*facts.stroke_direction.get(finger)?);
-        let approach = DVec3::from(*facts.approach.get(finger)?);
+        let (direction, approach) = (data.direction(finger)?, data.approach(finger)?);
         let inward = approach.reject_from_normalized(direction).try_normalize()?;
         let rows = stroke.moving.clone();
-        let path = data.fingers.get(finger)?.position.get(rows.clone())?;
+        let path = data.path(stroke, finger)?;
         let centre = data.cap.as_ref().map(|cap| &cap.centre);
         let axis = |row: usize| {
             let centre = centre.and_then(|centre| centre.get(rows.start + row));

@@ -3,7 +3,50 @@
 use super::Figure;
 use crate::figures::drawing::canvas::{Pen, airy, dots, finger_colour, line, panel, range};
 use crate::figures::drawing::sheet::tiled;
-use crate::pages::wrench::{AxisPoints, PredictedPoint, WrenchPage};
+
+/// RMSE, MAE and mean error of one recording, in the component's unit.
+pub type RecordingErrors = Option<[f64; 3]>;
+
+/// Results for one component. Errors are in its unit, on images held out in blocks of time.
+#[derive(Debug, Clone, PartialEq, Default)]
+pub struct AxisPoints {
+    /// Component name.
+    pub name: &'static str,
+    /// Unit.
+    pub unit: &'static str,
+    /// Regression terms.
+    pub terms: String,
+    /// Range of the measured values.
+    pub range: [f64; 2],
+    /// Root mean square error.
+    pub rmse: f64,
+    /// Mean absolute error.
+    pub mae: f64,
+    /// Root mean square error of predicting the mean.
+    pub mean_rmse: f64,
+    /// Coefficient of determination.
+    pub r2: f64,
+    /// Mean error under growing load minus mean error under falling load; `None` if either has too few images.
+    pub hysteresis: Option<f64>,
+    /// For each recording with this component: name, errors with its blocks held out, and errors with the whole
+    /// recording held out.
+    pub recordings: Vec<(String, RecordingErrors, RecordingErrors)>,
+    /// Measured images in chronological order.
+    pub points: Vec<PredictedPoint>,
+}
+
+/// Measured and predicted value of one wrench component in one image, in the unit of the component.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct PredictedPoint {
+    /// Index of the recording.
+    pub recording: usize,
+    /// Measured value.
+    pub measured: f64,
+    /// Prediction with the image's block of time held out; NaN if there is no prediction.
+    pub by_blocks: f64,
+    /// Prediction with the image's recording held out; NaN if there is no prediction.
+    pub by_recording: f64,
+}
 
 /// Accessor for the error of an image.
 type ErrorOf = fn(&PredictedPoint) -> f64;
@@ -16,7 +59,7 @@ const COLOURS: usize = 5;
 const EXACT: &str = "#999999";
 
 /// Predicted over measured values, with blocks of time held out.
-pub fn predicted_figure(page: &WrenchPage, axis: &AxisPoints, number: u32) -> Figure {
+pub fn predicted_figure(recordings: &[String], axis: &AxisPoints, number: u32) -> Figure {
     let measured = range(axis.points.iter().map(|p| p.measured)).unwrap_or((0.0, 1.0));
     let predicted = range(axis.points.iter().map(|p| p.by_blocks)).unwrap_or((0.0, 1.0));
     let ends = [(measured.0, measured.0), (measured.1, measured.1)];
@@ -36,7 +79,7 @@ pub fn predicted_figure(page: &WrenchPage, axis: &AxisPoints, number: u32) -> Fi
     let title = format!("{}: predicted over measured", axis.name);
     let drawing = tiled(
         (number, &title),
-        &legend(page, axis),
+        &legend(recordings, axis),
         vec![(plots, layout)],
         1,
         320.0,
@@ -47,7 +90,7 @@ pub fn predicted_figure(page: &WrenchPage, axis: &AxisPoints, number: u32) -> Fi
 
 /// Errors in chronological order with blocks held out and, if there are several recordings, with whole recordings held
 /// out.
-pub fn residuals_figure(page: &WrenchPage, axis: &AxisPoints, number: u32) -> Figure {
+pub fn residuals_figure(recordings: &[String], axis: &AxisPoints, number: u32) -> Figure {
     let kinds: [(&str, ErrorOf); 2] = [
         ("blocks held out", |p| p.by_blocks - p.measured),
         ("recording held out", |p| p.by_recording - p.measured),
@@ -69,7 +112,7 @@ pub fn residuals_figure(page: &WrenchPage, axis: &AxisPoints, number: u32) -> Fi
     let title = format!("{}: errors in chronological order", axis.name);
     let drawing = tiled(
         (number, &title),
-        &legend(page, axis),
+        &legend(recordings, axis),
         panels.collect(),
         1,
         240.0,
@@ -85,10 +128,10 @@ fn drawn(axis: &AxisPoints) -> Vec<usize> {
     recordings
 }
 
-fn legend<'a>(page: &'a WrenchPage, axis: &AxisPoints) -> Vec<(&'a str, Pen)> {
+fn legend<'a>(recordings: &'a [String], axis: &AxisPoints) -> Vec<(&'a str, Pen)> {
     let named = drawn(axis).into_iter().take(COLOURS);
     let entry = |recording: usize| {
-        let name = page.recordings.get(recording)?;
+        let name = recordings.get(recording)?;
         let name = name.rsplit('/').next().unwrap_or(name);
         Some((name, Pen::solid(finger_colour(recording % COLOURS), 2.0)))
     };

@@ -1,8 +1,10 @@
 //! Measures of a cap that the hand closed or opened by touch: its estimates compared with the rig's instruments.
 
+use super::overload::{DAMAGE_TIME, longest_above};
 use super::series::{finite, maximum};
-use crate::claims::longest_above;
-use crate::run::data::{RunData, Stroke};
+use super::strokes::FeltStroke;
+use crate::run::data::RunData;
+use crate::run::stroke::Stroke;
 use feeler_record::{FindingName, Findings, Recording, TaskKind, TaskOutcome};
 use serde::Serialize;
 
@@ -10,23 +12,6 @@ use serde::Serialize;
 pub const TIGHT: f64 = 0.7;
 /// Minimum ratio of the true to the estimated rotation of an opened cap; the estimate is accurate to about 5 %.
 pub const TURNED_AS_FELT: f64 = 0.9;
-/// Time above the damage limit after which an element counts as damaged (s).
-pub const DAMAGE_TIME: f64 = 0.05;
-
-/// Estimated and true values of one stroke.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct FeltStroke {
-    /// Number of the stroke, from 1.
-    pub index: u32,
-    /// Estimated rotation of the cap (rad), positive in the direction of the stroke.
-    pub felt_turn: Option<f64>,
-    /// True rotation of the cap (rad), positive with the stroke.
-    pub turn: Option<f64>,
-    /// Largest estimated torque (N·m), positive with the stroke.
-    pub felt_torque: Option<f64>,
-    /// Largest torque measured by the torque sensor (N·m), positive with the stroke.
-    pub torque: Option<f64>,
-}
 
 impl FeltStroke {
     /// Computes the values over the MOVE phase of `stroke`, which must not be empty.

@@ -156,28 +156,57 @@ impl Claim {
     }
 }
 
-impl ClaimPart {
-    pub(crate) fn new(
-        name: &'static str,
-        value: Option<f64>,
-        relation: Relation,
-        bound: f64,
-    ) -> Self {
-        let value = value.filter(|value| value.is_finite());
-        Self {
-            name,
-            value,
-            relation,
-            bound,
-            unit: "",
-            holds: value.is_some_and(|value| relation.holds(value, bound)),
-        }
-    }
+/// A quantity that a claim compares with a bound: a ratio or count, unless it has a unit.
+pub(crate) fn part(name: &'static str) -> Quantity {
+    Quantity { name, unit: "" }
+}
 
-    pub(crate) fn in_unit(self, unit: &'static str) -> Self {
+/// Quantity of a claim's part.
+pub(crate) struct Quantity {
+    name: &'static str,
+    unit: &'static str,
+}
+
+impl Quantity {
+    /// Sets the unit of value and bound.
+    pub fn in_unit(self, unit: &'static str) -> Self {
         Self { unit, ..self }
     }
 
+    /// Requires `value >= bound`.
+    pub fn at_least(self, value: Option<f64>, bound: f64) -> ClaimPart {
+        self.compared(value, Relation::AtLeast, bound)
+    }
+
+    /// Requires `value <= bound`.
+    pub fn at_most(self, value: Option<f64>, bound: f64) -> ClaimPart {
+        self.compared(value, Relation::AtMost, bound)
+    }
+
+    /// Requires `|value| <= bound`.
+    pub fn within(self, value: Option<f64>, bound: f64) -> ClaimPart {
+        self.compared(value, Relation::Within, bound)
+    }
+
+    /// Requires `value == bound`.
+    pub fn equals(self, value: Option<f64>, bound: f64) -> ClaimPart {
+        self.compared(value, Relation::Equals, bound)
+    }
+
+    fn compared(self, value: Option<f64>, relation: Relation, bound: f64) -> ClaimPart {
+        let value = value.filter(|value| value.is_finite());
+        ClaimPart {
+            name: self.name,
+            value,
+            relation,
+            bound,
+            unit: self.unit,
+            holds: value.is_some_and(|value| relation.holds(value, bound)),
+        }
+    }
+}
+
+impl ClaimPart {
     /// Result of this part.
     pub fn verdict(&self) -> Verdict {
         match (self.value, self.holds) {
@@ -225,8 +254,9 @@ mod tests {
     fn margin_is_the_smallest_relative_distance_to_a_bound() {
         use Relation::{AtLeast, AtMost, Below, Equals, Within};
         let margin = |parts: &[(f64, Relation, f64)]| {
-            let part = |&(value, relation, bound)| ClaimPart::new("", Some(value), relation, bound);
-            let claim = Claim::new("", "", parts.iter().map(part).collect());
+            let compared =
+                |&(value, relation, bound)| part("").compared(Some(value), relation, bound);
+            let claim = Claim::new("", "", parts.iter().map(compared).collect());
             let margin = claim.margin().unwrap();
             assert!(
                 if claim.holds {
@@ -252,15 +282,15 @@ mod tests {
             (2.2 - 2.0) / 2.0
         );
         let parts = vec![
-            ClaimPart::new("", Some(3.0), AtLeast, 2.0),
-            ClaimPart::new("", None, AtLeast, 2.0),
+            part("").at_least(Some(3.0), 2.0),
+            part("").at_least(None, 2.0),
         ];
         let claim = Claim::new("", "", parts);
         assert_eq!(
             (claim.margin(), claim.verdict),
             (None, Verdict::NotMeasured)
         );
-        let fails = ClaimPart::new("", Some(1.0), AtLeast, 2.0);
+        let fails = part("").at_least(Some(1.0), 2.0);
         let parts = [claim.parts, vec![fails]].concat();
         assert_eq!(Claim::new("", "", parts).verdict, Verdict::Fails);
     }

@@ -1,12 +1,9 @@
 //! Success criteria of runs, depending on task, hand and law.
 
-use super::claim::Claim;
-use super::strokes::{StrokeMeasures, found_closed, turned};
-use super::summary::Summary;
-use crate::claims::{CLOSES_CAP, NO_DAMAGE, OVERLOADS_NOTHING};
-use crate::tasks;
-use crate::tasks::PAPERS_STROKES;
-use feeler_record::{RunFacts, RunState, TaskKind};
+use crate::claims::any_hand::{CLOSES_CAP, OVERLOADS_NOTHING};
+use crate::claims::hand::NO_DAMAGE;
+use crate::tasks::papers_setup::{PAPERS_STROKES, claims_apply, is_papers_hand};
+use feeler_record::{RunFacts, TaskKind};
 use serde::{Serialize, Serializer};
 
 /// Criterion that a completed run must meet to be a success.
@@ -37,8 +34,8 @@ impl Criterion {
             (TaskKind::Screw, Some(cap)) if cap.sense > 0.0 => Self::ClosedWell,
             (TaskKind::Screw, Some(_)) => Self::OpenedWell,
             (TaskKind::Screw, None) if facts.stroke_count < PAPERS_STROKES => Self::Turned,
-            (TaskKind::Screw, None) if laws_differ || !tasks::claims_apply(facts) => Self::AnyHand,
-            (TaskKind::Screw, None) if tasks::is_papers_hand(facts) => Self::Claims,
+            (TaskKind::Screw, None) if laws_differ || !claims_apply(facts) => Self::AnyHand,
+            (TaskKind::Screw, None) if is_papers_hand(facts) => Self::Claims,
             (TaskKind::Screw, None) => Self::Closed,
             (TaskKind::Probe | TaskKind::Other(_), _) => Self::Done,
         }
@@ -74,38 +71,12 @@ impl Criterion {
             Self::ClosedWell | Self::OpenedWell | Self::Done => false,
         }
     }
-
-    /// Claims that the criterion includes; may be empty.
-    pub fn claims(self, summary: &Summary) -> Vec<&Claim> {
-        let required = |of_any_hand| move |claim: &&Claim| self.requires(claim.id, of_any_hand);
-        let own = summary.claims.iter().filter(required(false));
-        own.chain(summary.hand_claims.iter().filter(required(true)))
-            .collect()
-    }
-
-    /// `true` if a completed run meets the criterion.
-    pub fn holds(self, summary: &Summary) -> bool {
-        let outcome = summary.outcome.as_ref();
-        let cap = summary.cap.as_ref();
-        let apart_from_claims = match self {
-            Self::Turned => turns_or_closes(&summary.strokes),
-            Self::ClosedWell => cap.is_some_and(|cap| cap.closed_well(outcome)),
-            Self::OpenedWell => cap.is_some_and(|cap| cap.opened_well(outcome)),
-            Self::Claims | Self::AnyHand | Self::Closed | Self::Done => true,
-        };
-        apart_from_claims && self.claims(summary).iter().all(|claim| claim.holds)
-    }
 }
 
 impl Serialize for Criterion {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         serializer.serialize_str(self.words())
     }
-}
-
-fn turns_or_closes(strokes: &[StrokeMeasures]) -> bool {
-    let turns: Vec<_> = strokes.iter().map(|stroke| stroke.cap_turn).collect();
-    turned(&turns) || found_closed(&turns)
 }
 
 /// Judgement of a run by its criterion.
@@ -118,16 +89,6 @@ pub struct Success {
 }
 
 impl Success {
-    /// Judges a simulated run with these facts; `None` if it screwed a cap whose motion is unknown.
-    pub fn of(facts: &RunFacts, summary: &Summary) -> Option<Self> {
-        if facts.task == TaskKind::Screw && facts.cap_radius == 0.0 {
-            return None;
-        }
-        let criterion = Criterion::of(facts, false);
-        let met = summary.state == RunState::Done && criterion.holds(summary);
-        Some(Self { met, criterion })
-    }
-
     /// Sentence about the criterion; `None` if the report's claims already cover it.
     pub fn beyond_claims(self) -> Option<String> {
         let words = self.criterion.words();

@@ -1,7 +1,8 @@
 //! Fit of a fingertip's path over a stroke to the arc about the cap's axis.
 
 use super::series::{finite, mean, standard_deviation};
-use crate::run::data::{RunData, Stroke};
+use crate::run::data::RunData;
+use crate::run::stroke::Stroke;
 use glam::DVec3;
 
 /// Range of a stroke's travel (as fractions) in which the grip has built up and the finger does not brake yet.
@@ -25,16 +26,9 @@ pub struct PathFit {
 impl PathFit {
     /// Fit of `finger` over the MOVE of `stroke`; `None` if the finger does not move or the cap's position is unknown.
     pub fn new(data: &RunData, stroke: &Stroke, finger: usize) -> Option<Self> {
-        let facts = &data.facts;
-        let direction = DVec3::from(*facts.stroke_direction.get(finger)?);
-        let approach = DVec3::from(*facts.approach.get(finger)?);
-        let path = data
-            .fingers
-            .get(finger)?
-            .position
-            .get(stroke.moving.clone())?;
+        let (direction, approach) = (data.direction(finger)?, data.approach(finger)?);
         let axis = data.cap.as_ref()?.centre.get(stroke.moving.clone())?;
-        Self::of(path, axis, direction, approach)
+        Self::of(data.path(stroke, finger)?, axis, direction, approach)
     }
 
     /// Fit of a `path` (m). `axis` contains a point of the cap's axis (m) for each point of the path. The path was
@@ -66,13 +60,8 @@ impl PathFit {
 
 /// Rows of a finger's MOVE within the [`WINDOW`].
 pub fn window_rows(data: &RunData, stroke: &Stroke, finger: usize) -> Option<Vec<usize>> {
-    let direction = DVec3::from(*data.facts.stroke_direction.get(finger)?);
-    let path = data
-        .fingers
-        .get(finger)?
-        .position
-        .get(stroke.moving.clone())?;
-    let rows = window(&travel(path, direction)?)?.into_iter();
+    let travel = travel(data.path(stroke, finger)?, data.direction(finger)?)?;
+    let rows = window(&travel)?.into_iter();
     Some(rows.map(|row| stroke.moving.start + row).collect())
 }
 

@@ -3,6 +3,9 @@
 use super::series::{correlation, finite, maximum, rms};
 use glam::{DVec2, DVec3};
 
+/// Metres to millimetres.
+pub const MM: f64 = 1e3;
+
 /// Largest inward deviation of a path from a straight line (m): the maximum component along `approach` of the path's
 /// offset from the line through its first point along `direction`.
 ///

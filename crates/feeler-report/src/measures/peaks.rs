@@ -3,6 +3,11 @@
 use super::series::count_peaks;
 use std::collections::VecDeque;
 
+/// Fraction of the run's maximum that a signal must exceed to start a peak.
+pub const PEAK_RISES_ABOVE: f64 = 0.10;
+/// Fraction of the run's maximum below which a peak ends.
+pub const PEAK_ENDS_BELOW: f64 = 0.05;
+
 /// Counts the peaks that [`count_peaks`] finds in the [`moving_mean`](super::series::moving_mean) of a series. Stores
 /// only the turning points that can affect the count, about two per peak.
 #[derive(Debug, Clone, PartialEq)]

@@ -1,11 +1,21 @@
-//! Measures of each stroke. Values are never NaN.
+//! Measures of strokes, as stored in `summary.json`. Values are never NaN.
 
-use super::path_fit::{PathFit, window_rows};
-use super::paths::inward_bend;
-use super::series::{finite, maximum, mean, percentile, standard_deviation};
-use crate::run::data::{FingerColumns, RunData, Stroke};
-use glam::DVec3;
 use serde::Serialize;
+
+/// Estimated and true values of one stroke.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct FeltStroke {
+    /// Number of the stroke, from 1.
+    pub index: u32,
+    /// Estimated rotation of the cap (rad), positive in the direction of the stroke.
+    pub felt_turn: Option<f64>,
+    /// True rotation of the cap (rad), positive with the stroke.
+    pub turn: Option<f64>,
+    /// Largest estimated torque (N·m), positive with the stroke.
+    pub felt_torque: Option<f64>,
+    /// Largest torque measured by the torque sensor (N·m), positive with the stroke.
+    pub torque: Option<f64>,
+}
 
 /// Anchor displacement per control step above which a feeler counts as slipping (m).
 pub const TRUE_SLIP: f64 = 20e-6;
@@ -79,41 +89,6 @@ pub struct StrokeMeasures {
 }
 
 impl StrokeMeasures {
-    /// Measures one stroke.
-    pub fn new(data: &RunData, stroke: &Stroke) -> Self {
-        let rows = || stroke.rows.clone();
-        let moving = || stroke.moving.clone();
-        let fits = (0..data.fingers.len()).map(|finger| PathFit::new(data, stroke, finger));
-        let fits: Vec<_> = fits.collect();
-        let fit = |part: fn(PathFit) -> f64| every_finger(data, |finger| fits[finger].map(part));
-        Self {
-            index: stroke.index,
-            peak_torque: (data.has_torque(moving()))
-                .then(|| maximum(data.known_torque(rows())))
-                .flatten(),
-            mean_grasp_force: mean(moving().map(|row| data.grasp_force(row))),
-            peak_grasp_force: maximum(rows().map(|row| data.grasp_force(row))),
-            cap_turn: cap_turn(data, stroke),
-            peak_shear_rate: over_fingers(data, |finger| {
-                percentile(moving().map(|row| finger.shear_rate[row]), 99.0)
-            }),
-            slip_fraction: over_fingers(data, |finger| share(moving().map(|row| finger.slip[row]))),
-            slip_precision: over_fingers(data, |finger| slip_precision(finger, stroke)),
-            true_slip_fraction: over_fingers(data, |finger| true_slip_fraction(finger, stroke)),
-            grasp_force_variation: every_finger(data, |finger| {
-                grasp_force_variation(data, stroke, finger)
-            }),
-            over_fraction: every_finger(data, |finger| over_fraction(data, stroke, finger)),
-            path_inward_bend: path_inward_bend(data, stroke),
-            path_radius_std: fit(|fit| fit.radius_std),
-            line_radius_std: fit(|fit| fit.line_radius_std),
-            path_curvature: fit(|fit| fit.curvature),
-            peak_element_force: peak_element_force(data, stroke),
-        }
-    }
-}
-
-impl StrokeMeasures {
     /// Removes all measures except the maxima, for strokes with only extreme rows left.
     pub(crate) fn of_extremes(self) -> Self {
         Self {
@@ -131,86 +106,4 @@ impl StrokeMeasures {
             ..self
         }
     }
-}
-
-/// Mean of a measure over fingers; `None` unless every finger defines it.
-fn over_fingers(data: &RunData, measure: impl Fn(&FingerColumns) -> Option<f64>) -> Option<f64> {
-    every_finger(data, |finger| measure(&data.fingers[finger]))
-}
-
-/// Like [`over_fingers`], for a measure that needs the finger's index.
-fn every_finger(data: &RunData, measure: impl Fn(usize) -> Option<f64>) -> Option<f64> {
-    let values: Option<Vec<f64>> = (0..data.fingers.len()).map(measure).collect();
-    mean(values?)
-}
-
-/// Fraction of values that are `true` (0 to 1).
-pub fn share(values: impl IntoIterator<Item = bool>) -> Option<f64> {
-    mean(values.into_iter().map(|value| f64::from(u8::from(value))))
-}
-
-/// [`StrokeMeasures::slip_precision`] of one finger.
-pub fn slip_precision(finger: &FingerColumns, stroke: &Stroke) -> Option<f64> {
-    let raised = stroke.moving.clone().filter(|&row| finger.slip[row]);
-    let right = raised.map(|row| Some(finger.slipped[row]? > TRUE_SLIP));
-    share(right.collect::<Option<Vec<_>>>()?)
-}
-
-/// [`StrokeMeasures::true_slip_fraction`] of one finger.
-fn true_slip_fraction(finger: &FingerColumns, stroke: &Stroke) -> Option<f64> {
-    let slipped = stroke
-        .moving
-        .clone()
-        .map(|row| Some(finger.slipped[row]? > TRUE_SLIP));
-    share(slipped.collect::<Option<Vec<_>>>()?)
-}
-
-/// Skill of SLIP in detecting true slip: gain in precision over a random flag, relative to the possible gain. 1 if SLIP
-/// is never wrong, 0 if it carries no information.
-pub fn slip_skill(finger: &FingerColumns, stroke: &Stroke) -> Option<f64> {
-    let (precision, at_random) = (
-        slip_precision(finger, stroke)?,
-        true_slip_fraction(finger, stroke)?,
-    );
-    finite((precision - at_random) / (1.0 - at_random))
-}
-
-/// [`StrokeMeasures::grasp_force_variation`] of one finger.
-pub fn grasp_force_variation(data: &RunData, stroke: &Stroke, finger: usize) -> Option<f64> {
-    let rows = window_rows(data, stroke, finger)?;
-    let forces = rows
-        .iter()
-        .map(|&row| data.fingers[finger].grasp_force[row]);
-    finite(standard_deviation(forces.clone())? / mean(forces)?)
-}
-
-/// [`StrokeMeasures::over_fraction`] of one finger.
-pub fn over_fraction(data: &RunData, stroke: &Stroke, finger: usize) -> Option<f64> {
-    let rows = window_rows(data, stroke, finger)?.into_iter();
-    share(rows.map(|row| data.fingers[finger].over[row]))
-}
-
-fn peak_element_force(data: &RunData, stroke: &Stroke) -> Option<f64> {
-    let fingers = data.fingers.iter();
-    let forces = fingers.flat_map(|finger| &finger.largest_force[stroke.rows.clone()]);
-    maximum(forces.copied().filter(|&force| force != f64::NEG_INFINITY))
-}
-
-fn cap_turn(data: &RunData, stroke: &Stroke) -> Option<f64> {
-    let first = stroke.rows.clone().next()?;
-    let last = stroke.rows.clone().next_back()?;
-    let angle = &data.cap.as_ref()?.angle;
-    finite(angle[last] - angle[first])
-}
-
-fn path_inward_bend(data: &RunData, stroke: &Stroke) -> Option<f64> {
-    let facts = &data.facts;
-    let directions = facts.stroke_direction.iter().zip(&facts.approach);
-    let bends: Option<Vec<f64>> = (data.fingers.iter().zip(directions))
-        .map(|(finger, (direction, approach))| {
-            let path = &finger.position[stroke.moving.clone()];
-            inward_bend(path, DVec3::from(*direction), DVec3::from(*approach))
-        })
-        .collect();
-    mean(bends?)
 }

@@ -3,13 +3,9 @@
 use super::cap::CapMeasures;
 use super::claim::Claim;
 use super::criterion::Success;
-use super::series::{finite, maximum};
 use super::stroke_pattern::StrokePattern;
 use super::strokes::StrokeMeasures;
-use crate::claims::of_any_hand;
-use crate::run::data::RunData;
-use crate::tasks;
-use feeler_record::{FindingName, Recording, RunState, SensingKind, TaskKind, TaskOutcome};
+use feeler_record::{FindingName, RunState, SensingKind, TaskKind, TaskOutcome};
 use serde::Serialize;
 use std::collections::BTreeMap;
 
@@ -67,46 +63,6 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Summarizes a recording with rows `data`.
-    pub fn new(recording: &Recording, data: &RunData) -> Self {
-        let facts = &recording.facts;
-        let found = recording.findings.last();
-        let factor = |seconds| finite(recording.readable_until / seconds);
-        let strokes = data.stroke_measures();
-        let claims = tasks::of_recording(recording).claims(recording, data, &strokes);
-        let hand_claims = match tasks::is_for_any_hand(recording) {
-            true => of_any_hand(data, &strokes),
-            false => Vec::new(),
-        };
-        Self {
-            experiment: facts.experiment.clone(),
-            task: facts.task.clone(),
-            seed: facts.seed,
-            version: facts.version.clone(),
-            sensing: facts.sensing.clone(),
-            state: recording.end.state,
-            reason: recording.end.reason.clone(),
-            sim_time: recording.readable_until,
-            wall_time: recording.wall_time,
-            real_time_factor: recording.wall_time.and_then(factor),
-            stroke_pattern: StrokePattern::new(&strokes),
-            final_torque: strokes.last().and_then(|stroke| stroke.peak_torque),
-            peak_element_force: maximum(strokes.iter().filter_map(|s| s.peak_element_force)),
-            strokes,
-            outcome: found.and_then(|f| f.outcome.clone()),
-            findings: (found.into_iter())
-                .flat_map(|f| f.names.iter().cloned().zip(&f.values))
-                .map(|(name, &value)| (name, finite(value)))
-                .collect(),
-            claims,
-            hand_claims,
-            cap: CapMeasures::new(recording, data),
-            success: None,
-            cap_angle: (recording.cap.last()).and_then(|cap| finite(cap.angle)),
-            digest: recording.digest.to_string(),
-        }
-    }
-
     /// Claims shown in a report: those of the task or, if it has no claims, those of any hand.
     pub fn shown_claims(&self) -> &[Claim] {
         match self.claims.is_empty() {

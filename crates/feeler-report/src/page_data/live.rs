@@ -1,9 +1,7 @@
 //! Page data of a running rig.
 
 use super::panels::{Axis, Colour, Panel, Series};
-use super::scene::Scene;
-use super::table::{RunTable, frame_column, of_finger};
-use super::{Figure, PageData, VERSION};
+use super::table::{frame_column, of_finger};
 use feeler_record::{RunFacts, SolidFrame};
 use serde::Serialize;
 
@@ -86,25 +84,5 @@ impl LiveRig<'_> {
             Series::of_column(name, colour, of_finger(finger, column))
         });
         Panel::over_time(Axis::new(label, unit, 1.0), series.collect())
-    }
-}
-
-impl PageData {
-    /// Data of a page about a running rig.
-    pub fn of_rig(title: &str, rig: &LiveRig<'_>, live: Live) -> Self {
-        let figures = rig.figures().into_iter().zip(1..);
-        let figure = |((_, panel), number)| Figure {
-            number,
-            columns: 1,
-            panels: vec![panel],
-        };
-        Self {
-            version: VERSION,
-            title: title.into(),
-            run: Some(RunTable::to_come(rig.columns())),
-            scene: Scene::of_rig(rig),
-            figures: figures.map(figure).collect(),
-            live: Some(live),
-        }
     }
 }

@@ -3,7 +3,7 @@
 mod live;
 pub mod panels;
 mod scene;
-mod table;
+pub(crate) mod table;
 
 use super::figures::Figure as StillFigure;
 use crate::run::data::RunData;
@@ -54,12 +54,10 @@ impl PageData {
             panel.take_rows(&rows);
         }
         Self {
-            version: VERSION,
-            title: title.into(),
             run: (!data.time.is_empty()).then_some(run),
             scene: Scene::new(recording, data),
             figures,
-            live: None,
+            ..Self::of_figures(title, &[])
         }
     }
 
@@ -72,6 +70,23 @@ impl PageData {
             scene: None,
             figures: interactive(figures),
             live: None,
+        }
+    }
+
+    /// Data of a page about a running rig.
+    pub fn of_rig(title: &str, rig: &LiveRig<'_>, live: Live) -> Self {
+        let figures = rig.figures().into_iter().zip(1..);
+        let figure = |((_, panel), number)| Figure {
+            number,
+            columns: 1,
+            panels: vec![panel],
+        };
+        Self {
+            run: Some(RunTable::to_come(rig.columns())),
+            scene: Scene::of_rig(rig),
+            figures: figures.map(figure).collect(),
+            live: Some(live),
+            ..Self::of_figures(title, &[])
         }
     }
 

@@ -3,7 +3,6 @@
 use super::table::Rows;
 use serde::{Serialize, Serializer};
 use std::borrow::Cow;
-use std::ops::Range;
 
 /// Quantity of a panel's x axis.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
@@ -245,11 +244,6 @@ impl Axis {
             log: false,
         }
     }
-
-    /// Time axis.
-    fn time() -> Self {
-        Self::new("Time", "s", 1.0)
-    }
 }
 
 impl Panel {
@@ -257,7 +251,7 @@ impl Panel {
     pub fn over_time(y: Axis, series: Vec<Series>) -> Self {
         Self {
             kind: PanelKind::Time,
-            x: Axis::time(),
+            x: Axis::new("Time", "s", 1.0),
             y,
             series,
             thresholds: Vec::new(),
@@ -280,13 +274,6 @@ impl Panel {
     pub fn with_threshold(mut self, value: f64, name: &str) -> Self {
         let name = name.into();
         self.thresholds.push(Threshold { value, name });
-        self
-    }
-
-    /// Sets the rows that are initially shown.
-    #[must_use]
-    pub fn of_rows(mut self, rows: &Range<usize>) -> Self {
-        self.rows = Some((rows.start, rows.end));
         self
     }
 
@@ -327,15 +314,6 @@ impl Series {
             }),
             ..Self::of_column(name, colour, "")
         }
-    }
-
-    /// Selects another value of each row.
-    #[must_use]
-    pub fn at(mut self, index: usize) -> Self {
-        if let Some(column) = &mut self.column {
-            column.index = index;
-        }
-        self
     }
 
     /// Series of separate points.

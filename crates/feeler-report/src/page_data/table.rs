@@ -1,7 +1,8 @@
 //! Rows of a run as binary columns.
 
 use crate::measures::strokes::TRUE_SLIP;
-use crate::run::data::{FingerColumns, RunData};
+use crate::run::data::RunData;
+use crate::run::finger_columns::FingerColumns;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use feeler_record::{Phase, SolidFrame};

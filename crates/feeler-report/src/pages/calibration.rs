@@ -1,9 +1,8 @@
 //! Report page of a force calibration, with errors, curves and residuals.
 
-use super::document::{Tile, document, tiles};
+use super::document::{Tile, document_of_figures, figures, number_heads, numbers, table, tiles};
 use super::text::significant;
-use crate::figures::calibration::{errors_figure, loads_figure};
-use crate::page_data::PageData;
+use crate::figures::calibration::{ElementErrors, ElementLoads, errors_figure, loads_figure};
 use maud::{Markup, html};
 use std::iter;
 
@@ -24,56 +23,26 @@ pub struct CalibrationPage {
     pub drawn: Vec<ElementLoads>,
 }
 
-/// Errors of one element along x, y, z of its frame (N).
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct ElementErrors {
-    /// Element name.
-    pub name: String,
-    /// Root mean square error on held-out loads.
-    pub rms: [f64; 3],
-    /// Maximum error on held-out loads.
-    pub worst: [f64; 3],
-    /// Maximum standard deviation under a constant load, if known.
-    pub repeatability: Option<[f64; 3]>,
-    /// Maximum difference between rising and falling loads, if known.
-    pub hysteresis: Option<[f64; 3]>,
-    /// Three standard deviations without load, if known.
-    pub resolution: Option<[f64; 3]>,
-}
-
-/// Loads on one element.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct ElementLoads {
-    /// Element name.
-    pub name: String,
-    /// Unit of displacements in the figure.
-    pub length_unit: String,
-    /// For x, y, z: applied force (N) over displacement along x, along y, or growth.
-    pub loads: [Vec<(f64, f64)>; 3],
-    /// For x, y, z: calibrated force (N) over the same input, with the other inputs constant.
-    pub curves: [Vec<Vec<(f64, f64)>>; 3],
-    /// For x, y, z: reading minus load (mN) over load (N).
-    pub residuals: [Vec<(f64, f64)>; 3],
-}
-
 /// Renders the page as HTML.
 pub fn calibration_page(page: &CalibrationPage) -> String {
     let drawn = page.drawn.iter().zip(2..);
     let loads = drawn.map(|(element, number)| loads_figure(element, number));
-    let figures: Vec<_> = iter::once(errors_figure(page)).chain(loads).collect();
+    let drawn: Vec<_> = iter::once(errors_figure(&page.elements, page.full_scale))
+        .chain(loads)
+        .collect();
     let body = html! {
         h1 { "Calibration: " (page.source) }
         p.verdict { (verdict(page)) }
         (tiles(&tiles_of(page)))
         h2 { "Figures" }
-        div.figures { @for figure in &figures { (figure.markup()) } }
+        (figures(&drawn))
         h2 { "Elements" }
         p.note { "Values are along x, y and z of each element's frame; percentages are of full scale." }
         (elements_table(page))
         p { "Calibrated for the fingertip with SHA-256" br; span.digest { (page.sha256) } }
     };
     let title = format!("Calibration: {}", page.source);
-    document(&title, body, &PageData::of_figures(&title, &figures))
+    document_of_figures(&title, body, &drawn)
 }
 
 /// Key figures: errors of the worst element and number of elements.
@@ -109,33 +78,29 @@ fn verdict(page: &CalibrationPage) -> Markup {
 }
 
 fn elements_table(page: &CalibrationPage) -> Markup {
-    html! {
-        div.scroll {
-            table {
-                thead { tr {
-                    th { "Element" }
-                    @for name in ["RMS", "RMS", "Worst", "Worst", "Repeatability", "Hysteresis", "Resolution"]
-                        .iter().zip(["mN", "%", "mN", "%", "mN", "mN", "mN"]) {
-                        th.number { (name.0) " " span.unit { "(" (name.1) ")" } }
-                    }
-                } }
-                tbody {
-                    @for element in &page.elements {
-                        tr {
-                            td { (element.name) }
-                            td.number { (millinewtons(Some(element.rms))) }
-                            td.number { (percent(element.rms, page.full_scale)) }
-                            td.number { (millinewtons(Some(element.worst))) }
-                            td.number { (percent(element.worst, page.full_scale)) }
-                            td.number { (millinewtons(element.repeatability)) }
-                            td.number { (millinewtons(element.hysteresis)) }
-                            td.number { (millinewtons(element.resolution)) }
-                        }
-                    }
-                }
-            }
-        }
-    }
+    const COLUMNS: [(&str, &str); 7] = [
+        ("RMS", "mN"),
+        ("RMS", "%"),
+        ("Worst", "mN"),
+        ("Worst", "%"),
+        ("Repeatability", "mN"),
+        ("Hysteresis", "mN"),
+        ("Resolution", "mN"),
+    ];
+    let heads = COLUMNS.map(|(name, unit)| html! { (name) " " span.unit { "(" (unit) ")" } });
+    let rows = page.elements.iter().map(|element| {
+        let columns = [
+            millinewtons(Some(element.rms)),
+            percent(element.rms, page.full_scale),
+            millinewtons(Some(element.worst)),
+            percent(element.worst, page.full_scale),
+            millinewtons(element.repeatability),
+            millinewtons(element.hysteresis),
+            millinewtons(element.resolution),
+        ];
+        html! { td { (element.name) } (numbers(columns)) }
+    });
+    table(html! { th { "Element" } (number_heads(heads)) }, rows)
 }
 
 fn millinewtons(force: Option<[f64; 3]>) -> String {

@@ -1,10 +1,11 @@
 //! `compare.html`: comparison of control laws on the same trials, on a self-contained page.
 
-use super::document::{Tile, document, tiles};
-use super::text::{name_and_unit, significant};
+use super::document::{
+    Tile, document_of_figures, figures, folded, incomplete, number_heads, numbers, table, tiles,
+};
+use super::text::{name_and_unit, number, signed, significant};
 use crate::figures::Figure;
-use crate::figures::compare::{curves_figure, pairs_figure};
-use crate::page_data::PageData;
+use crate::figures::compare::{Curves, Pairs, curves_figure, pairs_figure};
 use maud::{Markup, html};
 
 /// Content of the comparison page.
@@ -53,46 +54,6 @@ pub struct Row {
     pub difference: Option<[f64; 3]>,
 }
 
-/// A measure of all laws as a function of a varied quantity.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Curves {
-    /// Name and unit of the measure.
-    pub title: String,
-    /// Varied quantity.
-    pub against: String,
-    /// One curve per law.
-    pub curves: Vec<Curve>,
-}
-
-/// Paired comparison of two laws on the same trials.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Pairs {
-    /// Name of the first law.
-    pub first: String,
-    /// Name of the other law.
-    pub other: String,
-    /// Compared measures.
-    pub measures: Vec<PairedMeasure>,
-}
-
-/// A measure of two laws.
-#[derive(Debug, Clone, PartialEq)]
-pub struct PairedMeasure {
-    /// Name and unit of the measure.
-    pub name: &'static str,
-    /// For each trial with this measure under both laws: trial number, value of the first law, value of the other law.
-    pub trials: Vec<(u64, f64, f64)>,
-}
-
-/// A measure of one law as a function of a varied quantity.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Curve {
-    /// Name of the law.
-    pub law: String,
-    /// Value of the varied quantity, and mean with its 95 % confidence interval (`[low, mean, high]`).
-    pub points: Vec<(f64, [f64; 3])>,
-}
-
 impl ComparePage {
     /// Compares torque and peak force of a law with the first law, in one sentence; `None` for the first law.
     pub fn verdict(&self, law: usize) -> Option<String> {
@@ -121,13 +82,9 @@ impl ComparePage {
 /// Renders the page as HTML.
 pub fn compare_page(page: &ComparePage) -> String {
     let (torque, force) = page.goal;
-    let figures = figures_of(page);
+    let drawn = figures_of(page);
     let body = html! {
-        @if page.trials < page.planned {
-            div.incomplete role="alert" {
-                "INCOMPLETE: " (page.trials) " of " (page.planned) " trials are completed under every law."
-            }
-        }
+        (incomplete(page.trials, page.planned, "completed under every law"))
         h1 { "Comparison of control laws: " (page.name) }
         @for law in 1..page.laws.len() {
             @if let Some(verdict) = page.verdict(law) { p.verdict { (verdict) "." } }
@@ -140,27 +97,24 @@ pub fn compare_page(page: &ComparePage) -> String {
             @if page.trials == 1 { " For a single trial, only success has an interval." }
         }
         p { code { (page.varied) } }
-        @if !figures.is_empty() {
+        @if !drawn.is_empty() {
             h2 { "Figures" }
-            div.figures { @for figure in &figures { (figure.markup()) } }
+            (figures(&drawn))
         }
         h2 { "Means" }
-        (table(page, true, |row| row.value, number))
+        (laws_table(page, true, |row| row.value, number))
         h2 { "Differences from " (page.laws.first().map_or("", |law| &law.name)) }
-        (table(page, false, |row| row.difference, signed))
+        (laws_table(page, false, |row| row.difference, signed))
         p.note {
             "Bands show 95 % confidence intervals. Final torque, friction and work lost in slip are ground truth of the simulator, which no law uses; "
             "element forces are measured. Path of the fingertip's centre during MOVE in strokes 3 and 4, as in a run's report: variation of its distance "
             "from the cap's axis, and curvature relative to the arc about that axis (1 = follows the arc). "
             "Grip variation is the standard deviation of the grasp force divided by its mean, in the same strokes."
         }
-        details {
-            summary { "Experiment, without law and varied values" }
-            pre { (page.experiment) }
-        }
+        (folded("Experiment, without law and varied values", &page.experiment))
     };
     let title = format!("Comparison of control laws: {}", page.name);
-    document(&title, body, &PageData::of_figures(&title, &figures))
+    document_of_figures(&title, body, &drawn)
 }
 
 fn figures_of(page: &ComparePage) -> Vec<Figure> {
@@ -180,59 +134,28 @@ fn tile_of(law: &ComparedLaw) -> Option<Tile> {
 }
 
 /// Table with a row per measure, optionally the lines of code, and a column per law.
-fn table(
+fn laws_table(
     page: &ComparePage,
     lines: bool,
     which: impl Fn(&Row) -> Option<[f64; 3]>,
     text: impl Fn([f64; 3]) -> String,
 ) -> Markup {
     let names = page.laws.first().map_or(&[][..], |law| &law.rows);
-    html! {
-        div.scroll {
-            table {
-                thead { tr { th { "" } @for law in &page.laws { th.number { (law.name) } } } }
-                tbody {
-                    @for (index, row) in names.iter().enumerate() {
-                        tr {
-                            td { (row.name) }
-                            @for law in &page.laws {
-                                td.number { (law.rows.get(index).and_then(&which).map_or_else(String::new, &text)) }
-                            }
-                        }
-                    }
-                    @if lines {
-                        tr {
-                            td { "lines of code of the law" }
-                            @for law in &page.laws { td.number { (law.lines.map_or("-".into(), |lines| lines.to_string())) } }
-                        }
-                    }
-                }
-            }
-        }
-    }
-}
-
-/// Shown instead of the interval if there is only one trial.
-const NO_INTERVAL: &str = "(no interval)";
-
-/// Formats a mean with its interval.
-pub fn number([low, mean, high]: [f64; 3]) -> String {
-    let digits = digits(mean);
-    if low.is_nan() || high.is_nan() {
-        return format!("{mean:.digits$} {NO_INTERVAL}");
-    }
-    format!("{mean:.digits$} [{low:.digits$}, {high:.digits$}]")
-}
-
-/// Formats a signed difference with its interval.
-pub fn signed([low, mean, high]: [f64; 3]) -> String {
-    let digits = digits(mean);
-    if low.is_nan() || high.is_nan() {
-        return format!("{mean:+.digits$} {NO_INTERVAL}");
-    }
-    format!("{mean:+.digits$} [{low:+.digits$}, {high:+.digits$}]")
-}
-
-fn digits(value: f64) -> usize {
-    if value.abs() < 10.0 { 2 } else { 1 }
+    let measured = names.iter().enumerate().map(|(index, row)| {
+        let values = page.laws.iter().map(|law| {
+            let value = law.rows.get(index).and_then(&which);
+            value.map_or_else(String::new, &text)
+        });
+        html! { td { (row.name) } (numbers(values)) }
+    });
+    let lines = lines.then(|| {
+        let lines = page.laws.iter().map(|law| law.lines);
+        let lines = lines.map(|lines| lines.map_or("-".into(), |lines| lines.to_string()));
+        html! { td { "lines of code of the law" } (numbers(lines)) }
+    });
+    let laws = page.laws.iter().map(|law| &law.name);
+    table(
+        html! { th { "" } (number_heads(laws)) },
+        measured.chain(lines),
+    )
 }

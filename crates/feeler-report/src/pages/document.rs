@@ -1,7 +1,8 @@
 //! Common HTML document of all report pages: self-contained, for phone, desktop and print.
 
+use crate::figures::Figure;
 use crate::page_data::PageData;
-use maud::{DOCTYPE, Markup, PreEscaped, html};
+use maud::{DOCTYPE, Markup, PreEscaped, Render, html};
 
 const STYLE: &str = include_str!("../page.css");
 
@@ -31,6 +32,11 @@ pub fn document(title: &str, body: Markup, page: &PageData) -> String {
     .into_string()
 }
 
+/// Document of a page whose data are only its figures.
+pub fn document_of_figures(title: &str, body: Markup, figures: &[Figure]) -> String {
+    document(title, body, &PageData::of_figures(title, figures))
+}
+
 /// A key figure at the top of a page.
 pub struct Tile {
     value: String,
@@ -56,6 +62,61 @@ pub fn tiles(tiles: &[Tile]) -> Markup {
                     div.label { (label) }
                 }
             }
+        }
+    }
+}
+
+/// A table that scrolls sideways on narrow screens, from its header cells and the cells of each row.
+pub fn table(head: Markup, rows: impl IntoIterator<Item = Markup>) -> Markup {
+    html! {
+        div.scroll {
+            table {
+                thead { tr { (head) } }
+                tbody { @for row in rows { tr { (row) } } }
+            }
+        }
+    }
+}
+
+/// A table of names and values.
+pub fn facts_table(facts: impl IntoIterator<Item = (impl Render, impl Render)>) -> Markup {
+    html! {
+        table {
+            tbody { @for (name, value) in facts { tr { th scope="row" { (name) } td { (value) } } } }
+        }
+    }
+}
+
+/// Header cells of numeric columns.
+pub fn number_heads(names: impl IntoIterator<Item = impl Render>) -> Markup {
+    html! { @for name in names { th.number { (name) } } }
+}
+
+/// Numeric cells of a row.
+pub fn numbers(values: impl IntoIterator<Item = impl Render>) -> Markup {
+    html! { @for value in values { td.number { (value) } } }
+}
+
+/// Figures side by side, space permitting.
+pub fn figures(figures: &[Figure]) -> Markup {
+    html! { div.figures { @for figure in figures { (figure.markup()) } } }
+}
+
+/// A text that is initially folded.
+pub fn folded(summary: &str, text: &str) -> Markup {
+    html! {
+        details {
+            summary { (summary) }
+            pre { (text) }
+        }
+    }
+}
+
+/// Banner if not all planned trials are completed.
+pub fn incomplete(finished: u64, planned: u64, completed: &str) -> Markup {
+    html! {
+        @if finished < planned {
+            div.incomplete role="alert" { "INCOMPLETE: " (finished) " of " (planned) " trials are " (completed) "." }
         }
     }
 }

@@ -1,12 +1,10 @@
 //! `slip.html` of recordings: slip detectors evaluated on labelled grasps, on a self-contained page.
 
-use super::compare::number;
-use super::document::{Tile, document, tiles};
-use super::slip::Roc;
-use super::text::significant;
-use crate::figures::slip::grasp_roc_figure;
-use crate::page_data::PageData;
-use maud::html;
+use super::document::{Tile, document_of_figures, figures, number_heads, numbers, table, tiles};
+use super::text::{share, significant, with_interval};
+use crate::figures::Figure;
+use crate::figures::slip::{Mark, Roc, roc_figure};
+use maud::{Markup, html};
 use serde::Serialize;
 
 /// Content of the slip detector page for recordings.
@@ -83,7 +81,7 @@ impl GraspTransfer {
     /// Formatted values in the order of [`TRANSFER_COLUMNS`].
     pub fn fields(&self) -> [String; 7] {
         let [noticed, missed, alarms, quiet] = self.confusion.map(|count| count.to_string());
-        let (alone, added) = (percent(self.alone), percent(self.added));
+        let (alone, added) = (share(self.alone), share(self.added));
         let threshold = in_words(self.threshold);
         [threshold, alone, noticed, missed, alarms, quiet, added]
     }
@@ -109,7 +107,7 @@ impl GraspDetector {
         let [noticed, missed, alarms, quiet] = self.confusion.map(|count| count.to_string());
         [
             self.auc.map_or_else(dash, area),
-            percent(self.accuracy),
+            share(self.accuracy),
             self.threshold.map_or_else(dash, in_words),
             noticed,
             missed,
@@ -130,18 +128,9 @@ fn in_words(threshold: f64) -> String {
     }
 }
 
-/// Formats a fraction with its interval, in percent.
-fn percent(share: Option<[f64; 3]>) -> String {
-    let percent = |share: [f64; 3]| number(share.map(|part| 100.0 * part));
-    share.map_or_else(|| "-".into(), percent)
-}
-
 /// Formats an area with its interval, to three decimals.
-fn area([low, mean, high]: [f64; 3]) -> String {
-    match low.is_nan() || high.is_nan() {
-        true => format!("{mean:.3} (no interval)"),
-        false => format!("{mean:.3} [{low:.3}, {high:.3}]"),
-    }
+fn area(area: [f64; 3]) -> String {
+    with_interval(area, |value| format!("{value:.3}"))
 }
 
 /// Accuracy of the constant answer: the fraction of the more frequent class, given the number of units and of slips.
@@ -152,7 +141,7 @@ pub fn base_rate(all: usize, slips: usize) -> f64 {
 /// Renders the page as HTML.
 pub fn grasp_slip_page(page: &GraspSlipPage) -> String {
     let (all, slips, groups) = page.counts;
-    let roc = grasp_roc_figure(page, 1);
+    let drawn = [roc(page, 1)];
     let base = significant(100.0 * base_rate(all, slips));
     let body = html! {
         h1 { "Slip detectors: " (page.name) }
@@ -161,20 +150,8 @@ pub fn grasp_slip_page(page: &GraspSlipPage) -> String {
             (all) " labelled " (page.of) " in " (groups) " groups (" (page.grouped_by) "), " (slips) " of them slips. A constant answer has an "
             "accuracy of " (base) " %. Each threshold was chosen on all groups except the one it is tested on."
         }
-        div.figures { (roc.markup()) }
-        div.scroll {
-            table {
-                thead { tr { th { "Detector" } @for column in GRASP_COLUMNS { th.number { (column) } } } }
-                tbody {
-                    @for detector in &page.detectors {
-                        tr {
-                            td { (detector.name) }
-                            @for field in detector.fields() { td.number { (field) } }
-                        }
-                    }
-                }
-            }
-        }
+        (figures(&drawn))
+        (detectors_table(GRASP_COLUMNS, page.detectors.iter().map(|d| (d, d.fields()))))
         p.note {
             "Brackets show 95 % confidence intervals (bootstrap over groups)."
             @if groups == 1 { " A single group has no interval." }
@@ -189,19 +166,7 @@ pub fn grasp_slip_page(page: &GraspSlipPage) -> String {
                 (name) ": " (all) " labelled " (page.of) ", " (slips) " of them slips. Results with the threshold chosen on these alone, "
                 "and with thresholds chosen on these and all other groups, both sets weighted equally."
             }
-            div.scroll {
-                table {
-                    thead { tr { th { "Detector" } @for column in TRANSFER_COLUMNS { th.number { (column) } } } }
-                    tbody {
-                        @for (detector, transfer) in transferred(page) {
-                            tr {
-                                td { (detector.name) }
-                                @for field in transfer.fields() { td.number { (field) } }
-                            }
-                        }
-                    }
-                }
-            }
+            (detectors_table(TRANSFER_COLUMNS, page.detectors.iter().filter_map(|d| Some((d, d.transfer.as_ref()?.fields())))))
             p.note { "Only detectors whose scores are comparable between both sets." }
         }
         @for detector in page.detectors.iter().filter(|detector| !detector.wrong.is_empty()) {
@@ -216,13 +181,48 @@ pub fn grasp_slip_page(page: &GraspSlipPage) -> String {
         }
     };
     let title = format!("Slip detectors: {}", page.name);
-    document(&title, body, &PageData::of_figures(&title, &[roc]))
+    document_of_figures(&title, body, &drawn)
 }
 
-/// Detectors with thresholds from other recordings.
-fn transferred(page: &GraspSlipPage) -> impl Iterator<Item = (&GraspDetector, &GraspTransfer)> {
-    let detectors = page.detectors.iter();
-    detectors.filter_map(|detector| Some((detector, detector.transfer.as_ref()?)))
+/// Table with one row per detector.
+fn detectors_table<'a, const N: usize>(
+    columns: [&str; N],
+    rows: impl Iterator<Item = (&'a GraspDetector, [String; N])>,
+) -> Markup {
+    let head = html! { th { "Detector" } (number_heads(columns)) };
+    let rows = rows.map(|(detector, fields)| html! { td { (detector.name) } (numbers(fields)) });
+    table(head, rows)
+}
+
+/// Detection rate against false alarm rate of each detector, with its result at thresholds from other groups.
+fn roc(page: &GraspSlipPage, number: u32) -> Figure {
+    let known = page.detectors.iter().enumerate();
+    let known = known.filter(|(_, detector)| !detector.curve.points.is_empty());
+    let curves: Vec<_> = (known.clone())
+        .map(|(index, detector)| (index, &detector.curve))
+        .collect();
+    let marks = known.filter_map(|(index, detector)| {
+        Some(Mark {
+            name: format!("{}, thresholds of other groups", detector.name),
+            detector: index,
+            at: judged(detector)?,
+            interval: None,
+            label: None,
+        })
+    });
+    let marks: Vec<_> = marks.collect();
+    let caption = "Curves are over all thresholds. Dots are results with thresholds chosen on all other groups.";
+    roc_figure(&curves, &marks, 0.0, caption, number)
+}
+
+/// False alarm rate and detection rate; `None` if there are no slips or no non-slips.
+fn judged(detector: &GraspDetector) -> Option<(f64, f64)> {
+    let [noticed, missed, alarms, quiet] = detector.confusion;
+    let share = |part: usize, rest: usize| {
+        let whole = part + rest;
+        (whole > 0).then(|| part as f64 / whole as f64)
+    };
+    Some((share(alarms, quiet)?, share(noticed, missed)?))
 }
 
 /// Key figures: accuracy of each detector.

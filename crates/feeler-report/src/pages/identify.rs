@@ -1,9 +1,10 @@
 //! `identify.html`: results of a probing run for a hand and its object.
 
-use super::document::document;
+use super::document::{document_of_figures, figures, table};
 use super::text::significant;
-use crate::figures::identify::{circle_figure, depth_figure, shear_figure, slide_figure};
-use crate::page_data::PageData;
+use crate::figures::identify::{
+    FingerProbes, circle_figure, depth_figure, shear_figure, slide_figure,
+};
 use maud::{Markup, html};
 
 /// Content of the identification page.
@@ -38,30 +39,13 @@ pub struct EstimateRow {
     pub method: String,
 }
 
-/// Raw probes of one finger.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct FingerProbes {
-    /// Depth (m) and `F_z` (N) of the most loaded contact.
-    pub depth: Vec<(f64, f64)>,
-    /// Shear displacement (m) and shear force (N) of the same contact.
-    pub shear: Vec<(f64, f64)>,
-    /// Normal and tangential stiffness (N/m).
-    pub stiffness: [f64; 2],
-    /// For each slide: time (s) and ratio of shear to normal force.
-    pub slides: Vec<Vec<(f64, f64)>>,
-    /// Coefficients of static and kinetic friction.
-    pub friction: [f64; 2],
-    /// Tips of the touching elements: x, y in W (m).
-    pub tips: Vec<(f64, f64)>,
-}
-
 /// Renders the page as HTML.
 pub fn identify_page(page: &IdentifyPage) -> String {
-    let figures = vec![
-        depth_figure(page, 1),
-        shear_figure(page, 2),
-        slide_figure(page, 3),
-        circle_figure(page, 4),
+    let drawn = [
+        depth_figure(&page.fingers, 1),
+        shear_figure(&page.fingers, 2),
+        slide_figure(&page.fingers, 3),
+        circle_figure(&page.fingers, page.circle, 4),
     ];
     let title = format!("Identification: {}, seed {}", page.experiment, page.seed);
     let body = html! {
@@ -75,28 +59,21 @@ pub fn identify_page(page: &IdentifyPage) -> String {
         h2 { "Estimates" }
         (estimates_table(page))
         h2 { "Probes and fits" }
-        div.figures { @for figure in &figures { (figure.markup()) } }
+        (figures(&drawn))
     };
-    document(&title, body, &PageData::of_figures(&title, &figures))
+    document_of_figures(&title, body, &drawn)
 }
 
 fn estimates_table(page: &IdentifyPage) -> Markup {
-    html! {
-        div.scroll {
-            table {
-                thead { tr { th { "Quantity" } th { "Of" } th.number { "Estimate" } th.number { "95 % interval" } th { "Method" } } }
-                tbody {
-                    @for row in &page.rows {
-                        tr {
-                            td { (row.quantity) }
-                            td { (row.of) }
-                            td.number { (significant(row.value[0])) " " span.unit { (row.unit) } }
-                            td.number { (significant(row.value[1])) " to " (significant(row.value[2])) }
-                            td { (row.method) }
-                        }
-                    }
-                }
-            }
+    let head = html! { th { "Quantity" } th { "Of" } th.number { "Estimate" } th.number { "95 % interval" } th { "Method" } };
+    let rows = page.rows.iter().map(|row| {
+        html! {
+            td { (row.quantity) }
+            td { (row.of) }
+            td.number { (significant(row.value[0])) " " span.unit { (row.unit) } }
+            td.number { (significant(row.value[1])) " to " (significant(row.value[2])) }
+            td { (row.method) }
         }
-    }
+    });
+    table(head, rows)
 }

@@ -1,11 +1,11 @@
 //! `laws.html`: fraction of the same hands on which each control law meets the claims of any hand.
 
-use super::document::{Tile, document, tiles};
+use super::document::{
+    Tile, document_of_figures, figures, folded, incomplete, number_heads, numbers, table, tiles,
+};
 use super::ranges_table::{RangeRow, ranges_table};
-use super::robustness::{Share, percent};
-use super::text::significant;
-use crate::figures::law_shares::law_shares_figure;
-use crate::page_data::PageData;
+use super::text::{percent, significant};
+use crate::figures::law_shares::{LawShares, law_shares_figure};
 use maud::{Markup, html};
 use serde::Serialize;
 
@@ -31,27 +31,12 @@ pub struct LawSharesPage {
     pub experiment: String,
 }
 
-/// Results of one law.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct LawShares {
-    /// Name of the law.
-    pub law: String,
-    /// Number of hands that are invalid under this law only. They count as hands on which no claim passes.
-    pub refused: u64,
-    /// Fraction of hands for each claim of any hand, and for all claims with the task completed.
-    pub shares: Vec<Share>,
-}
-
 /// Renders the page as HTML.
 pub fn law_shares_page(page: &LawSharesPage) -> String {
-    let figure = law_shares_figure(page, 1);
+    let drawn = [law_shares_figure(&page.laws, 1)];
     let title = format!("Control laws on the same hands: {}", page.name);
     let body = html! {
-        @if page.finished < page.planned {
-            div.incomplete role="alert" {
-                "INCOMPLETE: " (page.finished) " of " (page.planned) " trials are completed under every law."
-            }
-        }
+        (incomplete(page.finished, page.planned, "completed under every law"))
         h1 { (title) }
         (tiles(&tiles_of(page)))
         p {
@@ -60,7 +45,7 @@ pub fn law_shares_page(page: &LawSharesPage) -> String {
             " of them are valid hands; each ran under every law, with the same seed."
         }
         h2 { "Fraction of hands" }
-        div.figures { (figure.markup()) }
+        (figures(&drawn))
         (shares_table(page))
         p.note {
             "Brackets show Wilson's 95 % interval. The claims are those of any hand; all five count only if the task was completed."
@@ -71,12 +56,9 @@ pub fn law_shares_page(page: &LawSharesPage) -> String {
         h2 { "Repeating a trial" }
         p { "To repeat a trial with its recording and report: " code { "feeler run --trial FOLDER/LAW TRIAL" }
             ". The trials are listed in " code { "trials.csv" } " of each law's folder, the values of this page in " code { "laws.json" } "." }
-        details {
-            summary { "Experiment, without law and varied values" }
-            pre { (page.experiment) }
-        }
+        (folded("Experiment, without law and varied values", &page.experiment))
     };
-    document(&title, body, &PageData::of_figures(&title, &[figure]))
+    document_of_figures(&title, body, &drawn)
 }
 
 /// Key figures: fraction of hands on which all claims pass, for each law.
@@ -97,18 +79,12 @@ fn tiles_of(page: &LawSharesPage) -> Vec<Tile> {
 
 fn shares_table(page: &LawSharesPage) -> Markup {
     let of = page.laws.first().map_or(&[][..], |law| &law.shares);
-    html! {
-        div.scroll {
-            table {
-                thead { tr { th { "Law" } @for share in of { th.number { (share.of) } } } }
-                tbody {
-                    @for law in &page.laws {
-                        tr { th scope="row" { (law.law) } @for share in &law.shares { td.number { (percent(share.share)) } } }
-                    }
-                }
-            }
-        }
-    }
+    let head = html! { th { "Law" } (number_heads(of.iter().map(|share| &share.of))) };
+    let rows = page.laws.iter().map(|law| {
+        let shares = law.shares.iter().map(|share| percent(share.share));
+        html! { th scope="row" { (law.law) } (numbers(shares)) }
+    });
+    table(head, rows)
 }
 
 /// Notes on laws that reject hands which are valid under others.

@@ -17,24 +17,27 @@ pub(crate) mod text;
 pub(crate) mod tune;
 pub(crate) mod wrench;
 
-pub use calibration::{CalibrationPage, ElementErrors, ElementLoads, calibration_page};
-pub use compare::{
-    ComparePage, ComparedLaw, Curve, Curves, PairedMeasure, Pairs, Row, compare_page, number,
-};
+pub use crate::figures::calibration::{ElementErrors, ElementLoads};
+pub use crate::figures::compare::{Curve, Curves, PairedMeasure, Pairs};
+pub use crate::figures::identify::FingerProbes;
+pub use crate::figures::law_shares::LawShares;
+pub use crate::figures::robustness::{Index, Measure, NOTHING, Share, Trace};
+pub use crate::figures::slip::Roc;
+pub use crate::figures::sweep::{Measured, TrialMeasure, Varied};
+pub use crate::figures::wrench::{AxisPoints, PredictedPoint};
+pub use calibration::{CalibrationPage, calibration_page};
+pub use compare::{ComparePage, ComparedLaw, Row, compare_page};
 pub use grasp_slip::{
     GRASP_COLUMNS, GraspDetector, GraspSlipPage, GraspTransfer, TRANSFER_COLUMNS, base_rate,
     grasp_slip_page,
 };
-pub use identify::{EstimateRow, FingerProbes, IdentifyPage, identify_page};
-pub use law_shares::{LawShares, LawSharesPage, law_shares_page};
+pub use identify::{EstimateRow, IdentifyPage, identify_page};
+pub use law_shares::{LawSharesPage, law_shares_page};
 pub use live::{Live, LiveRig, live_page};
 pub use ranges_table::RangeRow;
-pub use robustness::{
-    ALL_OF_HAND, Ending, Index, Measure, NOTHING, RobustnessPage, Share, Trace, decided_by,
-    percent, robustness_page,
-};
-pub use slip::{COLUMNS, OperatingPoint, Roc, SlipPage, slip_page};
-pub use sweep::{Counted, Measured, SweepPage, TrialMeasure, Varied, sweep_page};
-pub use text::{significant, value};
+pub use robustness::{ALL_OF_HAND, Ending, RobustnessPage, decided_by, robustness_page};
+pub use slip::{COLUMNS, OperatingPoint, SlipPage, slip_page};
+pub use sweep::{Counted, SweepPage, sweep_page};
+pub use text::{number, percent, significant, value};
 pub use tune::{ClaimRow, CostRow, SettingRow, TunePage, tune_page};
-pub use wrench::{AxisPoints, PredictedPoint, WrenchPage, wrench_page};
+pub use wrench::{WrenchPage, wrench_page};

@@ -1,5 +1,6 @@
 //! Table of parameters that vary over plausible ranges.
 
+use super::document::table;
 use maud::{Markup, html};
 use serde::Serialize;
 
@@ -31,24 +32,17 @@ pub struct RangeRow {
 
 /// Table with one row per parameter.
 pub(crate) fn ranges_table(ranges: &[RangeRow]) -> Markup {
-    html! {
-        div.scroll {
-            table {
-                thead { tr { th { "Parameter" } th { "Group" } th { "Range" } th.number { "Experiment" } th { "Reason" } } }
-                tbody {
-                    @for row in ranges {
-                        tr {
-                            td { (row.name) @if !row.unit.is_empty() { " " span.unit { (row.unit) } } }
-                            td { (row.group) }
-                            td { code { (row.range) } (multiplier(row)) }
-                            td.number { (short(&row.nominal)) }
-                            td { (row.why) }
-                        }
-                    }
-                }
-            }
+    let head = html! { th { "Parameter" } th { "Group" } th { "Range" } th.number { "Experiment" } th { "Reason" } };
+    let rows = ranges.iter().map(|row| {
+        html! {
+            td { (row.name) @if !row.unit.is_empty() { " " span.unit { (row.unit) } } }
+            td { (row.group) }
+            td { code { (row.range) } (multiplier(row)) }
+            td.number { (short(&row.nominal)) }
+            td { (row.why) }
         }
-    }
+    });
+    table(head, rows)
 }
 
 /// Factor by which the range is multiplied, if any.

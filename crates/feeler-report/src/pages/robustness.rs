@@ -1,18 +1,18 @@
 //! `robustness.html`: fraction of plausible hands on which each claim passes, and the parameters that decide it.
 
-use super::document::{Tile, document, tiles};
+use super::document::{
+    Tile, document_of_figures, figures, folded, incomplete, numbers, table, tiles,
+};
 use super::ranges_table::{RangeRow, ranges_table};
-use super::sweep::Varied;
-use super::text::significant;
+use super::text::{percent, significant};
 use crate::figures::Figure;
-use crate::figures::robustness::{indices_figure, shares_figure, traces_figure};
+use crate::figures::robustness::{
+    Measure, NOTHING, Share, indices_figure, shares_figure, traces_figure,
+};
 use crate::measures::claim::DecidedBy;
-use crate::page_data::PageData;
 use maud::{Markup, html};
 use serde::Serialize;
 
-/// Name of the share in which only the run's seed varies.
-pub const NOTHING: &str = "nothing varied";
 /// Name of the measure that combines all claims decided by the hand.
 pub const ALL_OF_HAND: &str = "all about the hand";
 
@@ -48,62 +48,6 @@ pub struct RobustnessPage {
     pub experiment: String,
 }
 
-/// A claim, or all claims together.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Measure {
-    /// Name of the claim or combination.
-    pub name: String,
-    /// Part of the apparatus (hand, or hand and bottle) on which the result depends; `None` (JSON null) for all claims
-    /// together and for tasks other than screwing a cap.
-    pub decided_by: Option<DecidedBy>,
-    /// Fraction of hands that pass: with everything varied, with each group varied alone, and with only the seed
-    /// varied.
-    pub shares: Vec<Share>,
-    /// Sensitivity of the result (pass or fail) to each factor.
-    pub holds: Vec<Index>,
-    /// Sensitivity of the margin (-1 to 1) to each factor; empty if the measure has no margin.
-    pub margin: Vec<Index>,
-    /// Parameters with the largest total effect.
-    #[serde(skip)]
-    pub traces: Vec<Trace>,
-}
-
-/// A fraction of hands.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Share {
-    /// Set of hands.
-    pub of: String,
-    /// Number of hands in the set.
-    pub hands: u64,
-    /// Number of hands that pass.
-    pub holding: u64,
-    /// Fraction (0 to 1) with Wilson's 95 % interval: `[low, fraction, high]`.
-    pub share: [f64; 3],
-}
-
-/// Sensitivity indices of one factor with their 95 % intervals (`[low, index, high]`); `None` if the measure does not
-/// vary.
-#[derive(Debug, Clone, PartialEq, Serialize)]
-pub struct Index {
-    /// Name of the factor.
-    pub factor: String,
-    /// First-order index.
-    pub first: Option<[f64; 3]>,
-    /// Total-effect index.
-    pub total: Option<[f64; 3]>,
-}
-
-/// Values of a parameter in all hands, with the claim's result.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Trace {
-    /// Values and results.
-    pub varied: Varied,
-    /// Total-effect index of the parameter.
-    pub total: f64,
-    /// Nominal value in the experiment.
-    pub nominal: Option<f64>,
-}
-
 /// Trials with the same outcome.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Ending {
@@ -113,18 +57,6 @@ pub struct Ending {
     pub trials: u64,
     /// Reason for the outcome, as worded in one of the trials.
     pub reason: String,
-}
-
-impl Measure {
-    /// Parameters that influence the result, by decreasing total effect. Excludes those whose interval includes 0.
-    pub fn deciding(&self, parameters: usize) -> Vec<(&str, f64)> {
-        let alone = self.holds.iter().take(parameters);
-        let known = alone.filter_map(|index| Some((index.factor.as_str(), index.total?)));
-        let clear = known.filter(|(_, total)| total[0] > 0.0);
-        let mut ranked: Vec<_> = clear.map(|(factor, total)| (factor, total[1])).collect();
-        ranked.sort_by(|a, b| b.1.total_cmp(&a.1));
-        ranked
-    }
 }
 
 impl RobustnessPage {
@@ -155,7 +87,7 @@ impl RobustnessPage {
 
 /// Renders the page as HTML.
 pub fn robustness_page(page: &RobustnessPage) -> String {
-    let shares = shares_figure(page, 1);
+    let shares = [shares_figure(&page.measures, 1)];
     let indices = match page.pairs > 0 {
         true => indices_of(page),
         false => Vec::new(),
@@ -166,11 +98,7 @@ pub fn robustness_page(page: &RobustnessPage) -> String {
         .map(|(m, number)| traces_figure(m, number))
         .collect();
     let body = html! {
-        @if page.finished < page.planned {
-            div.incomplete role="alert" {
-                "INCOMPLETE: " (page.finished) " of " (page.planned) " trials are completed."
-            }
-        }
+        (incomplete(page.finished, page.planned, "completed"))
         h1 { "Robustness to unknown parameters: " (page.name) }
         @if let Some(verdict) = page.verdict() { p.verdict { (verdict) "." } }
         (tiles(&tiles_of(page)))
@@ -181,7 +109,7 @@ pub fn robustness_page(page: &RobustnessPage) -> String {
             " the experiment is invalid, and they are excluded from all fractions. Hands that stop or fail are included in all fractions."
         }
         h2 { "Fraction of plausible hands that pass each claim" }
-        div.figures { (shares.markup()) }
+        (figures(&shares))
         (shares_table(page))
         p.note { "Brackets show Wilson's 95 % interval. If a group is varied alone, all other values are nominal." }
         @if page.pairs > 0 { (decided(page, &indices, &traces)) }
@@ -192,38 +120,29 @@ pub fn robustness_page(page: &RobustnessPage) -> String {
         h2 { "Repeating a trial" }
         p { "To repeat a trial with its recording and report: " code { "feeler run --trial FOLDER TRIAL" }
             ". The trials are listed in " code { "trials.csv" } ", all values of this page in " code { "robustness.json" } "." }
-        details {
-            summary { "Experiment, without varied values" }
-            pre { (page.experiment) }
-        }
+        (folded("Experiment, without varied values", &page.experiment))
     };
     let title = format!("Robustness: {}", page.name);
-    let figures = [vec![shares], indices, traces].concat();
-    document(&title, body, &PageData::of_figures(&title, &figures))
+    document_of_figures(&title, body, &[&shares[..], &indices, &traces].concat())
 }
 
 /// Key figures of the study.
 fn tiles_of(page: &RobustnessPage) -> Vec<Tile> {
-    let share = |share: &Share| significant(100.0 * share.share[1]);
+    let percent = |share: Option<&Share>, label| {
+        share.map(|share| Tile::new(significant(100.0 * share.share[1]), "%", label))
+    };
+    let count = |count: u64, label| Some(Tile::new(count.to_string(), "", label));
     let all = page.measures.last().map_or(&[][..], |all| &all.shares);
-    let plausible = all
-        .first()
-        .map(|s| (share(s), "of plausible hands pass all claims"));
     let hand = page.measure(ALL_OF_HAND).and_then(|m| m.shares.first());
-    let hand = hand.map(|s| (share(s), "pass all claims about the hand"));
-    let nothing = all.iter().rfind(|share| share.of == NOTHING);
-    let nominal = nothing.map(|s| (share(s), "with only the seed varied"));
-    let shares = plausible.into_iter().chain(hand).chain(nominal);
-    let mut tiles: Vec<_> = shares
-        .map(|(value, label)| Tile::new(value, "%", label))
-        .collect();
-    tiles.push(Tile::new(page.hands.to_string(), "", "hands"));
-    tiles.push(Tile::new(
-        page.ranges.len().to_string(),
-        "",
-        "values varied",
-    ));
-    tiles
+    let nominal = all.iter().rfind(|share| share.of == NOTHING);
+    let tiles = [
+        percent(all.first(), "of plausible hands pass all claims"),
+        percent(hand, "pass all claims about the hand"),
+        percent(nominal, "with only the seed varied"),
+        count(page.hands, "hands"),
+        count(page.ranges.len() as u64, "values varied"),
+    ];
+    tiles.into_iter().flatten().collect()
 }
 
 /// Heat maps of the sensitivity of results and margins.
@@ -237,9 +156,10 @@ fn indices_of(page: &RobustnessPage) -> Vec<Figure> {
         "margin",
         "Total-effect index (%) of the distance from the bound, relative to the bound and clipped to -1 to 1; unmeasured claims count as -1.",
     );
+    let factors = (&page.factors[..], page.parameters);
     vec![
-        indices_figure(page, HOLDS, |m| &m.holds, 2),
-        indices_figure(page, MARGIN, |m| &m.margin, 3),
+        indices_figure(&page.measures, factors, HOLDS, |m| &m.holds, 2),
+        indices_figure(&page.measures, factors, MARGIN, |m| &m.margin, 3),
     ]
 }
 
@@ -247,34 +167,30 @@ fn indices_of(page: &RobustnessPage) -> Vec<Figure> {
 fn decided(page: &RobustnessPage, indices: &[Figure], traces: &[Figure]) -> Markup {
     html! {
         h2 { "Influence of parameters" }
-        div.figures { @for figure in indices { (figure.markup()) } }
+        (figures(indices))
         p.note {
             "Jansen's estimator over " (page.pairs) " pairs of points. First-order indices (Saltelli 2010) and the 95 % intervals of all indices (bootstrap over pairs) are in "
             code { "robustness.json" } ". Pale values are not significantly different from 0. Total effects count interactions once for each parameter involved, so their sum may exceed 100 %."
         }
         h2 { "Claims against the most influential parameters" }
-        div.figures { @for figure in traces { (figure.markup()) } }
+        (figures(traces))
     }
 }
 
 fn shares_table(page: &RobustnessPage) -> Markup {
     let of = page.measures.first().map_or(&[][..], |m| &m.shares);
-    html! {
-        div.scroll {
-            table {
-                thead { tr { th { "passes in (%)" } th { "decided by" } @for share in of { th.number { (share.of) " (" (share.hands) ")" } } } }
-                tbody {
-                    @for measure in &page.measures {
-                        tr {
-                            td { (measure.name) }
-                            td { (measure.decided_by.map_or("", decided_by)) }
-                            @for share in &measure.shares { td.number { (percent(share.share)) } }
-                        }
-                    }
-                }
-            }
+    let head = html! {
+        th { "passes in (%)" } th { "decided by" }
+        @for share in of { th.number { (share.of) " (" (share.hands) ")" } }
+    };
+    let rows = page.measures.iter().map(|measure| {
+        html! {
+            td { (measure.name) }
+            td { (measure.decided_by.map_or("", decided_by)) }
+            (numbers(measure.shares.iter().map(|share| percent(share.share))))
         }
-    }
+    });
+    table(head, rows)
 }
 
 /// Table text for the part of the apparatus that decides a claim.
@@ -286,26 +202,13 @@ pub fn decided_by(decided_by: DecidedBy) -> &'static str {
 }
 
 fn endings_table(page: &RobustnessPage) -> Markup {
-    html! {
-        div.scroll {
-            table {
-                thead { tr { th { "Outcome" } th.number { "Points" } th { "Example reason" } } }
-                tbody {
-                    @for ending in &page.endings {
-                        tr {
-                            td { (ending.outcome) @if ending.outcome == "invalid" { " (not a valid hand)" } }
-                            td.number { (ending.trials) }
-                            td { (ending.reason) }
-                        }
-                    }
-                }
-            }
+    let head = html! { th { "Outcome" } th.number { "Points" } th { "Example reason" } };
+    let rows = page.endings.iter().map(|ending| {
+        html! {
+            td { (ending.outcome) @if ending.outcome == "invalid" { " (not a valid hand)" } }
+            td.number { (ending.trials) }
+            td { (ending.reason) }
         }
-    }
-}
-
-/// Formats a fraction with its interval, in percent.
-pub fn percent(share: [f64; 3]) -> String {
-    let [low, share, high] = share.map(|part| 100.0 * part);
-    format!("{share:.1} [{low:.1}, {high:.1}] %")
+    });
+    table(head, rows)
 }

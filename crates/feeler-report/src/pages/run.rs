@@ -1,7 +1,7 @@
 //! `report.html`: a self-contained page for phone, desktop and print.
 
 use super::claims_table::claims_table;
-use super::document::{Tile, document, tiles};
+use super::document::{self, Tile, document, facts_table, tiles};
 use super::text::significant;
 use crate::figures::Figure;
 use crate::measures::claim::{Claim, Verdict};
@@ -47,7 +47,7 @@ pub(crate) fn page(
         div id="scene" {}
         h2 { "Figures" }
         @if let Some(thinned) = &data.thinned { (left_out(thinned, data)) }
-        div.figures { @for figure in figures { (figure.markup()) } }
+        (document::figures(figures))
         @if !claims.is_empty() {
             h2 { "Claims " (whose) }
             (claims_table(claims, data))
@@ -58,7 +58,7 @@ pub(crate) fn page(
             "Recording: " a href=(link) { (link) } " (opens in Rerun, Foxglove, RViz and Python). "
             "To repeat this run: " code { (again(facts)) } "."
         }
-        (facts_table(facts, summary))
+        (facts_table(facts_of(facts, summary)))
         details {
             summary { "Experiment as run (" code { "experiment.toml" } ")" }
             pre { (recording.experiment) }
@@ -204,9 +204,17 @@ fn capitalised(text: impl ToString) -> String {
     first.into_iter().chain(letters).collect()
 }
 
-fn facts_table(facts: &RunFacts, summary: &Summary) -> Markup {
-    let unknown = || "unknown".to_string();
-    let rows = [
+/// Names and values of the run's constants.
+fn facts_of(facts: &RunFacts, summary: &Summary) -> [(&'static str, String); 15] {
+    let with_unit = |value: f64, unit: &str| format!("{} {unit}", significant(value));
+    let known = |value: Option<String>| value.unwrap_or_else(|| "unknown".into());
+    // Recorded only by the simulator.
+    let tip_radius = Some(facts.feeler_tip_radius).filter(|&radius| radius > 0.0);
+    let tip_radius = known(tip_radius.map(|radius| with_unit(1e3 * radius, "mm")));
+    let wall_time = known(summary.wall_time.map(|time| with_unit(time, "s")));
+    let factor = known(summary.real_time_factor.map(significant));
+    let grasp_force = with_unit(facts.grasp_force_threshold, "N");
+    [
         ("Experiment", facts.experiment.clone()),
         ("Task", facts.task.to_string()),
         ("Seed", facts.seed.to_string()),
@@ -215,52 +223,21 @@ fn facts_table(facts: &RunFacts, summary: &Summary) -> Markup {
         ("Fingers", facts.fingers.to_string()),
         (
             "Control period",
-            format!("{} ms", significant(1e3 * facts.control_period)),
+            with_unit(1e3 * facts.control_period, "ms"),
         ),
-        (
-            "Feeler tip radius",
-            // Recorded only by the simulator.
-            match facts.feeler_tip_radius > 0.0 {
-                true => format!("{} mm", significant(1e3 * facts.feeler_tip_radius)),
-                false => unknown(),
-            },
-        ),
+        ("Feeler tip radius", tip_radius),
         (
             "Touch threshold F1",
-            format!("{} N", significant(facts.touch_force_threshold)),
+            with_unit(facts.touch_force_threshold, "N"),
         ),
         (
             "Over threshold F2",
-            format!("{} N", significant(facts.over_force_threshold)),
+            with_unit(facts.over_force_threshold, "N"),
         ),
-        (
-            "Slip threshold dr",
-            format!("{} N/s", significant(facts.slip_threshold)),
-        ),
-        (
-            "Grasp force threshold or load",
-            format!("{} N", significant(facts.grasp_force_threshold)),
-        ),
-        (
-            "Recorded time",
-            format!("{} s", significant(summary.sim_time)),
-        ),
-        (
-            "Wall time",
-            summary
-                .wall_time
-                .map_or_else(unknown, |t| format!("{} s", significant(t))),
-        ),
-        (
-            "Real-time factor",
-            summary.real_time_factor.map_or_else(unknown, significant),
-        ),
-    ];
-    html! {
-        table {
-            tbody {
-                @for (name, value) in rows { tr { th scope="row" { (name) } td { (value) } } }
-            }
-        }
-    }
+        ("Slip threshold dr", with_unit(facts.slip_threshold, "N/s")),
+        ("Grasp force threshold or load", grasp_force),
+        ("Recorded time", with_unit(summary.sim_time, "s")),
+        ("Wall time", wall_time),
+        ("Real-time factor", factor),
+    ]
 }

@@ -1,12 +1,14 @@
 //! `slip.html`: slip detectors compared with ground truth, on a self-contained page.
 
-use super::compare::number;
-use super::document::{Tile, document, tiles};
-use super::text::significant;
-use crate::figures::slip::roc_figure;
-use crate::page_data::PageData;
+use super::document::{Tile, document_of_figures, figures, number_heads, numbers, table, tiles};
+use super::text::{share, significant};
+use crate::figures::Figure;
+use crate::figures::slip::{Mark, Roc, roc_figure};
 use maud::html;
 use serde::Serialize;
+
+/// Lower end of the false alarm axis (%). Precise detectors are far below one percent.
+const LEAST: f64 = 0.01;
 
 /// Content of the slip detector page.
 #[derive(Debug, Clone, PartialEq)]
@@ -47,37 +49,39 @@ pub struct OperatingPoint {
     pub never_noticed: (usize, usize),
 }
 
-/// Receiver operating characteristic of a detector.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Roc {
-    /// Name of the detector.
-    pub name: &'static str,
-    /// False alarm rate and detection rate at each threshold.
-    pub points: Vec<(f64, f64)>,
-}
-
 impl SlipPage {
-    /// Index of the curve of an operating point.
-    pub fn curve_of(&self, point: &OperatingPoint) -> Option<usize> {
-        self.curves
-            .iter()
-            .position(|curve| curve.name == point.name)
+    /// Detection rate against false alarm rate of each detector, with its operating points.
+    fn figure(&self, number: u32) -> Figure {
+        let curves: Vec<_> = self.curves.iter().enumerate().collect();
+        let marks: Vec<_> = self.points.iter().filter_map(|p| self.mark(p)).collect();
+        let caption = "Curves are over all thresholds. Dots are the experiment's threshold and the chosen thresholds, with the 95 % interval of the detection rate.";
+        roc_figure(&curves, &marks, LEAST, caption, number)
+    }
+
+    /// Dot of an operating point, if it and the detector's curve are known.
+    fn mark(&self, point: &OperatingPoint) -> Option<Mark> {
+        let [low, recall, high] = point.recall?;
+        let mut curves = self.curves.iter();
+        Some(Mark {
+            name: format!("{} above {}", point.name, significant(point.threshold)),
+            detector: curves.position(|curve| curve.name == point.name)?,
+            at: (point.false_alarms?[1], recall),
+            interval: Some((low, high)),
+            label: Some(format!("precision {} %", share(point.precision))),
+        })
     }
 }
 
 impl OperatingPoint {
     /// Formatted values in the order of [`COLUMNS`].
     pub fn fields(&self) -> [String; 6] {
-        let percent = |share: Option<[f64; 3]>| {
-            share.map_or_else(|| "-".to_string(), |s| number(s.map(|part| 100.0 * part)))
-        };
         let delay = self.median_delay.map(|frames| frames.to_string());
         let (never, of) = self.never_noticed;
         [
             format!("{:.4}", self.threshold),
-            percent(self.precision),
-            percent(self.recall),
-            percent(self.false_alarms),
+            share(self.precision),
+            share(self.recall),
+            share(self.false_alarms),
             delay.unwrap_or_else(|| "never".to_string()),
             format!("{never} of {of}"),
         ]
@@ -97,7 +101,9 @@ pub const COLUMNS: [&str; 6] = [
 /// Renders the page as HTML.
 pub fn slip_page(page: &SlipPage) -> String {
     let (samples, slips) = page.counts;
-    let roc = roc_figure(page, 1);
+    let drawn = [page.figure(1)];
+    let rows = page.points.iter();
+    let rows = rows.map(|point| html! { td { (point.name) } (numbers(point.fields())) });
     let body = html! {
         h1 { "Slip detectors: " (page.name) }
         (tiles(&tiles_of(page)))
@@ -107,17 +113,8 @@ pub fn slip_page(page: &SlipPage) -> String {
             "frame at whose start its force exceeds " (page.touch_force) " N: " (samples) " element-frames, " (slips)
             " of them slips according to ground truth. Thresholds were chosen on an equal number of other trials."
         }
-        div.figures { (roc.markup()) }
-        div.scroll {
-            table {
-                thead { tr { th { "Detector" } @for column in COLUMNS { th.number { (column) } } } }
-                tbody {
-                    @for point in &page.points {
-                        tr { td { (point.name) } @for field in point.fields() { td.number { (field) } } }
-                    }
-                }
-            }
-        }
+        (figures(&drawn))
+        (table(html! { th { "Detector" } (number_heads(COLUMNS)) }, rows))
         p.note {
             "Brackets show 95 % confidence intervals (bootstrap over trials)."
             @if page.trials == 1 { " A single trial has no interval." }
@@ -127,7 +124,7 @@ pub fn slip_page(page: &SlipPage) -> String {
         }
     };
     let title = format!("Slip detectors: {}", page.name);
-    document(&title, body, &PageData::of_figures(&title, &[roc]))
+    document_of_figures(&title, body, &drawn)
 }
 
 /// Key figures: slips detected at each detector's chosen threshold.

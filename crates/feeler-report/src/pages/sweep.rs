@@ -1,44 +1,16 @@
 //! `summary.html`: results of a sweep, on a self-contained page.
 
-use super::document::{Tile, document, tiles};
+use super::document::{Tile, document_of_figures, figures, folded, table, tiles};
 use super::text::{name_and_unit, significant};
 use crate::figures::Figure;
-use crate::figures::sweep::{distributions_figure, success_figure, wilson};
+use crate::figures::sweep::{
+    Measured, TrialMeasure, Varied, distributions_figure, success_figure, wilson,
+};
 use crate::measures::series::percentile;
-use crate::page_data::PageData;
 use maud::html;
-
-/// A varied number with its value in each trial.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Varied {
-    /// Name of the number.
-    pub name: String,
-    /// `true` if it was drawn on a logarithmic scale.
-    pub logarithmic: bool,
-    /// Value in each trial, and whether the trial was a success.
-    pub trials: Vec<(f64, bool)>,
-}
 
 /// A category with its number of trials and number of successes.
 pub type Counted = (String, u64, u64);
-
-/// A measure with its values over all trials.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Measured {
-    /// Name and unit.
-    pub name: String,
-    /// Values of the trials that define it.
-    pub values: Vec<f64>,
-}
-
-/// The measure plotted per trial against the varied numbers.
-#[derive(Debug, Clone, PartialEq)]
-pub struct TrialMeasure {
-    /// Name and unit.
-    pub name: String,
-    /// Trial number and value of each trial, in the order of [`Varied::trials`].
-    pub trials: Vec<(u64, Option<f64>)>,
-}
 
 /// Content of the sweep page.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,7 +46,7 @@ pub struct SweepPage {
 /// Renders the page as HTML.
 pub fn sweep_page(page: &SweepPage) -> String {
     let (trials, successes) = page.counts;
-    let figures = figures_of(page);
+    let drawn = figures_of(page);
     let body = html! {
         h1 { "Sweep: " (page.name) }
         p.verdict {
@@ -83,9 +55,9 @@ pub fn sweep_page(page: &SweepPage) -> String {
         }
         (tiles(&tiles_of(page)))
         p { code { (page.varied) } }
-        @if !figures.is_empty() {
+        @if !drawn.is_empty() {
             h2 { "Figures" }
-            div.figures { @for figure in &figures { (figure.markup()) } }
+            (figures(&drawn))
         }
         h2 { "Outcomes" }
         (counts_table("Outcome", &page.outcomes.iter().map(|(name, n)| (name.clone(), trials, *n)).collect::<Vec<_>>()))
@@ -98,13 +70,10 @@ pub fn sweep_page(page: &SweepPage) -> String {
         h2 { "Worst trials" }
         p { "To repeat a trial with its recording and report: " code { "feeler run --trial SWEEP_FOLDER TRIAL" } "." }
         (worst_table(page))
-        details {
-            summary { "Experiment, without varied values" }
-            pre { (page.experiment) }
-        }
+        (folded("Experiment, without varied values", &page.experiment))
     };
     let title = format!("Sweep: {}", page.name);
-    document(&title, body, &PageData::of_figures(&title, &figures))
+    document_of_figures(&title, body, &drawn)
 }
 
 fn figures_of(page: &SweepPage) -> Vec<Figure> {
@@ -154,31 +123,21 @@ fn rate(successes: u64, trials: u64) -> String {
 }
 
 fn counts_table(name: &str, rows: &[Counted]) -> maud::Markup {
-    html! {
-        div.scroll {
-            table {
-                thead { tr { th { (name) } th.number { "Of" } th.number { "Trials" } } }
-                tbody {
-                    @for (value, trials, count) in rows {
-                        tr { td { (value) } td.number { (trials) } td.number { (rate(*count, *trials)) } }
-                    }
-                }
-            }
-        }
-    }
+    let rows = rows.iter().map(|(value, trials, count)| {
+        html! { td { (value) } td.number { (trials) } td.number { (rate(*count, *trials)) } }
+    });
+    table(
+        html! { th { (name) } th.number { "Of" } th.number { "Trials" } },
+        rows,
+    )
 }
 
 fn worst_table(page: &SweepPage) -> maud::Markup {
-    html! {
-        @if page.worst.is_empty() { p { "None: every trial was a success." } } @else {
-            div.scroll {
-                table {
-                    thead { tr { @for name in &page.worst_header { th { (name) } } } }
-                    tbody {
-                        @for row in &page.worst { tr { @for field in row { td { (field) } } } }
-                    }
-                }
-            }
-        }
+    if page.worst.is_empty() {
+        return html! { p { "None: every trial was a success." } };
     }
+    let head = html! { @for name in &page.worst_header { th { (name) } } };
+    let rows = page.worst.iter();
+    let rows = rows.map(|row| html! { @for field in row { td { (field) } } });
+    table(head, rows)
 }

@@ -25,6 +25,42 @@ pub fn significant(value: f64) -> String {
     }
 }
 
+/// Formats an estimate (`[low, estimate, high]`) with its interval, whose ends are NaN if there is only one trial.
+pub fn with_interval([low, value, high]: [f64; 3], text: impl Fn(f64) -> String) -> String {
+    if low.is_nan() || high.is_nan() {
+        return format!("{} (no interval)", text(value));
+    }
+    format!("{} [{}, {}]", text(value), text(low), text(high))
+}
+
+/// Formats a mean with its interval.
+pub fn number(mean: [f64; 3]) -> String {
+    let digits = digits(mean[1]);
+    with_interval(mean, |value| format!("{value:.digits$}"))
+}
+
+/// Formats a signed difference with its interval.
+pub fn signed(difference: [f64; 3]) -> String {
+    let digits = digits(difference[1]);
+    with_interval(difference, |value| format!("{value:+.digits$}"))
+}
+
+fn digits(value: f64) -> usize {
+    if value.abs() < 10.0 { 2 } else { 1 }
+}
+
+/// Formats a fraction with its interval, in percent.
+pub fn percent(share: [f64; 3]) -> String {
+    let text = with_interval(share.map(|part| 100.0 * part), |part| format!("{part:.1}"));
+    text + " %"
+}
+
+/// Formats a fraction with its interval in percent, without the unit; a dash for `None`.
+pub fn share(share: Option<[f64; 3]>) -> String {
+    let percent = |share: [f64; 3]| number(share.map(|part| 100.0 * part));
+    share.map_or_else(|| "-".into(), percent)
+}
+
 /// Splits a label such as `Torque (mN·m)` into name and unit; the unit may be empty.
 pub fn name_and_unit(label: &str) -> (&str, &str) {
     let parts = label.strip_suffix(')').and_then(|l| l.rsplit_once(" ("));

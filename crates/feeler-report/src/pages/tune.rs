@@ -1,10 +1,8 @@
 //! `NAME.html` of `feeler tune`: tuned settings, predicted success rate, and the most costly uncertainties.
 
-use super::document::{Tile, document, tiles};
-use super::robustness::percent;
-use super::text::significant;
+use super::document::{Tile, document_of_figures, number_heads, numbers, table, tiles};
+use super::text::{percent, significant};
 use crate::figures::sweep::wilson;
-use crate::page_data::PageData;
 use maud::{Markup, html};
 
 /// Content of the tuning page.
@@ -116,7 +114,7 @@ pub fn tune_page(page: &TunePage) -> String {
             }
         }
     };
-    document(&title, body, &PageData::of_figures(&title, &[]))
+    document_of_figures(&title, body, &[])
 }
 
 /// Difference between the success rates of two thirds of `draws` that chance exceeds in at most 5 % of cases.
@@ -146,66 +144,47 @@ fn settings_table(page: &TunePage) -> Markup {
     } else {
         "Rule"
     };
-    html! {
-        div.scroll {
-            table {
-                thead { tr { th { "Key" } th.number { "Before" } th.number { "Tuned" } th { "Unit" } th { (how) } } }
-                tbody {
-                    @for row in &page.settings {
-                        tr {
-                            td { code { (row.key) } }
-                            td.number { (significant(row.before)) }
-                            td.number { (significant(row.after)) }
-                            td { (row.unit) }
-                            td { (row.reason) }
-                        }
-                    }
-                }
-            }
+    let head =
+        html! { th { "Key" } (number_heads(["Before", "Tuned"])) th { "Unit" } th { (how) } };
+    let rows = page.settings.iter().map(|row| {
+        html! {
+            td { code { (row.key) } }
+            (numbers([row.before, row.after].map(significant)))
+            td { (row.unit) }
+            td { (row.reason) }
         }
-    }
+    });
+    table(head, rows)
 }
 
 fn claims_table(page: &TunePage) -> Markup {
     let margin = |margin: Option<f64>| margin.map_or_else(String::new, |m| format!("{m:+.2}"));
-    html! {
-        div.scroll {
-            table {
-                thead {
-                    tr {
-                        th { "Claim" } th.number { "Passes before" } th.number { "as tuned" }
-                        th.number { "Median margin before" } th.number { "as tuned" }
-                        th.number { "5th percentile before" } th.number { "as tuned" }
-                    }
-                }
-                tbody {
-                    @for row in &page.claims {
-                        tr {
-                            td { (row.name) }
-                            @for held in row.held { td.number { (percent(share(held, page.draws))) } }
-                            @for median in row.median { td.number { (margin(median)) } }
-                            @for low in row.low { td.number { (margin(low)) } }
-                        }
-                    }
-                }
-            }
+    const COLUMNS: [&str; 6] = [
+        "Passes before",
+        "as tuned",
+        "Median margin before",
+        "as tuned",
+        "5th percentile before",
+        "as tuned",
+    ];
+    let rows = page.claims.iter().map(|row| {
+        html! {
+            td { (row.name) }
+            (numbers(row.held.map(|held| percent(share(held, page.draws)))))
+            (numbers(row.median.map(margin)))
+            (numbers(row.low.map(margin)))
         }
-    }
+    });
+    table(html! { th { "Claim" } (number_heads(COLUMNS)) }, rows)
 }
 
 fn costs_table(page: &TunePage) -> Markup {
-    html! {
-        div.scroll {
-            table {
-                thead { tr { th { "Uncertain value" } th.number { "Lowest third" } th.number { "Middle" } th.number { "Highest" } } }
-                tbody {
-                    @for row in &page.costs {
-                        tr { td { (row.name) } @for third in row.thirds { td.number { (format!("{:.0} %", 100.0 * third)) } } }
-                    }
-                }
-            }
-        }
-    }
+    let head = number_heads(["Lowest third", "Middle", "Highest"]);
+    let rows = page.costs.iter().map(|row| {
+        let thirds = row.thirds.map(|third| format!("{:.0} %", 100.0 * third));
+        html! { td { (row.name) } (numbers(thirds)) }
+    });
+    table(html! { th { "Uncertain value" } (head) }, rows)
 }
 
 #[cfg(test)]

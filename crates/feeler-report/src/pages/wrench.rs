@@ -1,9 +1,8 @@
 //! Report page of a wrench calibration: errors on held-out images.
 
-use super::document::{Tile, document, tiles};
+use super::document::{Tile, document_of_figures, figures, number_heads, numbers, table, tiles};
 use super::text::significant;
-use crate::figures::wrench::{predicted_figure, residuals_figure};
-use crate::page_data::PageData;
+use crate::figures::wrench::{AxisPoints, RecordingErrors, predicted_figure, residuals_figure};
 use maud::{Markup, html};
 
 /// Content of the wrench calibration page.
@@ -21,60 +20,16 @@ pub struct WrenchPage {
     pub left_out: Vec<&'static str>,
 }
 
-/// RMSE, MAE and mean error of one recording, in the component's unit.
-pub type RecordingErrors = Option<[f64; 3]>;
-
-/// Results for one component. Errors are in its unit, on images held out in blocks of time.
-#[derive(Debug, Clone, PartialEq, Default)]
-pub struct AxisPoints {
-    /// Component name.
-    pub name: &'static str,
-    /// Unit.
-    pub unit: &'static str,
-    /// Regression terms.
-    pub terms: String,
-    /// Range of the measured values.
-    pub range: [f64; 2],
-    /// Root mean square error.
-    pub rmse: f64,
-    /// Mean absolute error.
-    pub mae: f64,
-    /// Root mean square error of predicting the mean.
-    pub mean_rmse: f64,
-    /// Coefficient of determination.
-    pub r2: f64,
-    /// Mean error under growing load minus mean error under falling load; `None` if either has too few images.
-    pub hysteresis: Option<f64>,
-    /// For each recording with this component: name, errors with its blocks held out, and errors with the whole
-    /// recording held out.
-    pub recordings: Vec<(String, RecordingErrors, RecordingErrors)>,
-    /// Measured images in chronological order.
-    pub points: Vec<PredictedPoint>,
-}
-
-/// Measured and predicted value of one wrench component in one image, in the unit of the component.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct PredictedPoint {
-    /// Index of the recording.
-    pub recording: usize,
-    /// Measured value.
-    pub measured: f64,
-    /// Prediction with the image's block of time held out; NaN if there is no prediction.
-    pub by_blocks: f64,
-    /// Prediction with the image's recording held out; NaN if there is no prediction.
-    pub by_recording: f64,
-}
-
 /// Renders the page as HTML.
 pub fn wrench_page(page: &WrenchPage) -> String {
-    let figures = page.axes.iter().enumerate().flat_map(|(index, axis)| {
+    let drawn = page.axes.iter().enumerate().flat_map(|(index, axis)| {
         let number = 2 * index as u32 + 1;
         [
-            predicted_figure(page, axis, number),
-            residuals_figure(page, axis, number + 1),
+            predicted_figure(&page.recordings, axis, number),
+            residuals_figure(&page.recordings, axis, number + 1),
         ]
     });
-    let figures: Vec<_> = figures.collect();
+    let drawn: Vec<_> = drawn.collect();
     let body = html! {
         h1 { "Wrench calibration: " (page.source) }
         p.verdict { (verdict(page)) }
@@ -88,11 +43,11 @@ pub fn wrench_page(page: &WrenchPage) -> String {
         p.note { "Held out block by block, and as a whole. The mean error of a held-out recording is the drift between recordings." }
         (recordings_table(page))
         h2 { "Figures" }
-        div.figures { @for figure in &figures { (figure.markup()) } }
+        (figures(&drawn))
         p { "Calibrated for the fingertip with SHA-256" br; span.digest { (page.sha256) } }
     };
     let title = format!("Wrench calibration: {}", page.source);
-    document(&title, body, &PageData::of_figures(&title, &figures))
+    document_of_figures(&title, body, &drawn)
 }
 
 fn percent(axis: &AxisPoints) -> f64 {
@@ -119,73 +74,66 @@ fn verdict(page: &WrenchPage) -> Markup {
     }
 }
 
+/// Cell with the name and unit of a component.
+fn component(axis: &AxisPoints) -> Markup {
+    html! { td { (axis.name) " " span.unit { "(" (axis.unit) ")" } } }
+}
+
 fn axes_table(page: &WrenchPage) -> Markup {
-    html! {
-        div.scroll {
-            table {
-                thead { tr {
-                    th { "Component" }
-                    @for name in ["Range", "RMSE", "% of range", "MAE", "RMSE of the mean", "R²", "Hysteresis"] {
-                        th.number { (name) }
-                    }
-                    th { "Regressed on" }
-                } }
-                tbody {
-                    @for axis in &page.axes {
-                        tr {
-                            td { (axis.name) " " span.unit { "(" (axis.unit) ")" } }
-                            td.number { (format!("{:.3} to {:.3}", axis.range[0], axis.range[1])) }
-                            td.number { (format!("{:.4}", axis.rmse)) }
-                            td.number { (format!("{:.1}", percent(axis))) }
-                            td.number { (format!("{:.4}", axis.mae)) }
-                            td.number { (format!("{:.4}", axis.mean_rmse)) }
-                            td.number { (format!("{:.3}", axis.r2)) }
-                            td.number { (axis.hysteresis.map_or("unknown".into(), |h| format!("{h:+.4}"))) }
-                            td { (axis.terms) }
-                        }
-                    }
-                }
-            }
-        }
-    }
+    const COLUMNS: [&str; 7] = [
+        "Range",
+        "RMSE",
+        "% of range",
+        "MAE",
+        "RMSE of the mean",
+        "R²",
+        "Hysteresis",
+    ];
+    let head = html! { th { "Component" } (number_heads(COLUMNS)) th { "Regressed on" } };
+    let rows = page.axes.iter().map(|axis| {
+        let values = [
+            format!("{:.3} to {:.3}", axis.range[0], axis.range[1]),
+            format!("{:.4}", axis.rmse),
+            format!("{:.1}", percent(axis)),
+            format!("{:.4}", axis.mae),
+            format!("{:.4}", axis.mean_rmse),
+            format!("{:.3}", axis.r2),
+            (axis.hysteresis).map_or("unknown".into(), |h| format!("{h:+.4}")),
+        ];
+        html! { (component(axis)) (numbers(values)) td { (axis.terms) } }
+    });
+    table(head, rows)
 }
 
 fn recordings_table(page: &WrenchPage) -> Markup {
     let number = |errors: &RecordingErrors, which: usize| {
         errors.map_or("unknown".into(), |errors| format!("{:.4}", errors[which]))
     };
-    html! {
-        div.scroll {
-            table {
-                thead { tr {
-                    th { "Component" } th { "Recording" }
-                    @for name in ["RMSE", "MAE", "RMSE, held out", "MAE, held out", "Drift, held out"] {
-                        th.number { (name) }
-                    }
-                } }
-                tbody {
-                    @for axis in &page.axes {
-                        @for (name, blocks, left_out) in &axis.recordings {
-                            tr {
-                                td { (axis.name) " " span.unit { "(" (axis.unit) ")" } }
-                                td { (name) }
-                                td.number { (number(blocks, 0)) }
-                                td.number { (number(blocks, 1)) }
-                                td.number { (number(left_out, 0)) }
-                                td.number { (number(left_out, 1)) }
-                                td.number { (number(left_out, 2)) }
-                            }
-                        }
-                    }
-                }
-            }
+    const COLUMNS: [&str; 5] = [
+        "RMSE",
+        "MAE",
+        "RMSE, held out",
+        "MAE, held out",
+        "Drift, held out",
+    ];
+    let head = html! { th { "Component" } th { "Recording" } (number_heads(COLUMNS)) };
+    let recordings = page.axes.iter();
+    let recordings = recordings.flat_map(|axis| axis.recordings.iter().map(move |r| (axis, r)));
+    let rows = recordings.map(|(axis, (name, blocks, left_out))| {
+        html! {
+            (component(axis))
+            td { (name) }
+            (numbers([0, 1].map(|which| number(blocks, which))))
+            (numbers([0, 1, 2].map(|which| number(left_out, which))))
         }
-    }
+    });
+    table(head, rows)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::figures::wrench::PredictedPoint;
 
     #[test]
     fn page_contains_its_components_and_is_escaped() {

@@ -1,20 +1,12 @@
 //! A recording as time-aligned columns with one row per control step, split into strokes.
 
-mod finger_columns;
-mod stroke;
-
-pub use finger_columns::FingerColumns;
-pub(crate) use finger_columns::keep;
-pub use stroke::Stroke;
-pub(crate) use stroke::split_strokes;
-
+use super::finger_columns::{FingerColumns, FingerNewest, fingers, keep};
+use super::stroke::{Stroke, split_strokes};
 use super::thinned::DecimatedRun;
 use crate::measures::contact::Contact;
-use crate::measures::strokes::StrokeMeasures;
 use feeler_record::{
     Cap, FindingName, LatestAt, ObjectPose, Phase, Recording, RunFacts, TorqueSensor, TrueSlip,
 };
-use finger_columns::{FingerNewest, fingers};
 use glam::{DQuat, DVec3};
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -161,21 +153,28 @@ impl RunData {
         }
     }
 
-    /// Measures of each stroke.
-    pub fn stroke_measures(&self) -> Vec<StrokeMeasures> {
-        match &self.thinned {
-            Some(thinned) => thinned.strokes.clone(),
-            None => {
-                let strokes = self.strokes.iter();
-                strokes.map(|s| StrokeMeasures::new(self, s)).collect()
-            }
-        }
-    }
-
     /// Stroke with this number, if it was made and its MOVE is complete.
     pub fn whole_stroke(&self, index: u32) -> Option<&Stroke> {
         let mut strokes = self.strokes.iter();
         strokes.find(|s| s.index == index && s.whole && !s.moving.is_empty())
+    }
+
+    /// Direction of a finger's planned strokes.
+    pub(crate) fn direction(&self, finger: usize) -> Option<DVec3> {
+        let direction = self.facts.stroke_direction.get(finger)?;
+        Some(DVec3::from(*direction))
+    }
+
+    /// Direction from which a finger approaches the object.
+    pub(crate) fn approach(&self, finger: usize) -> Option<DVec3> {
+        let approach = self.facts.approach.get(finger)?;
+        Some(DVec3::from(*approach))
+    }
+
+    /// Path of a dome's centre over the MOVE of `stroke` (m).
+    pub(crate) fn path(&self, stroke: &Stroke, finger: usize) -> Option<&[DVec3]> {
+        let finger = self.fingers.get(finger)?;
+        finger.position.get(stroke.moving.clone())
     }
 
     /// Grasp force at a row, averaged over fingers (N).

@@ -8,15 +8,14 @@
 
 mod letting_go;
 mod over_all;
-mod recorder;
 
-pub use recorder::RunRecorder;
-
-use super::data::{RunData, Stroke, findings, keep, split_strokes};
+use super::data::{RunData, findings};
+use super::finger_columns::keep;
+use super::stroke::{Stroke, split_strokes};
 use super::thinned::DecimatedRun;
-use crate::measures::cap::{Felt, FeltStroke};
+use crate::measures::cap::Felt;
 use crate::measures::contact::Contact;
-use crate::measures::strokes::StrokeMeasures;
+use crate::measures::strokes::{FeltStroke, StrokeMeasures};
 use feeler_record::{RecordError, Recording, SAME_TIME};
 use letting_go::{
     has_many_messages, kept_rows, moved, row_size, rows_of_cells, shifted, thin_messages,
@@ -27,7 +26,7 @@ use std::ops::Range;
 use std::path::Path;
 
 /// Memory limit of the rows (bytes): about three and a half minutes of two fingers with 41 elements each at 100 Hz.
-const MEMORY: usize = 48 << 20;
+pub(super) const MEMORY: usize = 48 << 20;
 /// Minimum and maximum number of rows kept before decimation.
 const ROWS: (usize, usize) = (1_000, 30_000);
 /// Maximum delay of a message in the file relative to other messages of the same time (s).
@@ -94,7 +93,7 @@ fn convert(
 }
 
 /// Converter of a run that is being read or recorded.
-struct LongRun {
+pub(super) struct LongRun {
     /// Retained rows.
     data: RunData,
     /// For each retained row: its index among all rows, and the number of its stroke.
@@ -125,7 +124,7 @@ struct LongRun {
 }
 
 impl LongRun {
-    fn new(recording: &Recording, memory: usize) -> Self {
+    pub(super) fn new(recording: &Recording, memory: usize) -> Self {
         let data = RunData::empty(recording);
         Self {
             memory,
@@ -149,7 +148,7 @@ impl LongRun {
     }
 
     /// Converts all messages up to `until` (s), which must be complete, and releases them.
-    fn take(&mut self, recording: &mut Recording, until: f64) {
+    pub(super) fn take(&mut self, recording: &mut Recording, until: f64) {
         let tasks = recording.task.iter();
         let known = tasks
             .take_while(|task| task.stamp <= until + SAME_TIME)
@@ -267,7 +266,7 @@ impl LongRun {
         pinned
     }
 
-    fn finish(mut self, recording: &mut Recording) -> RunData {
+    pub(super) fn finish(mut self, recording: &mut Recording) -> RunData {
         self.align(recording, recording.task.len());
         self.contact.take(recording, f64::INFINITY);
         self.data.findings = findings(recording);

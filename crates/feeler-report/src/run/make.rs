@@ -1,6 +1,7 @@
 //! Creates the report of a run from its recording.
 
 use super::data::RunData;
+pub use super::file_names::{FIGURES, RECORDING, REPORT, SUMMARY};
 use super::long_run;
 use crate::figures::Figure;
 use crate::measures::claim::Claim;
@@ -15,14 +16,6 @@ use std::panic::resume_unwind;
 use std::path::{Path, PathBuf};
 use std::{fs, thread};
 
-/// File name of the recording in a run's folder.
-pub const RECORDING: &str = "recording.mcap";
-/// File name of the report page in a run's folder.
-pub const REPORT: &str = "report.html";
-/// Folder name of the individual figures in a run's folder.
-pub const FIGURES: &str = "figures";
-/// File name of the summary in a run's folder.
-pub const SUMMARY: &str = "summary.json";
 /// Suffix for files of an earlier report whose recording has become unreadable.
 const STALE: &str = ".stale";
 
@@ -110,10 +103,7 @@ pub fn make_into(
     progress: &mut dyn FnMut(f64),
 ) -> Result<ReportOutcome, ReportError> {
     let (recording, data) = read(path, folder, progress)?;
-    create_folder(folder).map_err(|source| ReportError::Write {
-        path: folder.to_path_buf(),
-        source,
-    })?;
+    create_folder(folder).map_err(failed(folder))?;
     let name = path.file_name().unwrap_or_default().to_string_lossy();
     let link = match path.parent() == Some(folder) {
         true => name.into_owned(),
@@ -147,11 +137,11 @@ fn write_report(
     remove(&summary_path)?;
     let drawn = draw(recording, data, link, |figures, summary| {
         write_figures(&run_dir.join(FIGURES), figures)?;
-        let json = summary.to_json().map_err(|e| ReportError::Write {
-            path: summary_path.clone(),
-            source: e.into(),
-        })?;
-        write_whole(&summary_path, json.as_bytes())
+        let json = summary.to_json().map_err(io::Error::from);
+        write_whole(
+            &summary_path,
+            json.map_err(failed(&summary_path))?.as_bytes(),
+        )
     });
     let Drawn {
         html,
@@ -252,6 +242,14 @@ fn draw<T>(
     })
 }
 
+/// Error of a file that could not be written.
+fn failed(path: &Path) -> impl Fn(io::Error) -> ReportError + use<'_> {
+    move |source| ReportError::Write {
+        path: path.to_path_buf(),
+        source,
+    }
+}
+
 /// Creates a folder and its parents if they are missing.
 ///
 /// # Errors
@@ -269,10 +267,7 @@ pub fn create_folder(path: &Path) -> io::Result<()> {
 
 /// Writes each figure to a separate file in `directory` and removes outdated files of figures that were not drawn.
 fn write_figures(directory: &Path, figures: &[Figure]) -> Result<(), ReportError> {
-    create_folder(directory).map_err(|source| ReportError::Write {
-        path: directory.to_path_buf(),
-        source,
-    })?;
+    create_folder(directory).map_err(failed(directory))?;
     figures.iter().try_for_each(|figure| {
         let path = directory.join(figure.file_name());
         match &figure.svg {
@@ -300,8 +295,7 @@ fn read(
     for name in [REPORT, SUMMARY] {
         let (path, stale) = (run_dir.join(name), format!("{name}{STALE}"));
         if path.exists() {
-            fs::rename(&path, run_dir.join(&stale))
-                .map_err(|source| ReportError::Write { path, source })?;
+            fs::rename(&path, run_dir.join(&stale)).map_err(failed(&path))?;
             set_aside.push(stale);
         }
     }
@@ -315,10 +309,7 @@ fn read(
 /// Removes a file of an earlier report, if present.
 fn remove(path: &Path) -> Result<(), ReportError> {
     match fs::remove_file(path) {
-        Err(source) if source.kind() != std::io::ErrorKind::NotFound => Err(ReportError::Write {
-            path: path.to_path_buf(),
-            source,
-        }),
+        Err(error) if error.kind() != ErrorKind::NotFound => Err(failed(path)(error)),
         _ => Ok(()),
     }
 }
@@ -337,9 +328,6 @@ fn write_whole(path: &Path, content: &[u8]) -> Result<(), ReportError> {
     written.map_err(|source| {
         // Best effort: the partial file may not exist.
         let _ = fs::remove_file(&part);
-        ReportError::Write {
-            path: path.to_path_buf(),
-            source,
-        }
+        failed(path)(source)
     })
 }

@@ -1,9 +1,8 @@
 //! Measures of all rows of a long run, and selection of the rows to keep.
 
-use super::data::RunData;
-use crate::measures::cap::FeltStroke;
+use super::finger_columns::FingerColumns;
 use crate::measures::series::Stretch;
-use crate::measures::strokes::StrokeMeasures;
+use crate::measures::strokes::{FeltStroke, StrokeMeasures};
 use std::ops::Range;
 
 /// Measures of all rows of a run whose rows were only partly kept.
@@ -57,8 +56,8 @@ impl Pressed {
     }
 
     /// Adds the next row.
-    pub fn take_row(&mut self, data: &RunData, row: usize) {
-        for (finger, columns) in data.fingers.iter().enumerate() {
+    pub fn take_row(&mut self, fingers: &[FingerColumns], row: usize) {
+        for (finger, columns) in fingers.iter().enumerate() {
             let forces = columns.forces[row].iter();
             let is_known = self.elements[finger].len() >= forces.len();
             // Fast path: no stretch starts, continues or ends.

@@ -1,12 +1,14 @@
 //! Report of closing or opening a cap by touch. It replaces the paper's claims.
 
 use super::screw::ScrewReport;
-use super::{TaskReport, shown};
+use super::task_report::{TaskReport, shown};
 use crate::figures::{Figure, cap};
-use crate::measures::cap::{CapMeasures, DAMAGE_TIME, FeltStroke, TIGHT};
+use crate::measures::cap::{CapMeasures, TIGHT};
 use crate::measures::claim::Claim;
-use crate::measures::strokes::StrokeMeasures;
+use crate::measures::overload::DAMAGE_TIME;
+use crate::measures::strokes::{FeltStroke, StrokeMeasures};
 use crate::measures::summary::Summary;
+use crate::pages::document::{facts_table, number_heads, numbers, table};
 use crate::pages::text::{significant, value};
 use crate::run::data::RunData;
 use feeler_record::{Recording, TaskOutcome};
@@ -16,10 +18,6 @@ use maud::{Markup, html};
 pub struct CapReport;
 
 impl TaskReport for CapReport {
-    fn whose(&self) -> &'static str {
-        "of this task"
-    }
-
     /// Always empty: the report compares the hand's estimates with the instruments.
     fn claims(&self, _: &Recording, _: &RunData, _: &[StrokeMeasures]) -> Vec<Claim> {
         Vec::new()
@@ -65,33 +63,23 @@ fn cap_section(summary: &Summary, cap: &CapMeasures) -> Markup {
         .outcome
         .as_ref()
         .map_or("undetermined", TaskOutcome::as_str);
+    let (strokes, left_out) = shown(&cap.strokes);
+    let measured = |column: &&Column| cap.strokes.iter().any(|stroke| column.1(stroke).is_some());
+    let columns: Vec<_> = COLUMNS.iter().filter(measured).collect();
+    let head = html! { th { "Stroke" } (number_heads(columns.iter().map(|(name, _)| name))) };
+    let values = strokes.iter().map(|stroke| {
+        let values = columns.iter().map(|(_, measure)| value(measure(stroke)));
+        html! { td { (stroke.index) } (numbers(values)) }
+    });
     html! {
         h2 { "Result" }
         p.verdict {
             "Outcome reported by the hand: " b { (outcome) } ". The hand does not measure torque or cap angle; the estimates below are "
             "computed from fingertip forces and joint encoders."
         }
-        @let (strokes, left_out) = shown(&cap.strokes);
-        @let columns: Vec<_> = COLUMNS.iter().filter(|column| cap.strokes.iter().any(|stroke| column.1(stroke).is_some())).collect();
-        table {
-            tbody {
-                @for (name, value) in rows(cap) { tr { th scope="row" { (name) } td { (value) } } }
-            }
-        }
+        (facts_table(rows(cap)))
         h2 { "Strokes" }
-        div.scroll {
-            table {
-                thead { tr { th { "Stroke" } @for (name, _) in &columns { th.number { (name) } } } }
-                tbody {
-                    @for stroke in &strokes {
-                        tr {
-                            td { (stroke.index) }
-                            @for (_, measure) in &columns { td.number { (value(measure(stroke))) } }
-                        }
-                    }
-                }
-            }
-        }
+        (table(head, values))
         (left_out)
     }
 }

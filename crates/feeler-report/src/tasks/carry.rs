@@ -1,17 +1,16 @@
 //! Report of the carry task: path of the object compared with its goal, and grasp forces.
 
-use super::{TaskReport, findings};
+use super::task_report::TaskReport;
 use crate::figures::Figure;
-use crate::figures::drawing::canvas::{CAP, Pen, finger_colour, line, panel, range};
+use crate::figures::drawing::canvas::{CAP, Pen, finger_colour, finger_legend, line, panel, range};
 use crate::figures::drawing::sheet::column;
-use crate::measures::claim::{Claim, ClaimPart, Relation};
+use crate::measures::claim::{Claim, part};
+use crate::measures::paths::MM;
 use crate::measures::series::{finite, maximum};
 use crate::measures::strokes::StrokeMeasures;
-use crate::measures::summary::Summary;
 use crate::run::data::RunData;
 use feeler_record::{CarryGoal, FindingName, ObjectPose, Recording, TaskOutcome};
 use glam::{DQuat, DVec3};
-use maud::Markup;
 
 /// Maximum final distance of the object from its goal (m).
 const PLACE: f64 = 2e-3;
@@ -19,8 +18,6 @@ const PLACE: f64 = 2e-3;
 const TURN: f64 = 3.0;
 /// Maximum distance of the object's highest position below the highest position of the path (m).
 const DROP: f64 = 5e-3;
-/// Millimetres per metre.
-const MM: f64 = 1e3;
 
 fn position(pose: &ObjectPose) -> DVec3 {
     pose.position.into()
@@ -54,24 +51,12 @@ pub(crate) fn tip(from: &ObjectPose, to: &ObjectPose) -> f64 {
 pub struct CarryReport;
 
 impl TaskReport for CarryReport {
-    fn whose(&self) -> &'static str {
-        "of this task"
-    }
-
     fn claims(&self, recording: &Recording, data: &RunData, _: &[StrokeMeasures]) -> Vec<Claim> {
         claims(recording, data)
     }
 
     fn figures(&self, recording: &Recording, data: &RunData) -> Vec<Figure> {
-        figures(recording, data)
-    }
-
-    fn verdict(&self, _: &Recording, summary: &Summary) -> Markup {
-        findings::verdict(summary)
-    }
-
-    fn measured(&self, _: &Recording, summary: &Summary) -> Markup {
-        findings::table(summary)
+        vec![way(recording), grip(data)]
     }
 }
 
@@ -106,52 +91,39 @@ fn claims(recording: &Recording, data: &RunData) -> Vec<Claim> {
             "carried",
             "The object is carried to the end of the path.",
             vec![
-                ClaimPart::new("carried", carried, Relation::Equals, 1.0),
-                ClaimPart::new(
-                    "distance from the end of the path",
-                    end_error,
-                    Relation::AtMost,
-                    MM * PLACE,
-                )
-                .in_unit("mm"),
-                ClaimPart::new("rotation about the vertical", turn, Relation::Within, TURN)
-                    .in_unit("°"),
+                part("carried").equals(carried, 1.0),
+                part("distance from the end of the path")
+                    .in_unit("mm")
+                    .at_most(end_error, MM * PLACE),
+                part("rotation about the vertical")
+                    .in_unit("°")
+                    .within(turn, TURN),
             ],
         ),
         Claim::new(
             "not-dropped",
             "The object does not tip, and it is lifted to the height of the path.",
             vec![
-                ClaimPart::new("tilt", tip, Relation::AtMost, TURN).in_unit("°"),
-                ClaimPart::new(
-                    "highest position below the path's",
-                    below,
-                    Relation::AtMost,
-                    MM * DROP,
-                )
-                .in_unit("mm"),
+                part("tilt").in_unit("°").at_most(tip, TURN),
+                part("highest position below the path's")
+                    .in_unit("mm")
+                    .at_most(below, MM * DROP),
             ],
         ),
         Claim::new(
             "not-crushed",
             "No finger exceeds the crush force.",
             vec![
-                ClaimPart::new(
-                    "largest grasp force of a finger",
-                    // Without a goal there is no limit to compare with.
-                    pressing.filter(|_| goal.is_some()),
-                    Relation::AtMost,
-                    crush_force,
-                )
-                .in_unit("N"),
+                part("largest grasp force of a finger")
+                    .in_unit("N")
+                    .at_most(
+                        // Without a goal there is no limit to compare with.
+                        pressing.filter(|_| goal.is_some()),
+                        crush_force,
+                    ),
             ],
         ),
     ]
-}
-
-/// Figures of the object's path and of the grasp forces.
-fn figures(recording: &Recording, data: &RunData) -> Vec<Figure> {
-    vec![way(recording), grip(data)]
 }
 
 /// Estimate of the hand over time.
@@ -204,14 +176,12 @@ fn way(recording: &Recording) -> Figure {
 
 fn grip(data: &RunData) -> Figure {
     let title = "Grasp force of each finger";
-    const NAMES: [&str; 5] = ["finger 0", "finger 1", "finger 2", "finger 3", "finger 4"];
-    let (mut plots, mut legend, mut most) = (Vec::new(), Vec::new(), 0.0_f64);
-    for (finger, columns) in data.fingers.iter().enumerate().take(NAMES.len()) {
-        let pen = Pen::solid(finger_colour(finger), 1.6);
+    let (mut plots, mut most) = (Vec::new(), 0.0_f64);
+    let legend = finger_legend(data.fingers.len(), 1.6);
+    for (columns, (_, pen)) in data.fingers.iter().zip(&legend) {
         let force = columns.grasp_force.iter().copied();
         most = most.max(maximum(force.clone()).unwrap_or(0.0));
-        plots.push(line(data.time.iter().copied().zip(force), pen));
-        legend.push((NAMES[finger], pen));
+        plots.push(line(data.time.iter().copied().zip(force), *pen));
     }
     let drawing = range(data.time.iter().copied()).map(|time| {
         let layout = panel(time, (0.0, most), "Time (s)", "Grasp force (N)");

@@ -1,18 +1,15 @@
 //! Report of the contour task: the drawn outline compared with the true section.
 
-use super::{TaskReport, findings};
-use crate::figures::Figure;
-use crate::figures::drawing::outline;
-use crate::measures::claim::{Claim, ClaimPart, Relation};
+use super::task_report::TaskReport;
+use crate::figures::{Figure, outline};
+use crate::measures::claim::{Claim, part};
 use crate::measures::contour_points::{drawn, section};
-use crate::measures::paths::Polyline;
+use crate::measures::paths::{MM, Polyline};
 use crate::measures::series::{maximum, rms};
 use crate::measures::strokes::StrokeMeasures;
-use crate::measures::summary::Summary;
 use crate::run::data::RunData;
 use feeler_record::{Recording, TaskOutcome};
 use glam::DVec2;
-use maud::Markup;
 
 /// Maximum RMS error of the outline (m).
 const RMS_ERROR: f64 = 0.5e-3;
@@ -28,8 +25,6 @@ const GREATEST_GAP: f64 = 1.5e-3;
 const CORNER_ANGLE: f64 = 0.5;
 /// Length of a corner, see [`CORNER_ANGLE`] (m).
 const CORNER_LENGTH: f64 = 0.4e-3;
-/// Metres to millimetres.
-const MM: f64 = 1e3;
 
 /// Corners of a closed path: the midpoints of sharp bends.
 fn corners(section: &[DVec2]) -> Vec<DVec2> {
@@ -75,24 +70,12 @@ fn longest_loss(data: &RunData) -> Option<f64> {
 pub struct ContourReport;
 
 impl TaskReport for ContourReport {
-    fn whose(&self) -> &'static str {
-        "of this task"
-    }
-
     fn claims(&self, recording: &Recording, data: &RunData, _: &[StrokeMeasures]) -> Vec<Claim> {
         claims(recording, data)
     }
 
     fn figures(&self, recording: &Recording, data: &RunData) -> Vec<Figure> {
         outline::figures(recording, data)
-    }
-
-    fn verdict(&self, _: &Recording, summary: &Summary) -> Markup {
-        findings::verdict(summary)
-    }
-
-    fn measured(&self, _: &Recording, summary: &Summary) -> Markup {
-        findings::table(summary)
     }
 }
 
@@ -125,50 +108,36 @@ fn claims(recording: &Recording, data: &RunData) -> Vec<Claim> {
             "outline-closed",
             "The finger follows the whole outline and detects that it is closed.",
             vec![
-                ClaimPart::new("closed", closed, Relation::Equals, 1.0),
-                ClaimPart::new(
-                    "maximum distance of the section from the outline",
-                    millimetres(gap),
-                    Relation::AtMost,
-                    MM * GREATEST_GAP,
-                )
-                .in_unit("mm"),
+                part("closed").equals(closed, 1.0),
+                part("maximum distance of the section from the outline")
+                    .in_unit("mm")
+                    .at_most(millimetres(gap), MM * GREATEST_GAP),
             ],
         ),
         Claim::new(
             "outline-true",
             "The outline matches the object's section.",
             vec![
-                ClaimPart::new(
-                    "RMS error",
-                    millimetres(rms(errors())),
-                    Relation::AtMost,
-                    MM * RMS_ERROR,
-                )
-                .in_unit("mm"),
+                part("RMS error")
+                    .in_unit("mm")
+                    .at_most(millimetres(rms(errors())), MM * RMS_ERROR),
             ],
         ),
         Claim::new(
             "corners-passed",
             "Every corner is passed.",
-            vec![ClaimPart::new(
-                "corners passed",
-                known(Some(passed.count() as f64)),
-                Relation::Equals,
-                corners.len() as f64,
-            )],
+            vec![
+                part("corners passed")
+                    .equals(known(Some(passed.count() as f64)), corners.len() as f64),
+            ],
         ),
         Claim::new(
             "contact-kept",
             "The finger keeps contact with the object.",
             vec![
-                ClaimPart::new(
-                    "longest time without touch",
-                    longest_loss(data),
-                    Relation::AtMost,
-                    LOST_TIME,
-                )
-                .in_unit("s"),
+                part("longest time without touch")
+                    .in_unit("s")
+                    .at_most(longest_loss(data), LOST_TIME),
             ],
         ),
     ]

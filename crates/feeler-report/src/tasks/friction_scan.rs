@@ -1,11 +1,12 @@
 //! Report of the friction scan: measured coefficients, compared with ground truth if known.
 
-use super::TaskReport;
-use crate::claims::no_damage;
+use super::task_report::TaskReport;
+use crate::claims::hand::no_damage;
 use crate::figures::{Figure, friction};
-use crate::measures::claim::{Claim, ClaimPart, Relation};
+use crate::measures::claim::{Claim, part};
 use crate::measures::strokes::StrokeMeasures;
 use crate::measures::summary::Summary;
+use crate::pages::document::{number_heads, numbers, table};
 use crate::pages::text::{significant, value};
 use crate::run::data::RunData;
 use feeler_record::{FindingName, Recording, RunFacts};
@@ -24,14 +25,10 @@ const COEFFICIENTS: [(FindingName, &str); 2] = [
 pub struct FrictionScanReport;
 
 impl TaskReport for FrictionScanReport {
-    fn whose(&self) -> &'static str {
-        "of this task"
-    }
-
     fn claims(&self, _: &Recording, data: &RunData, _: &[StrokeMeasures]) -> Vec<Claim> {
         let error = |name| Some(data.findings.get(name)? / true_value(&data.facts, name)? - 1.0);
-        let within = |id, text, name, part| {
-            let part = ClaimPart::new(part, error(name), Relation::Within, TOLERANCE);
+        let within = |id, text, name, part_name| {
+            let part = part(part_name).within(error(name), TOLERANCE);
             Claim::new(id, text, vec![part])
         };
         vec![
@@ -73,33 +70,28 @@ impl TaskReport for FrictionScanReport {
 
     fn measured(&self, recording: &Recording, summary: &Summary) -> Markup {
         let found = |name| summary.findings.get(name).copied().flatten();
+        let coefficients = COEFFICIENTS.iter().map(|(name, words)| {
+            let truth = true_value(&recording.facts, name);
+            let error = found(name).zip(truth);
+            let error = error.map(|(found, truth)| 100.0 * (found / truth - 1.0));
+            html! {
+                td { (words) }
+                (numbers([value(found(name)), value(truth)]))
+                td.number { (value(error)) " " span.unit { "%" } }
+            }
+        });
+        let tilt = found(&FindingName::Tilt).map(f64::to_degrees);
+        let others = [
+            html! {
+                td { "Tilt of the specimen along the slide" }
+                td.number { (value(tilt)) " " span.unit { "°" } } td {} td {}
+            },
+            html! { td { "Number of slips" } td.number { (value(found(&FindingName::Slips))) } td {} td {} },
+        ];
+        let head = html! { th {} (number_heads(["Measured", "True", "Error"])) };
         html! {
             h2 { "Friction" }
-            div.scroll {
-                table {
-                    thead {
-                        tr { th {} th.number { "Measured" } th.number { "True" } th.number { "Error" } }
-                    }
-                    tbody {
-                        @for (name, words) in &COEFFICIENTS {
-                            @let truth = true_value(&recording.facts, name);
-                            @let error = found(name).zip(truth).map(|(found, truth)| 100.0 * (found / truth - 1.0));
-                            tr {
-                                td { (words) }
-                                td.number { (value(found(name))) }
-                                td.number { (value(truth)) }
-                                td.number { (value(error)) " " span.unit { "%" } }
-                            }
-                        }
-                        tr {
-                            td { "Tilt of the specimen along the slide" }
-                            td.number { (value(found(&FindingName::Tilt).map(f64::to_degrees))) " " span.unit { "°" } }
-                            td {} td {}
-                        }
-                        tr { td { "Number of slips" } td.number { (value(found(&FindingName::Slips))) } td {} td {} }
-                    }
-                }
-            }
+            (table(head, coefficients.chain(others)))
         }
     }
 }

@@ -1,11 +1,12 @@
 //! Report of the screw task: the paper's claims and figures, and a table of strokes.
 
-use super::{PAPERS, TaskReport, shown};
+use super::task_report::{TaskReport, shown};
 use crate::claims::claims;
 use crate::figures::{Figure, paths, radius, time};
 use crate::measures::claim::Claim;
 use crate::measures::strokes::StrokeMeasures;
 use crate::measures::summary::Summary;
+use crate::pages::document::{number_heads, numbers, table};
 use crate::pages::text::{significant, value};
 use crate::run::data::RunData;
 use feeler_record::{Phase, Recording};
@@ -16,7 +17,7 @@ pub struct ScrewReport;
 
 impl TaskReport for ScrewReport {
     fn whose(&self) -> &'static str {
-        PAPERS
+        "of the paper"
     }
 
     fn claims(&self, _: &Recording, data: &RunData, strokes: &[StrokeMeasures]) -> Vec<Claim> {
@@ -112,28 +113,15 @@ fn strokes_table(strokes: &[StrokeMeasures]) -> Markup {
         STROKE_COLUMNS.iter().partition(|c| measured(c));
     let missing: Vec<_> = missing.iter().map(|column| column.0).collect();
     let (strokes, left_out) = shown(strokes);
-    html! {
-        div.scroll {
-            table {
-                thead {
-                    tr {
-                        th { "Stroke" }
-                        @for stroke in &strokes { th.number { (stroke.index) } }
-                    }
-                }
-                tbody {
-                    @for (name, unit, measure) in columns {
-                        tr {
-                            td {
-                                (name)
-                                @if !unit.is_empty() { " " span.unit { "(" (unit) ")" } }
-                            }
-                            @for stroke in &strokes { td.number { (value(measure(stroke))) } }
-                        }
-                    }
-                }
-            }
+    let head = html! { th { "Stroke" } (number_heads(strokes.iter().map(|stroke| stroke.index))) };
+    let rows = columns.into_iter().map(|(name, unit, measure)| {
+        html! {
+            td { (name) @if !unit.is_empty() { " " span.unit { "(" (unit) ")" } } }
+            (numbers(strokes.iter().map(|stroke| value(measure(stroke)))))
         }
+    });
+    html! {
+        (table(head, rows))
         (left_out)
         @if !missing.is_empty() { p.note { "Not measured: " (missing.join("; ")) "." } }
     }

@@ -1,9 +1,7 @@
 //! Overrides of feeler parameters for single elements.
 
-use crate::contact::columnar_feeler::FeelerConfig;
+use crate::contact::feeler_config::FeelerConfig;
 use crate::contact::relaxation::RelaxationConfig;
-use crate::error::SimError;
-use crate::world::model::Finger;
 use serde::{Deserialize, Serialize};
 
 /// Overrides of `sim.feeler` for some elements of one finger. Missing values are not overridden.
@@ -54,31 +52,5 @@ impl ElementConfig {
             length_limit: self.length_limit.or(usual.length_limit),
             relaxation: self.relaxation.or(usual.relaxation),
         }
-    }
-
-    /// Applies the overrides to the feelers of `fingers`.
-    ///
-    /// # Errors
-    /// If the finger or an element does not exist.
-    pub(crate) fn apply(&self, fingers: &mut [Finger]) -> Result<(), SimError> {
-        let count = fingers.len();
-        let mut finger = fingers.get_mut(self.finger);
-        for &element in &self.elements {
-            let no_such_element = |expected| SimError::NoSuchElement {
-                finger: self.finger,
-                element,
-                expected,
-            };
-            let Some(finger) = &mut finger else {
-                return Err(no_such_element(format!("a finger below {count}")));
-            };
-            let elements = finger.feelers.len();
-            let feeler = finger
-                .feelers
-                .get_mut(element)
-                .ok_or_else(|| no_such_element(format!("an element below {elements}")))?;
-            *feeler = self.feeler(feeler);
-        }
-        Ok(())
     }
 }

@@ -1,6 +1,6 @@
 //! Sequence of loads that a calibration bench applies to each element.
 
-use super::calibration::CalibrationBenchConfig;
+use super::config::CalibrationBenchConfig;
 use feeler::math::direction_at;
 use feeler::sensor::fingertip::ElementLayout;
 use glam::{DVec2, DVec3};

@@ -1,12 +1,9 @@
 //! Contact of one feeler: an anisotropic spring between its undeformed tip and an anchor on the object's surface, which
 //! Coulomb friction holds in place.
 
-pub use super::feeler_config::{FeelerConfig, Friction};
-
-use super::slip::{MAX_SLIP_ITERATIONS, Slip, sticks};
-use crate::objects::object::Object;
+use super::feeler_config::{FeelerConfig, Friction};
 use crate::objects::pose::Pose;
-use crate::shapes::shape::SurfacePoint;
+use crate::shapes::surface_point::SurfacePoint;
 use glam::DVec3;
 
 /// Factor on the normal stiffness of a feeler that is compressed beyond its length limit.
@@ -143,46 +140,6 @@ impl FeelerConfig {
     #[inline(always)]
     pub fn contact_point(&self, anchor: &Anchor) -> DVec3 {
         anchor.position - self.tip_radius * anchor.normal
-    }
-
-    /// Stick-slip return mapping: returns the anchor and the force on the object (N), in the object's frame, after
-    /// slipping if the shear force exceeds the static friction limit. `None` if the normal force is not compressive, so
-    /// that the contact separates.
-    ///
-    /// The feeler has no mass, so a slip completes within the step: the shear force falls to the kinetic limit, and the
-    /// tip sticks again. Drives are slow compared with slips, so under steady motion the shear force is a sawtooth
-    /// between both limits.
-    pub fn settle(
-        &self,
-        object: &Object,
-        friction: Friction,
-        tip: &Tip,
-        anchor: Anchor,
-        overload: Overload,
-    ) -> Option<(Anchor, DVec3)> {
-        let force = self.elastic_force(tip, anchor.position);
-        let (normal_force, shear) = split(force, anchor.normal);
-        if normal_force <= 0.0 {
-            return None;
-        }
-        if sticks(normal_force, shear.length(), friction) {
-            return Some((anchor, force));
-        }
-        let side = object.shape.side();
-        let curvature = side.map_or(0.0, |side| side.curvature(self.tip_radius));
-        let mut slip = Slip::begin(self, friction, tip, anchor, overload);
-        for _ in 0..MAX_SLIP_ITERATIONS {
-            if slip.is_over(friction) {
-                break;
-            }
-            let point = slip.ahead(self, friction, tip);
-            let anchor = self.anchor(&object.nearest(point)?);
-            slip = slip.go_on(self, tip, anchor, curvature);
-            if slip.normal_force <= 0.0 {
-                return None;
-            }
-        }
-        Some((slip.anchor, slip.force))
     }
 }
 

@@ -5,8 +5,22 @@
 //! order, so results are bit-identical on all processors.
 
 use super::columnar_feeler::Anchor;
-use crate::world::state::Contact;
 use glam::DVec3;
+
+/// A feeler in contact.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Contact {
+    /// Index of its element.
+    pub element: usize,
+    /// Index of the object.
+    pub object: usize,
+    /// Point where the feeler sticks to the object.
+    pub anchor: Anchor,
+    /// Rolling distance since the anchor was last projected onto the surface (m).
+    pub rolled: f64,
+    /// Centre of the undeformed tip in the object's frame, one step ago (m).
+    pub tip_before: DVec3,
+}
 
 /// Number of contacts in a block: one cache line of `f64`.
 pub(crate) const BLOCK: usize = 8;
@@ -41,26 +55,20 @@ impl Vectors {
 #[derive(Debug, Clone, Copy, Default)]
 #[repr(align(64))]
 pub(crate) struct Block {
-    element: [usize; BLOCK],
+    /// Indices of the elements.
+    pub element: [usize; BLOCK],
     /// Axes of the feelers in the fingertip frame `T`.
-    axis: Vectors,
-    anchor: Vectors,
+    pub axis: Vectors,
+    /// Positions and normals of the anchors.
+    pub anchor: Vectors,
     normal: Vectors,
-    rolled: Column,
-    tip_before: Vectors,
+    /// See [`Contact::rolled`].
+    pub rolled: Column,
+    /// See [`Contact::tip_before`].
+    pub tip_before: Vectors,
 }
 
 impl Block {
-    #[inline(always)]
-    pub fn element(&self, lane: usize) -> usize {
-        self.element[lane]
-    }
-
-    #[inline(always)]
-    pub fn axis(&self, lane: usize) -> DVec3 {
-        self.axis.get(lane)
-    }
-
     #[inline(always)]
     pub fn anchor(&self, lane: usize) -> Anchor {
         Anchor {
@@ -75,12 +83,6 @@ impl Block {
         self.normal.set(lane, anchor.normal);
     }
 
-    /// Sets an anchor's position and keeps its normal.
-    #[inline(always)]
-    pub fn move_anchor(&mut self, lane: usize, position: DVec3) {
-        self.anchor.set(lane, position);
-    }
-
     /// Sets the positions of all anchors, whose tips have rolled by another `distance` (m), and keeps their normals.
     #[inline(always)]
     pub fn roll_to(&mut self, anchors: &Vectors, distance: f64) {
@@ -88,26 +90,6 @@ impl Block {
         for rolled in &mut self.rolled {
             *rolled += distance;
         }
-    }
-
-    #[inline(always)]
-    pub fn rolled(&self, lane: usize) -> f64 {
-        self.rolled[lane]
-    }
-
-    #[inline(always)]
-    pub fn set_rolled(&mut self, lane: usize, rolled: f64) {
-        self.rolled[lane] = rolled;
-    }
-
-    #[inline(always)]
-    pub fn tip_before(&self, lane: usize) -> DVec3 {
-        self.tip_before.get(lane)
-    }
-
-    #[inline(always)]
-    pub fn set_tip_before(&mut self, lane: usize, position: DVec3) {
-        self.tip_before.set(lane, position);
     }
 
     fn copy_lane(&mut self, to: usize, other: &Self, from: usize) {
@@ -218,11 +200,11 @@ impl Contacts {
         objects.flat_map(|(object, on)| {
             on.blocks().flat_map(move |(share, block)| {
                 (0..share.count).map(move |lane| Contact {
-                    element: block.element(lane),
+                    element: block.element[lane],
                     object,
                     anchor: block.anchor(lane),
-                    rolled: block.rolled(lane),
-                    tip_before: block.tip_before(lane),
+                    rolled: block.rolled[lane],
+                    tip_before: block.tip_before.get(lane),
                 })
             })
         })
@@ -231,7 +213,7 @@ impl Contacts {
     /// Elements in contact, in the order of [`iter`](Self::iter).
     pub(crate) fn elements(&self) -> impl Iterator<Item = usize> + '_ {
         let blocks = self.objects.iter().flat_map(OnObject::blocks);
-        blocks.flat_map(|(share, block)| (0..share.count).map(|lane| block.element(lane)))
+        blocks.flat_map(|(share, block)| (0..share.count).map(|lane| block.element[lane]))
     }
 
     /// Contacts with one object.

@@ -1,10 +1,10 @@
 //! Contact detection for free feelers, by conservative advancement, and projection of rolled tips onto their surface.
 
+use super::contacts::Contact;
 use crate::objects::object::Object;
 use crate::objects::pose::Pose;
 use crate::world::model::{Finger, WorldModel};
-use crate::world::state::{Contact, FingerState, GROUP, ObjectState};
-use crate::world::step::undeformed;
+use crate::world::state::{FingerState, GROUP, ObjectState};
 use glam::DVec3;
 
 /// Maximum rolling distance along the tangent before a tip is projected onto the surface (m): on a radius of 10 mm
@@ -102,7 +102,7 @@ fn look(
     let feeler = finger.feeler(element);
     let (mut clearance, mut contact) = (f64::INFINITY, None);
     for (index, (object, seen)) in objects.iter().zip(seen).enumerate() {
-        let tip = undeformed(finger, sets, seen, element);
+        let tip = finger.undeformed(sets, seen, element);
         // At distance 0, up to rounding, the normal is undefined. The next step tries again.
         let Some(surface) = object.nearest(tip.at_rest()) else {
             return (0.0, None);
@@ -131,14 +131,14 @@ fn put_back(model: &WorldModel, finger: &Finger, own: &mut FingerState) {
     for (index, object) in model.objects.iter().enumerate() {
         for (share, block) in own.contacts.on_mut(index).blocks_mut() {
             for lane in 0..share.count {
-                if block.rolled(lane) <= FLAT {
+                if block.rolled[lane] <= FLAT {
                     continue;
                 }
                 if let Some(surface) = object.nearest(block.anchor(lane).position) {
-                    let feeler = finger.feeler(block.element(lane));
+                    let feeler = finger.feeler(block.element[lane]);
                     block.set_anchor(lane, &feeler.anchor(&surface));
                 }
-                block.set_rolled(lane, 0.0);
+                block.rolled[lane] = 0.0;
             }
         }
     }

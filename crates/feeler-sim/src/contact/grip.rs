@@ -1,14 +1,14 @@
 //! Load of the feelers on an object along a degree of freedom, and its derivative by the object's motion.
 
-use super::columnar_feeler::{Anchor, FeelerConfig, Friction, Tip, split, tip_of, within_cone};
+use super::columnar_feeler::{Anchor, Tip, split, tip_of, within_cone};
 use super::contacts::{BLOCK, Block, Column, Share};
+use super::feeler_config::{FeelerConfig, Friction};
 use super::settle::friction;
 use crate::objects::object::Object;
 use crate::objects::pose::Pose;
 use crate::objects::thread::FingerLoad;
 use crate::world::model::{Finger, WorldModel};
 use crate::world::state::{FingerState, ObjectState};
-use crate::world::step::undeformed;
 use glam::DVec3;
 
 /// Degree of freedom of an object, in its own frame.
@@ -114,7 +114,7 @@ impl Fingertip<'_> {
         let mut slips = [false; BLOCK];
         for lane in 0..share.lanes.min(BLOCK) {
             let anchor = spring.rolled(&block.anchor(lane), turned);
-            let tip = tip_of(dome_radius, &seen, block.axis(lane), DVec3::ZERO);
+            let tip = tip_of(dome_radius, &seen, block.axis.get(lane), DVec3::ZERO);
             let (grip, holds) =
                 contact_grip::<false>(spring, friction, &tip, &anchor, STILL, freedom);
             held.set(lane, &grip);
@@ -126,7 +126,7 @@ impl Fingertip<'_> {
         let mut limited = Grips::default();
         for lane in 0..share.lanes.min(BLOCK) {
             let anchor = spring.rolled(&block.anchor(lane), turned);
-            let tip = tip_of(dome_radius, &seen, block.axis(lane), DVec3::ZERO);
+            let tip = tip_of(dome_radius, &seen, block.axis.get(lane), DVec3::ZERO);
             let (grip, _) = contact_grip::<true>(spring, friction, &tip, &anchor, STILL, freedom);
             limited.set(lane, &grip);
         }
@@ -145,11 +145,11 @@ impl Fingertip<'_> {
     ) -> Grips {
         let mut grips = Grips::default();
         for lane in 0..share.count {
-            let element = block.element(lane);
+            let element = block.element[lane];
             let feeler = &self.finger.feelers[element];
             let anchor = feeler.rolled(&block.anchor(lane), self.turned);
-            let tip = undeformed(self.finger, sets, &self.seen, element);
-            let moved = (tip.position - block.tip_before(lane), duration);
+            let tip = self.finger.undeformed(sets, &self.seen, element);
+            let moved = (tip.position - block.tip_before.get(lane), duration);
             let friction = friction(feeler, self.object, self.own);
             let (mut grip, _) =
                 contact_grip::<true>(feeler, friction, &tip, &anchor, moved, freedom);

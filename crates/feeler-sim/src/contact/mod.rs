@@ -11,5 +11,6 @@ pub(crate) mod settle;
 pub(crate) mod slip;
 pub(crate) mod slips;
 
-pub use columnar_feeler::{Anchor, FeelerConfig, Friction, Overload, Tip};
+pub use columnar_feeler::{Anchor, Overload, Tip};
+pub use feeler_config::{FeelerConfig, Friction};
 pub use relaxation::RelaxationConfig;

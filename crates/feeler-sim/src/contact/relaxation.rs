@@ -16,10 +16,8 @@
 //! the full stiffness. The forces due to `normal_shear_coupling` and `length_limit` do not relax: they depend on the
 //! feeler's shape, that is on `d`.
 //!
-//! [`FeelerConfig`]: super::columnar_feeler::FeelerConfig
+//! [`FeelerConfig`]: super::feeler_config::FeelerConfig
 
-use crate::world::model::WorldModel;
-use crate::world::state::State;
 use feeler::check::Checker;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -63,39 +61,5 @@ impl RelaxationConfig {
             return DVec3::ZERO;
         }
         left
-    }
-}
-
-/// Relaxes all feelers over one step, at the deformation at its end.
-///
-/// A feeler's *set* (creep displacement) is constant within a step, so it lags a changing deformation by half a step:
-/// a relative error of `step / (2 time)` of the energy dissipated per load cycle. In exchange, the stiffness within a
-/// step does not depend on the step's length.
-pub(crate) fn relax(model: &WorldModel, state: &mut State) {
-    if !model.relaxes {
-        return;
-    }
-    let State {
-        fingers, objects, ..
-    } = state;
-    for (finger, own) in model.fingers.iter().zip(fingers) {
-        let to_fingertip = own.tip.rotation.transpose();
-        for (element, set) in own.sets.iter_mut().enumerate() {
-            let Some(relaxation) = &finger.feelers[element].relaxation else {
-                continue;
-            };
-            let mut touching = own.contacts.iter();
-            *set = match touching.find(|contact| contact.element == element) {
-                Some(contact) => {
-                    let anchor = objects[contact.object]
-                        .pose
-                        .to_world(contact.anchor.position);
-                    let anchor = to_fingertip * (anchor - own.tip.position);
-                    let displacement = finger.dome_radius * finger.normals[element] - anchor;
-                    relaxation.held(*set, displacement, model.step)
-                }
-                None => relaxation.recovered(*set, model.step),
-            };
-        }
     }
 }

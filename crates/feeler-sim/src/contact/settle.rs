@@ -1,14 +1,14 @@
 //! Resolves stick, slip and separation of all contacts with one object, and their forces.
 
-use super::columnar_feeler::{FeelerConfig, Friction, Overload, split, tip_of, within_cone};
+use super::columnar_feeler::{Overload, split, tip_of, within_cone};
 use super::contacts::{BLOCK, Block, Column, Share, Vectors};
+use super::feeler_config::{FeelerConfig, Friction};
 use super::slip::{Slipped, lost, sticks};
 use super::slips::{Alike, Mask, Slips, slip_together};
 use crate::objects::object::Object;
 use crate::objects::pose::Pose;
 use crate::world::model::{Finger, WorldModel};
 use crate::world::state::{FingerState, ObjectState, State};
-use crate::world::step::undeformed;
 use glam::DVec3;
 use multiversion::multiversion;
 
@@ -81,7 +81,7 @@ pub(crate) fn settle(
             let held = meeting.hold(share, block);
             let together = meeting.slip_together(share, block, &held);
             for lane in 0..share.count {
-                let element = block.element(lane);
+                let element = block.element[lane];
                 if held.is_held[lane] {
                     state.forces[element] = held.force.get(lane);
                     continue;
@@ -126,7 +126,7 @@ impl FingerContacts<'_> {
         };
         let Some(spring) = &self.finger.springs else {
             for lane in 0..share.count {
-                self.roll(block, lane, &self.finger.feelers[block.element(lane)]);
+                self.roll(block, lane, &self.finger.feelers[block.element[lane]]);
             }
             return held;
         };
@@ -139,7 +139,7 @@ impl FingerContacts<'_> {
         let to_world = self.state.pose.rotation;
         for lane in 0..share.lanes.min(BLOCK) {
             let anchor = spring.rolled(&block.anchor(lane), turned);
-            let tip = tip_of(dome_radius, &seen, block.axis(lane), DVec3::ZERO);
+            let tip = tip_of(dome_radius, &seen, block.axis.get(lane), DVec3::ZERO);
             let force = spring.elastic_force(&tip, anchor.position);
             let (normal_force, across) = split(force, anchor.normal);
             (pressed[lane], shear[lane]) = (normal_force, across.length());
@@ -176,7 +176,7 @@ impl FingerContacts<'_> {
         };
         let (seen, dome_radius) = (self.seen, self.finger.dome_radius);
         let start = |lane| {
-            let tip = tip_of(dome_radius, &seen, block.axis(lane), DVec3::ZERO);
+            let tip = tip_of(dome_radius, &seen, block.axis.get(lane), DVec3::ZERO);
             (tip, block.anchor(lane))
         };
         Some(slip_together(alike, share.lanes, &held.slips, start))
@@ -196,19 +196,18 @@ impl FingerContacts<'_> {
     #[inline(always)]
     fn roll(&self, block: &mut Block, lane: usize, feeler: &FeelerConfig) {
         let anchor = feeler.rolled(&block.anchor(lane), self.turned);
-        block.move_anchor(lane, anchor.position);
-        let rolled = block.rolled(lane) + feeler.tip_radius * self.turned.length();
-        block.set_rolled(lane, rolled);
+        block.anchor.set(lane, anchor.position);
+        block.rolled[lane] += feeler.tip_radius * self.turned.length();
     }
 
     /// Resolves one contact, whose tip has rolled. `None` if it separates.
     fn settle(&self, block: &mut Block, lane: usize, sets: &[DVec3]) -> Option<Settled> {
-        let element = block.element(lane);
+        let element = block.element[lane];
         let feeler = self.finger.feeler(element);
         let before = block.anchor(lane);
-        let tip = undeformed(self.finger, sets, &self.seen, element);
+        let tip = self.finger.undeformed(sets, &self.seen, element);
         let mut friction = friction(feeler, self.object, self.state);
-        let velocity = (tip.position - block.tip_before(lane)) / self.duration;
+        let velocity = (tip.position - block.tip_before.get(lane)) / self.duration;
         if friction.stribeck_speed > 0.0 {
             friction = friction.at_speed(velocity.reject_from(before.normal).length());
         }
@@ -235,8 +234,8 @@ pub(crate) fn remember_tips(model: &WorldModel, state: &mut State, index: usize)
         let FingerState { contacts, sets, .. } = state;
         for (share, block) in contacts.on_mut(index).blocks_mut() {
             for lane in 0..share.count {
-                let tip = undeformed(finger, sets, &seen, block.element(lane));
-                block.set_tip_before(lane, tip.position);
+                let tip = finger.undeformed(sets, &seen, block.element[lane]);
+                block.tip_before.set(lane, tip.position);
             }
         }
     }

@@ -1,6 +1,8 @@
 //! Stick-slip return mapping of one contact: slides the anchor until the shear force is back within its limit.
 
-use super::columnar_feeler::{Anchor, FeelerConfig, Friction, Overload, Tip, split};
+use super::columnar_feeler::{Anchor, Overload, Tip, split};
+use super::feeler_config::{FeelerConfig, Friction};
+use crate::objects::object::Object;
 use glam::DVec3;
 
 /// Maximum number of Newton steps along the surface; on a cylinder two or three suffice.
@@ -117,6 +119,48 @@ impl Slip {
             bend: if is_beside { curvature * around } else { 0.0 },
             rebuilt: 0.0,
         }
+    }
+}
+
+impl FeelerConfig {
+    /// Stick-slip return mapping: returns the anchor and the force on the object (N), in the object's frame, after
+    /// slipping if the shear force exceeds the static friction limit. `None` if the normal force is not compressive, so
+    /// that the contact separates.
+    ///
+    /// The feeler has no mass, so a slip completes within the step: the shear force falls to the kinetic limit, and the
+    /// tip sticks again. Drives are slow compared with slips, so under steady motion the shear force is a sawtooth
+    /// between both limits.
+    pub fn settle(
+        &self,
+        object: &Object,
+        friction: Friction,
+        tip: &Tip,
+        anchor: Anchor,
+        overload: Overload,
+    ) -> Option<(Anchor, DVec3)> {
+        let force = self.elastic_force(tip, anchor.position);
+        let (normal_force, shear) = split(force, anchor.normal);
+        if normal_force <= 0.0 {
+            return None;
+        }
+        if sticks(normal_force, shear.length(), friction) {
+            return Some((anchor, force));
+        }
+        let side = object.shape.side();
+        let curvature = side.map_or(0.0, |side| side.curvature(self.tip_radius));
+        let mut slip = Slip::begin(self, friction, tip, anchor, overload);
+        for _ in 0..MAX_SLIP_ITERATIONS {
+            if slip.is_over(friction) {
+                break;
+            }
+            let point = slip.ahead(self, friction, tip);
+            let anchor = self.anchor(&object.nearest(point)?);
+            slip = slip.go_on(self, tip, anchor, curvature);
+            if slip.normal_force <= 0.0 {
+                return None;
+            }
+        }
+        Some((slip.anchor, slip.force))
     }
 }
 

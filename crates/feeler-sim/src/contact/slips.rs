@@ -1,9 +1,11 @@
 //! Slips of a block's contacts in structure-of-arrays form, for vectorized return mapping of [`Slip`]s.
 
-use super::columnar_feeler::{Anchor, FeelerConfig, Friction, Overload, Tip};
+use super::columnar_feeler::{Anchor, Overload, Tip};
 use super::contacts::{BLOCK, Column, Vectors};
+use super::feeler_config::{FeelerConfig, Friction};
 use super::slip::{MAX_SLIP_ITERATIONS, Slip, Slipped, lost};
-use crate::shapes::shape::{Side, SurfacePoint};
+use crate::shapes::shape::Side;
+use crate::shapes::surface_point::SurfacePoint;
 use glam::DVec3;
 
 /// Selection of contacts of a block.

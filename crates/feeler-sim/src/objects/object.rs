@@ -2,8 +2,10 @@
 
 use super::pose::Pose;
 use super::thread::{Hinge, HingeConfig, ThreadConfig};
-use crate::contact::columnar_feeler::Friction;
-use crate::shapes::shape::{Shape, ShapeConfig, ShapeError, SurfacePoint};
+use crate::contact::feeler_config::Friction;
+use crate::shapes::shape::{Shape, ShapeError};
+use crate::shapes::shape_config::ShapeConfig;
+use crate::shapes::surface_point::SurfacePoint;
 use feeler::check::Checker;
 use feeler::math::{rotation_x, rotation_y, rotation_z};
 use glam::{DMat3, DVec3};
@@ -95,9 +97,7 @@ impl ObjectConfig {
             _ => None,
         }
     }
-}
 
-impl ObjectConfig {
     /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
         checker.vector(&format!("{key}.position"), self.position);

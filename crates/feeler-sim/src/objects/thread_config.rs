@@ -53,6 +53,15 @@ fn one() -> f64 {
     1.0
 }
 
+impl HingeConfig {
+    /// Checks that every value of the table `key` is in its range.
+    pub fn check(&self, key: &str, checker: &mut Checker) {
+        checker.not_negative(&format!("{key}.running_torque"), self.running_torque);
+        let factor = self.static_factor;
+        checker.between(&format!("{key}.static_factor"), factor, 1.0, 10.0);
+    }
+}
+
 impl ThreadConfig {
     /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
@@ -73,18 +82,7 @@ impl ThreadConfig {
         let factor = self.static_factor;
         checker.between(&format!("{key}.static_factor"), factor, 1.0, 10.0);
     }
-}
 
-impl HingeConfig {
-    /// Checks that every value of the table `key` is in its range.
-    pub fn check(&self, key: &str, checker: &mut Checker) {
-        checker.not_negative(&format!("{key}.running_torque"), self.running_torque);
-        let factor = self.static_factor;
-        checker.between(&format!("{key}.static_factor"), factor, 1.0, 10.0);
-    }
-}
-
-impl ThreadConfig {
     /// Torque that resists turning at `angle` (rad) while the cap turns (N·m).
     pub fn resisting_torque(&self, angle: f64) -> f64 {
         let stops = self.stops().into_iter();

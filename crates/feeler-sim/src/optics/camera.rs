@@ -1,6 +1,7 @@
 //! The camera inside a simulated fingertip.
 
-use super::config::{OpticsConfig, OpticsError};
+use super::config::OpticsConfig;
+use super::error::OpticsError;
 use super::model::OpticsModel;
 use super::renderer::{OpticsScratch, render};
 use crate::random::{Generator, Purpose, generator};

@@ -1,5 +1,6 @@
 //! Parameters of the simulated fingertip's optics and camera.
 
+use super::error::{OpticsError, in_range};
 use super::markers::MarkerConfig;
 use serde::{Deserialize, Serialize};
 
@@ -71,53 +72,6 @@ impl Default for OpticsConfig {
     }
 }
 
-/// Error when creating or rendering a simulated fingertip.
-#[derive(Debug, Clone, PartialEq, thiserror::Error)]
-pub enum OpticsError {
-    /// A parameter is out of its range.
-    #[error("{name} must lie between {low} and {high}, got {value}")]
-    OutOfRange {
-        /// Name of the field.
-        name: &'static str,
-        /// Lower limit.
-        low: f64,
-        /// Upper limit.
-        high: f64,
-        /// Its value.
-        value: f64,
-    },
-    /// A cone of an unloaded element does not touch the visible part of the dome.
-    #[error("the cones of element {element} are not visible to the camera")]
-    Unseen {
-        /// Index of the element.
-        element: usize,
-    },
-    /// The number of forces differs from the number of elements.
-    #[error("expected forces for {expected} elements, got {actual}")]
-    ElementCount {
-        /// Number of elements of the fingertip.
-        expected: usize,
-        /// Number of forces.
-        actual: usize,
-    },
-    /// The image has another size than the camera.
-    #[error(
-        "expected an image of {expected_width}x{expected_height} px, got {width}x{height} px in {pixels} values"
-    )]
-    PictureSize {
-        /// Columns of the camera (px).
-        expected_width: usize,
-        /// Rows of the camera (px).
-        expected_height: usize,
-        /// Columns of the image (px).
-        width: usize,
-        /// Rows of the image (px).
-        height: usize,
-        /// Number of gray values in the image.
-        pixels: usize,
-    },
-}
-
 impl OpticsConfig {
     /// Checks that values are in the range that can be rendered.
     ///
@@ -146,21 +100,5 @@ impl OpticsConfig {
             ("shot_noise", self.shot_noise, 0.0, MAX_SHOT_NOISE),
         ])?;
         self.markers.as_ref().map_or(Ok(()), MarkerConfig::check)
-    }
-}
-
-/// Checks values, given as `(name, value, lowest, highest)`.
-pub(crate) fn in_range(values: &[(&'static str, f64, f64, f64)]) -> Result<(), OpticsError> {
-    let out = values
-        .iter()
-        .find(|(_, value, low, high)| !(low..=high).contains(&value));
-    match out {
-        None => Ok(()),
-        Some(&(name, value, low, high)) => Err(OpticsError::OutOfRange {
-            name,
-            low,
-            high,
-            value,
-        }),
     }
 }

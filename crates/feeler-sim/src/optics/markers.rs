@@ -13,8 +13,8 @@
 //! away from a normal load. A shear force at the height `h` above the skin depresses it ahead and lifts it behind. A
 //! marker that is nearer to the camera appears larger, and brighter by `brightening z`.
 
-use super::config::{OpticsError, in_range};
-use super::model::Spot;
+use super::error::{OpticsError, in_range};
+use super::spot::Spot;
 use feeler::math::direction_at;
 use feeler::sensor::fingertip::{DomeProjection, ElementLayout};
 use glam::{DMat3, DVec2, DVec3};

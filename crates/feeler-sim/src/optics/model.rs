@@ -18,10 +18,13 @@
 //! Other fingertips have markers instead; see [`markers`](super::markers).
 
 use super::camera_noise::NOISE_LANES;
-use super::config::{OpticsConfig, OpticsError};
+use super::config::OpticsConfig;
 use super::drawn_blocks::DrawnBlocks;
+use super::error::OpticsError;
 use super::markers::{MarkerConfig, MarkerModel};
-use super::renderer::{ExposedBlock, RestLight, exposed_at_rest};
+use super::renderer::exposed_block::ExposedBlock;
+use super::renderer::rest_light::RestLight;
+use super::spot::Spot;
 use feeler::math::direction_at;
 use feeler::sensor::fingertip::{DomeProjection, ElementLayout};
 use glam::{DVec2, DVec3};
@@ -29,19 +32,6 @@ use std::f64::consts::{PI, TAU};
 
 /// Number of conical feelers under a columnar feeler (paper, section II).
 pub const CONES: usize = 8;
-
-/// A spot of an element: the contact of a cone, or a marker.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Spot {
-    /// Load of the cone, or of the marker's element (N).
-    pub load: f64,
-    /// Centre, x and y in the element's frame `E_i` (m).
-    pub centre: DVec2,
-    /// Radius of the contact or marker (m).
-    pub radius: f64,
-    /// Contrast to the dome relative to the configured one.
-    pub contrast: f64,
-}
 
 /// Constant data for rendering the images of a fingertip.
 #[derive(Debug, Clone)]
@@ -69,11 +59,8 @@ pub struct OpticsModel {
 }
 
 impl OpticsModel {
-    /// Creates the optics of `config` for elements at `layout`, projected by `projection`.
-    ///
-    /// # Errors
-    /// If a value is out of its range, or an element is not visible.
-    pub fn new(
+    /// Like [`new`](Self::new), but without the light of an unloaded fingertip.
+    pub(super) fn without_light_at_rest(
         config: &OpticsConfig,
         layout: &ElementLayout,
         projection: &DomeProjection,
@@ -96,7 +83,7 @@ impl OpticsModel {
             .collect::<Result<_, _>>()?;
         // Loss per squared distance from the centre (1/px²).
         let lost_per_square = config.vignetting / (projection.width() as f64 / 2.0).powi(2);
-        let mut model = Self {
+        Ok(Self {
             config: config.clone(),
             layout: layout.clone(),
             projection: projection.clone(),
@@ -118,12 +105,7 @@ impl OpticsModel {
             drawn: DrawnBlocks::all(projection.width(), projection.height()),
             at_rest: Vec::new(),
             exposed_at_rest: Vec::new(),
-        };
-        if model.markers.is_none() {
-            model.at_rest = RestLight::of_elements(&model);
-        }
-        model.exposed_at_rest = exposed_at_rest(&model);
-        Ok(model)
+        })
     }
 
     /// Restricts rendering to the blocks that contain `pixels` (column, row). Those pixels are bit-identical to a full

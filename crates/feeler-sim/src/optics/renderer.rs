@@ -1,25 +1,25 @@
 //! Renders images of a simulated fingertip: spots or markers on a dome, with camera noise.
 
-mod exposed_block;
+pub(crate) mod exposed_block;
 mod exposure;
-mod light;
-mod seen_spot;
-
-pub(crate) use self::{exposed_block::ExposedBlock, exposure::exposed_at_rest, light::RestLight};
+pub(crate) mod light;
+pub(crate) mod ranges;
+pub(crate) mod rest_light;
+pub(crate) mod seen_spot;
 
 use self::{
     exposure::{LitRow, expose},
     light::Light,
+    ranges::{hull, meet},
     seen_spot::ProjectedSpot,
 };
 use super::camera_noise::{NOISE_LANES, PictureNoise};
-use super::config::OpticsError;
+use super::error::OpticsError;
 use super::model::OpticsModel;
 use feeler::sensor::image::Picture;
 use glam::DVec3;
 use multiversion::multiversion;
 use rand_pcg::Pcg64;
-use std::ops::Range;
 
 /// Number of rows that are rendered at a time; their data fits into the L1 cache.
 const BAND: usize = 8;
@@ -167,17 +167,4 @@ fn draw(model: &OpticsModel, scratch: &mut OpticsScratch, noise: &PictureNoise, 
             changed.fill(false);
         }
     }
-}
-
-/// Smallest range that contains both; empty ranges are ignored.
-fn hull(one: Range<usize>, other: Range<usize>) -> Range<usize> {
-    if one.is_empty() || other.is_empty() {
-        return if one.is_empty() { other } else { one };
-    }
-    one.start.min(other.start)..one.end.max(other.end)
-}
-
-/// Returns `true` if the ranges overlap.
-fn meet(one: &Range<usize>, other: &Range<usize>) -> bool {
-    one.start.max(other.start) < one.end.min(other.end)
 }

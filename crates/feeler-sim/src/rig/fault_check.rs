@@ -88,15 +88,12 @@ impl FaultKind {
                 let most = (MAX_LATE_PERIODS * targets.period).min(10.0);
                 checker.between(&format!("{key}.delay"), delay, 0.0, most);
             }
-            &Self::ServoStall { joint, .. } => {
+            &Self::ServoStall { joint, .. } | &Self::JointFreeze { joint, .. } => {
                 index_below(&format!("{key}.joint"), joint, JOINTS, "joints", checker);
             }
             &Self::Backlash { joint, angle, .. } => {
                 index_below(&format!("{key}.joint"), joint, JOINTS, "joints", checker);
                 checker.between(&format!("{key}.angle"), angle, 0.0, 1.0);
-            }
-            &Self::JointFreeze { joint, .. } => {
-                index_below(&format!("{key}.joint"), joint, JOINTS, "joints", checker);
             }
             &Self::JointGain { joint, gain, .. } => {
                 index_below(&format!("{key}.joint"), joint, JOINTS, "joints", checker);

@@ -51,9 +51,7 @@ impl SimHand {
             encoded_before,
         }
     }
-}
 
-impl SimHand {
     /// Begins a control period; joint velocities are averages since this call.
     pub fn begin_period(&mut self) {
         let world = self.rig.world();

@@ -30,16 +30,6 @@ impl Default for ServoConfig {
     }
 }
 
-impl ServoConfig {
-    /// Checks that every value of the table `key` is in its range.
-    pub fn check(&self, key: &str, checker: &mut Checker) {
-        checker.not_negative(&format!("{key}.lag"), self.lag);
-        let resolution = self.encoder_resolution;
-        checker.positive(&format!("{key}.encoder_resolution"), resolution);
-        checker.between(&format!("{key}.backlash"), self.backlash, 0.0, 1.0);
-    }
-}
-
 /// Ground truth of the motion of a finger's three joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joints {
@@ -101,6 +91,14 @@ impl Encoders {
 }
 
 impl ServoConfig {
+    /// Checks that every value of the table `key` is in its range.
+    pub fn check(&self, key: &str, checker: &mut Checker) {
+        checker.not_negative(&format!("{key}.lag"), self.lag);
+        let resolution = self.encoder_resolution;
+        checker.positive(&format!("{key}.encoder_resolution"), resolution);
+        checker.between(&format!("{key}.backlash"), self.backlash, 0.0, 1.0);
+    }
+
     /// Joints of these drives at rest at `position` (rad), in the middle of their backlash.
     pub fn joints(&self, position: DVec3) -> Joints {
         Joints {

@@ -49,6 +49,17 @@ impl Default for TorqueSensorConfig {
     }
 }
 
+/// A reading of the torque sensor.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct TorqueReading {
+    /// Measured torque about W's z on the bottle by the cap (N·m).
+    pub torque: f64,
+    /// Voltage at the converter's input (V).
+    pub voltage: f64,
+    /// Output of the converter (counts).
+    pub counts: i32,
+}
+
 impl TorqueSensorConfig {
     /// Checks that every value of the table `key` is in its range.
     pub fn check(&self, key: &str, checker: &mut Checker) {
@@ -71,20 +82,7 @@ impl TorqueSensorConfig {
             "1 to 24",
         );
     }
-}
 
-/// A reading of the torque sensor.
-#[derive(Debug, Clone, Copy, PartialEq, Default)]
-pub struct TorqueReading {
-    /// Measured torque about W's z on the bottle by the cap (N·m).
-    pub torque: f64,
-    /// Voltage at the converter's input (V).
-    pub voltage: f64,
-    /// Output of the converter (counts).
-    pub counts: i32,
-}
-
-impl TorqueSensorConfig {
     /// Gain of the low-pass filter for a step of `step` seconds: fraction of the difference to the input.
     pub fn low_pass_gain(&self, step: f64) -> f64 {
         1.0 - libm::exp(-std::f64::consts::TAU * self.cutoff_frequency * step)

@@ -4,7 +4,7 @@
 
 mod curve;
 
-use super::shape::SurfacePoint;
+use super::surface_point::SurfacePoint;
 use curve::Curve;
 use glam::DVec3;
 
@@ -58,20 +58,6 @@ impl KnurledCylinder {
             normal: normal.extend(0.0),
             distance: side,
         })
-    }
-
-    /// Volume (m^3), and moments of inertia about the axes of the object's frame (kg m^2) at `density` (kg/m^3). The
-    /// products of inertia in the plane are zero.
-    pub fn volume_and_inertia(&self, density: f64) -> (f64, DVec3) {
-        let (area, second) = self.curve.area_and_second_moments();
-        let height = 2.0 * self.half_height;
-        let upright = area * height.powi(3) / 12.0;
-        let inertia = DVec3::new(
-            height * second.y + upright,
-            height * second.x + upright,
-            height * (second.x + second.y),
-        );
-        (area * height, density * inertia)
     }
 
     fn on_end(&self, point: DVec3, above: f64) -> SurfacePoint {

@@ -6,6 +6,7 @@ pub(crate) mod prism;
 pub(crate) mod section;
 pub mod shape;
 pub(crate) mod shape_config;
+pub(crate) mod surface_point;
 
 pub use knurled_cylinder::KnurledCylinder;
 pub use mesh_file::{MeshError, TriangleMesh, read_mesh};

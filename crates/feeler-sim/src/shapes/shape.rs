@@ -5,6 +5,7 @@ pub use super::shape_config::ShapeConfig;
 use super::knurled_cylinder::KnurledCylinder;
 use super::mesh_file::{MeshError, TriangleMesh, read_mesh};
 use super::prism::{ellipse, prism, rounded};
+pub use super::surface_point::SurfacePoint;
 use glam::{DVec2, DVec3};
 use parry3d_f64::mass_properties::MassProperties;
 use parry3d_f64::math::{Pose as LibraryPose, Rotation, Vector};
@@ -48,17 +49,6 @@ fn mesh(folder: &Path, file: &Path, scale: f64) -> Result<TriangleMesh, ShapeErr
         file: file.to_path_buf(),
         source: Box::new(source),
     })
-}
-
-/// The surface point nearest to a query point.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct SurfacePoint {
-    /// Position in the shape's frame (m).
-    pub position: DVec3,
-    /// Outward unit normal in the shape's frame.
-    pub normal: DVec3,
-    /// Signed distance of the query point from the surface (m); negative inside.
-    pub distance: f64,
 }
 
 /// Side surface of an upright cylinder around the origin.

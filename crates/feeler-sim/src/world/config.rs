@@ -1,11 +1,12 @@
 //! Parameters of the simulated world in an experiment file: the table `sim`.
 
 use crate::bench::element::ElementConfig;
-use crate::contact::columnar_feeler::FeelerConfig;
+use crate::contact::feeler_config::FeelerConfig;
 use crate::objects::holder::HolderConfig;
 use crate::objects::object::ObjectConfig;
 use crate::objects::thread::ThreadConfig;
-use crate::optics::config::{OpticsConfig, OpticsError};
+use crate::optics::config::OpticsConfig;
+use crate::optics::error::OpticsError;
 use crate::rig::fault::FaultConfig;
 use crate::rig::fault_check::FaultTargets;
 use crate::rig::servo::ServoConfig;
@@ -116,9 +117,7 @@ impl SimConfig {
         let mut objects = self.object.iter();
         objects.find_map(|(name, object)| Some((name.as_str(), object, object.thread()?)))
     }
-}
 
-impl SimConfig {
     /// Checks that every value is in its range, for a hand with `fingertips`, one per finger, and a control period of
     /// `period` seconds. Messages use the keys of an experiment file, below `sim`.
     pub fn check(&self, fingertips: &[&FingertipConfig], period: f64, checker: &mut Checker) {

@@ -7,6 +7,7 @@ pub(crate) mod start;
 pub(crate) mod state;
 pub(crate) mod step;
 
+pub use crate::contact::contacts::Contact;
 pub use config::{DirectSensingConfig, SimConfig, VariationConfig};
 pub use simulation::World;
-pub use state::{Contact, FingerState, State};
+pub use state::{FingerState, State};

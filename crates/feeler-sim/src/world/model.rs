@@ -1,10 +1,13 @@
 //! The part of the world that is constant in a run: geometry and materials of the rig, varied by the run's seed.
 
 use super::config::SimConfig;
-use crate::contact::columnar_feeler::FeelerConfig;
+use crate::bench::element::ElementConfig;
+use crate::contact::columnar_feeler::{Tip, tip_of};
+use crate::contact::feeler_config::FeelerConfig;
 use crate::error::SimError;
 use crate::objects::holder::PlaySpring;
 use crate::objects::object::Object;
+use crate::objects::pose::Pose;
 use crate::random::{Purpose, generator, uniform};
 use crate::rig::servo::ServoConfig;
 use crate::rig::torque_sensor::TorqueSensorConfig;
@@ -90,7 +93,7 @@ impl WorldModel {
             .collect();
         offset_encoders(&mut fingers, config.variation.encoder_offset, seed);
         for exception in &config.element {
-            exception.apply(&mut fingers)?;
+            override_feelers(exception, &mut fingers)?;
         }
         for finger in &mut fingers {
             let first = finger.feelers.first().filter(|first| first.is_spring());
@@ -133,6 +136,18 @@ impl Finger {
         self.springs.as_ref().unwrap_or(&self.feelers[element])
     }
 
+    /// Undeformed tip of `element`, for the pose `seen` of the fingertip in some frame and the creep displacements `sets`
+    /// of the feelers.
+    pub(crate) fn undeformed(&self, sets: &[DVec3], seen: &Pose, element: usize) -> Tip {
+        let relaxes = self.feeler(element).relaxation.is_some();
+        let set = if relaxes {
+            seen.rotation * sets[element]
+        } else {
+            DVec3::ZERO
+        };
+        tip_of(self.dome_radius, seen, self.normals[element], set)
+    }
+
     fn new(geometry: &FingerGeometry, layout: &ElementLayout, feeler: &FeelerConfig) -> Self {
         let elements = &layout.elements;
         let [l2, l3, l4] = geometry.links();
@@ -156,6 +171,32 @@ fn offset_encoders(fingers: &mut [Finger], most: f64, seed: u64) {
     for finger in fingers {
         finger.encoder_offset = DVec3::from_array([(); 3].map(|()| uniform(&mut random, most)));
     }
+}
+
+/// Applies the overrides of `config` to the feelers of `fingers`.
+///
+/// # Errors
+/// If the finger or an element does not exist.
+fn override_feelers(config: &ElementConfig, fingers: &mut [Finger]) -> Result<(), SimError> {
+    let count = fingers.len();
+    let mut finger = fingers.get_mut(config.finger);
+    for &element in &config.elements {
+        let no_such_element = |expected| SimError::NoSuchElement {
+            finger: config.finger,
+            element,
+            expected,
+        };
+        let Some(finger) = &mut finger else {
+            return Err(no_such_element(format!("a finger below {count}")));
+        };
+        let elements = finger.feelers.len();
+        let feeler = finger
+            .feelers
+            .get_mut(element)
+            .ok_or_else(|| no_such_element(format!("an element below {elements}")))?;
+        *feeler = config.feeler(feeler);
+    }
+    Ok(())
 }
 
 /// Draws the quantities that vary with the seed. Returns the caps' initial angle (rad).

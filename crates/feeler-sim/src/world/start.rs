@@ -2,7 +2,6 @@
 
 use super::model::WorldModel;
 use super::state::State;
-use super::step::undeformed;
 use crate::error::SimError;
 use crate::objects::free_bodies::collider;
 use crate::objects::object::{Motion, Object};
@@ -66,7 +65,7 @@ fn check_feelers(model: &WorldModel, state: &State) -> Result<(), SimError> {
         for (object, now) in model.objects.iter().zip(&state.objects) {
             let seen = own.tip.seen_from(&now.pose);
             for (element, feeler) in finger.feelers.iter().enumerate() {
-                let tip = undeformed(finger, &own.sets, &seen, element).position;
+                let tip = finger.undeformed(&own.sets, &seen, element).position;
                 let distance = object.nearest(tip).map_or(0.0, |s| s.distance);
                 let depth = feeler.tip_radius - distance;
                 if depth > TOLERANCE {

@@ -1,8 +1,7 @@
 //! Variable part of the world.
 
 use super::model::WorldModel;
-use crate::contact::columnar_feeler::Anchor;
-pub use crate::contact::contacts::Contacts;
+use crate::contact::contacts::Contacts;
 use crate::objects::object::Motion;
 use crate::objects::pose::Pose;
 use crate::objects::thread::Turn;
@@ -78,21 +77,6 @@ pub struct FingerState {
     pub slip_work: f64,
     /// Bounds that avoid most distance queries of free feelers.
     pub(crate) watch: Watch,
-}
-
-/// A feeler in contact.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct Contact {
-    /// Index of its element.
-    pub element: usize,
-    /// Index of the object.
-    pub object: usize,
-    /// Point where the feeler sticks to the object.
-    pub anchor: Anchor,
-    /// Rolling distance since the anchor was last projected onto the surface (m).
-    pub rolled: f64,
-    /// Centre of the undeformed tip in the object's frame, one step ago (m).
-    pub tip_before: DVec3,
 }
 
 /// Conservative advancement of a fingertip: the distance travelled, and the lower bound of the travelled distance at

@@ -168,22 +168,3 @@ fn points_on_side_and_ends_have_a_normal_and_points_on_the_rim_do_not() {
     assert_eq!(cylinder.nearest(DVec3::NAN), None);
     assert_eq!(cylinder.nearest(DVec3::INFINITY), None);
 }
-
-#[test]
-fn volume_and_inertia_match_the_profile() {
-    let plain = KnurledCylinder::new(RADIUS, HEIGHT, 0, 0.0, 0.0);
-    let (volume, inertia) = plain.volume_and_inertia(1000.0);
-    let expected = TAU / 2.0 * RADIUS.powi(2) * HEIGHT;
-    assert!((volume / expected - 1.0).abs() < 1e-12);
-    let mass = 1000.0 * expected;
-    let across = mass * (3.0 * RADIUS.powi(2) + HEIGHT.powi(2)) / 12.0;
-    let along = mass * RADIUS.powi(2) / 2.0;
-    assert!((inertia / DVec3::new(across, across, along) - 1.0).length() < 1e-12);
-    // Area under r^2 / 2, by hand: pi (mean^2 + (amplitude^2 of each wave) / 2).
-    let (depth, ovality) = (0.0004, 0.02);
-    let waved = KnurledCylinder::new(RADIUS, HEIGHT, 120, depth, ovality);
-    let mean_square =
-        (RADIUS - depth / 2.0).powi(2) + ((RADIUS * ovality).powi(2) + (depth / 2.0).powi(2)) / 2.0;
-    let (volume, _) = waved.volume_and_inertia(1000.0);
-    assert!((volume / (TAU / 2.0 * mean_square * HEIGHT) - 1.0).abs() < 1e-12);
-}

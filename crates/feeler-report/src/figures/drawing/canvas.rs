@@ -7,6 +7,7 @@ pub use super::pen::{CAP, Pen, REFERENCE, SHADE, Style, finger_colour, stroke_co
 use crate::measures::series::finite;
 use kuva::backend::svg::SvgBackend;
 use kuva::plot::{BandPlot, LinePlot, LineStyle, ScatterPlot};
+use kuva::render::annotations::ShadedRegion;
 use kuva::render::figure::Figure as Panels;
 use kuva::render::layout::{Layout, TickFormat};
 use kuva::render::plots::Plot;
@@ -18,6 +19,9 @@ pub const WIDTH: f64 = 480.0;
 
 /// Maximum number of strokes whose MOVE is shaded; shades of more strokes are too narrow to distinguish.
 pub const MAX_SHADED: usize = 100;
+
+/// Number of buckets to which a series over time is decimated.
+pub const BUCKETS: usize = 480;
 
 const LEGEND_HEIGHT: f64 = 30.0;
 const LEGEND_LINE: f64 = 22.0;
@@ -80,6 +84,34 @@ pub fn panel(x: (f64, f64), y: (f64, f64), x_label: &str, y_label: &str) -> Layo
         layout
     } else {
         layout.with_x_label(x_label)
+    }
+}
+
+/// Like [`panel`], but the axes end exactly at the ends of the ranges.
+pub fn exact_panel(x: (f64, f64), y: (f64, f64), x_label: &str, y_label: &str) -> Layout {
+    panel(x, y, x_label, y_label)
+        .with_x_axis_min(x.0)
+        .with_x_axis_max(x.1)
+        .with_y_axis_min(y.0)
+        .with_y_axis_max(y.1)
+}
+
+/// Shades ranges of x.
+pub fn shaded(layout: Layout, spans: impl IntoIterator<Item = (f64, f64)>) -> Layout {
+    spans.into_iter().fold(layout, |layout, (start, end)| {
+        let shade = ShadedRegion::vertical(start, end).with_color(SHADE);
+        layout.with_shaded_region(shade.with_opacity(0.55))
+    })
+}
+
+/// Shades the MOVE phases of strokes on a time axis, unless there are too many to distinguish. Left and right margins
+/// are fixed, so that the time axes of all panels align.
+pub fn with_moves(layout: Layout, moves: Vec<(f64, f64)>) -> Layout {
+    const MARGINS: (f64, f64) = (64.0, 20.0);
+    let layout = layout.with_force_margins(MARGINS.0, MARGINS.1);
+    match moves.len() > MAX_SHADED {
+        true => layout,
+        false => shaded(layout, moves),
     }
 }
 

@@ -2,6 +2,5 @@
 
 pub(crate) mod canvas;
 pub(crate) mod grid;
-pub(crate) mod outline;
 pub(crate) mod pen;
 pub(crate) mod sheet;

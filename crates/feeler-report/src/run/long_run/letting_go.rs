@@ -1,6 +1,8 @@
 //! Decimation of long runs.
 
-use crate::run::data::{RunData, Stroke, keep};
+use crate::run::data::RunData;
+use crate::run::finger_columns::keep;
+use crate::run::stroke::Stroke;
 use crate::run::thinned::{Quantity, rows_that_stay};
 use crate::tasks::carry::tip;
 use feeler_record::{FindingName, Phase, Recording, Stamped};

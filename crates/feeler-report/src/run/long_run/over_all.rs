@@ -1,7 +1,8 @@
 //! Quantities accumulated over all rows of a run.
 
-use crate::claims::{PEAK_ENDS_BELOW, PEAK_RISES_ABOVE, SMOOTHING, damage_limit, samples};
-use crate::measures::peaks::PeakCounter;
+use crate::measures::overload::damage_limit;
+use crate::measures::peaks::{PEAK_ENDS_BELOW, PEAK_RISES_ABOVE, PeakCounter};
+use crate::measures::smoothing::smoothing_window;
 use crate::run::data::RunData;
 use crate::run::thinned::Pressed;
 use std::ops::Range;
@@ -18,7 +19,7 @@ pub struct OverAll {
 impl OverAll {
     /// Accumulator without rows.
     pub fn new(data: &RunData) -> Self {
-        let window = samples(data, SMOOTHING);
+        let window = smoothing_window(&data.facts);
         let peaks = PeakCounter::new(window, PEAK_RISES_ABOVE, PEAK_ENDS_BELOW);
         let of_cap = data.facts.cap.map(|cap| cap.damage_force);
         let limits = [damage_limit(&data.facts)].into_iter().chain(of_cap);
@@ -45,7 +46,7 @@ impl OverAll {
                 }
             }
             for pressed in &mut self.pressed {
-                pressed.take_row(data, row);
+                pressed.take_row(&data.fingers, row);
             }
         }
     }

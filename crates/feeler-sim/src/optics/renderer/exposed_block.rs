@@ -1,7 +1,7 @@
 //! Gray levels and their noise for blocks of sixteen pixels.
 
 use crate::optics::camera_noise::{BYTE_SUM_DEVIATION, NOISE_LANES};
-use crate::optics::model::OpticsModel;
+use crate::optics::config::OpticsConfig;
 
 /// Gray levels of a block and their noise in 16-bit integers; a 256-bit vector contains all sixteen.
 #[derive(Debug, Clone, Copy)]
@@ -45,7 +45,7 @@ fn whole(value: f32) -> i16 {
 }
 
 /// Exposure parameters that convert light to gray levels in a row of pixels.
-pub(super) struct Exposure {
+pub(crate) struct Exposure {
     background: f32,
     contrast: f32,
     most_cover: f32,
@@ -55,21 +55,20 @@ pub(super) struct Exposure {
 }
 
 impl Exposure {
-    /// Parameters of the pixels of a row.
+    /// Parameters of the pixels of a row that loses the fraction `lost_by_row` of its light.
     #[inline(always)]
-    pub fn new(model: &OpticsModel, row: usize) -> Self {
-        let config = &model.config;
+    pub fn new(config: &OpticsConfig, lost_by_row: f32) -> Self {
         Self {
             background: config.background_gray as f32,
             contrast: (config.spot_gray - config.background_gray) as f32,
             // Overlapping contacts do not add up; markers differ in brightness.
-            most_cover: match model.markers {
+            most_cover: match config.markers {
                 Some(_) => f32::INFINITY,
                 None => 1.0,
             },
             read_variance: config.read_noise.powi(2) as f32,
             shot_variance: config.shot_noise.powi(2) as f32,
-            lost_by_row: model.light_lost_by_row[row],
+            lost_by_row,
         }
     }
 

@@ -1,31 +1,8 @@
 //! Converts the light of a row of pixels to gray levels with noise.
 
-use super::{
-    exposed_block::{ExposedBlock, Exposure},
-    light::Light,
-};
+use super::exposed_block::{ExposedBlock, Exposure};
 use crate::optics::camera_noise::{NOISE_LANES, PictureNoise};
 use crate::optics::model::OpticsModel;
-
-/// Noise-free blocks of the image of an unloaded fingertip, row by row; with markers, of the dome alone.
-pub(crate) fn exposed_at_rest(model: &OpticsModel) -> Vec<ExposedBlock> {
-    let (lost_by_column, _) = model.light_lost_by_column.as_chunks::<NOISE_LANES>();
-    let mut exposed = Vec::with_capacity(model.projection.height() * lost_by_column.len());
-    let mut lit = vec![0.0; model.padded_width()];
-    for row in 0..model.projection.height() {
-        lit.fill(0.0);
-        for light in (0..model.at_rest.len()).map(Light::AtRest) {
-            if light.rows(model).contains(&row) {
-                light.light_row(model, row, &mut lit);
-            }
-        }
-        let exposure = Exposure::new(model, row);
-        let (lit, _) = lit.as_chunks::<NOISE_LANES>();
-        let blocks = lit.iter().zip(lost_by_column);
-        exposed.extend(blocks.map(|(lit, lost)| exposure.expose(lit, lost)));
-    }
-    exposed
-}
 
 /// Light of a row, and flags of the blocks that differ from the image at rest.
 pub(super) struct LitRow<'a> {
@@ -42,7 +19,7 @@ pub(super) fn expose(
     noise: &PictureNoise,
     pixels: &mut [u8],
 ) {
-    let exposure = Exposure::new(model, row);
+    let exposure = Exposure::new(&model.config, model.light_lost_by_row[row]);
     let (lit, _) = lit.as_chunks::<NOISE_LANES>();
     let (lost_by_column, _) = model.light_lost_by_column.as_chunks::<NOISE_LANES>();
     let first = row * lit.len();

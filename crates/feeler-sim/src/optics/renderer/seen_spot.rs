@@ -1,6 +1,7 @@
 //! Projected spots, and the light that they add to pixels.
 
-use crate::optics::model::{OpticsModel, Spot};
+use crate::optics::model::OpticsModel;
+use crate::optics::spot::Spot;
 use glam::Vec3;
 use std::ops::Range;
 
@@ -10,7 +11,7 @@ pub(super) const SIDE_BY_SIDE: usize = 8;
 /// A spot in the image: a disc on the dome whose intensity falls linearly over twice the blur at the edge. Its height
 /// is chosen such that the integrated light equals the contact's area, however small.
 #[derive(Debug, Clone)]
-pub(super) struct ProjectedSpot {
+pub(crate) struct ProjectedSpot {
     /// Centre in `T` (m).
     centre: Vec3,
     profile: SpotProfile,
@@ -67,7 +68,7 @@ impl ProjectedSpot {
 }
 
 /// Columns that contain `first..last`, widened to a multiple of [`SIDE_BY_SIDE`] if `width` permits.
-pub(super) fn side_by_side(first: usize, last: usize, width: usize) -> Range<usize> {
+pub(crate) fn side_by_side(first: usize, last: usize, width: usize) -> Range<usize> {
     let (first, last) = (first.min(width), last.min(width));
     let count = last.saturating_sub(first).next_multiple_of(SIDE_BY_SIDE);
     let count = count.min(width);

@@ -86,22 +86,6 @@ impl Curve {
         self.radius * (1.0 - self.ovality.abs()) - self.depth
     }
 
-    /// Enclosed area (m^2), and integrals of `x^2` and `y^2` over it (m^4).
-    pub fn area_and_second_moments(&self) -> (f64, DVec2) {
-        // r^4 has at most 4 knurls + 8 periods per turn, so equidistant samples integrate it exactly.
-        let count = 16 * (self.knurls as u64).max(2);
-        let weight = TAU / count as f64;
-        let (mut area, mut second) = (0.0, DVec2::ZERO);
-        for k in 0..count {
-            let direction = direction_at(k as f64 * weight);
-            let phase = libm::cos(self.knurls * k as f64 * weight);
-            let radius = self.radius_at(direction, phase);
-            area += weight * radius.powi(2) / 2.0;
-            second += weight * radius.powi(4) / 4.0 * direction * direction;
-        }
-        (area, second)
-    }
-
     /// Nearest point of the curve, its outward normal, and the signed distance from it.
     pub fn nearest(&self, point: DVec2) -> (DVec2, DVec2, f64) {
         if self.depth == 0.0 && self.ovality == 0.0 {

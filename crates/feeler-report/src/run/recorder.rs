@@ -1,7 +1,7 @@
 //! Converts a run to columns while it is being recorded.
 
-use super::{LongRun, MEMORY};
-use crate::run::data::RunData;
+use super::data::RunData;
+use super::long_run::{LongRun, MEMORY};
 use feeler_record::{
     MemoryRecorder, MessageSink, RecordError, RecordedMessage, RecordedTopic, Recording, RunFacts,
 };

@@ -1,16 +1,13 @@
 //! Figures of a measured outline: top view with the true section, and its error.
 
-use super::canvas::{CAP, Pen, finger_colour, line, panel, range};
-use super::sheet::column;
-use crate::figures::Figure;
+use super::Figure;
+use crate::figures::drawing::canvas::{CAP, Pen, finger_colour, line, panel, range};
+use crate::figures::drawing::sheet::column;
 use crate::measures::contour_points::{drawn, section};
-use crate::measures::paths::Polyline;
+use crate::measures::paths::{MM, Polyline};
 use crate::run::data::RunData;
 use feeler_record::{Phase, Recording};
 use glam::DVec2;
-
-/// Metres to millimetres.
-const MM: f64 = 1e3;
 
 /// Top view of the outline, and its error over time.
 pub fn figures(recording: &Recording, data: &RunData) -> Vec<Figure> {

@@ -1,8 +1,8 @@
 //! Columns of one finger.
 
-use super::Stroke;
+use super::rows::Rows;
+use super::stroke::Stroke;
 use crate::measures::series::maximum;
-use crate::run::rows::Rows;
 use feeler::sensor::fingertip::SensingElement;
 use feeler_record::{
     FingerRecord, Fingertip, Flags, Joints, LatestAt, NO_ELEMENT, Recording, Tactile,
@@ -12,7 +12,7 @@ use glam::{DQuat, DVec3};
 /// Initial capacity in rows, so that a run of ordinary length (20 s at 100 Hz) does not reallocate.
 const ROWS: usize = 2048;
 
-/// Columns of one finger, with as many rows as [`RunData::time`](super::RunData::time).
+/// Columns of one finger, with as many rows as [`RunData::time`](crate::RunData::time).
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FingerColumns {
     /// Sum of the positive F_z (N).

@@ -1,0 +1,42 @@
+//! Runs to which the paper's claims apply.
+
+use feeler_record::{RunFacts, TaskKind};
+
+/// Control law of the paper.
+const PAPERS_LAW: &str = "tri-axial";
+
+/// Number of strokes that the paper's claims refer to.
+pub const PAPERS_STROKES: u32 = 4;
+
+/// Number of fingers of the paper's hand, and of elements per fingertip (section II).
+const PAPERS_FINGERS: usize = 2;
+const PAPERS_ELEMENTS: usize = 41;
+
+/// `true` if the hand is like the paper's as far as is known; the bounds of the paper's claims were chosen for it.
+pub fn is_papers_hand(facts: &RunFacts) -> bool {
+    let mut elements = facts.hand.iter().map(|finger| finger.element_tips.len());
+    facts.fingers == PAPERS_FINGERS && elements.all(|count| count == PAPERS_ELEMENTS)
+}
+
+/// `true` if the claims of the task are the paper's: a cap is screwed without a touch-based outcome. Unknown tasks use
+/// the paper's claims.
+pub fn has_papers_claims(facts: &RunFacts) -> bool {
+    let is_another = matches!(
+        facts.task,
+        TaskKind::Carry | TaskKind::Contour | TaskKind::FrictionScan
+    );
+    !is_another && facts.cap.is_none()
+}
+
+/// `true` if the task's claims apply to runs with these facts. The paper's claims require its law.
+pub fn claims_apply(facts: &RunFacts) -> bool {
+    let another_law = facts.law.as_deref().is_some_and(|law| law != PAPERS_LAW);
+    !(another_law && has_papers_claims(facts))
+}
+
+/// `true` if reports of runs with these facts show the task's claims. The paper's claims require enough planned
+/// strokes.
+pub fn claims_are_shown(facts: &RunFacts) -> bool {
+    let too_few = facts.stroke_count < PAPERS_STROKES;
+    claims_apply(facts) && !(too_few && has_papers_claims(facts))
+}
