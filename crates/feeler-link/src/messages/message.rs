@@ -46,6 +46,11 @@ pub struct MessageHeader {
 }
 
 impl MessageHeader {
+    /// Returns the sender's instance and the sequence number.
+    pub(crate) fn number(&self) -> (u64, u64) {
+        (self.instance, self.sequence)
+    }
+
     /// Returns this header with the echo fields set for data taken at `time` (s), when `echo` was the latest step
     /// received from the hand.
     pub fn echoing(self, echo: Echo, time: f64) -> Self {

@@ -1,7 +1,7 @@
 //! Messages of the link and their validation.
 
+pub(crate) mod decode;
 pub(crate) mod freshness;
-pub(crate) mod heartbeat;
 pub(crate) mod instruments;
 pub mod message;
 pub(crate) mod mismatch;
