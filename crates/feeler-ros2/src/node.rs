@@ -2,14 +2,14 @@
 
 use crate::attachment::Attachment;
 use crate::key::key;
-use crate::name::{NameError, NodeName};
+use crate::name::NodeName;
+use crate::node_error::NodeError;
 use crate::publisher::Publisher;
 use crate::qos::Qos;
 use crate::server::{Answer, Server};
 use crate::token::{Endpoint, EndpointKind, Token};
-use crate::type_description::{DescriptionError, Service, TypeDescription};
-use feeler_record::wire::{Message, WireError};
-use std::time::{SystemTime, UNIX_EPOCH};
+use crate::type_description::{Service, TypeDescription};
+use feeler_record::wire::Message;
 use zenoh::liveliness::LivelinessToken;
 use zenoh::pubsub::Subscriber;
 use zenoh::{Config, Session, Wait};
@@ -28,32 +28,6 @@ pub struct NodeConfig {
     pub connect: Vec<String>,
     /// Endpoints to listen on.
     pub listen: Vec<String>,
-}
-
-/// Error of a node.
-#[derive(Debug, thiserror::Error)]
-pub enum NodeError {
-    /// A name is invalid.
-    #[error(transparent)]
-    Name(#[from] NameError),
-    /// A message text is invalid.
-    #[error(transparent)]
-    Description(#[from] DescriptionError),
-    /// A message could not be encoded.
-    #[error(transparent)]
-    Wire(#[from] WireError),
-    /// Zenoh returned an error.
-    #[error("ROS 2 graph: {0}")]
-    Zenoh(String),
-    /// A thread could not be started.
-    #[error("failed to start a thread: {0}")]
-    Thread(#[from] std::io::Error),
-}
-
-impl From<zenoh::Error> for NodeError {
-    fn from(error: zenoh::Error) -> Self {
-        Self::Zenoh(error.to_string())
-    }
 }
 
 /// A node of a ROS 2 graph. Dropping it ends its services.
@@ -210,14 +184,6 @@ impl Node {
         self.servers.push(server);
         Ok(())
     }
-}
-
-/// Wall-clock time (ns since 1970).
-pub(crate) fn wall_clock_ns() -> i64 {
-    let since = SystemTime::now().duration_since(UNIX_EPOCH);
-    since.map_or(0, |since| {
-        i64::try_from(since.as_nanos()).unwrap_or(i64::MAX)
-    })
 }
 
 /// Returns the Zenoh configuration of a node. As with `rmw_zenoh`, a node discovers others through a router, and then

@@ -2,7 +2,7 @@
 
 pub(crate) mod batch;
 pub(crate) mod closing;
-pub(crate) mod collector;
+pub(crate) mod instruments;
 pub(crate) mod memory;
 pub(crate) mod newest;
 pub(crate) mod options;
