@@ -1,7 +1,7 @@
 //! Writes the wrench of each frame as a table, JSON Lines, or MCAP.
 
+use super::output::RowFile;
 use super::output::{Format, FrameReadings, Output, Pictures, RowWriter, moments};
-use super::row_file::RowFile;
 use feeler::sensor::image::Frame;
 use feeler::sensor::wrench::{WrenchAxis, WrenchEstimate, WrenchEstimator};
 use feeler_console::CommandError;
