@@ -1,6 +1,7 @@
 //! Messages of the link and their validation.
 
 pub(crate) mod decode;
+pub(crate) mod definition;
 pub(crate) mod freshness;
 pub(crate) mod instruments;
 pub mod message;
