@@ -53,25 +53,12 @@ impl Node {
     /// If an endpoint is invalid, or listening on it fails.
     pub fn open(config: NodeConfig) -> Result<Self, NodeError> {
         let session = zenoh::open(settings(&config)?).wait()?;
-        let token = Token {
-            domain: config.name.domain(),
-            session: session.zid().to_string(),
-            node_id: 0,
-            entity_id: 0,
-            enclave: String::new(),
-            namespace: config.name.namespace().into(),
-            node: config.name.name().into(),
-            endpoint: None,
-        };
-        let token = session
-            .liveliness()
-            .declare_token(token.to_string())
-            .wait()?;
+        let token = token(&session, &config.name, 0, None);
         Ok(Self {
+            _token: token.declare(&session)?,
             session,
             name: config.name,
             next_id: 1,
-            _token: token,
             servers: Vec::new(),
         })
     }
@@ -97,16 +84,8 @@ impl Node {
         qos: Qos,
     ) -> Result<(String, Token), NodeError> {
         let topic = self.name.resolve(topic)?;
-        let token = Token {
-            domain: self.name.domain(),
-            session: self.session.zid().to_string(),
-            node_id: 0,
-            entity_id: self.next_id,
-            enclave: String::new(),
-            namespace: self.name.namespace().into(),
-            node: self.name.name().into(),
-            endpoint: Some(Endpoint::new(kind, &topic, type_name, hash, qos)),
-        };
+        let endpoint = Endpoint::new(kind, &topic, type_name, hash, qos);
+        let token = token(&self.session, &self.name, self.next_id, Some(endpoint));
         self.next_id += 1;
         Ok((key(self.name.domain(), &topic, type_name, hash), token))
     }
@@ -155,11 +134,7 @@ impl Node {
                 .declare_subscriber(key)
                 .callback(callback)
                 .wait()?,
-            _token: self
-                .session
-                .liveliness()
-                .declare_token(token.to_string())
-                .wait()?,
+            _token: token.declare(&self.session)?,
         })
     }
 
@@ -183,6 +158,20 @@ impl Node {
         let server = Server::declare::<S>(&self.session, key, &token, answer)?;
         self.servers.push(server);
         Ok(())
+    }
+}
+
+/// Returns the token of the only node `name` of `session`, or of its endpoint number `entity_id`.
+fn token(session: &Session, name: &NodeName, entity_id: u64, endpoint: Option<Endpoint>) -> Token {
+    Token {
+        domain: name.domain(),
+        session: session.zid().to_string(),
+        node_id: 0,
+        entity_id,
+        enclave: String::new(),
+        namespace: name.namespace().into(),
+        node: name.name().into(),
+        endpoint,
     }
 }
 

@@ -61,10 +61,7 @@ impl<M: Message> Publisher<M> {
             gid: token.gid(),
             sequence: 0,
             bytes: Vec::new(),
-            _token: session
-                .liveliness()
-                .declare_token(token.to_string())
-                .wait()?,
+            _token: token.declare(session)?,
             _message: PhantomData,
         })
     }

@@ -56,10 +56,7 @@ impl Server {
             .callback(callback);
         Ok(Self {
             _queryable: queryable.wait()?,
-            _token: session
-                .liveliness()
-                .declare_token(token.to_string())
-                .wait()?,
+            _token: token.declare(session)?,
         })
     }
 }

@@ -83,6 +83,16 @@ impl Token {
     pub fn gid(&self) -> Gid {
         XxHash3_128::oneshot(self.to_string().as_bytes()).to_le_bytes()
     }
+
+    /// Announces the node or endpoint until the result is dropped.
+    #[cfg(feature = "zenoh")]
+    pub(crate) fn declare(
+        &self,
+        session: &zenoh::Session,
+    ) -> zenoh::Result<zenoh::liveliness::LivelinessToken> {
+        use zenoh::Wait;
+        session.liveliness().declare_token(self.to_string()).wait()
+    }
 }
 
 impl EndpointKind {
