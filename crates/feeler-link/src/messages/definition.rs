@@ -1,52 +1,23 @@
 //! Definition of a message: its struct and its ROS 2 message text, from the same fields and comments.
 
 /// Returns the ROS 2 name of a field's type.
+#[rustfmt::skip]
 macro_rules! ros_type {
-    (bool) => {
-        "bool"
-    };
-    (u8) => {
-        "uint8"
-    };
-    (i32) => {
-        "int32"
-    };
-    (u32) => {
-        "uint32"
-    };
-    (u64) => {
-        "uint64"
-    };
-    (f64) => {
-        "float64"
-    };
-    ([f64; MAX_FINGERS]) => {
-        "float64[5]"
-    };
-    (String) => {
-        "string"
-    };
-    (ProgramKind) => {
-        "string"
-    };
-    (Vector3) => {
-        "geometry_msgs/Vector3"
-    };
-    (Quaternion) => {
-        "geometry_msgs/Quaternion"
-    };
-    (MessageHeader) => {
-        "feeler_msgs/Header"
-    };
-    (StopInForce) => {
-        "feeler_msgs/StopInForce"
-    };
-    (InstrumentsMessage) => {
-        "feeler_msgs/Instruments"
-    };
-    (Vec $element:tt) => {
-        concat!(ros_type!($element), "[]")
-    };
+    (bool) => { "bool" };
+    (u8) => { "uint8" };
+    (i32) => { "int32" };
+    (u32) => { "uint32" };
+    (u64) => { "uint64" };
+    (f64) => { "float64" };
+    ([f64; MAX_FINGERS]) => { "float64[5]" };
+    (String) => { "string" };
+    (ProgramKind) => { "string" };
+    (Vector3) => { "geometry_msgs/Vector3" };
+    (Quaternion) => { "geometry_msgs/Quaternion" };
+    (MessageHeader) => { "feeler_msgs/Header" };
+    (StopInForce) => { "feeler_msgs/StopInForce" };
+    (InstrumentsMessage) => { "feeler_msgs/Instruments" };
+    (Vec $element:tt) => { concat!(ros_type!($element), "[]") };
 }
 
 /// Returns the ROS 2 name of a field.
