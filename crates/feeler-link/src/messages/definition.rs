@@ -30,10 +30,7 @@ macro_rules! field_name {
     };
 }
 
-/// Defines a type with the given ROS 2 name.
-///
-/// A type that is nested in messages ends with `as TEXT`, which defines a macro for its text. A message may have
-/// `constants` and ends `with` the texts of all nested types.
+/// Defines a message with the given ROS 2 name. It may have `constants`, and ends `with` the texts of all nested types.
 macro_rules! message {
     (@struct $(#[$meta:meta])+ $type:ident {
         $($(#[$field_meta:meta])+ $field:ident: $kind:ty),+ $(,)?
@@ -48,19 +45,6 @@ macro_rules! message {
         $(#[doc = $doc:literal])+ $(#[serde $serde:tt])? $field:ident: $kind:tt $(<$element:tt>)?
     ),+ $(,)?) => {
         concat!($($("#", $doc, "\n",)+ ros_type!($kind $($element)?), " ", field_name!($field), "\n"),+)
-    };
-    ($(#[doc = $about:literal])+ $(#[derive($copy:ident)])? $type:ident = $name:literal { $($body:tt)+ } as $text:ident) => {
-        message!(@struct $(#[doc = $about])+ $(#[derive($copy)])? $type { $($body)+ });
-
-        macro_rules! $text {
-            () => {
-                concat!(
-                    "================================================================================\n",
-                    "MSG: feeler_msgs/", $name, "\n",
-                    message!(@lines $($body)+)
-                )
-            };
-        }
     };
     (
         $(#[doc = $about:literal])+ $type:ident = $name:literal { $($body:tt)+ }
@@ -82,6 +66,23 @@ macro_rules! message {
     };
 }
 
+/// Defines a type that is nested in messages, and a macro for its text.
+macro_rules! nested_message {
+    ($(#[doc = $about:literal])+ $(#[derive($copy:ident)])? $type:ident = $name:literal { $($body:tt)+ } as $text:ident) => {
+        message!(@struct $(#[doc = $about])+ $(#[derive($copy)])? $type { $($body)+ });
+
+        macro_rules! $text {
+            () => {
+                concat!(
+                    "================================================================================\n",
+                    "MSG: feeler_msgs/", $name, "\n",
+                    message!(@lines $($body)+)
+                )
+            };
+        }
+    };
+}
+
 /// Returns the text of `geometry_msgs/Vector3`.
 macro_rules! vector3_text {
     () => {
@@ -96,4 +97,4 @@ macro_rules! quaternion_text {
     };
 }
 
-pub(crate) use {field_name, message, quaternion_text, ros_type, vector3_text};
+pub(crate) use {field_name, message, nested_message, quaternion_text, ros_type, vector3_text};

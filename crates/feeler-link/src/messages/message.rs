@@ -3,7 +3,9 @@
 //! Stamps are in seconds on the clock of the program given by `MessageHeader::clock`. With simulated cameras, that is
 //! the world program.
 
-use super::definition::{field_name, message, quaternion_text, ros_type, vector3_text};
+use super::definition::{
+    field_name, message, nested_message, quaternion_text, ros_type, vector3_text,
+};
 use super::freshness::Echo;
 use super::printable::printable;
 use crate::transport::topic::Place;
@@ -25,7 +27,7 @@ pub const NO_FINGER: u32 = u32::MAX;
 /// Value of [`StopInForce::id`] if the sender drew no number.
 pub const NO_ID: u64 = u64::MAX;
 
-message!(
+nested_message!(
     /// Sender, sequence number, stamp, and an echo of the hand's latest step that bounds the data's age.
     #[derive(Copy)]
     MessageHeader = "Header" {
@@ -137,7 +139,7 @@ message!(
     with [header_text, vector3_text]
 );
 
-message!(
+nested_message!(
     /// Active stop of the hand, not resumed yet.
     StopInForce = "StopInForce" {
         /// Number that a resume order must contain.
@@ -213,7 +215,7 @@ message!(
     with [header_text, vector3_text]
 );
 
-message!(
+nested_message!(
     /// Readings of the rig's instruments, and ground truth of the cap from a simulated world.
     #[derive(Copy)]
     InstrumentsMessage = "Instruments" {
