@@ -5,7 +5,6 @@ use super::peers::{Expected, Peers};
 use crate::hand::holds::ActiveStops;
 use crate::hand::run_clock::RunClock;
 use crate::messages::decode::read;
-use crate::messages::definition::{field_name, message, ros_type};
 use crate::messages::freshness::SentSteps;
 use crate::messages::message::{
     MessageHeader, NO_FINGER, ProgramKind, ResumeMessage, StateMessage, StopMessage, TactileUpdate,
@@ -15,6 +14,7 @@ use crate::messages::rejection::{Rejection, Rejections};
 use crate::messages::sequence::Sequence;
 use crate::transport::topic::Topic;
 use feeler::control::FingerFlags;
+use feeler_record::wire::message;
 use serde::{Deserialize, Serialize};
 
 /// Inbox of the hand: validates received messages and keeps the latest data. Does no I/O; times are arguments.
@@ -107,14 +107,19 @@ impl Inbox for HandInbox {
     }
 }
 
+/// Leading fields of a stop order, common to all versions.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+struct EarlierStop {
+    protocol: u32,
+    from: String,
+}
+
 message!(
-    /// Leading fields of a stop order, common to all versions.
-    EarlierStop = "Stop" {
-        /// Version of the messages.
-        protocol: u32,
-        /// Name of the sender.
-        from: String,
-    }
+    EarlierStop,
+    "Stop",
+    "# How a stop begins in every version",
+    "uint32 protocol",
+    "string from",
 );
 
 /// Decodes a stop order of any version, because a stop must always take effect.

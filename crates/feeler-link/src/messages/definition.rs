@@ -96,5 +96,3 @@ macro_rules! quaternion_text {
         concat!(feeler_record::wire::quaternion_schema!(), "\n")
     };
 }
-
-pub(crate) use {field_name, message, nested_message, quaternion_text, ros_type, vector3_text};

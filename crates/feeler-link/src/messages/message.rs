@@ -3,9 +3,6 @@
 //! Stamps are in seconds on the clock of the program given by `MessageHeader::clock`. With simulated cameras, that is
 //! the world program.
 
-use super::definition::{
-    field_name, message, nested_message, quaternion_text, ros_type, vector3_text,
-};
 use super::freshness::Echo;
 use super::printable::printable;
 use crate::transport::topic::Place;

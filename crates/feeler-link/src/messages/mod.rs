@@ -1,7 +1,8 @@
 //! Messages of the link and their validation.
 
 pub(crate) mod decode;
-pub(crate) mod definition;
+#[macro_use]
+mod definition;
 pub(crate) mod freshness;
 pub(crate) mod instruments;
 pub mod message;
