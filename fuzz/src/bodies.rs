@@ -33,7 +33,7 @@ use feeler_record::wire::{Message, Vector3, cdr};
 use feeler_record::{RecordedCamera, RecordedHand, RecordedSensor, Recording};
 use feeler_ros2::message::{ListParametersRequest, SetParametersRequest};
 use feeler_ros2::parameter::Parameters;
-use feeler_ros2::{Attachment, JointReader, Token};
+use feeler_ros2::{Attachment, JointReader};
 use feeler_sources::decode_picture;
 use glam::{DVec2, DVec3};
 use std::io::Cursor;
@@ -450,10 +450,6 @@ pub fn ros2(bytes: &[u8]) -> bool {
         b'c' => cdr::decode(bytes)
             .is_ok_and(|cloud| feeler_ros2::read_forces(&cloud, &mut [DVec3::ZERO; 2]).is_ok()),
         b'a' => Attachment::decode(bytes).is_ok(),
-        b't' => from_utf8(bytes).is_ok_and(|text| {
-            let token = text.parse::<Token>();
-            token.is_ok_and(|token| token.to_string().parse() == Ok(token))
-        }),
         b'l' => cdr::decode::<ListParametersRequest>(bytes)
             .is_ok_and(|request| parameters.list(&request).result.names.is_empty()),
         b's' => cdr::decode::<SetParametersRequest<false>>(bytes).is_ok_and(|request| {

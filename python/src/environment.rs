@@ -324,29 +324,26 @@ impl ManyEnvironments {
     }
 }
 
-/// An invalid action is the caller's error; any other error is a failure of the episode.
+/// Returns `true` if the action is invalid, which is the caller's error. Any other error is a failure of the episode.
+fn is_of_action(error: &EnvironmentError) -> bool {
+    matches!(
+        error,
+        EnvironmentError::ActionLength { .. } | EnvironmentError::ActionNotFinite { .. }
+    )
+}
+
 fn step_error(error: EnvironmentError) -> PyErr {
-    match error {
-        EnvironmentError::ActionLength { .. } | EnvironmentError::ActionNotFinite { .. } => {
-            refused(error)
-        }
-        error => failed(error),
+    match is_of_action(&error) {
+        true => refused(error),
+        false => failed(error),
     }
 }
 
 fn vector_error(error: VectorError) -> PyErr {
-    let of_action = match &error {
-        VectorError::Environment { source, .. } => matches!(
-            **source,
-            EnvironmentError::ActionLength { .. } | EnvironmentError::ActionNotFinite { .. }
-        ),
-        VectorError::Count { .. } => true,
-        _ => false,
-    };
-    if of_action {
-        refused(error)
-    } else {
-        failed(error)
+    match &error {
+        VectorError::Environment { source, .. } if is_of_action(source) => refused(error),
+        VectorError::Count { .. } => refused(error),
+        _ => failed(error),
     }
 }
 

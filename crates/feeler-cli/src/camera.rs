@@ -1,5 +1,6 @@
 //! Camera options of the command line.
 
+use crate::options::parse_between;
 use feeler_sensing::CameraOptions;
 use feeler_sources::Trigger;
 
@@ -45,9 +46,7 @@ pub fn parse_size(text: &str) -> Result<(usize, usize), String> {
 }
 
 fn parse_exposure(text: &str) -> Result<f64, String> {
-    let seconds = text.parse().ok();
-    let seconds = seconds.filter(|seconds| (1e-6..=1e3).contains(seconds));
-    seconds.ok_or_else(|| "expected 0.000001 to 1000 s".into())
+    parse_between(text, 1e-6, 1e3, "s")
 }
 
 fn parse_gain(text: &str) -> Result<f64, String> {

@@ -13,6 +13,6 @@ pub use interrupt::{is_raised, watch_for_interrupt};
 pub use outcome::{CommandError, Outcome};
 pub use output::{Output, print_json};
 pub use part_file::{OutputError, Outputs, PartFile, cut_torn_line};
-pub use progress::{Reading, Search, Steps, Working};
+pub use progress::{Bar, Reading, Search, Steps, Working};
 pub use table_file::open_table;
 pub use warnings::{Warnings, warn};

@@ -1,43 +1,77 @@
 //! Progress bars and spinners on standard error; hidden unless it is a terminal.
 
 use indicatif::{ProgressBar, ProgressStyle};
+use std::ops::Deref;
 use std::time::{Duration, Instant};
 
 /// Interval between redraws while no step completes.
 const TICK: Duration = Duration::from_millis(100);
 
-/// Progress bar over a known number of steps, visible before the first one completes.
-pub struct Steps {
-    bar: ProgressBar,
+/// Resolution of a bar over a share.
+const PARTS: u64 = 1000;
+
+/// Progress bar or spinner that is removed when dropped.
+pub struct Bar(ProgressBar);
+
+impl Bar {
+    /// Creates a bar over `length` steps. `template` is its format in the notation of [`ProgressStyle`].
+    pub fn new(length: u64, template: &str) -> Self {
+        Self::styled(ProgressBar::new(length), template)
+    }
+
+    /// Creates a spinner. `template` is its format in the notation of [`ProgressStyle`].
+    pub fn spinner(template: &str) -> Self {
+        Self::styled(ProgressBar::new_spinner(), template)
+    }
+
+    fn styled(bar: ProgressBar, template: &str) -> Self {
+        // With an invalid template, the default style remains.
+        if let Ok(style) = ProgressStyle::with_template(template) {
+            bar.set_style(style);
+        }
+        Self(bar)
+    }
+
+    /// Sets the first message, and redraws from now on even if no step completes.
+    fn ticking(self, message: &'static str) -> Self {
+        self.set_message(message);
+        self.enable_steady_tick(TICK);
+        self
+    }
 }
+
+impl Deref for Bar {
+    type Target = ProgressBar;
+
+    fn deref(&self) -> &ProgressBar {
+        &self.0
+    }
+}
+
+impl Drop for Bar {
+    fn drop(&mut self) {
+        self.finish_and_clear();
+    }
+}
+
+/// Progress bar over a known number of steps, visible before the first one completes.
+pub struct Steps(Bar);
 
 impl Steps {
     /// Creates a bar over `steps` steps.
     pub fn new(steps: usize) -> Self {
-        let bar = ProgressBar::new(steps as u64);
-        let style = ProgressStyle::with_template("{bar:32} {pos}/{len} steps, {eta} left");
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        bar.enable_steady_tick(TICK);
-        Self { bar }
+        let bar = Bar::new(steps as u64, "{bar:32} {pos}/{len} steps, {eta} left");
+        Self(bar.ticking(""))
     }
 
     /// Marks one more step as done.
     pub fn advance(&self) {
-        self.bar.inc(1);
-    }
-}
-
-impl Drop for Steps {
-    fn drop(&mut self) {
-        self.bar.finish_and_clear();
+        self.0.inc(1);
     }
 }
 
 /// Progress bar over the reading of one file.
-pub struct Reading(ProgressBar);
-
-/// Resolution of a bar over a share.
-const PARTS: u64 = 1000;
+pub struct Reading(Bar);
 
 impl Default for Reading {
     fn default() -> Self {
@@ -48,12 +82,8 @@ impl Default for Reading {
 impl Reading {
     /// Creates a bar at 0 %.
     pub fn new() -> Self {
-        let bar = ProgressBar::new(PARTS);
-        let style = ProgressStyle::with_template("{msg} {bar:32} {percent} %, {elapsed}");
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        bar.set_message("reading the recording");
-        bar.enable_steady_tick(TICK);
-        Self(bar)
+        let bar = Bar::new(PARTS, "{msg} {bar:32} {percent} %, {elapsed}");
+        Self(bar.ticking("reading the recording"))
     }
 
     /// Shows the `share` of the file read so far, 0 to 1.
@@ -62,36 +92,24 @@ impl Reading {
     }
 }
 
-impl Drop for Reading {
-    fn drop(&mut self) {
-        self.0.finish_and_clear();
-    }
-}
-
 /// Spinner for work of unknown duration, shown until dropped.
-pub struct Working(ProgressBar);
+pub struct Working {
+    _bar: Bar,
+}
 
 impl Working {
     /// Creates a spinner labelled `task`, such as `fitting`.
     pub fn on(task: &'static str) -> Self {
-        let bar = ProgressBar::new_spinner();
-        let style = ProgressStyle::with_template("{spinner} {msg}, {elapsed}");
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
-        bar.set_message(task);
-        bar.enable_steady_tick(TICK);
-        Self(bar)
-    }
-}
-
-impl Drop for Working {
-    fn drop(&mut self) {
-        self.0.finish_and_clear();
+        let bar = Bar::spinner("{spinner} {msg}, {elapsed}");
+        Self {
+            _bar: bar.ticking(task),
+        }
     }
 }
 
 /// Progress bar of a search with a limit on time (s), on runs, or on both.
 pub struct Search {
-    bar: ProgressBar,
+    bar: Bar,
     start: Instant,
     seconds: Option<f64>,
     runs: Option<u64>,
@@ -100,13 +118,8 @@ pub struct Search {
 impl Search {
     /// Creates a bar over the limits.
     pub fn new(seconds: Option<f64>, runs: Option<u64>) -> Self {
-        let bar = ProgressBar::new(PARTS);
-        let style = ProgressStyle::with_template("{bar:32} {msg}, {elapsed}");
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        bar.set_message("simulating");
-        bar.enable_steady_tick(TICK);
         Self {
-            bar,
+            bar: Bar::new(PARTS, "{bar:32} {msg}, {elapsed}").ticking("simulating"),
             start: Instant::now(),
             seconds,
             runs,
@@ -122,11 +135,5 @@ impl Search {
         self.bar.set_position(part as u64);
         self.bar
             .set_message(format!("{finished} runs, score {score:.2}"));
-    }
-}
-
-impl Drop for Search {
-    fn drop(&mut self) {
-        self.bar.finish_and_clear();
     }
 }

@@ -9,6 +9,7 @@ use feeler::control::law::missing_shear::MissingShearConfig;
 use feeler::control::{FeelerShape, FingerReadings, Phase, SlipDetector};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{Pictures, Session};
+use feeler_lab::grasps::Confusion;
 use std::error::Error;
 use std::ops::Range;
 
@@ -20,43 +21,6 @@ pub const DETECTORS: [&str; 3] = [
 ];
 /// True slip distance of a tip between two frames from which it counts as slip (m).
 const WAY: f64 = 20e-6;
-
-/// Confusion matrix in numbers of frames of fingers in MOVE.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct Counts {
-    noticed: f64,
-    missed: f64,
-    false_alarms: f64,
-    quiet: f64,
-}
-
-impl Counts {
-    /// Fraction of detected slips that are true.
-    pub fn precision(&self) -> f64 {
-        self.noticed / (self.noticed + self.false_alarms)
-    }
-
-    /// Fraction of true slips that are detected.
-    pub fn recall(&self) -> f64 {
-        self.noticed / (self.noticed + self.missed)
-    }
-
-    /// Fraction of frames with a true slip.
-    pub fn slipping(&self) -> f64 {
-        let slips = self.noticed + self.missed;
-        slips / (slips + self.false_alarms + self.quiet)
-    }
-
-    fn count(&mut self, slipped: bool, said: bool) {
-        let count = match (slipped, said) {
-            (true, true) => &mut self.noticed,
-            (true, false) => &mut self.missed,
-            (false, true) => &mut self.false_alarms,
-            (false, false) => &mut self.quiet,
-        };
-        *count += 1.0;
-    }
-}
 
 /// One finger with its detectors.
 struct Finger {
@@ -100,8 +64,8 @@ impl Finger {
     }
 }
 
-/// Closes the cap under `law` once for each of `seeds`, with forces from `sensing`. Returns the counts of strokes 1
-/// and 2, and of 3 and 4.
+/// Closes the cap under `law` once for each of `seeds`, with forces from `sensing`. Returns the confusion matrices of
+/// the detectors in frames of fingers in MOVE: of strokes 1 and 2, and of 3 and 4.
 ///
 /// # Errors
 /// If a run fails.
@@ -109,8 +73,8 @@ pub fn score(
     law: &str,
     sensing: &str,
     seeds: Range<u64>,
-) -> Result<[[Counts; 3]; 2], Box<dyn Error>> {
-    let mut counts = [[Counts::default(); 3]; 2];
+) -> Result<[[Confusion; 3]; 2], Box<dyn Error>> {
+    let mut counts = [[Confusion::default(); 3]; 2];
     for seed in seeds {
         let settings = [("control.law", law), ("sensing", sensing)];
         let settings = settings.map(|(key, value)| format!("{key}={value}"));
@@ -120,7 +84,7 @@ pub fn score(
     Ok(counts)
 }
 
-fn run(experiment: &Experiment, counts: &mut [[Counts; 3]; 2]) -> Result<(), Box<dyn Error>> {
+fn run(experiment: &Experiment, counts: &mut [[Confusion; 3]; 2]) -> Result<(), Box<dyn Error>> {
     let touch_force = experiment.config.control.touch_force;
     let mut session = Session::drawing(experiment, Pictures::Sensed)?;
     let fingers = session.layouts().iter().map(|l| l.elements.len());
@@ -137,7 +101,7 @@ fn run(experiment: &Experiment, counts: &mut [[Counts; 3]; 2]) -> Result<(), Box
             let (said, truth) = (finger.say(&sense, touch_force), finger.slipped(&way));
             if controller.phase() == Phase::Move {
                 for (count, said) in counts[half].iter_mut().zip(said) {
-                    count.count(truth, said);
+                    count.add(truth, said);
                 }
             }
             finger.way = way;
@@ -156,7 +120,8 @@ pub fn main() -> Result<(), Box<dyn Error>> {
     ] {
         let counts = score(law, sensing, 0..20)?;
         for (strokes, counts) in ["1 and 2", "3 and 4"].iter().zip(counts) {
-            let slipping = 100.0 * counts[0].slipping();
+            let slips = counts[0].noticed + counts[0].missed;
+            let slipping = 100.0 * (slips as f64 / counts[0].count() as f64);
             println!("{law}, {sensing}, strokes {strokes}: {slipping:.1} % of frames with a slip");
             for (detector, count) in DETECTORS.iter().zip(counts) {
                 let (precision, recall) = (100.0 * count.precision(), 100.0 * count.recall());

@@ -2,6 +2,7 @@
 
 use crate::wire::WireError;
 use ::mcap::McapError;
+use std::io;
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
@@ -14,7 +15,7 @@ pub enum RecordError {
         /// The recording.
         path: PathBuf,
         /// Error of the operating system.
-        source: std::io::Error,
+        source: io::Error,
     },
     /// The container could not be written.
     #[error("recording {path}: {source}")]
@@ -86,6 +87,12 @@ pub enum RecordError {
 }
 
 impl RecordError {
+    /// Returns a function that adds the file at `path` to an error of the operating system.
+    pub(crate) fn file(path: &Path) -> impl FnOnce(io::Error) -> Self {
+        let path = path.to_path_buf();
+        move |source| Self::File { path, source }
+    }
+
     /// Converts an error of the MCAP library for the file at `path`. An I/O error becomes [`RecordError::File`].
     pub(super) fn of_mcap(path: &Path, source: McapError) -> Self {
         let path = path.to_path_buf();

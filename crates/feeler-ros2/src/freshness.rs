@@ -5,8 +5,10 @@
 //! receiver's clock.
 
 use crate::message::Clock;
-use crate::node::{Node, NodeError, Subscription, wall_clock_ns};
+use crate::node::{Node, Subscription};
+use crate::node_error::NodeError;
 use crate::qos::Qos;
+use crate::wall_clock::wall_clock_ns;
 use feeler_record::ros::Time;
 use feeler_record::wire::cdr;
 use std::fmt::Display;

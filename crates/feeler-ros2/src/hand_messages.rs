@@ -3,29 +3,20 @@
 use crate::message::TactileState;
 use feeler::control::FingerFlags;
 use feeler_record::error::RecordError;
-use feeler_record::messages::{Frame, joint_names};
-use feeler_record::ros::{
-    Header, JointState, PointCloud2, TFMessage, Text, Time, TransformStamped, WrenchStamped,
-};
+use feeler_record::messages::FingerModel;
+use feeler_record::ros::{PointCloud2, Time, WrenchStamped};
 use feeler_record::sensed::{Elements, taxels};
-use feeler_record::viewers::urdf;
+use feeler_record::viewers::KinematicMessages;
+use feeler_record::wire::Vector3;
 use feeler_record::{NO_ELEMENT, RunFacts};
 use glam::DVec3;
 
 /// Messages that describe the state of a hand.
 pub struct HandMessages {
-    /// Robot description (URDF).
-    pub description: Text,
-    /// Transforms of fixed frames.
-    pub still: TFMessage,
-    /// Transforms of frames that move with a joint.
-    pub moving: TFMessage,
-    /// Joint angles and velocities.
-    pub joints: JointState,
+    /// Robot description, joint states and transforms.
+    pub kinematics: KinematicMessages,
     /// Messages of each finger.
     pub fingers: Vec<FingerMessages>,
-    /// Frames of `moving`, each with the index of its finger.
-    frames: Vec<(usize, Frame)>,
 }
 
 /// Tactile messages of one finger.
@@ -67,31 +58,10 @@ impl HandMessages {
                 actual: "nothing".into(),
             });
         }
-        let mut messages = Self {
-            description: Text {
-                data: urdf(&facts.experiment, &facts.hand, &facts.solids)?,
-                stamp: 0.0,
-            },
-            still: TFMessage::default(),
-            moving: TFMessage::default(),
-            joints: JointState::default(),
-            fingers: Vec::new(),
-            frames: Vec::new(),
-        };
-        for (finger, model) in facts.hand.iter().enumerate() {
-            messages.joints.name.extend(joint_names(finger));
-            for frame in model.frames(finger)? {
-                let place = transform(&frame);
-                if frame.joint.is_none() {
-                    messages.still.transforms.push(place);
-                } else {
-                    messages.moving.transforms.push(place);
-                    messages.frames.push((finger, frame));
-                }
-            }
+        let finger = |(finger, model): (usize, &FingerModel)| {
             let elements = Elements::of(model);
             let taxels = taxels(finger, &elements);
-            messages.fingers.push(FingerMessages {
+            FingerMessages {
                 wrench: WrenchStamped {
                     header: taxels.header.clone(),
                     ..WrenchStamped::default()
@@ -102,9 +72,12 @@ impl HandMessages {
                 },
                 taxels,
                 elements,
-            });
-        }
-        Ok(messages)
+            }
+        };
+        Ok(Self {
+            kinematics: KinematicMessages::new(facts)?,
+            fingers: facts.hand.iter().enumerate().map(finger).collect(),
+        })
     }
 
     /// Sets the joint angles (rad) and velocities (rad/s) of the fingers, in order, and the transforms that depend on
@@ -114,29 +87,9 @@ impl HandMessages {
         stamp: Time,
         joints: impl Iterator<Item = (DVec3, DVec3)> + Clone,
     ) {
-        self.joints.header.stamp = stamp;
-        self.joints.position.clear();
-        self.joints.velocity.clear();
-        for (position, velocity) in joints.clone() {
-            self.joints.position.extend(position.to_array());
-            self.joints.velocity.extend(velocity.to_array());
-        }
-        for ((finger, frame), place) in self.frames.iter().zip(&mut self.moving.transforms) {
-            let Some((angles, _)) = joints.clone().nth(*finger) else {
-                continue;
-            };
-            place.header.stamp = stamp;
-            place.transform = frame
-                .in_parent(frame.joint.map_or(0.0, |joint| angles[joint]))
-                .into();
-        }
-    }
-
-    /// Sets the stamp of the fixed transforms.
-    pub fn set_still(&mut self, stamp: Time) {
-        for place in &mut self.still.transforms {
-            place.header.stamp = stamp;
-        }
+        self.kinematics.set_joints(stamp, joints.clone());
+        let angles = |finger| Some(joints.clone().nth(finger)?.0);
+        self.kinematics.set_moving(stamp, angles);
     }
 }
 
@@ -172,24 +125,11 @@ impl FingerMessages {
         let largest = largest_element.and_then(|element| u32::try_from(element).ok());
         tactile.largest_element = largest.unwrap_or(NO_ELEMENT);
         tactile.forces.clear();
-        tactile.forces.extend(
-            touch
-                .forces
-                .iter()
-                .map(|&force| feeler_record::wire::Vector3::from(force)),
-        );
+        let forces = touch.forces.iter().map(|&force| Vector3::from(force));
+        tactile.forces.extend(forces);
         tactile.shear_rate.clear();
         tactile.shear_rate.extend(rates);
         tactile.slips.clear();
         tactile.slips.extend((0..touch.forces.len()).map(slips));
-    }
-}
-
-/// Returns the transform of `frame` to its parent at joint angle 0.
-fn transform(frame: &Frame) -> TransformStamped {
-    TransformStamped {
-        header: Header::of(frame.parent.as_str()),
-        child_frame_id: frame.name.clone(),
-        transform: frame.in_parent(0.0).into(),
     }
 }

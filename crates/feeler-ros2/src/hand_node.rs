@@ -2,7 +2,8 @@
 
 use crate::hand_messages::{FingerMessages, HandMessages};
 use crate::message::{Clock, DiagnosticArray, DiagnosticStatus, TactileState};
-use crate::node::{Node, NodeError};
+use crate::node::Node;
+use crate::node_error::NodeError;
 use crate::publisher::Publisher;
 use crate::qos::{History, Qos};
 use feeler_record::ros::{Header, JointState, PointCloud2, TFMessage, Text, Time, WrenchStamped};
@@ -65,8 +66,8 @@ impl HandPublishers {
     /// # Errors
     /// If the session is closed.
     pub fn publish_still(&mut self, messages: &HandMessages) -> Result<(), NodeError> {
-        self.description.publish(&messages.description)?;
-        self.still.publish(&messages.still)
+        self.description.publish(&messages.kinematics.description)?;
+        self.still.publish(&messages.kinematics.still)
     }
 
     /// Publishes the joints, the transforms of moving frames and, if enabled, the clock.
@@ -76,11 +77,11 @@ impl HandPublishers {
     pub fn publish_joints(&mut self, messages: &HandMessages) -> Result<(), NodeError> {
         if let Some(clock) = &mut self.clock {
             clock.publish(&Clock {
-                clock: messages.joints.header.stamp,
+                clock: messages.kinematics.joints.header.stamp,
             })?;
         }
-        self.joints.publish(&messages.joints)?;
-        self.moving.publish(&messages.moving)
+        self.joints.publish(&messages.kinematics.joints)?;
+        self.moving.publish(&messages.kinematics.moving)
     }
 
     /// Publishes the tactile state of `finger`. Does nothing if there is no such finger.

@@ -18,6 +18,8 @@ pub(crate) mod message_text;
 pub(crate) mod name;
 #[cfg(feature = "zenoh")]
 pub(crate) mod node;
+#[cfg(feature = "zenoh")]
+pub(crate) mod node_error;
 pub mod parameter;
 #[cfg(feature = "zenoh")]
 pub(crate) mod parameter_server;
@@ -34,6 +36,8 @@ pub(crate) mod token;
 pub(crate) mod type_description;
 #[cfg(feature = "zenoh")]
 pub(crate) mod velocity_sender;
+#[cfg(feature = "zenoh")]
+pub(crate) mod wall_clock;
 
 pub use attachment::{Attachment, AttachmentError};
 pub use cloud::{CloudError, read_forces};
@@ -47,15 +51,17 @@ pub use key::{dds_type, key};
 pub use message_text::DescriptionError;
 pub use name::{NameError, NodeName};
 #[cfg(feature = "zenoh")]
-pub use node::{NODE_ENDPOINT, Node, NodeConfig, NodeError, ROUTER_ENDPOINT, Subscription};
+pub use node::{NODE_ENDPOINT, Node, NodeConfig, ROUTER_ENDPOINT, Subscription};
+#[cfg(feature = "zenoh")]
+pub use node_error::NodeError;
 #[cfg(feature = "zenoh")]
 pub use parameter_server::serve_parameters;
 #[cfg(feature = "zenoh")]
 pub use publisher::Publisher;
-pub use qos::{Durability, History, Qos, QosError, Reliability};
+pub use qos::{Durability, History, Qos, Reliability};
 #[cfg(feature = "zenoh")]
 pub use ros_hand::{RosHand, RosHandConfig, RosHandError};
 #[cfg(feature = "zenoh")]
 pub use ros_sensor::{RosSensor, SensorAge};
-pub use token::{Endpoint, EndpointKind, Token, TokenError};
+pub use token::{Endpoint, EndpointKind, Token};
 pub use type_description::{Service, TypeDescription};

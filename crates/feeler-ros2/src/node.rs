@@ -2,14 +2,14 @@
 
 use crate::attachment::Attachment;
 use crate::key::key;
-use crate::name::{NameError, NodeName};
+use crate::name::NodeName;
+use crate::node_error::NodeError;
 use crate::publisher::Publisher;
 use crate::qos::Qos;
 use crate::server::{Answer, Server};
 use crate::token::{Endpoint, EndpointKind, Token};
-use crate::type_description::{DescriptionError, Service, TypeDescription};
-use feeler_record::wire::{Message, WireError};
-use std::time::{SystemTime, UNIX_EPOCH};
+use crate::type_description::{Service, TypeDescription};
+use feeler_record::wire::Message;
 use zenoh::liveliness::LivelinessToken;
 use zenoh::pubsub::Subscriber;
 use zenoh::{Config, Session, Wait};
@@ -28,32 +28,6 @@ pub struct NodeConfig {
     pub connect: Vec<String>,
     /// Endpoints to listen on.
     pub listen: Vec<String>,
-}
-
-/// Error of a node.
-#[derive(Debug, thiserror::Error)]
-pub enum NodeError {
-    /// A name is invalid.
-    #[error(transparent)]
-    Name(#[from] NameError),
-    /// A message text is invalid.
-    #[error(transparent)]
-    Description(#[from] DescriptionError),
-    /// A message could not be encoded.
-    #[error(transparent)]
-    Wire(#[from] WireError),
-    /// Zenoh returned an error.
-    #[error("ROS 2 graph: {0}")]
-    Zenoh(String),
-    /// A thread could not be started.
-    #[error("failed to start a thread: {0}")]
-    Thread(#[from] std::io::Error),
-}
-
-impl From<zenoh::Error> for NodeError {
-    fn from(error: zenoh::Error) -> Self {
-        Self::Zenoh(error.to_string())
-    }
 }
 
 /// A node of a ROS 2 graph. Dropping it ends its services.
@@ -79,25 +53,12 @@ impl Node {
     /// If an endpoint is invalid, or listening on it fails.
     pub fn open(config: NodeConfig) -> Result<Self, NodeError> {
         let session = zenoh::open(settings(&config)?).wait()?;
-        let token = Token {
-            domain: config.name.domain(),
-            session: session.zid().to_string(),
-            node_id: 0,
-            entity_id: 0,
-            enclave: String::new(),
-            namespace: config.name.namespace().into(),
-            node: config.name.name().into(),
-            endpoint: None,
-        };
-        let token = session
-            .liveliness()
-            .declare_token(token.to_string())
-            .wait()?;
+        let token = token(&session, &config.name, 0, None);
         Ok(Self {
+            _token: token.declare(&session)?,
             session,
             name: config.name,
             next_id: 1,
-            _token: token,
             servers: Vec::new(),
         })
     }
@@ -123,16 +84,8 @@ impl Node {
         qos: Qos,
     ) -> Result<(String, Token), NodeError> {
         let topic = self.name.resolve(topic)?;
-        let token = Token {
-            domain: self.name.domain(),
-            session: self.session.zid().to_string(),
-            node_id: 0,
-            entity_id: self.next_id,
-            enclave: String::new(),
-            namespace: self.name.namespace().into(),
-            node: self.name.name().into(),
-            endpoint: Some(Endpoint::new(kind, &topic, type_name, hash, qos)),
-        };
+        let endpoint = Endpoint::new(kind, &topic, type_name, hash, qos);
+        let token = token(&self.session, &self.name, self.next_id, Some(endpoint));
         self.next_id += 1;
         Ok((key(self.name.domain(), &topic, type_name, hash), token))
     }
@@ -181,11 +134,7 @@ impl Node {
                 .declare_subscriber(key)
                 .callback(callback)
                 .wait()?,
-            _token: self
-                .session
-                .liveliness()
-                .declare_token(token.to_string())
-                .wait()?,
+            _token: token.declare(&self.session)?,
         })
     }
 
@@ -212,12 +161,18 @@ impl Node {
     }
 }
 
-/// Wall-clock time (ns since 1970).
-pub(crate) fn wall_clock_ns() -> i64 {
-    let since = SystemTime::now().duration_since(UNIX_EPOCH);
-    since.map_or(0, |since| {
-        i64::try_from(since.as_nanos()).unwrap_or(i64::MAX)
-    })
+/// Returns the token of the only node `name` of `session`, or of its endpoint number `entity_id`.
+fn token(session: &Session, name: &NodeName, entity_id: u64, endpoint: Option<Endpoint>) -> Token {
+    Token {
+        domain: name.domain(),
+        session: session.zid().to_string(),
+        node_id: 0,
+        entity_id,
+        enclave: String::new(),
+        namespace: name.namespace().into(),
+        node: name.name().into(),
+        endpoint,
+    }
 }
 
 /// Returns the Zenoh configuration of a node. As with `rmw_zenoh`, a node discovers others through a router, and then

@@ -4,7 +4,8 @@ use crate::message::{
     DescribeParameters, GetParameterTypes, GetParameters, ListParameters, SetParameters,
     SetParametersAtomically,
 };
-use crate::node::{Node, NodeError};
+use crate::node::Node;
+use crate::node_error::NodeError;
 use crate::parameter::Parameters;
 use std::sync::Arc;
 

@@ -1,9 +1,10 @@
 //! Publishers of topics.
 
 use crate::attachment::{Attachment, Gid};
-use crate::node::{NodeError, wall_clock_ns};
+use crate::node_error::NodeError;
 use crate::qos::{Durability, History, Qos, Reliability};
 use crate::token::Token;
+use crate::wall_clock::wall_clock_ns;
 use feeler_record::wire::{Message, cdr};
 use std::marker::PhantomData;
 use zenoh::liveliness::LivelinessToken;
@@ -60,10 +61,7 @@ impl<M: Message> Publisher<M> {
             gid: token.gid(),
             sequence: 0,
             bytes: Vec::new(),
-            _token: session
-                .liveliness()
-                .declare_token(token.to_string())
-                .wait()?,
+            _token: token.declare(session)?,
             _message: PhantomData,
         })
     }

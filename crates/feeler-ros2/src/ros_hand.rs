@@ -3,7 +3,8 @@
 
 use crate::freshness::{Freshness, GraphClock, StaleError, lock, seconds};
 use crate::joint_reader::{JointError, JointNames, JointReader};
-use crate::node::{Node, NodeError, Subscription};
+use crate::node::{Node, Subscription};
+use crate::node_error::NodeError;
 use crate::qos::Qos;
 use crate::velocity_sender::VelocitySender;
 use feeler::hand::{Hand, HandCommand, HandError, HandState, check_finger_count};

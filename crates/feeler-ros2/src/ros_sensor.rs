@@ -2,7 +2,8 @@
 
 use crate::cloud::{CloudError, read_forces};
 use crate::freshness::{Freshness, GraphClock, lock, seconds};
-use crate::node::{Node, NodeError, Subscription};
+use crate::node::{Node, Subscription};
+use crate::node_error::NodeError;
 use crate::qos::Qos;
 use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
 use feeler_record::ros::{PointCloud2, Time, WrenchStamped};

@@ -1,9 +1,10 @@
 //! Service servers.
 
 use crate::attachment::Attachment;
-use crate::node::{NodeError, wall_clock_ns};
+use crate::node_error::NodeError;
 use crate::token::Token;
 use crate::type_description::Service;
+use crate::wall_clock::wall_clock_ns;
 use feeler_record::wire::cdr;
 use std::sync::mpsc::{TrySendError, sync_channel};
 use std::thread;
@@ -55,10 +56,7 @@ impl Server {
             .callback(callback);
         Ok(Self {
             _queryable: queryable.wait()?,
-            _token: session
-                .liveliness()
-                .declare_token(token.to_string())
-                .wait()?,
+            _token: token.declare(session)?,
         })
     }
 }

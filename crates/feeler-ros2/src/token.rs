@@ -7,9 +7,8 @@
 
 use crate::attachment::Gid;
 use crate::key::dds_type;
-use crate::qos::{Qos, QosError};
+use crate::qos::Qos;
 use std::fmt;
-use std::str::FromStr;
 use twox_hash::XxHash3_128;
 
 /// First part of all tokens.
@@ -79,31 +78,20 @@ impl Endpoint {
     }
 }
 
-/// Error when parsing a token.
-#[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
-pub enum TokenError {
-    /// Wrong first part or wrong number of parts.
-    #[error("liveliness token: expected {SPACE} and 9 or 13 parts, got {0:?}")]
-    Parts(String),
-    /// A part has an invalid value.
-    #[error("liveliness token, {part}: expected {expected}, got {actual:?}")]
-    Part {
-        /// Name of the part.
-        part: &'static str,
-        /// Valid values.
-        expected: &'static str,
-        /// Actual value.
-        actual: String,
-    },
-    /// The quality of service is invalid.
-    #[error("liveliness token, {0}")]
-    Qos(#[from] QosError),
-}
-
 impl Token {
     /// Returns the source identifier for attachments: the 128-bit XXH3 hash of the token, little-endian.
     pub fn gid(&self) -> Gid {
         XxHash3_128::oneshot(self.to_string().as_bytes()).to_le_bytes()
+    }
+
+    /// Announces the node or endpoint until the result is dropped.
+    #[cfg(feature = "zenoh")]
+    pub(crate) fn declare(
+        &self,
+        session: &zenoh::Session,
+    ) -> zenoh::Result<zenoh::liveliness::LivelinessToken> {
+        use zenoh::Wait;
+        session.liveliness().declare_token(self.to_string()).wait()
     }
 }
 
@@ -115,16 +103,6 @@ impl EndpointKind {
             Self::Server => "SS",
             Self::Client => "SC",
         }
-    }
-
-    fn of_code(code: &str) -> Option<Self> {
-        let all = [
-            Self::Publisher,
-            Self::Subscriber,
-            Self::Server,
-            Self::Client,
-        ];
-        all.into_iter().find(|kind| kind.code() == code)
     }
 }
 
@@ -155,75 +133,10 @@ impl fmt::Display for Token {
     }
 }
 
-impl FromStr for Token {
-    type Err = TokenError;
-
-    fn from_str(text: &str) -> Result<Self, TokenError> {
-        let parts: Vec<&str> = text.split('/').collect();
-        let [
-            SPACE,
-            domain,
-            session,
-            node_id,
-            entity_id,
-            kind,
-            enclave,
-            namespace,
-            node,
-            rest @ ..,
-        ] = &parts[..]
-        else {
-            return Err(TokenError::Parts(text.into()));
-        };
-        let wrong = |part, expected, actual: &str| TokenError::Part {
-            part,
-            expected,
-            actual: actual.into(),
-        };
-        let number = |part, text: &str| text.parse().map_err(|_| wrong(part, "a number", text));
-        let endpoint = match (*kind, rest) {
-            ("NN", []) => None,
-            (code, [topic, dds_type, hash, qos]) => Some(Endpoint {
-                kind: EndpointKind::of_code(code)
-                    .ok_or_else(|| wrong("kind", "NN, MP, MS, SS or SC", code))?,
-                topic: demangle(topic),
-                dds_type: (*dds_type).into(),
-                hash: (*hash).into(),
-                qos: Qos::decode(qos)?,
-            }),
-            _ => return Err(TokenError::Parts(text.into())),
-        };
-        let is_id =
-            session.bytes().all(|b| b.is_ascii_hexdigit()) && (1..=32).contains(&session.len());
-        if !is_id {
-            return Err(wrong("session", "up to 32 hexadecimal digits", session));
-        }
-        Ok(Self {
-            domain: domain
-                .parse()
-                .map_err(|_| wrong("domain", "a number", domain))?,
-            session: (*session).into(),
-            node_id: number("node id", node_id)?,
-            entity_id: number("entity id", entity_id)?,
-            enclave: match *enclave {
-                NOTHING => String::new(),
-                other => demangle(other),
-            },
-            namespace: demangle(namespace),
-            node: demangle(node),
-            endpoint,
-        })
-    }
-}
-
 /// Encodes a part: replaces slashes by `%`, and an empty text by `%`.
 fn mangle(text: &str) -> String {
     match text {
         "" => NOTHING.into(),
         other => other.replace('/', "%"),
     }
-}
-
-fn demangle(text: &str) -> String {
-    text.replace('%', "/")
 }

@@ -12,7 +12,7 @@ use feeler::sensor::calibration::{
     ModelChoice, fit,
 };
 use feeler::sensor::wrench::quality::AxisQuality;
-use feeler_console::{Outputs, Steps, Working, print_json};
+use feeler_console::{Outputs, PartFile, Steps, Working, print_json};
 use feeler_lab::config::Experiment;
 use feeler_lab::sensor::{LoadsFile, SensorGeometry};
 use feeler_sensing::calibration::{LOADS, checks, page, write_simulated_loads};
@@ -142,23 +142,13 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
     }
     let output = &arguments.output;
     let page_path = page_path(output)?;
-    let experiment_name = experiment_name(arguments);
-    let layout = arguments.layout.as_deref();
-    let sensor = named_sensor(experiment_name, arguments.finger, layout)?;
-    if let Some(folder) = live::folder(arguments) {
-        // Fail before an hour of work rather than after it.
-        refuse_existing(arguments, [output, &page_path])?;
-        live::guide(arguments, folder, &sensor)?;
-    }
+    let sensor = sensor(arguments)?;
+    guide_live(arguments, &sensor, &page_path)?;
     let axes = columns(arguments);
     let loads = loads_file(arguments, &sensor, axes)?;
     let files = loads.as_ref().map_or_else(Vec::new, LoadsFile::files);
-    let inputs = files.iter().map(|path| Some(path.as_path()));
-    let named = [Some(Path::new(experiment_name)), layout];
-    let mut outputs = Outputs::new(arguments.overwrite.force, inputs.chain(named));
     // Opened first, because calibrating takes a while.
-    let file = outputs.create(output, "--output")?;
-    let page_file = outputs.create(&page_path, "--output")?;
+    let [file, page_file] = create_outputs(arguments, &files, &page_path)?;
     let measured = loads.as_ref().map(|loads| {
         let progress = Steps::new(loads.picture_count());
         let measured = loads.measure(&sensor, || progress.advance())?;
@@ -241,13 +231,44 @@ fn loads_file(
     Ok(Some(loads))
 }
 
-/// Fails early if the outputs could not be created later.
-fn refuse_existing(arguments: &Arguments, outputs: [&Path; 2]) -> Result<(), CommandError> {
-    let mut made = Outputs::new(arguments.overwrite.force, []);
-    for path in outputs {
-        made.create(path, "--output")?.discard();
+/// Returns the geometry of the sensor.
+fn sensor(arguments: &Arguments) -> Result<SensorGeometry, CommandError> {
+    let layout = arguments.layout.as_deref();
+    named_sensor(experiment_name(arguments), arguments.finger, layout)
+}
+
+/// Guides through live loading if requested. Returns the folder of the loads.
+fn guide_live<'a>(
+    arguments: &'a Arguments,
+    sensor: &SensorGeometry,
+    page_path: &Path,
+) -> Result<Option<&'a Path>, CommandError> {
+    let folder = live::folder(arguments);
+    if let Some(folder) = folder {
+        // Fail before an hour of work rather than after it.
+        let mut outputs = Outputs::new(arguments.overwrite.force, []);
+        for path in [arguments.output.as_path(), page_path] {
+            outputs.create(path, "--output")?.discard();
+        }
+        live::guide(arguments, folder, sensor)?;
     }
-    Ok(())
+    Ok(folder)
+}
+
+/// Creates the calibration file and its page. `files` are the inputs, besides those named by options.
+fn create_outputs(
+    arguments: &Arguments,
+    files: &[PathBuf],
+    page_path: &Path,
+) -> Result<[PartFile; 2], CommandError> {
+    let inputs = files.iter().map(|path| Some(path.as_path()));
+    let experiment = Path::new(experiment_name(arguments));
+    let named = [Some(experiment), arguments.layout.as_deref()];
+    let mut outputs = Outputs::new(arguments.overwrite.force, inputs.chain(named));
+    Ok([
+        outputs.create(&arguments.output, "--output")?,
+        outputs.create(page_path, "--output")?,
+    ])
 }
 
 /// Returns the path of the report next to `output`.

@@ -1,17 +1,16 @@
 //! `feeler calibrate FORCES.csv --wrench`
 
 use super::{
-    Arguments, Calibrated, CommandError, Outcome, experiment_name, live, page_path, refuse_existing,
+    Arguments, Calibrated, CommandError, Outcome, create_outputs, guide_live, page_path, sensor,
 };
 use feeler::sensor::wrench::quality::{HeldOut, outlier};
 use feeler::sensor::wrench::{WrenchFit, fit};
-use feeler_console::{Outputs, Steps, Working, print_json, warn};
+use feeler_console::{Steps, Working, print_json, warn};
 use feeler_lab::sensor::{ForcesFile, MeasuredSamples};
 use feeler_sensing::calibration::checks::CONFIRM;
 use feeler_sensing::calibration::{FORCES, wrench_page, wrench_table};
-use feeler_sensing::named_sensor;
 use std::io::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 /// Maximum number of images named in warnings.
 const NAMED: usize = 5;
@@ -20,16 +19,9 @@ const NAMED: usize = 5;
 pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let output = &arguments.output;
     let page_path = page_path(output)?;
-    let experiment_name = experiment_name(arguments);
-    let layout = arguments.layout.as_deref();
-    let sensor = named_sensor(experiment_name, arguments.finger, layout)?;
-    let csv = match live::folder(arguments) {
-        Some(folder) => {
-            // Fail before an hour of work rather than after it.
-            refuse_existing(arguments, [output, &page_path])?;
-            live::guide(arguments, folder, &sensor)?;
-            folder.join(FORCES)
-        }
+    let sensor = sensor(arguments)?;
+    let csv = match guide_live(arguments, &sensor, &page_path)? {
+        Some(folder) => folder.join(FORCES),
         None => measured(arguments)?,
     };
     let forces = ForcesFile::read(&csv)?;
@@ -37,13 +29,8 @@ pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, 
         let checked = forces.check_magnitude();
         checked.map_err(|error| format!("{}: {error}{CONFIRM}", csv.display()))?;
     }
-    let files = forces.files();
-    let inputs = files.iter().map(|path| Some(path.as_path()));
-    let named = [Some(Path::new(experiment_name)), layout];
-    let mut outputs = Outputs::new(arguments.overwrite.force, inputs.chain(named));
     // Opened first, because calibrating takes a while.
-    let file = outputs.create(output, "--output")?;
-    let page_file = outputs.create(&page_path, "--output")?;
+    let [file, page_file] = create_outputs(arguments, &forces.files(), &page_path)?;
     let progress = Steps::new(forces.picture_count());
     let measured = forces.sense(&sensor, || progress.advance())?;
     drop(progress);

@@ -1,15 +1,14 @@
 //! Control laws on the same trials: one sweep per law, in a folder named after the law.
 
-use super::trials::TrialArguments;
+use super::trials::{TRIALS_BAR, TrialArguments};
 use crate::CommandError;
 use feeler::control::law::LawConfig;
-use feeler_console::watch_for_interrupt;
+use feeler_console::{Bar, watch_for_interrupt};
 use feeler_lab::config::Experiment;
 use feeler_lab::sweep::plan::PLAN;
 use feeler_lab::sweep::results::Store;
 use feeler_lab::sweep::trial::Trials;
 use feeler_lab::sweep::{Ended, Plan, Progress, engine};
-use indicatif::{ProgressBar, ProgressStyle};
 use std::path::Path;
 
 /// Number of trials of one law before the next law's turn. Interleaving gives an interrupted comparison equal trials
@@ -94,7 +93,10 @@ pub fn run(
     let jobs = arguments.jobs();
     let stop = watch_for_interrupt()?;
     let planned = contenders.first().map_or(0, |c| c.trials.plan().trials);
-    let mut bar = Bar::new(planned * contenders.len() as u64);
+    let mut bar = ComparisonBar {
+        bar: Bar::new(planned * contenders.len() as u64, TRIALS_BAR),
+        law: String::new(),
+    };
     let mut end = 0;
     while end < planned {
         end = (end + BLOCK).min(planned);
@@ -102,34 +104,20 @@ pub fn run(
             bar.law.clone_from(&contender.name);
             let Contender { trials, store, .. } = contender;
             if engine::run(trials, store, end, jobs, &stop, &mut bar)? == Ended::Stopped {
-                bar.bar.finish_and_clear();
                 return Ok(Ended::Stopped);
             }
         }
     }
-    bar.bar.finish_and_clear();
     Ok(Ended::Whole)
 }
 
 /// Progress bar of a comparison.
-struct Bar {
-    bar: ProgressBar,
+struct ComparisonBar {
+    bar: Bar,
     law: String,
 }
 
-impl Bar {
-    fn new(trials: u64) -> Self {
-        let bar = ProgressBar::new(trials);
-        let style = ProgressStyle::with_template("{bar:32} {pos}/{len} trials, {msg}, {eta} left");
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
-        Self {
-            bar,
-            law: String::new(),
-        }
-    }
-}
-
-impl Progress for Bar {
+impl Progress for ComparisonBar {
     fn show(&mut self, _finished: u64, _of: u64, _successes: u64) {
         self.bar.set_message(self.law.clone());
         self.bar.inc(1);

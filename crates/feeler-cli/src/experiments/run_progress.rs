@@ -1,14 +1,14 @@
 //! Progress bar of a simulated run.
 
 use feeler::control::Phase;
+use feeler_console::Bar;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::SimulatedLoop;
-use indicatif::{ProgressBar, ProgressStyle};
 use std::time::{Duration, Instant};
 
 /// A progress bar over the run's strokes.
 pub struct Progress {
-    bar: ProgressBar,
+    bar: Bar,
     start: Instant,
     shown: Instant,
 }
@@ -21,12 +21,9 @@ impl Progress {
     /// A bar for a run of `experiment`; hidden unless standard error is a terminal.
     pub fn new(experiment: &Experiment) -> Self {
         let strokes = u64::from(experiment.config.task.strokes());
-        let bar = ProgressBar::new(strokes * Self::PHASES_PER_STROKE);
-        let style = ProgressStyle::with_template("{bar:32} {msg}");
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
         let start = Instant::now();
         Self {
-            bar,
+            bar: Bar::new(strokes * Self::PHASES_PER_STROKE, "{bar:32} {msg}"),
             start,
             shown: start,
         }

@@ -1,11 +1,10 @@
 //! Arguments and functions shared by the commands that run trials: sweeps, comparisons, robustness studies.
 
 use crate::CommandError;
-use feeler_console::watch_for_interrupt;
+use feeler_console::{Bar, watch_for_interrupt};
 use feeler_lab::sweep::results::Store;
 use feeler_lab::sweep::trial::Trials;
 use feeler_lab::sweep::{Ended, Progress, engine};
-use indicatif::{ProgressBar, ProgressStyle};
 use std::num::NonZero;
 use std::path::Path;
 use std::thread;
@@ -46,11 +45,9 @@ impl TrialArguments {
     /// Runs the remaining `trials` until done or Ctrl-C.
     pub fn run(&self, trials: &Trials, store: &mut Store) -> Result<Ended, CommandError> {
         let stop = watch_for_interrupt()?;
-        let mut bar = Bar::new(store.table.rows.len() as u64);
-        let end = trials.plan().trials;
-        let ended = engine::run(trials, store, end, self.jobs(), &stop, &mut bar);
-        bar.clear();
-        Ok(ended?)
+        let mut bar = TrialsBar::new(store.table.rows.len() as u64);
+        let (end, jobs) = (trials.plan().trials, self.jobs());
+        Ok(engine::run(trials, store, end, jobs, &stop, &mut bar)?)
     }
 }
 
@@ -69,19 +66,21 @@ pub fn parse_seed(text: &str) -> Result<u64, String> {
     seed.ok_or_else(|| format!("expected a whole number from 0 to {}", i64::MAX))
 }
 
+/// Format of a progress bar over trials.
+pub(super) const TRIALS_BAR: &str = "{bar:32} {pos}/{len} trials, {msg}, {eta} left";
+
 /// Progress bar over trials.
-pub(super) struct Bar {
-    bar: ProgressBar,
+struct TrialsBar {
+    bar: Bar,
     start: Instant,
     before: u64,
 }
 
-impl Bar {
+impl TrialsBar {
     /// Creates a bar that starts with `before` finished trials.
-    pub(super) fn new(before: u64) -> Self {
-        let bar = ProgressBar::new(0).with_position(before);
-        let style = ProgressStyle::with_template("{bar:32} {pos}/{len} trials, {msg}, {eta} left");
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_bar()));
+    fn new(before: u64) -> Self {
+        let bar = Bar::new(0, TRIALS_BAR);
+        bar.set_position(before);
         bar.reset_eta();
         Self {
             bar,
@@ -89,14 +88,9 @@ impl Bar {
             before,
         }
     }
-
-    /// Removes the bar.
-    pub(super) fn clear(&self) {
-        self.bar.finish_and_clear();
-    }
 }
 
-impl Progress for Bar {
+impl Progress for TrialsBar {
     fn show(&mut self, finished: u64, of: u64, successes: u64) {
         self.bar.set_length(of);
         self.bar.set_position(finished);

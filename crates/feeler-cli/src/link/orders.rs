@@ -166,7 +166,8 @@ fn from_answer(answer: StopAnswer) -> Stopped {
 }
 
 fn unheard(rig: &str) -> CommandError {
-    format!("no hand of rig {rig:?} found within {LONGEST:?}").into()
+    let seconds = LONGEST.as_secs();
+    format!("no hand of rig {rig:?} found within {seconds} s").into()
 }
 
 /// Resumes a stop of the hand of a rig, and prints whether the hand continues.

@@ -5,14 +5,16 @@
 //! cross-validation: the threshold for each group of recordings (for example, an object) is chosen on the other
 //! groups.
 
+mod confusion;
 mod detectors;
 mod outcome;
 pub mod simulated;
 mod transfer;
 
+pub use confusion::Confusion;
 pub use detectors::{
     ContactReference, DETECTORS, Detector, DetectorTrace, GraspFrame, GraspRecording,
 };
 pub use feeler::control::grasp_slip::Picture;
-pub use outcome::{Confusion, Judged, Labelled, Outcome, Verdict, score};
+pub use outcome::{Judged, Labelled, Outcome, Verdict, score};
 pub use transfer::{Transfer, transfer};

@@ -1,5 +1,6 @@
 //! Evaluation of a slip detector against labels, with cross-validation over groups.
 
+use super::confusion::Confusion;
 use crate::sweep::analysis::interval::{Estimate, bootstrap_of};
 use std::collections::BTreeSet;
 
@@ -21,35 +22,6 @@ pub struct Verdict {
     pub threshold: f64,
     /// `true` if the score is above the threshold.
     pub says_slip: bool,
-}
-
-/// Confusion matrix.
-#[derive(Debug, Clone, Copy, PartialEq, Eq, Default)]
-pub struct Confusion {
-    /// Number of true positives: detected slips.
-    pub noticed: usize,
-    /// Number of false negatives: missed slips.
-    pub missed: usize,
-    /// Number of false positives.
-    pub false_alarms: usize,
-    /// Number of true negatives.
-    pub quiet: usize,
-}
-
-impl Confusion {
-    /// Number of classified samples.
-    pub fn count(self) -> usize {
-        self.noticed + self.missed + self.false_alarms + self.quiet
-    }
-
-    fn add(&mut self, slip: bool, says_slip: bool) {
-        *match (slip, says_slip) {
-            (true, true) => &mut self.noticed,
-            (true, false) => &mut self.missed,
-            (false, true) => &mut self.false_alarms,
-            (false, false) => &mut self.quiet,
-        } += 1;
-    }
 }
 
 /// Performance of a detector.

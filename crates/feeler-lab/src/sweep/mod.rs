@@ -15,7 +15,8 @@ pub use crate::sweep::results::store::Store;
 pub use crate::sweep::results::table::Table;
 pub use engine::{Ended, Progress};
 
-use std::path::PathBuf;
+use std::io;
+use std::path::{Path, PathBuf};
 
 /// Error of a sweep that cannot be set up, continued or merged.
 #[derive(Debug, thiserror::Error)]
@@ -56,7 +57,7 @@ pub enum SweepError {
         /// The file.
         path: PathBuf,
         /// Error of the operating system.
-        source: std::io::Error,
+        source: io::Error,
         /// State of the sweep, or the expected content.
         note: String,
     },
@@ -68,4 +69,12 @@ pub enum SweepError {
         /// The problem and the expected content.
         message: String,
     },
+}
+
+impl SweepError {
+    /// Returns a function that adds the file at `path` and a `note` to an error of the operating system.
+    pub(crate) fn file(path: &Path, note: impl Into<String>) -> impl FnOnce(io::Error) -> Self {
+        let (path, note) = (path.to_path_buf(), note.into());
+        move |source| Self::File { path, source, note }
+    }
 }

@@ -63,33 +63,17 @@ impl Settings {
         let most = MAX_SPEED_SHARE * fingertip_speed;
         let over_force = hand.rated_force * over.min(1.0);
         let move_speed = (speed * hand.contact_radius / hand.period).min(most);
-        let settings = Self {
-            over_force,
-            move_speed,
-            slip_threshold: slip * hand.shear_stiffness * move_speed,
-            recompression_speed: (recompression * move_speed).min(most),
-            minimum_grasp_force: weak * over_force,
-            grasp_force: grasp * over_force,
-            search_speed: (search * move_speed).min(most),
-            travel: (travel * hand.contact_radius).min(MAX_TRAVEL),
-            start: start * hand.contact_radius,
-            touch_force: TOUCH * over_force,
-        };
-        settings.rounded()
-    }
-
-    fn rounded(self) -> Self {
         Self {
-            over_force: rounded(self.over_force),
-            move_speed: rounded(self.move_speed),
-            slip_threshold: rounded(self.slip_threshold),
-            recompression_speed: rounded(self.recompression_speed),
-            minimum_grasp_force: rounded(self.minimum_grasp_force),
-            grasp_force: rounded(self.grasp_force),
-            search_speed: rounded(self.search_speed),
-            travel: rounded(self.travel),
-            start: rounded(self.start),
-            touch_force: rounded(self.touch_force),
+            over_force: rounded(over_force),
+            move_speed: rounded(move_speed),
+            slip_threshold: rounded(slip * hand.shear_stiffness * move_speed),
+            recompression_speed: rounded((recompression * move_speed).min(most)),
+            minimum_grasp_force: rounded(weak * over_force),
+            grasp_force: rounded(grasp * over_force),
+            search_speed: rounded((search * move_speed).min(most)),
+            travel: rounded((travel * hand.contact_radius).min(MAX_TRAVEL)),
+            start: rounded(start * hand.contact_radius),
+            touch_force: rounded(TOUCH * over_force),
         }
     }
 

@@ -1,9 +1,10 @@
 //! Messages received by the hand program: forces and flags, joint states, heartbeats and orders.
 
-use super::inbox::{Inbox, read};
+use super::inbox::Inbox;
 use super::peers::{Expected, Peers};
 use crate::hand::holds::ActiveStops;
 use crate::hand::run_clock::RunClock;
+use crate::messages::decode::read;
 use crate::messages::freshness::SentSteps;
 use crate::messages::message::{
     MessageHeader, NO_FINGER, ProgramKind, ResumeMessage, StateMessage, StopMessage, TactileUpdate,
@@ -167,7 +168,7 @@ impl HandInbox {
         let inbox = self.fingers.get_mut(finger).ok_or(Rejection::Size)?;
         check_update(finger, inbox.elements, &update)?;
         (self.peers).check(header.instance, &ProgramKind::Sense, update.finger)?;
-        let number = (header.instance, header.sequence);
+        let number = header.number();
         let lost = inbox.sequence.missing(number, now)?;
         let earliest = earliest(&self.sent, header, now)?;
         let time = match header.clock == header.instance {
@@ -194,7 +195,7 @@ impl HandInbox {
         self.peers
             .check(header.instance, &ProgramKind::World, NO_FINGER)?;
         let inbox = &mut self.state;
-        let number = (header.instance, header.sequence);
+        let number = header.number();
         let lost = inbox.sequence.missing(number, now)?;
         let earliest = earliest(&self.sent, header, now)?;
         let earliest = not_before(&inbox.sequence, number, inbox.earliest, earliest);

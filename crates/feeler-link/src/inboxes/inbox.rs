@@ -8,7 +8,6 @@ use crate::transport::network::Network;
 use crate::transport::outlet::TimeSource;
 use crate::transport::shared::Shared;
 use crate::transport::topic::Topic;
-use feeler_record::wire::{Message, cdr};
 use std::sync::Arc;
 
 /// Receiver of a program's messages.
@@ -43,14 +42,6 @@ pub trait Inbox {
         self.rejected().count(&taken);
         taken
     }
-}
-
-/// Decodes a message.
-///
-/// # Errors
-/// Returns [`Rejection::Malformed`] if `bytes` is not a valid message of type `M`.
-pub fn read<M: Message>(bytes: &[u8]) -> Result<M, Rejection> {
-    cdr::decode(bytes).map_err(|_| Rejection::Malformed)
 }
 
 /// Passes all messages of `topics` to `inbox`, and sends a heartbeat from `beacon` when a new program appears.

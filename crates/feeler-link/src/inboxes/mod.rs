@@ -8,9 +8,10 @@ pub(crate) mod rig_inbox;
 pub(crate) mod sense_inbox;
 pub(crate) mod watch_inbox;
 
+pub use crate::messages::decode::read;
 pub use beacon::Beacon;
 pub use hand_inbox::HandInbox;
-pub use inbox::{Inbox, listen, read};
+pub use inbox::{Inbox, listen};
 pub use peers::{Expected, MAX_PEERS, Peer, Peers};
 pub use rig_inbox::RigInbox;
 pub use sense_inbox::{Exposed, SenseInbox};

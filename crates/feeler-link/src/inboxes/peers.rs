@@ -1,8 +1,9 @@
 //! Known programs, and whether they are accepted.
 
-use crate::messages::heartbeat::read_heartbeat;
-use crate::messages::message::{Heartbeat, NO_FINGER, PROTOCOL, ProgramKind};
+use crate::messages::decode::read_heartbeat;
+use crate::messages::message::{Heartbeat, MessageHeader, NO_FINGER, PROTOCOL, ProgramKind};
 use crate::messages::mismatch::{Mismatch, short};
+use crate::messages::plausible::check_protocol;
 use crate::messages::rejection::Rejection;
 use crate::messages::sequence::Sequence;
 use crate::transport::topic::Place;
@@ -118,6 +119,15 @@ impl Peers {
         taken.then_some(()).ok_or(Rejection::Stranger)
     }
 
+    /// Checks that a message with this header has this program's protocol version and is from an accepted hand.
+    ///
+    /// # Errors
+    /// If the version differs, or the sender is not an accepted hand.
+    pub fn check_hand(&self, header: MessageHeader) -> Result<(), Rejection> {
+        check_protocol(header.protocol)?;
+        self.check(header.instance, &ProgramKind::Hand, NO_FINGER)
+    }
+
     /// Processes a heartbeat received at `now` (s) on the topic of `place`. Returns the peer if it is new.
     ///
     /// # Errors
@@ -141,8 +151,7 @@ impl Peers {
             }
             // The position of the sequence number is unknown in other versions.
             if heartbeat.protocol == PROTOCOL {
-                peer.heartbeats.missing(number, now)?;
-                peer.heartbeats.take(number, now);
+                peer.heartbeats.accept(number, now)?;
             }
             (peer.heartbeat, peer.heard) = (heartbeat, now);
             self.judge_again(now);

@@ -1,11 +1,12 @@
 //! Messages received by the rig (simulated or real drives), and the resulting commands to its drives.
 
-use super::inbox::{Inbox, read};
+use super::inbox::Inbox;
 use super::peers::{Expected, Peers};
 use crate::hand::own_stop::RigStop;
+use crate::messages::decode::read;
 use crate::messages::freshness::Echo;
-use crate::messages::message::{CommandMessage, HandMode, MessageHeader, NO_FINGER, ProgramKind};
-use crate::messages::plausible::{check_protocol, check_velocities};
+use crate::messages::message::{CommandMessage, HandMode, MessageHeader};
+use crate::messages::plausible::check_velocities;
 use crate::messages::rejection::{Rejection, Rejections};
 use crate::messages::sequence::Sequence;
 use crate::transport::topic::Topic;
@@ -53,7 +54,7 @@ impl Inbox for RigInbox {
             Topic::Heartbeat(place) => self.peers.heard(place, bytes, now).map(|_| ()),
             Topic::Mode => {
                 let mode: HandMode = read(bytes)?;
-                self.check_hand(mode.header)?;
+                self.peers.check_hand(mode.header)?;
                 self.take_step(mode.header, mode.token, now)?;
                 if let Some(own) = &mut self.own_stop {
                     own.hear(mode.header.instance, &mode.stops);
@@ -98,8 +99,8 @@ impl RigInbox {
     fn take_command(&mut self, command: CommandMessage, now: f64) -> Result<(), Rejection> {
         let header = command.header;
         check_velocities(self.fingers, &command.joint_velocity)?;
-        self.check_hand(header)?;
-        let number = (header.instance, header.sequence);
+        self.peers.check_hand(header)?;
+        let number = header.number();
         self.commands.missing(number, now)?;
         // Even a command that is too old, or for a previous rig, proves that the hand is present.
         let step = self.take_step(header, command.token, now);
@@ -132,20 +133,13 @@ impl RigInbox {
         Ok(())
     }
 
-    fn check_hand(&self, header: MessageHeader) -> Result<(), Rejection> {
-        check_protocol(header.protocol)?;
-        self.peers
-            .check(header.instance, &ProgramKind::Hand, NO_FINGER)
-    }
-
     /// Records the hand's step. A mode message repeats the step of the preceding command.
     fn take_step(&mut self, header: MessageHeader, token: u64, now: f64) -> Result<(), Rejection> {
-        let number = (header.instance, header.sequence);
+        let number = header.number();
         if self.steps.newest() == Some(number) {
             return Ok(());
         }
-        self.steps.missing(number, now)?;
-        self.steps.take(number, now);
+        self.steps.accept(number, now)?;
         self.echo = Echo {
             step: header.sequence,
             token,

@@ -1,7 +1,8 @@
 //! Messages received by the sensor program of one finger: the hand's steps, and images of a remote rig.
 
-use super::inbox::{Inbox, read};
+use super::inbox::Inbox;
 use super::peers::{Expected, Peers};
+use crate::messages::decode::read;
 use crate::messages::freshness::Echo;
 use crate::messages::message::{
     DirectForces, HandMode, MessageHeader, NO_FINGER, PictureMessage, ProgramKind,
@@ -98,19 +99,12 @@ impl SenseInbox {
 
     fn take_step(&mut self, mode: &HandMode, now: f64) -> Result<(), Rejection> {
         let header = mode.header;
-        check_protocol(header.protocol)?;
-        self.peers
-            .check(header.instance, &ProgramKind::Hand, NO_FINGER)?;
-        let number = (header.instance, header.sequence);
-        self.steps.missing(number, now)?;
-        if self
-            .steps
-            .newest()
-            .is_some_and(|(hand, _)| hand != header.instance)
-        {
+        self.peers.check_hand(header)?;
+        let before = self.steps.newest();
+        self.steps.accept(header.number(), now)?;
+        if before.is_some_and(|(hand, _)| hand != header.instance) {
             self.echoes.clear();
         }
-        self.steps.take(number, now);
         if self.echoes.len() == REMEMBERED {
             self.echoes.pop_front();
         }
@@ -152,12 +146,11 @@ impl SenseInbox {
         }
         self.peers
             .check(header.instance, &ProgramKind::World, NO_FINGER)?;
-        let number = (header.instance, header.sequence);
+        let number = header.number();
         // A repetition is accepted: in lockstep, the rig resends because the answer may have been lost.
         if self.exposed.newest() != Some(number) {
-            let lost = self.exposed.missing(number, now)?;
+            let lost = self.exposed.accept(number, now)?;
             self.lost = self.lost.saturating_add(lost);
-            self.exposed.take(number, now);
         }
         if self.waiting.len() == MAX_WAITING {
             self.waiting.pop_front();

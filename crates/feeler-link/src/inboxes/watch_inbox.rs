@@ -3,10 +3,11 @@
 //! An observer sends nothing, so it does not affect the rig.
 
 use super::hand_inbox::flags;
-use super::inbox::{Inbox, read};
+use super::inbox::Inbox;
 use super::peers::{Expected, Peers};
+use crate::messages::decode::read;
 use crate::messages::message::{
-    HandMode, Heartbeat, MessageHeader, NO_FINGER, ProgramKind, StateMessage, TactileUpdate,
+    HandMode, Heartbeat, NO_FINGER, ProgramKind, StateMessage, TactileUpdate,
 };
 use crate::messages::plausible::{check_protocol, check_state, check_update};
 use crate::messages::rejection::{Rejection, Rejections};
@@ -138,7 +139,7 @@ impl WatchInbox {
         check_update(finger, elements, &update)?;
         self.peers
             .check(update.header.instance, &ProgramKind::Sense, update.finger)?;
-        let missed = follow(&mut self.updates[finger], update.header, now)?;
+        let missed = self.updates[finger].accept(update.header.number(), now)?;
         self.missed = self.missed.saturating_add(missed);
         self.fingers[finger] = Some(update);
         Ok(())
@@ -148,7 +149,7 @@ impl WatchInbox {
         check_state(self.fingers.len(), &state)?;
         self.peers
             .check(state.header.instance, &ProgramKind::World, NO_FINGER)?;
-        let missed = follow(&mut self.states, state.header, now)?;
+        let missed = self.states.accept(state.header.number(), now)?;
         self.missed = self.missed.saturating_add(missed);
         self.state = Some(state);
         Ok(())
@@ -156,22 +157,12 @@ impl WatchInbox {
 
     /// Gaps in the sequence numbers of modes do not count as losses, because the hand skips unneeded modes.
     fn take_mode(&mut self, mut mode: HandMode, now: f64) -> Result<(), Rejection> {
-        check_protocol(mode.header.protocol)?;
-        self.peers
-            .check(mode.header.instance, &ProgramKind::Hand, NO_FINGER)?;
-        follow(&mut self.modes, mode.header, now)?;
+        self.peers.check_hand(mode.header)?;
+        self.modes.accept(mode.header.number(), now)?;
         mode.make_printable();
         self.mode = Some(mode);
         Ok(())
     }
-}
-
-/// Records the sequence number of a message received at `now` (s). Returns the number of messages missing before it.
-fn follow(sequence: &mut Sequence, header: MessageHeader, now: f64) -> Result<u64, Rejection> {
-    let number = (header.instance, header.sequence);
-    let missing = sequence.missing(number, now)?;
-    sequence.take(number, now);
-    Ok(missing)
 }
 
 #[cfg(test)]

@@ -1,7 +1,9 @@
 //! Messages of the link and their validation.
 
+pub(crate) mod decode;
+#[macro_use]
+mod definition;
 pub(crate) mod freshness;
-pub(crate) mod heartbeat;
 pub(crate) mod instruments;
 pub mod message;
 pub(crate) mod mismatch;

@@ -57,7 +57,18 @@ impl Sequence {
         }
     }
 
-    /// Accepts message `number` of `instance`, received at `now` (s).
+    /// Accepts message `number` of `instance`, received at `now` (s), and returns the number of messages missing before
+    /// it.
+    ///
+    /// # Errors
+    /// See [`missing`](Self::missing).
+    pub fn accept(&mut self, number: (u64, u64), now: f64) -> Result<u64, Rejection> {
+        let missing = self.missing(number, now)?;
+        self.take(number, now);
+        Ok(missing)
+    }
+
+    /// Records message `number` of `instance`, received at `now` (s), as the latest.
     pub fn take(&mut self, (instance, number): (u64, u64), now: f64) {
         self.newest = Some(Newest {
             instance,

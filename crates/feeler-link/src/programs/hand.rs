@@ -89,7 +89,8 @@ impl HandProgram {
 
     /// Returns the names of the missing programs.
     pub fn missing(&self) -> Vec<String> {
-        self.status.missing()
+        let node = &self.status.node;
+        node.inbox.lock().missing(node.now())
     }
 
     /// Waits until all programs are present with fresh data, publishing modes meanwhile. Returns `false` if
@@ -100,16 +101,15 @@ impl HandProgram {
     pub fn wait_for_others(&mut self, interrupted: &AtomicBool) -> Result<bool, ProgramError> {
         let status = &mut self.status;
         while !interrupted.load(Ordering::Relaxed) {
-            for mismatch in status.node.new_refusals() {
-                status.node.warn(&format!("refused: {mismatch}"));
-            }
+            status.node.warn_of_refusals();
             if !status.stands_back() {
                 let node = &status.node;
                 let mode = waiting_mode(&mut node.inbox.lock(), &node.clock, node.instance);
                 node.publish(Topic::Mode, &mode)?;
                 // As after each control step: wakes `Stopper::stop`.
                 node.inbox.changed();
-                if status.may_begin() {
+                let stale = status.limits.stale;
+                if node.inbox.lock().may_begin(node.now(), stale) {
                     return Ok(true);
                 }
             }
@@ -133,7 +133,7 @@ impl HandProgram {
         each_step: impl FnMut(&RemoteLoop, InstrumentRecord<'_>) -> ControlFlow<B>,
     ) -> Result<Option<B>, ProgramError> {
         let mut schedule = self.schedule(self.status.limits.period)?;
-        self.status.begin();
+        self.status.began = f64::NAN;
         let mut supervisor = HandSupervisor::new(&mut self.status, each_step);
         let control_loop = &mut self.control_loop;
         // Any number of missed steps is allowed: the watchdog stops the drives without commands, and stale data stops

@@ -27,7 +27,7 @@ pub(super) struct HandStatus {
     pub punctuality: Punctuality,
     /// `true` if another hand was present at the last report.
     has_rival: bool,
-    /// Rig time at the start of the run (s).
+    /// Rig time at the start of the run (s), or NaN before the first step.
     pub began: f64,
     pub steps: u64,
     warning: String,
@@ -81,22 +81,6 @@ impl HandStatus {
             warning: String::new(),
             published: (HandMode::default(), f64::NEG_INFINITY),
         })
-    }
-
-    /// Starts a run.
-    pub fn begin(&mut self) {
-        self.began = f64::NAN;
-    }
-
-    /// Returns the names of the missing programs.
-    pub fn missing(&self) -> Vec<String> {
-        self.node.inbox.lock().missing(self.node.now())
-    }
-
-    /// Returns `true` if all programs are present and their data is fresh.
-    pub fn may_begin(&self) -> bool {
-        let (inbox, now) = (self.node.inbox.lock(), self.node.now());
-        inbox.may_begin(now, self.limits.stale)
     }
 
     /// Returns `true` if this hand, which has not started, yields to another hand. It sends no heartbeats then.
@@ -174,12 +158,8 @@ impl HandStatus {
         for mismatch in self.node.new_refusals() {
             self.warn(control_loop, &format!("refused: {mismatch}"));
         }
-        let rival = self
-            .node
-            .inbox
-            .lock()
-            .rival(self.node.now())
-            .map(Peer::taken);
+        let now = self.node.now();
+        let rival = self.node.inbox.lock().rival(now).map(Peer::taken);
         let had_rival = std::mem::replace(&mut self.has_rival, rival.is_some());
         if let Some(mismatch) = rival.filter(|_| !had_rival) {
             self.warn(control_loop, &format!("refused: {mismatch}"));

@@ -15,6 +15,7 @@ mod rig;
 mod rig_config;
 mod rig_fault;
 mod rig_publish;
+mod rig_reading;
 mod sensor;
 
 pub use crate::hand::run_clock::RigSpeed;

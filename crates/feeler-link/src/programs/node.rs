@@ -73,6 +73,15 @@ impl<I: Inbox + Send + 'static> Node<I> {
         let now = self.now();
         self.refusals.new_ones(self.inbox.lock().peers(), now)
     }
+
+    /// Warns the operator about the refusals that have not been reported yet, and returns the last one.
+    pub fn warn_of_refusals(&mut self) -> Option<Mismatch> {
+        let new = self.new_refusals();
+        for mismatch in &new {
+            self.warn(&format!("refused: {mismatch}"));
+        }
+        new.into_iter().last()
+    }
 }
 
 /// Returns the first heartbeat of a program with the given experiment (SHA-256). Draws the program's instance.

@@ -3,10 +3,9 @@
 use super::error::{ProgramError, Warn};
 use super::node::{Node, first_heartbeat};
 use super::rig_config::{Rig, RigConfig};
-use super::rig_publish::Reading;
+use super::rig_reading::{Exposed, Reading};
 use crate::hand::run_clock::RigSpeed;
 use crate::inboxes::rig_inbox::RigInbox;
-use crate::messages::freshness::Echo;
 use crate::messages::message::ProgramKind;
 use crate::messages::rejection::Rejections;
 use crate::transport::network::Network;
@@ -39,14 +38,6 @@ pub struct RigProgram<R> {
     pub(super) published: Vec<Reading>,
     /// Sequence number and time (s) of the last report.
     pub(super) reported: (u64, f64),
-}
-
-/// Published image of a finger.
-#[derive(Debug, Clone, Copy)]
-pub(super) struct Exposed {
-    pub number: u64,
-    /// The hand's latest step at the exposure, and the time of the exposure (s).
-    pub taken: (Echo, f64),
 }
 
 /// Summary of a rig program.

@@ -1,16 +1,16 @@
 //! Publishing of the rig program: states, images or forces, and heartbeats.
 
 use super::error::ProgramError;
-use super::rig::{Exposed, RigProgram};
+use super::rig::RigProgram;
 use super::rig_config::{Rig, SensorOutput};
+use super::rig_reading::{Exposed, Reading};
 use crate::hand::run_clock::RigSpeed;
 use crate::messages::freshness::Echo;
 use crate::messages::message::{
     DirectForces, InstrumentsMessage, MessageHeader, PictureMessage, StateMessage,
 };
 use crate::transport::endpoints::LinkError;
-use crate::transport::outlet::{encode, header};
-use crate::transport::topic::Topic;
+use crate::transport::outlet::header;
 use feeler::hand::{HandState, JointState};
 use feeler::sensor::image::Frame;
 use feeler_record::wire::Vector3;
@@ -18,32 +18,6 @@ use glam::DVec3;
 
 /// Interval between heartbeat updates (s).
 const REPORT_INTERVAL: f64 = 0.25;
-
-/// Message with readings, which may be published again.
-pub(super) enum Reading {
-    State(StateMessage),
-    Picture(usize, PictureMessage),
-    Forces(usize, DirectForces),
-}
-
-impl Reading {
-    fn header_mut(&mut self) -> &mut MessageHeader {
-        match self {
-            Self::State(message) => &mut message.header,
-            Self::Picture(_, message) => &mut message.header,
-            Self::Forces(_, message) => &mut message.header,
-        }
-    }
-
-    /// Returns the topic and the encoded message.
-    fn encoded(&self) -> Result<(Topic, Vec<u8>), LinkError> {
-        Ok(match self {
-            Self::State(message) => (Topic::State, encode(message)?),
-            Self::Picture(finger, message) => (Topic::Picture(*finger), encode(message)?),
-            Self::Forces(finger, message) => (Topic::DirectForces(*finger), encode(message)?),
-        })
-    }
-}
 
 impl<R: Rig> RigProgram<R> {
     /// Reads encoders, instruments and sensors, and publishes the readings.
@@ -135,8 +109,7 @@ impl<R: Rig> RigProgram<R> {
             return;
         }
         self.reported = (self.sequence, now);
-        for mismatch in self.node.new_refusals() {
-            self.node.warn(&format!("refused: {mismatch}"));
+        if let Some(mismatch) = self.node.warn_of_refusals() {
             self.warning = mismatch.to_string();
         }
         let inbox = self.node.inbox.lock();

@@ -157,9 +157,7 @@ impl SensorProgram {
 
     /// Warns about refused programs.
     pub fn check_peers(&mut self) {
-        for mismatch in self.node.new_refusals() {
-            self.node.warn(&format!("refused: {mismatch}"));
-        }
+        self.node.warn_of_refusals();
     }
 
     fn report_by_heartbeat(&mut self, newest: Instant) {

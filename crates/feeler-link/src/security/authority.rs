@@ -2,6 +2,7 @@
 
 pub use super::certificate_error::CertificateError;
 pub use super::certificate_list::Listed;
+use super::files::FileError;
 use super::register::Register;
 use super::right::{CertificateName, Right};
 use super::validity::{AUTHORITY_DAYS, Validity};
@@ -31,17 +32,12 @@ impl Authority {
     /// # Errors
     /// If the folder cannot be read or written, or the authority's files are invalid.
     pub fn open_or_make(lab: &Path) -> Result<Self, CertificateError> {
-        let signing = |source| CertificateError::Signing {
-            path: lab.to_path_buf(),
-            source,
-        };
         let [certificate_path, key_path] = AUTHORITY.map(|name| lab.join(name));
         if !certificate_path.exists() && !key_path.exists() {
-            fs::create_dir_all(lab).map_err(|e| failed(lab, e))?;
-            let key = KeyPair::generate().map_err(signing)?;
-            let certificate = authority()
-                .and_then(|a| a.self_signed(&key))
-                .map_err(signing)?;
+            fs::create_dir_all(lab).map_err(FileError::at(lab))?;
+            let key = KeyPair::generate().map_err(signing(lab))?;
+            let certificate = authority().and_then(|a| a.self_signed(&key));
+            let certificate = certificate.map_err(signing(lab))?;
             write_new(&key_path, &key.serialize_pem())?;
             write_new(&certificate_path, &certificate.pem())?;
         }
@@ -53,19 +49,15 @@ impl Authority {
     /// # Errors
     /// If the folder contains no valid authority.
     pub fn open(lab: &Path) -> Result<Self, CertificateError> {
-        let signing = |source| CertificateError::Signing {
-            path: lab.to_path_buf(),
-            source,
-        };
         let [certificate_path, key_path] = AUTHORITY.map(|name| lab.join(name));
         if !certificate_path.exists() && !key_path.exists() {
             let lab = lab.to_path_buf();
             return Err(CertificateError::NoLab { lab });
         }
-        let read = |path: &Path| fs::read_to_string(path).map_err(|e| failed(path, e));
+        let read = |path: &Path| fs::read_to_string(path).map_err(FileError::at(path));
         let certificate = read(&certificate_path)?;
-        let key = KeyPair::from_pem(&read(&key_path)?).map_err(signing)?;
-        let issuer = Issuer::from_ca_cert_pem(&certificate, key).map_err(signing)?;
+        let key = KeyPair::from_pem(&read(&key_path)?).map_err(signing(lab))?;
+        let issuer = Issuer::from_ca_cert_pem(&certificate, key).map_err(signing(lab))?;
         Ok(Self {
             lab: lab.to_path_buf(),
             certificate,
@@ -143,24 +135,26 @@ impl Authority {
         let path = folder.join(right.to_string());
         let new = folder.join(format!(".{right}.new"));
         let name = self.register.add(right, computer, &validity.last_day())?;
-        let signing = |source| CertificateError::Signing {
-            path: self.lab.clone(),
-            source,
-        };
-        let key = KeyPair::generate().map_err(signing)?;
+        let key = KeyPair::generate().map_err(signing(&self.lab))?;
         let certificate = of_computer(computer, name, validity);
         let certificate = certificate.and_then(|c| c.signed_by(&key, &self.issuer));
-        let certificate = certificate.map_err(signing)?;
+        let certificate = certificate.map_err(signing(&self.lab))?;
         remove(&new)?;
-        fs::create_dir_all(&new).map_err(|e| failed(&new, e))?;
+        fs::create_dir_all(&new).map_err(FileError::at(&new))?;
         write_new(&new.join("ca.pem"), &self.certificate)?;
         write_new(&new.join("cert.pem"), &certificate.pem())?;
         write_new(&new.join("key.pem"), &key.serialize_pem())?;
         // Certificate and key belong together, so the folder is replaced as a whole.
         remove(&path)?;
-        fs::rename(&new, &path).map_err(|e| failed(&path, e))?;
+        fs::rename(&new, &path).map_err(FileError::at(&path))?;
         Ok(name)
     }
+}
+
+/// Returns a function that adds the folder `lab` to an error of the certificate library.
+fn signing(lab: &Path) -> impl FnOnce(rcgen::Error) -> CertificateError {
+    let path = lab.to_path_buf();
+    move |source| CertificateError::Signing { path, source }
 }
 
 fn authority() -> Result<CertificateParams, rcgen::Error> {
@@ -199,7 +193,7 @@ fn of_computer(
 /// Removes a folder if it exists.
 fn remove(path: &Path) -> Result<(), CertificateError> {
     match fs::remove_dir_all(path) {
-        Err(e) if e.kind() != io::ErrorKind::NotFound => Err(failed(path, e)),
+        Err(e) if e.kind() != io::ErrorKind::NotFound => Err(FileError::at(path)(e).into()),
         _ => Ok(()),
     }
 }
@@ -219,14 +213,6 @@ fn write_new(path: &Path, text: &str) -> Result<(), CertificateError> {
     #[cfg(unix)]
     std::os::unix::fs::OpenOptionsExt::mode(&mut options, 0o600);
     let written = options.open(path);
-    written
-        .and_then(|mut file| file.write_all(text.as_bytes()))
-        .map_err(|e| failed(path, e))
-}
-
-pub(crate) fn failed(path: &Path, source: io::Error) -> CertificateError {
-    CertificateError::File {
-        path: path.to_path_buf(),
-        source,
-    }
+    let written = written.and_then(|mut file| file.write_all(text.as_bytes()));
+    Ok(written.map_err(FileError::at(path))?)
 }

@@ -1,21 +1,16 @@
 //! Errors of issuing and withdrawing certificates.
 
+use super::files::FileError;
 use super::register::RegisterError;
 use super::withdrawn::WithdrawnError;
-use std::io;
 use std::path::PathBuf;
 
 /// Error of issuing or withdrawing certificates.
 #[derive(Debug, thiserror::Error)]
 pub enum CertificateError {
     /// A file cannot be read or written.
-    #[error("{}: {source}; expected a writable folder", path.display())]
-    File {
-        /// Path of the file.
-        path: PathBuf,
-        /// Error of the operating system.
-        source: io::Error,
-    },
+    #[error("{0}; expected a writable folder")]
+    File(#[from] FileError),
     /// Invalid name of a computer.
     #[error(
         "invalid computer name {computer:?}: expected letters, digits, dots, colons and hyphens"

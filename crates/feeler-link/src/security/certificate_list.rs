@@ -1,7 +1,8 @@
 //! Listing and withdrawing of a lab's certificates.
 
-use super::authority::{Authority, CertificateError, failed, none};
-use super::register::{self, Entry};
+use super::authority::{Authority, CertificateError, none};
+use super::files::{FileError, append};
+use super::register::Entry;
 use super::right::{CertificateName, Right};
 use super::validity;
 use super::withdrawn::{self, WITHDRAWN};
@@ -59,7 +60,7 @@ impl Authority {
         let new = entries.filter(|e| names.contains(&e.name) && !already.contains(&e.name));
         let lines = new.map(|e| format!("{} {} withdrawn {today}\n", e.name, e.computer));
         let lines: String = lines.collect();
-        register::append(&path, &lines).map_err(|e| failed(&path, e))?;
+        append(&path, &lines)?;
         self.hand_out_withdrawn()
     }
 
@@ -96,7 +97,7 @@ impl Authority {
             let folder = self.folder(computer)?;
             if folder.is_dir() {
                 let copy = folder.join(WITHDRAWN);
-                fs::copy(&list, &copy).map_err(|e| failed(&copy, e))?;
+                fs::copy(&list, &copy).map_err(FileError::at(&copy))?;
             }
         }
         Ok(())

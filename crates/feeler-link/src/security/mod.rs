@@ -7,6 +7,7 @@ pub(crate) mod authority;
 pub(crate) mod certificate_error;
 #[cfg(feature = "zenoh")]
 pub(crate) mod certificate_list;
+pub(crate) mod files;
 #[cfg(feature = "zenoh")]
 pub(crate) mod own_certificate;
 #[cfg(feature = "zenoh")]
@@ -21,6 +22,7 @@ pub use access_control::{Role, access_control};
 pub use authority::{Authority, Listed};
 #[cfg(feature = "zenoh")]
 pub use certificate_error::CertificateError;
+pub use files::FileError;
 #[cfg(feature = "zenoh")]
 pub use own_certificate::{OwnCertificate, OwnCertificateError};
 #[cfg(feature = "zenoh")]

@@ -1,10 +1,11 @@
 //! Checks of a program's own certificate before connecting, for clearer errors than a failed TLS handshake gives.
 
+use super::files::FileError;
 use super::right::{CertificateName, Right, RightError};
 use super::validity::{day, now};
 use super::withdrawn::{self, WithdrawnError};
+use std::fs;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 use x509_parser::certificate::X509Certificate;
 use x509_parser::pem::parse_x509_pem;
 
@@ -15,13 +16,8 @@ pub const WARNING_DAYS: u64 = 30;
 #[derive(Debug, thiserror::Error)]
 pub enum OwnCertificateError {
     /// The file cannot be read.
-    #[error("--certificates: {}: {source}; expected a folder created by feeler certificates", path.display())]
-    File {
-        /// Path of the file.
-        path: PathBuf,
-        /// Error of the operating system.
-        source: io::Error,
-    },
+    #[error("--certificates: {0}; expected a folder created by feeler certificates")]
+    File(#[from] FileError),
     /// Not a certificate.
     #[error("--certificates: {}: expected a PEM certificate", path.display())]
     Malformed {
@@ -132,11 +128,7 @@ impl OwnCertificate {
 }
 
 fn parse(path: &Path) -> Result<OwnCertificate, OwnCertificateError> {
-    let read = fs::read(path);
-    let text = read.map_err(|source| OwnCertificateError::File {
-        path: path.to_path_buf(),
-        source,
-    })?;
+    let text = fs::read(path).map_err(FileError::at(path))?;
     let malformed = || OwnCertificateError::Malformed {
         path: path.to_path_buf(),
     };

@@ -1,8 +1,7 @@
 //! File that lists the certificates issued by a lab: one per line, oldest first.
 
+use super::files::{FileError, append, read_if_present};
 use super::right::{CertificateName, MAX_SERIAL, Right, RightError};
-use std::fs::{self, OpenOptions};
-use std::io::{self, Write};
 use std::path::{Path, PathBuf};
 
 /// File name of the list.
@@ -23,13 +22,8 @@ pub struct Entry {
 #[derive(Debug, thiserror::Error)]
 pub enum RegisterError {
     /// The file cannot be read or written.
-    #[error("{}: {source}; expected the list of the lab's certificates", path.display())]
-    File {
-        /// Path of the file.
-        path: PathBuf,
-        /// Error of the operating system.
-        source: io::Error,
-    },
+    #[error("{0}; expected the list of the lab's certificates")]
+    File(#[from] FileError),
     /// Invalid line.
     #[error(
         "{}, line {line}: {given:?}; expected name, computer and last day, e.g. sense-0.17 10.0.0.6 2027-11-22{}",
@@ -70,11 +64,7 @@ impl Register {
     /// If the file exists but cannot be read or parsed.
     pub fn read(lab: &Path) -> Result<Self, RegisterError> {
         let path = lab.join(REGISTER);
-        let text = match fs::read_to_string(&path) {
-            Ok(text) => text,
-            Err(e) if e.kind() == io::ErrorKind::NotFound => String::new(),
-            Err(source) => return Err(RegisterError::File { path, source }),
-        };
+        let text = read_if_present(&path)?;
         let lines = (1..).zip(text.lines());
         let lines = lines.filter(|(_, given)| !given.trim().is_empty());
         let entry = |(line, given): (usize, &str)| {
@@ -124,12 +114,7 @@ impl Register {
             return Err(RegisterError::Full { right });
         }
         let name = CertificateName { right, serial };
-        append(&self.path, &format!("{name} {computer} {until}\n")).map_err(|source| {
-            RegisterError::File {
-                path: self.path.clone(),
-                source,
-            }
-        })?;
+        append(&self.path, &format!("{name} {computer} {until}\n"))?;
         self.entries.push(Entry {
             name,
             computer: computer.into(),
@@ -137,13 +122,6 @@ impl Register {
         });
         Ok(name)
     }
-}
-
-/// Appends to a file, creating it if it does not exist.
-pub(crate) fn append(path: &Path, text: &str) -> io::Result<()> {
-    let mut file = OpenOptions::new().append(true).create(true).open(path)?;
-    file.write_all(text.as_bytes())?;
-    file.sync_all()
 }
 
 /// Parses a line. The error is that of the name, or `None` if the number of words is wrong.
@@ -162,6 +140,7 @@ fn entry(line: &str) -> Result<Entry, Option<RightError>> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use std::fs;
 
     #[test]
     fn serials_increase_per_right_and_are_not_reused() {

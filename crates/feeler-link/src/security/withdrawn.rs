@@ -1,9 +1,9 @@
 //! File that lists the certificates withdrawn by a lab, one name per line.
 
+use super::files::{FileError, read_if_present};
 use super::right::{CertificateName, RightError};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 
 /// File name of the list, in the lab's folder and in each certificate folder.
 pub const WITHDRAWN: &str = "withdrawn.txt";
@@ -12,13 +12,8 @@ pub const WITHDRAWN: &str = "withdrawn.txt";
 #[derive(Debug, thiserror::Error)]
 pub enum WithdrawnError {
     /// The file cannot be read.
-    #[error("{}: {source}; expected a readable list of withdrawn certificates, or no file", path.display())]
-    File {
-        /// Path of the file.
-        path: PathBuf,
-        /// Error of the operating system.
-        source: io::Error,
-    },
+    #[error("{0}; expected a readable list of withdrawn certificates, or no file")]
+    File(#[from] FileError),
     /// Invalid line.
     #[error("{}, line {line}: {source}", path.display())]
     Line {
@@ -36,19 +31,12 @@ pub enum WithdrawnError {
 /// # Errors
 /// If the file exists but cannot be read or parsed.
 pub fn read(path: &Path) -> Result<BTreeSet<CertificateName>, WithdrawnError> {
-    let path_buf = || path.to_path_buf();
-    match fs::read_to_string(path) {
-        Ok(text) => parse(&text).map_err(|(line, source)| WithdrawnError::Line {
-            path: path_buf(),
-            line,
-            source,
-        }),
-        Err(source) if source.kind() == io::ErrorKind::NotFound => Ok(BTreeSet::new()),
-        Err(source) => Err(WithdrawnError::File {
-            path: path_buf(),
-            source,
-        }),
-    }
+    let text = read_if_present(path)?;
+    parse(&text).map_err(|(line, source)| WithdrawnError::Line {
+        path: path.to_path_buf(),
+        line,
+        source,
+    })
 }
 
 /// Reads the lists that apply to the certificates in `folder`: the one in it, and the one in its parent folder, which

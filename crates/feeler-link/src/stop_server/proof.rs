@@ -1,6 +1,7 @@
 //! Authentication of the stop server's datagrams by certificates and signatures.
 
 use super::wire::{Datagram, Proof};
+use crate::security::files::FileError;
 use crate::security::own_certificate::name;
 use crate::security::right::{CertificateName, Right, RightError};
 use crate::security::withdrawn;
@@ -8,8 +9,8 @@ use crate::security::withdrawn::WithdrawnError;
 use rcgen::{KeyPair, SigningKey};
 use rustls_pki_types::{CertificateDer, UnixTime};
 use std::collections::BTreeSet;
+use std::fs;
 use std::path::{Path, PathBuf};
-use std::{fs, io};
 use webpki::ring::ECDSA_P256_SHA256;
 use webpki::{EndEntityCert, KeyUsage, anchor_from_trusted_cert};
 use x509_parser::pem::parse_x509_pem;
@@ -19,13 +20,8 @@ use x509_parser::prelude::{FromDer, X509Certificate};
 #[derive(Debug, thiserror::Error)]
 pub enum CredentialsError {
     /// A file cannot be read.
-    #[error("{}: {source}; expected a folder created by feeler certificates", path.display())]
-    File {
-        /// Path of the file.
-        path: PathBuf,
-        /// Error of the operating system.
-        source: io::Error,
-    },
+    #[error("{0}; expected a folder created by feeler certificates")]
+    File(#[from] FileError),
     /// Not a certificate or key.
     #[error("{}: expected a certificate or a key created by feeler certificates", path.display())]
     Malformed {
@@ -86,7 +82,7 @@ impl Credentials {
     /// If a file cannot be read or is invalid.
     pub fn read(folder: &Path) -> Result<Self, CredentialsError> {
         let path = folder.join("key.pem");
-        let key = String::from_utf8(read(&path)?).ok();
+        let key = String::from_utf8(fs::read(&path).map_err(FileError::at(&path))?).ok();
         let key = key.and_then(|key| KeyPair::from_pem(&key).ok());
         let key = key.ok_or(CredentialsError::Malformed { path })?;
         Ok(Self {
@@ -144,16 +140,9 @@ impl Credentials {
     }
 }
 
-fn read(path: &Path) -> Result<Vec<u8>, CredentialsError> {
-    fs::read(path).map_err(|source| CredentialsError::File {
-        path: path.to_path_buf(),
-        source,
-    })
-}
-
 /// Reads the first certificate of a PEM file, as DER.
 fn certificate(path: &Path) -> Result<Vec<u8>, CredentialsError> {
-    let text = read(path)?;
+    let text = fs::read(path).map_err(FileError::at(path))?;
     let pem = parse_x509_pem(&text).map_err(|_| CredentialsError::Malformed {
         path: path.to_path_buf(),
     })?;

@@ -163,8 +163,11 @@ pub trait RecordedMessage: Stamped + Clone + Any {
     const CONVERSION: Option<Conversion> = None;
 
     /// The list of `recording` that stores messages of this type: of `finger`, or of the rig. `None` if there is no
-    /// such finger, or if messages of this type are not kept in memory.
-    fn list(recording: &mut Recording, finger: Option<usize>) -> Option<&mut Vec<Self>>;
+    /// such finger, or if messages of this type are not kept in memory, which is the default.
+    fn list(recording: &mut Recording, finger: Option<usize>) -> Option<&mut Vec<Self>> {
+        let _ = (recording, finger);
+        None
+    }
 
     /// Decodes a message and appends it to its list. `at` is the position of its bytes in the file.
     ///
@@ -220,19 +223,11 @@ recorded!(
 );
 
 /// Only written to sensor files, which contain no run.
-impl RecordedMessage for Moments {
-    fn list(_: &mut Recording, _: Option<usize>) -> Option<&mut Vec<Self>> {
-        None
-    }
-}
+impl RecordedMessage for Moments {}
 
 /// Left in the file; a recording in memory only stores the position of each image.
 impl RecordedMessage for Image {
     const CONVERSION: Option<Conversion> = Some(compress);
-
-    fn list(_: &mut Recording, _: Option<usize>) -> Option<&mut Vec<Self>> {
-        None
-    }
 
     fn read_into(
         recording: &mut Recording,
@@ -251,10 +246,6 @@ impl RecordedMessage for Image {
 
 /// Written by the recorder itself if it dropped messages.
 impl RecordedMessage for RecordingGap {
-    fn list(_: &mut Recording, _: Option<usize>) -> Option<&mut Vec<Self>> {
-        None
-    }
-
     fn read_into(
         recording: &mut Recording,
         _: Option<usize>,

@@ -1,6 +1,6 @@
 //! Checks and decompresses chunks of an MCAP file.
 
-use super::scan::{parse, split_record};
+use super::record::{parse, split_record};
 use ::mcap::records::{Record, op};
 use lz4_flex::frame::FrameDecoder;
 use ruzstd::decoding::StreamingDecoder;

@@ -51,7 +51,7 @@ struct OpenChannel {
 impl Container {
     /// Creates the file. `options` controls how chunks are made.
     pub fn create(path: &Path, options: WriteOptions) -> Result<Self, RecordError> {
-        let file = File::create(path).map_err(|source| file_error(path, source))?;
+        let file = File::create(path).map_err(RecordError::file(path))?;
         Self::to_output(Box::new(BufWriter::new(file)), path, options)
     }
 
@@ -190,7 +190,7 @@ impl Container {
         let finished = self.writer.finish();
         finished.map_err(|source| self.failed(source))?;
         let flushed = self.writer.into_inner().into_inner().flush();
-        flushed.map_err(|source| file_error(&self.path, source))
+        flushed.map_err(RecordError::file(&self.path))
     }
 
     fn failed(&self, source: McapError) -> RecordError {
@@ -224,11 +224,4 @@ pub fn log_time<M: Stamped>(topic: RecordedTopic<M>, message: &M) -> Result<u64,
         topic: topic.name(),
         stamp,
     })
-}
-
-fn file_error(path: &Path, source: std::io::Error) -> RecordError {
-    RecordError::File {
-        path: path.to_path_buf(),
-        source,
-    }
 }

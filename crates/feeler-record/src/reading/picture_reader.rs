@@ -1,8 +1,9 @@
 //! Reads images from a recording's file.
 
 use super::chunk::unpack;
+use super::record::RECORD_HEAD;
 use super::recording::PictureAt;
-use super::scan::{RECORD_HEAD, read_record};
+use super::scan::read_record;
 use crate::messages::image::picture;
 use crate::ros::CompressedImage;
 use crate::wire::cdr;

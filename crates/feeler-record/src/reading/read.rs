@@ -1,15 +1,16 @@
 //! Reads recordings, complete or damaged.
 
+use super::collector::Collector;
 use super::container::LIBRARY;
+use super::part::Part;
 use super::recording::Recording;
-use super::rewritten::read_rewritten;
+use super::rewritten::{ReadSeek, read_rewritten};
 use super::scan::{Found, scan};
 use crate::error::RecordError;
-use crate::writing::collector::Collector;
 use crate::writing::sink::FACTS;
 use ::mcap::records::Record;
 use std::fs::File;
-use std::io::{BufReader, Cursor, Read, Seek};
+use std::io::{BufReader, Cursor, Read};
 use std::path::Path;
 
 impl Recording {
@@ -22,7 +23,7 @@ impl Recording {
         Self::read_in_parts(path, &mut |_, _| {})
     }
 
-    /// Reads a recording of any length in parts. After every [`PART`] messages, `part` is called with the recording so
+    /// Reads a recording of any length in parts. After every [`PART`](crate::PART) messages, `part` is called with the recording so
     /// far and the fraction of the file that was read, 0 to 1. It may copy the data that it needs and [discard the
     /// rest](Self::discard_until). The result contains everything that was not discarded; its digest, end, gaps and
     /// problem refer to the whole file.
@@ -34,12 +35,9 @@ impl Recording {
         part: &mut dyn FnMut(&mut Self, f64),
     ) -> Result<Self, RecordError> {
         let path = path.as_ref();
-        let failed = |source| RecordError::File {
-            path: path.to_path_buf(),
-            source,
-        };
-        let file = File::open(path).map_err(failed)?;
-        let length = file.metadata().map_err(failed)?.len();
+        let file = File::open(path).map_err(RecordError::file(path))?;
+        let metadata = file.metadata().map_err(RecordError::file(path))?;
+        let length = metadata.len();
         Self::read_from(&mut BufReader::new(file), length, path, part)
     }
 
@@ -99,14 +97,3 @@ fn is_as_written(file: &mut dyn Read) -> bool {
     });
     is_ours && begins_with_facts
 }
-
-/// A readable and seekable file.
-pub(crate) trait ReadSeek: Read + Seek {}
-
-impl<F: Read + Seek> ReadSeek for F {}
-
-/// Number of messages in a part of a recording: half a second to a few seconds.
-pub const PART: usize = 2_000;
-
-/// Callback with the recording so far and the position in the file, in bytes.
-pub(crate) type Part<'a> = dyn FnMut(&mut Recording, u64) + 'a;

@@ -30,10 +30,7 @@ impl RecordedCamera {
     /// # Errors
     /// If the file cannot be opened.
     pub fn open(path: &Path, recording: &Recording, finger: usize) -> Result<Self, RecordError> {
-        let file = File::open(path).map_err(|source| RecordError::File {
-            path: path.to_path_buf(),
-            source,
-        })?;
+        let file = File::open(path).map_err(RecordError::file(path))?;
         Ok(Self::new(file, recording, finger))
     }
 }

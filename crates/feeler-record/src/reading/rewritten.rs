@@ -1,15 +1,21 @@
 //! Reads recordings that another tool has rewritten: metadata and attachments may be anywhere, channels may have other
 //! ids, and messages may be in another order.
 
-use super::read::{Part, ReadSeek};
+use super::collector::Collector;
+use super::part::Part;
 use super::recording::{PictureAt, Recording};
 use super::scan::{Found, Place, scan};
 use crate::messages::facts::RunFacts;
 use crate::messages::topic::topics;
-use crate::writing::collector::Collector;
 use crate::writing::sink::{CALIBRATION, END, EXPERIMENT, FACTS, POLICY};
 use ::mcap::records::{MessageHeader, Metadata, Record};
 use std::collections::{BTreeMap, HashMap};
+use std::io::{Read, Seek};
+
+/// A readable and seekable file.
+pub(crate) trait ReadSeek: Read + Seek {}
+
+impl<F: Read + Seek> ReadSeek for F {}
 
 /// Maximum number of topics named in an error.
 const NAMED: usize = 8;

@@ -3,7 +3,6 @@
 use super::compressed_image::CompressedImage;
 use super::header::{Header, header_schema, nested, quaternion_schema, xyz_schema};
 use crate::wire::{Message, Quaternion, Vector3};
-use glam::DQuat;
 use serde::{Deserialize, Serialize};
 
 /// Shape of a marker.
@@ -38,7 +37,7 @@ pub struct ColorRGBA {
 }
 
 /// Pose of a marker in its frame.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct MarkerPose {
     /// Origin (m).
     pub position: Vector3,
@@ -75,7 +74,7 @@ pub struct MeshFile {
 }
 
 /// A drawn object.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Marker {
     /// Time and coordinate frame.
     pub header: Header,
@@ -124,26 +123,9 @@ impl Marker {
         Self {
             header: Header::of(frame),
             ns: ns.into(),
-            id: 0,
             kind: kind as i32,
-            action: 0,
-            pose: MarkerPose {
-                position: Vector3::default(),
-                orientation: DQuat::IDENTITY.into(),
-            },
-            scale: Vector3::default(),
-            color: ColorRGBA::default(),
-            lifetime: Duration::default(),
             frame_locked: true,
-            points: Vec::new(),
-            colors: Vec::new(),
-            texture_resource: String::new(),
-            texture: CompressedImage::default(),
-            uv_coordinates: Vec::new(),
-            text: String::new(),
-            mesh_resource: String::new(),
-            mesh_file: MeshFile::default(),
-            mesh_use_embedded_materials: false,
+            ..Self::default()
         }
     }
 }

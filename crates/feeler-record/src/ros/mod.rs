@@ -34,10 +34,6 @@ macro_rules! derived {
         impl $crate::messages::topic::RecordedMessage for $type {
             const DERIVED: bool = true;
 
-            fn list(_: &mut $crate::reading::recording::Recording, _: Option<usize>) -> Option<&mut Vec<Self>> {
-                None
-            }
-
             fn read_into(
                 _: &mut $crate::reading::recording::Recording,
                 _: Option<usize>,

@@ -6,18 +6,12 @@ use glam::{DAffine3, DQuat};
 use serde::{Deserialize, Serialize};
 
 /// Pose of a frame in its parent.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Transform {
     /// Origin (m).
     pub translation: Vector3,
     /// Rotation.
     pub rotation: Quaternion,
-}
-
-impl Default for Transform {
-    fn default() -> Self {
-        Self::from(DAffine3::IDENTITY)
-    }
 }
 
 impl From<DAffine3> for Transform {

@@ -65,12 +65,7 @@ impl SensedPictures {
     /// # Errors
     /// If the file cannot be opened.
     pub fn open(path: &Path) -> Result<Self, RecordError> {
-        let open = || {
-            File::open(path).map_err(|source| RecordError::File {
-                path: path.to_path_buf(),
-                source,
-            })
-        };
+        let open = || File::open(path).map_err(RecordError::file(path));
         let mut index = Index::default();
         let scanned = scan(&mut BufReader::new(open()?), &mut |found| index.take(found));
         let problem = index.damage.take().or(scanned.err());

@@ -29,7 +29,7 @@ pub const WRENCH: RecordedTopic<WrenchStamped> = RecordedTopic::of_rig("wrench")
 pub struct SensedWriter {
     container: Container,
     channels: Vec<Channel>,
-    /// Number of fingers for which images may be written.
+    /// Number of fingers for which messages may be written.
     fingers: usize,
     buffer: Vec<u8>,
 }
@@ -61,12 +61,22 @@ impl SensedWriter {
     ) -> Result<Self, RecordError> {
         let pictures = finger.map(|finger| Channel::from(topics::image(finger)));
         let channels: Vec<_> = channels.into_iter().chain(pictures).collect();
-        let mut container = Container::create(path, WriteOptions::new())?;
+        let container = Container::create(path, WriteOptions::new())?;
+        let fingers = finger.map_or(0, |finger| finger.saturating_add(1));
+        Self::in_container(container, channels, fingers)
+    }
+
+    /// Creates a writer of `channels`, which are of the rig or of up to `fingers` fingers.
+    pub(super) fn in_container(
+        mut container: Container,
+        channels: Vec<Channel>,
+        fingers: usize,
+    ) -> Result<Self, RecordError> {
         container.register(&channels)?;
         Ok(Self {
             container,
             channels,
-            fingers: finger.map_or(0, |finger| finger.saturating_add(1)),
+            fingers,
             buffer: Vec::new(),
         })
     }
@@ -113,10 +123,7 @@ impl MessageSink for SensedWriter {
 /// # Errors
 /// If the file cannot be read or contains no moments.
 pub fn read_moments(path: &Path) -> Result<Vec<Moments>, RecordError> {
-    let file = File::open(path).map_err(|source| RecordError::File {
-        path: path.to_path_buf(),
-        source,
-    })?;
+    let file = File::open(path).map_err(RecordError::file(path))?;
     let (mut channels, mut moments) = (HashSet::new(), Vec::new());
     let scanned = scan(&mut BufReader::new(file), &mut |found| {
         match found {

@@ -1,14 +1,13 @@
 //! Recordings of third-party taxel arrays without a run: one MCAP file of ROS 2 messages.
 
-use super::readings::TACTILE;
+use super::readings::{SensedWriter, TACTILE};
 use crate::error::RecordError;
 use crate::messages::channels::Tactile;
-use crate::messages::topic::{Channel, RecordedMessage, RecordedTopic, topics};
-use crate::reading::container::{Container, find, log_time};
+use crate::messages::topic::{Channel, topics};
+use crate::reading::container::Container;
 use crate::ros::{MarkerArray, PointCloud2, Time, WrenchStamped};
 use crate::sensed::taxels::{Elements, taxels};
-use crate::viewers::scene::element_dots;
-use crate::wire::cdr;
+use crate::viewers::scene::{FRAME_TIME, element_dots};
 use crate::writing::memory::MessageSink;
 use ::mcap::WriteOptions;
 use feeler::sensor::fingertip::SensingElement;
@@ -19,9 +18,6 @@ use std::path::Path;
 
 /// Name of the metadata record at the start of the file: name of the array, unit of its forces, and layout.
 pub const TAXELS: &str = "feeler.taxels";
-
-/// Time between two updates of the scene (s).
-const FRAME_TIME: f64 = 1.0 / 30.0;
 
 /// Constants of a taxel array.
 #[derive(Debug, Clone)]
@@ -41,7 +37,7 @@ pub struct TaxelFacts {
 ///
 /// Until [`finish`](Self::finish) is called, the file lacks its end, which MCAP readers report.
 pub struct TaxelWriter {
-    messages: Messages,
+    messages: SensedWriter,
     elements: Elements,
     cloud: PointCloud2,
     scene: MarkerArray,
@@ -78,13 +74,9 @@ impl TaxelWriter {
             topics::SCENE.into(),
         ];
         channels.extend(is_newton.then(|| Channel::from(topics::wrench(0))));
-        container.register(&channels)?;
         Ok(Self {
-            messages: Messages {
-                container,
-                channels,
-                buffer: Vec::new(),
-            },
+            // All topics are of the rig or of finger 0.
+            messages: SensedWriter::in_container(container, channels, 1)?,
             scene: MarkerArray {
                 markers: vec![element_dots(elements.tips())],
             },
@@ -138,7 +130,7 @@ impl TaxelWriter {
     /// # Errors
     /// If the file cannot be written.
     pub fn flush(&mut self) -> Result<(), RecordError> {
-        self.messages.container.flush()
+        self.messages.flush()
     }
 
     /// Writes the end of the file and closes it.
@@ -146,28 +138,6 @@ impl TaxelWriter {
     /// # Errors
     /// If the file cannot be written.
     pub fn finish(self) -> Result<(), RecordError> {
-        self.messages.container.close()
-    }
-}
-
-/// Writer of the file's messages.
-struct Messages {
-    container: Container,
-    channels: Vec<Channel>,
-    buffer: Vec<u8>,
-}
-
-impl MessageSink for Messages {
-    fn write<M: RecordedMessage>(
-        &mut self,
-        topic: RecordedTopic<M>,
-        message: &M,
-    ) -> Result<(), RecordError> {
-        // All topics are of the rig or of finger 0.
-        let channel = find(&self.channels, 1, topic)?;
-        let log_time = log_time(topic, message)?;
-        self.buffer.clear();
-        cdr::encode(message, &mut self.buffer)?;
-        self.container.write(channel, log_time, &self.buffer)
+        self.messages.finish()
     }
 }

@@ -8,6 +8,8 @@ use crate::wire::Vector3;
 use feeler::control::TactileReading;
 use glam::DVec3;
 
+/// Time between two updates of the scene (s).
+pub const FRAME_TIME: f64 = 1.0 / 30.0;
 /// Length of a force arrow (m/N).
 const ARROW_LENGTH: f64 = 0.01;
 /// Line width of an arrow (m), and ratio of its barbs' length to its length.

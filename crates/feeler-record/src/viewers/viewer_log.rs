@@ -5,31 +5,25 @@
 
 use crate::error::RecordError;
 use crate::messages::facts::RunFacts;
-use crate::messages::model::{Frame, SolidFrame, WORLD_FRAME, joint_names};
+use crate::messages::model::{SolidFrame, WORLD_FRAME};
 use crate::messages::topic::topics;
 use crate::ros::{
-    Header, JointState, MarkerArray, PointCloud2, TFMessage, Text, Time, TransformStamped,
-    WrenchStamped,
+    Header, MarkerArray, PointCloud2, TFMessage, Time, TransformStamped, WrenchStamped,
 };
 use crate::sensed::taxels::{Elements, taxels};
-use crate::viewers::scene::{ForceArrows, scene};
-use crate::viewers::urdf::urdf;
+use crate::viewers::kinematic_messages::KinematicMessages;
+use crate::viewers::scene::{FRAME_TIME, ForceArrows, scene};
+use crate::writing::instruments::InstrumentRecord;
 use crate::writing::memory::MessageSink;
-use crate::writing::run_log::InstrumentRecord;
 use feeler::control::{ControlLoop, TactileReading, TactileSource};
 use feeler::hand::Hand;
-use glam::DVec3;
-
-/// Time between two updates of the scene (s).
-const FRAME_TIME: f64 = 1.0 / 30.0;
 
 /// Writes messages for viewers. The messages' memory is reused.
 pub struct ViewerLog {
     fingers: Vec<Finger>,
-    still: Still,
-    joints: JointState,
-    /// Transforms of the frames that move with joints.
-    transforms: TFMessage,
+    kinematics: KinematicMessages,
+    /// Markers of the solids.
+    scene: MarkerArray,
     /// Transforms of the solids that move around the hand. Each is a separate message, because its pose may be unknown.
     moving: Vec<(SolidFrame, TFMessage)>,
     arrows: MarkerArray,
@@ -37,17 +31,8 @@ pub struct ViewerLog {
     drawn: Option<f64>,
 }
 
-/// Messages that do not change during a run.
-struct Still {
-    description: Text,
-    transforms: TFMessage,
-    scene: MarkerArray,
-}
-
 struct Finger {
     elements: Elements,
-    /// Frames that move with joints.
-    frames: Vec<Frame>,
     wrench: WrenchStamped,
     taxels: PointCloud2,
     arrows: ForceArrows,
@@ -62,26 +47,10 @@ impl ViewerLog {
         if facts.hand.is_empty() {
             return Ok(None);
         }
-        let mut still = Still {
-            description: Text {
-                data: urdf(&facts.experiment, &facts.hand, &facts.solids)?,
-                stamp: 0.0,
-            },
-            transforms: TFMessage::default(),
-            scene: scene(&facts.hand, &facts.solids),
-        };
-        let mut joints = JointState::default();
-        let mut transforms = TFMessage::default();
+        let kinematics = KinematicMessages::new(facts)?;
         let mut arrows = MarkerArray::default();
         let mut fingers = Vec::new();
         for (number, model) in facts.hand.iter().enumerate() {
-            joints.name.extend(joint_names(number));
-            let frames = model.frames(number)?;
-            let (fixed, moving): (Vec<_>, Vec<_>) =
-                frames.into_iter().partition(|frame| frame.joint.is_none());
-            let fixed = fixed.iter().map(transform);
-            still.transforms.transforms.extend(fixed);
-            transforms.transforms.extend(moving.iter().map(transform));
             let elements = Elements::of(model);
             let (taxels, arrow) = (taxels(number, &elements), ForceArrows::new(number, facts));
             arrows.markers.push(arrow.marker());
@@ -91,7 +60,6 @@ impl ViewerLog {
                     ..WrenchStamped::default()
                 },
                 elements,
-                frames: moving,
                 taxels,
                 arrows: arrow,
             });
@@ -110,9 +78,8 @@ impl ViewerLog {
         let moving = moving.map(place).collect();
         Ok(Some(Self {
             fingers,
-            still,
-            joints,
-            transforms,
+            kinematics,
+            scene: scene(&facts.hand, &facts.solids),
             moving,
             arrows,
             drawn: None,
@@ -142,14 +109,9 @@ impl ViewerLog {
         if self.drawn.is_none() {
             self.write_still(recorder, now, state.stamp)?;
         }
-        self.joints.header.stamp = now;
-        self.joints.position.clear();
-        self.joints.velocity.clear();
-        for joints in &state.joints {
-            self.joints.position.extend(joints.position.to_array());
-            self.joints.velocity.extend(joints.velocity.to_array());
-        }
-        recorder.write(topics::JOINT_STATES, &self.joints)?;
+        let joints = state.joints.iter().map(|at| (at.position, at.velocity));
+        self.kinematics.set_joints(now, joints);
+        recorder.write(topics::JOINT_STATES, &self.kinematics.joints)?;
         let due = self
             .drawn
             .is_none_or(|drawn| state.stamp - drawn >= FRAME_TIME);
@@ -158,8 +120,9 @@ impl ViewerLog {
         }
         if due {
             self.drawn = Some(state.stamp);
-            let angles = state.joints.iter().map(|joints| joints.position);
-            self.write_transforms(recorder, now, angles, instruments)?;
+            let angles = |finger: usize| Some(state.joints.get(finger)?.position);
+            self.kinematics.set_moving(now, angles);
+            self.write_transforms(recorder, now, instruments)?;
             for marker in &mut self.arrows.markers {
                 marker.header.stamp = now;
             }
@@ -174,16 +137,14 @@ impl ViewerLog {
         now: Time,
         stamp: f64,
     ) -> Result<(), RecordError> {
-        self.still.description.stamp = stamp;
-        recorder.write(topics::ROBOT_DESCRIPTION, &self.still.description)?;
-        for transform in &mut self.still.transforms.transforms {
-            transform.header.stamp = now;
-        }
-        recorder.write(topics::TF_STATIC, &self.still.transforms)?;
-        for marker in &mut self.still.scene.markers {
+        self.kinematics.description.stamp = stamp;
+        recorder.write(topics::ROBOT_DESCRIPTION, &self.kinematics.description)?;
+        self.kinematics.set_still(now);
+        recorder.write(topics::TF_STATIC, &self.kinematics.still)?;
+        for marker in &mut self.scene.markers {
             marker.header.stamp = now;
         }
-        recorder.write(topics::SCENE, &self.still.scene)
+        recorder.write(topics::SCENE, &self.scene)
     }
 
     /// Writes the wrench on a finger and, if a scene update is `due`, its elements.
@@ -220,20 +181,9 @@ impl ViewerLog {
         &mut self,
         recorder: &mut R,
         now: Time,
-        angles: impl Iterator<Item = DVec3>,
         instruments: InstrumentRecord<'_>,
     ) -> Result<(), RecordError> {
-        let fingers = self.fingers.iter().zip(angles);
-        let frames = fingers.flat_map(|(finger, angles)| {
-            let angle = move |frame: &Frame| frame.joint.map_or(0.0, |joint| angles[joint]);
-            let frames = finger.frames.iter();
-            frames.map(move |frame| frame.in_parent(angle(frame)))
-        });
-        for (transform, pose) in self.transforms.transforms.iter_mut().zip(frames) {
-            transform.header.stamp = now;
-            transform.transform = pose.into();
-        }
-        recorder.write(topics::TF, &self.transforms)?;
+        recorder.write(topics::TF, &self.kinematics.moving)?;
         for (frame, message) in &mut self.moving {
             let Some(pose) = instruments.pose(*frame) else {
                 continue;
@@ -245,14 +195,5 @@ impl ViewerLog {
             recorder.write(topics::TF, message)?;
         }
         Ok(())
-    }
-}
-
-/// Transform of `frame` at joint angle 0.
-fn transform(frame: &Frame) -> TransformStamped {
-    TransformStamped {
-        header: Header::of(frame.parent.as_str()),
-        child_frame_id: frame.name.clone(),
-        transform: frame.in_parent(0.0).into(),
     }
 }

@@ -3,7 +3,7 @@
 pub(crate) mod batch;
 pub(crate) mod buffer_recorder;
 pub(crate) mod closing;
-pub(crate) mod collector;
+pub(crate) mod instruments;
 pub(crate) mod memory;
 pub(crate) mod newest;
 pub(crate) mod options;

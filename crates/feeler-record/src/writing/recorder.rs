@@ -90,18 +90,18 @@ impl Recorder {
 
     /// Number of messages dropped so far because the file was too slow or failed.
     pub fn dropped(&self) -> u64 {
-        self.writer.dropped()
+        self.writer.dropped
     }
 
     /// Messages dropped since the file last accepted data, or `None` if it accepts data.
     pub fn gap(&self) -> Option<&RecordingGap> {
-        self.writer.gap()
+        self.writer.gap.as_ref()
     }
 
     /// Error of the file, for a recorder of [limited patience](Backpressure::Limited). The file contains everything written
     /// before the error.
     pub fn failure(&self) -> Option<&RecordError> {
-        self.writer.failure()
+        self.writer.failure.as_ref()
     }
 
     /// Writes wall time (s; `None` if not measured), digest and how the run ended, and closes the file. Takes up to 5 s

@@ -2,16 +2,15 @@
 
 use crate::error::RecordError;
 use crate::messages::channels::{
-    Cap, Command, Findings, Fingertip, Flags, Joints, NO_ELEMENT, ObjectPose, Tactile, Task,
-    TorqueSensor, TrueSlip,
+    Command, Findings, Fingertip, Flags, Joints, NO_ELEMENT, Tactile, Task,
 };
 use crate::messages::facts::RunFacts;
 use crate::messages::image::Image;
-use crate::messages::model::SolidFrame;
 use crate::messages::names::TaskOutcome;
 use crate::messages::topic::topics;
 use crate::viewers::viewer_log::ViewerLog;
 use crate::wire::Vector3;
+use crate::writing::instruments::InstrumentRecord;
 use crate::writing::memory::MessageSink;
 use crate::writing::recorder::Recorder;
 use feeler::control::task::Task as ControlTask;
@@ -20,9 +19,8 @@ use feeler::control::{
     TactileSource,
 };
 use feeler::hand::{Hand, JointState};
-use feeler::math::quaternion_z;
 use feeler::sensor::image::Frame;
-use glam::{DAffine3, DQuat};
+use glam::DQuat;
 
 /// Writes control steps to a recording. The memory of messages with lists is reused.
 pub struct RunLog<R = Recorder> {
@@ -37,31 +35,6 @@ pub struct RunLog<R = Recorder> {
     findings: Findings,
     /// Latest image of each finger, if images are recorded.
     pictures: Vec<RecordedPicture>,
-}
-
-/// Readings of a rig's instruments and a simulated world's ground truth at a control step, as far as available.
-#[derive(Debug, Clone, Copy, Default)]
-pub struct InstrumentRecord<'a> {
-    /// Reading of the torque sensor.
-    pub torque: Option<&'a TorqueSensor>,
-    /// True state of the cap.
-    pub cap: Option<&'a Cap>,
-    /// True slip of the feelers.
-    pub slip: Option<&'a TrueSlip>,
-    /// True pose of the carried object.
-    pub object: Option<&'a ObjectPose>,
-}
-
-impl InstrumentRecord<'_> {
-    /// Pose of `frame` in `W`, or `None` if unknown.
-    pub(crate) fn pose(&self, frame: SolidFrame) -> Option<DAffine3> {
-        let (turned, origin) = match frame {
-            SolidFrame::World => return Some(DAffine3::IDENTITY),
-            SolidFrame::Cap => (quaternion_z(self.cap?.angle), self.cap?.centre),
-            SolidFrame::Object => (self.object?.orientation.into(), self.object?.position),
-        };
-        Some(DAffine3::from_rotation_translation(turned, origin.into()))
-    }
 }
 
 struct RecordedPicture {

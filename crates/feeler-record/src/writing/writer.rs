@@ -75,13 +75,13 @@ pub struct Writer {
     /// Result of the thread.
     done: Receiver<Result<Option<Digest>, RecordError>>,
     /// Dropped messages that are not yet recorded as a gap.
-    gap: Option<RecordingGap>,
+    pub gap: Option<RecordingGap>,
     /// Total number of dropped messages.
-    dropped: u64,
+    pub dropped: u64,
     /// `true` if a write has waited in vain since the queue was last free.
     waited: bool,
-    /// Error of the file.
-    failure: Option<RecordError>,
+    /// Error that ended the writing, for a writer that drops messages instead of blocking.
+    pub failure: Option<RecordError>,
 }
 
 impl Writer {
@@ -111,10 +111,7 @@ impl Writer {
         let thread = thread::Builder::new().name("recorder".into());
         // The recorder may not wait for the result.
         let spawned = thread.spawn(move || tell.send(write_all()).unwrap_or_default());
-        spawned.map_err(|source| RecordError::File {
-            path: path.to_path_buf(),
-            source,
-        })?;
+        spawned.map_err(RecordError::file(path))?;
         Ok(Self {
             path: path.to_path_buf(),
             patience,
@@ -134,21 +131,6 @@ impl Writer {
             waited: false,
             failure: None,
         })
-    }
-
-    /// Total number of dropped messages.
-    pub fn dropped(&self) -> u64 {
-        self.dropped
-    }
-
-    /// Dropped messages that are not yet recorded as a gap, if any.
-    pub fn gap(&self) -> Option<&RecordingGap> {
-        self.gap.as_ref()
-    }
-
-    /// Error that ended the writing, for a writer that drops messages instead of blocking; `None` otherwise.
-    pub fn failure(&self) -> Option<&RecordError> {
-        self.failure.as_ref()
     }
 
     /// Sends the batch to the thread, or drops it. Returns `false` if it was dropped.

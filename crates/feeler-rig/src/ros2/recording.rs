@@ -132,7 +132,7 @@ impl Replay {
             return Ok(());
         };
         if is_first {
-            self.messages.set_still(stamp);
+            self.messages.kinematics.set_still(stamp);
             self.publishers.publish_still(&self.messages)?;
         }
         self.publish_joints(step)?;

@@ -94,7 +94,7 @@ impl RigNode {
             let has_begun = self.now.is_some();
             watched.heard(|heard| self.take(heard))?;
             if !has_begun && let Some(now) = self.now {
-                self.messages.set_still(now);
+                self.messages.kinematics.set_still(now);
                 self.publishers.publish_still(&self.messages)?;
             }
             if told.elapsed() >= DIAGNOSTICS_INTERVAL {

@@ -65,7 +65,6 @@ fn tokens_and_keys_match_pyzeros() {
     let mut made = Vec::new();
     for token in &tokens {
         let text = token.to_string();
-        assert_eq!(text.parse().as_ref(), Ok(token));
         let gid: String = token
             .gid()
             .iter()

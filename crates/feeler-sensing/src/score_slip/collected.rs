@@ -3,25 +3,16 @@
 use super::in_order::in_order;
 use super::labels::{Label, Labels, read_frames};
 use super::notes::Notes;
-use super::recorded::RecordedOptions;
+use super::options::RecordedOptions;
 use super::scores::Scored;
-use super::sources::{Kind, Source, find};
+use super::sources::{Kind, Read, Source, find};
 use super::taxels::TaxelTables;
 use super::tracks::{TrackTables, is_tracks};
 use super::videos::Videos;
 use feeler_console::{CommandError, Steps};
-use feeler_lab::grasps::{
-    ContactReference, DETECTORS, Detector, DetectorTrace, GraspRecording, Labelled,
-};
+use feeler_lab::grasps::{ContactReference, DETECTORS, Detector, DetectorTrace, Labelled};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
-
-/// A recording that has been read.
-pub struct Read {
-    /// Names under which labels may list the recording, the primary one first.
-    pub names: Vec<String>,
-    pub recording: GraspRecording,
-}
 
 /// Reader of all supported kinds of recordings.
 struct Reader {

@@ -4,6 +4,8 @@ mod collected;
 mod in_order;
 mod labels;
 mod notes;
+mod options;
+mod page;
 mod recorded;
 mod said;
 mod scores;
@@ -15,36 +17,9 @@ mod videos;
 
 use feeler_console::{CommandError, Outcome};
 use feeler_lab::config::BUILT_IN;
-use feeler_report::run::make::create_folder;
-pub use recorded::RecordedOptions;
+pub use options::{RecordedOptions, SlipScoreOptions};
 use std::io::Write;
-use std::path::{Path, PathBuf};
-
-/// File name of the page.
-const PAGE: &str = "slip.html";
-
-/// Data on which slip detectors are scored.
-#[derive(Debug, Clone)]
-pub struct SlipScoreOptions {
-    /// Experiment (a file or a built-in name) or, with labels, recordings.
-    pub source: String,
-    /// Labels of the recordings.
-    pub labels: Option<PathBuf>,
-    /// Number of simulated trials to score.
-    pub trials: u64,
-    /// Settings of the experiment.
-    pub settings: Vec<String>,
-    /// Seed of the simulation.
-    pub seed: u64,
-    /// Recordings to score.
-    pub recorded: RecordedOptions,
-    /// Folder of the page.
-    pub out: PathBuf,
-    /// `true` to replace existing outputs.
-    pub force: bool,
-    /// `true` to print JSON instead of text.
-    pub json: bool,
-}
+use std::path::Path;
 
 /// Scores slip detectors against the simulator's ground truth, or against the labels of recordings.
 ///
@@ -69,10 +44,4 @@ pub fn score_slip(
         return simulated::score(options, out);
     }
     recorded::score(options, out)
-}
-
-/// Creates the output folder.
-fn make_folder(options: &SlipScoreOptions) -> Result<(), CommandError> {
-    create_folder(&options.out)
-        .map_err(|e| format!("--out {}: {e}; expected a folder", options.out.display()).into())
 }

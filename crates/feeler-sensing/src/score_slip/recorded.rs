@@ -2,58 +2,17 @@
 
 use super::collected::{Collected, Found};
 use super::notes::Notes;
+use super::options::SlipScoreOptions;
+use super::page::{PAGE, make_folder};
 use super::said::{say, wrong};
 use super::scores::{SCORES, scores_csv};
-use super::{PAGE, SlipScoreOptions, make_folder};
 use feeler_console::{CommandError, Outcome, Outputs, print_json};
 use feeler_lab::grasps::{Confusion, DETECTORS, Detector, transfer};
 use feeler_lab::sweep::analysis::Estimate;
 use feeler_report::pages::{GraspDetector, GraspSlipPage, GraspTransfer, Roc, grasp_slip_page};
 use serde_json::json;
 use std::io::Write;
-use std::path::{Path, PathBuf};
-
-/// Labelled recordings to score.
-#[derive(Debug, Clone, Default)]
-pub struct RecordedOptions {
-    /// Layout of a taxel array (a file or a built-in name), if the tables are of one.
-    pub taxels: Option<String>,
-    /// Prefixes of the columns of each array in a table of several.
-    pub prefixes: Vec<String>,
-    /// Column whose value changes where another recording begins.
-    pub sequence: Option<String>,
-    /// Names of the tables in each recording's folder.
-    pub tables: Vec<String>,
-    /// Layout of all recordings that have none beside them.
-    pub layout: Option<PathBuf>,
-    /// Rows (frames) per second, in place of any time column.
-    pub rate: Option<f64>,
-    /// `true` if recordings begin untouched.
-    pub untouched: bool,
-    /// Column of the labels that groups recordings.
-    pub group: Option<String>,
-    /// Name of the table of labels of frames in each recording's folder.
-    pub frame_labels: Option<String>,
-    /// Other recordings and their labels, to choose thresholds on; empty or two paths.
-    pub thresholds_from: Vec<PathBuf>,
-}
-
-impl RecordedOptions {
-    /// Returns the first given option that requires recordings.
-    pub fn given(&self) -> Option<&'static str> {
-        let given = [
-            ("--taxels", self.taxels.is_some()),
-            ("--table", !self.tables.is_empty()),
-            ("--layout", self.layout.is_some()),
-            ("--rate", self.rate.is_some()),
-            ("--untouched", self.untouched),
-            ("--thresholds-from", !self.thresholds_from.is_empty()),
-        ];
-        given
-            .iter()
-            .find_map(|(option, given)| given.then_some(*option))
-    }
-}
+use std::path::Path;
 
 /// Other recordings, from which thresholds are taken, and their name.
 struct Others {

@@ -12,17 +12,17 @@ const NAMED: usize = 12;
 
 /// Lists the recordings that a detector misjudged, or the number of misjudged frames of each.
 pub fn wrong(scored: &[Scored], detector: usize) -> Vec<String> {
-    let mut wrong: BTreeMap<&str, (usize, bool, bool)> = BTreeMap::new();
+    let mut wrong: BTreeMap<&str, (usize, bool)> = BTreeMap::new();
     let all = scored
         .iter()
         .filter(|s| s.verdicts[detector].is_some_and(|v| v.says_slip != s.slip));
     for one in all {
-        let (count, slip, _) = wrong.entry(&one.recording).or_insert((0, one.slip, false));
+        let (count, slip) = wrong.entry(&one.recording).or_insert((0, one.slip));
         *count += 1;
         *slip = one.slip;
     }
     let frames = scored.iter().any(|s| s.frame.is_some());
-    let words = |(name, (count, slip, _)): (&str, (usize, bool, bool))| match (frames, slip) {
+    let words = |(name, (count, slip)): (&str, (usize, bool))| match (frames, slip) {
         (true, _) => format!("{name}: {count} frames"),
         (false, true) => format!("{name}: missed slip"),
         (false, false) => format!("{name}: false alarm"),

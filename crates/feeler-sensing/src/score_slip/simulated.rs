@@ -1,6 +1,7 @@
 //! `feeler score-slip [EXPERIMENT]`: compares detectors with the simulator's ground truth.
 
-use super::{PAGE, SlipScoreOptions, make_folder};
+use super::options::SlipScoreOptions;
+use super::page::{PAGE, make_folder};
 use feeler_console::{CommandError, Outcome, Outputs, Steps, print_json};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::slip_bench::{DETECTORS, Sample, trial};

@@ -2,6 +2,7 @@
 
 use super::notes::Notes;
 use feeler_console::CommandError;
+use feeler_lab::grasps::GraspRecording;
 use feeler_sources::is_video_name;
 use std::ffi::OsStr;
 use std::fs;
@@ -56,6 +57,13 @@ impl Source {
         let name = self.name.strip_suffix(".gz").unwrap_or(&self.name);
         name.rsplit_once('.').map_or(name, |(stem, _)| stem)
     }
+}
+
+/// A recording that has been read.
+pub struct Read {
+    /// Names under which labels may list the recording, the primary one first.
+    pub names: Vec<String>,
+    pub recording: GraspRecording,
 }
 
 /// Finds the recordings at `path`.

@@ -1,9 +1,8 @@
 //! Reads recordings of three-axis taxel arrays.
 
-use super::collected::Read;
 use super::notes::Notes;
-use super::recorded::RecordedOptions;
-use super::sources::Source;
+use super::options::RecordedOptions;
+use super::sources::{Read, Source};
 use crate::sense::taxel_layout_text;
 use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
 use feeler::sensor::taxel::{TaxelLayout, TaxelSensor};

@@ -1,9 +1,8 @@
 //! Reads recordings in the format of `feeler sense`: one row per element and frame.
 
-use super::collected::Read;
 use super::notes::Notes;
-use super::recorded::RecordedOptions;
-use super::sources::Source;
+use super::options::RecordedOptions;
+use super::sources::{Read, Source};
 use feeler::sensor::fingertip::{LocatedLayout, MAX_LOCATED_ELEMENTS};
 use feeler::sensor::table::{NumberColumn, Quantity, Table, TableError};
 use feeler_console::{CommandError, open_table};

@@ -4,10 +4,9 @@
 //! gives positions, in which [`ContactLoss`](feeler::control::grasp_slip::ContactLoss) can recognize a pattern, but no
 //! displacements.
 
-use super::collected::Read;
 use super::notes::Notes;
-use super::recorded::RecordedOptions;
-use super::sources::Source;
+use super::options::RecordedOptions;
+use super::sources::{Read, Source};
 use feeler::sensor::image::{Camera, CameraError, Frame, Picture as Grey};
 use feeler::sensor::locate::{LocateConfig, Located, ReferencePicture, locate, locate_again};
 use feeler_console::CommandError;

@@ -4,17 +4,14 @@ mod assumed;
 mod beside;
 mod frames;
 mod output;
-mod prompt;
 mod publish;
 mod queued;
 mod recorded;
-mod row_file;
 mod sensor;
 mod source;
 mod tally;
 mod taxels;
 mod track;
-mod whole_rows;
 mod wrench;
 
 use crate::camera::CameraOptions;

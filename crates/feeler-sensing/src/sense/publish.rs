@@ -1,5 +1,6 @@
 //! `feeler sense --publish`: publishes one finger's readings for the hand program.
 
+use super::frames::WAIT;
 use super::output::{FrameReadings, Output};
 use super::queued::{BackgroundOutput, Backpressure};
 use super::sensor::{self, SensorOf};
@@ -16,10 +17,7 @@ use feeler_link::programs::{SensorConfig, SensorProgram};
 use feeler_link::security::Right;
 use feeler_sources::{Captured, FramePump};
 use std::sync::atomic::AtomicBool;
-use std::time::{Duration, Instant};
-
-/// Maximum time to wait for an image before the stop flag is checked.
-const WAIT: Duration = Duration::from_millis(50);
+use std::time::Instant;
 
 /// The sensor program of one finger, with its optional output file and its statistics.
 struct Publisher<'a> {

@@ -1,8 +1,7 @@
 //! `feeler sense --track`: tracks the identity of markers and writes displacements with their confidence.
 
 use super::frames::WAIT;
-use super::output::{Format, FrameReadings, ImageFormat, Output, RowWriter};
-use super::row_file::RowFile;
+use super::output::{Format, FrameReadings, ImageFormat, Output, RowFile, RowWriter};
 use super::source::Source;
 use super::tally::SensingStats;
 use super::{SenseOptions, close};

@@ -1,7 +1,6 @@
 //! Writes the wrench of each frame as a table, JSON Lines, or MCAP.
 
-use super::output::{Format, FrameReadings, Output, Pictures, RowWriter, moments};
-use super::row_file::RowFile;
+use super::output::{Format, FrameReadings, Output, Pictures, RowFile, RowWriter, moments};
 use feeler::sensor::image::Frame;
 use feeler::sensor::wrench::{WrenchAxis, WrenchEstimate, WrenchEstimator};
 use feeler_console::CommandError;
@@ -22,86 +21,51 @@ pub struct WrenchFormat {
     pub pictures: Option<usize>,
 }
 
-impl WrenchFormat {
-    fn into(&self, sink: Box<dyn Sink>) -> Box<dyn Output> {
-        Box::new(Estimated {
-            estimator: self.estimator.clone(),
-            sink,
-            frames: 0,
-            invalid: 0,
-        })
-    }
-}
-
 impl Format for WrenchFormat {
     fn csv(&self, writer: RowWriter) -> Result<Box<dyn Output>, CommandError> {
         let axes = WrenchAxis::ALL.map(WrenchAxis::name);
         let columns = ["frame", "stamp"].into_iter().chain(axes);
         let file = RowFile::csv(writer, columns.chain(["valid", "novelty"]))?;
-        Ok(self.into(Box::new(Rows(file))))
+        let estimates = Estimates::new(&self.estimator);
+        Ok(Box::new(Rows { file, estimates }))
     }
 
     fn jsonl(&self, writer: RowWriter) -> Result<Box<dyn Output>, CommandError> {
-        Ok(self.into(Box::new(Rows(RowFile::json_lines(writer)))))
+        let estimates = Estimates::new(&self.estimator);
+        let file = RowFile::json_lines(writer);
+        Ok(Box::new(Rows { file, estimates }))
     }
 
     fn mcap(&self, path: &Path) -> Result<Box<dyn Output>, CommandError> {
-        let writer = SensedWriter::create_for_wrenches(path, self.pictures)?;
-        let pictures = Pictures::of(self.pictures);
-        Ok(self.into(Box::new(Mcap { writer, pictures })))
+        Ok(Box::new(Mcap {
+            writer: SensedWriter::create_for_wrenches(path, self.pictures)?,
+            pictures: Pictures::of(self.pictures),
+            estimates: Estimates::new(&self.estimator),
+        }))
     }
 }
 
-/// A destination for wrenches.
-trait Sink: Send {
-    fn write(
-        &mut self,
-        frame: &FrameReadings,
-        estimate: &WrenchEstimate,
-    ) -> Result<(), CommandError>;
-
-    /// Writes the image of a frame if images are recorded.
-    fn write_picture(&mut self, _frame: &Frame) -> Result<(), CommandError> {
-        Ok(())
-    }
-
-    /// Writes buffered data to the file, except in formats where frequent writes make the file larger (MCAP).
-    fn flush(&mut self) -> Result<(), CommandError>;
-
-    /// Passes all buffered data on.
-    fn settle(&mut self) -> Result<(), CommandError> {
-        self.flush()
-    }
-
-    fn finish(self: Box<Self>) -> Result<(), CommandError>;
-}
-
-/// Predicts wrenches and writes them to a sink.
-struct Estimated {
+/// Predicts the wrench of each frame and counts invalid ones.
+struct Estimates {
     estimator: WrenchEstimator,
-    sink: Box<dyn Sink>,
     frames: u64,
     invalid: u64,
 }
 
-impl Output for Estimated {
-    fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError> {
+impl Estimates {
+    fn new(estimator: &WrenchEstimator) -> Self {
+        Self {
+            estimator: estimator.clone(),
+            frames: 0,
+            invalid: 0,
+        }
+    }
+
+    fn next(&mut self, frame: &FrameReadings) -> WrenchEstimate {
         let estimate = self.estimator.estimate(frame.readings);
         self.frames += 1;
         self.invalid += u64::from(!estimate.valid);
-        self.sink.write(frame, &estimate)
-    }
-
-    fn write_picture(&mut self, frame: &Frame) -> Result<(), CommandError> {
-        self.sink.write_picture(frame)
-    }
-
-    fn flush(&mut self) -> Result<(), CommandError> {
-        self.sink.flush()
-    }
-
-    fn settle(&mut self) -> Result<(), CommandError> {
-        self.sink.settle()
+        estimate
     }
 
     fn warning(&self) -> Option<String> {
@@ -111,10 +75,6 @@ impl Output for Estimated {
         (*invalid > 0).then(|| {
             format!("{invalid} of {frames} frames differ too much from those of the calibration; their wrench is not valid")
         })
-    }
-
-    fn finish(self: Box<Self>, _: bool) -> Result<Option<PathBuf>, CommandError> {
-        self.sink.finish().map(|()| None)
     }
 }
 
@@ -151,23 +111,24 @@ impl Row {
     }
 }
 
-struct Rows(RowFile);
+/// Writer of one row per frame.
+struct Rows {
+    file: RowFile,
+    estimates: Estimates,
+}
 
-impl Sink for Rows {
-    fn write(
-        &mut self,
-        frame: &FrameReadings,
-        estimate: &WrenchEstimate,
-    ) -> Result<(), CommandError> {
-        self.0.write(&Row::new(frame, estimate))
+impl Output for Rows {
+    fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError> {
+        let estimate = self.estimates.next(frame);
+        self.file.write(&Row::new(frame, &estimate))
     }
 
     fn flush(&mut self) -> Result<(), CommandError> {
-        Ok(self.0.flush()?)
+        Ok(self.file.flush()?)
     }
 
-    fn finish(mut self: Box<Self>) -> Result<(), CommandError> {
-        self.flush()
+    fn warning(&self) -> Option<String> {
+        self.estimates.warning()
     }
 }
 
@@ -175,14 +136,12 @@ impl Sink for Rows {
 struct Mcap {
     writer: SensedWriter,
     pictures: Pictures,
+    estimates: Estimates,
 }
 
-impl Sink for Mcap {
-    fn write(
-        &mut self,
-        frame: &FrameReadings,
-        estimate: &WrenchEstimate,
-    ) -> Result<(), CommandError> {
+impl Output for Mcap {
+    fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError> {
+        let estimate = self.estimates.next(frame);
         self.writer.write(MOMENTS, &moments(frame))?;
         // Components that are missing or not valid become NaN.
         let known = |component: Option<f64>| component.filter(|_| estimate.valid);
@@ -222,7 +181,11 @@ impl Sink for Mcap {
         Ok(self.writer.flush()?)
     }
 
-    fn finish(self: Box<Self>) -> Result<(), CommandError> {
-        Ok(self.writer.finish()?)
+    fn warning(&self) -> Option<String> {
+        self.estimates.warning()
+    }
+
+    fn finish(self: Box<Self>, _: bool) -> Result<Option<PathBuf>, CommandError> {
+        Ok(self.writer.finish().map(|()| None)?)
     }
 }

@@ -79,8 +79,8 @@ fn print(
             return Ok(Outcome::GivenUp);
         }
         if heard.is_none() && begun.elapsed() > LONGEST {
-            let rig = watched.rig();
-            let failed = format!("no program of rig {rig:?} found within {LONGEST:?}");
+            let (rig, seconds) = (watched.rig(), LONGEST.as_secs());
+            let failed = format!("no program of rig {rig:?} found within {seconds} s");
             return Err(failed.into());
         }
         if heard.is_none() && watched.hears_somebody() {

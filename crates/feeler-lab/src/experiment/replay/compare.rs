@@ -1,6 +1,6 @@
 //! Comparison of a replay with its recording.
 
-use super::fields::{Field, of_command, of_findings, of_flags, of_tactile, of_task};
+use super::fields::{FieldDifference, of_command, of_findings, of_flags, of_tactile, of_task};
 use feeler_record::{
     Command, Findings, FingerRecord, Flags, MessageSink, RecordError, RecordedMessage,
     RecordedTopic, Recorder, Recording, Tactile, Task,
@@ -137,28 +137,30 @@ impl<'a> Comparer<'a> {
         }
     }
 
-    fn compare<'b, M: 'b, F: Iterator<Item = Field<'b>>>(
+    /// Compares a message with the recorded one, by `difference`.
+    fn compare<M>(
         &mut self,
         kind: Kind,
         finger: Option<usize>,
-        expected: Option<&'b M>,
-        fields: impl FnOnce(&'b M) -> F,
+        expected: Option<&M>,
+        actual: &M,
+        difference: fn(&M, &M) -> Option<FieldDifference>,
     ) {
         // The replay has no more steps than the recording.
         let Some(expected) = expected else { return };
         let tally = &mut self.comparison.tallies[kind as usize];
         tally.compared += 1;
-        let Some(field) = fields(expected).find(Field::differs) else {
+        let Some(field) = difference(expected, actual) else {
             return;
         };
         tally.differing += 1;
-        tally.first.get_or_insert_with(|| Difference {
+        tally.first.get_or_insert(Difference {
             step: self.step,
             time: self.time,
             finger,
-            name: field.name(),
-            expected: field.expected.to_string(),
-            actual: field.actual.to_string(),
+            name: field.name,
+            expected: field.expected,
+            actual: field.actual,
         });
     }
 
@@ -182,9 +184,7 @@ impl<'a> Comparer<'a> {
         let expected = on_record[..self.found_on_record].last();
         if expected.is_some() || found != nothing {
             let expected = Some(expected.unwrap_or(&nothing));
-            self.compare(Kind::Findings, None, expected, |expected| {
-                of_findings(expected, &found)
-            });
+            self.compare(Kind::Findings, None, expected, &found, of_findings);
         }
         self.found = found;
     }
@@ -194,32 +194,24 @@ impl<'a> Comparer<'a> {
         self.time = task.map_or(message.stamp, |task| task.stamp);
         if self.forces {
             let expected = self.on_record(finger, |record| &record.tactile);
-            self.compare(Kind::Forces, Some(finger), expected, |expected| {
-                of_tactile(expected, message)
-            });
+            self.compare(Kind::Forces, Some(finger), expected, message, of_tactile);
         }
     }
 
     fn compare_flags(&mut self, finger: usize, message: &Flags) {
         let expected = self.on_record(finger, |record| &record.flags);
-        self.compare(Kind::Flags, Some(finger), expected, |expected| {
-            of_flags(expected, message)
-        });
+        self.compare(Kind::Flags, Some(finger), expected, message, of_flags);
     }
 
     fn compare_command(&mut self, finger: usize, message: &Command) {
         let expected = self.on_record(finger, |record| &record.command);
-        self.compare(Kind::Commands, Some(finger), expected, |expected| {
-            of_command(expected, message)
-        });
+        self.compare(Kind::Commands, Some(finger), expected, message, of_command);
     }
 
     /// Compares the task message, which is the last message of a step.
     fn compare_task(&mut self, message: &Task) {
         let expected = self.recording.task.get(self.step);
-        self.compare(Kind::Phases, None, expected, |expected| {
-            of_task(expected, message)
-        });
+        self.compare(Kind::Phases, None, expected, message, of_task);
         self.compare_findings();
         self.step += 1;
     }

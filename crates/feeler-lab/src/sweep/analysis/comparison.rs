@@ -8,7 +8,6 @@ use crate::sweep::results::table::Table;
 use feeler::control::law::LawConfig;
 use feeler_report::figures::sweep::wilson;
 use feeler_report::pages::{ComparePage, ComparedLaw, Curve, Curves, PairedMeasure, Pairs, Row};
-use std::collections::BTreeSet;
 
 /// Number of bins of the curves over a parameter.
 const BINS: usize = 8;
@@ -109,20 +108,11 @@ impl Fields<'_> {
     }
 }
 
-/// Returns the trials that all laws have finished.
-fn common(candidates: &[Candidate<'_>]) -> Vec<u64> {
-    let mut trials = candidates
-        .iter()
-        .map(|c| c.table.rows.keys().copied().collect());
-    let first: BTreeSet<u64> = trials.next().unwrap_or_default();
-    let all = trials.fold(first, |all, own: BTreeSet<u64>| &all & &own);
-    all.into_iter().collect()
-}
-
 /// Builds the comparison page from the trials that all `candidates` have finished. Differences are relative to the
 /// first candidate. The curves are plotted over the parameter `against`.
 pub fn compare(candidates: &[Candidate<'_>], goal: Goal, against: Option<&str>) -> ComparePage {
-    let trials = common(candidates);
+    let tables = candidates.iter().map(|candidate| candidate.table);
+    let trials: Vec<u64> = Table::common(tables).into_iter().collect();
     let results: Vec<Vec<Result>> = candidates
         .iter()
         .map(|candidate| {

@@ -5,7 +5,6 @@ use crate::sweep::results::claim_columns::ClaimColumns;
 use crate::sweep::results::table::Table;
 use crate::sweep::trial::Trials;
 use feeler_report::pages::{LawShares, LawSharesPage, Share};
-use std::collections::BTreeSet;
 
 /// A law with its trials.
 pub struct LawTrials<'a> {
@@ -26,7 +25,7 @@ pub fn law_shares(laws: &[LawTrials<'_>]) -> LawSharesPage {
         return LawSharesPage::default();
     };
     let plan = first.trials.plan();
-    let finished = finished(laws);
+    let finished = Table::common(laws.iter().map(|law| law.table));
     let is_hand_of = |law: &LawTrials<'_>, trial: u64| {
         let row = law.table.rows.get(&trial);
         row.is_some_and(|row| is_hand(law.table, row))
@@ -48,15 +47,6 @@ pub fn law_shares(laws: &[LawTrials<'_>]) -> LawSharesPage {
         ranges: ranges(first.trials),
         experiment: plan.experiment.clone(),
     }
-}
-
-/// Returns the trials that all laws have finished.
-fn finished(laws: &[LawTrials<'_>]) -> BTreeSet<u64> {
-    let mut trials = laws
-        .iter()
-        .map(|law| law.table.rows.keys().copied().collect::<BTreeSet<u64>>());
-    let first = trials.next().unwrap_or_default();
-    trials.fold(first, |all, own| &all & &own)
 }
 
 impl LawTrials<'_> {

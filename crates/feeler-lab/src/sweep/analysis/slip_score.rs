@@ -2,6 +2,7 @@
 
 use super::interval::bootstrap_of;
 use crate::experiment::slip_bench::{DETECTORS, Sample};
+use crate::grasps::Confusion;
 use feeler_report::pages::{OperatingPoint, Roc};
 
 /// A slip of an element counts as new unless the element already slipped within this number of preceding frames.
@@ -13,61 +14,20 @@ const PRECISION: f64 = 0.96;
 /// Number of points of a curve.
 const POINTS: usize = 200;
 
-/// Confusion matrix of one trial, in numbers of element-frames.
-#[derive(Debug, Clone, Copy, Default)]
-struct Counts {
-    noticed: f64,
-    missed: f64,
-    false_alarms: f64,
-    quiet: f64,
+/// Classifies `samples`, element by element and frame by frame.
+fn confusion(samples: &[Sample], detector: usize, threshold: f64) -> Confusion {
+    let mut confusion = Confusion::default();
+    for sample in samples {
+        confusion.add(sample.slipped, sample.scores[detector] > threshold);
+    }
+    confusion
 }
 
-impl std::ops::Add for Counts {
-    type Output = Self;
-
-    fn add(self, more: Self) -> Self {
-        Self {
-            noticed: self.noticed + more.noticed,
-            missed: self.missed + more.missed,
-            false_alarms: self.false_alarms + more.false_alarms,
-            quiet: self.quiet + more.quiet,
-        }
-    }
-}
-
-impl Counts {
-    fn of(samples: &[Sample], detector: usize, threshold: f64) -> Self {
-        let mut counts = Self::default();
-        for sample in samples {
-            let said = sample.scores[detector] > threshold;
-            let count = match (sample.slipped, said) {
-                (true, true) => &mut counts.noticed,
-                (true, false) => &mut counts.missed,
-                (false, true) => &mut counts.false_alarms,
-                (false, false) => &mut counts.quiet,
-            };
-            *count += 1.0;
-        }
-        counts
-    }
-
-    fn recall(self) -> f64 {
-        self.noticed / (self.noticed + self.missed)
-    }
-
-    fn precision(self) -> f64 {
-        self.noticed / (self.noticed + self.false_alarms)
-    }
-
-    fn false_alarm_rate(self) -> f64 {
-        self.false_alarms / (self.false_alarms + self.quiet)
-    }
-
-    /// Harmonic mean of precision and recall; 0 if nothing was detected.
-    fn f1(self) -> f64 {
-        let wrong = self.missed + self.false_alarms;
-        2.0 * self.noticed / (2.0 * self.noticed + wrong).max(1.0)
-    }
+/// Harmonic mean of precision and recall; 0 if nothing was detected.
+fn f1(confusion: Confusion) -> f64 {
+    let noticed = 2.0 * confusion.noticed as f64;
+    let wrong = (confusion.missed + confusion.false_alarms) as f64;
+    noticed / (noticed + wrong).max(1.0)
 }
 
 /// Returns the threshold at which `detector` has the largest recall on `trials` with a precision of at least 96 %. If
@@ -76,12 +36,12 @@ pub fn tune(trials: &[Vec<Sample>], detector: usize) -> f64 {
     let all = trials.concat();
     let counted = thresholds(&all, detector)
         .into_iter()
-        .map(|threshold| (threshold, Counts::of(&all, detector, threshold)));
+        .map(|threshold| (threshold, confusion(&all, detector, threshold)));
     let counted: Vec<_> = counted.collect();
     let precise = counted.iter().filter(|(_, c)| c.precision() >= PRECISION);
     let best = precise
         .max_by(|a, b| a.1.recall().total_cmp(&b.1.recall()))
-        .or_else(|| counted.iter().max_by(|a, b| a.1.f1().total_cmp(&b.1.f1())));
+        .or_else(|| counted.iter().max_by(|a, b| f1(a.1).total_cmp(&f1(b.1))));
     best.map_or(f64::INFINITY, |(threshold, _)| *threshold)
 }
 
@@ -89,14 +49,14 @@ pub fn tune(trials: &[Vec<Sample>], detector: usize) -> f64 {
 pub fn operating_point(trials: &[Vec<Sample>], detector: usize, threshold: f64) -> OperatingPoint {
     let counts: Vec<_> = trials
         .iter()
-        .map(|samples| Counts::of(samples, detector, threshold))
+        .map(|samples| confusion(samples, detector, threshold))
         .collect();
-    let estimate = |quantity: fn(Counts) -> f64| {
+    let estimate = |quantity: fn(Confusion) -> f64| {
         bootstrap_of(&counts, |drawn| {
             quantity(
                 drawn
                     .iter()
-                    .fold(Counts::default(), |sum, &more| sum + *more),
+                    .fold(Confusion::default(), |sum, &more| sum + *more),
             )
         })
         .map(|estimate| estimate.with_ends(trials.len()))
@@ -110,9 +70,9 @@ pub fn operating_point(trials: &[Vec<Sample>], detector: usize, threshold: f64) 
     OperatingPoint {
         name: DETECTORS[detector],
         threshold,
-        precision: estimate(Counts::precision),
-        recall: estimate(Counts::recall),
-        false_alarms: estimate(Counts::false_alarm_rate),
+        precision: estimate(Confusion::precision),
+        recall: estimate(Confusion::recall),
+        false_alarms: estimate(Confusion::false_alarm_rate),
         median_delay: delays.get(delays.len() / 2).copied().flatten(),
         never_noticed: (never, delays.len()),
     }
@@ -144,7 +104,7 @@ fn delays_in(samples: &[Sample], detector: usize, threshold: f64) -> Vec<Option<
 pub fn roc(trials: &[Vec<Sample>], detector: usize) -> Roc {
     let all = trials.concat();
     let points = thresholds(&all, detector).into_iter().map(|threshold| {
-        let counts = Counts::of(&all, detector, threshold);
+        let counts = confusion(&all, detector, threshold);
         (counts.false_alarm_rate(), counts.recall())
     });
     Roc {

@@ -101,6 +101,11 @@ impl Plan {
         Ok(plan)
     }
 
+    /// Returns `true` if `trial` is one of the trials in this folder.
+    pub fn has(&self, trial: u64) -> bool {
+        trial < self.trials && self.shard.has(trial)
+    }
+
     /// Returns the design applied to the parameters, if the plan has a design.
     pub fn scheme(&self) -> Option<Scheme> {
         Some(Scheme::new(self.design?, &self.parameter))
@@ -151,11 +156,8 @@ impl Plan {
     /// If there is no plan, or it was modified or written by another version.
     pub fn read(folder: &Path) -> Result<Self, SweepError> {
         let path = folder.join(PLAN);
-        let text = fs::read_to_string(&path).map_err(|source| SweepError::File {
-            path: path.clone(),
-            source,
-            note: "expected the folder of a sweep".to_string(),
-        })?;
+        let note = "expected the folder of a sweep";
+        let text = fs::read_to_string(&path).map_err(SweepError::file(&path, note))?;
         Self::parse(&text, &path)
     }
 

@@ -100,11 +100,8 @@ pub fn load(files: &[impl AsRef<Path>], experiment: &str) -> Result<Ranges, Swee
     if !files.is_empty() {
         let mut all = Ranges::default();
         for path in files.iter().map(AsRef::as_ref) {
-            let text = fs::read_to_string(path).map_err(|source| SweepError::File {
-                path: path.to_path_buf(),
-                source,
-                note: "expected a file of ranges (TOML)".to_string(),
-            })?;
+            let note = "expected a file of ranges (TOML)";
+            let text = fs::read_to_string(path).map_err(SweepError::file(path, note))?;
             let ranges = parse(&text, &path.display().to_string())?;
             all.set.extend(ranges.set);
             all.parameter.extend(ranges.parameter);

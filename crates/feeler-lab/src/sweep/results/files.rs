@@ -83,9 +83,6 @@ fn read(key: &str, name: &str, path: &Path) -> Result<Vec<u8>, SweepError> {
             ),
         });
     }
-    fs::read(path).map_err(|source| SweepError::File {
-        path: path.to_path_buf(),
-        source,
-        note: format!("{key} refers to this file, and other machines need it"),
-    })
+    let note = format!("{key} refers to this file, and other machines need it");
+    fs::read(path).map_err(SweepError::file(path, note))
 }

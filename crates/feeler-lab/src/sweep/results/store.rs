@@ -40,14 +40,14 @@ impl Store {
                 ),
             });
         }
-        create_folder(folder).map_err(|e| file_error(folder, e, "nothing was run"))?;
+        create_folder(folder).map_err(SweepError::file(folder, "nothing was run"))?;
         write_whole(&folder.join(PLAN), plan.to_toml().as_bytes())?;
         let path = folder.join(GROWING);
         let opened = File::create(&path).and_then(|mut file| {
             file.write_all(&line(&header))?;
             Ok(file)
         });
-        let file = opened.map_err(|e| file_error(&path, e, "nothing was run"))?;
+        let file = opened.map_err(SweepError::file(&path, "nothing was run"))?;
         Ok(Self {
             folder: folder.to_path_buf(),
             file,
@@ -64,28 +64,22 @@ impl Store {
         let finished = folder.join(TRIALS);
         let path = folder.join(GROWING);
         let source = if finished.exists() { &finished } else { &path };
-        let failed = |e| file_error(source, e, "nothing was changed");
+        let failed = || SweepError::file(source, "nothing was changed");
         let mut bytes = match fs::read(source) {
             Err(e) if e.kind() == io::ErrorKind::NotFound => Vec::new(),
-            read => read.map_err(failed)?,
+            read => read.map_err(failed())?,
         };
-        bytes.truncate(
-            bytes
-                .iter()
-                .rposition(|&b| b == b'\n')
-                .map_or(0, |end| end + 1),
-        );
+        drop_torn_line(&mut bytes);
         if bytes.is_empty() {
             bytes = line(&table.header);
         }
-        let wanted = |trial| trial < plan.trials && plan.shard.has(trial);
-        table.parse(source, &bytes, wanted)?;
+        table.parse(source, &bytes, |trial| plan.has(trial))?;
         let opened = if source == &finished {
             File::open(source)
         } else {
             rewind(&path, &bytes)
         };
-        let file = opened.map_err(failed)?;
+        let file = opened.map_err(failed())?;
         Ok(Self {
             folder: folder.to_path_buf(),
             file,
@@ -116,7 +110,7 @@ impl Store {
         let mut table = Table::new(self.table.header.clone());
         let finished = &self.table.rows;
         table.parse(&path, text, |trial| {
-            trial < plan.trials && plan.shard.has(trial) && !finished.contains_key(&trial)
+            plan.has(trial) && !finished.contains_key(&trial)
         })?;
         for (trial, row) in table.rows {
             self.push(trial, row)?;
@@ -134,7 +128,7 @@ impl Store {
         written.map_err(|e| {
             let note =
                 format!("the {finished} finished trials are kept: free disk space and continue with --resume");
-            file_error(&self.folder.join(GROWING), e, &note)
+            SweepError::file(&self.folder.join(GROWING), note)(e)
         })?;
         self.table.rows.insert(trial, row);
         Ok(())
@@ -177,16 +171,16 @@ pub fn read_finished(folder: &Path, plan: &Plan, table: &mut Table) -> Result<()
     } else {
         folder.join(GROWING)
     };
-    let mut bytes = fs::read(&path).map_err(|e| file_error(&path, e, "expected a sweep's rows"))?;
-    bytes.truncate(
-        bytes
-            .iter()
-            .rposition(|&b| b == b'\n')
-            .map_or(0, |end| end + 1),
-    );
-    table.parse(&path, &bytes, |trial| {
-        trial < plan.trials && plan.shard.has(trial)
-    })
+    let read = fs::read(&path);
+    let mut bytes = read.map_err(SweepError::file(&path, "expected a sweep's rows"))?;
+    drop_torn_line(&mut bytes);
+    table.parse(&path, &bytes, |trial| plan.has(trial))
+}
+
+/// Removes an incomplete last line.
+fn drop_torn_line(bytes: &mut Vec<u8>) {
+    let end = bytes.iter().rposition(|&byte| byte == b'\n');
+    bytes.truncate(end.map_or(0, |end| end + 1));
 }
 
 /// Writes a file atomically.
@@ -204,14 +198,6 @@ pub fn write_whole(path: &Path, bytes: &[u8]) -> Result<(), SweepError> {
     written.and_then(|()| fs::rename(&part, path)).map_err(|e| {
         // Remove the temporary file.
         let _ = fs::remove_file(&part);
-        file_error(path, e, "finished trials are kept")
+        SweepError::file(path, "finished trials are kept")(e)
     })
-}
-
-fn file_error(path: &Path, source: io::Error, note: &str) -> SweepError {
-    SweepError::File {
-        path: path.to_path_buf(),
-        source,
-        note: note.to_string(),
-    }
 }

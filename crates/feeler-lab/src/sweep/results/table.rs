@@ -1,7 +1,7 @@
 //! The table of trials as a CSV file.
 
 use crate::sweep::SweepError;
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 /// Table of finished trials.
@@ -64,6 +64,13 @@ impl Table {
         let mut text = line(&self.header);
         text.extend(rows.flatten());
         text
+    }
+
+    /// Returns the trials that are in all `tables`.
+    pub fn common<'a>(tables: impl IntoIterator<Item = &'a Self>) -> BTreeSet<u64> {
+        let trials = tables.into_iter().map(|table| table.rows.keys().copied());
+        let trials = trials.map(|trials| trials.collect::<BTreeSet<u64>>());
+        trials.reduce(|all, own| &all & &own).unwrap_or_default()
     }
 
     /// Returns the index of the column with this name.

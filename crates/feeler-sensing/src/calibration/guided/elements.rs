@@ -2,6 +2,7 @@
 
 use super::folder::Folder;
 use super::guide::Guide;
+use super::screen::Screen;
 use super::{LOADS, Work};
 use feeler::sensor::calibration::{
     COLUMNS, Coverage, ForceAxes, FullScale, Goal, LiveCalibration, ModelChoice, PLACE_COLUMNS,
@@ -75,6 +76,7 @@ impl Work for Elements<'_> {
         at: f64,
         picture: &Picture,
         moments: &[ElementMoments],
+        screen: &mut Screen,
     ) -> Result<(), CommandError> {
         let seen = self.calibration.picture(at, moments);
         match seen {
@@ -89,20 +91,12 @@ impl Work for Elements<'_> {
             }
             Seen::Nothing | Seen::Unclear | Seen::Enough { .. } => {}
         }
-        self.guide.seen(&seen);
+        self.guide.seen(&seen, screen);
         Ok(())
     }
 
-    fn show(&mut self) {
-        self.guide.show(&self.calibration);
-    }
-
-    fn warn(&mut self, what: &str) {
-        self.guide.warn(what);
-    }
-
-    fn end(&self) {
-        self.guide.end();
+    fn show(&mut self, screen: &mut Screen) {
+        self.guide.show(&self.calibration, screen);
     }
 
     fn kept(&self) -> &Folder {

@@ -21,7 +21,6 @@ pub struct Guide<'a> {
     sensor: &'a SensorGeometry,
     full_scale: FullScale,
     model: ModelChoice,
-    screen: Screen,
     complete: usize,
     seen: Seen,
     /// Samples of each element in this session, to estimate its fit.
@@ -36,7 +35,6 @@ impl<'a> Guide<'a> {
             sensor,
             full_scale,
             model,
-            screen: Screen::new(),
             complete: 0,
             seen: Seen::Nothing,
             records: vec![ElementRecord::default(); sensor.kernel.element_count()],
@@ -45,11 +43,11 @@ impl<'a> Guide<'a> {
     }
 
     /// Registers how the latest image was used.
-    pub fn seen(&mut self, seen: &Seen) {
+    pub fn seen(&mut self, seen: &Seen, screen: &mut Screen) {
         if let Seen::Enough { element, force } = *seen
             && force.z < -PULLED * self.full_scale.normal
         {
-            self.warn(&format!(
+            screen.warn(&format!(
                 "element {element} seems to be pulled; check --force-axes"
             ));
         }
@@ -82,13 +80,8 @@ impl<'a> Guide<'a> {
         }
     }
 
-    /// Shows a warning about a condition that may be temporary.
-    pub fn warn(&mut self, what: &str) {
-        self.screen.warn(what);
-    }
-
     /// Shows the progress.
-    pub fn show(&mut self, calibration: &LiveCalibration) {
+    pub fn show(&mut self, calibration: &LiveCalibration, screen: &mut Screen) {
         let stage = match calibration.stage() {
             Stage::Untouched { .. } => "do not touch the fingertip",
             Stage::Presses { .. } => {
@@ -101,25 +94,18 @@ impl<'a> Guide<'a> {
             .iter()
             .filter(|element| element.is_complete())
             .count();
-        self.screen
-            .stage(calibration.stage(), stage, calibration.delay());
+        screen.stage(calibration.stage(), stage, calibration.delay());
         if complete > self.complete {
             let all = coverage.len();
-            self.screen
-                .step(&format!("{complete} of {all} elements complete"));
+            screen.step(&format!("{complete} of {all} elements complete"));
             if let Some(error) = &self.error {
-                self.screen.step(&in_words(error));
+                screen.step(&in_words(error));
             }
         }
         self.complete = complete;
-        if self.screen.is_due() {
-            self.screen.draw(self.lines(stage, calibration));
+        if screen.is_due() {
+            screen.draw(self.lines(stage, calibration));
         }
-    }
-
-    /// Clears the display.
-    pub fn end(&self) {
-        self.screen.end();
     }
 
     fn lines(&self, stage: &str, calibration: &LiveCalibration) -> String {

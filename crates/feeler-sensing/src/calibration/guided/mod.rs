@@ -19,6 +19,7 @@ use folder::Folder;
 pub use force::ForceAddress;
 use force::ForceSensor;
 use glam::DVec3;
+use screen::Screen;
 use std::collections::VecDeque;
 use std::path::Path;
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -76,19 +77,16 @@ trait Work {
     fn load(&mut self, at: f64, load: Wrench);
     /// Returns `true` if all loads needed for an image taken at `at` (s) have arrived.
     fn is_ready(&self, at: f64) -> bool;
-    /// Processes an image taken at `at` (s), and its moments.
+    /// Processes an image taken at `at` (s), and its moments. Shows warnings on `screen`.
     fn picture(
         &mut self,
         at: f64,
         picture: &Picture,
         moments: &[ElementMoments],
+        screen: &mut Screen,
     ) -> Result<(), CommandError>;
     /// Shows the progress.
-    fn show(&mut self);
-    /// Shows a warning about a condition that may be temporary.
-    fn warn(&mut self, what: &str);
-    /// Clears the display.
-    fn end(&self);
+    fn show(&mut self, screen: &mut Screen);
     /// Returns the folder of saved images.
     fn kept(&self) -> &Folder;
     /// Describes the missing loads, or returns `None` if the procedure is complete.
@@ -125,9 +123,10 @@ pub fn guide(
         waiting: VecDeque::new(),
         moments: vec![ElementMoments::default(); sensor.kernel.element_count()],
         work,
+        screen: Screen::new(),
     };
     let ended = guided.run(&forces, &pump, &interrupted);
-    guided.work.end();
+    guided.screen.end();
     let missing = guided.work.missing();
     if ended.is_ok() && missing.is_none() {
         return Ok(());
@@ -162,6 +161,7 @@ struct Guided<'a> {
     waiting: VecDeque<(f64, Frame)>,
     moments: Vec<ElementMoments>,
     work: Box<dyn Work + 'a>,
+    screen: Screen,
 }
 
 impl Guided<'_> {
@@ -177,16 +177,16 @@ impl Guided<'_> {
                 match forces.next_sample() {
                     Ok(Some(sample)) => self.force(&sample),
                     Ok(None) => break,
-                    Err(error) => self.work.warn(&error.to_string()),
+                    Err(error) => self.screen.warn(&error.to_string()),
                 }
             }
             if let Some(Captured { frame, at, report }) = captured {
                 if let Some(warning) = &report.warning {
-                    self.work.warn(warning);
+                    self.screen.warn(warning);
                 }
                 match frame {
                     Ok(frame) => self.waiting.push_back((self.time_of(&frame, at), frame)),
-                    Err(error) if error.is_recoverable() => self.work.warn(&error.to_string()),
+                    Err(error) if error.is_recoverable() => self.screen.warn(&error.to_string()),
                     Err(CameraError::Ended { .. }) => {
                         return Err("the camera stream has ended".into());
                     }
@@ -194,7 +194,7 @@ impl Guided<'_> {
                 }
             }
             self.pictures(pump)?;
-            self.work.show();
+            self.work.show(&mut self.screen);
         }
         Ok(())
     }
@@ -207,7 +207,8 @@ impl Guided<'_> {
         {
             let picture = &frame.picture;
             self.sensor.kernel.measure(picture, &mut self.moments)?;
-            self.work.picture(at, picture, &self.moments)?;
+            self.work
+                .picture(at, picture, &self.moments, &mut self.screen)?;
             pump.give_back(frame);
         }
         Ok(())

@@ -1,7 +1,7 @@
 //! Display for the operator: a few lines that are updated on a terminal, otherwise one line per completed step.
 
 use feeler::sensor::calibration::{Delay, Stage};
-use indicatif::{ProgressBar, ProgressStyle};
+use feeler_console::Bar;
 use std::io::{IsTerminal, Write as _, stderr};
 use std::time::{Duration, Instant};
 
@@ -11,7 +11,7 @@ const INTERVAL: Duration = Duration::from_millis(100);
 const WARNED: Duration = Duration::from_secs(3);
 
 pub struct Screen {
-    bar: ProgressBar,
+    bar: Bar,
     on_terminal: bool,
     drawn: Instant,
     /// Stage that was announced last.
@@ -21,11 +21,8 @@ pub struct Screen {
 
 impl Screen {
     pub fn new() -> Self {
-        let bar = ProgressBar::new_spinner();
-        let style = ProgressStyle::with_template("{msg}");
-        bar.set_style(style.unwrap_or_else(|_| ProgressStyle::default_spinner()));
         Self {
-            bar,
+            bar: Bar::spinner("{msg}"),
             on_terminal: stderr().is_terminal(),
             drawn: Instant::now(),
             stage: None,

@@ -20,7 +20,6 @@ pub struct Whole<'a> {
     sensor: &'a SensorGeometry,
     kept: Folder,
     live: LiveWrench,
-    screen: Screen,
     seen: SeenWrench,
     /// Name of this session's recording in the table.
     recording: String,
@@ -53,7 +52,6 @@ impl<'a> Whole<'a> {
             kept,
             round: coverage.round(),
             live: LiveWrench::new(goal, coverage),
-            screen: Screen::new(),
             seen: SeenWrench::Nothing,
             recording: format!("live_{}", recordings + 1),
             samples: Vec::new(),
@@ -90,7 +88,7 @@ impl<'a> Whole<'a> {
     }
 
     /// Estimates the errors again after each round.
-    fn judge(&mut self) {
+    fn judge(&mut self, screen: &Screen) {
         let round = self.live.coverage().round();
         if round <= self.round {
             return;
@@ -117,8 +115,7 @@ impl<'a> Whole<'a> {
         });
         let (rounds, errors) = (WrenchCoverage::rounds(), self.errors.as_deref());
         let errors = errors.unwrap_or_default();
-        self.screen
-            .step(&format!("round {round} of {rounds} done; {errors}"));
+        screen.step(&format!("round {round} of {rounds} done; {errors}"));
     }
 
     /// Describes the current contact and the missing loads.
@@ -167,25 +164,26 @@ impl Work for Whole<'_> {
         at: f64,
         picture: &Picture,
         moments: &[ElementMoments],
+        screen: &mut Screen,
     ) -> Result<(), CommandError> {
         self.seen = self.live.picture(at, moments);
         match self.seen {
             SeenWrench::Untouched => self.keep(at, picture, Wrench::default(), moments)?,
             SeenWrench::Sample(wrench) => {
                 self.keep(at, picture, wrench, moments)?;
-                self.judge();
+                self.judge(screen);
             }
             SeenWrench::Enough(wrench) if wrench.force.z > PULLED * self.live.goal().normal => {
                 let what =
                     "the fingertip seems to be pulled; check --force-axes (z points outward)";
-                self.screen.warn(what);
+                screen.warn(what);
             }
             SeenWrench::Enough(_) | SeenWrench::Nothing | SeenWrench::Unclear => {}
         }
         Ok(())
     }
 
-    fn show(&mut self) {
+    fn show(&mut self, screen: &mut Screen) {
         let stage = match self.live.stage() {
             Stage::Untouched { .. } => "do not touch the fingertip",
             Stage::Presses { .. } => {
@@ -193,19 +191,10 @@ impl Work for Whole<'_> {
             }
             Stage::Loads => "press and shear the fingertip everywhere and in all directions",
         };
-        self.screen
-            .stage(self.live.stage(), stage, self.live.delay());
-        if self.screen.is_due() {
-            self.screen.draw(self.lines(stage));
+        screen.stage(self.live.stage(), stage, self.live.delay());
+        if screen.is_due() {
+            screen.draw(self.lines(stage));
         }
-    }
-
-    fn warn(&mut self, what: &str) {
-        self.screen.warn(what);
-    }
-
-    fn end(&self) {
-        self.screen.end();
     }
 
     fn kept(&self) -> &Folder {

@@ -1,6 +1,6 @@
 //! Output to a file.
 
-use super::{FrameReadings, Output, partial};
+use super::frame_output::{FrameReadings, Output, partial};
 use feeler::sensor::image::Frame;
 use feeler_console::{CommandError, PartFile};
 use std::path::PathBuf;

@@ -1,6 +1,6 @@
 //! ROS 2 messages in an MCAP file.
 
-use super::{FrameReadings, ImageFormat, Output};
+use super::frame_output::{FrameReadings, Output};
 use feeler::sensor::forces::ElementReading;
 use feeler::sensor::image::Frame;
 use feeler_console::CommandError;
@@ -37,12 +37,16 @@ pub struct Mcap {
 }
 
 impl Mcap {
-    /// Creates a file at `path`.
-    pub fn create(path: &Path, format: &ImageFormat) -> Result<Self, CommandError> {
+    /// Creates a file at `path`, with the images of the finger `pictures` if given, and with `forces` if `true`.
+    pub fn create(
+        path: &Path,
+        pictures: Option<usize>,
+        forces: bool,
+    ) -> Result<Self, CommandError> {
         Ok(Self {
-            writer: SensedWriter::create(path, format.pictures)?,
-            pictures: Pictures::of(format.pictures),
-            forces: format.forces,
+            writer: SensedWriter::create(path, pictures)?,
+            pictures: Pictures::of(pictures),
+            forces,
         })
     }
 }

@@ -1,7 +1,7 @@
 //! Rows of a table or of JSON Lines, one per element and frame.
 
-use super::{FrameReadings, Output};
-use crate::sense::row_file::RowFile;
+use super::frame_output::{FrameReadings, Output};
+use super::row_file::RowFile;
 use feeler::sensor::forces::ElementReading;
 use feeler_console::CommandError;
 use serde::Serialize;

@@ -7,6 +7,7 @@ mod pump;
 
 pub use layout::{TaxelOptions, taxel_layout_text};
 
+use super::frames::WAIT;
 use super::output::{FrameReadings, Output};
 use super::queued::{BackgroundOutput, Backpressure};
 use super::tally::SensingStats;
@@ -21,9 +22,6 @@ use std::io::{BufRead, BufReader, stdin};
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
-
-/// Maximum time to wait for a row before the interrupt flag is checked.
-const WAIT: Duration = Duration::from_millis(50);
 
 /// Senses all rows of the table in `options`, or those until `interrupted`.
 pub fn sense(

@@ -1,7 +1,6 @@
 //! Destinations for the forces of taxels: a table, JSON Lines, or MCAP.
 
-use super::super::output::{ForceRow, Format, FrameReadings, Output, RowWriter};
-use super::super::row_file::RowFile;
+use super::super::output::{ForceRow, Format, FrameReadings, Output, RowFile, RowWriter};
 use feeler::sensor::forces::{NO_FORCE, TactileFrame};
 use feeler::sensor::taxel::{TaxelLayout, TaxelUnit};
 use feeler_console::CommandError;

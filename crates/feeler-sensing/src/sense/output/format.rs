@@ -1,65 +1,14 @@
-//! Destinations for readings: a table, JSON Lines, or MCAP.
+//! File formats of readings.
 
-mod filed;
-mod mcap;
-mod rows;
-
-pub use self::mcap::{Pictures, moments};
-pub use self::rows::ForceRow;
-
-use self::{filed::FileOutput, mcap::Mcap, rows::Rows};
+use super::filed::FileOutput;
+use super::frame_output::Output;
+use super::mcap::Mcap;
 use super::prompt::MaxAgeFlush;
-use super::row_file::RowFile;
-use feeler::sensor::forces::ElementReading;
-use feeler::sensor::image::Frame;
-use feeler::sensor::track::TrackedMarker;
+use super::row_file::{RowFile, RowWriter};
+use super::rows::Rows;
 use feeler_console::{CommandError, Outputs};
-use std::io::{self, Write};
-use std::path::{Path, PathBuf};
-
-/// Readings of one frame.
-pub struct FrameReadings<'a> {
-    /// Number of the frame, from 0.
-    pub sequence: u64,
-    /// Time of the frame (s).
-    pub stamp: f64,
-    /// One reading per element.
-    pub readings: &'a [ElementReading],
-    /// One marker per element if markers are tracked, otherwise empty.
-    pub markers: &'a [TrackedMarker],
-}
-
-/// A destination for readings.
-pub trait Output: Send {
-    /// Writes one frame.
-    fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError>;
-    /// Writes the image of a frame if images are recorded. Called before the frame itself is written.
-    fn write_picture(&mut self, _frame: &Frame) -> Result<(), CommandError> {
-        Ok(())
-    }
-    /// Starts a sequence of this name: later frames are independent of earlier ones.
-    fn begin_sequence(&mut self, _name: &str) -> Result<(), CommandError> {
-        Ok(())
-    }
-    /// Writes buffered data to the file, except in formats whose files this would enlarge.
-    fn flush(&mut self) -> Result<(), CommandError>;
-    /// Writes all buffered data to the file.
-    fn settle(&mut self) -> Result<(), CommandError> {
-        self.flush()
-    }
-    /// Returns a warning about the written data, if any.
-    fn warning(&self) -> Option<String> {
-        None
-    }
-    /// Writes the end of the output and returns the path of the partial file that remains, if any. If `whole` is
-    /// `false`, the output is marked as partial.
-    fn finish(mut self: Box<Self>, _whole: bool) -> Result<Option<PathBuf>, CommandError> {
-        self.flush().map(|()| None)
-    }
-}
-
-/// A writer of rows.
-pub type RowWriter = Box<dyn Write + Send>;
+use std::io;
+use std::path::Path;
 
 /// Kind of output data; creates a writer for each file format.
 pub trait Format {
@@ -102,7 +51,7 @@ impl Format for ImageFormat {
     }
 
     fn mcap(&self, path: &Path) -> Result<Box<dyn Output>, CommandError> {
-        Ok(Box::new(Mcap::create(path, self)?))
+        Ok(Box::new(Mcap::create(path, self.pictures, self.forces)?))
     }
 }
 
@@ -133,9 +82,4 @@ pub fn open(
     let name = path.display().to_string();
     let filed = FileOutput::new(name, output, part, extension != "mcap");
     Ok(Box::new(MaxAgeFlush::new(Box::new(filed))))
-}
-
-/// Adds the path of the remaining partial file to an error.
-pub fn partial(error: &CommandError, part: &Path) -> CommandError {
-    format!("{error}; {} is partial", part.display()).into()
 }

@@ -1,14 +1,14 @@
 //! Builds a recording from the records of its file.
 
-use super::options::PolicyFile;
-use super::sink::{CALIBRATION, CHANNELS, END, EXPERIMENT, FACTS, POLICY, digest_facts};
+use super::digest::Digester;
+use super::part::{PART, Part};
+use super::recording::{Damage, PictureAt, Recording};
+use super::scan::{Found, Place};
 use crate::messages::facts::RunFacts;
 use crate::messages::run_end::RunEnd;
 use crate::messages::topic::Channel;
-use crate::reading::digest::Digester;
-use crate::reading::read::{PART, Part};
-use crate::reading::recording::{Damage, PictureAt, Recording};
-use crate::reading::scan::{Found, Place};
+use crate::writing::options::PolicyFile;
+use crate::writing::sink::{CALIBRATION, CHANNELS, END, EXPERIMENT, FACTS, POLICY, digest_facts};
 use ::mcap::records::Record;
 use std::collections::{BTreeMap, HashMap};
 
@@ -16,6 +16,12 @@ use std::collections::{BTreeMap, HashMap};
 fn text(name: &str, data: &[u8]) -> Result<String, String> {
     let text = std::str::from_utf8(data).map_err(|_| format!("{name} is not UTF-8 text"))?;
     Ok(text.to_string())
+}
+
+/// Returns the recording, which starts with the run's facts.
+fn begun(recording: &mut Option<Recording>) -> Result<&mut Recording, String> {
+    let recording = recording.as_mut();
+    recording.ok_or_else(|| format!("no metadata {FACTS:?} before the data"))
 }
 
 /// Returns the digest of a recording without messages.
@@ -84,15 +90,17 @@ impl Collector {
             }
             Record::Metadata(m) if m.name == END => self.end = Some(m.metadata),
             Record::Attachment { header, data, .. } if header.name == EXPERIMENT => {
-                self.recording()?.experiment = text(EXPERIMENT, &data)?;
+                begun(&mut self.recording)?.experiment = text(EXPERIMENT, &data)?;
                 self.has_experiment = true;
             }
             Record::Attachment { header, data, .. } => {
                 if let Some(name) = header.name.strip_prefix(CALIBRATION) {
                     let text = text(&header.name, &data)?;
-                    self.recording()?.calibrations.insert(name.into(), text);
+                    begun(&mut self.recording)?
+                        .calibrations
+                        .insert(name.into(), text);
                 } else if let Some(name) = header.name.strip_prefix(POLICY) {
-                    self.recording()?.policy = Some(PolicyFile {
+                    begun(&mut self.recording)?.policy = Some(PolicyFile {
                         name: name.into(),
                         bytes: data[..].into(),
                     });
@@ -121,7 +129,7 @@ impl Collector {
 
     /// Registers the id of the channel of `topic`, if the topic is known.
     pub fn channel(&mut self, id: u16, topic: String) -> Result<(), String> {
-        let mut channels = Channel::known(&self.recording()?.facts);
+        let mut channels = Channel::known(&begun(&mut self.recording)?.facts);
         if let Some(known) = channels.find(|channel| channel.topic() == topic) {
             self.channels.insert(id, (known, topic));
         }
@@ -130,10 +138,8 @@ impl Collector {
 
     /// Records a damaged chunk, after which reading continues.
     pub fn skip(&mut self, reason: String) {
-        let steps = self
-            .recording
-            .as_ref()
-            .map_or(0, |recording| recording.steps_read());
+        let recording = self.recording.as_ref();
+        let steps = recording.map_or(0, Recording::steps_read);
         // Before the messages, chunks only repeat information.
         let steps_before = if self.has_begun { steps } else { usize::MAX };
         self.damage.get_or_insert(Damage {
@@ -142,14 +148,9 @@ impl Collector {
         });
     }
 
-    fn recording(&mut self) -> Result<&mut Recording, String> {
-        (self.recording.as_mut()).ok_or_else(|| format!("no metadata {FACTS:?} before the data"))
-    }
-
     pub fn message(&mut self, channel: u16, bytes: &[u8], at: PictureAt) -> Result<(), String> {
         let log_time = at.log_time;
-        let recording = (self.recording.as_mut())
-            .ok_or_else(|| format!("no metadata {FACTS:?} before the data"))?;
+        let recording = begun(&mut self.recording)?;
         let Some((known, name)) = self.channels.get(&channel) else {
             return Ok(()); // an unknown channel
         };

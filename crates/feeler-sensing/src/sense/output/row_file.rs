@@ -1,10 +1,12 @@
 //! Rows of text: comma-separated values or JSON Lines.
 
-use super::output::RowWriter;
 use super::whole_rows::WholeRows;
 use feeler_console::CommandError;
 use serde::Serialize;
 use std::io::{self, Write};
+
+/// A writer of rows.
+pub type RowWriter = Box<dyn Write + Send>;
 
 /// A writer of rows in one of two formats.
 pub enum RowFile {

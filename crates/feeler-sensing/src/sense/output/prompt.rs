@@ -1,6 +1,6 @@
 //! Limits the time for which an output buffers rows.
 
-use super::output::{FrameReadings, Output};
+use super::frame_output::{FrameReadings, Output};
 use feeler::sensor::image::Frame;
 use feeler_console::CommandError;
 use std::path::PathBuf;

@@ -1,10 +1,17 @@
-//! Parsing of received heartbeats.
+//! Decoding of received messages.
 
 use super::message::{Heartbeat, NO_FINGER, PROTOCOL};
 use super::printable;
 use super::rejection::Rejection;
-use crate::inboxes::inbox;
-use feeler_record::wire::cdr;
+use feeler_record::wire::{Message, cdr};
+
+/// Decodes a message.
+///
+/// # Errors
+/// Returns [`Rejection::Malformed`] if `bytes` is not a valid message of type `M`.
+pub fn read<M: Message>(bytes: &[u8]) -> Result<M, Rejection> {
+    cdr::decode(bytes).map_err(|_| Rejection::Malformed)
+}
 
 /// Decodes and validates a heartbeat. For another protocol version, only the fields common to all versions are read.
 pub(crate) fn read_heartbeat(bytes: &[u8]) -> Result<Heartbeat, Rejection> {
@@ -15,7 +22,7 @@ pub(crate) fn read_heartbeat(bytes: &[u8]) -> Result<Heartbeat, Rejection> {
     let protocol = field(4, 4).and_then(|b| Some(u32::from_le_bytes(b.try_into().ok()?)));
     let protocol = protocol.ok_or(Rejection::Malformed)?;
     if protocol == PROTOCOL {
-        let mut heartbeat: Heartbeat = inbox::read(bytes)?;
+        let mut heartbeat: Heartbeat = read(bytes)?;
         let finite = [heartbeat.rate, heartbeat.speed];
         if !finite.iter().all(|n| n.is_finite()) {
             return Err(Rejection::NotFinite);

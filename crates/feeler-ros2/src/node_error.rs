@@ -1,0 +1,31 @@
+//! Errors of nodes.
+
+use crate::message_text::DescriptionError;
+use crate::name::NameError;
+use feeler_record::wire::WireError;
+
+/// Error of a node.
+#[derive(Debug, thiserror::Error)]
+pub enum NodeError {
+    /// A name is invalid.
+    #[error(transparent)]
+    Name(#[from] NameError),
+    /// A message text is invalid.
+    #[error(transparent)]
+    Description(#[from] DescriptionError),
+    /// A message could not be encoded.
+    #[error(transparent)]
+    Wire(#[from] WireError),
+    /// Zenoh returned an error.
+    #[error("ROS 2 graph: {0}")]
+    Zenoh(String),
+    /// A thread could not be started.
+    #[error("failed to start a thread: {0}")]
+    Thread(#[from] std::io::Error),
+}
+
+impl From<zenoh::Error> for NodeError {
+    fn from(error: zenoh::Error) -> Self {
+        Self::Zenoh(error.to_string())
+    }
+}

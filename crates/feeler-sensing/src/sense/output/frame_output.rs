@@ -1,0 +1,53 @@
+//! Interface of a destination for readings.
+
+use feeler::sensor::forces::ElementReading;
+use feeler::sensor::image::Frame;
+use feeler::sensor::track::TrackedMarker;
+use feeler_console::CommandError;
+use std::path::{Path, PathBuf};
+
+/// Readings of one frame.
+pub struct FrameReadings<'a> {
+    /// Number of the frame, from 0.
+    pub sequence: u64,
+    /// Time of the frame (s).
+    pub stamp: f64,
+    /// One reading per element.
+    pub readings: &'a [ElementReading],
+    /// One marker per element if markers are tracked, otherwise empty.
+    pub markers: &'a [TrackedMarker],
+}
+
+/// A destination for readings.
+pub trait Output: Send {
+    /// Writes one frame.
+    fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError>;
+    /// Writes the image of a frame if images are recorded. Called before the frame itself is written.
+    fn write_picture(&mut self, _frame: &Frame) -> Result<(), CommandError> {
+        Ok(())
+    }
+    /// Starts a sequence of this name: later frames are independent of earlier ones.
+    fn begin_sequence(&mut self, _name: &str) -> Result<(), CommandError> {
+        Ok(())
+    }
+    /// Writes buffered data to the file, except in formats whose files this would enlarge.
+    fn flush(&mut self) -> Result<(), CommandError>;
+    /// Writes all buffered data to the file.
+    fn settle(&mut self) -> Result<(), CommandError> {
+        self.flush()
+    }
+    /// Returns a warning about the written data, if any.
+    fn warning(&self) -> Option<String> {
+        None
+    }
+    /// Writes the end of the output and returns the path of the partial file that remains, if any. If `whole` is
+    /// `false`, the output is marked as partial.
+    fn finish(mut self: Box<Self>, _whole: bool) -> Result<Option<PathBuf>, CommandError> {
+        self.flush().map(|()| None)
+    }
+}
+
+/// Adds the path of the remaining partial file to an error.
+pub fn partial(error: &CommandError, part: &Path) -> CommandError {
+    format!("{error}; {} is partial", part.display()).into()
+}
