@@ -10,7 +10,7 @@ use crate::error::RecordError;
 use crate::writing::sink::FACTS;
 use ::mcap::records::Record;
 use std::fs::File;
-use std::io::{BufReader, Cursor, Read};
+use std::io::{BufReader, Cursor, Read, Seek};
 use std::path::Path;
 
 impl Recording {
