@@ -9,10 +9,10 @@
 //! constant term, so an unloaded element reads zero. The terms are ordered such that certain prefixes are complete
 //! models ([`NORMAL_ORDERS`], [`SHEAR_ORDERS`]); cross-validation chooses the length.
 
-mod orders;
+pub(super) mod orders;
 
 use super::least_squares::{MIN_SLOPE_RANGE, beyond, least_squares};
-use super::model::RelativeMoments;
+use super::relative_moments::RelativeMoments;
 use glam::DVec3;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
@@ -76,8 +76,6 @@ pub struct CoupledMap {
     /// Coefficients of `F_y`, N.
     pub shear_y: Vec<f64>,
 }
-
-pub(in crate::sensor) use orders::choose_orders;
 
 /// Numbers of terms of `F_x`, `F_y` and `F_z`.
 pub(in crate::sensor) type Orders = [usize; 3];

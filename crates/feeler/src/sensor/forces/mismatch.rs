@@ -1,6 +1,7 @@
 //! Checks that the first images are of the fingertip for which the calibration was made.
 
-use crate::sensor::calibration::model::{ElementCalibration, RelativeMoments};
+use crate::sensor::calibration::element::ElementCalibration;
+use crate::sensor::calibration::relative_moments::RelativeMoments;
 use crate::sensor::moments::kernel::ElementMoments;
 
 /// Maximum deviation of an unloaded element, as a fraction of the range of the calibration's loads: equivalent to a

@@ -4,9 +4,9 @@
 use super::drift::{DriftConfig, DriftCorrection};
 use super::mismatch::{Mismatch, MountingCheck};
 use super::reading::NO_FORCE;
-use crate::sensor::calibration::model::{
-    Calibration, CalibrationError, ElementCalibration, ForceValidity,
-};
+use crate::sensor::calibration::element::{ElementCalibration, ForceValidity};
+use crate::sensor::calibration::error::CalibrationError;
+use crate::sensor::calibration::model::Calibration;
 use crate::sensor::fingertip::model::{Fingertip, FingertipConfig, FingertipError};
 use crate::sensor::image::exposure::{DEFAULT_MAX_SATURATED, Exposure, SaturationCheck};
 use crate::sensor::image::frame::Picture;

@@ -5,7 +5,7 @@
 
 use super::{NORMAL_ORDERS, Orders, SHEAR_ORDERS, normal_terms, polynomial, shear_terms, solve};
 use crate::sensor::calibration::least_squares::MIN_SLOPE_RANGE;
-use crate::sensor::calibration::model::RelativeMoments;
+use crate::sensor::calibration::relative_moments::RelativeMoments;
 use crate::sensor::image::folds::Folds;
 use glam::DVec3;
 
