@@ -8,6 +8,7 @@ pub use error::LayoutError;
 
 use super::dome::{CameraConfig, DomeProjection};
 use super::layout::SensingElement;
+use super::made_for::sha256;
 use crate::sensor::image::exposure::DEFAULT_MAX_SATURATED;
 use crate::sensor::image::polarity::Polarity;
 use crate::sensor::image::seen::ProjectedElement;
@@ -17,8 +18,6 @@ use crate::sensor::moments::kernel::MomentsKernel;
 use glam::{DMat3, DVec2, DVec3};
 use rings::sort_into_rings;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
-use std::fmt::Write as _;
 
 /// Version of the layout file format.
 pub const LAYOUT_VERSION: u32 = 1;
@@ -182,12 +181,7 @@ impl LocatedLayout {
     /// # Errors
     /// If a value cannot be represented in TOML.
     pub fn hash(&self) -> Result<String, LayoutError> {
-        let digest = Sha256::digest(self.to_toml()?.as_bytes());
-        Ok(digest.iter().fold(String::new(), |mut text, byte| {
-            // Writing to a string cannot fail.
-            let _ = write!(text, "{byte:02x}");
-            text
-        }))
+        Ok(sha256(&self.to_toml()?))
     }
 
     /// Kernel of the layout's moments. Lengths are in m in the tangent plane of each element if the dome is known,

@@ -142,20 +142,9 @@ impl SensingChain {
     /// # Errors
     /// If the fingertip is invalid.
     pub fn of_fingertip(config: &FingertipConfig) -> Result<Self, SensingError> {
-        Self::of_fingertip_saturated(config, DEFAULT_MAX_SATURATED)
-    }
-
-    /// Like [`Self::of_fingertip`], but allows a fraction `max_saturated` of saturated pixels.
-    ///
-    /// # Errors
-    /// If the fingertip is invalid.
-    pub fn of_fingertip_saturated(
-        config: &FingertipConfig,
-        max_saturated: f64,
-    ) -> Result<Self, SensingError> {
         let (kernel, regions) = Fingertip::kernel_and_subregions(config)?;
         let size = (config.camera.width, config.camera.height);
-        Self::new(size, kernel, &regions, max_saturated)
+        Self::new(size, kernel, &regions, DEFAULT_MAX_SATURATED)
     }
 
     /// Adds forces by `calibration`, and displacements from its unloaded centroids. The caller must check that the
