@@ -80,17 +80,17 @@ impl EmulatedBus {
 
     /// The servos at the current time.
     pub fn servos(&self) -> &[EmulatedServo] {
-        self.servos.servos()
+        &self.servos.servos
     }
 
     /// Log of all packets.
     pub fn log(&self) -> &PacketLog {
-        self.servos.log()
+        &self.servos.log
     }
 
     /// Removes and returns the log entries, oldest first.
     pub fn take_log(&mut self) -> Vec<LogEntry> {
-        self.servos.take_log()
+        self.servos.log.take()
     }
 
     /// Injects a fault, starting now.

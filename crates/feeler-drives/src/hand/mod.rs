@@ -210,11 +210,7 @@ impl DriveHand {
 fn check(config: &DrivesConfig, fingers: &[FingerGeometry]) -> Result<(), DriveError> {
     let mut checker = Checker::default();
     config.check("drives", fingers.len(), &mut checker);
-    let problems = checker.problems();
-    match problems.is_empty() {
-        true => Ok(()),
-        false => Err(DriveError::Config(problems)),
-    }
+    checker.finish().map_err(DriveError::Config)
 }
 
 impl Drop for DriveHand {

@@ -6,7 +6,7 @@ use crate::error::{DriveError, JointName};
 use crate::health::{Health, fault_names};
 use crate::packet::Protocol;
 use crate::registers::{COUNTS_PER_TURN, Register, Registers};
-use crate::setup::blame;
+use crate::setup::{blame, read};
 
 /// Factor on a joint's speed limit above which a measured velocity is implausible; allows for overshoot.
 const SPEED_TOLERANCE: f64 = 2.0;
@@ -63,10 +63,7 @@ impl DriveHand {
             let (id, what) = (joint.id, "a read");
             return Err(blame(joint)(BusError::Refused { id, what, error }));
         }
-        let bits = self
-            .bus
-            .read(joint.id, registers.fault)
-            .map_err(blame(joint))? as u8;
+        let bits = read(&mut self.bus, joint, registers.fault)? as u8;
         Err(DriveError::Fault {
             joint,
             faults: fault_names(protocol, bits),
@@ -96,8 +93,7 @@ impl DriveHand {
             // The rest is read in every period.
             Protocol::Feetech => {
                 let torque = Registers::of(Protocol::Feetech).torque;
-                let torque = self.bus.read(joint.id, torque).map_err(blame(joint))?;
-                (torque, None)
+                (read(&mut self.bus, joint, torque)?, None)
             }
         };
         let expected = self.config.watchdog_counts();
