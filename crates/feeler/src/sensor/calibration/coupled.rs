@@ -84,7 +84,7 @@ impl CoupledMap {
     /// Force in `E_i`, N. Finite unless an input is NaN.
     pub fn force(&self, inputs: RelativeMoments) -> DVec3 {
         let ranges = self.ranges();
-        let raw = [inputs.growth, inputs.displacement.x, inputs.displacement.y];
+        let raw = inputs.components();
         let mut inside = [0.0; 3];
         let mut outside = [0.0; 3];
         for axis in 0..3 {

@@ -52,16 +52,15 @@ impl ForceMap {
 
     /// Returns whether `inputs` are within the ranges of the loads, extended by the fraction `margin` at both ends.
     pub(in crate::sensor) fn covers(&self, inputs: RelativeMoments, margin: f64) -> bool {
-        let RelativeMoments {
-            growth,
-            displacement,
-        } = inputs;
-        let inputs = [growth, displacement.x, displacement.y];
         let within = |(input, [low, high]): (f64, [f64; 2])| {
             let margin = margin * (high - low);
             (low - margin..=high + margin).contains(&input)
         };
-        inputs.into_iter().zip(self.ranges()).all(within)
+        inputs
+            .components()
+            .into_iter()
+            .zip(self.ranges())
+            .all(within)
     }
 
     /// Model of the map.

@@ -24,4 +24,9 @@ impl RelativeMoments {
             displacement: moments.centroid - unloaded_centroid,
         }
     }
+
+    /// Growth and displacements along x and y.
+    pub(in crate::sensor) fn components(self) -> [f64; 3] {
+        [self.growth, self.displacement.x, self.displacement.y]
+    }
 }

@@ -199,25 +199,28 @@ impl LocatedLayout {
         Ok(kernel.with_background(self.polarity, &levels)?)
     }
 
+    /// The projection of the dome's camera, if the dome is known.
+    fn projection(&self) -> Result<Option<DomeProjection>, LayoutError> {
+        let dome = self.dome.as_ref();
+        let projection = dome.map(|dome| DomeProjection::new(&dome.camera, dome.radius));
+        Ok(projection.transpose()?)
+    }
+
     /// Position of each element in the image, and orientation of its frame there (along the image's axes if the dome
     /// is unknown).
     ///
     /// # Errors
     /// If the dome is invalid, or the camera does not see an element.
     pub fn seen_elements(&self) -> Result<Vec<ProjectedElement>, LayoutError> {
-        let projection = match &self.dome {
-            Some(dome) => Some((DomeProjection::new(&dome.camera, dome.radius)?, dome.radius)),
-            None => None,
-        };
+        let projection = self.projection()?;
         let seen = |(element, place): (usize, &ElementPlace)| {
             let centre_px = place.centre_px;
-            let Some(((projection, radius), direction)) = projection.as_ref().zip(place.direction)
-            else {
+            let Some((projection, direction)) = projection.as_ref().zip(place.direction) else {
                 let x_angle = 0.0;
                 return Ok(ProjectedElement { centre_px, x_angle });
             };
             let frame = SensingElement::facing(direction);
-            let seen = ProjectedElement::on_dome(projection, *radius, &frame);
+            let seen = ProjectedElement::on_dome(projection, &frame);
             let (column, row) = (centre_px.x, centre_px.y);
             seen.map(|seen| ProjectedElement { centre_px, ..seen })
                 .ok_or(LayoutError::OffDome {
@@ -260,10 +263,7 @@ impl LocatedLayout {
             .iter()
             .map(|e| (e.centre_px, e.radius_px))
             .collect();
-        let projection = match &self.dome {
-            Some(dome) => Some(DomeProjection::new(&dome.camera, dome.radius)?),
-            None => None,
-        };
+        let projection = self.projection()?;
         let regions = sub_regions((self.width, self.height), &discs);
         let weighted = |(place, region): (&ElementPlace, Vec<(usize, usize)>)| {
             let frame = place.direction.map(SensingElement::facing);

@@ -4,7 +4,7 @@
 use super::drift::{DriftConfig, DriftCorrection};
 use super::mismatch::{Mismatch, MountingCheck};
 use super::reading::NO_FORCE;
-use crate::sensor::calibration::element::{ElementCalibration, ForceValidity};
+use crate::sensor::calibration::element::ForceValidity;
 use crate::sensor::calibration::error::CalibrationError;
 use crate::sensor::calibration::model::Calibration;
 use crate::sensor::fingertip::model::{Fingertip, FingertipConfig, FingertipError};
@@ -328,13 +328,8 @@ impl SensingChain {
 
     /// Force at `element`, N, if it is valid. Validity is decided only here.
     fn force(&self, element: usize, moments: &ElementMoments, exposure: Exposure) -> Option<DVec3> {
-        let calibration = self.calibration_of(element);
-        let calibration = calibration.filter(|_| exposure == Exposure::Good);
-        calibration.map(|calibration| calibration.force(moments))
-    }
-
-    fn calibration_of(&self, element: usize) -> Option<&ElementCalibration> {
-        self.calibration.as_ref()?.elements.get(element)
+        let calibration = self.calibration.as_ref()?.elements.get(element)?;
+        (exposure == Exposure::Good).then(|| calibration.force(moments))
     }
 }
 
