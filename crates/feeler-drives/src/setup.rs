@@ -179,11 +179,11 @@ pub(crate) fn set(
 pub fn read_health(bus: &mut Bus, joint: JointName) -> Result<Health, DriveError> {
     let registers = Registers::of(bus.protocol());
     let mut read = |register| read(bus, joint, register);
-    Ok(Health {
-        fault: read(registers.fault)? as u8,
-        temperature: read(registers.temperature)? as f64,
-        voltage: read(registers.voltage)? as f64 / 10.0,
-    })
+    Ok(Health::of(
+        read(registers.fault)?,
+        read(registers.temperature)?,
+        read(registers.voltage)?,
+    ))
 }
 
 /// Reads the position of the servo of `joint`, counts.

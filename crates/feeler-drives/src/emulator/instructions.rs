@@ -18,7 +18,7 @@ pub(super) struct Answer {
 
 impl Servos {
     /// Executes an instruction that arrived at `now`, s. Returns the responses in order.
-    pub(super) fn act_with_laws(&mut self, packet: Packet<'_>, now: f64) -> Vec<Answer> {
+    pub(super) fn execute(&mut self, packet: Packet<'_>, now: f64) -> Vec<Answer> {
         self.advance(now);
         self.log.instruction(now, packet);
         let broadcast = packet.id == BROADCAST;

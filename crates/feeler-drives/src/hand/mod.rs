@@ -230,9 +230,7 @@ impl Hand for DriveHand {
         if let Some(fault) = &self.fault {
             return Err(HandError::Failed(fault.clone()));
         }
-        if let Err(error) = self.read_motion() {
-            return Err(self.fail(&error));
-        }
+        self.read_motion().map_err(|error| self.fail(&error))?;
         state.stamp = self.stamp;
         for servo in &self.servos {
             let joints = &mut state.joints[servo.name.finger];
@@ -249,9 +247,7 @@ impl Hand for DriveHand {
             self.stop_motors();
             return Err(HandError::Failed(fault));
         }
-        match self.drive(command.joint_velocity()) {
-            Ok(()) => Ok(()),
-            Err(error) => Err(self.fail(&error)),
-        }
+        self.drive(command.joint_velocity())
+            .map_err(|error| self.fail(&error))
     }
 }

@@ -114,20 +114,13 @@ impl DriveHand {
         let registers = Registers::of(Protocol::Dynamixel);
         let part = TORQUE_TO_WATCHDOG;
         let bytes = self.bus.read_bytes(joint.id, part).map_err(blame(joint))?;
-        let at = |register: Register| {
-            let begin = usize::from(register.address - part.0);
-            register.decode(bytes.get(begin..).unwrap_or_default())
-        };
+        let at = |register: Register| register.in_part(part.0, bytes);
         let (torque, fault) = (at(registers.torque), at(registers.fault));
         let watchdog = registers.watchdog.map(at);
         let part = VOLTAGE_TO_TEMPERATURE;
         let bytes = self.bus.read_bytes(joint.id, part).map_err(blame(joint))?;
-        let (voltage, temperature) = bytes.split_at_checked(2).unwrap_or_default();
-        let health = Health {
-            fault: fault as u8,
-            voltage: registers.voltage.decode(voltage) as f64 / 10.0,
-            temperature: registers.temperature.decode(temperature) as f64,
-        };
+        let at = |register: Register| register.in_part(part.0, bytes);
+        let health = Health::of(fault, at(registers.temperature), at(registers.voltage));
         health.check(Protocol::Dynamixel, joint, &self.config.health_limits())?;
         Ok((torque, watchdog))
     }
