@@ -1,7 +1,7 @@
 //! Errors of a hand of servos.
 
 use crate::bus::BusError;
-use feeler::check::Problem;
+use feeler::check::{Problem, joined};
 use std::fmt;
 
 /// A joint and the id of its servo.
@@ -26,7 +26,7 @@ impl fmt::Display for JointName {
 #[derive(Debug, thiserror::Error)]
 pub enum DriveError {
     /// Values of the table `[drives]` are out of range.
-    #[error("{}", list(.0))]
+    #[error("{}", joined(.0))]
     Config(Vec<Problem>),
     /// The bus failed, independently of a servo.
     #[error(transparent)]
@@ -197,9 +197,4 @@ pub enum DriveError {
         /// Joint, from 1.
         joint: usize,
     },
-}
-
-fn list(problems: &[Problem]) -> String {
-    let problems: Vec<_> = problems.iter().map(ToString::to_string).collect();
-    problems.join("; ")
 }

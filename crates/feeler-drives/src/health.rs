@@ -3,7 +3,7 @@
 use crate::config::DrivesConfig;
 use crate::error::{DriveError, JointName};
 use crate::packet::Protocol;
-use crate::registers::Registers;
+use crate::registers::{Register, Registers};
 
 /// Health reported by a servo.
 #[derive(Debug, Clone, Copy, PartialEq)]
@@ -36,13 +36,23 @@ impl DrivesConfig {
 }
 
 impl Health {
+    /// Converts the values of the registers.
+    pub(crate) fn of(fault: i64, temperature: i64, voltage: i64) -> Self {
+        Self {
+            fault: fault as u8,
+            temperature: temperature as f64,
+            voltage: voltage as f64 / 10.0,
+        }
+    }
+
     /// Decodes the health from the bytes of [`Registers::motion`]; meaningful only if [`Registers::motion_has_health`].
     pub fn in_motion(registers: &Registers, bytes: &[u8]) -> Self {
-        Self {
-            fault: registers.in_motion(registers.fault, bytes) as u8,
-            temperature: registers.in_motion(registers.temperature, bytes) as f64,
-            voltage: registers.in_motion(registers.voltage, bytes) as f64 / 10.0,
-        }
+        let at = |register: Register| register.in_part(registers.motion.0, bytes);
+        Self::of(
+            at(registers.fault),
+            at(registers.temperature),
+            at(registers.voltage),
+        )
     }
 
     /// Checks the health of the servo of `joint`.

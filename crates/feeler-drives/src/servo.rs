@@ -72,7 +72,7 @@ impl Servo {
 
     /// Updates position and velocity from `bytes`. If `wraps` is given, the position wraps after that number of counts.
     pub fn read(&mut self, registers: &Registers, bytes: &[u8], wraps: Option<i64>) {
-        let read = registers.in_motion(registers.position, bytes);
+        let read = registers.position.in_part(registers.motion.0, bytes);
         let counts = match (wraps, self.counts) {
             (None, _) => read,
             (Some(turn), before) => {
@@ -84,7 +84,7 @@ impl Servo {
         };
         self.counts = Some(counts);
         self.angle = self.drive.angle(counts as f64);
-        let units = registers.in_motion(registers.velocity, bytes) as f64;
+        let units = registers.velocity.in_part(registers.motion.0, bytes) as f64;
         self.velocity = self.drive.joint_velocity(units * self.model.velocity_unit);
     }
 

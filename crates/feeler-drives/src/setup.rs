@@ -42,6 +42,11 @@ pub(crate) fn blame(joint: JointName) -> impl Fn(BusError) -> DriveError {
     }
 }
 
+/// Reads `register` of the servo of `joint`.
+pub(crate) fn read(bus: &mut Bus, joint: JointName, register: Register) -> Result<i64, DriveError> {
+    bus.read(joint.id, register).map_err(blame(joint))
+}
+
 /// Checks the model of the servo of `joint` and returns it.
 ///
 /// # Errors
@@ -52,7 +57,7 @@ pub fn check_model(
     drive: &JointDriveConfig,
 ) -> Result<&'static Model, DriveError> {
     let registers = Registers::of(bus.protocol());
-    let actual = bus.read(joint.id, registers.model).map_err(blame(joint))?;
+    let actual = read(bus, joint, registers.model)?;
     match drive.known_model() {
         Some(model) if model.number == actual => Ok(model),
         other => Err(DriveError::Model {
@@ -78,7 +83,7 @@ pub fn check_fast_sync_read(
     let (Some(register), Some(expected)) = (register, model.fast_sync_firmware) else {
         return Ok(());
     };
-    let actual = bus.read(joint.id, register).map_err(blame(joint))?;
+    let actual = read(bus, joint, register)?;
     match actual >= expected {
         true => Ok(()),
         false => Err(DriveError::Firmware {
@@ -110,7 +115,7 @@ pub fn changes(
     }
     let mut changes = Vec::new();
     for (name, register, to) in wanted {
-        let from = bus.read(joint.id, register).map_err(blame(joint))?;
+        let from = read(bus, joint, register)?;
         if from != to {
             changes.push(Change {
                 joint,
@@ -155,7 +160,7 @@ pub(crate) fn set(
 ) -> Result<(), DriveError> {
     bus.write(joint.id, register, expected)
         .map_err(blame(joint))?;
-    let actual = bus.read(joint.id, register).map_err(blame(joint))?;
+    let actual = read(bus, joint, register)?;
     match actual == expected {
         true => Ok(()),
         false => Err(DriveError::NotSet {
@@ -173,12 +178,12 @@ pub(crate) fn set(
 /// If the servo does not answer correctly.
 pub fn read_health(bus: &mut Bus, joint: JointName) -> Result<Health, DriveError> {
     let registers = Registers::of(bus.protocol());
-    let mut read = |register| bus.read(joint.id, register).map_err(blame(joint));
-    Ok(Health {
-        fault: read(registers.fault)? as u8,
-        temperature: read(registers.temperature)? as f64,
-        voltage: read(registers.voltage)? as f64 / 10.0,
-    })
+    let mut read = |register| read(bus, joint, register);
+    Ok(Health::of(
+        read(registers.fault)?,
+        read(registers.temperature)?,
+        read(registers.voltage)?,
+    ))
 }
 
 /// Reads the position of the servo of `joint`, counts.
@@ -187,7 +192,7 @@ pub fn read_health(bus: &mut Bus, joint: JointName) -> Result<Health, DriveError
 /// If the servo does not answer correctly.
 pub fn read_counts(bus: &mut Bus, joint: JointName) -> Result<i64, DriveError> {
     let register = Registers::of(bus.protocol()).position;
-    bus.read(joint.id, register).map_err(blame(joint))
+    read(bus, joint, register)
 }
 
 /// Reads the angle of a `joint` (rad) and checks that it is within the limits (rad).

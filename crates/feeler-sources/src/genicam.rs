@@ -7,15 +7,19 @@
 mod aravis;
 mod clock;
 mod error;
+mod info;
 mod list;
 mod pixels;
 mod set;
 
 pub use error::GenicamError;
-pub use list::{Abilities, GenicamDevice, GenicamInfo, Range, list};
+pub use info::{Abilities, GenicamDevice, GenicamInfo, Range};
+pub use list::list;
 
 use crate::settings::{CameraSettings, Trigger};
-use aravis::{Aravis, Device, Stream};
+use aravis::device::Device;
+use aravis::stream::Stream;
+use aravis::{Aravis, FAKE};
 use clock::{DeviceClock, FrameCounter};
 use feeler::sensor::image::{Camera, CameraError, CaptureReport, Frame, check_frame_size};
 use pixels::Pixels;
@@ -28,8 +32,6 @@ const LOOK: Duration = Duration::from_secs(1);
 /// Time without an image, beyond the usual frame time, after which a free-running camera that still responds has
 /// failed.
 const SILENCE: Duration = Duration::from_secs(10);
-/// Prefix of the ids of cameras that Aravis simulates.
-const FAKE: &str = "Fake_";
 
 /// Camera and its settings.
 #[derive(Debug, Clone, PartialEq)]
@@ -74,7 +76,7 @@ impl GenicamCamera {
         if id.is_some_and(|id| id.starts_with(FAKE)) {
             aravis.enable_fake();
         }
-        let device = aravis.open(id).map_err(|reason| GenicamError::NotFound {
+        let device = Device::open(aravis, id).map_err(|reason| GenicamError::NotFound {
             id: id.unwrap_or_default().into(),
             reason,
             listed: list::ids(aravis),

@@ -45,6 +45,12 @@ impl fmt::Display for Problem {
     }
 }
 
+/// Joins problems with semicolons, for messages.
+pub fn joined(problems: &[Problem]) -> String {
+    let problems: Vec<_> = problems.iter().map(Problem::to_string).collect();
+    problems.join("; ")
+}
+
 /// A constraint on one value of the configuration.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Requirement {
@@ -67,6 +73,17 @@ impl Checker {
     /// Returns the problems found, in the order of the checks.
     pub fn problems(self) -> Vec<Problem> {
         self.problems
+    }
+
+    /// Returns the problems found as an error, if any.
+    ///
+    /// # Errors
+    /// If a value is out of its range.
+    pub fn finish(self) -> Result<(), Vec<Problem>> {
+        match self.problems.is_empty() {
+            true => Ok(()),
+            false => Err(self.problems),
+        }
     }
 
     /// Returns all constraints that were checked, in the order of the checks.

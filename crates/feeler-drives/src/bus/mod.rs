@@ -237,9 +237,4 @@ impl Bus {
             _ => Err(BusError::Refused { id, what, error }),
         }
     }
-
-    /// Sets the time allowed for a response in addition to its transmission time, s.
-    pub fn set_timeout(&mut self, timeout: f64) {
-        self.timeout = timeout;
-    }
 }

@@ -80,17 +80,17 @@ impl EmulatedBus {
 
     /// The servos at the current time.
     pub fn servos(&self) -> &[EmulatedServo] {
-        self.servos.servos()
+        &self.servos.servos
     }
 
     /// Log of all packets.
     pub fn log(&self) -> &PacketLog {
-        self.servos.log()
+        &self.servos.log
     }
 
     /// Removes and returns the log entries, oldest first.
     pub fn take_log(&mut self) -> Vec<LogEntry> {
-        self.servos.take_log()
+        self.servos.log.take()
     }
 
     /// Injects a fault, starting now.
@@ -162,7 +162,7 @@ impl EmulatedBus {
             self.go_on(due);
             // An instruction comes before a response due at the same time, because its own response is due later.
             match take_due(&mut self.arriving, |next| next.due <= due) {
-                Some(instruction) => self.act_with_laws(&instruction),
+                Some(instruction) => self.execute(&instruction),
                 None => self.leave(due),
             }
         }
@@ -182,14 +182,14 @@ impl EmulatedBus {
     }
 
     /// Executes an instruction and enqueues the responses.
-    fn act_with_laws(&mut self, instruction: &Instruction) {
+    fn execute(&mut self, instruction: &Instruction) {
         let due = instruction.due;
         let packet = Packet {
             id: instruction.id,
             code: instruction.code,
             parameters: &instruction.parameters,
         };
-        for answer in self.servos.act_with_laws(packet, due) {
+        for answer in self.servos.execute(packet, due) {
             let begin = self.answered.max(due) + answer.delay + self.late;
             self.answered = begin + answer.bytes.len() as f64 * self.byte;
             self.leaving.push_back(Leaving {

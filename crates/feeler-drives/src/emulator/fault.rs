@@ -39,22 +39,13 @@ impl FromStr for BusFault {
     type Err = String;
 
     fn from_str(text: &str) -> Result<Self, String> {
-        let expected = || format!("{text:?}: expected one of {KINDS}");
         let (kind, value) = text.split_once('=').unwrap_or((text, ""));
-        let share = || {
-            let share = value
-                .parse::<f64>()
-                .ok()
-                .filter(|v| (0.0..=1.0).contains(v));
-            share.ok_or_else(|| format!("{text:?}: expected a share from 0 to 1"))
+        let up_to = |most: f64, expected: &str| {
+            let number = value.parse::<f64>().ok();
+            let number = number.filter(|number| (0.0..=most).contains(number));
+            number.ok_or_else(|| format!("{text:?}: expected {expected}"))
         };
-        let seconds = || {
-            let time = value
-                .parse::<f64>()
-                .ok()
-                .filter(|v| (0.0..=60.0).contains(v));
-            time.ok_or_else(|| format!("{text:?}: expected a time from 0 to 60 s"))
-        };
+        let share = || up_to(1.0, "a share from 0 to 1");
         let id = || {
             let id = value.parse::<u8>().ok();
             id.ok_or_else(|| format!("{text:?}: expected the id of a servo, 0 to 252"))
@@ -62,7 +53,7 @@ impl FromStr for BusFault {
         match kind {
             "flip-bytes" => share().map(Self::FlipBytes),
             "lose-bytes" => share().map(Self::LoseBytes),
-            "late" => seconds().map(Self::Late),
+            "late" => up_to(60.0, "a time from 0 to 60 s").map(Self::Late),
             "silent" => id().map(Self::Silent),
             "reboot" => id().map(Self::Reboot),
             "overheat" => id().map(Self::Overheat),
@@ -71,7 +62,7 @@ impl FromStr for BusFault {
             "jump" => id().map(Self::Jump),
             "echo" if value.is_empty() => Ok(Self::Echo),
             "cable-pulled" if value.is_empty() => Ok(Self::CablePulled),
-            _ => Err(expected()),
+            _ => Err(format!("{text:?}: expected one of {KINDS}")),
         }
     }
 }

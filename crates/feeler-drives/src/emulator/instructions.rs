@@ -18,7 +18,7 @@ pub(super) struct Answer {
 
 impl Servos {
     /// Executes an instruction that arrived at `now`, s. Returns the responses in order.
-    pub(super) fn act_with_laws(&mut self, packet: Packet<'_>, now: f64) -> Vec<Answer> {
+    pub(super) fn execute(&mut self, packet: Packet<'_>, now: f64) -> Vec<Answer> {
         self.advance(now);
         self.log.instruction(now, packet);
         let broadcast = packet.id == BROADCAST;
@@ -59,6 +59,12 @@ impl Servos {
         }
     }
 
+    /// Servo `id`, if it answers at `now`, s.
+    fn servo_there(&self, id: u8, now: f64) -> Option<&EmulatedServo> {
+        let mut servos = self.servos.iter();
+        servos.find(|servo| servo.id == id && servo.is_there(now))
+    }
+
     fn sync_write(&mut self, (address, length): (usize, usize), rest: &[u8], now: f64) {
         for values in rest.chunks_exact(length + 1) {
             for servo in &mut self.servos {
@@ -73,10 +79,7 @@ impl Servos {
     fn sync_read(&mut self, part: (usize, usize), ids: &[u8], now: f64) -> Vec<Answer> {
         let mut answers = Vec::new();
         for &id in ids {
-            let servo = self
-                .servos
-                .iter()
-                .find(|servo| servo.id == id && servo.is_there(now));
+            let servo = self.servo_there(id, now);
             let Some(data) = servo.and_then(|servo| servo.read(part.0, part.1)) else {
                 break;
             };
@@ -90,10 +93,7 @@ impl Servos {
     fn fast_sync_read(&mut self, part: (usize, usize), ids: &[u8], now: f64) -> Vec<Answer> {
         let mut delay = 0.0;
         let blocks = ids.iter().map_while(|&id| {
-            let servo = self
-                .servos
-                .iter()
-                .find(|servo| servo.id == id && servo.is_there(now))?;
+            let servo = self.servo_there(id, now)?;
             let data = servo.read(part.0, part.1)?;
             delay = servo.return_delay().max(delay);
             let error = servo.status(0);

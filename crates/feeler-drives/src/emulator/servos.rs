@@ -1,7 +1,7 @@
 //! All servos of an emulated bus, with the mechanism that they move.
 
 use super::fault::BusFault;
-use super::log::{LogEntry, PacketLog};
+use super::log::PacketLog;
 use super::plant::Plant;
 use super::servo::EmulatedServo;
 use crate::config::DrivesConfig;
@@ -65,21 +65,6 @@ impl Servos {
             time: 0.0,
             log: PacketLog::default(),
         }
-    }
-
-    /// The servos at the current time.
-    pub fn servos(&self) -> &[EmulatedServo] {
-        &self.servos
-    }
-
-    /// Log of all packets.
-    pub fn log(&self) -> &PacketLog {
-        &self.log
-    }
-
-    /// Removes and returns the log entries, oldest first.
-    pub(super) fn take_log(&mut self) -> Vec<LogEntry> {
-        self.log.take()
     }
 
     /// Advances to `now`, s.

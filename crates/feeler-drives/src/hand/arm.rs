@@ -4,7 +4,9 @@ use super::DriveHand;
 use crate::error::DriveError;
 use crate::registers::Registers;
 use crate::servo::Servo;
-use crate::setup::{apply, blame, changes, check_fast_sync_read, check_model, named_joints, set};
+use crate::setup::{
+    apply, blame, changes, check_fast_sync_read, check_model, named_joints, read, set,
+};
 use feeler::hand::FingerGeometry;
 
 impl DriveHand {
@@ -21,8 +23,7 @@ impl DriveHand {
             };
             let servo = Servo::new(joint, drive, model, geometry);
             if let Some(limit) = registers.velocity_limit {
-                let actual = self.bus.read(joint.id, limit).map_err(blame(joint))?;
-                servo.allow(actual)?;
+                servo.allow(read(&mut self.bus, joint, limit)?)?;
             }
             self.bus
                 .write(joint.id, registers.torque, 0)

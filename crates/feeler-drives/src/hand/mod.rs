@@ -210,11 +210,7 @@ impl DriveHand {
 fn check(config: &DrivesConfig, fingers: &[FingerGeometry]) -> Result<(), DriveError> {
     let mut checker = Checker::default();
     config.check("drives", fingers.len(), &mut checker);
-    let problems = checker.problems();
-    match problems.is_empty() {
-        true => Ok(()),
-        false => Err(DriveError::Config(problems)),
-    }
+    checker.finish().map_err(DriveError::Config)
 }
 
 impl Drop for DriveHand {
@@ -234,9 +230,7 @@ impl Hand for DriveHand {
         if let Some(fault) = &self.fault {
             return Err(HandError::Failed(fault.clone()));
         }
-        if let Err(error) = self.read_motion() {
-            return Err(self.fail(&error));
-        }
+        self.read_motion().map_err(|error| self.fail(&error))?;
         state.stamp = self.stamp;
         for servo in &self.servos {
             let joints = &mut state.joints[servo.name.finger];
@@ -253,9 +247,7 @@ impl Hand for DriveHand {
             self.stop_motors();
             return Err(HandError::Failed(fault));
         }
-        match self.drive(command.joint_velocity()) {
-            Ok(()) => Ok(()),
-            Err(error) => Err(self.fail(&error)),
-        }
+        self.drive(command.joint_velocity())
+            .map_err(|error| self.fail(&error))
     }
 }

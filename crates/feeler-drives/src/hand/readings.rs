@@ -6,7 +6,7 @@ use crate::error::{DriveError, JointName};
 use crate::health::{Health, fault_names};
 use crate::packet::Protocol;
 use crate::registers::{COUNTS_PER_TURN, Register, Registers};
-use crate::setup::blame;
+use crate::setup::{blame, read};
 
 /// Factor on a joint's speed limit above which a measured velocity is implausible; allows for overshoot.
 const SPEED_TOLERANCE: f64 = 2.0;
@@ -63,10 +63,7 @@ impl DriveHand {
             let (id, what) = (joint.id, "a read");
             return Err(blame(joint)(BusError::Refused { id, what, error }));
         }
-        let bits = self
-            .bus
-            .read(joint.id, registers.fault)
-            .map_err(blame(joint))? as u8;
+        let bits = read(&mut self.bus, joint, registers.fault)? as u8;
         Err(DriveError::Fault {
             joint,
             faults: fault_names(protocol, bits),
@@ -96,8 +93,7 @@ impl DriveHand {
             // The rest is read in every period.
             Protocol::Feetech => {
                 let torque = Registers::of(Protocol::Feetech).torque;
-                let torque = self.bus.read(joint.id, torque).map_err(blame(joint))?;
-                (torque, None)
+                (read(&mut self.bus, joint, torque)?, None)
             }
         };
         let expected = self.config.watchdog_counts();
@@ -118,20 +114,13 @@ impl DriveHand {
         let registers = Registers::of(Protocol::Dynamixel);
         let part = TORQUE_TO_WATCHDOG;
         let bytes = self.bus.read_bytes(joint.id, part).map_err(blame(joint))?;
-        let at = |register: Register| {
-            let begin = usize::from(register.address - part.0);
-            register.decode(bytes.get(begin..).unwrap_or_default())
-        };
+        let at = |register: Register| register.in_part(part.0, bytes);
         let (torque, fault) = (at(registers.torque), at(registers.fault));
         let watchdog = registers.watchdog.map(at);
         let part = VOLTAGE_TO_TEMPERATURE;
         let bytes = self.bus.read_bytes(joint.id, part).map_err(blame(joint))?;
-        let (voltage, temperature) = bytes.split_at_checked(2).unwrap_or_default();
-        let health = Health {
-            fault: fault as u8,
-            voltage: registers.voltage.decode(voltage) as f64 / 10.0,
-            temperature: registers.temperature.decode(temperature) as f64,
-        };
+        let at = |register: Register| register.in_part(part.0, bytes);
+        let health = Health::of(fault, at(registers.temperature), at(registers.voltage));
         health.check(Protocol::Dynamixel, joint, &self.config.health_limits())?;
         Ok((torque, watchdog))
     }

@@ -55,6 +55,12 @@ impl Register {
         }
     }
 
+    /// Decodes the value in the `bytes` of a part of the control table that begins at the address `begin`.
+    pub fn in_part(self, begin: u16, bytes: &[u8]) -> i64 {
+        let offset = usize::from(self.address.saturating_sub(begin));
+        self.decode(bytes.get(offset..).unwrap_or_default())
+    }
+
     /// Appends the encoded `value` to `bytes`; excess bits are truncated.
     pub fn encode(self, value: i64, bytes: &mut Vec<u8>) {
         let raw = match self.sign {
@@ -151,12 +157,6 @@ impl Registers {
             Protocol::Dynamixel => &DYNAMIXEL,
             Protocol::Feetech => &FEETECH,
         }
-    }
-
-    /// Decodes `register` from the bytes of [`motion`](Self::motion).
-    pub fn in_motion(&self, register: Register, bytes: &[u8]) -> i64 {
-        let begin = usize::from(register.address.saturating_sub(self.motion.0));
-        register.decode(bytes.get(begin..).unwrap_or_default())
     }
 }
 

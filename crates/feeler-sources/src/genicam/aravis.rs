@@ -6,20 +6,20 @@
 
 #![allow(unsafe_code, reason = "a C library")]
 
-mod device;
-mod stream;
+pub(super) mod device;
+pub(super) mod stream;
 
-pub(super) use device::{Device, Quantity};
-pub(super) use stream::Stream;
-
-use super::list::GenicamDevice;
+use super::info::GenicamDevice;
 use libloading::Library;
-use std::ffi::{CStr, CString, c_char, c_int, c_uint, c_void};
-use std::ptr::{NonNull, null, null_mut};
+use std::ffi::{CStr, c_char, c_int, c_uint, c_void};
+use std::ptr::{NonNull, null_mut};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 /// Name of the shared library with the stable interface 0.8, the same in all distributions.
 const LIBRARY: &str = "libaravis-0.8.so.0";
+
+/// Prefix of the ids of cameras that Aravis simulates.
+pub(super) const FAKE: &str = "Fake_";
 
 /// Pointer to a `GObject`.
 type Object = *mut c_void;
@@ -174,24 +174,6 @@ impl Aravis {
             }
         };
         (0..count).map(device).collect()
-    }
-
-    /// Opens the camera with this id, serial number or address, or the first camera if `None`.
-    pub(super) fn open(&'static self, id: Option<&str>) -> Result<Device, String> {
-        let id = id
-            .map(CString::new)
-            .transpose()
-            .map_err(|e| e.to_string())?;
-        let id = id.as_ref().map_or(null(), |id| id.as_ptr());
-        let _one = self.devices.lock().unwrap_or_else(PoisonError::into_inner);
-        // SAFETY: `id` is null or a zero-terminated text that outlives the call.
-        let camera =
-            self.checked(|failure| unsafe { (self.functions.arv_camera_new)(id, failure) })?;
-        let camera = NonNull::new(camera).ok_or("no camera")?;
-        Ok(Device {
-            aravis: self,
-            camera,
-        })
     }
 
     /// Returns the result of `call`, or the message of the error that it sets.

@@ -1,7 +1,7 @@
 //! Applies settings to a camera and reads them back.
 
-use super::GenicamError;
-use super::aravis::{Device, Quantity};
+use super::aravis::device::{Device, Quantity};
+use super::error::GenicamError;
 use super::pixels::Pixels;
 use crate::settings::{CameraSettings, Trigger};
 

@@ -80,20 +80,18 @@ impl NetFt {
             Some(counts) => counts,
             None => read_counts(address)?,
         };
-        let stream = Stream::open(address, counts).map_err(|e| ForceError::Unreachable {
+        let unreachable = |error: io::Error| ForceError::Unreachable {
             address: address.to_string(),
-            reason: e.to_string(),
-        })?;
+            reason: error.to_string(),
+        };
+        let stream = Stream::open(address, counts).map_err(unreachable)?;
         let (sender, samples) = sync_channel(WAITING);
         let stop = Arc::new(AtomicBool::new(false));
         let stopped = Arc::clone(&stop);
         let spawned = thread::Builder::new()
             .name("force sensor".into())
             .spawn(move || stream.run(&sender, &stopped));
-        spawned.map_err(|e| ForceError::Unreachable {
-            address: address.to_string(),
-            reason: e.to_string(),
-        })?;
+        spawned.map_err(unreachable)?;
         Ok(Self { samples, stop })
     }
 
@@ -125,18 +123,13 @@ struct Stream {
 
 impl Stream {
     fn open(address: &NetFtAddress, counts: Counts) -> io::Result<Self> {
-        // Binds the address family of the sensor.
-        let socket = match UdpSocket::bind("0.0.0.0:0").and_then(|socket| {
+        let connected = |from: &str| {
+            let socket = UdpSocket::bind(from)?;
             socket.connect(&address.host)?;
-            Ok(socket)
-        }) {
-            Ok(socket) => socket,
-            Err(_) => {
-                let socket = UdpSocket::bind("[::]:0")?;
-                socket.connect(&address.host)?;
-                socket
-            }
+            Ok::<_, io::Error>(socket)
         };
+        // Binds the address family of the sensor.
+        let socket = connected("0.0.0.0:0").or_else(|_| connected("[::]:0"))?;
         socket.set_read_timeout(Some(LOOK))?;
         let stream = Self {
             socket,
@@ -211,14 +204,9 @@ impl Stream {
         }
         let (force, torque) = (self.counts.per_newton, self.counts.per_newton_metre);
         let scales = [force, force, force, torque, torque, torque];
-        let mut wrench = record.counts.map(f64::from);
-        wrench
-            .iter_mut()
-            .zip(scales)
-            .for_each(|(value, scale)| *value /= scale);
         Some(Ok(ForceSample {
             at,
-            wrench,
+            wrench: std::array::from_fn(|axis| f64::from(record.counts[axis]) / scales[axis]),
             lost: gap.map_or(0, |gap| gap - 1),
         }))
     }

@@ -62,23 +62,20 @@ impl VideoFile {
     /// # Errors
     /// If ffmpeg is missing, or cannot decode any frame of the file.
     pub fn open(path: &Path) -> Result<Self, VideoFileError> {
-        let path_buf = path.to_path_buf();
-        match std::fs::metadata(path) {
-            Err(source) => {
-                let path = path_buf;
-                return Err(VideoFileError::Read { path, source });
-            }
-            Ok(found) if found.is_dir() => return Err(VideoFileError::Folder { path: path_buf }),
+        let path = path.to_path_buf();
+        match std::fs::metadata(&path) {
+            Err(source) => return Err(VideoFileError::Read { path, source }),
+            Ok(found) if found.is_dir() => return Err(VideoFileError::Folder { path }),
             Ok(found) if found.is_file() && found.len() == 0 => {
-                return Err(VideoFileError::Empty { path: path_buf });
+                return Err(VideoFileError::Empty { path });
             }
             Ok(_) => {}
         }
         let program = Ffmpeg::find()?;
-        let (ffmpeg, pixels, messages) = program.decode(path)?;
+        let (ffmpeg, pixels, messages) = program.decode(&path)?;
         let (sender, infos) = channel();
         let mut video = Self {
-            path: path_buf,
+            path,
             ffmpeg,
             pixels,
             infos,
@@ -96,13 +93,13 @@ impl VideoFile {
         let Ok(first) = video.infos.recv() else {
             return Err(VideoFileError::NoFrame {
                 reason: video.problem().unwrap_or_else(|| "it contains none".into()),
-                path: path.to_path_buf(),
+                path: video.path.clone(),
             });
         };
         let (width, height) = first.size;
         if !(1..=MAX_SIDE).contains(&width) || !(1..=MAX_SIDE).contains(&height) {
             return Err(VideoFileError::FrameSize {
-                path: path.to_path_buf(),
+                path: video.path.clone(),
                 width,
                 height,
             });

@@ -2,7 +2,7 @@
 
 use std::mem;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, MutexGuard, TryLockError};
+use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
 
 /// Capacity of a moment's text in bytes.
 const WORDS: usize = 512;
@@ -110,10 +110,7 @@ impl Feed {
 
     /// Calls `fill` to write the final state of the page, even if no page has requested one.
     pub fn offer_last(&self, fill: impl FnOnce(&mut Moment)) {
-        let mut newest = self
-            .newest
-            .lock()
-            .unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut newest = self.newest.lock().unwrap_or_else(PoisonError::into_inner);
         fill(&mut newest.0);
         newest.0.over = true;
         newest.1 = true;
@@ -147,10 +144,7 @@ impl Feed {
     }
 
     fn order(&self, order: impl FnOnce(&mut Orders)) {
-        let mut orders = self
-            .orders
-            .lock()
-            .unwrap_or_else(std::sync::PoisonError::into_inner);
+        let mut orders = self.orders.lock().unwrap_or_else(PoisonError::into_inner);
         order(&mut orders);
         self.ordered.store(true, Ordering::Release);
     }

@@ -98,11 +98,6 @@ fn is_there(
         .any(|peer| (peer.heartbeat.instance, peer.heartbeat.finger) == (instance, finger))
 }
 
-/// Returns the force at each element (N), NaN if invalid.
-pub fn forces(update: &TactileUpdate) -> Vec<DVec3> {
-    update.valid_forces().collect()
-}
-
 /// Returns the values of a finger without data.
 pub fn nothing_felt(elements: usize) -> (FingerFlags, Vec<DVec3>, Vec<f64>) {
     let flags = FingerFlags {

@@ -1,6 +1,6 @@
 //! Received data of a rig as a [`Snapshot`] to render.
 
-use super::heard::{RigMessages, forces, nothing_felt};
+use super::heard::{RigMessages, nothing_felt};
 use super::programs::programs;
 use crate::history::History;
 use crate::snapshot::{Fault, Finger, Snapshot, TaskState, TimeBase, Torque, UNKNOWN};
@@ -112,15 +112,12 @@ impl WatchedRig {
 
     /// Returns `true` if the hand reports that it is stopped.
     pub fn is_stopped(&self) -> bool {
-        let inbox = self.inbox.lock();
-        let heard = RigMessages::new(&inbox, (self.clock)());
-        heard.mode.is_some_and(|mode| !mode.stopped.is_empty())
+        self.heard(|heard| heard.mode.is_some_and(|mode| !mode.stopped.is_empty()))
     }
 
     /// Returns the readings of the rig's instruments.
     pub fn instruments(&self) -> Option<InstrumentsMessage> {
-        let inbox = self.inbox.lock();
-        RigMessages::new(&inbox, (self.clock)()).instruments()
+        self.heard(|heard| heard.instruments())
     }
 
     /// Returns `true` if any program of the rig has been found.
@@ -204,7 +201,10 @@ impl WatchedRig {
         layouts
             .map(|(number, layout)| {
                 let (flags, forces, shear_rates) = match heard.finger(number) {
-                    Some((flags, update)) => (flags, forces(update), update.shear_rate.clone()),
+                    Some((flags, update)) => {
+                        let forces = update.valid_forces().collect();
+                        (flags, forces, update.shear_rate.clone())
+                    }
                     None => nothing_felt(layout.elements.len()),
                 };
                 Finger {

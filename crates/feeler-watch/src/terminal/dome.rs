@@ -4,7 +4,7 @@
 //! to the angle between its normal and the axis.
 
 use super::palette::{ARROW, BAD, FRAME, QUIET, SLIPPING, heat};
-use super::snapshot::Finger;
+use crate::snapshot::Finger;
 use feeler::control::FlagThresholds;
 use feeler::sensor::fingertip::SensingElement;
 use glam::{DVec2, Vec3Swizzles};

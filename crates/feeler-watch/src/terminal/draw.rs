@@ -3,9 +3,9 @@
 use super::finger::draw_finger;
 use super::palette::QUIET;
 use super::programs::draw_programs;
-use super::snapshot::Snapshot;
 use super::status::{draw_fault, draw_keys, draw_task, draw_title};
 use super::torque::draw_torque;
+use crate::snapshot::Snapshot;
 use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::text::Line;

@@ -3,13 +3,12 @@
 use super::dome::draw_dome;
 use super::force_list::{WIDTH, draw_force_list};
 use super::gauge::gauge;
-use super::palette::{BAD, FRAME, GOOD, QUANTITY, SLIPPING, TITLE, WARNING, badge};
-use super::snapshot::Finger;
+use super::palette::{BAD, GOOD, QUANTITY, SLIPPING, WARNING, badge, panel};
 use super::words::{degrees, number};
+use crate::snapshot::Finger;
 use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};
 use ratatui::text::{Line, Span};
-use ratatui::widgets::{Block, BorderType};
 
 /// Minimum width of a panel with labels.
 const MIN_WIDTH_OF_WORDS: u16 = 36;
@@ -18,10 +17,7 @@ const MIN_WIDTH_OF_WORDS: u16 = 36;
 pub fn draw_finger(frame: &mut Frame, area: Rect, finger: &Finger) {
     let narrow = area.width < MIN_WIDTH_OF_WORDS;
     let name = if narrow { "" } else { "finger " };
-    let block = Block::bordered()
-        .border_type(BorderType::Rounded)
-        .border_style(FRAME)
-        .title_top(Line::styled(format!(" {name}{} ", finger.number), TITLE))
+    let block = panel(format!(" {name}{} ", finger.number))
         .title_top(flags(finger).right_aligned())
         .title_bottom(joints(finger, narrow).right_aligned());
     let inner = block.inner(area);

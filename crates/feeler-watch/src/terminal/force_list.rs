@@ -2,8 +2,8 @@
 
 use super::dome::{arrow_head, seen_shear};
 use super::palette::{ARROW, QUIET, SLIPPING, TITLE, heat, heat_scale};
-use super::snapshot::Finger;
 use super::words::number;
+use crate::snapshot::Finger;
 use glam::{DVec2, DVec3, Vec3Swizzles};
 use ratatui::Frame;
 use ratatui::layout::{Constraint, Layout, Rect};

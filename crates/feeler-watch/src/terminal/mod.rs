@@ -1,6 +1,6 @@
 //! Terminal view of a running system: flags, forces and phase of the hand, and the state of its programs.
 //!
-//! [`Snapshot`] is plain data, produced by a run in this process or from programs on a network. [`draw()`] renders
+//! [`Snapshot`](crate::Snapshot) is plain data, produced by a run in this process or from programs on a network. [`draw()`] renders
 //! one on a screen of any size; [`View`] owns the terminal and its keys.
 
 mod action;
@@ -20,12 +20,6 @@ mod torque;
 mod view;
 mod words;
 
-use crate::snapshot;
-
-pub use crate::history::History;
-pub use crate::snapshot::{
-    Fault, Finger, Program, ProgramState, Snapshot, TaskState, TimeBase, Torque, UNKNOWN,
-};
 pub use action::Action;
 pub use draw::draw;
 pub use screen::Screen;

@@ -1,7 +1,8 @@
 //! Colours from the common palette of 256 that are readable on black and on white.
 
 use ratatui::style::{Color, Modifier, Style};
-use ratatui::text::Span;
+use ratatui::text::{Line, Span};
+use ratatui::widgets::{Block, BorderType};
 
 /// Colours from no load to the limit.
 const HEAT: [u8; 9] = [33, 37, 71, 106, 142, 178, 208, 202, 196];
@@ -39,6 +40,14 @@ pub fn heat(part: f64) -> Style {
     // NaN counts as 0.
     let step = (part.clamp(0.0, 1.0) * steps) as usize;
     Style::new().fg(Color::Indexed(HEAT[step.min(HEAT.len() - 1)]))
+}
+
+/// Returns the frame of a panel with this title.
+pub fn panel(title: impl Into<String>) -> Block<'static> {
+    Block::bordered()
+        .border_type(BorderType::Rounded)
+        .border_style(FRAME)
+        .title_top(Line::styled(title.into(), TITLE))
 }
 
 /// Formats a label that is lit or not: in capitals on a background of `style`'s colour, or muted in lower case, so

@@ -1,13 +1,13 @@
 //! Table of the programs.
 
-use super::palette::{BAD, FRAME, GOOD, QUIET, TITLE, WARNING};
-use super::snapshot::{Program, ProgramState, Snapshot};
+use super::palette::{BAD, GOOD, QUIET, WARNING, panel};
 use super::words::{DASH, age, number, per_cent};
+use crate::snapshot::{Program, ProgramState, Snapshot};
 use ratatui::Frame;
 use ratatui::layout::{Constraint, Rect};
 use ratatui::style::Style;
 use ratatui::text::{Line, Span};
-use ratatui::widgets::{Block, BorderType, Cell, Row, Table};
+use ratatui::widgets::{Cell, Row, Table};
 
 /// Minimum width that shows versions.
 const WIDTH_OF_VERSIONS: u16 = 60;
@@ -16,10 +16,7 @@ const WIDTH_OF_VERSIONS: u16 = 60;
 /// missed.
 pub fn draw_programs(frame: &mut Frame, area: Rect, snapshot: &Snapshot) {
     let programs = &snapshot.programs;
-    let mut block = Block::bordered()
-        .border_type(BorderType::Rounded)
-        .border_style(FRAME)
-        .title_top(Line::styled(" programs ", TITLE));
+    let mut block = panel(" programs ");
     if let Some(missed) = snapshot.missed {
         let words = format!(" {missed} missed here ");
         let style = if missed > 0 { WARNING } else { QUIET };

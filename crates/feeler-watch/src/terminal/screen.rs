@@ -1,9 +1,11 @@
 //! Terminal view of a run: display and key actions.
 
+use super::action::Action;
 use super::rate_meter::RateMeter;
-use crate::terminal::{
-    Action, Fault, Finger, History, Program, ProgramState, Snapshot, TaskState, TimeBase, Torque,
-    UNKNOWN, View,
+use super::view::View;
+use crate::history::History;
+use crate::snapshot::{
+    Fault, Finger, Program, ProgramState, Snapshot, TaskState, TimeBase, Torque, UNKNOWN,
 };
 use feeler::control::{StopReason, TactileReading};
 use feeler::pace::Tick;

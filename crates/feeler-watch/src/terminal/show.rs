@@ -1,6 +1,8 @@
 //! Shows a rig until the user quits, or once, and sends the orders of key presses.
 
-use super::{Action, View, text};
+use super::action::Action;
+use super::text::text;
+use super::view::View;
 use crate::rig::WatchedRig;
 use crate::snapshot::Snapshot;
 use feeler_console::{CommandError, Outcome, watch_for_interrupt};

@@ -1,8 +1,8 @@
 //! Lines above and below the panels: title, progress, faults, keys.
 
 use super::palette::{BAD, GOOD, QUANTITY, QUIET, TITLE, WARNING, badge};
-use super::snapshot::{Fault, Snapshot, TaskState, TimeBase};
 use super::words::{clipped, degrees, number, speed};
+use crate::snapshot::{Fault, Snapshot, TaskState, TimeBase};
 use feeler::control::Phase;
 use ratatui::Frame;
 use ratatui::layout::Rect;

@@ -1,7 +1,7 @@
 //! Snapshots as text, without a terminal.
 
 use super::draw::draw;
-use super::snapshot::Snapshot;
+use crate::snapshot::Snapshot;
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
 

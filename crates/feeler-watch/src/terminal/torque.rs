@@ -1,12 +1,12 @@
 //! Panel of the torque sensor.
 
-use super::palette::{FRAME, QUANTITY, QUIET, TITLE, WARNING};
-use super::snapshot::Torque;
+use super::palette::{QUANTITY, QUIET, WARNING, panel};
 use super::words::{age, number};
+use crate::snapshot::Torque;
 use ratatui::Frame;
 use ratatui::layout::Rect;
 use ratatui::text::{Line, Span};
-use ratatui::widgets::{Block, BorderType, RenderDirection, Sparkline, SparklineBar};
+use ratatui::widgets::{RenderDirection, Sparkline, SparklineBar};
 
 /// Minimum full scale (N·m); smaller torques are sensor noise.
 const MIN_SCALE: f64 = 2e-3;
@@ -15,10 +15,7 @@ const FULL_HEIGHT: f64 = 1e4;
 
 /// Draws the latest torque and its recent history, newest on the right; opening torques have a different colour.
 pub fn draw_torque(frame: &mut Frame, area: Rect, torque: Option<&Torque>) {
-    let block = Block::bordered()
-        .border_type(BorderType::Rounded)
-        .border_style(FRAME)
-        .title_top(Line::styled(" torque ", TITLE));
+    let block = panel(" torque ");
     let Some(torque) = torque else {
         let nothing = Line::styled(" no torque sensor", QUIET);
         let inner = block.inner(area);

@@ -2,7 +2,7 @@
 
 use super::action::Action;
 use super::draw::draw;
-use super::snapshot::Snapshot;
+use crate::snapshot::Snapshot;
 use ratatui::Terminal;
 use ratatui::backend::CrosstermBackend;
 use ratatui::crossterm::cursor::Show;

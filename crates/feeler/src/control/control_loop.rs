@@ -53,10 +53,8 @@ pub trait Supervisor<S, H> {
     ) -> ControlFlow<Self::Break>;
 }
 
-/// A supervisor with a hook after each step only.
-struct AfterStep<F>(F);
-
-impl<S, H, B, F> Supervisor<S, H> for AfterStep<F>
+/// A closure is a supervisor with a hook after each step only.
+impl<S, H, B, F> Supervisor<S, H> for F
 where
     F: FnMut(&mut ControlLoop<S, H>, &Tick) -> ControlFlow<B>,
 {
@@ -65,7 +63,7 @@ where
     fn before_step(&mut self, _: &mut ControlLoop<S, H>, _: &Tick) {}
 
     fn after_step(&mut self, control_loop: &mut ControlLoop<S, H>, tick: &Tick) -> ControlFlow<B> {
-        (self.0)(control_loop, tick)
+        self(control_loop, tick)
     }
 }
 
@@ -168,9 +166,9 @@ impl<S: TactileSource, H: Hand> ControlLoop<S, H> {
         schedule: &mut impl Schedule,
         max_missed: u64,
         interrupted: &AtomicBool,
-        each_step: impl FnMut(&mut Self, &Tick) -> ControlFlow<B>,
+        mut each_step: impl FnMut(&mut Self, &Tick) -> ControlFlow<B>,
     ) -> Result<Option<B>, ControlError> {
-        self.run_supervised(schedule, max_missed, interrupted, &mut AfterStep(each_step))
+        self.run_supervised(schedule, max_missed, interrupted, &mut each_step)
     }
 
     /// Like [`run`](Self::run), but with hooks before and after each step.

@@ -3,12 +3,13 @@
 pub use super::config::{ControlConfig, RecordingFailure, ResumePolicy};
 
 use super::input_check::{check_count, check_input, check_load};
+use super::joint_monitor::JointMonitor;
 use super::limits::{LimitedCommand, Request};
-use super::monitor::FingerMonitor;
 use super::phase::Phase;
 use super::plan::Plan;
 use super::sense::{FingertipPose, HandReadings};
 use super::stop_reason::StopReason;
+use super::stuck_sensor::StuckSensorDetector;
 use super::touch::TactileReading;
 use crate::control::law::{FingerLaws, HandLaw, Law, LawError};
 use crate::control::task::{Task, TaskConfig};
@@ -26,7 +27,8 @@ pub struct FingerControl {
     pub velocity: DVec3,
     /// The request after limiting.
     pub admitted: LimitedCommand,
-    monitor: FingerMonitor,
+    joint_monitor: JointMonitor,
+    stuck_sensor: StuckSensorDetector,
 }
 
 impl FingerControl {
@@ -87,7 +89,8 @@ impl Controller {
                 geometry: geometry.clone(),
                 velocity: DVec3::ZERO,
                 admitted: LimitedCommand::default(),
-                monitor: FingerMonitor::new(config.monitor, elements, most_gap),
+                joint_monitor: JointMonitor::new(config.monitor, most_gap),
+                stuck_sensor: StuckSensorDetector::new(config.monitor.frozen_frames, elements),
             }
         };
         let fingers: Vec<_> = fingers.iter().zip(layouts).map(finger).collect();
@@ -237,7 +240,8 @@ impl Controller {
     pub fn resume(&mut self) {
         if self.stop_reason.take().is_some() {
             for finger in &mut self.fingers {
-                finger.monitor.reset();
+                finger.joint_monitor.reset();
+                finger.stuck_sensor.reset();
             }
         }
     }
@@ -275,8 +279,9 @@ impl Controller {
         for (index, (finger, (touch, joints))) in self.fingers.iter_mut().zip(inputs).enumerate() {
             let reading = (state.stamp, joints.position);
             let command = finger.admitted.joint_velocity;
-            let monitored = (index, &finger.geometry);
-            finger.monitor.watch(monitored, touch, reading, command)?;
+            let joints = &mut finger.joint_monitor;
+            joints.watch(index, &finger.geometry, reading, command)?;
+            finger.stuck_sensor.watch(index, touch)?;
         }
         Ok(())
     }

@@ -83,15 +83,6 @@ pub struct JointMonitor {
     current: Block,
 }
 
-/// Index of a joint, from 0, and its fault.
-type JointFault = (usize, Fault);
-
-enum Fault {
-    Beyond,
-    Jump { turn: f64, elapsed: f64, limit: f64 },
-    Deviation { turn: f64, expected: f64, time: f64 },
-}
-
 impl JointMonitor {
     /// Creates a monitor. A gap of more than `most_gap` (s) between two readings restarts the comparison.
     pub fn new(config: MonitorConfig, most_gap: f64) -> Self {
@@ -124,47 +115,39 @@ impl JointMonitor {
         (stamp, position): (f64, DVec3),
         command: DVec3,
     ) -> Result<(), StopReason> {
-        let reading = Reading { stamp, position };
-        let fault = match beyond_limits(geometry, position) {
-            Some(joint) => Some((joint, Fault::Beyond)),
-            None => self.look(geometry, reading, command),
-        };
-        match fault {
-            None => Ok(()),
-            Some((joint, fault)) => Err(fault.reason(finger, joint, geometry, position)),
+        let (lower, upper) = (geometry.joint_lower(), geometry.joint_upper());
+        let low = position.cmplt(lower - BEYOND_LIMITS);
+        let high = position.cmpgt(upper + BEYOND_LIMITS);
+        if let Some(joint) = first(low | high) {
+            return Err(StopReason::JointOutOfRange {
+                finger,
+                joint,
+                angle: position[joint],
+                lower: lower[joint],
+                upper: upper[joint],
+            });
         }
-    }
-
-    fn look(
-        &mut self,
-        geometry: &FingerGeometry,
-        reading: Reading,
-        command: DVec3,
-    ) -> Option<JointFault> {
+        let reading = Reading { stamp, position };
         let before = self.newest.replace(reading);
         // A clock that runs backwards has been replaced by another clock.
-        let before = before.filter(|before| reading.stamp >= before.stamp);
-        let Some(before) = before else {
+        let Some(before) = before.filter(|before| stamp >= before.stamp) else {
             self.begin(reading);
-            return None;
+            return Ok(());
         };
-        let jump = self.jump(geometry, before, reading);
-        if jump.is_some() {
-            return jump;
-        }
-        let elapsed = reading.stamp - before.stamp;
+        self.check_jump(finger, geometry, before, reading)?;
+        let elapsed = stamp - before.stamp;
         if elapsed > self.most_gap || self.config.joint_deviation == 0.0 {
             self.begin(reading);
-            return None;
+            return Ok(());
         }
         self.commanded += elapsed * command;
         let now = Range::at(self.commanded);
         self.current.commanded = self.current.commanded.or(now);
-        if reading.stamp - self.current.begin < self.block_length() {
-            return None;
+        if stamp - self.current.begin < self.block_length() {
+            return Ok(());
         }
         self.end_block(reading);
-        self.deviation(reading)
+        self.check_deviation(finger, reading)
     }
 
     /// Restarts the comparison at `reading`.
@@ -204,30 +187,40 @@ impl JointMonitor {
         before.reduce(Range::or).unwrap_or_default()
     }
 
-    fn jump(&self, geometry: &FingerGeometry, before: Reading, now: Reading) -> Option<JointFault> {
+    fn check_jump(
+        &self,
+        finger: usize,
+        geometry: &FingerGeometry,
+        before: Reading,
+        now: Reading,
+    ) -> Result<(), StopReason> {
         if self.config.joint_jump == 0.0 {
-            return None;
+            return Ok(());
         }
         let elapsed = now.stamp - before.stamp;
         let most = self.config.joint_jump * elapsed * geometry.joint_speed_limit();
         let (turn, most) = (now.position - before.position, most + JUMP_NOISE);
-        let joint = first(turn.abs().cmpgt(most))?;
-        let (turn, limit) = (turn[joint], most[joint]);
-        let jump = Fault::Jump {
-            turn,
-            elapsed,
-            limit,
-        };
-        Some((joint, jump))
+        match first(turn.abs().cmpgt(most)) {
+            None => Ok(()),
+            Some(joint) => Err(StopReason::JointJump {
+                finger,
+                joint,
+                turn: turn[joint],
+                elapsed,
+                limit: most[joint],
+            }),
+        }
     }
 
-    /// Returns the first joint whose turn deviates from the commands, measured from the oldest block with a known
-    /// history of one lag.
-    fn deviation(&self, now: Reading) -> Option<JointFault> {
+    /// Checks that no joint's turn deviates from the commands, measured from the oldest block with a known history of
+    /// one lag.
+    fn check_deviation(&self, finger: usize, now: Reading) -> Result<(), StopReason> {
         let lag = (self.config.servo_lag / self.block_length())
             .ceil()
             .max(1.0) as usize;
-        let oldest = self.count.checked_sub(lag + 1)?;
+        let Some(oldest) = self.count.checked_sub(lag + 1) else {
+            return Ok(());
+        };
         let since = self.block(oldest);
         let (before, after) = (self.commanded(oldest + 1, lag), self.commanded(0, lag));
         let (low, high) = (after.low - before.high, after.high - before.low);
@@ -235,66 +228,20 @@ impl JointMonitor {
         let nearest = turn.clamp(low, high);
         let scale = low.abs().max(high.abs());
         let most = SCALE_TOLERANCE * scale + self.config.joint_deviation;
-        let joint = first((turn - nearest).abs().cmpgt(most))?;
-        let (turn, expected) = (turn[joint], nearest[joint]);
-        let deviation = Fault::Deviation {
-            turn,
-            expected,
-            time: now.stamp - since.begin,
-        };
-        Some((joint, deviation))
-    }
-}
-
-impl Fault {
-    fn reason(
-        self,
-        finger: usize,
-        joint: usize,
-        geometry: &FingerGeometry,
-        position: DVec3,
-    ) -> StopReason {
-        match self {
-            Self::Beyond => StopReason::JointOutOfRange {
+        match first((turn - nearest).abs().cmpgt(most)) {
+            None => Ok(()),
+            Some(joint) => Err(StopReason::JointDeviation {
                 finger,
                 joint,
-                angle: position[joint],
-                lower: geometry.joint_lower()[joint],
-                upper: geometry.joint_upper()[joint],
-            },
-            Self::Jump {
-                turn,
-                elapsed,
-                limit,
-            } => StopReason::JointJump {
-                finger,
-                joint,
-                turn,
-                elapsed,
-                limit,
-            },
-            Self::Deviation {
-                turn,
-                expected,
-                time,
-            } => StopReason::JointDeviation {
-                finger,
-                joint,
-                turn,
-                expected,
-                time,
-            },
+                turn: turn[joint],
+                expected: nearest[joint],
+                time: now.stamp - since.begin,
+            }),
         }
     }
 }
 
-/// Returns the first joint that is far outside of its limits.
-fn beyond_limits(geometry: &FingerGeometry, position: DVec3) -> Option<usize> {
-    let low = position.cmplt(geometry.joint_lower() - BEYOND_LIMITS);
-    let high = position.cmpgt(geometry.joint_upper() + BEYOND_LIMITS);
-    first(low | high)
-}
-
+/// First joint of a mask, if any.
 fn first(joints: glam::BVec3) -> Option<usize> {
     joints
         .any()

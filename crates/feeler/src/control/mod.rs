@@ -11,7 +11,6 @@ pub(crate) mod input_check;
 pub(crate) mod joint_monitor;
 pub mod law;
 pub(crate) mod limits;
-pub(crate) mod monitor;
 pub(crate) mod monitor_config;
 pub(crate) mod observation;
 pub(crate) mod optical_finger;

@@ -13,3 +13,13 @@ pub enum PaceError {
     #[error("failed to create the histogram of lateness: {0}")]
     Histogram(#[from] hdrhistogram::CreationError),
 }
+
+impl PaceError {
+    /// Checks a period (s).
+    pub(super) fn check_period(period: f64) -> Result<(), Self> {
+        match (1e-6..=3600.0).contains(&period) {
+            true => Ok(()),
+            false => Err(Self::Period { period }),
+        }
+    }
+}

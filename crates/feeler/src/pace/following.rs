@@ -54,9 +54,7 @@ impl<A: StepTrigger, C: Clock> DataDriven<A, C> {
     /// # Errors
     /// If the period is not between 1e-6 and 3600 s.
     pub fn with_clock(arrivals: A, period: f64, clock: C) -> Result<Self, PaceError> {
-        if !(1e-6..=3600.0).contains(&period) {
-            return Err(PaceError::Period { period });
-        }
+        PaceError::check_period(period)?;
         let (now, period) = (clock.now(), Duration::from_secs_f64(period));
         Ok(Self {
             arrivals,

@@ -64,9 +64,7 @@ impl<C: Clock> FixedRate<C> {
     /// # Errors
     /// If the period is not between 1e-6 and 3600 s.
     pub fn with_clock(period: f64, clock: C) -> Result<Self, PaceError> {
-        if !(1e-6..=3600.0).contains(&period) {
-            return Err(PaceError::Period { period });
-        }
+        PaceError::check_period(period)?;
         let start = clock.now();
         Ok(Self {
             clock,

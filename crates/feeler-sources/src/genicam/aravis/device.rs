@@ -2,7 +2,8 @@
 
 use super::{Aravis, Failure, Functions, Object, text};
 use std::ffi::{CString, c_char, c_int, c_uint, c_void};
-use std::ptr::NonNull;
+use std::ptr::{NonNull, null};
+use std::sync::PoisonError;
 
 /// `ARV_AUTO_OFF`, `ARV_ACQUISITION_MODE_CONTINUOUS`.
 const AUTO_OFF: c_int = 0;
@@ -33,8 +34,8 @@ struct QuantityFunctions {
 
 /// An open camera.
 pub(in super::super) struct Device {
-    pub(super) aravis: &'static Aravis,
-    pub(super) camera: NonNull<c_void>,
+    aravis: &'static Aravis,
+    camera: NonNull<c_void>,
 }
 
 // SAFETY: Aravis' objects are not bound to a thread. `&mut` and the absence of `Sync` let only one thread at a time
@@ -49,6 +50,27 @@ impl Drop for Device {
 }
 
 impl Device {
+    /// Opens the camera with this id, serial number or address, or the first camera if `None`.
+    pub(in super::super) fn open(
+        aravis: &'static Aravis,
+        id: Option<&str>,
+    ) -> Result<Self, String> {
+        let id = id
+            .map(CString::new)
+            .transpose()
+            .map_err(|e| e.to_string())?;
+        let id = id.as_ref().map_or(null(), |id| id.as_ptr());
+        let _one = aravis
+            .devices
+            .lock()
+            .unwrap_or_else(PoisonError::into_inner);
+        // SAFETY: `id` is null or a zero-terminated text that outlives the call.
+        let camera =
+            aravis.checked(|failure| unsafe { (aravis.functions.arv_camera_new)(id, failure) })?;
+        let camera = NonNull::new(camera).ok_or("no camera")?;
+        Ok(Self { aravis, camera })
+    }
+
     pub(super) fn functions(&self) -> &'static Functions {
         &self.aravis.functions
     }

@@ -1,6 +1,7 @@
 //! Stream of images from a camera.
 
-use super::{Device, Functions, Object};
+use super::device::Device;
+use super::{Functions, Object};
 use std::ffi::{c_int, c_void};
 use std::ptr::{NonNull, null};
 use std::time::Duration;

@@ -37,10 +37,7 @@ impl ContactLossConfig {
         checker.positive("scale", scale);
         checker.between("time_constant", self.time_constant, 1e-4, 1e3);
         checker.positive("threshold", self.threshold);
-        match checker.problems() {
-            problems if problems.is_empty() => Ok(()),
-            problems => Err(GraspSlipError::Values(problems)),
-        }
+        checker.finish().map_err(GraspSlipError::Values)
     }
 }
 

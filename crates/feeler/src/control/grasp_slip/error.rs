@@ -1,7 +1,7 @@
 //! Errors of the slip detectors for grasps.
 
 use super::FEWEST_ELEMENTS;
-use crate::check::Problem;
+use crate::check::{Problem, joined};
 
 /// Error returned when a slip detector for grasps cannot be created.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -38,11 +38,6 @@ pub enum GraspSlipError {
         rows: usize,
     },
     /// Values of the configuration are out of range.
-    #[error("{}", list(.0))]
+    #[error("{}", joined(.0))]
     Values(Vec<Problem>),
-}
-
-fn list(problems: &[Problem]) -> String {
-    let problems: Vec<_> = problems.iter().map(Problem::to_string).collect();
-    problems.join("; ")
 }

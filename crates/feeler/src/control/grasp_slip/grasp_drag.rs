@@ -34,10 +34,7 @@ impl GraspDragConfig {
         checker.positive("scale", scale);
         checker.between("fast", self.fast, 1e-4, 1e3);
         checker.between("slow", self.slow, 1e-4, 1e5);
-        match checker.problems() {
-            problems if problems.is_empty() => Ok(()),
-            problems => Err(GraspSlipError::Values(problems)),
-        }
+        checker.finish().map_err(GraspSlipError::Values)
     }
 }
 

@@ -88,3 +88,11 @@ pub struct Finding {
     /// Value in SI units.
     pub value: f64,
 }
+
+impl Finding {
+    /// A finding that has not been measured yet.
+    fn unknown(name: &'static str) -> Self {
+        let value = f64::NAN;
+        Self { name, value }
+    }
+}

@@ -3,16 +3,17 @@
 use super::Refusal;
 
 pub fn raise_priority(_priority: u8) -> Result<(), Refusal> {
-    let what = "real-time priority";
-    Err(Refusal::Unsupported { what })
+    unsupported("real-time priority")
 }
 
 pub fn lock_memory() -> Result<(), Refusal> {
-    let what = "locked memory";
-    Err(Refusal::Unsupported { what })
+    unsupported("locked memory")
 }
 
 pub fn fine_timer() -> Result<(), Refusal> {
-    let what = "fine timer";
+    unsupported("fine timer")
+}
+
+fn unsupported(what: &'static str) -> Result<(), Refusal> {
     Err(Refusal::Unsupported { what })
 }

@@ -9,10 +9,10 @@
 //! constant term, so an unloaded element reads zero. The terms are ordered such that certain prefixes are complete
 //! models ([`NORMAL_ORDERS`], [`SHEAR_ORDERS`]); cross-validation chooses the length.
 
-mod orders;
+pub(super) mod orders;
 
 use super::least_squares::{MIN_SLOPE_RANGE, beyond, least_squares};
-use super::model::RelativeMoments;
+use super::relative_moments::RelativeMoments;
 use glam::DVec3;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
@@ -77,8 +77,6 @@ pub struct CoupledMap {
     pub shear_y: Vec<f64>,
 }
 
-pub(in crate::sensor) use orders::choose_orders;
-
 /// Numbers of terms of `F_x`, `F_y` and `F_z`.
 pub(in crate::sensor) type Orders = [usize; 3];
 
@@ -86,7 +84,7 @@ impl CoupledMap {
     /// Force in `E_i`, N. Finite unless an input is NaN.
     pub fn force(&self, inputs: RelativeMoments) -> DVec3 {
         let ranges = self.ranges();
-        let raw = [inputs.growth, inputs.displacement.x, inputs.displacement.y];
+        let raw = inputs.components();
         let mut inside = [0.0; 3];
         let mut outside = [0.0; 3];
         for axis in 0..3 {
@@ -156,16 +154,17 @@ impl CoupledMap {
             shear_x: Vec::new(),
             shear_y: Vec::new(),
         };
-        let [g, x, y] = map.ranges().map(scale);
-        let scaled: Vec<[f64; 3]> = (inputs.iter())
-            .map(|i| [i.growth / g, i.displacement.x / x, i.displacement.y / y])
-            .collect();
-        let component = |force: fn(&DVec3) -> f64| forces.iter().map(force).collect::<Vec<_>>();
+        let Loads {
+            scaled,
+            swapped,
+            x,
+            y,
+            z,
+        } = Loads::new(inputs, forces, map.ranges().map(scale));
         let [x_order, y_order, z_order] = orders;
-        map.shear_x = solve(&scaled, shear_terms, x_order, &component(|f| f.x))?;
-        let swapped: Vec<_> = scaled.iter().map(|&[g, x, y]| [g, y, x]).collect();
-        map.shear_y = solve(&swapped, shear_terms, y_order, &component(|f| f.y))?;
-        map.normal = solve(&scaled, normal_terms, z_order, &component(|f| f.z))?;
+        map.shear_x = solve(&scaled, shear_terms, x_order, &x)?;
+        map.shear_y = solve(&swapped, shear_terms, y_order, &y)?;
+        map.normal = solve(&scaled, normal_terms, z_order, &z)?;
         Ok(map)
     }
 
@@ -199,6 +198,34 @@ impl CoupledMap {
             }
         }
         Ok(())
+    }
+}
+
+/// Inputs and forces of the polynomials.
+struct Loads {
+    /// Growth and displacements along x and y, scaled.
+    scaled: Vec<[f64; 3]>,
+    /// Growth and displacements along y and x, scaled.
+    swapped: Vec<[f64; 3]>,
+    /// Components of the forces, N.
+    x: Vec<f64>,
+    y: Vec<f64>,
+    z: Vec<f64>,
+}
+
+impl Loads {
+    /// Divides each of the `inputs` by its scale.
+    fn new(inputs: &[RelativeMoments], forces: &[DVec3], [g, x, y]: [f64; 3]) -> Self {
+        let scaled: Vec<[f64; 3]> = (inputs.iter())
+            .map(|i| [i.growth / g, i.displacement.x / x, i.displacement.y / y])
+            .collect();
+        Self {
+            swapped: scaled.iter().map(|&[g, x, y]| [g, y, x]).collect(),
+            scaled,
+            x: forces.iter().map(|force| force.x).collect(),
+            y: forces.iter().map(|force| force.y).collect(),
+            z: forces.iter().map(|force| force.z).collect(),
+        }
     }
 }
 

@@ -1,7 +1,9 @@
 //! Errors of calibrations.
 
-use super::load_check::ELEMENT_RANGE;
-use super::model::CALIBRATION_VERSION;
+use super::load_range::ELEMENT_RANGE;
+
+/// Version of the calibration file format.
+pub const CALIBRATION_VERSION: u32 = 2;
 
 /// Error of making, reading or using a calibration.
 #[derive(Debug, thiserror::Error)]

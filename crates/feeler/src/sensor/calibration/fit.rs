@@ -1,18 +1,17 @@
 //! Fits a calibration to known loads and their moments: chooses the model and its terms, and measures the accuracy.
 
-pub(in crate::sensor) mod outlier;
-
-pub use outlier::{Outlier, outlier};
-
-use super::coupled::{CoupledMap, Orders, choose_orders};
-use super::model::{
-    CALIBRATION_VERSION, Calibration, CalibrationError, CalibrationTarget, ElementCalibration,
-    ForceMap, ForceUnit, RelativeMoments, SeparableMap,
-};
+use super::coupled::orders::choose_orders;
+use super::coupled::{CoupledMap, Orders};
+use super::element::{ElementCalibration, ForceMap};
+use super::error::{CALIBRATION_VERSION, CalibrationError};
+use super::model::{Calibration, ForceUnit};
 use super::quality::{
     CycledReading, ElementQuality, FullScale, HeldOutError, repeatability_and_hysteresis,
     resolution,
 };
+use super::relative_moments::RelativeMoments;
+use super::separable::SeparableMap;
+use crate::sensor::fingertip::made_for::CalibrationTarget;
 use crate::sensor::image::folds::Folds;
 use crate::sensor::moments::kernel::ElementMoments;
 use glam::{DVec2, DVec3};
@@ -127,6 +126,29 @@ pub fn fit(
     Ok(calibration)
 }
 
+/// Coefficient of determination (R²) on the held-out loads, along x, y, z of the elements' frames, over all elements.
+/// 1 is a perfect prediction, 0 is no better than predicting the mean load. 1 along axes without varying loads.
+pub fn explained(calibration: &Calibration, records: &[ElementRecord]) -> DVec3 {
+    let (mut errors, mut variance) = (DVec3::ZERO, DVec3::ZERO);
+    for (element, record) in calibration.elements.iter().zip(records) {
+        let loads = match record.held_out.is_empty() {
+            true => &record.fitted,
+            false => &record.held_out,
+        };
+        let count = loads.len() as f64;
+        let mean = loads.iter().map(|load| load.force).sum::<DVec3>() / count.max(1.0);
+        let squares = loads.iter().map(|load| (load.force - mean).powf(2.0));
+        variance += squares.sum::<DVec3>();
+        let rms = element.quality.held_out.rms;
+        errors += count * rms * rms;
+    }
+    let part = |axis: usize| match variance[axis] > 0.0 {
+        true => 1.0 - errors[axis] / variance[axis],
+        false => 1.0,
+    };
+    DVec3::new(part(0), part(1), part(2))
+}
+
 /// All elements, fitted with one model.
 #[derive(Default)]
 struct Fitted {
@@ -136,17 +158,17 @@ struct Fitted {
 }
 
 /// One element's loads, prepared for fitting.
-struct Prepared<'a> {
+pub(super) struct Prepared<'a> {
     record: &'a ElementRecord,
     unloaded_gray: f64,
     unloaded_centroid: DVec2,
-    inputs: Vec<RelativeMoments>,
-    forces: Vec<DVec3>,
-    folds: Folds,
+    pub inputs: Vec<RelativeMoments>,
+    pub forces: Vec<DVec3>,
+    pub folds: Folds,
 }
 
 impl<'a> Prepared<'a> {
-    fn new(record: &'a ElementRecord) -> Result<Self, String> {
+    pub fn new(record: &'a ElementRecord) -> Result<Self, String> {
         if record.unloaded.is_empty() {
             return Err("expected at least 1 unloaded image, got none".into());
         }
@@ -178,7 +200,7 @@ impl<'a> Prepared<'a> {
         })
     }
 
-    fn relative(&self, moments: &ElementMoments) -> RelativeMoments {
+    pub fn relative(&self, moments: &ElementMoments) -> RelativeMoments {
         RelativeMoments::relative(moments, self.unloaded_gray, self.unloaded_centroid)
     }
 
@@ -212,12 +234,13 @@ impl<'a> Prepared<'a> {
         };
         let (repeatability, hysteresis) =
             repeatability_and_hysteresis(&readings(&self.record.cycled));
-        let unloaded = self.record.unloaded.iter().map(|m| self.relative(m));
+        let unloaded = self.record.unloaded.iter();
+        let unloaded: Vec<_> = unloaded.map(|m| map.force(self.relative(m))).collect();
         let quality = ElementQuality {
             held_out,
             repeatability,
             hysteresis,
-            resolution: resolution(&map, unloaded),
+            resolution: resolution(&unloaded),
         };
         let calibration = ElementCalibration {
             unloaded_gray: self.unloaded_gray,
@@ -229,7 +252,7 @@ impl<'a> Prepared<'a> {
     }
 
     /// Error of each fitted load when predicted by a fit to the other folds, N, in the order of the folds.
-    fn cross_validate(&self, orders: Option<Orders>) -> Result<Vec<DVec3>, String> {
+    pub fn cross_validate(&self, orders: Option<Orders>) -> Result<Vec<DVec3>, String> {
         let mut errors = Vec::with_capacity(self.forces.len());
         for fold in self.folds.all() {
             let train = self.folds.others(fold);
@@ -243,7 +266,7 @@ impl<'a> Prepared<'a> {
     }
 }
 
-fn fit_map(
+pub(super) fn fit_map(
     inputs: &[RelativeMoments],
     forces: &[DVec3],
     orders: Option<Orders>,

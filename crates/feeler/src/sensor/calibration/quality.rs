@@ -1,7 +1,5 @@
 //! Accuracy of a calibration: errors, repeatability, hysteresis, resolution.
 
-use super::fit::ElementRecord;
-use super::model::{Calibration, ForceMap, RelativeMoments};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 use std::collections::BTreeMap;
@@ -90,36 +88,9 @@ pub struct ElementQuality {
     pub resolution: Option<DVec3>,
 }
 
-/// Coefficient of determination (R²) on the held-out loads, along x, y, z of the elements' frames, over all elements.
-/// 1 is a perfect prediction, 0 is no better than predicting the mean load. 1 along axes without varying loads.
-pub fn explained(calibration: &Calibration, records: &[ElementRecord]) -> DVec3 {
-    let (mut errors, mut variance) = (DVec3::ZERO, DVec3::ZERO);
-    for (element, record) in calibration.elements.iter().zip(records) {
-        let loads = match record.held_out.is_empty() {
-            true => &record.fitted,
-            false => &record.held_out,
-        };
-        let count = loads.len() as f64;
-        let mean = loads.iter().map(|load| load.force).sum::<DVec3>() / count.max(1.0);
-        let squares = loads.iter().map(|load| (load.force - mean).powf(2.0));
-        variance += squares.sum::<DVec3>();
-        let rms = element.quality.held_out.rms;
-        errors += count * rms * rms;
-    }
-    let part = |axis: usize| match variance[axis] > 0.0 {
-        true => 1.0 - errors[axis] / variance[axis],
-        false => 1.0,
-    };
-    DVec3::new(part(0), part(1), part(2))
-}
-
-/// Three standard deviations of the readings of `map` in unloaded images, N.
-pub(in crate::sensor) fn resolution(
-    map: &ForceMap,
-    unloaded: impl Iterator<Item = RelativeMoments>,
-) -> Option<DVec3> {
-    let forces: Vec<_> = unloaded.map(|inputs| map.force(inputs)).collect();
-    Some(3.0 * deviation(&forces, 2)?)
+/// Three standard deviations of the forces (N) measured in unloaded images.
+pub(super) fn resolution(unloaded: &[DVec3]) -> Option<DVec3> {
+    Some(3.0 * deviation(unloaded, 2)?)
 }
 
 /// Standard deviation, N, or `None` for fewer than `least` forces.

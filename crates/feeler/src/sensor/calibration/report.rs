@@ -1,6 +1,7 @@
 //! Formats the accuracy of a calibration as text.
 
-use super::model::{Calibration, CalibrationModel, ElementCalibration};
+use super::element::{CalibrationModel, ElementCalibration};
+use super::model::Calibration;
 use glam::DVec3;
 use std::fmt;
 

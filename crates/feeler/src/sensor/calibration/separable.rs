@@ -3,13 +3,13 @@
 //! It does not model the influence of the normal force on the displacement caused by a shear force.
 
 use super::least_squares::{MIN_SLOPE_RANGE, beyond, least_squares};
-use super::model::RelativeMoments;
+use super::relative_moments::RelativeMoments;
 use glam::DVec3;
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 /// Number of terms of a [`ForceCurve`].
-pub const CURVE_TERMS: usize = 3;
+const CURVE_TERMS: usize = 3;
 
 /// A force as a polynomial of one input, zero at zero.
 ///

@@ -1,6 +1,8 @@
 //! Checks that the signs of a calibration's forces agree with the images.
 
-use super::model::{CalibrationError, ElementCalibration, RelativeMoments};
+use super::element::ElementCalibration;
+use super::error::CalibrationError;
+use super::relative_moments::RelativeMoments;
 use glam::DVec2;
 
 /// Fraction of elements with reversed forces above which loads are considered reversed; in single elements, noise may

@@ -166,6 +166,11 @@ impl DomeProjection {
         DVec3::new(-self.standoff, 0.0, 0.0)
     }
 
+    /// Radius of the dome, m.
+    pub fn dome_radius(&self) -> f64 {
+        self.dome_radius
+    }
+
     /// Columns of the image, px.
     pub fn width(&self) -> usize {
         self.width

@@ -8,6 +8,7 @@ pub use error::LayoutError;
 
 use super::dome::{CameraConfig, DomeProjection};
 use super::layout::SensingElement;
+use super::made_for::sha256;
 use crate::sensor::image::exposure::DEFAULT_MAX_SATURATED;
 use crate::sensor::image::polarity::Polarity;
 use crate::sensor::image::seen::ProjectedElement;
@@ -17,8 +18,6 @@ use crate::sensor::moments::kernel::MomentsKernel;
 use glam::{DMat3, DVec2, DVec3};
 use rings::sort_into_rings;
 use serde::{Deserialize, Serialize};
-use sha2::{Digest, Sha256};
-use std::fmt::Write as _;
 
 /// Version of the layout file format.
 pub const LAYOUT_VERSION: u32 = 1;
@@ -182,12 +181,7 @@ impl LocatedLayout {
     /// # Errors
     /// If a value cannot be represented in TOML.
     pub fn hash(&self) -> Result<String, LayoutError> {
-        let digest = Sha256::digest(self.to_toml()?.as_bytes());
-        Ok(digest.iter().fold(String::new(), |mut text, byte| {
-            // Writing to a string cannot fail.
-            let _ = write!(text, "{byte:02x}");
-            text
-        }))
+        Ok(sha256(&self.to_toml()?))
     }
 
     /// Kernel of the layout's moments. Lengths are in m in the tangent plane of each element if the dome is known,
@@ -205,25 +199,28 @@ impl LocatedLayout {
         Ok(kernel.with_background(self.polarity, &levels)?)
     }
 
+    /// The projection of the dome's camera, if the dome is known.
+    fn projection(&self) -> Result<Option<DomeProjection>, LayoutError> {
+        let dome = self.dome.as_ref();
+        let projection = dome.map(|dome| DomeProjection::new(&dome.camera, dome.radius));
+        Ok(projection.transpose()?)
+    }
+
     /// Position of each element in the image, and orientation of its frame there (along the image's axes if the dome
     /// is unknown).
     ///
     /// # Errors
     /// If the dome is invalid, or the camera does not see an element.
     pub fn seen_elements(&self) -> Result<Vec<ProjectedElement>, LayoutError> {
-        let projection = match &self.dome {
-            Some(dome) => Some((DomeProjection::new(&dome.camera, dome.radius)?, dome.radius)),
-            None => None,
-        };
+        let projection = self.projection()?;
         let seen = |(element, place): (usize, &ElementPlace)| {
             let centre_px = place.centre_px;
-            let Some(((projection, radius), direction)) = projection.as_ref().zip(place.direction)
-            else {
+            let Some((projection, direction)) = projection.as_ref().zip(place.direction) else {
                 let x_angle = 0.0;
                 return Ok(ProjectedElement { centre_px, x_angle });
             };
             let frame = SensingElement::facing(direction);
-            let seen = ProjectedElement::on_dome(projection, *radius, &frame);
+            let seen = ProjectedElement::on_dome(projection, &frame);
             let (column, row) = (centre_px.x, centre_px.y);
             seen.map(|seen| ProjectedElement { centre_px, ..seen })
                 .ok_or(LayoutError::OffDome {
@@ -266,10 +263,7 @@ impl LocatedLayout {
             .iter()
             .map(|e| (e.centre_px, e.radius_px))
             .collect();
-        let projection = match &self.dome {
-            Some(dome) => Some(DomeProjection::new(&dome.camera, dome.radius)?),
-            None => None,
-        };
+        let projection = self.projection()?;
         let regions = sub_regions((self.width, self.height), &discs);
         let weighted = |(place, region): (&ElementPlace, Vec<(usize, usize)>)| {
             let frame = place.direction.map(SensingElement::facing);

@@ -129,7 +129,7 @@ impl Fingertip {
     ) -> Result<Vec<ProjectedElement>, FingertipError> {
         let (layout, projection) = Self::layout_and_projection(config)?;
         let seen = |(element, place)| {
-            let seen = ProjectedElement::on_dome(&projection, layout.dome_radius, place);
+            let seen = ProjectedElement::on_dome(&projection, place);
             seen.ok_or_else(|| {
                 FingertipError::Moments(MomentsError::OutOfPicture {
                     element,

@@ -1,6 +1,7 @@
 //! Checks that an image may be of a fingertip, loaded or not.
 
-use crate::sensor::calibration::model::{Calibration, ForceValidity};
+use crate::sensor::calibration::element::ForceValidity;
+use crate::sensor::calibration::model::Calibration;
 use crate::sensor::image::frame::Picture;
 use crate::sensor::image::subregion::WeightedPixel;
 use crate::sensor::moments::kernel::ElementMoments;

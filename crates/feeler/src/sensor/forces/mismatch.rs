@@ -1,6 +1,6 @@
 //! Checks that the first images are of the fingertip for which the calibration was made.
 
-use crate::sensor::calibration::model::{ElementCalibration, RelativeMoments};
+use crate::sensor::calibration::element::ElementCalibration;
 use crate::sensor::moments::kernel::ElementMoments;
 
 /// Maximum deviation of an unloaded element, as a fraction of the range of the calibration's loads: equivalent to a
@@ -52,14 +52,12 @@ impl MountingCheck {
 }
 
 fn is_off(element: &ElementCalibration, moments: &ElementMoments) -> bool {
-    let RelativeMoments {
-        growth,
-        displacement,
-    } = element.inputs(moments);
-    let inputs = [growth, displacement.x, displacement.y];
-    let mut inputs = inputs.into_iter().zip(element.map.ranges());
-    inputs.any(|(input, [low, high])| {
-        let good = input.abs() <= TOLERANCE * (high - low);
-        !good
-    })
+    let inputs = element.inputs(moments).components();
+    inputs
+        .into_iter()
+        .zip(element.map.ranges())
+        .any(|(input, [low, high])| {
+            let good = input.abs() <= TOLERANCE * (high - low);
+            !good
+        })
 }

@@ -3,7 +3,8 @@
 use super::drift::DriftConfig;
 use super::reading::{SensorError, TactileFrame, TactileSensor};
 use super::sensing::{SensingChain, SensingError};
-use crate::sensor::calibration::model::{Calibration, ForceValidity};
+use crate::sensor::calibration::element::ForceValidity;
+use crate::sensor::calibration::model::Calibration;
 use crate::sensor::fingertip::model::FingertipConfig;
 use crate::sensor::image::camera::Camera;
 use crate::sensor::image::frame::Frame;

@@ -4,9 +4,9 @@
 use super::drift::{DriftConfig, DriftCorrection};
 use super::mismatch::{Mismatch, MountingCheck};
 use super::reading::NO_FORCE;
-use crate::sensor::calibration::model::{
-    Calibration, CalibrationError, ElementCalibration, ForceValidity,
-};
+use crate::sensor::calibration::element::ForceValidity;
+use crate::sensor::calibration::error::CalibrationError;
+use crate::sensor::calibration::model::Calibration;
 use crate::sensor::fingertip::model::{Fingertip, FingertipConfig, FingertipError};
 use crate::sensor::image::exposure::{DEFAULT_MAX_SATURATED, Exposure, SaturationCheck};
 use crate::sensor::image::frame::Picture;
@@ -142,20 +142,9 @@ impl SensingChain {
     /// # Errors
     /// If the fingertip is invalid.
     pub fn of_fingertip(config: &FingertipConfig) -> Result<Self, SensingError> {
-        Self::of_fingertip_saturated(config, DEFAULT_MAX_SATURATED)
-    }
-
-    /// Like [`Self::of_fingertip`], but allows a fraction `max_saturated` of saturated pixels.
-    ///
-    /// # Errors
-    /// If the fingertip is invalid.
-    pub fn of_fingertip_saturated(
-        config: &FingertipConfig,
-        max_saturated: f64,
-    ) -> Result<Self, SensingError> {
         let (kernel, regions) = Fingertip::kernel_and_subregions(config)?;
         let size = (config.camera.width, config.camera.height);
-        Self::new(size, kernel, &regions, max_saturated)
+        Self::new(size, kernel, &regions, DEFAULT_MAX_SATURATED)
     }
 
     /// Adds forces by `calibration`, and displacements from its unloaded centroids. The caller must check that the
@@ -339,13 +328,8 @@ impl SensingChain {
 
     /// Force at `element`, N, if it is valid. Validity is decided only here.
     fn force(&self, element: usize, moments: &ElementMoments, exposure: Exposure) -> Option<DVec3> {
-        let calibration = self.calibration_of(element);
-        let calibration = calibration.filter(|_| exposure == Exposure::Good);
-        calibration.map(|calibration| calibration.force(moments))
-    }
-
-    fn calibration_of(&self, element: usize) -> Option<&ElementCalibration> {
-        self.calibration.as_ref()?.elements.get(element)
+        let calibration = self.calibration.as_ref()?.elements.get(element)?;
+        (exposure == Exposure::Good).then(|| calibration.force(moments))
     }
 }
 

@@ -17,14 +17,11 @@ pub struct ProjectedElement {
 
 impl ProjectedElement {
     /// Projects an element on a dome; `None` if the camera does not see its tip.
-    pub fn on_dome(
-        projection: &DomeProjection,
-        dome_radius: f64,
-        element: &SensingElement,
-    ) -> Option<Self> {
+    pub fn on_dome(projection: &DomeProjection, element: &SensingElement) -> Option<Self> {
         /// Step along x relative to the dome's radius: small enough for a tangent, large enough for numerical
         /// accuracy.
         const STEP: f64 = 1e-4;
+        let dome_radius = projection.dome_radius();
         let tip = dome_radius * element.normal();
         let aside = STEP * dome_radius * element.rotation.x_axis;
         let along = projection.project(tip + aside)? - projection.project(tip - aside)?;

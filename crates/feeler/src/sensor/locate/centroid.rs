@@ -1,6 +1,6 @@
 //! Measures a spot from its pixels: centroid, size, contrast and whether the image border cuts it.
 
-use super::{quantile, reference::ReferencePicture, spots::Spot};
+use super::{quantile, reference::ReferencePicture, spot::Spot};
 use crate::sensor::calibration::least_squares::outer;
 use glam::{DMat3, DVec2, DVec3};
 use std::f64::consts::PI;

@@ -1,6 +1,6 @@
 //! Groups spots into elements.
 
-use super::{median, nearest, spots::Spot, tree::Tree};
+use super::{median, nearest, spot::Spot, tree::Tree};
 use crate::sensor::image::cells::Cells;
 use glam::DVec2;
 use std::collections::BTreeMap;

@@ -20,6 +20,7 @@ mod quick;
 mod reference;
 mod regions;
 mod scale_space;
+mod spot;
 mod spots;
 mod strays;
 mod tree;
@@ -33,10 +34,7 @@ pub use reference::{MeanPicture, ReferencePicture};
 pub use regions::sub_regions;
 pub use warning::LocateWarning;
 
-use self::{
-    scale_space::ScaleSpace,
-    spots::{FoundSpots, Search},
-};
+use self::{scale_space::ScaleSpace, spot::FoundSpots, spots::Search};
 use crate::sensor::image::cells::Cells;
 use glam::DVec2;
 use std::borrow::Cow;

@@ -1,6 +1,6 @@
 //! Tests whether spots look like markers: evenly spaced and similar in size and contrast.
 
-use super::{median, nearest, spots::Spot};
+use super::{median, nearest, spot::Spot};
 use glam::DVec2;
 
 /// Minimum number of spots in a pattern.

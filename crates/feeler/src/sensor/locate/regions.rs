@@ -6,7 +6,7 @@ use super::{
     groups::Grouped,
     median, nearest,
     reference::ReferencePicture,
-    spots::{FoundSpots, Spot},
+    spot::{FoundSpots, Spot},
 };
 use glam::DVec2;
 

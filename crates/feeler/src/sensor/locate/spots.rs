@@ -6,6 +6,7 @@ use super::{
     outline::Outline,
     reference::ReferencePicture,
     scale_space::{Layer, ScaleSpace},
+    spot::{FoundSpots, Spot},
     strays::{as_strong_as_their_neighbours, without_crowding, without_overlaps, without_strays},
 };
 use crate::sensor::image::cells::Cells;
@@ -16,53 +17,6 @@ use std::ops::Range;
 /// Blobs whose scale differs from the spots' scale by at most this number of layers are spots too: a factor of two in
 /// diameter, which covers perspective and load.
 const LAYERS_BESIDE: usize = 4;
-
-/// A bright spot.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub(super) struct Spot {
-    /// Column and row, px.
-    pub centre: DVec2,
-    /// Scale of the maximum blob response, px: the spot's radius over the square root of two.
-    pub sigma: f64,
-    /// Blob response, gray levels.
-    pub response: f64,
-    /// Diameter of the disc that has the spot's area, px; the diameter from the blob scale until it is measured.
-    pub diameter: f64,
-    /// Gray levels above the local background; the blob response until it is measured.
-    pub contrast: f64,
-    /// `true` if the image border cuts the spot.
-    pub cut: bool,
-}
-
-impl Spot {
-    /// Diameter of the disc whose blob response peaks at scale `sigma`, px.
-    pub fn scale(&self) -> f64 {
-        2.0 * SQRT_2 * self.sigma
-    }
-
-    /// Converts from an image binned by `factor` to the original image.
-    fn enlarged(self, factor: usize) -> Self {
-        let factor = factor as f64;
-        Self {
-            centre: (self.centre + 0.5) * factor - 0.5,
-            sigma: self.sigma * factor,
-            diameter: self.diameter * factor,
-            ..self
-        }
-    }
-}
-
-/// The spots of an image.
-#[derive(Debug, Clone)]
-pub(super) struct FoundSpots {
-    pub spots: Vec<Spot>,
-    /// Spots that are isolated from all others.
-    pub left_out: Vec<DVec2>,
-    /// Spots that the image border cuts.
-    pub cut: Vec<DVec2>,
-    /// Noise of a single image, gray levels.
-    pub noise: f64,
-}
 
 /// An image in which spots are bright, and the search parameters.
 pub(super) struct Search<'a> {

@@ -1,6 +1,6 @@
 //! Separates the spots of the pattern from specks, reflections and strays.
 
-use super::{median, nearest, quantile, spots::Spot};
+use super::{median, nearest, quantile, spot::Spot};
 use crate::sensor::image::cells::Cells;
 use glam::DVec2;
 

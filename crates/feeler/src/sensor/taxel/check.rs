@@ -21,10 +21,7 @@ impl TaxelLayout {
     pub fn check(&self) -> Result<(), TaxelError> {
         let mut checker = Checker::default();
         self.check_all(&mut checker);
-        match checker.problems() {
-            problems if problems.is_empty() => Ok(()),
-            problems => Err(TaxelError::Values(problems)),
-        }
+        checker.finish().map_err(TaxelError::Values)
     }
 
     fn check_all(&self, checker: &mut Checker) {

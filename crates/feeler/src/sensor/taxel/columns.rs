@@ -35,11 +35,22 @@ impl TaxelLayout {
     /// Column names x, y and z of a taxel.
     fn columns_of(&self, taxel: usize) -> [String; 3] {
         let columns = &self.columns;
-        let number = (u64::from(columns.first) + taxel as u64).to_string();
-        [&columns.x, &columns.y, &columns.z].map(|pattern| {
-            let named = pattern.replace("{n}", &number);
-            named.replace("{prefix}", &columns.prefix)
-        })
+        let number = u64::from(columns.first) + taxel as u64;
+        [&columns.x, &columns.y, &columns.z].map(|pattern| self.column_name(pattern, number))
+    }
+
+    /// Column name from a pattern, for the taxel with this number.
+    fn column_name(&self, pattern: &str, number: u64) -> String {
+        let named = pattern.replace("{n}", &number.to_string());
+        named.replace("{prefix}", &self.columns.prefix)
+    }
+
+    /// Number of columns that the pattern stands for.
+    fn repeats(&self, pattern: &str) -> usize {
+        match is_of_taxel(pattern) {
+            true => self.taxels.len(),
+            false => 1,
+        }
     }
 
     /// Column name x of the first taxel.
@@ -51,11 +62,7 @@ impl TaxelLayout {
     /// Number of columns of a table without a header, or `None` if the layout does not list them.
     pub(super) fn count_without_header(&self) -> Option<usize> {
         let named = self.columns.without_header.as_ref()?;
-        let repeats = |pattern: &String| match is_of_taxel(pattern) {
-            true => self.taxels.len(),
-            false => 1,
-        };
-        Some(named.iter().map(repeats).sum())
+        Some(named.iter().map(|pattern| self.repeats(pattern)).sum())
     }
 
     /// Column names of a table without a header.
@@ -64,15 +71,8 @@ impl TaxelLayout {
         let first = u64::from(self.columns.first);
         let mut names = Vec::new();
         for run in named.chunk_by(|a, b| is_of_taxel(a) == is_of_taxel(b)) {
-            let repeats = match is_of_taxel(&run[0]) {
-                true => self.taxels.len(),
-                false => 1,
-            };
-            for number in (first..).take(repeats) {
-                let name = |pattern: &String| {
-                    let name = pattern.replace("{n}", &number.to_string());
-                    name.replace("{prefix}", &self.columns.prefix)
-                };
+            for number in (first..).take(self.repeats(&run[0])) {
+                let name = |pattern: &String| self.column_name(pattern, number);
                 names.extend(run.iter().map(name));
             }
         }

@@ -1,7 +1,7 @@
 //! Errors of taxel arrays.
 
 use super::{MAX_LINE, TAXEL_LAYOUT_VERSION};
-use crate::check::Problem;
+use crate::check::{Problem, joined};
 
 /// Error of reading a taxel array.
 #[derive(Debug, thiserror::Error)]
@@ -19,7 +19,7 @@ pub enum TaxelError {
         actual: u32,
     },
     /// Values are out of range.
-    #[error("{}", list(.0))]
+    #[error("{}", joined(.0))]
     Values(Vec<Problem>),
     /// A column is missing from the header or occurs more than once.
     #[error("expected {expected} column {column:?}, got {actual} in the header {header:?}")]
@@ -110,9 +110,4 @@ pub enum TaxelError {
     /// Reading the table failed.
     #[error("failed to read the table: {0}")]
     Read(#[from] std::io::Error),
-}
-
-fn list(problems: &[Problem]) -> String {
-    let problems: Vec<_> = problems.iter().map(Problem::to_string).collect();
-    problems.join("; ")
 }

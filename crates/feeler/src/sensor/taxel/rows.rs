@@ -111,8 +111,7 @@ impl<R: BufRead> TaxelRows<R> {
                 continue;
             }
             if !self.header.is_empty() && text == self.header {
-                let place = Place { line, column: None };
-                self.troubles.count(Trouble::HeaderAgain, place);
+                self.count(Trouble::HeaderAgain, line);
                 continue;
             }
             self.cells.split(text);

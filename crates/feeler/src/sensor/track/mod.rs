@@ -7,10 +7,11 @@
 //! many markers are lost at once, the pattern may have jumped by a spacing, and all markers become doubtful.
 //!
 //! A single image without a predecessor is matched with the reference alone: matches grow from regions that hardly
-//! moved to regions that moved far (`matching`).
+//! moved to regions that moved far (`growing`).
 
 mod error;
 mod field;
+mod growing;
 mod matching;
 mod measuring;
 mod mending;
@@ -20,7 +21,7 @@ pub use error::TrackError;
 
 use self::{
     field::Field,
-    matching::Matched,
+    growing::Matched,
     window::{Look, Seen, Window},
 };
 use super::locate::{LocateConfig, MeanPicture, blobs_of_size, locate};
@@ -221,7 +222,7 @@ impl MarkerTracker {
     ) -> Option<(Vec<DVec2>, Matched)> {
         let count = self.reference.len();
         let places = blobs_of_size(picture, self.polarity, self.spot_diameter?, count);
-        let matched = matching::matched(&self.reference, &self.field, &places);
+        let matched = growing::matched(&self.reference, &self.field, &places);
         (matched.quality >= QUICKLY_MATCHED).then_some((places, matched))
     }
 
@@ -238,7 +239,7 @@ impl MarkerTracker {
         };
         let located = locate(&mean.finish()?, &config)?;
         let places: Vec<DVec2> = located.elements.iter().map(|e| e.centre_px).collect();
-        let matched = matching::matched(&self.reference, &self.field, &places);
+        let matched = growing::matched(&self.reference, &self.field, &places);
         Ok((places, matched))
     }
 

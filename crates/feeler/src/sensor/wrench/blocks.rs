@@ -1,7 +1,5 @@
 //! Cross-validation folds of contiguous blocks of time with guard intervals.
 
-use super::fit::WrenchSample;
-
 /// A cross-validation fold.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Fold {
@@ -78,11 +76,6 @@ pub(super) fn recordings(recording_of: &[usize], most: usize) -> Vec<Fold> {
         held,
     };
     folds.into_iter().map(fold).collect()
-}
-
-/// Recording of each sample.
-pub(super) fn recording_of(samples: &[&WrenchSample]) -> Vec<usize> {
-    samples.iter().map(|sample| sample.recording).collect()
 }
 
 #[cfg(test)]

@@ -1,19 +1,14 @@
 //! Wrench calibration of one fingertip and its file format.
 
-use super::error::WrenchError;
+use super::error::{KIND, VERSION, WrenchError};
 use super::features::{ElementStandard, PER_ELEMENT, Terms};
 use super::novelty::{MAX_DIRECTIONS, Novelty};
 use super::quality::AxisQuality;
 use super::{AXES, WrenchAxis};
-use crate::sensor::calibration::load_check::FINGERTIP_RANGE;
+use crate::sensor::calibration::load_range::FINGERTIP_RANGE;
 use crate::sensor::fingertip::made_for::CalibrationTarget;
 use crate::sensor::table::Quantity;
 use serde::{Deserialize, Serialize};
-
-/// Kind of the file, which distinguishes it from a calibration of elements.
-pub const KIND: &str = "wrench";
-/// Supported version of the file.
-pub const VERSION: u32 = 1;
 
 /// Maximum magnitude of a number in the file: far above any measurement and far below overflow of sums.
 const LARGEST: f64 = 1e15;

@@ -2,9 +2,8 @@
 
 use super::WrenchAxis;
 use super::blocks::{Fold, blocks};
-use super::features::{Growth, MIN_FOR_GAIN, PER_ELEMENT, Terms};
+use super::features::{Features, Growth, MIN_FOR_GAIN, Terms, matrix};
 use super::ridge::Spectrum;
-use nalgebra::DMatrix;
 
 /// Numbers of blocks per recording. Two partitions reduce the influence of where the cuts fall.
 const CUTS: [usize; 2] = [5, 8];
@@ -68,9 +67,6 @@ pub(super) struct Target {
     pub measured: Vec<f64>,
 }
 
-/// Standardised features of each row.
-pub(super) type Features = [Vec<[f64; PER_ELEMENT]>];
-
 /// Best choice for each of `targets`, or `None` if no regression has a finite solution. `used`: elements in use.
 pub(super) fn choose(
     features: &Features,
@@ -111,13 +107,6 @@ pub(super) fn choose(
         }
     }
     chosen
-}
-
-/// Design matrix with one row of terms for each of `rows`.
-pub(super) fn matrix(features: &Features, rows: &[usize], terms: Terms) -> DMatrix<f64> {
-    let elements = rows.first().map_or(0, |&row| features[row].len());
-    let values = rows.iter().flat_map(|&row| terms.of(&features[row]));
-    DMatrix::from_row_iterator(rows.len(), terms.count(elements), values)
 }
 
 /// Candidate terms in order of preference.

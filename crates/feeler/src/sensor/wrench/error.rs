@@ -1,8 +1,12 @@
 //! Errors of wrench calibrations.
 
-use super::calibration::{KIND, VERSION};
 use crate::sensor::calibration::error::CalibrationError;
-use crate::sensor::calibration::load_check::FINGERTIP_RANGE;
+use crate::sensor::calibration::load_range::FINGERTIP_RANGE;
+
+/// Kind of the file, which distinguishes it from a calibration of elements.
+pub const KIND: &str = "wrench";
+/// Supported version of the file.
+pub const VERSION: u32 = 1;
 
 /// Error of creating, reading or using a wrench calibration.
 #[derive(Debug, thiserror::Error)]

@@ -2,8 +2,7 @@
 
 use super::calibration::WrenchCalibration;
 use super::error::WrenchError;
-use super::features::{PER_ELEMENT, standardise, usable};
-use super::fit::MAX_MISSING;
+use super::features::{MAX_MISSING, PER_ELEMENT, standardise, usable};
 use super::{AXES, WrenchAxis};
 use crate::sensor::forces::sensing::{ElementReading, Reference};
 use crate::sensor::moments::kernel::ElementMoments;

@@ -15,6 +15,7 @@ use crate::sensor::forces::sensing::ElementReading;
 use crate::sensor::image::exposure::Exposure;
 use crate::sensor::moments::kernel::ElementMoments;
 use glam::DVec2;
+use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 /// Number of features of one element: growth without common gain, plain growth, displacement along x and along y.
@@ -22,6 +23,9 @@ pub const PER_ELEMENT: usize = 4;
 
 /// Minimum number of elements required to separate a common gain from the loads.
 pub const MIN_FOR_GAIN: usize = 4;
+
+/// Maximum fraction of elements that may be dark or saturated in an image used for fitting or prediction.
+pub const MAX_MISSING: f64 = 0.1;
 
 /// Maximum magnitude of a standardised feature, which keeps predictions finite for any input.
 const FARTHEST: f64 = 1e6;
@@ -81,6 +85,16 @@ impl Terms {
             linear.chain(squares.map(move |kind| square(features[kind])))
         })
     }
+}
+
+/// Standardised features of each row.
+pub(super) type Features = [Vec<[f64; PER_ELEMENT]>];
+
+/// Design matrix with one row of terms for each of `rows`.
+pub(super) fn matrix(features: &Features, rows: &[usize], terms: Terms) -> DMatrix<f64> {
+    let elements = rows.first().map_or(0, |&row| features[row].len());
+    let values = rows.iter().flat_map(|&row| terms.of(&features[row]));
+    DMatrix::from_row_iterator(rows.len(), terms.count(elements), values)
 }
 
 fn or_nothing(feature: f64) -> f64 {

@@ -20,17 +20,20 @@ pub mod estimator;
 pub mod features;
 pub mod fit;
 pub mod forces;
+mod learn;
 pub mod novelty;
 pub mod quality;
 pub mod recordings;
 mod ridge;
+mod sample;
 pub mod sensor;
 mod validation;
 
 pub use calibration::{AxisModel, WrenchCalibration};
 pub use error::WrenchError;
 pub use estimator::{WrenchEstimate, WrenchEstimator};
-pub use fit::{WrenchFit, WrenchSample, fit};
+pub use fit::{WrenchFit, fit};
+pub use sample::WrenchSample;
 pub use sensor::WrenchSensor;
 
 use super::table::Quantity;

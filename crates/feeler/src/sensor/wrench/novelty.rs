@@ -8,8 +8,7 @@
 //! d² = (sum_k t_k² / v_k + (|z|² - sum_k t_k²) / s²) / p
 //! ```
 
-use super::choice::{Features, matrix};
-use super::features::{PER_ELEMENT, Terms};
+use super::features::{Features, PER_ELEMENT, Terms, matrix};
 use nalgebra::{DMatrix, SymmetricEigen};
 use serde::{Deserialize, Serialize};
 

@@ -1,7 +1,7 @@
 //! Quality of a wrench calibration: errors on held-out images.
 
 use super::WrenchAxis;
-use crate::sensor::calibration::fit::outlier::{MIN_SHARE, MISTYPED, robust_deviation};
+use crate::sensor::calibration::outlier::{MIN_SHARE, MISTYPED, robust_deviation};
 use serde::{Deserialize, Serialize};
 
 /// Minimum number of readings with growing and with falling load to estimate hysteresis.

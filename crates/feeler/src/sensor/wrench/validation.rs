@@ -1,12 +1,13 @@
 //! Validates a wrench calibration: predictions of held-out samples by refitted models.
 
 use super::WrenchAxis;
-use super::blocks::{Fold, blocks, recording_of, recordings};
+use super::blocks::{Fold, blocks, recordings};
 use super::calibration::WrenchModel;
 use super::features::{PER_ELEMENT, standardise};
-use super::fit::{WrenchSample, learn};
+use super::learn::learn;
 use super::novelty::NEAR;
 use super::quality::{AxisQuality, HeldOut, judge};
+use super::sample::{WrenchSample, recording_of};
 use std::thread;
 
 /// Number of blocks of time per recording.

@@ -63,10 +63,6 @@ impl Carry {
             approach: DVec3::from_array(finger.approach).normalize_or_zero(),
             ..Holder::default()
         };
-        let finding = |name| Finding {
-            name,
-            value: f64::NAN,
-        };
         Self {
             holders: config.finger.iter().take(MAX_FINGERS).map(holder).collect(),
             grip: Grip::new(
@@ -81,13 +77,14 @@ impl Carry {
             way: Way::new(&config.waypoint, config.carry_speed),
             previous: f64::NAN,
             findings: [
-                finding("moved_x_m"),
-                finding("moved_y_m"),
-                finding("moved_z_m"),
-                finding("turned_rad"),
-                finding("pressing_n"),
-                finding("friction"),
-            ],
+                "moved_x_m",
+                "moved_y_m",
+                "moved_z_m",
+                "turned_rad",
+                "pressing_n",
+                "friction",
+            ]
+            .map(Finding::unknown),
             outcome: None,
         }
     }

@@ -1,6 +1,6 @@
 //! Path of a carried object: from waypoint to waypoint at constant speed, with a stop at each.
 
-use super::Waypoint;
+use super::config::Waypoint;
 use glam::DVec3;
 
 /// Target position of an object along its path.

@@ -61,10 +61,6 @@ impl Contour {
         let home = DVec3::from_array(config.home);
         let approach = DVec3::from_array(config.approach).with_z(0.0);
         let approach = approach.normalize_or_zero();
-        let finding = |name| Finding {
-            name,
-            value: f64::NAN,
-        };
         Self {
             config: config.clone(),
             home,
@@ -79,13 +75,14 @@ impl Contour {
             release_start: home,
             outline: Outline::new(),
             findings: [
-                finding("surface_x_m"),
-                finding("surface_y_m"),
-                finding("size_x_m"),
-                finding("size_y_m"),
-                finding("turned_rad"),
-                finding("friction"),
-            ],
+                "surface_x_m",
+                "surface_y_m",
+                "size_x_m",
+                "size_y_m",
+                "turned_rad",
+                "friction",
+            ]
+            .map(Finding::unknown),
             outcome: None,
         }
     }

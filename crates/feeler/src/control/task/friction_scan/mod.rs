@@ -65,10 +65,6 @@ impl FrictionScan {
     pub fn new(config: &FrictionScanConfig) -> Self {
         let approach = DVec3::from_array(config.approach).normalize_or_zero();
         let slide = DVec3::from_array(config.slide).reject_from_normalized(approach);
-        let unknown = |name| Finding {
-            name,
-            value: f64::NAN,
-        };
         Self {
             config: config.clone(),
             home: DVec3::from_array(config.home),
@@ -84,12 +80,8 @@ impl FrictionScan {
             stroke_start: DVec3::ZERO,
             first_slip: None,
             slips: [Slips::default(); 2],
-            findings: [
-                unknown("static_friction"),
-                unknown("kinetic_friction"),
-                unknown("tilt"),
-                unknown("slips"),
-            ],
+            findings: ["static_friction", "kinetic_friction", "tilt", "slips"]
+                .map(Finding::unknown),
             outcome: None,
         }
     }

@@ -3,9 +3,11 @@
 //! A polynomial with more terms than the loads determine fits their noise, which shows in the prediction of loads
 //! excluded from the fit.
 
-use super::{NORMAL_ORDERS, Orders, SHEAR_ORDERS, normal_terms, polynomial, shear_terms, solve};
+use super::{
+    Loads, NORMAL_ORDERS, Orders, SHEAR_ORDERS, normal_terms, polynomial, shear_terms, solve,
+};
 use crate::sensor::calibration::least_squares::MIN_SLOPE_RANGE;
-use crate::sensor::calibration::model::RelativeMoments;
+use crate::sensor::calibration::relative_moments::RelativeMoments;
 use crate::sensor::image::folds::Folds;
 use glam::DVec3;
 
@@ -29,35 +31,22 @@ pub(in crate::sensor) fn choose_orders(
             .fold(0.0, |a: f64, b| a.max(b.abs()));
         largest.max(MIN_SLOPE_RANGE)
     };
-    let (g, x) = (largest(|i| i.growth), largest(|i| i.displacement.x));
-    let y = largest(|i| i.displacement.y);
-    let scaled: Vec<[f64; 3]> = (inputs.iter())
-        .map(|i| [i.growth / g, i.displacement.x / x, i.displacement.y / y])
-        .collect();
-    let swapped: Vec<_> = scaled.iter().map(|&[g, x, y]| [g, y, x]).collect();
-    let component = |force: fn(&DVec3) -> f64| forces.iter().map(force).collect::<Vec<_>>();
+    let scales = [
+        largest(|i| i.growth),
+        largest(|i| i.displacement.x),
+        largest(|i| i.displacement.y),
+    ];
+    let Loads {
+        scaled,
+        swapped,
+        x,
+        y,
+        z,
+    } = Loads::new(inputs, forces, scales);
     Ok([
-        choose_order(
-            &scaled,
-            shear_terms,
-            SHEAR_ORDERS,
-            &component(|f| f.x),
-            folds,
-        )?,
-        choose_order(
-            &swapped,
-            shear_terms,
-            SHEAR_ORDERS,
-            &component(|f| f.y),
-            folds,
-        )?,
-        choose_order(
-            &scaled,
-            normal_terms,
-            NORMAL_ORDERS,
-            &component(|f| f.z),
-            folds,
-        )?,
+        choose_order(&scaled, shear_terms, SHEAR_ORDERS, &x, folds)?,
+        choose_order(&swapped, shear_terms, SHEAR_ORDERS, &y, folds)?,
+        choose_order(&scaled, normal_terms, NORMAL_ORDERS, &z, folds)?,
     ])
 }
 

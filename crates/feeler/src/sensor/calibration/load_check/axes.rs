@@ -4,7 +4,7 @@ use super::{COLUMNS, CapturedImage, LoadCheckError, named, unloaded_mean};
 use crate::sensor::calibration::fit::ElementRecord;
 use crate::sensor::calibration::live::ForceAxes;
 use crate::sensor::calibration::loads::records;
-use crate::sensor::calibration::model::RelativeMoments;
+use crate::sensor::calibration::relative_moments::RelativeMoments;
 use crate::sensor::wrench::recordings::recordings;
 use glam::{DMat3, DVec3};
 use std::collections::BTreeMap;

@@ -29,12 +29,6 @@ use glam::DVec3;
 /// Names of the columns.
 const COLUMNS: [&str; 3] = ["f_x", "f_y", "f_z"];
 
-/// Plausible range of the largest force on a single element, N. Smaller forces are lost in image noise; larger ones, at
-/// about 1 N/mm², would flatten the few square millimetres of silicone of an element.
-pub const ELEMENT_RANGE: [f64; 2] = [0.01, 20.0];
-/// Like [`ELEMENT_RANGE`], but for a whole fingertip, with a contact area of a few square centimetres.
-pub const FINGERTIP_RANGE: [f64; 2] = [0.05, 200.0];
-
 /// Rejects `forces` (N) on `what` if the largest is outside `range`, which indicates another unit.
 ///
 /// # Errors

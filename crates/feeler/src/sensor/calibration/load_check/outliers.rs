@@ -1,9 +1,9 @@
 //! Checks single loads for outliers.
 
 use super::{COLUMNS, CapturedImage, LoadCheckError};
-use crate::sensor::calibration::fit::outlier;
 use crate::sensor::calibration::loads::records;
 use crate::sensor::calibration::model::Calibration;
+use crate::sensor::calibration::outlier::outlier;
 use glam::DVec3;
 
 /// Checks for a load that contradicts all other loads of its element, given the `calibration` fitted to `pictures`.

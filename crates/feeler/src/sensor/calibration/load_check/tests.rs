@@ -1,8 +1,9 @@
 use super::*;
 use crate::sensor::calibration::fit::{ElementRecord, ModelChoice, fit};
 use crate::sensor::calibration::live::ForceAxes;
+use crate::sensor::calibration::load_range::ELEMENT_RANGE;
 use crate::sensor::calibration::loads::RecordBuilder;
-use crate::sensor::calibration::model::{CalibrationTarget, FullScale, LengthUnit};
+use crate::sensor::calibration::{CalibrationTarget, FullScale, LengthUnit};
 use glam::DVec2;
 use proptest::prelude::*;
 

@@ -1,8 +1,10 @@
 //! Detects loads that contradict all other loads, such as mistyped ones.
 
-use super::{Calibration, ElementRecord, Orders, Prepared};
-use crate::sensor::calibration::model::ForceMap;
-use crate::sensor::calibration::quality::root_mean_square;
+use super::coupled::Orders;
+use super::element::ForceMap;
+use super::fit::{ElementRecord, Prepared, fit_map};
+use super::model::Calibration;
+use super::quality::root_mean_square;
 use glam::DVec3;
 
 /// Minimum number of loads of an element for detecting outliers.
@@ -92,7 +94,7 @@ fn outlier_of(element: usize, record: &ElementRecord, orders: Option<Orders>) ->
     let prepared = Prepared::new(&others).ok()?;
     let errors = prepared.cross_validate(orders).ok()?;
     let (usual, rms) = (deviation(&errors), root_mean_square(&errors));
-    let map = super::fit_map(&prepared.inputs, &prepared.forces, orders).ok()?;
+    let map = fit_map(&prepared.inputs, &prepared.forces, orders).ok()?;
     let inputs = prepared.relative(&suspect.moments);
     let predicted = map.force(inputs);
     let error = (suspect.force - predicted).abs();
