@@ -4,8 +4,8 @@ use crate::errors::{failed, refused};
 use crate::interrupt::interruptible;
 use crate::layout::Layout;
 use feeler::sensor::calibration::{
-    CalibrationReport, ELEMENT_RANGE, ElementRecord, ForceAxes, FullScale, ModelChoice,
-    RecordBuilder, check_axes, check_magnitude, check_numbers, fit, model as core,
+    self as core, CalibrationReport, ELEMENT_RANGE, ElementRecord, ForceAxes, FullScale,
+    ModelChoice, RecordBuilder, check_axes, check_magnitude, check_numbers, fit,
 };
 use feeler::sensor::image::Picture;
 use feeler::sensor::moments::ElementMoments;

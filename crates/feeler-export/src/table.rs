@@ -145,16 +145,14 @@ fn touch_columns(columns: &mut Columns<'_, '_>, finger: usize) {
     );
     let tangential = "tangential force on each element by the object, in the element's frame";
     let compression = "compression of each element, positive when pressed";
-    let forces: [(&str, &str, fn(&Vector3) -> f64); 3] = [
-        ("force_x", tangential, |force| force.x),
-        ("force_y", tangential, |force| force.y),
-        ("force_z", compression, |force| force.z),
-    ];
-    for (name, meaning, component) in forces {
+    let mut force = |name, meaning, component: fn(&Vector3) -> f64| {
         columns.list(name, "N", meaning, move |s| {
             Some(s.finger(finger)?.tactile?.forces.iter().map(component))
         });
-    }
+    };
+    force("force_x", tangential, |force| force.x);
+    force("force_y", tangential, |force| force.y);
+    force("force_z", compression, |force| force.z);
     columns.list(
         "shear_rate",
         "N/s",
