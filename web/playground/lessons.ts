@@ -75,7 +75,7 @@ const LESSONS: Lesson[] = [
     },
   },
   {
-    title: "How a cap tells that it is closed",
+    title: "How a closed cap is noticed",
     text: [
       "In the first stroke the cap turns with the fingers, against little torque. When it meets its seat, torque rises and the cap stops: now every stroke slips from its start. The hand needs no torque sensor to notice: the slips tell.",
     ],

@@ -49,7 +49,7 @@ export function recordingTab(engine: Engine): HTMLElement {
   return make(
     "div",
     {},
-    make("p", {}, "The report of your own run, in this page. Nothing is uploaded."),
+    make("p", {}, "The report of a recording, in this page. Nothing is uploaded."),
     zone,
     bar,
     status,

@@ -6,7 +6,7 @@ use feeler_lab::config::{BUILT_IN, Experiment, ExperimentConfig, Sensing};
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
-/// What a page can run.
+/// Experiments and laws that a page can run.
 #[derive(Serialize)]
 struct Catalogue {
     version: &'static str,
