@@ -4,11 +4,10 @@ import type { Catalogue, Experiment } from "./protocol";
 import type { PageSettings } from "./settings_link";
 import { Sliders } from "./sliders";
 
-/** Key of the control law. */
-const LAW = "control.law";
-const LAW_SETTING = `${LAW}=`;
+/** Start of the setting of the control law. */
+const LAW_SETTING = "control.law=";
 
-/** Experiments whose law has parameters for their task, and which therefore keep it. */
+/** Choice of the experiment's own law, or of no law. */
 const NONE = "";
 
 export class RunForm {
@@ -37,7 +36,7 @@ export class RunForm {
     const start = make("button", { type: "submit", class: "primary" }, "Run");
     this.element = make(
       "form",
-      { class: "run-form", "aria-label": "Settings of the run" },
+      { class: "run-form", "aria-label": "Settings of the run", novalidate: "" },
       field("Experiment", this.#experiment),
       this.#about,
       field("Control law", this.#law),

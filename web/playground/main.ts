@@ -27,15 +27,8 @@ async function start(place: HTMLElement): Promise<void> {
   const engine = await Engine.start();
   const catalogue = await engine.call("catalogue", undefined);
   window.feeler = {
-    async run({ experiment = "cap-closing", seed, sensing, set = [] }) {
-      const own = catalogue.experiments.find(({ name }) => name === experiment);
-      const settings = {
-        experiment,
-        seed: seed ?? own?.seed ?? 0,
-        sensing: sensing ?? own?.sensing ?? "direct",
-        set,
-      };
-      const { summary, digest } = await compute(engine, settings);
+    async run({ experiment = "cap-closing", set = [], ...settings }) {
+      const { summary, digest } = await compute(engine, { experiment, set, ...settings });
       return { summary: JSON.parse(summary) as Summary, digest };
     },
   };

@@ -4,8 +4,9 @@
 export interface RunSettings {
   /** Name of a built-in experiment. */
   experiment: string;
-  seed: number;
-  sensing: "direct" | "image";
+  /** Random seed and source of forces; the experiment's by default. */
+  seed?: number;
+  sensing?: "direct" | "image";
   /** Changes of the form `KEY=VALUE`, as for `feeler run --set`. */
   set: string[];
 }

@@ -41,7 +41,7 @@ export function shownClaims({ claims, hand_claims }: Summary): Claim[] {
 /** Shows a finished run. `note` tells what its command does not repeat, if anything. */
 export function resultPanel(
   title: string,
-  settings: RunSettings,
+  settings: Required<RunSettings>,
   finished: FinishedRun,
   note: string,
 ): HTMLElement {

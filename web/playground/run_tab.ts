@@ -23,7 +23,7 @@ const SPEEDS: [number, string][] = [
 interface Shown {
   number: number;
   title: string;
-  settings: RunSettings;
+  settings: Required<RunSettings>;
   view: RunView;
   over: boolean;
 }
@@ -113,7 +113,7 @@ export class RunTab {
     }
   }
 
-  async #create(title: string, settings: RunSettings): Promise<void> {
+  async #create(title: string, settings: Required<RunSettings>): Promise<void> {
     const shown: Partial<Shown> = { title, settings, over: false };
     const number = this.#engine.listen({
       rows: (rows, state) => this.#rows(shown as Shown, rows, state),

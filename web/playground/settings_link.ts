@@ -2,7 +2,7 @@
 import type { RunSettings } from "./protocol";
 
 /** Settings of the page: a run, and the law that it is compared with, if any. */
-export interface PageSettings extends RunSettings {
+export interface PageSettings extends Required<RunSettings> {
   compare: string;
 }
 
@@ -28,7 +28,7 @@ export function fromHash(hash: string): Partial<PageSettings> {
 }
 
 /** The command that repeats a run, for a POSIX shell. */
-export function toCommand({ experiment, seed, sensing, set }: RunSettings): string {
+export function toCommand({ experiment, seed, sensing, set }: Required<RunSettings>): string {
   const settings = set.map((setting) => `--set ${quoted(setting)}`);
   return ["feeler run", experiment, `--seed ${seed}`, `--sensing ${sensing}`, ...settings].join(" ");
 }

@@ -78,8 +78,6 @@ const SLIDERS: Slider[] = [
   },
 ];
 
-const STEPS = 100;
-
 /** Value of the dotted `key` in an experiment's configuration. */
 function lookUp(config: object, key: string): unknown {
   return key
@@ -115,9 +113,8 @@ export class Sliders {
   #input(slider: Slider, base: number): HTMLInputElement {
     const factor = base === 0 ? 1 : base;
     const [low, high] = slider.range.map((bound) => bound * factor) as [number, number];
-    const step = (high - low) / STEPS;
     const input = make("input", { type: "range", id: `slider-${slider.id}` });
-    Object.assign(input, { min: String(low), max: String(high), step: String(step), value: String(base) });
+    Object.assign(input, { min: String(low), max: String(high), step: "any", value: String(base) });
     return input;
   }
 
@@ -173,7 +170,6 @@ export class Sliders {
         continue;
       const expected = others.every((other) => rest.get(other) === this.#text(slider, other, value, base));
       if (!expected) continue;
-      input.step = "any";
       input.value = String(value);
       input.dispatchEvent(new Event("input"));
       for (const used of slider.keys) rest.delete(used);
@@ -182,11 +178,10 @@ export class Sliders {
   }
 }
 
-/** The slider's value; exactly `base` in its original position. */
+/** The slider's value, of four significant digits; exactly `base` in its original position. */
 function valueOf(input: HTMLInputElement, base: number): number {
-  const value = Number(rounded(Number(input.value)));
-  const step = (Number(input.max) - Number(input.min)) / STEPS;
-  return Math.abs(value - base) < step / 2 && input.step !== "any" ? base : value;
+  const value = Number(input.value);
+  return value === base ? base : Number(rounded(value));
 }
 
 /** A number of four significant digits, as a TOML float. */

@@ -50,7 +50,11 @@ const functions: {
   catalogue: () => JSON.parse(catalogue()),
   create({ run, settings, keep }) {
     const { experiment, seed, sensing, set } = settings;
-    const made = new Run(experiment, [`seed=${seed}`, `sensing="${sensing}"`, ...set]);
+    const first = [
+      ...(seed === undefined ? [] : [`seed=${seed}`]),
+      ...(sensing ? [`sensing="${sensing}"`] : []),
+    ];
+    const made = new Run(experiment, [...first, ...set]);
     const state = JSON.parse(made.state()) as RunState;
     runs.set(run, { run: made, speed: 0, since: { wall: 0, simulated: 0 }, state, spent: 0 });
     return made.page(keep);
