@@ -147,6 +147,50 @@ test("a recording is reported, and a damaged file is refused in a sentence", { s
   await page.getByText("damaged.mcap:").waitFor();
 });
 
+test(
+  "markers of an image are located and saved as a layout, and an image without markers is refused",
+  { skip },
+  async () => {
+    const { page } = await opened();
+    await page.getByRole("tab", { name: "Your fingertip" }).click();
+    const drawn = (dots: boolean) =>
+      page.evaluate((dots) => {
+        const canvas = document.createElement("canvas");
+        [canvas.width, canvas.height] = [320, 240];
+        const context = canvas.getContext("2d");
+        if (!context) throw new Error("no canvas");
+        context.fillStyle = "#c0c0c0";
+        context.fillRect(0, 0, 320, 240);
+        context.fillStyle = "#202020";
+        for (let x = 40; dots && x < 300; x += 30) {
+          for (let y = 30; y < 220; y += 30) {
+            context.beginPath();
+            context.arc(x, y, 6, 0, 2 * Math.PI);
+            context.fill();
+          }
+        }
+        return canvas.toDataURL("image/png").split(",")[1] ?? "";
+      }, dots);
+    const choose = async (name: string, dots: boolean) =>
+      page.setInputFiles("#fingertip", {
+        name,
+        mimeType: "image/png",
+        buffer: Buffer.from(await drawn(dots), "base64"),
+      });
+    await choose("dots.png", true);
+    await page.getByText("63 markers.").waitFor();
+    const [download] = await Promise.all([
+      page.waitForEvent("download"),
+      page.getByRole("button", { name: "as a layout file" }).click(),
+    ]);
+    const layout = join(mkdtempSync(join(tmpdir(), "feeler-playground-")), "layout.toml");
+    await download.saveAs(layout);
+    assert.match(readFileSync(layout, "utf8"), /^version = /m);
+    await choose("plain.png", false);
+    await page.getByText("63 markers.").waitFor({ state: "hidden" });
+  },
+);
+
 test("every lesson can be started, and the first is solved by a high threshold", { skip }, async () => {
   const { page } = await opened();
   await page.getByRole("tab", { name: "Learn" }).click();

@@ -14,6 +14,14 @@ declare module "*/wasm/feeler_wasm" {
     finish(wallTime: number): FinishedRun;
     free(): void;
   }
+  export class Fingertip {
+    constructor(rgba: Uint8Array, width: number, height: number);
+    track(rgba: Uint8Array): Float32Array<ArrayBuffer>;
+    markers(): number;
+    layout(): string;
+    warnings(): string[];
+    free(): void;
+  }
   export class FinishedRun {
     readonly digest: string;
     readonly summary: string;

@@ -4,6 +4,7 @@ import { showProblem } from "../src/problem";
 import { make } from "../src/ui/dom";
 import { startTheme, themeButton } from "../src/ui/theme";
 import { Engine } from "./engine";
+import { FingertipTab } from "./fingertip_tab";
 import { lessonsTab } from "./lessons";
 import type { RunSettings } from "./protocol";
 import { recordingTab } from "./recording_tab";
@@ -40,6 +41,7 @@ async function start(place: HTMLElement): Promise<void> {
     lessonsTab(runs, () => tabs.open("Run")),
   );
   tabs.add("Your recording", recordingTab(engine));
+  tabs.add("Your fingertip", new FingertipTab(engine).element);
   status.remove();
   place.append(tabs.element);
   tabs.open("Run");

@@ -40,6 +40,14 @@ export interface FinishedRun {
   recording: Uint8Array<ArrayBuffer>;
 }
 
+/** Markers located in an image. */
+export interface LocatedFingertip {
+  markers: number;
+  /** Text of the layout file, as `feeler locate` writes it. */
+  layout: string;
+  warnings: string[];
+}
+
 /** State of a run, as on a live page. */
 export interface RunState {
   state: string;
@@ -63,6 +71,10 @@ export interface Calls {
   friction: { argument: { run: number; factor: number }; result: undefined };
   finish: { argument: { run: number }; result: FinishedRun };
   discard: { argument: { run: number }; result: undefined };
+  /** Locates the markers of an untouched fingertip; later images are tracked from there. */
+  locate: { argument: { rgba: ArrayBuffer; width: number; height: number }; result: LocatedFingertip };
+  /** Tracks the markers into an image of the same size. Five numbers each: column, row, displacement (px), confidence. */
+  track: { argument: { rgba: ArrayBuffer }; result: Float32Array<ArrayBuffer> };
   /** Returns the report page (HTML) of a recording. */
   report: { argument: { file: File }; result: string };
 }

@@ -1,5 +1,5 @@
 /** The worker: advances runs and reads recordings, so that the page never waits. */
-import { catalogue, initSync, report, Run } from "../out/wasm/feeler_wasm";
+import { catalogue, Fingertip, initSync, report, Run } from "../out/wasm/feeler_wasm";
 import type { Calls, FinishedRun, Reply, Request, RunState } from "./protocol";
 
 /** Duration of computation between two rows (ms), about one image of the screen. */
@@ -24,6 +24,7 @@ const runs = new Map<number, Active>();
 /** Yields to messages without the delay of timers. */
 const yields = new MessageChannel();
 let advancing = false;
+let fingertip: Fingertip | undefined;
 
 scope.onmessage = ({ data }) => {
   initSync({ module: data as WebAssembly.Module });
@@ -86,6 +87,16 @@ const functions: {
   discard({ run }) {
     runs.get(run)?.run.free();
     runs.delete(run);
+  },
+  locate({ rgba, width, height }) {
+    const located = new Fingertip(new Uint8Array(rgba), width, height);
+    fingertip?.free();
+    fingertip = located;
+    return { markers: located.markers(), layout: located.layout(), warnings: located.warnings() };
+  },
+  track({ rgba }) {
+    if (!fingertip) throw new Error("No markers have been located yet.");
+    return fingertip.track(new Uint8Array(rgba));
   },
   report: ({ file }, call) =>
     report(file, (share: number) => scope.postMessage({ kind: "progress", call, share })),

@@ -2,11 +2,13 @@
 #![warn(missing_docs)]
 
 mod catalogue;
+mod fingertip;
 mod js_file;
 mod report;
 mod run;
 
 pub use catalogue::catalogue;
+pub use fingertip::Fingertip;
 pub use report::report;
 pub use run::{FinishedRun, Run};
 

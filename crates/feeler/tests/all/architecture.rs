@@ -6,9 +6,9 @@ use std::path::{Path, PathBuf};
 
 /// Each module of `src/` and the modules that it may import.
 const MAY_IMPORT: [(&str, &[&str]); 4] = [
-    ("control", &["check", "hand", "pace", "sensor"]),
-    ("sensor", &["check"]),
-    ("hand", &["check"]),
+    ("control", &["check", "hand", "math", "pace", "sensor"]),
+    ("sensor", &["check", "math"]),
+    ("hand", &["check", "math"]),
     ("pace", &["check"]),
 ];
 
