@@ -1,7 +1,7 @@
 //! Access to the files of certificates.
 
-use std::fs::{self, OpenOptions};
-use std::io::{self, Write};
+use std::fs;
+use std::io;
 use std::path::{Path, PathBuf};
 
 /// Error of reading or writing a file.
@@ -31,10 +31,14 @@ pub(crate) fn read_if_present(path: &Path) -> Result<String, FileError> {
 }
 
 /// Appends to a file, creating it if it does not exist.
+#[cfg(feature = "zenoh")]
 pub(crate) fn append(path: &Path, text: &str) -> Result<(), FileError> {
     let append = || {
-        let mut file = OpenOptions::new().append(true).create(true).open(path)?;
-        file.write_all(text.as_bytes())?;
+        let mut file = fs::OpenOptions::new()
+            .append(true)
+            .create(true)
+            .open(path)?;
+        io::Write::write_all(&mut file, text.as_bytes())?;
         file.sync_all()
     };
     append().map_err(FileError::at(path))
