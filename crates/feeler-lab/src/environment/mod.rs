@@ -241,7 +241,8 @@ impl Environment {
         &self.info
     }
 
-    /// Returns the names of the info values, with units. The phase is its number in [`Phase`]; success is 0 or 1.
+    /// Returns the names of the info values, with units. The phase is its number in
+    /// [`Phase`](feeler::control::Phase); success is 0 or 1.
     pub fn info_names(&self) -> Vec<&'static str> {
         [&TOLD, self.goal.names()].concat()
     }
