@@ -65,6 +65,11 @@ export class Engine {
     return this.#runs++;
   }
 
+  /** Drops the listener of a run, and with it everything that it shows. */
+  forget(run: number): void {
+    this.#listeners.delete(run);
+  }
+
   #read(reply: Reply): void {
     switch (reply.kind) {
       case "ready":

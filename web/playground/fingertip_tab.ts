@@ -2,6 +2,7 @@
 import { PageProblem } from "../src/problem";
 import { button, make, setText } from "../src/ui/dom";
 import type { Engine } from "./engine";
+import { dropZone, save } from "./files";
 import { drawMarkers, NUMBERS } from "./markers";
 
 /** Largest width of the tracked image (px); larger ones are scaled down. */
@@ -29,25 +30,15 @@ export class FingertipTab {
   constructor(engine: Engine) {
     this.#engine = engine;
     this.#video.muted = true;
-    const file = make("input", { type: "file", id: "fingertip", accept: "video/*,image/*" });
-    file.addEventListener("change", () => file.files?.[0] && void this.#open(file.files[0]));
-    const zone = make(
-      "div",
-      { class: "drop" },
-      make("label", { for: "fingertip" }, "Drop a video or an image here, or choose one: "),
-      file,
-    );
-    zone.addEventListener("dragover", (event) => event.preventDefault());
-    zone.addEventListener("drop", (event) => {
-      event.preventDefault();
-      const dropped = event.dataTransfer?.files[0];
-      if (dropped) void this.#open(dropped);
-    });
+    const text = "Drop a video or an image here, or choose one: ";
+    const zone = dropZone("fingertip", "video/*,image/*", text, (file) => void this.#open(file));
     this.#save = [
       button("Save the layout", "Save the markers as a layout file for feeler sense", () =>
-        save("layout.toml", this.#layout),
+        save("layout.toml", this.#layout, "text/plain"),
       ),
-      button("Save the table", "Save all tracked markers as a table", () => save("markers.csv", this.#csv())),
+      button("Save the table", "Save all tracked markers as a table", () =>
+        save("markers.csv", this.#csv(), "text/csv"),
+      ),
     ];
     this.element = make(
       "div",
@@ -182,10 +173,4 @@ export class FingertipTab {
 
 function problem(error: unknown, otherwise: string): string {
   return error instanceof PageProblem ? error.message : otherwise;
-}
-
-function save(name: string, text: string): void {
-  const link = make("a", { download: name });
-  link.href = URL.createObjectURL(new Blob([text], { type: "text/plain" }));
-  link.click();
 }

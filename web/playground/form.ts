@@ -1,11 +1,8 @@
 /** The form that describes a run. */
 import { button, make, setText } from "../src/ui/dom";
 import type { Catalogue, Experiment } from "./protocol";
-import type { PageSettings } from "./settings_link";
+import { lawOf, type PageSettings, withLaw } from "./settings_link";
 import { Sliders } from "./sliders";
-
-/** Start of the setting of the control law. */
-const LAW_SETTING = "control.law=";
 
 /** Choice of the experiment's own law, or of no law. */
 const NONE = "";
@@ -80,12 +77,11 @@ export class RunForm {
   }
 
   settings(): PageSettings {
-    const law = this.#law.value;
     return {
       experiment: this.experiment.name,
       seed: Number(this.#seed.value),
       sensing: this.#sensing.value === "image" ? "image" : "direct",
-      set: [...(law ? [`${LAW_SETTING}"${law}"`] : []), ...this.sliders.settings(), ...this.#rest],
+      set: withLaw([...this.sliders.settings(), ...this.#rest], this.#law.value),
       compare: this.#compare.value,
     };
   }
@@ -99,11 +95,10 @@ export class RunForm {
     if (seed !== undefined) this.#seed.value = String(seed);
     if (sensing) this.#sensing.value = sensing;
     if (compare && this.#catalogue.laws.includes(compare)) this.#compare.value = compare;
-    const law = set.find((setting) => setting.startsWith(LAW_SETTING));
-    const name = law?.slice(LAW_SETTING.length).replaceAll('"', "");
-    const isKnown = name !== undefined && this.#catalogue.laws.includes(name);
-    if (isKnown) this.#law.value = name === this.experiment.law ? NONE : name;
-    this.#rest = this.sliders.apply(set.filter((setting) => !isKnown || setting !== law));
+    const law = lawOf(set);
+    const isKnown = this.#catalogue.laws.includes(law);
+    if (isKnown) this.#law.value = law === this.experiment.law ? NONE : law;
+    this.#rest = this.sliders.apply(isKnown ? withLaw(set, NONE) : set);
   }
 }
 

@@ -24,7 +24,6 @@ export interface Experiment {
   seed: number;
   sensing: "direct" | "image";
   law: string;
-  toml: string;
   /** Values of the experiment file, with defaults. */
   config: object;
 }

@@ -2,24 +2,17 @@
 import { PageProblem } from "../src/problem";
 import { make, setText } from "../src/ui/dom";
 import type { Engine } from "./engine";
+import { dropZone } from "./files";
 import { reportFrame } from "./result";
 
 /** Largest recording that is read (bytes). */
 const LARGEST = 500e6;
 
 export function recordingTab(engine: Engine): HTMLElement {
-  const input = make("input", { type: "file", id: "recording", accept: ".mcap" });
   const status = make("p", { class: "note", role: "status", "aria-live": "polite" });
   const bar = make("progress", { max: "1", hidden: "" });
   const result = make("div", {});
-  const zone = make(
-    "div",
-    { class: "drop" },
-    make("label", { for: "recording" }, "Drop a recording.mcap here, or choose one: "),
-    input,
-  );
-  async function show(file: File | undefined): Promise<void> {
-    if (!file) return;
+  async function show(file: File): Promise<void> {
     result.replaceChildren();
     if (file.size > LARGEST) {
       setText(
@@ -40,12 +33,8 @@ export function recordingTab(engine: Engine): HTMLElement {
       bar.hidden = true;
     }
   }
-  input.addEventListener("change", () => void show(input.files?.[0]));
-  zone.addEventListener("dragover", (event) => event.preventDefault());
-  zone.addEventListener("drop", (event) => {
-    event.preventDefault();
-    void show(event.dataTransfer?.files[0]);
-  });
+  const text = "Drop a recording.mcap here, or choose one: ";
+  const zone = dropZone("recording", ".mcap", text, (file) => void show(file));
   return make(
     "div",
     {},

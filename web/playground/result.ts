@@ -1,5 +1,6 @@
 /** Result of a finished run: measures, claims, digest, report and downloads. */
 import { button, make, setText } from "../src/ui/dom";
+import { save } from "./files";
 import type { FinishedRun, RunSettings } from "./protocol";
 import { toCommand } from "./settings_link";
 
@@ -100,9 +101,7 @@ export function reportFrame(report: string, open = false): HTMLElement {
 }
 
 function download(text: string, name: string, content: BlobPart, type: string): HTMLElement {
-  const link = make("a", { class: "button", download: name }, `Download ${text}`);
-  link.href = URL.createObjectURL(new Blob([content], { type }));
-  return link;
+  return button(`Download ${text}`, `Download ${text}`, () => save(name, content, type));
 }
 
 /** A button that copies a text, or shows it where the browser refuses. */

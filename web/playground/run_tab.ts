@@ -5,9 +5,9 @@ import { button, make, setText } from "../src/ui/dom";
 import { Player } from "../src/ui/player";
 import type { Engine } from "./engine";
 import { RunForm } from "./form";
-import type { Catalogue, FinishedRun, RunSettings, RunState } from "./protocol";
+import type { Calls, Catalogue, FinishedRun, RunSettings, RunState } from "./protocol";
 import { resultPanel, type Summary } from "./result";
-import { fromHash, type PageSettings, toHash } from "./settings_link";
+import { fromHash, lawOf, type PageSettings, toHash, withLaw } from "./settings_link";
 import { RunView } from "./run_view";
 
 /** Number of rows that a view keeps: two minutes at 100 Hz. */
@@ -49,6 +49,8 @@ export class RunTab {
   /** Simulated time of the first change during the run (s). */
   #changedAt: number | undefined;
   #time = 0;
+  /** Friction of the run at its start, relative to the experiment's. */
+  #startFriction = 1;
 
   constructor(engine: Engine, catalogue: Catalogue) {
     this.#engine = engine;
@@ -165,7 +167,10 @@ export class RunTab {
   async #finish(): Promise<void> {
     this.#enable(false);
     setText(this.#status, "Writing the report.");
-    for (const { number, title, settings } of this.#shown) {
+    for (const shown of this.#shown) {
+      const { number, title, settings } = shown;
+      // A run that is ended early has no further rows to wait for.
+      shown.over = true;
       try {
         const finished = await this.#engine.call("finish", { run: number });
         this.#results.append(resultPanel(title, settings, finished, this.#note()));
@@ -191,9 +196,6 @@ export class RunTab {
     this.#changedAt ??= this.#time;
   }
 
-  /** Friction of the run at its start, relative to the experiment's. */
-  #startFriction = 1;
-
   #toggle(): void {
     this.#paused = !this.#paused;
     this.#enable(true);
@@ -206,10 +208,7 @@ export class RunTab {
 
   #each<Name extends "pace" | "step" | "friction">(
     name: Name,
-    argument: Omit<
-      { pace: { speed: number }; step: { steps: number }; friction: { factor: number } }[Name],
-      "run"
-    >,
+    argument: Omit<Calls[Name]["argument"], "run">,
   ): void {
     for (const { number, over } of this.#shown) {
       if (over) continue;
@@ -228,6 +227,7 @@ export class RunTab {
   async #close(): Promise<void> {
     for (const { number, view } of this.#shown) {
       view.close();
+      this.#engine.forget(number);
       await this.#engine.call("discard", { run: number });
     }
     this.#shown = [];
@@ -244,15 +244,6 @@ function problem(error: unknown): string {
   return error instanceof PageProblem ? error.message : `The run failed: ${error}`;
 }
 
-function withLaw(set: string[], law: string): string[] {
-  return [...set.filter((setting) => !setting.startsWith("control.law=")), `control.law="${law}"`];
-}
-
-function lawOf(set: string[]): string {
-  const setting = set.find((setting) => setting.startsWith("control.law="));
-  return setting?.slice("control.law=".length).replaceAll('"', "") ?? "";
-}
-
 /** Computes a run as fast as possible without showing it. */
 export async function compute(engine: Engine, settings: RunSettings): Promise<FinishedRun> {
   let over: () => void = () => {};
@@ -264,6 +255,6 @@ export async function compute(engine: Engine, settings: RunSettings): Promise<Fi
   });
   await engine.call("create", { run, settings, keep: 2 });
   await engine.call("pace", { run, speed: Infinity });
-  await ended;
+  await ended.finally(() => engine.forget(run));
   return engine.call("finish", { run });
 }

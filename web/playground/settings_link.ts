@@ -6,6 +6,21 @@ export interface PageSettings extends Required<RunSettings> {
   compare: string;
 }
 
+/** Start of the setting of the control law. */
+const LAW = "control.law=";
+
+/** Law that `set` chooses, or "" if it leaves the experiment's. */
+export function lawOf(set: string[]): string {
+  const setting = set.find((setting) => setting.startsWith(LAW));
+  return setting?.slice(LAW.length).replaceAll('"', "") ?? "";
+}
+
+/** Settings with the given law; "" stands for the experiment's. */
+export function withLaw(set: string[], law: string): string[] {
+  const others = set.filter((setting) => !setting.startsWith(LAW));
+  return law ? [`${LAW}"${law}"`, ...others] : others;
+}
+
 export function toHash({ experiment, seed, sensing, set, compare }: PageSettings): string {
   const parameters = new URLSearchParams({ experiment, seed: String(seed), sensing });
   for (const setting of set) parameters.append("set", setting);

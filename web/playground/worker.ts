@@ -2,7 +2,7 @@
 import { catalogue, Fingertip, initSync, report, Run } from "../out/wasm/feeler_wasm";
 import type { Calls, FinishedRun, Reply, Request, RunState } from "./protocol";
 
-/** Duration of computation between two rows (ms), about one image of the screen. */
+/** Computation time between two messages to the page (ms): about one refresh of the screen. */
 const BURST = 15;
 
 interface Active {
@@ -51,11 +51,12 @@ const functions: {
   catalogue: () => JSON.parse(catalogue()),
   create({ run, settings, keep }) {
     const { experiment, seed, sensing, set } = settings;
-    const first = [
+    // In the order of the program, so that both write the same experiment and compute the same digest.
+    const made = new Run(experiment, [
+      ...set,
       ...(seed === undefined ? [] : [`seed=${seed}`]),
       ...(sensing ? [`sensing="${sensing}"`] : []),
-    ];
-    const made = new Run(experiment, [...first, ...set]);
+    ]);
     const state = JSON.parse(made.state()) as RunState;
     runs.set(run, { run: made, speed: 0, since: { wall: 0, simulated: 0 }, state, spent: 0 });
     return made.page(keep);

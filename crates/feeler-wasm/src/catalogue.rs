@@ -22,14 +22,12 @@ struct Entry {
     seed: u64,
     sensing: Sensing,
     law: &'static str,
-    /// Text of the experiment file.
-    toml: &'static str,
     /// Values of the experiment, with defaults.
     config: ExperimentConfig,
 }
 
 /// Returns the built-in experiments that contain a simulated world, and the control laws, as JSON:
-/// `{version, experiments: [{name, description, seed, sensing, law, toml, config}], laws}`.
+/// `{version, experiments: [{name, description, seed, sensing, law, config}], laws}`.
 ///
 /// # Errors
 /// Never for valid built-in experiments.
@@ -44,7 +42,6 @@ pub fn catalogue() -> Result<String, JsError> {
             seed: config.seed,
             sensing: config.sensing,
             law: config.control.law.name(),
-            toml: built_in.toml,
             config,
         });
     }

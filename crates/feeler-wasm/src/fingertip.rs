@@ -7,7 +7,7 @@ use feeler::sensor::locate::{LocateConfig, MeanPicture, locate};
 use feeler::sensor::track::{MarkerTracker, TrackError};
 use wasm_bindgen::prelude::*;
 
-/// Numbers that describe a marker.
+/// Number of values that `Fingertip::track` returns for each marker.
 const NUMBERS: usize = 5;
 
 /// Follows the markers of a fingertip from image to image.

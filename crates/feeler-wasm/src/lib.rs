@@ -14,7 +14,7 @@ pub use run::{FinishedRun, Run};
 
 use wasm_bindgen::JsError;
 
-/// Converts an error to one of JavaScript, with the messages of its sources.
+/// Converts an error to one of JavaScript with the same message.
 fn js(error: impl std::error::Error) -> JsError {
     JsError::new(&error.to_string())
 }

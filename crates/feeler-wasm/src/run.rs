@@ -2,10 +2,10 @@
 
 use crate::js;
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::live::LiveRows;
+use feeler_lab::experiment::live::{LiveRows, write_state};
 use feeler_lab::experiment::recorded_run::{record_options, run_end};
 use feeler_lab::experiment::{Pictures, Session};
-use feeler_record::{BufferRecorder, FLUSH_INTERVAL, RecordOptions, RunLog};
+use feeler_record::{BufferRecorder, RunLog};
 use feeler_report::page_data::PageData;
 use feeler_report::pages::Live;
 use feeler_report::run::report_from;
@@ -14,7 +14,7 @@ use std::io::Cursor;
 use std::path::Path;
 use wasm_bindgen::prelude::*;
 
-/// Source of a stop by the page.
+/// Name of the page as source of a stop.
 const BY: &str = "the page";
 
 /// A simulated run with its recording in memory.
@@ -47,10 +47,6 @@ impl Run {
     pub fn new(experiment: &str, settings: Vec<String>) -> Result<Run, JsError> {
         let experiment = Experiment::load(experiment, &settings).map_err(js)?;
         let options = record_options(&experiment, false).map_err(js)?;
-        let options = RecordOptions {
-            flush_interval: FLUSH_INTERVAL,
-            ..options
-        };
         let session = Session::drawing(&experiment, Pictures::Sensed).map_err(js)?;
         let facts = session.facts(&experiment.config);
         let recorder = BufferRecorder::new(&facts, &experiment.toml, &options).map_err(js)?;
@@ -113,19 +109,11 @@ impl Run {
         let control_loop = self.session.control_loop();
         let controller = control_loop.controller();
         let strokes = self.experiment.config.task.strokes();
+        let mut text = String::new();
+        // A string takes everything.
+        let _ = write_state(&mut text, controller, strokes);
         let state = State {
-            state: match (
-                controller.stop_reason(),
-                controller.task().stroke(),
-                strokes,
-            ) {
-                (Some(reason), ..) => format!("The hand is stopped: {reason}."),
-                (None, 0, _) => format!("{}.", controller.phase()),
-                (None, stroke, 0) => format!("{} of stroke {stroke}.", controller.phase()),
-                (None, stroke, all) => {
-                    format!("{} of stroke {stroke} of {all}.", controller.phase())
-                }
-            },
+            state: text,
             stopped: controller.stop_reason().is_some(),
             over: self.session.finished(),
             time: control_loop.state().stamp,

@@ -1,7 +1,8 @@
 //! Directions and rotations with the same result on every processor and operating system.
 //!
-//! The last digits of the sines and cosines of `std` depend on the system's library. What a run computes uses these
-//! functions and the crate `libm` instead, so that a run has the same digest everywhere, also in a browser.
+//! The last digits of the sines and cosines of `std` depend on the system's math library. Code that affects the result
+//! of a run uses these functions and the crate `libm` instead, so that the run has the same digest everywhere, also in a
+//! browser.
 
 use glam::{DMat3, DQuat, DVec2, DVec3};
 

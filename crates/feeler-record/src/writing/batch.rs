@@ -42,7 +42,7 @@ impl Batch {
         }
     }
 
-    /// Appends `message`, encoded for its channel among `channels` of a rig of `fingers` fingers.
+    /// Encodes `message` and appends it. `channels` are all channels of the recording, of a rig with `fingers` fingers.
     ///
     /// # Errors
     /// If the topic is not registered, or its time or content cannot be encoded.

@@ -105,8 +105,8 @@ impl World {
         self.model.servo.encode(shown)
     }
 
-    /// Multiplies the friction coefficients of feelers on all objects by `factor` from the next step on. Faults of
-    /// friction replace it on their objects.
+    /// Multiplies the friction coefficients of feelers on all objects by `factor` from the next step on. On objects with
+    /// a friction fault, the fault's factor applies instead.
     pub fn set_friction_factor(&mut self, factor: f64) {
         for object in &mut self.state.objects {
             object.friction_factor = factor;

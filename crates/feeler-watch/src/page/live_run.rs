@@ -4,10 +4,10 @@ use super::ServerOptions;
 use super::feed::{Feed, Moment, Orders};
 use super::server::Server;
 use super::source::serve;
-use feeler::control::{Phase, StopReason};
+use feeler::control::StopReason;
 use feeler_console::CommandError;
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::live::LiveRows;
+use feeler_lab::experiment::live::{LiveRows, write_state};
 use feeler_lab::experiment::{Instruments, SimulatedLoop};
 use feeler_record::{RunEnd, RunState};
 use std::fmt::Write as _;
@@ -102,15 +102,10 @@ impl LiveRun {
 impl Run {
     fn fill(&self, moment: &mut Moment, control_loop: &SimulatedLoop, at: &Instruments) {
         let controller = control_loop.controller();
-        let (phase, stroke) = (controller.phase(), controller.task().stroke());
-        let stopped = controller.stop_reason();
-        moment.stopped = stopped.is_some();
+        moment.stopped = controller.stop_reason().is_some();
         moment.words.clear();
         // Text that does not fit is cut off.
-        let _ = match stopped {
-            Some(reason) => write!(moment.words, "The hand is stopped: {reason}."),
-            None => write_phase(moment, phase, stroke, self.strokes),
-        };
+        let _ = write_state(&mut moment.words, controller, self.strokes);
         moment.time = control_loop.state().stamp;
         self.rows.write(&mut moment.numbers, control_loop, at);
     }
@@ -122,20 +117,6 @@ fn write_end(moment: &mut Moment, end: &RunEnd) -> std::fmt::Result {
         (RunState::Done, _) => write!(moment.words, "The task is done."),
         (state, None) => write!(moment.words, "The run was {state}."),
         (state, Some(reason)) => write!(moment.words, "The run was {state}: {reason}."),
-    }
-}
-
-/// Writes the phase and stroke of a hand that works normally.
-pub fn write_phase(
-    moment: &mut Moment,
-    phase: Phase,
-    stroke: u32,
-    strokes: u32,
-) -> std::fmt::Result {
-    match (stroke, strokes) {
-        (0, _) => write!(moment.words, "{phase}."),
-        (stroke, 0) => write!(moment.words, "{phase} of stroke {stroke}."),
-        (stroke, strokes) => write!(moment.words, "{phase} of stroke {stroke} of {strokes}."),
     }
 }
 

@@ -2,13 +2,12 @@
 
 use super::ServerOptions;
 use super::feed::{Feed, Moment, Orders};
-use super::live_run::write_phase;
 use super::source::serve;
 use crate::rig::WatchedRig;
 use crate::snapshot::{Snapshot, UNKNOWN};
 use feeler_console::{CommandError, Outcome, watch_for_interrupt};
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::live::{FingerRow, LiveRows, Row};
+use feeler_lab::experiment::live::{FingerRow, LiveRows, Row, write_phase};
 use feeler_link::transport::{LinkError, Network};
 use glam::{DQuat, DVec3};
 use std::fmt::Write as _;
@@ -120,7 +119,7 @@ fn say(moment: &mut Moment, snapshot: &Snapshot) -> std::fmt::Result {
         (None, _) if !snapshot.notice.is_empty() => write!(moment.words, "{}.", snapshot.notice),
         (None, None) => write!(moment.words, "No messages received from a hand."),
         (None, Some(task)) => write_phase(
-            moment,
+            &mut moment.words,
             task.phase,
             task.stroke,
             task.strokes.unwrap_or_default(),

@@ -6,11 +6,51 @@ pub use row::{FingerRow, Row};
 
 use super::{ExperimentError, Instruments, SimulatedLoop, run_facts};
 use crate::config::ExperimentConfig;
+use feeler::control::{Controller, Phase};
 use feeler_record::{RunFacts, SolidFrame};
 use feeler_report::measures::TRUE_SLIP;
 use feeler_report::pages::LiveRig;
 use glam::DQuat;
-use std::iter;
+use std::{fmt, iter};
+
+/// Writes the phase of a hand that is not stopped as a sentence, with its `stroke` (0 if none has begun) of `strokes` (0
+/// if their number is not known in advance).
+///
+/// # Errors
+/// If `text` refuses what is written.
+pub fn write_phase(
+    text: &mut impl fmt::Write,
+    phase: Phase,
+    stroke: u32,
+    strokes: u32,
+) -> fmt::Result {
+    match (stroke, strokes) {
+        (0, _) => write!(text, "{phase}."),
+        (stroke, 0) => write!(text, "{phase} of stroke {stroke}."),
+        (stroke, strokes) => write!(text, "{phase} of stroke {stroke} of {strokes}."),
+    }
+}
+
+/// Writes the state of the hand of `controller` as a sentence: its phase, or why it is stopped. Its task has `strokes`
+/// strokes.
+///
+/// # Errors
+/// If `text` refuses what is written.
+pub fn write_state(
+    text: &mut impl fmt::Write,
+    controller: &Controller,
+    strokes: u32,
+) -> fmt::Result {
+    match controller.stop_reason() {
+        Some(reason) => write!(text, "The hand is stopped: {reason}."),
+        None => write_phase(
+            text,
+            controller.phase(),
+            controller.task().stroke(),
+            strokes,
+        ),
+    }
+}
 
 /// Constants of a rig that determine the rows of its live page.
 pub struct LiveRows {
@@ -52,7 +92,7 @@ impl LiveRows {
         }
     }
 
-    /// Number of numbers in a row, without the time.
+    /// Number of values in a row, without the time.
     pub fn width(&self) -> usize {
         let columns = self.rig().columns();
         columns.iter().map(|(_, width)| width).sum::<usize>() - 1

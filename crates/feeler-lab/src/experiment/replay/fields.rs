@@ -14,7 +14,7 @@ pub struct FieldDifference {
     pub actual: String,
 }
 
-/// Compares two values, which are shown by `text`.
+/// Compares two values; `text` formats them for the result.
 fn compare<T: PartialEq>(
     name: &dyn Display,
     expected: T,
