@@ -124,11 +124,11 @@ with pyzeros.auto_context(node="robot", zenoh_session=opened):
     felt = pyzeros.Pub(PointCloud2, "/finger/forces", scope=None)
     listening = RawSub(Float64MultiArray, "/forward_velocity_controller/commands", take, scope=None)
     say(ready=True)
-    now = 100.0
+    now = 100.0 if robot["sim_time"] else time.time()
     while not is_over.wait(PERIOD / robot["speed"]):
+        before, now = now, now + PERIOD if robot["sim_time"] else time.time()
         for name in names:
-            position[name] += velocity[name] * PERIOD
-        now = now + PERIOD if robot["sim_time"] else time.time()
+            position[name] += velocity[name] * (now - before)
         what, stamped = wrong["what"], now - wrong["late"]
         if robot["sim_time"]:
             clock.publish(Clock(clock=stamp(now)))

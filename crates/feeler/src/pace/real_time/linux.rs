@@ -6,37 +6,29 @@ use rustix::process::{Resource, getrlimit};
 use rustix::thread::{CapabilitySet, capabilities, set_current_timer_slack};
 use std::io;
 use std::num::NonZeroU64;
-use thread_priority::{
-    Error, RealtimeThreadSchedulePolicy, ThreadPriority, ThreadPriorityValue, ThreadSchedulePolicy,
-    set_thread_priority_and_policy, thread_native_id,
-};
 
 /// Requires a `priority` from 1 to 99.
 pub fn raise_priority(priority: u8) -> Result<(), Refusal> {
-    let Ok(value) = ThreadPriorityValue::try_from(priority) else {
+    if !(1..=99).contains(&priority) {
         return Err(Refusal::PriorityRange { priority });
+    }
+    let parameters = libc::sched_param {
+        sched_priority: priority.into(),
     };
-    let raised = set_thread_priority_and_policy(
-        thread_native_id(),
-        ThreadPriority::Crossplatform(value),
-        ThreadSchedulePolicy::Realtime(RealtimeThreadSchedulePolicy::Fifo),
-    );
-    raised.map_err(|error| priority_refusal(priority, &error))
-}
-
-fn priority_refusal(priority: u8, error: &Error) -> Refusal {
-    let reason = match error {
-        Error::OS(code) => io::Error::from_raw_os_error(*code),
-        other => io::Error::other(other.to_string()),
-    };
+    // SAFETY: the pointer is valid during the call; thread 0 is the calling thread.
+    let status = unsafe { libc::sched_setscheduler(0, libc::SCHED_FIFO, &raw const parameters) };
+    if status == 0 {
+        return Ok(());
+    }
+    let reason = io::Error::last_os_error();
     let limit = getrlimit(Resource::Rtprio).current.unwrap_or(u64::MAX);
     if reason.kind() == io::ErrorKind::PermissionDenied && limit < u64::from(priority) {
-        return Refusal::Priority { priority, limit };
+        return Err(Refusal::Priority { priority, limit });
     }
-    Refusal::System {
+    Err(Refusal::System {
         what: "real-time priority",
         reason,
-    }
+    })
 }
 
 pub fn lock_memory() -> Result<(), Refusal> {
