@@ -2,6 +2,7 @@
 declare module "*/wasm/feeler_wasm" {
   export function initSync(options: { module: WebAssembly.Module }): void;
   export function catalogue(): string;
+  export function experiment(name: string): string;
   export function report(file: File, progress: (share: number) => void): string;
   export class Run {
     constructor(experiment: string, settings: string[]);

@@ -10,27 +10,40 @@ const NONE = "";
 export class RunForm {
   readonly element: HTMLFormElement;
   readonly sliders: Sliders;
+  /** Control law of the chosen experiment. */
+  ownLaw = "";
   readonly #catalogue: Catalogue;
+  readonly #describe: (name: string) => Promise<Experiment>;
   readonly #experiment = make("select", { id: "experiment" });
   readonly #about = make("p", { class: "note" });
   readonly #law = make("select", { id: "law" });
   readonly #compare = make("select", { id: "compare" });
   readonly #seed = make("input", { id: "seed", type: "number", min: "0", step: "1", required: "" });
   readonly #sensing = make("select", { id: "sensing" });
+  /** Disabled until the values of the chosen experiment are known. */
+  readonly #start = make("button", { type: "submit", class: "primary" }, "Run");
   /** Settings that no control of the form shows. */
   #rest: string[] = [];
 
-  /** Calls `run` when the reader starts a run, and `moved` with the slider that was moved. */
-  constructor(catalogue: Catalogue, run: () => void, moved: (slider: string) => void) {
+  /**
+   * Calls `run` when the reader starts a run, and `moved` with the slider that was moved. The form is empty until
+   * `apply`.
+   */
+  constructor(
+    catalogue: Catalogue,
+    describe: (name: string) => Promise<Experiment>,
+    run: () => void,
+    moved: (slider: string) => void,
+  ) {
     this.#catalogue = catalogue;
+    this.#describe = describe;
     this.sliders = new Sliders(moved);
-    this.#experiment.append(...catalogue.experiments.map(({ name }) => option(name, name)));
+    this.#experiment.append(...catalogue.experiments.map((name) => option(name, name)));
     this.#sensing.append(
       option("direct", "forces directly (fast)"),
       option("image", "through rendered pictures"),
     );
-    this.#experiment.addEventListener("change", () => this.#choose());
-    const start = make("button", { type: "submit", class: "primary" }, "Run");
+    this.#experiment.addEventListener("change", () => void this.#choose());
     this.element = make(
       "form",
       { class: "run-form", "aria-label": "Settings of the run", novalidate: "" },
@@ -44,25 +57,25 @@ export class RunForm {
       make(
         "div",
         { class: "orders" },
-        start,
-        button("Reset", "Reset all settings to the experiment's", () => this.#choose()),
+        this.#start,
+        button("Reset", "Reset all settings to the experiment's", () => void this.#choose()),
       ),
     );
     this.element.addEventListener("submit", (event) => {
       event.preventDefault();
       run();
     });
-    this.#choose();
   }
 
-  get experiment(): Experiment {
-    const chosen = this.#catalogue.experiments.find(({ name }) => name === this.#experiment.value);
-    return chosen ?? (this.#catalogue.experiments[0] as Experiment);
-  }
-
-  /** Shows the chosen experiment's own values. */
-  #choose(): void {
-    const { description, law, seed, sensing } = this.experiment;
+  /** Shows the chosen experiment's own values. Returns `false` if another is chosen meanwhile. */
+  async #choose(): Promise<boolean> {
+    const name = this.#experiment.value;
+    this.#start.disabled = true;
+    const experiment = await this.#describe(name);
+    if (this.#experiment.value !== name) return false;
+    this.#start.disabled = false;
+    const { description, law, seed, sensing } = experiment;
+    this.ownLaw = law;
     setText(this.#about, description);
     this.#law.replaceChildren(option(NONE, `${law} (of the experiment)`));
     this.#law.append(
@@ -73,12 +86,13 @@ export class RunForm {
     this.#seed.value = String(seed);
     this.#sensing.value = sensing;
     this.#rest = [];
-    this.sliders.show(this.experiment);
+    this.sliders.show(experiment);
+    return true;
   }
 
   settings(): PageSettings {
     return {
-      experiment: this.experiment.name,
+      experiment: this.#experiment.value,
       seed: Number(this.#seed.value),
       sensing: this.#sensing.value === "image" ? "image" : "direct",
       set: withLaw([...this.sliders.settings(), ...this.#rest], this.#law.value),
@@ -87,17 +101,15 @@ export class RunForm {
   }
 
   /** Shows `settings`; values that it lacks are the experiment's. */
-  apply({ experiment, seed, sensing, set = [], compare }: Partial<PageSettings>): void {
-    if (experiment && this.#catalogue.experiments.some(({ name }) => name === experiment)) {
-      this.#experiment.value = experiment;
-    }
-    this.#choose();
+  async apply({ experiment, seed, sensing, set = [], compare }: Partial<PageSettings>): Promise<void> {
+    if (experiment && this.#catalogue.experiments.includes(experiment)) this.#experiment.value = experiment;
+    if (!(await this.#choose())) return;
     if (seed !== undefined) this.#seed.value = String(seed);
     if (sensing) this.#sensing.value = sensing;
     if (compare && this.#catalogue.laws.includes(compare)) this.#compare.value = compare;
     const law = lawOf(set);
     const isKnown = this.#catalogue.laws.includes(law);
-    if (isKnown) this.#law.value = law === this.experiment.law ? NONE : law;
+    if (isKnown) this.#law.value = law === this.ownLaw ? NONE : law;
     this.#rest = this.sliders.apply(isKnown ? withLaw(set, NONE) : set);
   }
 }

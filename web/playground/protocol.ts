@@ -11,10 +11,10 @@ export interface RunSettings {
   set: string[];
 }
 
-/** What the page can run: the built-in experiments and control laws. */
+/** What the page can run: names of the built-in experiments and control laws. */
 export interface Catalogue {
   version: string;
-  experiments: Experiment[];
+  experiments: string[];
   laws: string[];
 }
 
@@ -59,6 +59,8 @@ export interface RunState {
 /** Functions of the worker: argument and result of each. */
 export interface Calls {
   catalogue: { argument: undefined; result: Catalogue };
+  /** Describes a built-in experiment. */
+  experiment: { argument: { name: string }; result: Experiment };
   /** Sets up a run and returns the data of its live page (JSON). The run is paused. */
   create: { argument: { run: number; settings: RunSettings; keep: number }; result: string };
   /** Advances a run at `speed` times real time (`Infinity`: as fast as possible), or pauses it (0). */

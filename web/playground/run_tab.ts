@@ -56,6 +56,7 @@ export class RunTab {
     this.#engine = engine;
     this.form = new RunForm(
       catalogue,
+      (name) => engine.call("experiment", { name }),
       () => void this.start(),
       (slider) => this.#moved(slider),
     );
@@ -77,9 +78,10 @@ export class RunTab {
     this.#enable(false);
     const left = make("div", { class: "run-controls" }, this.form.element, controls, this.#status);
     this.element = make("div", { class: "run-tab" }, left, make("div", {}, this.#views, this.#results));
-    this.form.apply(fromHash(location.hash));
+    const apply = () => void this.form.apply(fromHash(location.hash));
+    apply();
     addEventListener("hashchange", () => {
-      if (location.hash !== toHash(this.form.settings())) this.form.apply(fromHash(location.hash));
+      if (location.hash !== toHash(this.form.settings())) apply();
     });
   }
 
@@ -89,7 +91,7 @@ export class RunTab {
 
   /** Shows `settings` and starts the run at `speed` times real time. */
   async start(settings?: Partial<PageSettings>, speed?: number): Promise<void> {
-    if (settings) this.form.apply(settings);
+    if (settings) await this.form.apply(settings);
     if (speed !== undefined) this.#speed.value = String(speed);
     const chosen = this.form.settings();
     history.replaceState(null, "", toHash(chosen));
@@ -99,7 +101,7 @@ export class RunTab {
       const { compare, ...first } = chosen;
       const all = compare ? [first, { ...first, set: withLaw(first.set, compare) }] : [first];
       for (const [place, settings] of all.entries()) {
-        const law = place === 1 ? compare : lawOf(settings.set) || this.form.experiment.law;
+        const law = place === 1 ? compare : lawOf(settings.set) || this.form.ownLaw;
         await this.#create(`${settings.experiment}, ${law}, seed ${settings.seed}`, settings);
       }
       this.#paused = false;

@@ -1,5 +1,5 @@
 /** The worker: advances runs and reads recordings, so that the page never waits. */
-import { catalogue, Fingertip, initSync, report, Run } from "../out/wasm/feeler_wasm";
+import { catalogue, experiment, Fingertip, initSync, report, Run } from "../out/wasm/feeler_wasm";
 import type { Calls, FinishedRun, Reply, Request, RunState } from "./protocol";
 
 /** Computation time between two messages to the page (ms): about one refresh of the screen. */
@@ -49,6 +49,7 @@ const functions: {
   [Name in keyof Calls]: (argument: Calls[Name]["argument"], call: number) => Calls[Name]["result"];
 } = {
   catalogue: () => JSON.parse(catalogue()),
+  experiment: ({ name }) => JSON.parse(experiment(name)),
   create({ run, settings, keep }) {
     const { experiment, seed, sensing, set } = settings;
     // In the order of the program, so that both write the same experiment and compute the same digest.

@@ -13,6 +13,7 @@ enum Source {
     /// Real time multiplied by `speed`.
     Real { origin: Instant, speed: f64 },
     /// Bits of a time (s) that an emulated bus advances.
+    #[cfg_attr(not(target_os = "linux"), expect(dead_code))]
     Lockstep(Arc<AtomicU64>),
 }
 

@@ -2,7 +2,7 @@
 
 use crate::js;
 use feeler::control::law::LawConfig;
-use feeler_lab::config::{BUILT_IN, Experiment, ExperimentConfig, Sensing};
+use feeler_lab::config::{BUILT_IN, BuiltIn, Experiment, ExperimentConfig, Sensing};
 use serde::Serialize;
 use wasm_bindgen::prelude::*;
 
@@ -10,14 +10,14 @@ use wasm_bindgen::prelude::*;
 #[derive(Serialize)]
 struct Catalogue {
     version: &'static str,
-    experiments: Vec<Entry>,
+    experiments: [&'static str; BUILT_IN.len()],
     laws: &'static [&'static str],
 }
 
 /// A built-in experiment.
 #[derive(Serialize)]
 struct Entry {
-    name: &'static str,
+    name: String,
     description: String,
     seed: u64,
     sensing: Sensing,
@@ -26,29 +26,34 @@ struct Entry {
     config: ExperimentConfig,
 }
 
-/// Returns the built-in experiments that contain a simulated world, and the control laws, as JSON:
-/// `{version, experiments: [{name, description, seed, sensing, law, config}], laws}`.
+/// Returns the names of the built-in experiments and control laws as JSON: `{version, experiments: [name], laws: [name]}`.
 ///
 /// # Errors
-/// Never for valid built-in experiments.
+/// Never.
 #[wasm_bindgen]
 pub fn catalogue() -> Result<String, JsError> {
-    let mut experiments = Vec::new();
-    for built_in in BUILT_IN {
-        let config = Experiment::load(built_in.name, &[]).map_err(js)?.config;
-        experiments.push(Entry {
-            name: built_in.name,
-            description: config.description.clone(),
-            seed: config.seed,
-            sensing: config.sensing,
-            law: config.control.law.name(),
-            config,
-        });
-    }
     let catalogue = Catalogue {
         version: env!("CARGO_PKG_VERSION"),
-        experiments,
+        experiments: BUILT_IN.map(|BuiltIn { name, .. }| name),
         laws: &LawConfig::NAMES,
     };
     serde_json::to_string(&catalogue).map_err(js)
+}
+
+/// Returns the built-in experiment `name` as JSON: `{name, description, seed, sensing, law, config}`.
+///
+/// # Errors
+/// If there is no such experiment.
+#[wasm_bindgen]
+pub fn experiment(name: &str) -> Result<String, JsError> {
+    let config = Experiment::load(name, &[]).map_err(js)?.config;
+    let entry = Entry {
+        name: name.into(),
+        description: config.description.clone(),
+        seed: config.seed,
+        sensing: config.sensing,
+        law: config.control.law.name(),
+        config,
+    };
+    serde_json::to_string(&entry).map_err(js)
 }

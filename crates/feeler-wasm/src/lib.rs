@@ -7,7 +7,7 @@ mod js_file;
 mod report;
 mod run;
 
-pub use catalogue::catalogue;
+pub use catalogue::{catalogue, experiment};
 pub use fingertip::Fingertip;
 pub use report::report;
 pub use run::{FinishedRun, Run};

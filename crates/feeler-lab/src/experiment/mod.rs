@@ -158,6 +158,7 @@ pub struct Session {
     /// Maximum number of consecutive missed periods.
     max_missed: u64,
     /// Number of frames taken by the sensor of finger 0. Stays 0 if a frame is taken in every control period.
+    #[cfg_attr(not(target_os = "linux"), expect(dead_code))]
     taken: FrameCounter,
     /// `true` if the world advances independently of the steps.
     is_driven: bool,
