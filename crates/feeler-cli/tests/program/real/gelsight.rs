@@ -2,7 +2,7 @@
 
 use super::blobs::{Blob, blobs, median_area};
 use super::fit::{Profile, centre};
-use super::video::{decode, ffmpeg, frame, videos};
+use super::video::{decode, every_third, ffmpeg, frame};
 use crate::program::{Ended, feeler, folder, rows, run};
 use crate::recordings::recordings;
 use feeler::sensor::fingertip::LocatedLayout;
@@ -60,7 +60,7 @@ fn compared(name: &str, picture: &Picture, located: &Located) -> Vec<(Blob, [f64
     pairs
 }
 
-/// Uses the first frame of every video. The median distance to fitted spots must be at most 0.1 px, for flat-topped
+/// Uses the first frame of videos. The median distance to fitted spots must be at most 0.1 px, for flat-topped
 /// spots, which resemble the markers, and for Gaussian ones.
 #[test]
 fn all_whole_markers_are_located_without_false_positives() {
@@ -69,7 +69,7 @@ fn all_whole_markers_are_located_without_false_positives() {
         return;
     };
     let (mut flat, mut gaussian) = (Vec::new(), Vec::new());
-    for video in videos(&data) {
+    for video in every_third(&data) {
         let name = video.display().to_string();
         let picture = frame(&ffmpeg, &video, 0);
         let reference = ReferencePicture::mean([&picture]).unwrap();
@@ -192,7 +192,7 @@ fn on_spots(name: &str, picture: &Picture, places: &[[f64; 2]]) -> usize {
     taken.iter().sum()
 }
 
-/// Tracks from the 13th frame to the end of every video. At most 1 % of the markers in all frames may be lost: those
+/// Tracks from the 13th frame to the end of videos. At most 1 % of the markers in all frames may be lost: those
 /// that leave the image with the gel, and those that fade under pressure. In the last frames, at most 2 % may be off a
 /// spot.
 #[test]
@@ -203,7 +203,7 @@ fn markers_are_tracked_to_the_end_of_videos() {
     };
     let folder = folder("real-tracks");
     let mut all = Followed::default();
-    for video in videos(&data) {
+    for video in every_third(&data) {
         let own = followed(&ffmpeg, &video, &folder);
         println!("{}: {own:?}", video.display());
         all.rows += own.rows;

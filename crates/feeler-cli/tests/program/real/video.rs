@@ -35,6 +35,13 @@ pub fn videos(folder: &Path) -> Vec<PathBuf> {
     videos
 }
 
+/// Every third of the [`videos`] in `folder`, or all of them if `FEELER_LONG_TESTS` is set.
+pub fn every_third(folder: &Path) -> Vec<PathBuf> {
+    let is_long = std::env::var_os("FEELER_LONG_TESTS").is_some_and(|value| value != "0");
+    let step = if is_long { 1 } else { 3 };
+    videos(folder).into_iter().step_by(step).collect()
+}
+
 /// Output of ffmpeg for the frames of `video` from number `first` on, with more arguments.
 pub fn decode(ffmpeg: &OsString, video: &Path, first: usize, arguments: &[&str]) -> Vec<u8> {
     let mut command = Command::new(ffmpeg);
