@@ -23,7 +23,9 @@ function image(dx) {
   return pixels;
 }
 
-initSync({ module: readFileSync(fileURLToPath(new URL("../out/wasm/feeler_wasm_bg.wasm", import.meta.url))) });
+initSync({
+  module: readFileSync(fileURLToPath(new URL("../out/wasm/feeler_wasm_bg.wasm", import.meta.url))),
+});
 const fingertip = new Fingertip(image(0), WIDTH, HEIGHT);
 const moved = Array.from({ length: IMAGES }, (_, n) => 8 * Math.sin(n / 5));
 const images = moved.map(image);
@@ -31,6 +33,8 @@ const start = performance.now();
 let tracked;
 for (const pixels of images) tracked = fingertip.track(pixels);
 const seconds = (performance.now() - start) / 1000;
-const errors = Array.from({ length: fingertip.markers() }, (_, n) => Math.abs(tracked[5 * n + 2] - moved.at(-1)));
+const errors = Array.from({ length: fingertip.markers() }, (_, n) =>
+  Math.abs(tracked[5 * n + 2] - moved.at(-1)),
+);
 console.log(`${fingertip.markers()} markers: ${(IMAGES / seconds).toFixed(0)} images/s`);
 console.log(`largest error of the displacement in the last image: ${Math.max(...errors).toFixed(3)} px`);
