@@ -65,7 +65,7 @@ export class Engine {
     return this.#runs++;
   }
 
-  /** Drops the listener of a run, and with it everything that it shows. */
+  /** Removes the listener of a run, so that its view can be freed. */
   forget(run: number): void {
     this.#listeners.delete(run);
   }

@@ -1,7 +1,7 @@
 /** Files that the reader drops or chooses, and files that the page saves. */
 import { make } from "../src/ui/dom";
 
-/** A place to drop a file or to choose one, which is then opened. `id` is that of the input. */
+/** An area to drop or choose a file, which is passed to `open`. `id` is the input element's. */
 export function dropZone(id: string, accept: string, text: string, open: (file: File) => void): HTMLElement {
   const input = make("input", { type: "file", id, accept });
   const first = (files: FileList | null | undefined) => files?.[0] && open(files[0]);
@@ -20,6 +20,6 @@ export function save(name: string, content: BlobPart, type: string): void {
   const link = make("a", { download: name });
   link.href = URL.createObjectURL(new Blob([content], { type }));
   link.click();
-  // The download keeps its own reference.
+  // A download that has started no longer needs the address.
   setTimeout(() => URL.revokeObjectURL(link.href), 60_000);
 }

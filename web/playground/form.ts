@@ -4,7 +4,7 @@ import type { Catalogue, Experiment } from "./protocol";
 import { lawOf, type PageSettings, withLaw } from "./settings_link";
 import { Sliders } from "./sliders";
 
-/** Choice of the experiment's own law, or of no law. */
+/** Value of the options for the experiment's own law and for no comparison. */
 const NONE = "";
 
 export class RunForm {
@@ -91,19 +91,24 @@ export class RunForm {
   }
 
   settings(): PageSettings {
+    const set = [...this.sliders.settings(), ...this.#rest];
+    const law = this.#law.value;
     return {
       experiment: this.#experiment.value,
       seed: Number(this.#seed.value),
       sensing: this.#sensing.value === "image" ? "image" : "direct",
-      set: withLaw([...this.sliders.settings(), ...this.#rest], this.#law.value),
+      // Without a choice, a law that the form does not know remains, and the run refuses it.
+      set: law === NONE ? set : withLaw(set, law),
       compare: this.#compare.value,
     };
   }
 
-  /** Shows `settings`; values that it lacks are the experiment's. */
-  async apply({ experiment, seed, sensing, set = [], compare }: Partial<PageSettings>): Promise<void> {
+  /**
+   * Shows `settings`; missing values are the experiment's. Returns `false` if another experiment is chosen meanwhile.
+   */
+  async apply({ experiment, seed, sensing, set = [], compare }: Partial<PageSettings>): Promise<boolean> {
     if (experiment && this.#catalogue.experiments.includes(experiment)) this.#experiment.value = experiment;
-    if (!(await this.#choose())) return;
+    if (!(await this.#choose())) return false;
     if (seed !== undefined) this.#seed.value = String(seed);
     if (sensing) this.#sensing.value = sensing;
     if (compare && this.#catalogue.laws.includes(compare)) this.#compare.value = compare;
@@ -111,6 +116,7 @@ export class RunForm {
     const isKnown = this.#catalogue.laws.includes(law);
     if (isKnown) this.#law.value = law === this.ownLaw ? NONE : law;
     this.#rest = this.sliders.apply(isKnown ? withLaw(set, NONE) : set);
+    return true;
   }
 }
 

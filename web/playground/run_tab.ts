@@ -91,7 +91,7 @@ export class RunTab {
 
   /** Shows `settings` and starts the run at `speed` times real time. */
   async start(settings?: Partial<PageSettings>, speed?: number): Promise<void> {
-    if (settings) await this.form.apply(settings);
+    if (settings && !(await this.form.apply(settings))) return;
     if (speed !== undefined) this.#speed.value = String(speed);
     const chosen = this.form.settings();
     history.replaceState(null, "", toHash(chosen));
