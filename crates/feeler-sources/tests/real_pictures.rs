@@ -1,5 +1,7 @@
 //! Images of a real hemispherical sensor with black and white pins, if the recordings are available.
 
+#[path = "../../feeler-link/tests/support/how_many.rs"]
+mod how_many;
 #[path = "../../feeler-lab/tests/support/recordings.rs"]
 mod recordings;
 #[path = "../examples/sheared_contact.rs"]
@@ -7,6 +9,7 @@ mod recordings;
 mod sheared_contact;
 
 use feeler::sensor::image::Picture;
+use how_many::is_long;
 use recordings::recordings;
 use sheared_contact::contact_pose::{self, DataSet, contact_pose};
 use sheared_contact::sheared_contact;
@@ -84,7 +87,7 @@ fn sheared_contacts_are_estimated_from_real_images() {
     let mut data = DataSet::read(&folder, &sheared_contact::TARGETS).unwrap();
     // The first image is the lightest contact, used as the untouched sensor.
     let reference = data.pictures[0].clone();
-    let long = std::env::var_os("FEELER_LONG_TESTS").is_some_and(|value| value != "0");
+    let long = is_long();
     let every = if long { 1 } else { 6 };
     let rows: Vec<usize> = (0..data.pictures.len()).step_by(every).collect();
     data.poses = data.poses.select_rows(&rows);

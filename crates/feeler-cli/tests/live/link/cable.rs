@@ -1,6 +1,7 @@
 //! A cable between two hosts that is cut and reconnected, simulated with network namespaces if permitted.
 
 use super::faults::{LastWords, NO_HURRY, check};
+use crate::how_many::is_long;
 use crate::rig::Setup;
 use crate::skip::not_permitted;
 use std::process::Command;
@@ -95,6 +96,5 @@ fn cut_cable_stops_the_hand_until_it_is_resumed() {
 /// The cut is long enough that both ends close the connection. It lasts a minute if `FEELER_LONG_TESTS` is set.
 #[test]
 fn programs_reconnect_after_a_long_cut() {
-    let long = std::env::var_os("FEELER_LONG_TESTS").is_some();
-    cut("link-long-cable", if long { 60 } else { 5 }, true);
+    cut("link-long-cable", if is_long() { 60 } else { 5 }, true);
 }

@@ -1,5 +1,6 @@
 //! Frames of videos, decoded by ffmpeg.
 
+use crate::how_many::is_long;
 use crate::recordings::cannot;
 use feeler::sensor::image::Picture;
 use feeler_sources::decode_picture;
@@ -37,8 +38,7 @@ pub fn videos(folder: &Path) -> Vec<PathBuf> {
 
 /// Every third of the [`videos`] in `folder`, or all of them if `FEELER_LONG_TESTS` is set.
 pub fn every_third(folder: &Path) -> Vec<PathBuf> {
-    let is_long = std::env::var_os("FEELER_LONG_TESTS").is_some_and(|value| value != "0");
-    let step = if is_long { 1 } else { 3 };
+    let step = if is_long() { 1 } else { 3 };
     videos(folder).into_iter().step_by(step).collect()
 }
 
