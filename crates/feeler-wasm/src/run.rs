@@ -110,7 +110,7 @@ impl Run {
         let controller = control_loop.controller();
         let strokes = self.experiment.config.task.strokes();
         let mut text = String::new();
-        // A string takes everything.
+        // Writing to a string cannot fail.
         let _ = write_state(&mut text, controller, strokes);
         let state = State {
             state: text,

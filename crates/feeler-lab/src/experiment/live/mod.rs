@@ -13,11 +13,11 @@ use feeler_report::pages::LiveRig;
 use glam::DQuat;
 use std::{fmt, iter};
 
-/// Writes the phase of a hand that is not stopped as a sentence, with its `stroke` (0 if none has begun) of `strokes` (0
-/// if their number is not known in advance).
+/// Writes the phase of a hand that is not stopped as a sentence, such as "MOVE of stroke 2 of 4.". `stroke` is 0 before
+/// the first stroke; `strokes` is 0 if their number is not known in advance.
 ///
 /// # Errors
-/// If `text` refuses what is written.
+/// If writing to `text` fails.
 pub fn write_phase(
     text: &mut impl fmt::Write,
     phase: Phase,
@@ -31,11 +31,11 @@ pub fn write_phase(
     }
 }
 
-/// Writes the state of the hand of `controller` as a sentence: its phase, or why it is stopped. Its task has `strokes`
-/// strokes.
+/// Writes the phase of `controller`'s hand, or the reason why it is stopped, as a sentence. `strokes` is the number of
+/// strokes of its task (0 if not known in advance).
 ///
 /// # Errors
-/// If `text` refuses what is written.
+/// If writing to `text` fails.
 pub fn write_state(
     text: &mut impl fmt::Write,
     controller: &Controller,
