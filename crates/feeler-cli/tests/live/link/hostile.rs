@@ -6,9 +6,7 @@ use feeler_link::messages::message::{
     CommandMessage, HandMode, Heartbeat, MessageHeader, NO_FINGER, PROTOCOL, ProgramKind,
     ResumeMessage, StateMessage, StopMessage, TactileUpdate,
 };
-use feeler_link::transport::{
-    Link, MessageHandler, Network, Outlet, Place, Topic, draw_instance, send,
-};
+use feeler_link::transport::{Link, MessageHandler, Network, Outlet, Topic, draw_instance, send};
 use feeler_record::wire::{Vector3, cdr};
 use std::collections::HashMap;
 use std::io::Write;
@@ -107,9 +105,8 @@ fn spy(peer: &Link) -> HashMap<String, u64> {
         notes.insert(heartbeat.program.to_string(), heartbeat.instance);
     };
     let note: MessageHandler = Arc::new(note);
-    // Only of finger 0, in whose name messages are sent: both sensor programs have the same name.
-    for place in [Place::Hand, Place::World, Place::Sense(0)] {
-        let listening = peer.listen(Topic::Heartbeat(place), note.clone());
+    for topic in Topic::heartbeats() {
+        let listening = peer.listen(topic, note.clone());
         listening.expect("the others' heartbeats");
     }
     loop {
