@@ -1,17 +1,13 @@
 /** The playground: the same results as the program, without a network. `PLAYGROUND` is the page, `FEELER` the program. */
 import assert from "node:assert/strict";
-import { execFileSync } from "node:child_process";
-import { mkdtempSync, readFileSync, statSync, writeFileSync } from "node:fs";
-import { tmpdir } from "node:os";
+import { statSync, writeFileSync } from "node:fs";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { pathToFileURL } from "node:url";
 import type { Browser, Page } from "playwright-core";
-import { eventually, launch, open, type Opened, until } from "./browser";
+import { eventually, launch, type Opened, until } from "./browser";
+import * as playground from "./playground_page";
+import { digestOf, experiments, folder, nothingElse, page as file, program, skip } from "./playground_page";
 
-const page = process.env["PLAYGROUND"];
-const feeler = process.env["FEELER"];
-const skip = page && feeler ? false : "needs PLAYGROUND and FEELER";
 const LARGEST = 4e6;
 
 let browser: Browser;
@@ -22,38 +18,7 @@ after(async () => {
   if (!skip) await browser.close();
 });
 
-async function opened(hash = "", options = {}): Promise<Opened> {
-  const url = pathToFileURL(page ?? "").href + hash;
-  const result = await open(browser, url, options);
-  await result.page.waitForFunction(() => "feeler" in window);
-  return result;
-}
-
-/** No errors, and nothing was loaded but the page's own parts. */
-function nothingElse({ errors, requests }: Opened): void {
-  assert.deepEqual(errors, []);
-  assert.deepEqual(
-    requests.filter((url) => !/^(blob:|about:|file:.*playground\.html)/.test(url)),
-    [],
-  );
-}
-
-/** Digest of the program's run. */
-function digestOf(experiment: string, sensing: string): string {
-  const out = join(mkdtempSync(join(tmpdir(), "feeler-playground-")), "run");
-  try {
-    execFileSync(feeler ?? "", ["run", experiment, "--sensing", sensing, "--out", out], { stdio: "ignore" });
-  } catch {
-    // A run whose task fails has a digest, too.
-  }
-  return JSON.parse(readFileSync(join(out, "summary.json"), "utf8")).digest;
-}
-
-function experiments(): string[] {
-  const list = execFileSync(feeler ?? "", ["list"], { encoding: "utf8" });
-  const own = list.split("\n\n")[0] ?? "";
-  return own.split("\n").map((line) => line.split(" ")[0] ?? "");
-}
+const opened = (hash = "", options = {}): Promise<Opened> => playground.opened(browser, hash, options);
 
 const run = (page: Page, experiment: string, sensing: "direct" | "image") =>
   page.evaluate(async ([experiment, sensing]) => (await window.feeler.run({ experiment, sensing })).digest, [
@@ -131,65 +96,25 @@ test("a setting out of range is refused in a sentence", { skip }, async () => {
   await page.getByText("control.period").first().waitFor();
 });
 
+test("an unknown experiment in a link is refused in a sentence", { skip }, async () => {
+  const { page } = await opened("#experiment=bottle-opening");
+  await page.getByText('There is no built-in experiment "bottle-opening"').waitFor();
+  assert.ok(await page.locator("button.primary").isDisabled());
+});
+
 test("a recording is reported, and a damaged file is refused in a sentence", { skip }, async () => {
-  const folder = mkdtempSync(join(tmpdir(), "feeler-playground-"));
-  execFileSync(feeler ?? "", ["run", "cap-closing", "--sensing", "direct", "--out", join(folder, "run")], {
-    stdio: "ignore",
-  });
+  const out = folder();
+  program(out, "run", "cap-closing", "--sensing", "direct", "--out", "run");
   const { page } = await opened();
   await page.getByRole("tab", { name: "Your recording" }).click();
-  await page.setInputFiles("#recording", join(folder, "run", "recording.mcap"));
+  await page.setInputFiles("#recording", join(out, "run", "recording.mcap"));
   const frame = page.frameLocator("iframe.report");
   await frame.getByRole("heading", { name: "cap-closing" }).first().waitFor();
-  const damaged = join(folder, "damaged.mcap");
+  const damaged = join(out, "damaged.mcap");
   writeFileSync(damaged, "not a recording");
   await page.setInputFiles("#recording", damaged);
   await page.getByText("damaged.mcap:").waitFor();
 });
-
-test(
-  "markers of an image are located and saved as a layout, and an image without markers is refused",
-  { skip },
-  async () => {
-    const { page } = await opened();
-    await page.getByRole("tab", { name: "Your fingertip" }).click();
-    const drawn = (dots: boolean) =>
-      page.evaluate((dots) => {
-        const canvas = document.createElement("canvas");
-        [canvas.width, canvas.height] = [320, 240];
-        const context = canvas.getContext("2d");
-        if (!context) throw new Error("no canvas");
-        context.fillStyle = "#c0c0c0";
-        context.fillRect(0, 0, 320, 240);
-        context.fillStyle = "#202020";
-        for (let x = 40; dots && x < 300; x += 30) {
-          for (let y = 30; y < 220; y += 30) {
-            context.beginPath();
-            context.arc(x, y, 6, 0, 2 * Math.PI);
-            context.fill();
-          }
-        }
-        return canvas.toDataURL("image/png").split(",")[1] ?? "";
-      }, dots);
-    const choose = async (name: string, dots: boolean) =>
-      page.setInputFiles("#fingertip", {
-        name,
-        mimeType: "image/png",
-        buffer: Buffer.from(await drawn(dots), "base64"),
-      });
-    await choose("dots.png", true);
-    await page.getByText("63 markers.").waitFor();
-    const [download] = await Promise.all([
-      page.waitForEvent("download"),
-      page.getByRole("button", { name: "as a layout file" }).click(),
-    ]);
-    const layout = join(mkdtempSync(join(tmpdir(), "feeler-playground-")), "layout.toml");
-    await download.saveAs(layout);
-    assert.match(readFileSync(layout, "utf8"), /^version = /m);
-    await choose("plain.png", false);
-    await page.getByText("63 markers.").waitFor({ state: "hidden" });
-  },
-);
 
 test("every lesson can be started, and the first is solved by a high threshold", { skip }, async () => {
   const { page } = await opened();
@@ -213,6 +138,6 @@ test("a phone shows the page without scrolling sideways", { skip }, async () => 
 });
 
 test("the page is small enough", { skip }, () => {
-  const { size } = statSync(page ?? "");
+  const { size } = statSync(file);
   assert.ok(size <= LARGEST, `${size} bytes`);
 });

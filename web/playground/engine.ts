@@ -1,6 +1,7 @@
 /** The page's side of its worker: feeler without a server. */
 import { decompress } from "fzstd";
 import { PageProblem } from "../src/problem";
+import { unpack } from "./packed_text.mjs";
 import type { Calls, Reply, RunState } from "./protocol";
 
 /** Events of one run. */
@@ -35,8 +36,7 @@ export class Engine {
     );
     if (!program || !script)
       throw new PageProblem("This page is incomplete: it does not contain feeler's program.");
-    const packed = Uint8Array.from(atob(program.trim()), (letter) => letter.charCodeAt(0));
-    const module = await WebAssembly.compile(decompress(packed) as BufferSource);
+    const module = await WebAssembly.compile(decompress(unpack(program)) as BufferSource);
     const url = URL.createObjectURL(new Blob([script], { type: "text/javascript" }));
     const worker = new Worker(url);
     await new Promise<void>((resolve, reject) => {

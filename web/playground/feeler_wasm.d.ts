@@ -17,8 +17,13 @@ declare module "*/wasm/feeler_wasm" {
   }
   export class Fingertip {
     constructor(rgba: Uint8Array, width: number, height: number);
-    track(rgba: Uint8Array): Float32Array<ArrayBuffer>;
+    static from_layout(text: string): Fingertip;
+    calibrate(text: string, touchForce: number, overForce: number, slipThreshold: number): void;
+    track(rgba: Uint8Array, stamp: number): Float32Array<ArrayBuffer>;
+    felt(): string;
     markers(): number;
+    width(): number;
+    height(): number;
     layout(): string;
     warnings(): string[];
     free(): void;

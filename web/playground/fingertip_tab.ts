@@ -1,149 +1,206 @@
-/** The tab that tracks the markers of the reader's fingertip in a video, images or the camera. */
+/** The tab that tracks the markers of the reader's fingertip in a video, an image or the camera. */
 import { PageProblem } from "../src/problem";
 import { button, make, setText } from "../src/ui/dom";
 import type { Engine } from "./engine";
+import { FeltView } from "./felt_view";
 import { dropZone, save } from "./files";
-import { drawMarkers, NUMBERS } from "./markers";
+import { MarkerTable } from "./marker_table";
+import { drawMarkers, HeatMap, WARM } from "./markers";
+import type { LocatedFingertip } from "./protocol";
+import { ThresholdFields } from "./thresholds";
 
-/** Largest width of the tracked image (px); larger ones are scaled down. */
+/** Largest width of the tracked image (px); larger ones are scaled down unless a layout is given. */
 const WIDEST = 640;
-/** Largest number of images in the table: ten minutes at 30 images a second. */
-const MOST_ROWS = 18_000;
+const ABOUT =
+  "A fingertip with markers, such as TacTip, GelSight with dots, or your own: its markers are located in the first image, which must show it untouched, and tracked from there. Add a layout and a calibration, as feeler locate and feeler calibrate write them, for forces and flags. Nothing leaves this computer.";
 
 export class FingertipTab {
   readonly element: HTMLElement;
   readonly #engine: Engine;
   readonly #video = make("video", { muted: "", playsinline: "", hidden: "" });
   readonly #image = make("canvas", { role: "img", "aria-label": "Image of the fingertip with its markers" });
+  /** The current image without markers. */
+  readonly #frame = document.createElement("canvas");
   readonly #status = make("p", { class: "note", role: "status", "aria-live": "polite" });
   readonly #rate = make("p", { class: "note" });
   readonly #save: HTMLButtonElement[];
-  #layout = "";
-  #located = false;
-  /** Time (s) and the numbers of all markers of each tracked image. */
-  #table: { time: number; markers: Float32Array }[] = [];
+  readonly #heat = make("input", { type: "checkbox", id: "heat-map" });
+  readonly #heatMap = new HeatMap();
+  readonly #felt = new FeltView();
+  readonly #thresholds = new ThresholdFields(() => void this.#calibrate());
+  readonly #table = new MarkerTable();
+  #located: LocatedFingertip | undefined;
+  /** The markers come from a layout file. */
+  #given = false;
+  /** Content of the calibration file, if any. */
+  #calibration = "";
   /** Counts the sources, so that images of an earlier one are dropped. */
   #source = 0;
-  #tracked = 0;
-  #since = performance.now();
 
   constructor(engine: Engine) {
     this.#engine = engine;
     this.#video.muted = true;
-    const text = "Drop a video or an image here, or choose one: ";
-    const zone = dropZone("fingertip", "video/*,image/*", text, (file) => void this.#open(file));
+    const text = "Drop a video, an image, a layout or a calibration here, or choose one: ";
+    const zone = dropZone("fingertip", "video/*,image/*,.toml", text, (file) => void this.#open(file));
     this.#save = [
       button("Save the layout", "Save the markers as a layout file for feeler sense", () =>
-        save("layout.toml", this.#layout, "text/plain"),
+        save("layout.toml", this.#located?.layout ?? "", "text/plain"),
       ),
       button("Save the table", "Save all tracked markers as a table", () =>
-        save("markers.csv", this.#csv(), "text/csv"),
+        save("markers.csv", this.#table.csv(), "text/csv"),
       ),
     ];
-    this.element = make(
+    const orders = make(
       "div",
-      {},
-      make(
-        "p",
-        {},
-        "A fingertip with markers, such as TacTip, GelSight with dots, or your own: its markers are located in the first image, which must show it untouched, and tracked from there. No image leaves this computer.",
+      { class: "orders" },
+      button("Use the camera", "Use a camera of this computer", () => void this.#camera()),
+      button("Untouched now", "Take the current image as that of the untouched fingertip", () =>
+        this.#forget(),
       ),
-      zone,
-      make(
-        "div",
-        { class: "orders" },
-        button("Use the camera", "Use a camera of this computer", () => void this.#camera()),
-        button(
-          "Untouched now",
-          "Take the current image as that of the untouched fingertip",
-          () => (this.#located = false),
-        ),
-        button("Stop", "Stop the video or the camera", () => this.#stop("Stopped.")),
-        ...this.#save,
-      ),
-      this.#status,
-      make("div", { class: "picture" }, this.#image),
-      this.#rate,
-      this.#video,
+      button("Stop", "Stop the video or the camera", () => this.#stop("Stopped.")),
+      ...this.#save,
+      make("label", {}, this.#heat, ` Heat map of the displacement, blue: 0, red: ${WARM} px or more`),
     );
-    this.#enable(false);
+    const picture = make("div", { class: "picture" }, this.#image);
+    this.element = make("div", {}, make("p", {}, ABOUT), zone, orders, this.#thresholds.element);
+    this.element.append(this.#status, this.#felt.element, picture, this.#rate, this.#video);
+    this.#enable();
   }
 
   async #open(file: File): Promise<void> {
-    this.#stop("");
-    const url = URL.createObjectURL(file);
-    if (file.type.startsWith("image/")) {
-      const picture = new Image();
-      picture.src = url;
-      try {
-        await picture.decode();
-        this.#located = false;
-        await this.#see(picture, picture.naturalWidth, picture.naturalHeight, 0);
-      } catch (error) {
-        setText(this.#status, problem(error, "This browser cannot read the image."));
-      }
-      return;
+    try {
+      if (file.name.endsWith(".toml")) await this.#openText(await file.text());
+      else if (file.type.startsWith("image/")) await this.#openImage(file);
+      else await this.#openVideo(file);
+    } catch (error) {
+      this.#stop(`${file.name}: ${problem(error, "this browser cannot read the file.")}`);
     }
-    this.#video.src = url;
-    await this.#play();
+  }
+
+  async #openText(text: string): Promise<void> {
+    // A calibration states what it was made for; a layout does not.
+    if (text.includes("[made_for]")) {
+      this.#calibration = text;
+      return this.#calibrate();
+    }
+    this.#stop("");
+    const located = await this.#engine.call("layout", { text });
+    this.#forget();
+    this.#given = true;
+    this.#use(located);
+  }
+
+  async #openImage(file: File): Promise<void> {
+    this.#stop("");
+    const picture = new Image();
+    picture.src = URL.createObjectURL(file);
+    await picture.decode().finally(() => URL.revokeObjectURL(picture.src));
+    this.#restart();
+    await this.#see(picture, picture.naturalWidth, picture.naturalHeight, 0);
+  }
+
+  async #openVideo(file: File): Promise<void> {
+    this.#stop("");
+    this.#video.src = URL.createObjectURL(file);
+    await this.#play().finally(() => URL.revokeObjectURL(this.#video.src));
   }
 
   async #camera(): Promise<void> {
     this.#stop("");
     try {
       this.#video.srcObject = await navigator.mediaDevices.getUserMedia({ video: { width: WIDEST } });
+      await this.#play();
     } catch (error) {
-      setText(this.#status, `The camera cannot be used: ${error instanceof Error ? error.message : error}`);
-      return;
+      const reason = error instanceof Error ? error.message : String(error);
+      this.#stop(error instanceof PageProblem ? reason : `The camera cannot be used: ${reason}`);
     }
-    await this.#play();
   }
 
   /** Tracks image after image until the video ends or another source is opened. */
   async #play(): Promise<void> {
     const source = ++this.#source;
-    this.#located = false;
-    this.#table = [];
-    this.#tracked = 0;
-    this.#since = performance.now();
+    this.#restart();
+    // Checks the first image again, and restarts the flags.
+    if (this.#calibration) await this.#calibrate();
     const video = this.#video;
+    await video.play();
+    const start = performance.now();
+    for (;;) {
+      const time = await nextImage(video);
+      if (source !== this.#source) return;
+      if (time === undefined) break;
+      await this.#see(video, video.videoWidth, video.videoHeight, time);
+      const rate = (1000 * this.#table.images) / Math.max(1, performance.now() - start);
+      if (!this.#table.full) setText(this.#rate, `${rate.toFixed(0)} images per second`);
+      else setText(this.#rate, `The table is full: it ends after ${this.#table.images} images.`);
+    }
+    setText(this.#status, `The video has ended; ${this.#table.images} images were tracked.`);
+  }
+
+  /** Locates the markers again in the next image, unless they come from a layout. */
+  #restart(): void {
+    this.#table.clear();
+    if (!this.#given) this.#forget();
+  }
+
+  /** Forgets the markers, and the calibration that was made for them. */
+  #forget(): void {
+    this.#located = undefined;
+    this.#given = false;
+    this.#calibration = "";
+    this.#thresholds.element.hidden = true;
+    this.#felt.show(undefined);
+    this.#table.clear();
+    this.#enable();
+  }
+
+  #use(located: LocatedFingertip): void {
+    this.#located = located;
+    this.#enable();
+    const warnings = located.warnings.map((warning) => ` Warning: ${warning}.`);
+    const next = this.#given ? " Open a video of this fingertip, or its calibration." : "";
+    setText(this.#status, `${located.markers} markers.${next}${warnings.join("")}`);
+  }
+
+  async #calibrate(): Promise<void> {
     try {
-      await video.play();
-      while (source === this.#source && !video.ended) {
-        if (video.videoWidth > 0)
-          await this.#see(video, video.videoWidth, video.videoHeight, video.currentTime);
-        await new Promise((resolve) => requestAnimationFrame(resolve));
-      }
-      if (source === this.#source)
-        setText(this.#status, `The video has ended; ${this.#table.length} images were tracked.`);
+      const thresholds = this.#thresholds.values();
+      await this.#engine.call("calibrate", { text: this.#calibration, thresholds });
+      this.#thresholds.element.hidden = false;
+      setText(this.#status, "The calibration is in use.");
     } catch (error) {
-      if (source === this.#source) this.#stop(problem(error, "This browser cannot play the video."));
+      this.#calibration = "";
+      setText(this.#status, `The calibration is not used: ${problem(error, String(error))}`);
     }
   }
 
   async #see(picture: CanvasImageSource, width: number, height: number, time: number): Promise<void> {
-    const scale = Math.min(1, WIDEST / width);
-    const canvas = this.#image;
-    [canvas.width, canvas.height] = [Math.round(scale * width), Math.round(scale * height)];
-    const context = canvas.getContext("2d", { willReadFrequently: true });
-    if (!context) throw new PageProblem("This browser cannot read images.");
-    context.drawImage(picture, 0, 0, canvas.width, canvas.height);
-    const { data } = context.getImageData(0, 0, canvas.width, canvas.height);
-    const rgba = data.buffer as ArrayBuffer;
-    if (!this.#located) {
-      const located = await this.#engine.call("locate", { rgba, width: canvas.width, height: canvas.height });
-      this.#located = true;
-      this.#layout = located.layout;
-      this.#table = [];
-      this.#enable(true);
-      const warnings = located.warnings.map((warning) => ` Warning: ${warning}.`);
-      setText(this.#status, `${located.markers} markers.${warnings.join("")}`);
-    }
-    const markers = await this.#engine.call("track", { rgba });
-    drawMarkers(context, markers);
-    if (this.#table.length < MOST_ROWS) this.#table.push({ time, markers });
-    const seconds = (performance.now() - this.#since) / 1000;
-    setText(this.#rate, `${(++this.#tracked / Math.max(seconds, 1e-3)).toFixed(0)} images per second`);
+    const scale = this.#given ? 1 : Math.min(1, WIDEST / width);
+    this.#checkSize(width, height);
+    const frame = this.#frame;
+    [frame.width, frame.height] = [Math.round(scale * width), Math.round(scale * height)];
+    const pixels = frame.getContext("2d", { willReadFrequently: true });
+    const shown = this.#image.getContext("2d");
+    if (!pixels || !shown) throw new PageProblem("this browser cannot read images.");
+    pixels.drawImage(picture, 0, 0, frame.width, frame.height);
+    const rgba = pixels.getImageData(0, 0, frame.width, frame.height).data.buffer as ArrayBuffer;
+    if (!this.#located)
+      this.#use(await this.#engine.call("locate", { rgba, width: frame.width, height: frame.height }));
+    const { markers, felt } = await this.#engine.call("track", { rgba, time });
+    // The image and its markers appear together.
+    [this.#image.width, this.#image.height] = [frame.width, frame.height];
+    shown.drawImage(frame, 0, 0);
+    if (this.#heat.checked) this.#heatMap.draw(shown, markers);
+    drawMarkers(shown, markers);
+    this.#felt.show(felt);
+    this.#table.add(time, markers);
+  }
+
+  #checkSize(width: number, height: number): void {
+    const expected = this.#given ? this.#located : undefined;
+    if (!expected || (expected.width === width && expected.height === height)) return;
+    const size = `${expected.width} x ${expected.height} px`;
+    throw new PageProblem(`the layout is for images of ${size}, but these are of ${width} x ${height} px.`);
   }
 
   #stop(status: string): void {
@@ -155,20 +212,25 @@ export class FingertipTab {
     setText(this.#status, status);
   }
 
-  #enable(any: boolean): void {
-    for (const save of this.#save) save.disabled = !any;
+  #enable(): void {
+    for (const save of this.#save) save.disabled = !this.#located;
   }
+}
 
-  #csv(): string {
-    const lines = ["time,marker,column_px,row_px,column_displacement_px,row_displacement_px,confidence"];
-    for (const { time, markers } of this.#table) {
-      for (let marker = 0; marker * NUMBERS < markers.length; marker++) {
-        const numbers = markers.subarray(marker * NUMBERS, (marker + 1) * NUMBERS);
-        lines.push([time.toFixed(4), marker, ...[...numbers].map((number) => number.toFixed(3))].join(","));
-      }
-    }
-    return `${lines.join("\n")}\n`;
-  }
+/** Returns the time of the next image of `video` (s), or `undefined` at its end. */
+function nextImage(video: HTMLVideoElement): Promise<number | undefined> {
+  return new Promise((done) => {
+    if (video.ended) return done(undefined);
+    const ended = () => {
+      video.cancelVideoFrameCallback(callback);
+      done(undefined);
+    };
+    const callback = video.requestVideoFrameCallback((_, { mediaTime }) => {
+      video.removeEventListener("ended", ended);
+      done(mediaTime);
+    });
+    video.addEventListener("ended", ended, { once: true });
+  });
 }
 
 function problem(error: unknown, otherwise: string): string {

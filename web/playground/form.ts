@@ -71,7 +71,13 @@ export class RunForm {
   async #choose(): Promise<boolean> {
     const name = this.#experiment.value;
     this.#start.disabled = true;
-    const experiment = await this.#describe(name);
+    let experiment: Experiment;
+    try {
+      experiment = await this.#describe(name);
+    } catch (error) {
+      this.#refuse(`${name}: ${error instanceof Error ? error.message : error}`);
+      return false;
+    }
     if (this.#experiment.value !== name) return false;
     this.#start.disabled = false;
     const { description, law, seed, sensing } = experiment;
@@ -88,6 +94,13 @@ export class RunForm {
     this.#rest = [];
     this.sliders.show(experiment);
     return true;
+  }
+
+  /** Says why there is nothing to run. */
+  #refuse(reason: string): void {
+    this.#start.disabled = true;
+    setText(this.#about, reason);
+    this.sliders.element.replaceChildren();
   }
 
   settings(): PageSettings {
@@ -107,7 +120,11 @@ export class RunForm {
    * Shows `settings`; missing values are the experiment's. Returns `false` if another experiment is chosen meanwhile.
    */
   async apply({ experiment, seed, sensing, set = [], compare }: Partial<PageSettings>): Promise<boolean> {
-    if (experiment && this.#catalogue.experiments.includes(experiment)) this.#experiment.value = experiment;
+    if (experiment && !this.#catalogue.experiments.includes(experiment)) {
+      this.#refuse(`There is no built-in experiment "${experiment}"; choose another one.`);
+      return false;
+    }
+    if (experiment) this.#experiment.value = experiment;
     if (!(await this.#choose())) return false;
     if (seed !== undefined) this.#seed.value = String(seed);
     if (sensing) this.#sensing.value = sensing;

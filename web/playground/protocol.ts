@@ -39,13 +39,43 @@ export interface FinishedRun {
   recording: Uint8Array<ArrayBuffer>;
 }
 
-/** Markers located in an image. */
+/** Markers of a fingertip, located in an image or read from a layout file. */
 export interface LocatedFingertip {
   markers: number;
+  /** Columns and rows of the images (px). */
+  width: number;
+  height: number;
   /** Text of the layout file, as `feeler locate` writes it. */
   layout: string;
   warnings: string[];
 }
+
+/** Thresholds of the flags: compressions (N) and shear rate (N/s). */
+export interface Thresholds {
+  touch: number;
+  over: number;
+  slip: number;
+}
+
+/** Forces in an image by a calibration of elements, or by one of the whole fingertip. */
+export type Felt =
+  | {
+      kind: "elements";
+      touch: boolean;
+      slip: boolean;
+      over: boolean;
+      /** Sum of the compressions (N). */
+      grasp_force: number;
+      /** Number of elements without a valid force. */
+      invalid: number;
+    }
+  | {
+      kind: "wrench";
+      /** Force (N) and torque (N m); `null` for components that are not calibrated. */
+      components: (number | null)[];
+      /** `false` if the image is unlike those of the calibration. */
+      valid: boolean;
+    };
 
 /** State of a run, as on a live page. */
 export interface RunState {
@@ -74,8 +104,15 @@ export interface Calls {
   discard: { argument: { run: number }; result: undefined };
   /** Locates the markers of an untouched fingertip; later images are tracked from there. */
   locate: { argument: { rgba: ArrayBuffer; width: number; height: number }; result: LocatedFingertip };
-  /** Tracks the markers into an image of the same size. Five numbers each: column, row, displacement (px), confidence. */
-  track: { argument: { rgba: ArrayBuffer }; result: Float32Array<ArrayBuffer> };
+  /** Uses the markers of a layout file instead. */
+  layout: { argument: { text: string }; result: LocatedFingertip };
+  /** Computes forces from now on, by the calibration file with the content `text`. */
+  calibrate: { argument: { text: string; thresholds: Thresholds }; result: undefined };
+  /** Tracks the markers into an image of the same size, taken at `time` (s). Numbers of a marker: see `markers.ts`. */
+  track: {
+    argument: { rgba: ArrayBuffer; time: number };
+    result: { markers: Float32Array<ArrayBuffer>; felt: Felt | undefined };
+  };
   /** Returns the report page (HTML) of a recording. */
   report: { argument: { file: File }; result: string };
 }

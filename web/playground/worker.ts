@@ -1,6 +1,6 @@
 /** The worker: advances runs and reads recordings, so that the page never waits. */
 import { catalogue, experiment, Fingertip, initSync, report, Run } from "../out/wasm/feeler_wasm";
-import type { Calls, FinishedRun, Reply, Request, RunState } from "./protocol";
+import type { Calls, FinishedRun, LocatedFingertip, Reply, Request, RunState } from "./protocol";
 
 /** Computation time between two messages to the page (ms): about one refresh of the screen. */
 const BURST = 15;
@@ -90,19 +90,39 @@ const functions: {
     runs.get(run)?.run.free();
     runs.delete(run);
   },
-  locate({ rgba, width, height }) {
-    const located = new Fingertip(new Uint8Array(rgba), width, height);
-    fingertip?.free();
-    fingertip = located;
-    return { markers: located.markers(), layout: located.layout(), warnings: located.warnings() };
+  locate: ({ rgba, width, height }) => use(new Fingertip(new Uint8Array(rgba), width, height)),
+  layout: ({ text }) => use(Fingertip.from_layout(text)),
+  calibrate({ text, thresholds: { touch, over, slip } }) {
+    located().calibrate(text, touch, over, slip);
   },
-  track({ rgba }) {
-    if (!fingertip) throw new Error("No markers have been located yet.");
-    return fingertip.track(new Uint8Array(rgba));
+  track({ rgba, time }) {
+    const fingertip = located();
+    const markers = fingertip.track(new Uint8Array(rgba), time);
+    const felt = fingertip.felt();
+    return { markers, felt: felt ? JSON.parse(felt) : undefined };
   },
   report: ({ file }, call) =>
     report(file, (share: number) => scope.postMessage({ kind: "progress", call, share })),
 };
+
+/** Tracks the markers of `located` from now on. */
+function use(located: Fingertip): LocatedFingertip {
+  fingertip?.free();
+  fingertip = located;
+  return {
+    markers: located.markers(),
+    width: located.width(),
+    height: located.height(),
+    layout: located.layout(),
+    warnings: located.warnings(),
+  };
+}
+
+function located(): Fingertip {
+  if (!fingertip)
+    throw new Error("No markers have been located yet: open an image, a video or a layout first.");
+  return fingertip;
+}
 
 function get(run: number): Active {
   const active = runs.get(run);

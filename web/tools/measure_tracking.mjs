@@ -34,7 +34,7 @@ let tracked;
 for (const pixels of images) tracked = fingertip.track(pixels);
 const seconds = (performance.now() - start) / 1000;
 const errors = Array.from({ length: fingertip.markers() }, (_, n) =>
-  Math.abs(tracked[5 * n + 2] - moved.at(-1)),
+  Math.abs(tracked[8 * n + 2] - moved.at(-1)),
 );
 console.log(`${fingertip.markers()} markers: ${(IMAGES / seconds).toFixed(0)} images/s`);
 console.log(`largest error of the displacement in the last image: ${Math.max(...errors).toFixed(3)} px`);

@@ -4,6 +4,7 @@ import { build } from "esbuild";
 import { execFileSync } from "node:child_process";
 import { mkdirSync, readFileSync, writeFileSync } from "node:fs";
 import { fileURLToPath } from "node:url";
+import { pack } from "../playground/packed_text.mjs";
 
 const here = (path) => fileURLToPath(new URL(path, import.meta.url));
 const ROOT = here("../..");
@@ -83,11 +84,14 @@ const style =
 const parts = {
   style,
   worker: await bundle("../playground/worker.ts"),
-  wasm: compressed(wasm).toString("base64"),
+  wasm: pack(compressed(wasm)),
   main: await bundle("../playground/main.ts"),
 };
 let page = readFileSync(here("../playground/template.html"), "utf8");
-for (const [name, content] of Object.entries(parts)) page = page.replace(`/*${name}*/`, () => content);
+for (const [name, content] of Object.entries(parts)) {
+  // White space around a part would belong to it.
+  page = page.replace(new RegExp(`\\s*/\\*${name}\\*/\\s*`), () => content);
+}
 writeFileSync(OUT, page);
 const kilobytes = (text) => `${(Buffer.byteLength(text) / 1000).toFixed(0)} kB`;
 console.log(`playground.html: ${kilobytes(page)}, of which the program ${kilobytes(parts.wasm)}`);

@@ -1,14 +1,18 @@
-//! Markers of a fingertip in the images of a video or a camera.
+//! Markers of a fingertip in the images of a video or a camera, and forces by a calibration.
 
+use crate::forces::Forces;
 use crate::js;
+use feeler::control::FlagThresholds;
 use feeler::sensor::fingertip::LocatedLayout;
+use feeler::sensor::forces::NO_FORCE;
 use feeler::sensor::image::Picture;
 use feeler::sensor::locate::{LocateConfig, MeanPicture, locate};
 use feeler::sensor::track::{MarkerTracker, TrackError};
+use feeler_lab::sensor::SensorGeometry;
 use wasm_bindgen::prelude::*;
 
 /// Number of values that `Fingertip::track` returns for each marker.
-const NUMBERS: usize = 5;
+const NUMBERS: usize = 8;
 
 /// Follows the markers of a fingertip from image to image.
 #[wasm_bindgen]
@@ -16,6 +20,9 @@ pub struct Fingertip {
     layout: LocatedLayout,
     warnings: Vec<String>,
     tracker: MarkerTracker,
+    forces: Option<Forces>,
+    /// Forces in the latest image as JSON; empty without a calibration.
+    felt: String,
     /// Pixels of the latest image (gray).
     gray: Vec<u8>,
 }
@@ -41,21 +48,59 @@ impl Fingertip {
         mean.add(&picture).map_err(js)?;
         let reference = mean.finish().map_err(js)?;
         let located = locate(&reference, &LocateConfig::default()).map_err(js)?;
-        let layout = LocatedLayout::new(&located);
+        let warnings = located.warnings.iter().map(ToString::to_string).collect();
+        Self::with_layout(LocatedLayout::new(&located), warnings)
+    }
+
+    /// Uses the markers of a layout file with the content `text`, as `feeler locate` writes it.
+    ///
+    /// # Errors
+    /// If the layout is invalid.
+    pub fn from_layout(text: &str) -> Result<Fingertip, JsError> {
+        let layout = LocatedLayout::from_toml(text).map_err(js)?;
+        Self::with_layout(layout, Vec::new())
+    }
+
+    fn with_layout(layout: LocatedLayout, warnings: Vec<String>) -> Result<Fingertip, JsError> {
         Ok(Self {
-            warnings: located.warnings.iter().map(ToString::to_string).collect(),
+            warnings,
             tracker: MarkerTracker::new(&layout).map_err(js)?,
+            forces: None,
+            felt: String::new(),
             layout,
-            gray,
+            gray: Vec::new(),
         })
     }
 
-    /// Tracks the markers into the next image of the same size. Returns five numbers for each marker: column and row
-    /// (px), displacement from the untouched fingertip along both (px), and confidence (0 to 1).
+    /// Computes forces from now on, by the calibration file with the content `text`. The flags are raised by a
+    /// compression above `touch_force` and `over_force` (N) and a shear rate above `slip_threshold` (N/s).
     ///
     /// # Errors
-    /// If the image has another size.
-    pub fn track(&mut self, rgba: &[u8]) -> Result<Vec<f32>, JsError> {
+    /// If the calibration is invalid, or was made for another layout.
+    pub fn calibrate(
+        &mut self,
+        text: &str,
+        touch_force: f64,
+        over_force: f64,
+        slip_threshold: f64,
+    ) -> Result<(), JsError> {
+        let thresholds = FlagThresholds {
+            touch_force,
+            over_force,
+            slip_threshold,
+        };
+        let geometry = SensorGeometry::of_layout(&self.layout).map_err(js)?;
+        self.forces = Some(Forces::new(geometry, text, thresholds).map_err(js)?);
+        Ok(())
+    }
+
+    /// Tracks the markers into the next image of the same size, taken at `stamp` (s). Returns eight numbers for each
+    /// marker: column and row (px), displacement from the untouched fingertip along both (px), confidence (0 to 1),
+    /// and the force on it in its frame (N), NaN if unknown.
+    ///
+    /// # Errors
+    /// If the image has another size, or does not fit the calibration.
+    pub fn track(&mut self, rgba: &[u8], stamp: f64) -> Result<Vec<f32>, JsError> {
         to_gray(rgba, &mut self.gray);
         let picture = Picture {
             width: self.layout.width,
@@ -71,18 +116,40 @@ impl Fingertip {
                 Err(error) => return Err(js(error)),
             }
         }
+        if let Some(forces) = &mut self.forces {
+            let felt = forces.sense(&picture, stamp).map_err(js)?;
+            self.felt = serde_json::to_string(&felt).map_err(js)?;
+        }
+        let mut forces = self.forces.iter().flat_map(Forces::of_elements);
         let mut numbers = Vec::with_capacity(NUMBERS * self.tracker.markers().len());
         for marker in self.tracker.markers() {
             let (place, by) = (marker.place, marker.displacement);
+            let force = forces.next().unwrap_or(NO_FORCE);
             let values = [place.x, place.y, by.x, by.y, marker.confidence];
+            let values = values.into_iter().chain(force.to_array());
             numbers.extend(values.map(|value| value as f32));
         }
         Ok(numbers)
     }
 
+    /// Forces in the latest image as JSON (`Felt` in `web/playground/protocol.ts`); empty without a calibration.
+    pub fn felt(&self) -> String {
+        self.felt.clone()
+    }
+
     /// Number of markers.
     pub fn markers(&self) -> usize {
         self.layout.elements.len()
+    }
+
+    /// Columns of the images (px).
+    pub fn width(&self) -> usize {
+        self.layout.width
+    }
+
+    /// Rows of the images (px).
+    pub fn height(&self) -> usize {
+        self.layout.height
     }
 
     /// Text of the layout file, as `feeler locate` writes it.

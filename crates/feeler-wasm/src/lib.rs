@@ -3,6 +3,7 @@
 
 mod catalogue;
 mod fingertip;
+mod forces;
 mod js_file;
 mod report;
 mod run;
@@ -15,6 +16,6 @@ pub use run::{FinishedRun, Run};
 use wasm_bindgen::JsError;
 
 /// Converts an error to one of JavaScript with the same message.
-fn js(error: impl std::error::Error) -> JsError {
+fn js(error: impl std::fmt::Display) -> JsError {
     JsError::new(&error.to_string())
 }

@@ -208,11 +208,22 @@ impl SensorGeometry {
         &self,
         path: &Path,
     ) -> Result<Option<WrenchCalibration>, GeometryError> {
-        let text = read_text(path)?;
-        if !WrenchCalibration::is_kind(&text) {
+        self.wrench_calibration(&read_text(path)?)
+    }
+
+    /// Parses the text of a wrench calibration and verifies that it was made for this sensor. Returns `None` if it is
+    /// of another kind.
+    ///
+    /// # Errors
+    /// If the calibration is invalid or was made for another sensor.
+    pub fn wrench_calibration(
+        &self,
+        text: &str,
+    ) -> Result<Option<WrenchCalibration>, GeometryError> {
+        if !WrenchCalibration::is_kind(text) {
             return Ok(None);
         }
-        let calibration = WrenchCalibration::from_toml(&text)?;
+        let calibration = WrenchCalibration::from_toml(text)?;
         calibration.verify_target(&self.made_for)?;
         Ok(Some(calibration))
     }
