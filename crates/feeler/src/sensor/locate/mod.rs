@@ -7,10 +7,12 @@
 //! 1. Bright or dark blobs are maxima of the Laplacian of Gaussians over position and scale (Lindeberg 1998). The most
 //!    common blob size is the size of the spots (`spots`).
 //! 2. If the spots form separate groups of a single size, each group is an element, otherwise each spot (`groups`).
-//! 3. Spots that differ too much in spacing, size or contrast are rejected: they are not markers (`pattern`).
+//! 3. Spots that are too few, or too irregular in spacing, size and contrast, are rejected: they are not markers
+//!    (`pattern`).
 //! 4. An element's sub-region is the disc around its centre, without the pixels that are closer to another centre.
 
 mod centroid;
+mod crowding;
 mod error;
 mod ground;
 mod groups;
@@ -34,7 +36,7 @@ pub use reference::{MeanPicture, ReferencePicture};
 pub use regions::sub_regions;
 pub use warning::LocateWarning;
 
-use self::{scale_space::ScaleSpace, spot::FoundSpots, spots::Search};
+use self::{pattern::Likeness, scale_space::ScaleSpace, spot::FoundSpots, spots::Search};
 use crate::sensor::image::cells::Cells;
 use glam::DVec2;
 use std::borrow::Cow;
@@ -151,15 +153,18 @@ fn located(
     config: &LocateConfig,
     (polarity, found): (Polarity, FoundSpots),
 ) -> Result<Located, LocateError> {
-    let unlike = pattern::unlike_markers(&found.spots, found.noise);
     // A given spot diameter means that the user has identified the spots.
-    if unlike.len() >= 2 && config.spot_diameter_px.is_none() {
-        return Err(LocateError::NoPattern {
-            polarity,
-            spots: found.spots.len(),
-            unlike,
-        });
-    }
+    let identified = config.spot_diameter_px.is_some();
+    let unlike = match pattern::assess(&found.spots, found.noise) {
+        Likeness::NoPattern(unlike) if !identified => {
+            return Err(LocateError::NoPattern {
+                polarity,
+                spots: found.spots.len(),
+                unlike,
+            });
+        }
+        Likeness::NoPattern(unlike) | Likeness::Pattern(unlike) => unlike,
+    };
     let grouped = groups::group(&found.spots, config.element_diameter_px);
     let oriented = reference.oriented(polarity);
     let mut located = regions::assemble(&oriented, polarity, config, found, grouped);

@@ -56,6 +56,9 @@ pub(super) fn score(spots: &[Spot]) -> f64 {
 /// A property in which spots differ from markers, with the measured value.
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Unlike {
+    /// There are too few spots to tell a pattern from specks.
+    #[error("{0} are too few to form a pattern, expected at least {FEWEST}")]
+    Few(usize),
     /// The spacing of the spots varies.
     #[error("spacing differs by {:.0} % from spot to spot, expected at most {:.0} %", 100.0 * .0, 100.0 * SPACING)]
     Spacing(f64),
@@ -65,6 +68,9 @@ pub enum Unlike {
     /// The contrast of the spots varies.
     #[error("contrast differs by {:.0} % from spot to spot, expected at most {:.0} %", 100.0 * .0, 100.0 * CONTRAST)]
     Contrast(f64),
+    /// The sum of the deviations in spacing, size and contrast, each over its maximum, plus 1 if the spots are faint.
+    #[error("together these are {:.1} times their maximum, expected at most {:.0}", .0, TOTAL)]
+    Total(f64),
     /// The spots hardly differ from the background.
     #[error(
         "contrast is {actual:.1} gray levels, expected at least {expected:.1} for this image noise"
@@ -78,16 +84,29 @@ pub enum Unlike {
 }
 
 /// Maximum median deviations between neighbours. Scattered points deviate by 30 to 40 % in spacing; blobs of texture by
-/// 13 % and more in size and 18 % and more in contrast. Pins, fibres and markers of real sensors, loaded or not,
-/// deviate by at most 5 % in spacing, 7 % in size and 22 % in contrast.
+/// 10 % in spacing, 25 % in size and 20 % in contrast. Pins, fibres and markers of real sensors, loaded or not, deviate
+/// by at most 4 % in spacing, 8 % in size and 25 % in contrast.
 const SPACING: f64 = 0.12;
 const SIZE: f64 = 0.1;
 const CONTRAST: f64 = 0.3;
 
-/// Returns the properties in which `spots` differ from markers; `noise` is the image noise in gray levels.
-pub(super) fn unlike_markers(spots: &[Spot], noise: f64) -> Vec<Unlike> {
+/// Maximum sum of the deviations, each over its own maximum. Real sensors have sums of at most 1.3; texture and scattered
+/// specks have at least 2.5.
+const TOTAL: f64 = 2.0;
+
+/// Result of assessing whether spots are markers.
+pub(super) enum Likeness {
+    /// The spots are markers. Contains the properties beyond their individual maximum.
+    Pattern(Vec<Unlike>),
+    /// The spots differ from markers in these properties.
+    NoPattern(Vec<Unlike>),
+}
+
+/// Assesses whether `spots` are markers by their number, spacing, size and contrast; `noise` is the image noise in gray
+/// levels.
+pub(super) fn assess(spots: &[Spot], noise: f64) -> Likeness {
     let Some(regularity) = regularity(spots) else {
-        return Vec::new();
+        return Likeness::NoPattern(vec![Unlike::Few(spots.len())]);
     };
     let mut contrasts: Vec<f64> = spots.iter().map(|spot| spot.contrast).collect();
     let (actual, expected) = (median(&mut contrasts), (6.0 * noise).max(4.0));
@@ -96,14 +115,25 @@ pub(super) fn unlike_markers(spots: &[Spot], noise: f64) -> Vec<Unlike> {
         size,
         contrast,
     } = regularity;
-    let found = [
-        (spacing > SPACING, Unlike::Spacing(spacing)),
-        (size > SIZE, Unlike::Size(size)),
-        (contrast > CONTRAST, Unlike::Contrast(contrast)),
-        (actual < expected, Unlike::Faint { actual, expected }),
+    let measured = [
+        (spacing / SPACING, Unlike::Spacing(spacing)),
+        (size / SIZE, Unlike::Size(size)),
+        (contrast / CONTRAST, Unlike::Contrast(contrast)),
+        // A contrast below its minimum counts as much as a deviation at its maximum.
+        (
+            if actual < expected { 1.0 } else { 0.0 },
+            Unlike::Faint { actual, expected },
+        ),
     ];
-    found
-        .into_iter()
-        .filter_map(|(is, unlike)| is.then_some(unlike))
-        .collect()
+    let total: f64 = measured.iter().map(|(part, _)| part).sum();
+    let at_least = |least: f64| {
+        let found = measured.iter().filter(move |(part, _)| *part >= least);
+        found.map(|&(_, unlike)| unlike)
+    };
+    if total <= TOTAL {
+        Likeness::Pattern(at_least(1.0).collect())
+    } else {
+        let total = std::iter::once(Unlike::Total(total));
+        Likeness::NoPattern(at_least(0.25 * TOTAL).chain(total).collect())
+    }
 }

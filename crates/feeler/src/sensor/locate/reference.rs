@@ -2,6 +2,7 @@
 
 use super::{LocateError, Polarity};
 use crate::sensor::image::frame::Picture;
+use glam::DVec2;
 use std::borrow::Cow;
 
 /// The mean of several images, with the information needed to estimate its noise.
@@ -69,6 +70,23 @@ impl ReferencePicture {
             gray,
             ..*self
         }
+    }
+
+    /// Gray level at `place` (column and row, px), interpolated between the four nearest pixels.
+    pub(super) fn gray_at(&self, place: DVec2) -> f64 {
+        let last = DVec2::new((self.width - 1) as f64, (self.height - 1) as f64);
+        let place = place.clamp(DVec2::ZERO, last);
+        let (column, row) = (place.x as usize, place.y as usize);
+        let part = place - place.floor();
+        let at = |dx: usize, dy: usize| {
+            let (column, row) = (
+                (column + dx).min(self.width - 1),
+                (row + dy).min(self.height - 1),
+            );
+            f64::from(self.gray[row * self.width + column])
+        };
+        let along = |dy: usize| at(0, dy) + part.x * (at(1, dy) - at(0, dy));
+        along(0) + part.y * (along(1) - along(0))
     }
 
     /// Standard deviation of the noise of a single image, gray levels. Estimated from the deviation of each pixel from

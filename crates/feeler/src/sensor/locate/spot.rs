@@ -42,7 +42,7 @@ impl Spot {
 #[derive(Debug, Clone)]
 pub(super) struct FoundSpots {
     pub spots: Vec<Spot>,
-    /// Spots that are isolated from all others.
+    /// Spots whose place, size or contrast is not that of the pattern.
     pub left_out: Vec<DVec2>,
     /// Spots that the image border cuts.
     pub cut: Vec<DVec2>,

@@ -3,11 +3,14 @@
 use super::{
     LocateError, MAX_SPOTS,
     centroid::{self, measure},
+    crowding::{with_merged_pairs, without_crowding, without_overlaps},
     outline::Outline,
+    quantile,
     reference::ReferencePicture,
+    regions::bounding_box,
     scale_space::{Layer, ScaleSpace},
     spot::{FoundSpots, Spot},
-    strays::{as_strong_as_their_neighbours, without_crowding, without_overlaps, without_strays},
+    strays::{as_strong_as_their_neighbours, without_specks, without_strays, without_surroundings},
 };
 use crate::sensor::image::cells::Cells;
 use glam::{DMat2, DVec2};
@@ -69,9 +72,12 @@ pub(super) fn find(search: &Search) -> Result<FoundSpots, LocateError> {
     }
     let blobs = without_overlaps(candidates).into_iter();
     let blobs: Vec<Spot> = blobs.map(|blob| blob.enlarged(search.factor)).collect();
-    let spots = without_crowding(as_strong_as_their_neighbours(blobs.clone()));
-    let spots = measured(picture, spots, &blobs);
-    let (spots, left_out) = without_strays(spots);
+    let blobs = with_merged_pairs(blobs, |a, b| is_joined(picture, a, b));
+    let (spots, surroundings) = without_surroundings(as_strong_as_their_neighbours(blobs.clone()));
+    let spots = measured(picture, without_crowding(spots), &blobs);
+    let (spots, specks) = without_specks(spots);
+    let (spots, strays) = without_strays(spots);
+    let left_out = [surroundings, specks, strays].concat();
     let (cut, spots): (Vec<Spot>, Vec<Spot>) = spots.into_iter().partition(|spot| spot.cut);
     match spots.len() {
         0 => Err(LocateError::NoElement {
@@ -109,6 +115,23 @@ fn measured(picture: &ReferencePicture, mut spots: Vec<Spot>, blobs: &[Spot]) ->
     spots
 }
 
+/// Returns `true` if no background separates two blobs: at all sampled points between their centres, the gray level is
+/// closer to that of the fainter centre than to the background.
+fn is_joined(picture: &ReferencePicture, a: &Spot, b: &Spot) -> bool {
+    let middle = 0.5 * (a.centre + b.centre);
+    let reach = 1.5 * a.diameter.max(b.diameter);
+    let size = (picture.width, picture.height);
+    let (columns, rows) = bounding_box(size, middle, reach);
+    let around = rows.flat_map(|row| &picture.gray[row * picture.width..][columns.clone()]);
+    let mut around: Vec<f64> = around.map(|&gray| f64::from(gray)).collect();
+    let background = quantile(&mut around, 0.3);
+    let at = |part: f64| picture.gray_at(a.centre.lerp(b.centre, part));
+    let fainter = at(0.0).min(at(1.0));
+    let between = [0.25, 0.375, 0.5, 0.625, 0.75].map(at);
+    let least = between.into_iter().fold(f64::INFINITY, f64::min);
+    least - background > 0.5 * (fainter - background)
+}
+
 fn range(gray: &[f32]) -> (f32, f32) {
     gray.iter()
         .fold((f32::MAX, f32::MIN), |(a, b), &g| (a.min(g), b.max(g)))
@@ -126,11 +149,13 @@ fn layer_of(space: &ScaleSpace, sigma: f64) -> usize {
         .unwrap_or(0)
 }
 
-/// Layer around which the total blob response is largest.
+/// Layer around which the total squared blob response is largest. Squares, because a texture of many faint blobs may
+/// have the larger sum.
 fn dominant_layer(layers: &[Vec<Spot>]) -> usize {
     let strength = |layer: usize| -> f64 {
         let window = layer.saturating_sub(2)..(layer + 3).min(layers.len());
-        layers[window].iter().flatten().map(|s| s.response).sum()
+        let blobs = layers[window].iter().flatten();
+        blobs.map(|spot| spot.response * spot.response).sum()
     };
     (0..layers.len())
         .max_by(|&a, &b| strength(a).total_cmp(&strength(b)))

@@ -3,34 +3,9 @@
 use super::{median, nearest, quantile, spot::Spot};
 use crate::sensor::image::cells::Cells;
 use glam::DVec2;
+use std::ops::Range;
 
-/// Keeps the strongest of overlapping spots.
-pub(super) fn without_overlaps(mut spots: Vec<Spot>) -> Vec<Spot> {
-    spots.sort_by(|a, b| b.response.total_cmp(&a.response));
-    let centres = centres(&spots);
-    let cells = Cells::new(&centres);
-    let mut kept = vec![false; spots.len()];
-    let mut covered = kept.clone();
-    for (own, spot) in spots.iter().enumerate() {
-        let reach = 0.5 * spot.diameter;
-        let inside = |&other: &usize| {
-            centres[other].distance_squared(spot.centre) < reach * reach && other != own
-        };
-        let mut near = cells.within(spot.centre, reach).filter(inside);
-        if covered[own] || near.any(|other| kept[other]) {
-            continue;
-        }
-        kept[own] = true;
-        for other in cells.within(spot.centre, reach).filter(inside) {
-            covered[other] = true;
-        }
-    }
-    let kept = spots.into_iter().zip(kept);
-    kept.filter_map(|(spot, kept)| kept.then_some(spot))
-        .collect()
-}
-
-fn centres(spots: &[Spot]) -> Vec<DVec2> {
+pub(super) fn centres(spots: &[Spot]) -> Vec<DVec2> {
     spots.iter().map(|s| s.centre).collect()
 }
 
@@ -48,7 +23,7 @@ pub(super) fn as_strong_as_their_neighbours(spots: Vec<Spot>) -> Vec<Spot> {
 }
 
 /// Distance from each spot to its nearest neighbour.
-fn gaps(spots: &[Spot], neighbours: &[Vec<usize>]) -> Vec<f64> {
+pub(super) fn gaps(spots: &[Spot], neighbours: &[Vec<usize>]) -> Vec<f64> {
     let gap = |(spot, near): (&Spot, &Vec<usize>)| {
         near.first()
             .map_or(0.0, |&i| spots[i].centre.distance(spot.centre))
@@ -56,30 +31,124 @@ fn gaps(spots: &[Spot], neighbours: &[Vec<usize>]) -> Vec<f64> {
     spots.iter().zip(neighbours).map(gap).collect()
 }
 
-/// Removes the weaker of two spots that are unusually close to each other, such as a speck beside a pin.
-pub(super) fn without_crowding(spots: Vec<Spot>) -> Vec<Spot> {
-    let neighbours = nearest(&centres(&spots), 9);
-    let gaps = gaps(&spots, &neighbours);
-    let crowded = |(own, near): (usize, &Vec<usize>)| {
-        let mut about: Vec<f64> = near.iter().skip(1).map(|&i| gaps[i]).collect();
-        let beside_stronger = near
-            .first()
-            .is_some_and(|&i| spots[i].response >= spots[own].response);
-        beside_stronger && about.len() >= 8 && gaps[own] < 0.62 * median(&mut about)
-    };
-    let keep: Vec<bool> = neighbours.iter().enumerate().map(|n| !crowded(n)).collect();
-    let kept = spots
-        .iter()
-        .zip(keep)
-        .filter_map(|(s, keep)| keep.then_some(*s));
-    kept.collect()
+/// Splits spots into those to `keep` and the centres of the others.
+fn split(spots: &[Spot], keep: &[bool]) -> (Vec<Spot>, Vec<DVec2>) {
+    let others = spots.iter().zip(keep).filter(|(_, keep)| !**keep);
+    let others = others.map(|(spot, _)| spot.centre).collect();
+    (kept(spots, keep), others)
 }
+
+pub(super) fn kept(spots: &[Spot], keep: &[bool]) -> Vec<Spot> {
+    let kept = spots.iter().zip(keep);
+    kept.filter_map(|(spot, keep)| keep.then_some(*spot))
+        .collect()
+}
+
+/// Maximum ratio of the responses of neighbouring spots of one pattern.
+const ALIKE: f64 = 3.0;
+/// Maximum ratio of their distances to the nearest spot.
+const EVEN: f64 = 1.5;
+
+/// Splits spots into the pattern and the centres of texture around it, such as that of a housing. Texture spots have less
+/// than half the response of the nearest pattern spots and are not connected to the pattern by similar neighbours.
+pub(super) fn without_surroundings(spots: Vec<Spot>) -> (Vec<Spot>, Vec<DVec2>) {
+    let centres = centres(&spots);
+    let neighbours = nearest(&centres, 8);
+    let pattern = strongest_component(&spots, &neighbours, &gaps(&spots, &neighbours));
+    let members: Vec<usize> = (0..spots.len()).filter(|&i| pattern[i]).collect();
+    let places: Vec<DVec2> = members.iter().map(|&i| centres[i]).collect();
+    let cells = Cells::new(&places);
+    let mut near = Vec::new();
+    let mut belongs = |own: usize| {
+        if pattern[own] {
+            return true;
+        }
+        cells.nearest(centres[own], 6, &mut near);
+        let responses = near.iter().map(|&(_, i)| spots[members[i]].response);
+        let mut responses: Vec<f64> = responses.collect();
+        2.0 * spots[own].response >= median(&mut responses)
+    };
+    let keep: Vec<bool> = (0..spots.len()).map(&mut belongs).collect();
+    split(&spots, &keep)
+}
+
+/// Returns a mask of the connected component with the largest total response. Edges connect neighbours of similar
+/// response and spacing.
+fn strongest_component(spots: &[Spot], neighbours: &[Vec<usize>], gaps: &[f64]) -> Vec<bool> {
+    let within = |ratio: f64, most: f64| (1.0 / most..most).contains(&ratio);
+    let alike = |a: usize, b: usize| {
+        within(spots[a].response / spots[b].response, ALIKE)
+            && within(gaps[a] / gaps[b], EVEN)
+            && neighbours[b].contains(&a)
+    };
+    let mut component = vec![usize::MAX; spots.len()];
+    let mut strongest = (0.0, 0);
+    for start in 0..spots.len() {
+        if component[start] != usize::MAX {
+            continue;
+        }
+        let (mut open, mut total) = (vec![start], 0.0);
+        component[start] = start;
+        while let Some(own) = open.pop() {
+            total += spots[own].response;
+            for &other in &neighbours[own] {
+                if component[other] == usize::MAX && alike(own, other) {
+                    component[other] = start;
+                    open.push(other);
+                }
+            }
+        }
+        if total > strongest.0 {
+            strongest = (total, start);
+        }
+    }
+    component.iter().map(|&own| own == strongest.1).collect()
+}
+
+/// Splits spots into the pattern and the centres of specks: spots that differ from their neighbours in size and do not
+/// lie midway between two of them.
+pub(super) fn without_specks(spots: Vec<Spot>) -> (Vec<Spot>, Vec<DVec2>) {
+    /// Range of a marker's diameter over that of its neighbours.
+    const SIZE: Range<f64> = 0.72..1.6;
+    /// Maximum distance from the middle between two neighbours, over the spacing.
+    const MIDDLE: f64 = 0.4;
+    /// Minimum distance from all neighbours, over the spacing.
+    const GAP: f64 = 0.75;
+    if spots.len() < PATTERN {
+        return (spots, Vec::new());
+    }
+    let neighbours = nearest(&centres(&spots), 12);
+    let gaps = gaps(&spots, &neighbours);
+    let about = |own: usize, value: &dyn Fn(usize) -> f64| {
+        let mut values: Vec<f64> = neighbours[own].iter().map(|&i| value(i)).collect();
+        median(&mut values)
+    };
+    let keep = |own: usize| {
+        let size = spots[own].diameter / about(own, &|i| spots[i].diameter);
+        if SIZE.contains(&size) {
+            return true;
+        }
+        let spacing = about(own, &|i| gaps[i]);
+        let place = spots[own].centre;
+        let between = neighbours[own].iter().any(|&i| {
+            let opposite = 2.0 * place - spots[i].centre;
+            let near = spots[i].centre.distance(place) < 1.5 * spacing;
+            near && neighbours[own]
+                .iter()
+                .any(|&j| spots[j].centre.distance(opposite) < MIDDLE * spacing)
+        });
+        between && gaps[own] > GAP * spacing
+    };
+    let keep: Vec<bool> = (0..spots.len()).map(keep).collect();
+    split(&spots, &keep)
+}
+
+/// Minimum number of spots in a pattern; fewer have no strays.
+const PATTERN: usize = 20;
 
 /// Splits spots into the pattern and the centres of strays. A stray is much farther from its neighbours than they are
 /// from each other, or faint, or unlike its neighbours and with few of them although the pattern is dense.
 pub(super) fn without_strays(spots: Vec<Spot>) -> (Vec<Spot>, Vec<DVec2>) {
-    /// Minimum number of spots in a pattern; fewer have no strays.
-    const PATTERN: usize = 20;
     /// A spot with less than this fraction of its neighbours' contrast must continue the pattern.
     const FAINT: f64 = 0.5;
     /// Maximum distance of a spot from the continuation of a row, over the spacing.

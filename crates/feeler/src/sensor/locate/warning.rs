@@ -43,9 +43,10 @@ pub enum LocateWarning {
         "the images have only two gray levels, black and white: integrated gray values count pixels, and saturation cannot be detected"
     )]
     TwoLevels,
-    /// Spots that are not elements, because they are isolated or belong to no group.
+    /// Spots that are not elements, because their place, size or contrast is not that of the pattern, or because they
+    /// belong to no group.
     #[error(
-        "{} spots are ignored because they are isolated from the elements (the first at column {:.0}, row {:.0})",
+        "{} spots are ignored because their place, size or contrast is unlike the pattern's (the first at column {:.0}, row {:.0})",
         spots_px.len(), spots_px.first().map_or(0.0, |s| s.x), spots_px.first().map_or(0.0, |s| s.y)
     )]
     LeftOut {
@@ -61,7 +62,7 @@ pub enum LocateWarning {
         /// Positions of the spots, px.
         spots_px: Vec<DVec2>,
     },
-    /// The spots differ from markers in one property.
+    /// The spots differ from markers in some property.
     #[error("check that these spots are markers: {}", list(unlike))]
     Unlike {
         /// Properties in which the spots differ.

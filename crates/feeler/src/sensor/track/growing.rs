@@ -47,7 +47,8 @@ fn grown_best(reference: &[DVec2], field: &Field, places: &[DVec2]) -> Matching 
     let mut score = 0.0;
     let mut known: Vec<Vec<Option<usize>>> = Vec::new();
     for shift in shifts(typical_spacing(field, reference.len())) {
-        for seeds in seeds(reference, field, places, shift).into_iter().take(2) {
+        let groups = seeds(reference, field, places, shift);
+        for seeds in groups.iter().take(2) {
             // Skip seeds that an earlier matching contains: they would grow into the same matching.
             let same = |spots: &Vec<Option<usize>>| {
                 seeds.iter().all(|&(own, spot)| spots[own] == Some(spot))
@@ -55,7 +56,10 @@ fn grown_best(reference: &[DVec2], field: &Field, places: &[DVec2]) -> Matching 
             if known.iter().any(same) {
                 continue;
             }
-            let grown = grow(reference, field, places, &seeds);
+            let mut grown = grow(reference, field, places, seeds);
+            if shift == DVec2::ZERO {
+                add_islands(&mut grown, reference, field, places, &groups);
+            }
             known.push(grown.spots.clone());
             let reached = grown.score(field);
             if reached > score {
@@ -180,6 +184,41 @@ fn grow(
         }
     }
     matching
+}
+
+/// Adds `groups` of markers that hardly moved and that growing did not reach, such as a second view in a mirror, unless
+/// a matched neighbour moved differently.
+fn add_islands(
+    matching: &mut Matching,
+    reference: &[DVec2],
+    field: &Field,
+    places: &[DVec2],
+    groups: &[Vec<(usize, usize)>],
+) {
+    let mut taken = vec![false; places.len()];
+    for spot in matching.spots.iter().flatten() {
+        taken[*spot] = true;
+    }
+    for group in groups {
+        let fits = |&(own, spot): &(usize, usize)| {
+            let moved = places[spot] - reference[own];
+            let differs = |&&other: &&usize| {
+                let other = matching.known[other].then(|| matching.displacements[other]);
+                other.is_some_and(|other| other.distance(moved) > NEAR * field.spacing(own))
+            };
+            let contradicted = field.neighbours(own).iter().any(|other| differs(&other));
+            !matching.known[own] && !taken[spot] && !contradicted
+        };
+        if !group.iter().all(fits) {
+            continue;
+        }
+        for &(own, spot) in group {
+            if !std::mem::replace(&mut taken[spot], true) {
+                matching.take(own, spot, places[spot] - reference[own]);
+            }
+        }
+        while spread(matching, &mut taken, reference, field, places) {}
+    }
 }
 
 /// Matches up to [`AT_ONCE`] markers, those with most known neighbours first. Returns `true` if any was matched.
