@@ -28,6 +28,8 @@ pub struct AxisPoints {
     pub r2: f64,
     /// Mean error under growing load minus mean error under falling load; `None` if either has too few images.
     pub hysteresis: Option<f64>,
+    /// Error that 95 % of valid images do not exceed; `None` if unknown.
+    pub band_95: Option<f64>,
     /// For each recording with this component: name, errors with its blocks held out, and errors with the whole
     /// recording held out.
     pub recordings: Vec<(String, RecordingErrors, RecordingErrors)>,

@@ -80,7 +80,7 @@ fn component(axis: &AxisPoints) -> Markup {
 }
 
 fn axes_table(page: &WrenchPage) -> Markup {
-    const COLUMNS: [&str; 7] = [
+    const COLUMNS: [&str; 8] = [
         "Range",
         "RMSE",
         "% of range",
@@ -88,6 +88,7 @@ fn axes_table(page: &WrenchPage) -> Markup {
         "RMSE of the mean",
         "R²",
         "Hysteresis",
+        "95 % of valid images within",
     ];
     let head = html! { th { "Component" } (number_heads(COLUMNS)) th { "Regressed on" } };
     let rows = page.axes.iter().map(|axis| {
@@ -99,6 +100,7 @@ fn axes_table(page: &WrenchPage) -> Markup {
             format!("{:.4}", axis.mean_rmse),
             format!("{:.3}", axis.r2),
             (axis.hysteresis).map_or("unknown".into(), |h| format!("{h:+.4}")),
+            (axis.band_95).map_or("unknown".into(), |band| format!("{band:.4}")),
         ];
         html! { (component(axis)) (numbers(values)) td { (axis.terms) } }
     });

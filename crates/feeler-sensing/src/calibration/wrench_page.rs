@@ -31,6 +31,7 @@ pub fn wrench_page(fitted: &WrenchFit, recordings: &[String], source: &str) -> S
             mean_rmse: quality.mean_rmse,
             r2: quality.r2,
             hysteresis: quality.hysteresis,
+            band_95: quality.band_95,
             recordings: rows.collect(),
             points: points.collect(),
         }

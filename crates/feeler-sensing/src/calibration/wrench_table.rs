@@ -20,12 +20,13 @@ pub fn wrench_table(calibration: &WrenchCalibration) -> String {
 fn write_axes(text: &mut String, calibration: &WrenchCalibration) -> std::fmt::Result {
     writeln!(
         text,
-        "held-out errors with blocks of time left out (% of the measured range), and RMSE of predicting the mean"
+        "held-out errors with blocks of time left out (% of the measured range), RMSE of predicting the mean, and the error \
+         that 95 % of valid images do not exceed"
     )?;
     writeln!(
         text,
-        "{:<10}{:>6}  {:<20}{:<20}{:>10}{:>8}{:>12}  regressed on",
-        "", "n", "RMSE", "MAE", "mean RMSE", "R²", "hysteresis"
+        "{:<10}{:>6}  {:<20}{:<20}{:>10}{:>8}{:>12}{:>10}  regressed on",
+        "", "n", "RMSE", "MAE", "mean RMSE", "R²", "hysteresis", "95 %"
     )?;
     for quality in &calibration.quality {
         let axis = quality.axis;
@@ -39,7 +40,7 @@ fn write_axes(text: &mut String, calibration: &WrenchCalibration) -> std::fmt::R
             model.map(|model| format!("{}, penalty {:.3}", named(model.terms), model.penalty));
         writeln!(
             text,
-            "{:<10}{:>6}  {:<20}{:<20}{:>10.4}{:>8.3}{:>12}  {}",
+            "{:<10}{:>6}  {:<20}{:<20}{:>10.4}{:>8.3}{:>12}{:>10}  {}",
             format!("{} ({})", axis.name(), axis.unit()),
             errors.rows,
             with_percent(errors.rmse),
@@ -47,6 +48,9 @@ fn write_axes(text: &mut String, calibration: &WrenchCalibration) -> std::fmt::R
             quality.mean_rmse,
             quality.r2,
             hysteresis,
+            quality
+                .band_95
+                .map_or("-".into(), |band| format!("{band:.4}")),
             terms.unwrap_or_default(),
         )?;
     }

@@ -169,3 +169,43 @@ fn compression_is_calibrated_from_a_single_recording() {
     let errors = calibrated(&data, &folder, longest.expect("a recording"));
     held(&errors, &[(WrenchAxis::ForceZ, 1.0)]);
 }
+
+/// Images of other recordings that pass the novelty check but whose compression error is 5 to 8 N, several times the
+/// error by blocks of time.
+#[test]
+fn valid_forces_of_other_recordings_are_within_the_stated_band() {
+    let test = "valid_forces_of_other_recordings_are_within_the_stated_band";
+    let Some((data, folder)) = located(test) else {
+        return;
+    };
+    let Some(others) = recordings("real-faults", test) else {
+        return;
+    };
+    let others = others.join("fibre-valid-but-off");
+    calibrated(&data, &folder, &rows(&data.join("FORCES.csv")));
+    let text = fs::read_to_string(folder.join("wrench.toml")).unwrap();
+    let calibration = WrenchCalibration::from_toml(&text).unwrap();
+    for row in rows(&others.join("FORCES.csv")) {
+        let picture = others.join(&row["picture"]);
+        let options = [
+            "--layout=layout.toml",
+            "--calibration=wrench.toml",
+            "-o=sensed.csv",
+            "--force",
+        ];
+        let arguments = [&["sense", picture.to_str().unwrap()], &options[..]].concat();
+        let ended = run(&folder, &arguments);
+        assert_eq!(ended.status, Some(0), "{ended:?}");
+        let sensed = &rows(&folder.join("sensed.csv"))[0];
+        for quality in &calibration.quality {
+            let axis = quality.axis.name();
+            let error = (force(sensed, axis).unwrap() - force(&row, axis).unwrap()).abs();
+            let band = quality.band_95.expect("enough images");
+            println!(
+                "{}: {axis} off by {error:.2} N, band {band:.2} N, valid {}",
+                row["picture"], sensed["valid"]
+            );
+            assert!(sensed["valid"] == "false" || error <= band);
+        }
+    }
+}

@@ -6,7 +6,7 @@ use super::error::{KIND, VERSION, WrenchError};
 use super::features::{MAX_MISSING, PER_ELEMENT, standardise, standards};
 use super::learn::{MIN_ROWS, can_be_learned, learn, target};
 use super::novelty::MARGIN;
-use super::quality::{AxisQuality, HeldOut};
+use super::quality::{AxisQuality, HeldOut, band_95};
 use super::sample::WrenchSample;
 use super::validation::validate;
 use crate::sensor::fingertip::made_for::CalibrationTarget;
@@ -67,7 +67,11 @@ pub fn fit(
     }
     let mut model = whole;
     (model.axes).retain(|axis| qualities.iter().any(|quality| quality.axis == axis.axis));
-    model.novelty.limit = MARGIN * validated.near();
+    let limit = MARGIN * validated.near();
+    model.novelty.limit = limit;
+    for (quality, held_out) in qualities.iter_mut().zip(&held_out) {
+        quality.band_95 = band_95(held_out, limit);
+    }
     let calibration = WrenchCalibration {
         kind: KIND.into(),
         version: VERSION,

@@ -3,6 +3,7 @@
 use super::WrenchAxis;
 use crate::sensor::calibration::outlier::{MIN_SHARE, MISTYPED, robust_deviation};
 use serde::{Deserialize, Serialize};
+use std::collections::BTreeMap;
 
 /// Minimum number of readings with growing and with falling load to estimate hysteresis.
 const MIN_CYCLED: usize = 3;
@@ -72,6 +73,10 @@ pub struct AxisQuality {
     /// Mean error under growing minus under falling load, blocks held out, N or N m; `None` if unknown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hysteresis: Option<f64>,
+    /// Band of errors that contains 95 % of the valid images, N or N m, from held-out recordings and blocks of time;
+    /// `None` if there are too few images. Includes hysteresis and preload, which the novelty check does not detect.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub band_95: Option<f64>,
     /// Errors by recording.
     pub recordings: Vec<RecordingQuality>,
 }
@@ -99,6 +104,48 @@ pub struct HeldOut {
     pub by_blocks: Option<f64>,
     /// Prediction without the image's recording.
     pub by_recording: Option<f64>,
+    /// Novelty distance of the image without its block of time in the calibration.
+    pub distance_by_blocks: Option<f64>,
+    /// Novelty distance of the image without its recording in the calibration.
+    pub distance_by_recording: Option<f64>,
+}
+
+/// Minimum number of images from which the band of errors is measured, and of a left-out recording that counts.
+const ENOUGH: [usize; 2] = [20, 5];
+
+/// Band of errors that contains 95 % of the images within novelty distance `limit`, N or N m; `None` if there are fewer
+/// than 20 images.
+///
+/// The larger of two bands: the 95 % quantile of the errors over blocks of time, and the prediction interval of a new
+/// recording, 1.96 s √(1 + 1/m) with the root mean square error s of m left-out recordings. Only images within `limit`
+/// count.
+pub(super) fn band_95(held_out: &[HeldOut], limit: f64) -> Option<f64> {
+    let near = |distance: Option<f64>| distance.is_some_and(|distance| distance <= limit);
+    let error = |predicted: Option<f64>, h: &HeldOut| Some((predicted? - h.measured).abs());
+    let blocks = held_out.iter().filter(|h| near(h.distance_by_blocks));
+    let mut blocks: Vec<f64> = blocks.filter_map(|h| error(h.by_blocks, h)).collect();
+    if blocks.len() < ENOUGH[0] {
+        return None;
+    }
+    blocks.sort_by(f64::total_cmp);
+    let place = (0.95 * blocks.len() as f64) as usize;
+    let within = blocks[place.min(blocks.len() - 1)];
+    let mut recordings: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+    for h in held_out.iter().filter(|h| near(h.distance_by_recording)) {
+        let errors = recordings.entry(h.recording).or_default();
+        errors.extend(error(h.by_recording, h));
+    }
+    let recordings = recordings
+        .into_values()
+        .filter(|errors| errors.len() >= ENOUGH[1]);
+    let recordings: Vec<Errors> = recordings.filter_map(Errors::of).collect();
+    let count = recordings.len() as f64;
+    if recordings.is_empty() {
+        return Some(within);
+    }
+    let squares: f64 = recordings.iter().map(|errors| errors.rmse.powi(2)).sum();
+    let between = 1.96 * (squares / count * (1.0 + 1.0 / count)).sqrt();
+    Some(within.max(between))
 }
 
 /// Returns the measured value farthest from its prediction if it is likely mistyped: off by more than 15 standard
@@ -159,6 +206,7 @@ pub(super) fn judge(
         blocks,
         r2: 1.0 - (blocks.rmse / of_mean.rmse).powi(2),
         hysteresis: hysteresis(held_out),
+        band_95: None,
         recordings: recordings.collect(),
     })
 }

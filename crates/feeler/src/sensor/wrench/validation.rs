@@ -53,11 +53,15 @@ pub(super) fn validate(
         let rows = samples.iter().enumerate();
         let held_out = rows.filter_map(|(row, sample)| {
             let of = |predicted: &[Option<Predicted>]| predicted[row].as_ref()?.values[place];
+            let distance =
+                |predicted: &[Option<Predicted>]| Some(predicted[row].as_ref()?.distance);
             Some(HeldOut {
                 recording: sample.recording,
                 measured: sample.wrench[axis.axis.index()]?,
                 by_blocks: of(&by_blocks),
                 by_recording: of(&by_recording),
+                distance_by_blocks: distance(&by_blocks),
+                distance_by_recording: distance(&by_recording),
             })
         });
         let held_out: Vec<_> = held_out.collect();
