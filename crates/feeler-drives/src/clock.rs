@@ -13,7 +13,6 @@ enum Source {
     /// Real time multiplied by `speed`.
     Real { origin: Instant, speed: f64 },
     /// Bits of a time (s) that an emulated bus advances.
-    #[cfg_attr(not(target_os = "linux"), expect(dead_code))]
     Lockstep(Arc<AtomicU64>),
 }
 
@@ -32,7 +31,6 @@ impl RigClock {
     }
 
     /// Time that advances only by [`set`](Self::set).
-    #[cfg(target_os = "linux")]
     pub(crate) fn lockstep() -> Self {
         Self(Source::Lockstep(Arc::new(AtomicU64::new(
             0.0_f64.to_bits(),
@@ -40,7 +38,6 @@ impl RigClock {
     }
 
     /// Sets the time of a clock in lockstep, s. Does not affect real time.
-    #[cfg(target_os = "linux")]
     pub(crate) fn set(&self, now: f64) {
         if let Source::Lockstep(time) = &self.0 {
             time.store(now.to_bits(), Ordering::Release);

@@ -1,7 +1,7 @@
 #![doc = include_str!("../README.md")]
 #![warn(missing_docs)]
 
-#[cfg(all(feature = "drives", target_os = "linux"))]
+#[cfg(feature = "drives")]
 mod drives_check;
 mod hand_record;
 mod latency_bench;
@@ -16,7 +16,7 @@ mod session;
 mod stop;
 mod wrench_topic;
 
-#[cfg(all(feature = "drives", target_os = "linux"))]
+#[cfg(feature = "drives")]
 pub use drives_check::{ServoRig, all_changes, check_servos, print_changes};
 pub use hand_record::{FinishedRecord, HandRecord, patience};
 pub use latency_bench::{LatencyBench, measure_latency, send_readings};

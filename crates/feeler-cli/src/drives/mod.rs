@@ -2,13 +2,14 @@
 
 #[cfg(all(feature = "drives", target_os = "linux"))]
 mod bus_log;
-#[cfg(all(feature = "drives", target_os = "linux"))]
+#[cfg_attr(not(target_os = "linux"), path = "emulate/elsewhere.rs")]
+#[cfg(feature = "drives")]
 mod emulate;
-#[cfg(all(feature = "drives", target_os = "linux"))]
+#[cfg(feature = "drives")]
 mod home;
-#[cfg(all(feature = "drives", target_os = "linux"))]
+#[cfg(feature = "drives")]
 mod jog;
-#[cfg(all(feature = "drives", target_os = "linux"))]
+#[cfg(feature = "drives")]
 mod scan;
 
 use super::{CommandError, Outcome};
@@ -40,7 +41,7 @@ enum Command {
 #[derive(Debug, clap::Args)]
 #[cfg_attr(
     not(all(feature = "drives", target_os = "linux")),
-    allow(dead_code, reason = "this program has no servos")
+    allow(dead_code, reason = "this program emulates no servos")
 )]
 struct EmulateArguments {
     /// Experiment whose servos and simulated world are emulated [default: servos without a load]
@@ -79,7 +80,7 @@ struct EmulateArguments {
 
 #[derive(Debug, clap::Args)]
 #[cfg_attr(
-    not(all(feature = "drives", target_os = "linux")),
+    not(feature = "drives"),
     allow(dead_code, reason = "this program has no servos")
 )]
 struct ScanArguments {
@@ -110,7 +111,7 @@ fn parse_timeout(text: &str) -> Result<f64, String> {
 
 #[derive(Debug, clap::Args)]
 #[cfg_attr(
-    not(all(feature = "drives", target_os = "linux")),
+    not(feature = "drives"),
     allow(dead_code, reason = "this program has no servos")
 )]
 pub(super) struct RigArguments {
@@ -129,7 +130,7 @@ pub(super) struct RigArguments {
 
 #[derive(Debug, clap::Args)]
 #[cfg_attr(
-    not(all(feature = "drives", target_os = "linux")),
+    not(feature = "drives"),
     allow(dead_code, reason = "this program has no servos")
 )]
 struct HomeArguments {
@@ -152,7 +153,7 @@ struct HomeArguments {
 
 #[derive(Debug, clap::Args)]
 #[cfg_attr(
-    not(all(feature = "drives", target_os = "linux")),
+    not(feature = "drives"),
     allow(dead_code, reason = "this program has no servos")
 )]
 struct JogArguments {
@@ -172,7 +173,7 @@ struct JogArguments {
     speed: f64,
 }
 
-#[cfg(all(feature = "drives", target_os = "linux"))]
+#[cfg(feature = "drives")]
 impl RigArguments {
     /// Loads the experiment and its servos.
     fn load(&self) -> Result<feeler_rig::ServoRig, CommandError> {
@@ -187,7 +188,7 @@ fn parse_speed(text: &str) -> Result<f64, String> {
     speed.ok_or_else(|| "expected 0.01 to 1".into())
 }
 
-#[cfg(all(feature = "drives", target_os = "linux"))]
+#[cfg(feature = "drives")]
 pub fn drives(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     match &arguments.command {
         Command::Emulate(arguments) => emulate::emulate(arguments, out),
@@ -200,7 +201,7 @@ pub fn drives(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     }
 }
 
-#[cfg(not(all(feature = "drives", target_os = "linux")))]
+#[cfg(not(feature = "drives"))]
 pub fn drives(_: &Arguments, _: &mut dyn Write) -> Result<Outcome, CommandError> {
-    Err("this program was built without servos; build it on Linux with --features drives".into())
+    Err("this program was built without servos; build it with --features drives".into())
 }

@@ -10,6 +10,7 @@ use crate::packet::{BROADCAST, Decoder, Packet, Sender};
 use rand::SeedableRng;
 use rand_pcg::Pcg64;
 use std::collections::VecDeque;
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Maximum time step of the mechanism and the servos' firmware, s.
 const STEP: f64 = 0.0005;
@@ -217,4 +218,9 @@ fn take_due<T>(queue: &mut VecDeque<T>, is_due: impl Fn(&T) -> bool) -> Option<T
         .front()
         .is_some_and(is_due)
         .then(|| queue.pop_front())?
+}
+
+/// Locks the bus, even if another thread panicked with the lock.
+pub(super) fn lock(bus: &Mutex<EmulatedBus>) -> MutexGuard<'_, EmulatedBus> {
+    bus.lock().unwrap_or_else(PoisonError::into_inner)
 }

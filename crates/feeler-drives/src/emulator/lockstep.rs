@@ -1,10 +1,9 @@
 //! Emulated bus with simulated time: deterministic and faster than real time.
 
-use super::bus::EmulatedBus;
+use super::bus::{EmulatedBus, lock};
 use super::fault::BusFault;
 use super::plant::Plant;
 use super::servos::EmulatorConfig;
-use super::terminal::lock;
 use crate::clock::RigClock;
 use crate::port::Port;
 use feeler::pace::Clock;

@@ -14,6 +14,7 @@ mod log;
 mod plant;
 mod servo;
 mod servos;
+#[cfg(target_os = "linux")]
 mod terminal;
 
 pub use bus::EmulatedBus;
@@ -23,4 +24,5 @@ pub use log::{LogEntry, PacketLog};
 pub use plant::{LagPlant, Motion, Plant};
 pub use servo::EmulatedServo;
 pub use servos::EmulatorConfig;
+#[cfg(target_os = "linux")]
 pub use terminal::{Emulator, EmulatorError};

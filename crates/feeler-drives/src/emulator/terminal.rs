@@ -1,6 +1,6 @@
 //! Emulated bus on a pseudo-terminal, served by a thread in real time.
 
-use super::bus::EmulatedBus;
+use super::bus::{EmulatedBus, lock};
 use super::fault::BusFault;
 use super::plant::Plant;
 use super::servos::EmulatorConfig;
@@ -14,7 +14,7 @@ use std::fs::File;
 use std::io::{self, Read, Write};
 use std::os::fd::OwnedFd;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
+use std::sync::{Arc, Mutex, MutexGuard};
 use std::thread::JoinHandle;
 use std::time::Duration;
 
@@ -95,11 +95,6 @@ impl Drop for Emulator {
             let _ = thread.join();
         }
     }
-}
-
-/// Locks the bus, even if another thread panicked with the lock.
-pub(super) fn lock(bus: &Mutex<EmulatedBus>) -> MutexGuard<'_, EmulatedBus> {
-    bus.lock().unwrap_or_else(PoisonError::into_inner)
 }
 
 /// A pseudo-terminal.

@@ -1,4 +1,4 @@
-//! Serial ports of the operating system.
+//! Serial ports of Linux.
 
 use crate::clock::RigClock;
 use crate::port::Port;
