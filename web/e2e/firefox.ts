@@ -1,9 +1,8 @@
-/** Firefox for the tests, by WebDriver BiDi, which Debian's Firefox speaks itself. */
+/** Minimal WebDriver BiDi client for Firefox. */
 import { type ChildProcess, execSync, spawn } from "node:child_process";
 import { mkdtempSync, rmSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
-import { createInterface } from "node:readline";
 import WebSocket from "ws";
 
 interface Reply {
@@ -56,7 +55,7 @@ export class Firefox {
     return firefox;
   }
 
-  /** Evaluates an expression in the page and returns its value, a promise's when it is fulfilled. */
+  /** Evaluates an expression in the page, awaits promises, and returns the value. */
   async evaluate<T>(expression: string): Promise<T> {
     const { result, exceptionDetails } = await this.#call<{
       result?: { value: string };
@@ -70,7 +69,7 @@ export class Firefox {
     return JSON.parse(result.value ?? "null") as T;
   }
 
-  /** Chooses files in the input element with this selector. */
+  /** Sets the files of the input element that matches `selector`. */
   async setFiles(selector: string, files: string[]): Promise<void> {
     const context = this.#context;
     const { nodes } = await this.#call<{ nodes: { sharedId: string }[] }>("browsingContext.locateNodes", {
@@ -96,15 +95,16 @@ export class Firefox {
   }
 }
 
-/** Waits until Firefox prints the address of its socket. */
-async function address(child: ChildProcess): Promise<string> {
-  if (!child.stderr) throw new Error("Firefox has no standard error");
-  for await (const line of createInterface(child.stderr)) {
-    const found = /WebDriver BiDi listening on (\S+)/.exec(line);
-    if (found?.[1]) {
-      child.stderr.resume();
-      return found[1];
-    }
-  }
-  throw new Error("Firefox ended before it listened");
+/** Returns the WebSocket address that Firefox prints on standard error. */
+function address({ stderr }: ChildProcess): Promise<string> {
+  return new Promise((done, failed) => {
+    let text = "";
+    // Firefox would block if its standard error were not read.
+    stderr?.on("data", (data) => {
+      text += String(data);
+      const found = /WebDriver BiDi listening on (\S+)\n/.exec(text);
+      if (found?.[1]) done(found[1]);
+    });
+    stderr?.once("end", () => failed(new Error(`Firefox ended: ${text}`)));
+  });
 }

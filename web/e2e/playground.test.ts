@@ -90,6 +90,17 @@ test("a paused run advances by single steps, and friction changes it while it ru
   await page.getByText("You changed the run at").waitFor();
 });
 
+test("twenty runs one after the other show their scenes", { skip }, async () => {
+  const result = await opened("#experiment=cap-closing&seed=0&sensing=direct");
+  const { page } = result;
+  for (let run = 0; run < 20; run++) {
+    await page.click("button.primary");
+    await page.locator(".run-view canvas").first().waitFor();
+  }
+  assert.equal(await page.locator(".run-view").count(), 1);
+  nothingElse(result);
+});
+
 test("a setting out of range is refused in a sentence", { skip }, async () => {
   const { page } = await opened("#experiment=cap-closing&seed=0&sensing=direct&set=control.period%3D-1");
   await page.click("button.primary");

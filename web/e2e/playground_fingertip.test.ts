@@ -1,5 +1,5 @@
 /**
- * The tab for the reader's own fingertip. Recordings of real sensors are in `FEELER_DATA`, by default
+ * Tests of the tab *Your fingertip*. Recordings of real sensors are in `FEELER_DATA`, by default
  * `../shared/data` next to the repository; `FEELER_FFMPEG` converts them.
  */
 import assert from "node:assert/strict";
@@ -116,7 +116,6 @@ test("a calibration gives the forces of the program", { skip }, async () => {
   assert.ok(touching, "the load is felt");
   await page.locator("#threshold-touch").fill("1000");
   await page.locator("#threshold-touch").press("Enter");
-  await page.setInputFiles("#fingertip", join(own, "loads/untouched.png"));
   await page.setInputFiles("#fingertip", join(own, "loads/00011.png"));
   await page.getByText(/Grasp force [1-9].*TOUCH off/).waitFor();
   nothingElse(result);
@@ -129,7 +128,7 @@ test("images of another size than the layout's are refused", { skip }, async () 
   await page.getByText("41 markers.").waitFor();
   const buffer = Buffer.from(await drawn(page, true), "base64");
   await page.setInputFiles("#fingertip", { name: "dots.png", mimeType: "image/png", buffer });
-  await page.getByText("the layout is for images of 640 x 480 px, but these are of 320 x 240 px").waitFor();
+  await page.getByText("expected images of 640 x 480 px as in the layout, got 320 x 240 px").waitFor();
 });
 
 test("a TacTip has the markers of the program", { skip: skipReal }, async () => {
@@ -149,7 +148,7 @@ function gelsight(name: string, ...options: string[]): string {
   return out;
 }
 
-/** Markers of the GelSight that the video shows, those at the border of the image left out. */
+/** Minimum number of markers in the GelSight video, without those that the border cuts. */
 const LEAST_MARKERS = 50;
 
 test("a video of a GelSight is tracked to its end", { skip: skipVideo }, async () => {
@@ -189,7 +188,7 @@ test("a camera is tracked", { skip: skipVideo }, async () => {
   }
 });
 
-test("a page without a camera says so", { skip }, async () => {
+test("a missing camera is reported", { skip }, async () => {
   const { page } = await openedTab();
   await page.getByRole("button", { name: "Use a camera" }).click();
   await page.getByText("The camera cannot be used:").waitFor();

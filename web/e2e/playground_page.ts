@@ -22,7 +22,7 @@ export async function opened(browser: Browser, hash = "", options = {}): Promise
   return result;
 }
 
-/** No errors, and nothing was loaded but the page's own parts. */
+/** Asserts that there are no errors and that only the page's own parts were loaded. */
 export function nothingElse({ errors, requests }: Opened): void {
   assert.deepEqual(errors, []);
   assert.deepEqual(

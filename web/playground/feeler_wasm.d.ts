@@ -18,9 +18,10 @@ declare module "*/wasm/feeler_wasm" {
   export class Fingertip {
     constructor(rgba: Uint8Array, width: number, height: number);
     static from_layout(text: string): Fingertip;
-    calibrate(text: string, touchForce: number, overForce: number, slipThreshold: number): void;
+    calibrate(text: string): boolean;
+    set_thresholds(touchForce: number, overForce: number, slipThreshold: number): void;
     track(rgba: Uint8Array, stamp: number): Float32Array<ArrayBuffer>;
-    felt(): string;
+    sensed(): string;
     markers(): number;
     width(): number;
     height(): number;

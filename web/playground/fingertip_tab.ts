@@ -2,8 +2,8 @@
 import { PageProblem } from "../src/problem";
 import { button, make, setText } from "../src/ui/dom";
 import type { Engine } from "./engine";
-import { FeltView } from "./felt_view";
 import { dropZone, save } from "./files";
+import { ForcesView } from "./forces_view";
 import { MarkerTable } from "./marker_table";
 import { drawMarkers, HeatMap, WARM } from "./markers";
 import type { LocatedFingertip } from "./protocol";
@@ -26,16 +26,19 @@ export class FingertipTab {
   readonly #save: HTMLButtonElement[];
   readonly #heat = make("input", { type: "checkbox", id: "heat-map" });
   readonly #heatMap = new HeatMap();
-  readonly #felt = new FeltView();
-  readonly #thresholds = new ThresholdFields(() => void this.#calibrate());
+  readonly #forces = new ForcesView();
+  readonly #thresholds = new ThresholdFields(() => void this.#setThresholds());
   readonly #table = new MarkerTable();
   #located: LocatedFingertip | undefined;
-  /** The markers come from a layout file. */
+  /** `true` if the markers come from a layout file. */
   #given = false;
   /** Content of the calibration file, if any. */
   #calibration = "";
   /** Counts the sources, so that images of an earlier one are dropped. */
   #source = 0;
+  /** Number of images tracked, and the time of the first (ms). */
+  #tracked = 0;
+  #since = performance.now();
 
   constructor(engine: Engine) {
     this.#engine = engine;
@@ -63,83 +66,91 @@ export class FingertipTab {
     );
     const picture = make("div", { class: "picture" }, this.#image);
     this.element = make("div", {}, make("p", {}, ABOUT), zone, orders, this.#thresholds.element);
-    this.element.append(this.#status, this.#felt.element, picture, this.#rate, this.#video);
+    this.element.append(this.#status, this.#forces.element, picture, this.#rate, this.#video);
     this.#enable();
   }
 
   async #open(file: File): Promise<void> {
-    try {
-      if (file.name.endsWith(".toml")) await this.#openText(await file.text());
-      else if (file.type.startsWith("image/")) await this.#openImage(file);
-      else await this.#openVideo(file);
-    } catch (error) {
-      this.#stop(`${file.name}: ${problem(error, "this browser cannot read the file.")}`);
-    }
-  }
-
-  async #openText(text: string): Promise<void> {
+    const text = file.name.endsWith(".toml") ? await file.text() : undefined;
     // A calibration states what it was made for; a layout does not.
-    if (text.includes("[made_for]")) {
+    if (text?.includes("[made_for]")) {
       this.#calibration = text;
       return this.#calibrate();
     }
-    this.#stop("");
+    const source = this.#begin();
+    try {
+      if (text !== undefined) await this.#openLayout(text, source);
+      else if (file.type.startsWith("image/")) await this.#openImage(file, source);
+      else await this.#openVideo(file, source);
+    } catch (error) {
+      if (source === this.#source)
+        this.#stop(`${file.name}: ${problem(error, "this browser cannot read the file.")}`);
+    }
+  }
+
+  async #openLayout(text: string, source: number): Promise<void> {
     const located = await this.#engine.call("layout", { text });
+    if (source !== this.#source) return;
     this.#forget();
     this.#given = true;
     this.#use(located);
   }
 
-  async #openImage(file: File): Promise<void> {
-    this.#stop("");
+  async #openImage(file: File, source: number): Promise<void> {
     const picture = new Image();
-    picture.src = URL.createObjectURL(file);
-    await picture.decode().finally(() => URL.revokeObjectURL(picture.src));
+    const url = URL.createObjectURL(file);
+    picture.src = url;
+    await picture.decode().finally(() => URL.revokeObjectURL(url));
     this.#restart();
-    await this.#see(picture, picture.naturalWidth, picture.naturalHeight, 0);
+    await this.#process(source, picture, picture.naturalWidth, picture.naturalHeight, 0);
   }
 
-  async #openVideo(file: File): Promise<void> {
-    this.#stop("");
-    this.#video.src = URL.createObjectURL(file);
-    await this.#play().finally(() => URL.revokeObjectURL(this.#video.src));
+  async #openVideo(file: File, source: number): Promise<void> {
+    const url = URL.createObjectURL(file);
+    this.#video.src = url;
+    await this.#play(source).finally(() => URL.revokeObjectURL(url));
   }
 
   async #camera(): Promise<void> {
-    this.#stop("");
+    const source = this.#begin();
     try {
-      this.#video.srcObject = await navigator.mediaDevices.getUserMedia({ video: { width: WIDEST } });
-      await this.#play();
+      const stream = await navigator.mediaDevices.getUserMedia({ video: { width: WIDEST } });
+      if (source !== this.#source) return stop(stream);
+      this.#video.srcObject = stream;
+      await this.#play(source);
     } catch (error) {
       const reason = error instanceof Error ? error.message : String(error);
+      if (source !== this.#source) return;
       this.#stop(error instanceof PageProblem ? reason : `The camera cannot be used: ${reason}`);
     }
   }
 
   /** Tracks image after image until the video ends or another source is opened. */
-  async #play(): Promise<void> {
-    const source = ++this.#source;
+  async #play(source: number): Promise<void> {
     this.#restart();
-    // Checks the first image again, and restarts the flags.
+    // The next image is checked again, and flags start again.
     if (this.#calibration) await this.#calibrate();
     const video = this.#video;
+    // Requested before the video plays, so that its first image is not missed.
+    let next = nextImage(video);
     await video.play();
-    const start = performance.now();
     for (;;) {
-      const time = await nextImage(video);
+      const time = await next;
       if (source !== this.#source) return;
       if (time === undefined) break;
-      await this.#see(video, video.videoWidth, video.videoHeight, time);
-      const rate = (1000 * this.#table.images) / Math.max(1, performance.now() - start);
+      await this.#process(source, video, video.videoWidth, video.videoHeight, time);
+      const rate = (1000 * ++this.#tracked) / Math.max(1, performance.now() - this.#since);
       if (!this.#table.full) setText(this.#rate, `${rate.toFixed(0)} images per second`);
-      else setText(this.#rate, `The table is full: it ends after ${this.#table.images} images.`);
+      else setText(this.#rate, `The table is full: it contains only the first ${this.#table.images} images.`);
+      next = nextImage(video);
     }
-    setText(this.#status, `The video has ended; ${this.#table.images} images were tracked.`);
+    setText(this.#status, `The video has ended; ${this.#tracked} images were tracked.`);
   }
 
   /** Locates the markers again in the next image, unless they come from a layout. */
   #restart(): void {
     this.#table.clear();
+    [this.#tracked, this.#since] = [0, performance.now()];
     if (!this.#given) this.#forget();
   }
 
@@ -149,8 +160,9 @@ export class FingertipTab {
     this.#given = false;
     this.#calibration = "";
     this.#thresholds.element.hidden = true;
-    this.#felt.show(undefined);
+    this.#forces.show(undefined);
     this.#table.clear();
+    [this.#tracked, this.#since] = [0, performance.now()];
     this.#enable();
   }
 
@@ -163,18 +175,30 @@ export class FingertipTab {
   }
 
   async #calibrate(): Promise<void> {
+    this.#forces.show(undefined);
     try {
-      const thresholds = this.#thresholds.values();
-      await this.#engine.call("calibrate", { text: this.#calibration, thresholds });
-      this.#thresholds.element.hidden = false;
-      setText(this.#status, "The calibration is in use.");
+      const hasFlags = await this.#engine.call("calibrate", { text: this.#calibration });
+      this.#thresholds.element.hidden = !hasFlags;
+      await this.#setThresholds();
+      setText(this.#status, "The calibration is in use. The next image must show the untouched fingertip.");
     } catch (error) {
       this.#calibration = "";
       setText(this.#status, `The calibration is not used: ${problem(error, String(error))}`);
     }
   }
 
-  async #see(picture: CanvasImageSource, width: number, height: number, time: number): Promise<void> {
+  #setThresholds(): Promise<undefined> {
+    return this.#engine.call("thresholds", this.#thresholds.values());
+  }
+
+  /** Shows an image with its markers and adds them to the table, unless another source was opened meanwhile. */
+  async #process(
+    source: number,
+    picture: CanvasImageSource,
+    width: number,
+    height: number,
+    time: number,
+  ): Promise<void> {
     const scale = this.#given ? 1 : Math.min(1, WIDEST / width);
     this.#checkSize(width, height);
     const frame = this.#frame;
@@ -184,15 +208,21 @@ export class FingertipTab {
     if (!pixels || !shown) throw new PageProblem("this browser cannot read images.");
     pixels.drawImage(picture, 0, 0, frame.width, frame.height);
     const rgba = pixels.getImageData(0, 0, frame.width, frame.height).data.buffer as ArrayBuffer;
-    if (!this.#located)
-      this.#use(await this.#engine.call("locate", { rgba, width: frame.width, height: frame.height }));
-    const { markers, felt } = await this.#engine.call("track", { rgba, time });
+    if (!this.#located) {
+      const size = { width: frame.width, height: frame.height };
+      const located = await this.#engine.call("locate", { rgba, ...size });
+      if (source !== this.#source) return;
+      this.#use(located);
+    }
+    const located = this.#located;
+    const { markers, sensed } = await this.#engine.call("track", { rgba, time });
+    if (source !== this.#source || located !== this.#located) return;
     // The image and its markers appear together.
     [this.#image.width, this.#image.height] = [frame.width, frame.height];
     shown.drawImage(frame, 0, 0);
     if (this.#heat.checked) this.#heatMap.draw(shown, markers);
     drawMarkers(shown, markers);
-    this.#felt.show(felt);
+    this.#forces.show(sensed);
     this.#table.add(time, markers);
   }
 
@@ -200,15 +230,27 @@ export class FingertipTab {
     const expected = this.#given ? this.#located : undefined;
     if (!expected || (expected.width === width && expected.height === height)) return;
     const size = `${expected.width} x ${expected.height} px`;
-    throw new PageProblem(`the layout is for images of ${size}, but these are of ${width} x ${height} px.`);
+    throw new PageProblem(
+      `expected images of ${size} as in the layout, got ${width} x ${height} px; use the layout of this camera.`,
+    );
+  }
+
+  /** Ends the current source and returns the number of the next one. */
+  #begin(): number {
+    this.#stop("");
+    return this.#source;
   }
 
   #stop(status: string): void {
     this.#source++;
-    const stream = this.#video.srcObject;
-    if (stream instanceof MediaStream) for (const track of stream.getTracks()) track.stop();
-    this.#video.srcObject = null;
-    this.#video.removeAttribute("src");
+    const video = this.#video;
+    const stream = video.srcObject;
+    if (stream instanceof MediaStream) stop(stream);
+    video.pause();
+    video.srcObject = null;
+    video.removeAttribute("src");
+    // Releases the file.
+    video.load();
     setText(this.#status, status);
   }
 
@@ -231,6 +273,10 @@ function nextImage(video: HTMLVideoElement): Promise<number | undefined> {
     });
     video.addEventListener("ended", ended, { once: true });
   });
+}
+
+function stop(stream: MediaStream): void {
+  for (const track of stream.getTracks()) track.stop();
 }
 
 function problem(error: unknown, otherwise: string): string {

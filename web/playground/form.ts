@@ -75,6 +75,7 @@ export class RunForm {
     try {
       experiment = await this.#describe(name);
     } catch (error) {
+      if (this.#experiment.value !== name) return false;
       this.#refuse(`${name}: ${error instanceof Error ? error.message : error}`);
       return false;
     }
@@ -96,7 +97,7 @@ export class RunForm {
     return true;
   }
 
-  /** Says why there is nothing to run. */
+  /** Disables the form and shows `reason`. */
   #refuse(reason: string): void {
     this.#start.disabled = true;
     setText(this.#about, reason);
@@ -117,10 +118,12 @@ export class RunForm {
   }
 
   /**
-   * Shows `settings`; missing values are the experiment's. Returns `false` if another experiment is chosen meanwhile.
+   * Shows `settings`; missing values are the experiment's. Returns `false` if the experiment is unknown, or another one
+   * is chosen meanwhile.
    */
   async apply({ experiment, seed, sensing, set = [], compare }: Partial<PageSettings>): Promise<boolean> {
     if (experiment && !this.#catalogue.experiments.includes(experiment)) {
+      this.#experiment.selectedIndex = -1;
       this.#refuse(`There is no built-in experiment "${experiment}"; choose another one.`);
       return false;
     }

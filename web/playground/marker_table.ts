@@ -1,7 +1,7 @@
 /** The table of all tracked markers. */
 import { NUMBERS } from "./markers";
 
-/** Largest amount of numbers in the table: ten minutes of 60 markers at 30 images a second. */
+/** Maximum number of values in the table: ten minutes of 60 markers at 30 images a second. */
 const MOST = 9e6;
 const COLUMNS = [
   "time,marker,column_px,row_px,column_displacement_px,row_displacement_px,confidence",
@@ -17,7 +17,7 @@ export class MarkerTable {
     return this.#images.length;
   }
 
-  /** The table has no room for further images. */
+  /** `true` if the table is full. */
   get full(): boolean {
     return this.#count >= MOST;
   }
@@ -34,7 +34,7 @@ export class MarkerTable {
     this.#count = 0;
   }
 
-  /** The table as CSV. A force is empty if there is none. */
+  /** The table as CSV; cells of unknown forces are empty. */
   csv(): Blob {
     const parts = [`${COLUMNS}\n`];
     for (const { time, markers } of this.#images) {

@@ -48,7 +48,7 @@ export function drawMarkers(context: CanvasRenderingContext2D, markers: Float32A
   }
 }
 
-/** The displacement between the markers, as the mean of near ones weighted by a Gaussian. */
+/** Heat map of the displacement, interpolated between markers with Gaussian weights. */
 export class HeatMap {
   readonly #small = document.createElement("canvas");
   #weights = new Float32Array(0);
@@ -77,7 +77,7 @@ export class HeatMap {
     }
     this.#weights.fill(0);
     this.#sums.fill(0);
-    // Mean spacing of the markers, and the cells up to which a marker matters.
+    // Standard deviation of the Gaussian: 0.6 times the mean marker spacing (px); `reach` is its cut-off in cells.
     const spread = 0.6 * Math.sqrt(area / Math.max(1, markers.length / NUMBERS));
     const reach = Math.ceil((2.2 * spread) / CELL);
     for (const { x, y, dx, dy, lost } of each(markers)) {

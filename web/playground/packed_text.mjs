@@ -1,5 +1,5 @@
 /**
- * Bytes as text of an HTML script element: 7 bits in each character, a sixth smaller than base64 in UTF-8.
+ * Encodes bytes as text for an HTML script element, 7 bits per character: an eighth smaller than base64 in UTF-8.
  *
  * NUL, carriage return and "<" have a meaning in HTML, so they are shifted by `SHIFT`.
  */

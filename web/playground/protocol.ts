@@ -57,8 +57,8 @@ export interface Thresholds {
   slip: number;
 }
 
-/** Forces in an image by a calibration of elements, or by one of the whole fingertip. */
-export type Felt =
+/** Forces in one image, from a calibration of the elements or of the total wrench. */
+export type Sensed =
   | {
       kind: "elements";
       touch: boolean;
@@ -104,14 +104,15 @@ export interface Calls {
   discard: { argument: { run: number }; result: undefined };
   /** Locates the markers of an untouched fingertip; later images are tracked from there. */
   locate: { argument: { rgba: ArrayBuffer; width: number; height: number }; result: LocatedFingertip };
-  /** Uses the markers of a layout file instead. */
+  /** Loads the markers from the layout file content `text`. */
   layout: { argument: { text: string }; result: LocatedFingertip };
-  /** Computes forces from now on, by the calibration file with the content `text`. */
-  calibrate: { argument: { text: string; thresholds: Thresholds }; result: undefined };
+  /** Loads a calibration from the file content `text`; later images yield forces. Returns whether it gives flags. */
+  calibrate: { argument: { text: string }; result: boolean };
+  thresholds: { argument: Thresholds; result: undefined };
   /** Tracks the markers into an image of the same size, taken at `time` (s). Numbers of a marker: see `markers.ts`. */
   track: {
     argument: { rgba: ArrayBuffer; time: number };
-    result: { markers: Float32Array<ArrayBuffer>; felt: Felt | undefined };
+    result: { markers: Float32Array<ArrayBuffer>; sensed: Sensed | undefined };
   };
   /** Returns the report page (HTML) of a recording. */
   report: { argument: { file: File }; result: string };

@@ -91,8 +91,10 @@ export class RunView {
     this.#panel.notice(error);
   }
 
-  /** Stops updating the figures. */
+  /** Stops updating the figures and frees the scene's memory: browsers limit a page to about 16 WebGL contexts. */
   close(): void {
     clearInterval(this.#refresh);
+    for (const canvas of this.element.querySelectorAll("canvas"))
+      canvas.getContext("webgl2")?.getExtension("WEBGL_lose_context")?.loseContext();
   }
 }

@@ -27,8 +27,12 @@ export class ThresholdFields {
     this.element.addEventListener("change", changed);
   }
 
+  /** The thresholds. An invalid field is reset to its default. */
   values(): Thresholds {
-    const values = this.#inputs.map(([name, input]) => [name, Math.max(0, input.valueAsNumber || 0)]);
+    const values = this.#inputs.map(([name, input]) => {
+      if (!(input.valueAsNumber >= 0)) input.value = input.defaultValue;
+      return [name, input.valueAsNumber];
+    });
     return Object.fromEntries(values) as Thresholds;
   }
 }

@@ -90,23 +90,24 @@ const functions: {
     runs.get(run)?.run.free();
     runs.delete(run);
   },
-  locate: ({ rgba, width, height }) => use(new Fingertip(new Uint8Array(rgba), width, height)),
-  layout: ({ text }) => use(Fingertip.from_layout(text)),
-  calibrate({ text, thresholds: { touch, over, slip } }) {
-    located().calibrate(text, touch, over, slip);
+  locate: ({ rgba, width, height }) => setFingertip(new Fingertip(new Uint8Array(rgba), width, height)),
+  layout: ({ text }) => setFingertip(Fingertip.from_layout(text)),
+  calibrate: ({ text }) => requireFingertip().calibrate(text),
+  thresholds({ touch, over, slip }) {
+    fingertip?.set_thresholds(touch, over, slip);
   },
   track({ rgba, time }) {
-    const fingertip = located();
+    const fingertip = requireFingertip();
     const markers = fingertip.track(new Uint8Array(rgba), time);
-    const felt = fingertip.felt();
-    return { markers, felt: felt ? JSON.parse(felt) : undefined };
+    const sensed = fingertip.sensed();
+    return { markers, sensed: sensed ? JSON.parse(sensed) : undefined };
   },
   report: ({ file }, call) =>
     report(file, (share: number) => scope.postMessage({ kind: "progress", call, share })),
 };
 
-/** Tracks the markers of `located` from now on. */
-function use(located: Fingertip): LocatedFingertip {
+/** Replaces the tracked fingertip and returns its description. */
+function setFingertip(located: Fingertip): LocatedFingertip {
   fingertip?.free();
   fingertip = located;
   return {
@@ -118,7 +119,7 @@ function use(located: Fingertip): LocatedFingertip {
   };
 }
 
-function located(): Fingertip {
+function requireFingertip(): Fingertip {
   if (!fingertip)
     throw new Error("No markers have been located yet: open an image, a video or a layout first.");
   return fingertip;

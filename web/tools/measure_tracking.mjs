@@ -31,7 +31,7 @@ const moved = Array.from({ length: IMAGES }, (_, n) => 8 * Math.sin(n / 5));
 const images = moved.map(image);
 const start = performance.now();
 let tracked;
-for (const pixels of images) tracked = fingertip.track(pixels);
+for (const pixels of images) tracked = fingertip.track(pixels, 0);
 const seconds = (performance.now() - start) / 1000;
 const errors = Array.from({ length: fingertip.markers() }, (_, n) =>
   Math.abs(tracked[8 * n + 2] - moved.at(-1)),

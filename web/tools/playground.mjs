@@ -89,7 +89,7 @@ const parts = {
 };
 let page = readFileSync(here("../playground/template.html"), "utf8");
 for (const [name, content] of Object.entries(parts)) {
-  // White space around a part would belong to it.
+  // Also removes the white space around the placeholder, which would corrupt the packed bytes.
   page = page.replace(new RegExp(`\\s*/\\*${name}\\*/\\s*`), () => content);
 }
 writeFileSync(OUT, page);

@@ -22,7 +22,7 @@ pub struct Fingertip {
     tracker: MarkerTracker,
     forces: Option<Forces>,
     /// Forces in the latest image as JSON; empty without a calibration.
-    felt: String,
+    sensed: String,
     /// Pixels of the latest image (gray).
     gray: Vec<u8>,
 }
@@ -52,7 +52,7 @@ impl Fingertip {
         Self::with_layout(LocatedLayout::new(&located), warnings)
     }
 
-    /// Uses the markers of a layout file with the content `text`, as `feeler locate` writes it.
+    /// Loads the markers from the layout file content `text`, as `feeler locate` writes it.
     ///
     /// # Errors
     /// If the layout is invalid.
@@ -66,32 +66,35 @@ impl Fingertip {
             warnings,
             tracker: MarkerTracker::new(&layout).map_err(js)?,
             forces: None,
-            felt: String::new(),
+            sensed: String::new(),
             layout,
             gray: Vec::new(),
         })
     }
 
-    /// Computes forces from now on, by the calibration file with the content `text`. The flags are raised by a
-    /// compression above `touch_force` and `over_force` (N) and a shear rate above `slip_threshold` (N/s).
+    /// Loads a calibration from the file content `text`; later images yield forces. The next image must show the
+    /// untouched fingertip. Returns `true` if the calibration is of the elements, which gives flags.
     ///
     /// # Errors
-    /// If the calibration is invalid, or was made for another layout.
-    pub fn calibrate(
-        &mut self,
-        text: &str,
-        touch_force: f64,
-        over_force: f64,
-        slip_threshold: f64,
-    ) -> Result<(), JsError> {
-        let thresholds = FlagThresholds {
-            touch_force,
-            over_force,
-            slip_threshold,
-        };
+    /// If the calibration is invalid, or was made for another layout; then there are no forces.
+    pub fn calibrate(&mut self, text: &str) -> Result<bool, JsError> {
+        self.forces = None;
+        self.sensed.clear();
         let geometry = SensorGeometry::of_layout(&self.layout).map_err(js)?;
-        self.forces = Some(Forces::new(geometry, text, thresholds).map_err(js)?);
-        Ok(())
+        let forces = self.forces.insert(Forces::new(geometry, text).map_err(js)?);
+        Ok(forces.has_flags())
+    }
+
+    /// Sets the thresholds of the flags: compressions `touch_force` and `over_force` (N) and shear rate `slip_threshold`
+    /// (N/s).
+    pub fn set_thresholds(&mut self, touch_force: f64, over_force: f64, slip_threshold: f64) {
+        if let Some(forces) = &mut self.forces {
+            forces.set_thresholds(FlagThresholds {
+                touch_force,
+                over_force,
+                slip_threshold,
+            });
+        }
     }
 
     /// Tracks the markers into the next image of the same size, taken at `stamp` (s). Returns eight numbers for each
@@ -117,10 +120,10 @@ impl Fingertip {
             }
         }
         if let Some(forces) = &mut self.forces {
-            let felt = forces.sense(&picture, stamp).map_err(js)?;
-            self.felt = serde_json::to_string(&felt).map_err(js)?;
+            let sensed = forces.sense(&picture, stamp).map_err(js)?;
+            self.sensed = serde_json::to_string(&sensed).map_err(js)?;
         }
-        let mut forces = self.forces.iter().flat_map(Forces::of_elements);
+        let mut forces = self.forces.iter().flat_map(Forces::element_forces);
         let mut numbers = Vec::with_capacity(NUMBERS * self.tracker.markers().len());
         for marker in self.tracker.markers() {
             let (place, by) = (marker.place, marker.displacement);
@@ -132,9 +135,9 @@ impl Fingertip {
         Ok(numbers)
     }
 
-    /// Forces in the latest image as JSON (`Felt` in `web/playground/protocol.ts`); empty without a calibration.
-    pub fn felt(&self) -> String {
-        self.felt.clone()
+    /// Forces in the latest image as JSON (`Sensed` in `web/playground/protocol.ts`); empty without a calibration.
+    pub fn sensed(&self) -> String {
+        self.sensed.clone()
     }
 
     /// Number of markers.

@@ -1,6 +1,6 @@
-//! Forces on a fingertip by a calibration, with the flags of the paper.
+//! Forces on a fingertip, computed with a calibration file, and the paper's flags.
 
-use feeler::control::{FlagAnalyzer, FlagThresholds};
+use feeler::control::{ControlConfig, FlagAnalyzer, FlagThresholds};
 use feeler::sensor::forces::{ElementReading, NO_FORCE, SensingChain, TactileFrame};
 use feeler::sensor::image::Picture;
 use feeler::sensor::wrench::{AXES, WrenchEstimator};
@@ -9,7 +9,7 @@ use glam::DVec3;
 use serde::Serialize;
 use std::error::Error;
 
-/// Computes forces from images: of each element with flags, or the wrench on the whole fingertip.
+/// Computes from each image either the force on every element and the flags, or the total wrench.
 pub struct Forces {
     chain: SensingChain,
     readings: Vec<ElementReading>,
@@ -27,8 +27,8 @@ enum Kind {
 /// Forces in one image, as the page shows them.
 #[derive(Serialize)]
 #[serde(tag = "kind", rename_all = "snake_case")]
-pub enum Felt {
-    /// Forces of the elements by the flag analyzer.
+pub enum Sensed {
+    /// Flags and grasp force, with a calibration of the elements.
     Elements {
         touch: bool,
         slip: bool,
@@ -38,7 +38,7 @@ pub enum Felt {
         /// Number of elements without a valid force.
         invalid: usize,
     },
-    /// Wrench on the whole fingertip.
+    /// Total wrench.
     Wrench {
         /// Force (N) and torque (N m); `None` for components that are not calibrated.
         components: [Option<f64>; AXES],
@@ -48,19 +48,15 @@ pub enum Felt {
 }
 
 impl Forces {
-    /// Prepares the calibration file with the content `text` for the sensor, with flags by `thresholds`.
+    /// Creates an estimator for the sensor from the calibration file content `text`.
     ///
     /// # Errors
     /// If the file is invalid, or was made for another sensor.
-    pub fn new(
-        geometry: SensorGeometry,
-        text: &str,
-        thresholds: FlagThresholds,
-    ) -> Result<Self, Box<dyn Error>> {
-        let wrench = geometry.wrench_calibration(text)?;
+    pub fn new(geometry: SensorGeometry, text: &str) -> Result<Self, Box<dyn Error>> {
+        let wrench = geometry.parse_wrench_calibration(text)?;
         let elements = match wrench {
             Some(_) => None,
-            None => Some(geometry.calibration(text)?),
+            None => Some(geometry.parse_calibration(text)?),
         };
         let count = geometry.regions.len();
         let chain = SensingChain::new(
@@ -76,7 +72,7 @@ impl Forces {
         let kind = match wrench {
             Some(calibration) => Kind::Wrench(WrenchEstimator::new(calibration)?),
             None => Kind::Elements {
-                analyzer: FlagAnalyzer::new(thresholds, count),
+                analyzer: FlagAnalyzer::new(ControlConfig::default().thresholds(), count),
                 frame: TactileFrame::unloaded(count),
             },
         };
@@ -87,25 +83,38 @@ impl Forces {
         })
     }
 
+    /// Sets the thresholds of the flags. Has no effect with a calibration of the total wrench.
+    pub fn set_thresholds(&mut self, thresholds: FlagThresholds) {
+        if let Kind::Elements { analyzer, frame } = &mut self.kind {
+            *analyzer = FlagAnalyzer::new(thresholds, frame.forces.len());
+        }
+    }
+
+    /// Returns `true` for a calibration of the elements, which gives flags.
+    pub fn has_flags(&self) -> bool {
+        matches!(self.kind, Kind::Elements { .. })
+    }
+
     /// Returns the forces in `picture`, taken `stamp` seconds after the start of the video.
     ///
     /// # Errors
     /// If the image has another size, or does not fit the calibration.
-    pub fn sense(&mut self, picture: &Picture<&[u8]>, stamp: f64) -> Result<Felt, Box<dyn Error>> {
+    pub fn sense(
+        &mut self,
+        picture: &Picture<&[u8]>,
+        stamp: f64,
+    ) -> Result<Sensed, Box<dyn Error>> {
         self.chain.sense(picture, &mut self.readings)?;
         self.chain.check_first(picture)?;
         Ok(match &mut self.kind {
             Kind::Elements { analyzer, frame } => {
-                if stamp < frame.stamp {
-                    return Err("the time of the images runs backwards".into());
-                }
                 frame.sequence += 1;
                 frame.stamp = stamp;
                 for (force, reading) in frame.forces.iter_mut().zip(&self.readings) {
                     *force = reading.force.unwrap_or(NO_FORCE);
                 }
                 let flags = analyzer.analyze(frame);
-                Felt::Elements {
+                Sensed::Elements {
                     touch: flags.touch,
                     slip: flags.slip,
                     over: flags.over,
@@ -115,7 +124,7 @@ impl Forces {
             }
             Kind::Wrench(estimator) => {
                 let estimate = estimator.estimate(&self.readings);
-                Felt::Wrench {
+                Sensed::Wrench {
                     components: estimate.components,
                     valid: estimate.valid,
                 }
@@ -123,8 +132,8 @@ impl Forces {
         })
     }
 
-    /// Force on each element in the latest image (N, in its frame), [`NO_FORCE`] if there is none.
-    pub fn of_elements(&self) -> impl Iterator<Item = DVec3> {
+    /// Force on each element in the latest image (N, in its frame), [`NO_FORCE`] if unknown.
+    pub fn element_forces(&self) -> impl Iterator<Item = DVec3> {
         let forces = self.readings.iter();
         forces.map(|reading| reading.force.unwrap_or(NO_FORCE))
     }

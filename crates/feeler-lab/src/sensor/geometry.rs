@@ -117,14 +117,14 @@ impl SensorGeometry {
     /// # Errors
     /// If the file cannot be read, is invalid, or was made for another sensor.
     pub fn read_calibration(&self, path: &Path) -> Result<Calibration, GeometryError> {
-        self.calibration(&read_text(path)?)
+        self.parse_calibration(&read_text(path)?)
     }
 
     /// Parses the text of a calibration file and verifies that it was made for this sensor.
     ///
     /// # Errors
     /// If the calibration is invalid or was made for another sensor.
-    pub fn calibration(&self, text: &str) -> Result<Calibration, GeometryError> {
+    pub fn parse_calibration(&self, text: &str) -> Result<Calibration, GeometryError> {
         let calibration = Calibration::from_toml(text)?;
         self.made_for.verify_same(&calibration.made_for)?;
         Ok(calibration)

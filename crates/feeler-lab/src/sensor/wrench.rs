@@ -208,7 +208,7 @@ impl SensorGeometry {
         &self,
         path: &Path,
     ) -> Result<Option<WrenchCalibration>, GeometryError> {
-        self.wrench_calibration(&read_text(path)?)
+        self.parse_wrench_calibration(&read_text(path)?)
     }
 
     /// Parses the text of a wrench calibration and verifies that it was made for this sensor. Returns `None` if it is
@@ -216,7 +216,7 @@ impl SensorGeometry {
     ///
     /// # Errors
     /// If the calibration is invalid or was made for another sensor.
-    pub fn wrench_calibration(
+    pub fn parse_wrench_calibration(
         &self,
         text: &str,
     ) -> Result<Option<WrenchCalibration>, GeometryError> {
