@@ -1,5 +1,12 @@
 #![doc = include_str!("../README.md")]
 #![warn(missing_docs)]
+#![cfg_attr(
+    test,
+    allow(
+        clippy::disallowed_methods,
+        reason = "test inputs need not be bit-identical across platforms"
+    )
+)]
 
 pub mod bench;
 pub mod contact;

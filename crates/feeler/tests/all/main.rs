@@ -1,6 +1,10 @@
 //! Integration tests of this crate, linked as one program, except those that require a separate process.
 //!
 //! They run under an allocator that aborts the process if the control path allocates.
+#![allow(
+    clippy::disallowed_methods,
+    reason = "test inputs need not be bit-identical across platforms"
+)]
 
 mod architecture;
 mod calibration;
