@@ -57,8 +57,8 @@ export class FingertipTab {
       "div",
       { class: "orders" },
       button("Use the camera", "Use a camera of this computer", () => void this.#camera()),
-      button("Untouched now", "Take the current image as that of the untouched fingertip", () =>
-        this.#forget(),
+      button("Untouched now", "Take the next image as that of the untouched fingertip", () =>
+        this.#untouched(),
       ),
       button("Stop", "Stop the video or the camera", () => this.#stop("Stopped.")),
       ...this.#save,
@@ -183,6 +183,7 @@ export class FingertipTab {
       setText(this.#status, "The calibration is in use. The next image must show the untouched fingertip.");
     } catch (error) {
       this.#calibration = "";
+      this.#thresholds.element.hidden = true;
       setText(this.#status, `The calibration is not used: ${problem(error, String(error))}`);
     }
   }
@@ -235,9 +236,18 @@ export class FingertipTab {
     );
   }
 
+  /** Locates the markers again in the next image of the running source. */
+  #untouched(): void {
+    if (this.#given) setText(this.#status, "The layout defines the untouched fingertip.");
+    else if (this.#video.paused) setText(this.#status, "This needs a running video or camera.");
+    else this.#forget();
+  }
+
   /** Ends the current source and returns the number of the next one. */
   #begin(): number {
     this.#stop("");
+    this.#forces.show(undefined);
+    setText(this.#rate, "");
     return this.#source;
   }
 

@@ -66,7 +66,7 @@ pub enum LocateError {
     },
     /// The spots do not form a pattern of markers.
     #[error(
-        "the {spots} {polarity} spots are not a pattern of markers: {}; if they are markers, give their diameter (--spot-diameter)",
+        "not a pattern of markers ({polarity} spots: {spots}): {}; if they are markers, give their diameter (--spot-diameter)",
         list(unlike)
     )]
     NoPattern {

@@ -1,6 +1,6 @@
 //! Groups spots into elements.
 
-use super::{median, nearest, spot::Spot, tree::Tree};
+use super::{median, nearest, quantile, spot::Spot, tree::Tree};
 use crate::sensor::image::cells::Cells;
 use glam::DVec2;
 use std::collections::BTreeMap;
@@ -35,6 +35,9 @@ const NEARLY: f64 = 0.9;
 /// Minimum median ratio of the distance to the nearest spot of another group to that of the nearest spot of the same
 /// group. For any partition of a lattice, the ratio is about one.
 const APART: f64 = 1.25;
+
+/// Number of spots below which nine of ten must have the ratio [`APART`], not only half.
+const SMALL: usize = 20;
 
 /// Maximum median size difference (natural logarithm) between neighbouring groups. Elements of a sensor have similar
 /// sizes; accidental clusters of scattered spots do not.
@@ -198,7 +201,9 @@ fn apart(groups: &[Vec<usize>], centres: &[DVec2]) -> f64 {
         distance(other) / distance(own)
     };
     let mut ratios: Vec<f64> = groups.iter().flatten().map(ratio).collect();
-    median(&mut ratios)
+    // In a small lattice, most spots are at its ends, where only spots of the same group are near.
+    let part = if ratios.len() < SMALL { 0.1 } else { 0.5 };
+    quantile(&mut ratios, part)
 }
 
 /// Median size difference between neighbouring groups, to compare with [`ALIKE`].

@@ -48,8 +48,8 @@ fn regularity(spots: &[Spot]) -> Option<Regularity> {
 /// Score of `spots` as a pattern: their total contrast over the irregularity of their spacing.
 pub(super) fn score(spots: &[Spot]) -> f64 {
     /// Spacing irregularity assumed for too few spots: that of scattered points.
-    const SCATTERED: f64 = 0.3;
-    let spacing = regularity(spots).map_or(SCATTERED, |regularity| regularity.spacing);
+    const UNKNOWN: f64 = 0.3;
+    let spacing = regularity(spots).map_or(UNKNOWN, |regularity| regularity.spacing);
     spots.iter().map(|spot| spot.contrast).sum::<f64>() / (0.05 + spacing)
 }
 
@@ -57,7 +57,7 @@ pub(super) fn score(spots: &[Spot]) -> f64 {
 #[derive(Debug, Clone, Copy, PartialEq, thiserror::Error)]
 pub enum Unlike {
     /// There are too few spots to tell a pattern from specks.
-    #[error("{0} are too few to form a pattern, expected at least {FEWEST}")]
+    #[error("expected at least {FEWEST} spots, got {0}")]
     Few(usize),
     /// The spacing of the spots varies.
     #[error("spacing differs by {:.0} % from spot to spot, expected at most {:.0} %", 100.0 * .0, 100.0 * SPACING)]
@@ -89,6 +89,9 @@ pub enum Unlike {
 const SPACING: f64 = 0.12;
 const SIZE: f64 = 0.1;
 const CONTRAST: f64 = 0.3;
+
+/// Deviation in spacing above which spots are scattered, regardless of size and contrast: twice that of real sensors.
+const SCATTERED: f64 = 0.08;
 
 /// Maximum sum of the deviations, each over its own maximum. Real sensors have sums of at most 1.3; texture and scattered
 /// specks have at least 2.5.
@@ -130,7 +133,8 @@ pub(super) fn assess(spots: &[Spot], noise: f64) -> Likeness {
         let found = measured.iter().filter(move |(part, _)| *part >= least);
         found.map(|&(_, unlike)| unlike)
     };
-    if total <= TOTAL {
+    // Scattered spots of equal size and contrast differ in their spacing alone.
+    if total <= TOTAL && spacing <= SCATTERED {
         Likeness::Pattern(at_least(1.0).collect())
     } else {
         let total = std::iter::once(Unlike::Total(total));
