@@ -36,8 +36,9 @@ export class FingertipTab {
   #calibration = "";
   /** Counts the sources, so that images of an earlier one are dropped. */
   #source = 0;
-  /** Number of images tracked, and the time of the first (ms). */
+  /** Number of images tracked. */
   #tracked = 0;
+  /** Time at which tracking started (ms). */
   #since = performance.now();
 
   constructor(engine: Engine) {
@@ -128,7 +129,7 @@ export class FingertipTab {
   /** Tracks image after image until the video ends or another source is opened. */
   async #play(source: number): Promise<void> {
     this.#restart();
-    // The next image is checked again, and flags start again.
+    // Resets the flags and the check of the first image.
     if (this.#calibration) await this.#calibrate();
     const video = this.#video;
     // Requested before the video plays, so that its first image is not missed.
@@ -149,9 +150,8 @@ export class FingertipTab {
 
   /** Locates the markers again in the next image, unless they come from a layout. */
   #restart(): void {
-    this.#table.clear();
-    [this.#tracked, this.#since] = [0, performance.now()];
-    if (!this.#given) this.#forget();
+    if (this.#given) this.#clearTable();
+    else this.#forget();
   }
 
   /** Forgets the markers, and the calibration that was made for them. */
@@ -161,9 +161,13 @@ export class FingertipTab {
     this.#calibration = "";
     this.#thresholds.element.hidden = true;
     this.#forces.show(undefined);
+    this.#clearTable();
+    this.#enable();
+  }
+
+  #clearTable(): void {
     this.#table.clear();
     [this.#tracked, this.#since] = [0, performance.now()];
-    this.#enable();
   }
 
   #use(located: LocatedFingertip): void {

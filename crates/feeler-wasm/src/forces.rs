@@ -52,19 +52,14 @@ impl Forces {
     ///
     /// # Errors
     /// If the file is invalid, or was made for another sensor.
-    pub fn new(geometry: SensorGeometry, text: &str) -> Result<Self, Box<dyn Error>> {
+    pub fn new(geometry: &SensorGeometry, text: &str) -> Result<Self, Box<dyn Error>> {
         let wrench = geometry.parse_wrench_calibration(text)?;
         let elements = match wrench {
             Some(_) => None,
             None => Some(geometry.parse_calibration(text)?),
         };
         let count = geometry.regions.len();
-        let chain = SensingChain::new(
-            geometry.size,
-            geometry.kernel,
-            &geometry.regions,
-            geometry.max_saturated,
-        )?;
+        let chain = geometry.sensing_chain()?;
         let chain = match elements {
             Some(calibration) => chain.with_calibration(calibration)?,
             None => chain,

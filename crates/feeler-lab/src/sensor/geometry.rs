@@ -5,6 +5,7 @@ use feeler::sensor::calibration::{Calibration, CalibrationError, CalibrationTarg
 use feeler::sensor::fingertip::{
     Fingertip, FingertipConfig, FingertipError, LayoutError, LocatedLayout,
 };
+use feeler::sensor::forces::{SensingChain, SensingError};
 use feeler::sensor::image::{DEFAULT_MAX_SATURATED, ProjectedElement, WeightedPixel};
 use feeler::sensor::moments::{MomentsError, MomentsKernel};
 use feeler::sensor::wrench::WrenchError;
@@ -110,6 +111,19 @@ impl SensorGeometry {
             max_saturated: DEFAULT_MAX_SATURATED,
             made_for: CalibrationTarget::fingertip(config)?,
         })
+    }
+
+    /// Creates a sensing chain for the sensor, without a calibration.
+    ///
+    /// # Errors
+    /// If the regions do not match the kernel.
+    pub fn sensing_chain(&self) -> Result<SensingChain, SensingError> {
+        SensingChain::new(
+            self.size,
+            self.kernel.clone(),
+            &self.regions,
+            self.max_saturated,
+        )
     }
 
     /// Reads the calibration at `path` and verifies that it was made for this sensor.

@@ -134,10 +134,9 @@ impl ForcesFile {
         mut sensed: impl FnMut(),
     ) -> Result<MeasuredSamples, ForcesFileError> {
         let elements = sensor.kernel.element_count();
-        let kernel = sensor.kernel.clone();
         let mut eye = Eye {
             frames: NamedFrames::new(&self.csv, sensor.size),
-            chain: SensingChain::new(sensor.size, kernel, &sensor.regions, sensor.max_saturated)?,
+            chain: sensor.sensing_chain()?,
             readings: vec![ElementReading::default(); elements],
             moments: vec![ElementMoments::default(); elements],
         };

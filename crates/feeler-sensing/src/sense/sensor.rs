@@ -20,7 +20,7 @@ pub fn sensor_geometry(options: &SenseOptions) -> Result<SensorGeometry, Command
 /// Creates the sensing chain of a sensor with its calibration or reference, if any, and the wrench estimator if the
 /// calibration is one of wrenches.
 pub fn sensing_chain(
-    geometry: SensorGeometry,
+    mut geometry: SensorGeometry,
     options: &SenseOptions,
 ) -> Result<(SensingChain, Option<WrenchEstimator>), CommandError> {
     let calibration = options.calibration.as_deref();
@@ -29,15 +29,8 @@ pub fn sensing_chain(
     let calibration = calibration.filter(|_| estimator.is_none());
     let calibration = calibration.map(|path| named_calibration(&geometry, path));
     let calibration = calibration.transpose()?;
-    let SensorGeometry {
-        size,
-        kernel,
-        regions,
-        max_saturated,
-        ..
-    } = geometry;
-    let max_saturated = options.max_saturated.unwrap_or(max_saturated);
-    let mut sensing = SensingChain::new(size, kernel, &regions, max_saturated)?;
+    geometry.max_saturated = options.max_saturated.unwrap_or(geometry.max_saturated);
+    let mut sensing = geometry.sensing_chain()?;
     if let Some(calibration) = calibration {
         sensing = sensing.with_calibration(calibration)?;
     }
@@ -75,7 +68,7 @@ pub fn hand_sensor(
     experiment: &Experiment,
     finger: usize,
 ) -> Result<SensorOf, CommandError> {
-    let geometry = match &options.layout {
+    let mut geometry = match &options.layout {
         layout @ Some(_) => named_sensor(options.experiment(), None, layout.as_deref())?,
         None => SensorGeometry::of_fingertip(experiment.fingertip(Some(finger))?)?,
     };
@@ -87,16 +80,17 @@ pub fn hand_sensor(
             calibration
         }
     };
-    let (size, sha256) = (geometry.size, geometry.made_for.sha256);
-    let max_saturated = options.max_saturated.unwrap_or(geometry.max_saturated);
-    let sensing = SensingChain::new(size, geometry.kernel, &geometry.regions, max_saturated)?;
-    let sensing = sensing.with_calibration(calibration)?;
+    geometry.max_saturated = options.max_saturated.unwrap_or(geometry.max_saturated);
+    let sensing = geometry.sensing_chain()?.with_calibration(calibration)?;
     let asked = options.drift_correction.then(DriftConfig::default);
     let sensing = match experiment.config.sensor.drift.or(asked) {
         Some(drift) => sensing.with_drift_correction(drift),
         None => sensing,
     };
-    Ok(SensorOf { sensing, sha256 })
+    Ok(SensorOf {
+        sensing,
+        sha256: geometry.made_for.sha256,
+    })
 }
 
 /// Returns the located sensor of `layout`, if given, otherwise the fingertip of `finger` of the experiment `name`.

@@ -2,7 +2,7 @@
 
 use super::spot::Spot;
 use super::strays::{centres, gaps, kept};
-use super::{median, nearest};
+use super::{median_of, nearest};
 use crate::sensor::image::cells::Cells;
 
 /// Keeps the strongest of overlapping spots.
@@ -26,9 +26,7 @@ pub(super) fn without_overlaps(mut spots: Vec<Spot>) -> Vec<Spot> {
             covered[other] = true;
         }
     }
-    let kept = spots.into_iter().zip(kept);
-    kept.filter_map(|(spot, kept)| kept.then_some(spot))
-        .collect()
+    self::kept(&spots, &kept)
 }
 
 /// Maximum distance of two spots that are too close to each other, over the spacing around them.
@@ -47,18 +45,18 @@ fn are_comparable(a: &Spot, b: &Spot) -> bool {
 pub(super) fn without_crowding(spots: Vec<Spot>) -> Vec<Spot> {
     let neighbours = nearest(&centres(&spots), 9);
     let gaps = gaps(&spots, &neighbours);
-    let about = |own: usize, value: &dyn Fn(&Spot) -> f64| {
-        let mut values: Vec<f64> = neighbours[own].iter().map(|&i| value(&spots[i])).collect();
-        libm::log(value(&spots[own]) / median(&mut values)).abs()
+    let off = |own: usize, value: &dyn Fn(usize) -> f64| {
+        libm::log(value(own) / median_of(&neighbours[own], value)).abs()
     };
-    let difference = |own: usize| about(own, &|s| s.diameter) + about(own, &|s| s.response);
+    let difference =
+        |own: usize| off(own, &|i| spots[i].diameter) + off(own, &|i| spots[i].response);
     let is_worse = |own: usize, other: usize| match are_comparable(&spots[own], &spots[other]) {
         true => (difference(own), own) > (difference(other), other),
         false => spots[own].response < spots[other].response,
     };
     let crowded = |(own, near): (usize, &Vec<usize>)| {
-        let mut about: Vec<f64> = near.iter().skip(1).map(|&i| gaps[i]).collect();
-        let close = about.len() >= 8 && gaps[own] < CROWDED * median(&mut about);
+        let enough = near.len() >= 9;
+        let close = enough && gaps[own] < CROWDED * median_of(&near[1..], |i| gaps[i]);
         close && near.first().is_some_and(|&i| is_worse(own, i))
     };
     let keep: Vec<bool> = neighbours.iter().enumerate().map(|n| !crowded(n)).collect();
@@ -86,11 +84,10 @@ pub(super) fn with_merged_pairs(
     let spacings: Vec<f64> = (0..spots.len()).map(spacing).collect();
     let mut merged = Vec::with_capacity(spots.len());
     for (own, spot) in spots.iter().enumerate() {
-        // Both spots of a pair make the same decision.
+        // The decision is the same for both spots of a pair.
         let close = |&other: &usize| {
-            let about = &neighbours[own.min(other)];
-            let mut about: Vec<f64> = about.iter().map(|&i| spacings[i]).collect();
-            distance(own, other) < CROWDED * median(&mut about)
+            let spacing = median_of(&neighbours[own.min(other)], |i| spacings[i]);
+            distance(own, other) < CROWDED * spacing
         };
         match partner(own).filter(close) {
             Some(other) if are_comparable(spot, &spots[other]) && joined(spot, &spots[other]) => {

@@ -36,7 +36,7 @@ pub use reference::{MeanPicture, ReferencePicture};
 pub use regions::sub_regions;
 pub use warning::LocateWarning;
 
-use self::{pattern::Likeness, scale_space::ScaleSpace, spot::FoundSpots, spots::Search};
+use self::{pattern::Assessment, scale_space::ScaleSpace, spot::FoundSpots, spots::Search};
 use crate::sensor::image::cells::Cells;
 use glam::DVec2;
 use std::borrow::Cow;
@@ -156,14 +156,14 @@ fn located(
     // A given spot diameter means that the user has identified the spots.
     let identified = config.spot_diameter_px.is_some();
     let unlike = match pattern::assess(&found.spots, found.noise) {
-        Likeness::NoPattern(unlike) if !identified => {
+        Assessment::NoPattern(unlike) if !identified => {
             return Err(LocateError::NoPattern {
                 polarity,
                 spots: found.spots.len(),
                 unlike,
             });
         }
-        Likeness::NoPattern(unlike) | Likeness::Pattern(unlike) => unlike,
+        Assessment::NoPattern(unlike) | Assessment::Pattern(unlike) => unlike,
     };
     let grouped = groups::group(&found.spots, config.element_diameter_px);
     let oriented = reference.oriented(polarity);
@@ -287,6 +287,12 @@ fn check(reference: &ReferencePicture, config: &LocateConfig) -> Result<(), Loca
 /// Returns the median of `values`, or 0 if empty. Reorders `values`.
 pub(super) fn median(values: &mut [f64]) -> f64 {
     quantile(values, 0.5)
+}
+
+/// Returns the median of `value` over the spots `near`, or 0 if `near` is empty.
+fn median_of(near: &[usize], value: impl Fn(usize) -> f64) -> f64 {
+    let mut values: Vec<f64> = near.iter().map(|&spot| value(spot)).collect();
+    median(&mut values)
 }
 
 /// Returns the `q` quantile of `values`, or 0 if empty. Reorders `values`.

@@ -1,6 +1,7 @@
 //! Tests whether spots look like markers: evenly spaced and similar in size and contrast.
 
-use super::{median, nearest, spot::Spot};
+use super::strays::{centres, gaps};
+use super::{median, median_of, nearest, spot::Spot};
 use glam::DVec2;
 
 /// Minimum number of spots in a pattern.
@@ -22,19 +23,10 @@ fn regularity(spots: &[Spot]) -> Option<Regularity> {
     if spots.len() < FEWEST {
         return None;
     }
-    let centres: Vec<DVec2> = spots.iter().map(|s| s.centre).collect();
-    let neighbours = nearest(&centres, 6);
-    let gap = |i: usize| {
-        neighbours[i]
-            .first()
-            .map_or(0.0, |&n| centres[i].distance(centres[n]))
-    };
-    let gaps: Vec<f64> = (0..spots.len()).map(gap).collect();
+    let neighbours = nearest(&centres(spots), 6);
+    let gaps = gaps(spots, &neighbours);
     let spread = |value: &dyn Fn(usize) -> f64| {
-        let off = |own: usize| {
-            let mut about: Vec<f64> = neighbours[own].iter().map(|&i| value(i)).collect();
-            libm::log(value(own) / median(&mut about)).abs()
-        };
+        let off = |own: usize| libm::log(value(own) / median_of(&neighbours[own], value)).abs();
         let mut off: Vec<f64> = (0..spots.len()).map(off).collect();
         median(&mut off)
     };
@@ -60,7 +52,7 @@ pub enum Unlike {
     #[error("expected at least {FEWEST} spots, got {0}")]
     Few(usize),
     /// The spacing of the spots varies.
-    #[error("spacing differs by {:.0} % from spot to spot, expected at most {:.0} %", 100.0 * .0, 100.0 * SPACING)]
+    #[error("spacing differs by {:.0} % from spot to spot, expected at most {:.0} %", 100.0 * .0, 100.0 * SCATTERED)]
     Spacing(f64),
     /// The diameter of the spots varies.
     #[error("size differs by {:.0} % from spot to spot, expected at most {:.0} %", 100.0 * .0, 100.0 * SIZE)]
@@ -69,7 +61,7 @@ pub enum Unlike {
     #[error("contrast differs by {:.0} % from spot to spot, expected at most {:.0} %", 100.0 * .0, 100.0 * CONTRAST)]
     Contrast(f64),
     /// The sum of the deviations in spacing, size and contrast, each over its maximum, plus 1 if the spots are faint.
-    #[error("together these are {:.1} times their maximum, expected at most {:.0}", .0, TOTAL)]
+    #[error("the sum of these differences, each divided by its maximum, is {:.1}, expected at most {:.0}", .0, TOTAL)]
     Total(f64),
     /// The spots hardly differ from the background.
     #[error(
@@ -98,7 +90,7 @@ const SCATTERED: f64 = 0.08;
 const TOTAL: f64 = 2.0;
 
 /// Result of assessing whether spots are markers.
-pub(super) enum Likeness {
+pub(super) enum Assessment {
     /// The spots are markers. Contains the properties beyond their individual maximum.
     Pattern(Vec<Unlike>),
     /// The spots differ from markers in these properties.
@@ -107,9 +99,9 @@ pub(super) enum Likeness {
 
 /// Assesses whether `spots` are markers by their number, spacing, size and contrast; `noise` is the image noise in gray
 /// levels.
-pub(super) fn assess(spots: &[Spot], noise: f64) -> Likeness {
+pub(super) fn assess(spots: &[Spot], noise: f64) -> Assessment {
     let Some(regularity) = regularity(spots) else {
-        return Likeness::NoPattern(vec![Unlike::Few(spots.len())]);
+        return Assessment::NoPattern(vec![Unlike::Few(spots.len())]);
     };
     let mut contrasts: Vec<f64> = spots.iter().map(|spot| spot.contrast).collect();
     let (actual, expected) = (median(&mut contrasts), (6.0 * noise).max(4.0));
@@ -135,9 +127,9 @@ pub(super) fn assess(spots: &[Spot], noise: f64) -> Likeness {
     };
     // Scattered spots of equal size and contrast differ in their spacing alone.
     if total <= TOTAL && spacing <= SCATTERED {
-        Likeness::Pattern(at_least(1.0).collect())
+        Assessment::Pattern(at_least(1.0).collect())
     } else {
-        let total = std::iter::once(Unlike::Total(total));
-        Likeness::NoPattern(at_least(0.25 * TOTAL).chain(total).collect())
+        let total = (total > TOTAL).then_some(Unlike::Total(total));
+        Assessment::NoPattern(at_least(0.25 * TOTAL).chain(total).collect())
     }
 }

@@ -1,6 +1,6 @@
 //! Separates the spots of the pattern from specks, reflections and strays.
 
-use super::{median, nearest, quantile, spot::Spot};
+use super::{median, median_of, nearest, quantile, spot::Spot};
 use crate::sensor::image::cells::Cells;
 use glam::DVec2;
 use std::ops::Range;
@@ -15,8 +15,8 @@ pub(super) fn as_strong_as_their_neighbours(spots: Vec<Spot>) -> Vec<Spot> {
     let floor = 0.03 * quantile(&mut all, 0.9);
     let neighbours = nearest(&centres(&spots), 12);
     let strong = |(spot, near): (&Spot, Vec<usize>)| {
-        let mut near: Vec<f64> = near.iter().map(|&i| spots[i].response).collect();
-        let strong = spot.response >= floor && spot.response >= 0.25 * median(&mut near);
+        let near = median_of(&near, |i| spots[i].response);
+        let strong = spot.response >= floor && spot.response >= 0.25 * near;
         strong.then_some(*spot)
     };
     spots.iter().zip(neighbours).filter_map(strong).collect()
@@ -64,9 +64,8 @@ pub(super) fn without_surroundings(spots: Vec<Spot>) -> (Vec<Spot>, Vec<DVec2>) 
             return true;
         }
         cells.nearest(centres[own], 6, &mut near);
-        let responses = near.iter().map(|&(_, i)| spots[members[i]].response);
-        let mut responses: Vec<f64> = responses.collect();
-        2.0 * spots[own].response >= median(&mut responses)
+        let near: Vec<usize> = near.iter().map(|&(_, i)| members[i]).collect();
+        2.0 * spots[own].response >= median_of(&near, |i| spots[i].response)
     };
     let keep: Vec<bool> = (0..spots.len()).map(&mut belongs).collect();
     split(&spots, &keep)
@@ -119,10 +118,7 @@ pub(super) fn without_specks(spots: Vec<Spot>) -> (Vec<Spot>, Vec<DVec2>) {
     }
     let neighbours = nearest(&centres(&spots), 12);
     let gaps = gaps(&spots, &neighbours);
-    let about = |own: usize, value: &dyn Fn(usize) -> f64| {
-        let mut values: Vec<f64> = neighbours[own].iter().map(|&i| value(i)).collect();
-        median(&mut values)
-    };
+    let about = |own: usize, value: &dyn Fn(usize) -> f64| median_of(&neighbours[own], value);
     let keep = |own: usize| {
         let size = spots[own].diameter / about(own, &|i| spots[i].diameter);
         if SIZE.contains(&size) {
@@ -158,10 +154,7 @@ pub(super) fn without_strays(spots: Vec<Spot>) -> (Vec<Spot>, Vec<DVec2>) {
     }
     let neighbours = nearest(&centres(&spots), 6);
     let gaps = gaps(&spots, &neighbours);
-    let about = |own: usize, value: &dyn Fn(usize) -> f64| {
-        let mut values: Vec<f64> = neighbours[own].iter().map(|&i| value(i)).collect();
-        median(&mut values)
-    };
+    let about = |own: usize, value: &dyn Fn(usize) -> f64| median_of(&neighbours[own], value);
     let spacing: Vec<f64> = (0..spots.len()).map(|i| about(i, &|i| gaps[i])).collect();
     let close = |own: usize| {
         let near = |&&i: &&usize| spots[i].centre.distance(spots[own].centre) < 1.5 * spacing[own];
@@ -192,9 +185,6 @@ pub(super) fn without_strays(spots: Vec<Spot>) -> (Vec<Spot>, Vec<DVec2>) {
         let far = gaps[own] > 1.42 * spacing[own];
         (far || faint(own) || (closely && close(own) < 3 && unlike(own))) && !continues(own)
     };
-    let (strays, kept): (Vec<usize>, Vec<usize>) = (0..spots.len()).partition(|&i| apart(i));
-    (
-        kept.iter().map(|&i| spots[i]).collect(),
-        strays.iter().map(|&i| spots[i].centre).collect(),
-    )
+    let keep: Vec<bool> = (0..spots.len()).map(|i| !apart(i)).collect();
+    split(&spots, &keep)
 }

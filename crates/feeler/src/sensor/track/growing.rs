@@ -186,8 +186,8 @@ fn grow(
     matching
 }
 
-/// Adds `groups` of markers that hardly moved and that growing did not reach, such as a second view in a mirror, unless
-/// a matched neighbour moved differently.
+/// Matches those `groups` of markers that growing did not reach, such as a second view in a mirror. Skips a group if a
+/// matched neighbour moved differently.
 fn add_islands(
     matching: &mut Matching,
     reference: &[DVec2],

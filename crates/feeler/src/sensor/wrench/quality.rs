@@ -110,8 +110,18 @@ pub struct HeldOut {
     pub distance_by_recording: Option<f64>,
 }
 
-/// Minimum number of images from which the band of errors is measured, and of a left-out recording that counts.
-const ENOUGH: [usize; 2] = [20, 5];
+/// Minimum number of images from which the band of errors is measured.
+const MIN_IMAGES: usize = 20;
+
+/// Minimum number of images of a left-out recording that counts in the band of errors.
+const MIN_OF_RECORDING: usize = 5;
+
+/// Returns the value that the fraction `part` of `values` does not exceed, or `None` if empty.
+pub(super) fn quantile(mut values: Vec<f64>, part: f64) -> Option<f64> {
+    values.sort_by(f64::total_cmp);
+    let place = (part * values.len() as f64) as usize;
+    values.get(place).or(values.last()).copied()
+}
 
 /// Band of errors that contains 95 % of the images within novelty distance `limit`, N or N m; `None` if there are fewer
 /// than 20 images.
@@ -123,13 +133,11 @@ pub(super) fn band_95(held_out: &[HeldOut], limit: f64) -> Option<f64> {
     let near = |distance: Option<f64>| distance.is_some_and(|distance| distance <= limit);
     let error = |predicted: Option<f64>, h: &HeldOut| Some((predicted? - h.measured).abs());
     let blocks = held_out.iter().filter(|h| near(h.distance_by_blocks));
-    let mut blocks: Vec<f64> = blocks.filter_map(|h| error(h.by_blocks, h)).collect();
-    if blocks.len() < ENOUGH[0] {
+    let blocks: Vec<f64> = blocks.filter_map(|h| error(h.by_blocks, h)).collect();
+    if blocks.len() < MIN_IMAGES {
         return None;
     }
-    blocks.sort_by(f64::total_cmp);
-    let place = (0.95 * blocks.len() as f64) as usize;
-    let within = blocks[place.min(blocks.len() - 1)];
+    let within = quantile(blocks, 0.95)?;
     let mut recordings: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
     for h in held_out.iter().filter(|h| near(h.distance_by_recording)) {
         let errors = recordings.entry(h.recording).or_default();
@@ -137,7 +145,7 @@ pub(super) fn band_95(held_out: &[HeldOut], limit: f64) -> Option<f64> {
     }
     let recordings = recordings
         .into_values()
-        .filter(|errors| errors.len() >= ENOUGH[1]);
+        .filter(|errors| errors.len() >= MIN_OF_RECORDING);
     let recordings: Vec<Errors> = recordings.filter_map(Errors::of).collect();
     let count = recordings.len() as f64;
     if recordings.is_empty() {

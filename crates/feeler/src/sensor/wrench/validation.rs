@@ -6,7 +6,7 @@ use super::calibration::WrenchModel;
 use super::features::{PER_ELEMENT, standardise};
 use super::learn::learn;
 use super::novelty::NEAR;
-use super::quality::{AxisQuality, HeldOut, judge};
+use super::quality::{AxisQuality, HeldOut, judge, quantile};
 use super::sample::{WrenchSample, recording_of};
 use std::thread;
 
@@ -32,11 +32,8 @@ impl Validated {
     /// Distance within which a fraction [`NEAR`] of the samples is from those of other blocks; 1 if unknown.
     pub fn near(&self) -> f64 {
         let distances = self.distances.iter().copied();
-        let mut distances: Vec<f64> = distances.filter(|d| d.is_finite() && *d > 0.0).collect();
-        distances.sort_by(f64::total_cmp);
-        let place = (NEAR * distances.len() as f64) as usize;
-        let near = distances.get(place).or(distances.last());
-        near.copied().unwrap_or(1.0)
+        let distances = distances.filter(|d| d.is_finite() && *d > 0.0);
+        quantile(distances.collect(), NEAR).unwrap_or(1.0)
     }
 }
 

@@ -320,7 +320,7 @@ fn markers_of_two_joined_dots_are_one_element_each() {
 }
 
 #[test]
-fn specks_and_the_texture_of_a_frame_are_not_elements() {
+fn specks_and_the_texture_of_a_housing_are_not_elements() {
     let centres = grid(12);
     let size = (420, 210);
     let mut picture = spots(&centres, size, 100.0);
