@@ -73,13 +73,16 @@ pub fn wrench(bytes: &[u8]) -> bool {
     let elements = calibration.model.elements.clone();
     let mut estimator = WrenchEstimator::new(calibration).expect("a sound calibration");
     for factor in [0.0, 0.5, 1.0, 10.0, 1e300] {
-        let seen = elements.iter().map(|element| {
+        let seen = elements.0.iter().map(|element| {
             Some(ElementMoments {
                 integrated_gray: element.gray * factor,
                 centroid: element.centroid + DVec2::splat(factor),
             })
         });
-        let estimate = estimator.of_seen(seen);
+        let estimate = estimator.estimate_with(|input| {
+            input.clear();
+            input.extend(seen);
+        });
         let mut components = estimate.components.iter().flatten();
         assert!(components.all(|c| c.is_finite()), "{estimate:?}");
     }

@@ -2,7 +2,7 @@
 import { make, setText } from "../src/ui/dom";
 import type { Sensed } from "./protocol";
 
-const AXES = ["Fx", "Fy", "Fz", "Mx", "My", "Mz"];
+const AXES = ["Fx", "Fy", "Fz", "Mx", "My", "Mz", "x", "y"];
 const FLAGS = ["touch", "slip", "over"] as const;
 
 export class ForcesView {
@@ -37,7 +37,8 @@ function elementsText({ grasp_force, invalid }: Sensed & { kind: "elements" }): 
 function wrenchText({ components, valid }: Sensed & { kind: "wrench" }): string {
   const shown = components.flatMap((value, k) => {
     if (value === null) return [];
-    return [k < 3 ? `${AXES[k]} ${value.toFixed(3)} N` : `${AXES[k]} ${(1e3 * value).toFixed(1)} N mm`];
+    const unit = k < 6 ? "N mm" : "mm";
+    return [k < 3 ? `${AXES[k]} ${value.toFixed(3)} N` : `${AXES[k]} ${(1e3 * value).toFixed(1)} ${unit}`];
   });
   if (shown.length === 0) return "No force: too many elements are dark or saturated";
   return shown.join(", ") + (valid ? "" : " (unlike the images of the calibration)");

@@ -14,7 +14,7 @@ Output is one row per element and frame: frame, stamp (s), element, integrated_g
 
 With --taxels, the source is a table with one row per sample of a taxel array, or - for rows on standard input. Output is one row per taxel and frame: frame, stamp (s), element, and f_x, f_y, f_z (N), or f_x_counts, f_y_counts, f_z_counts if the layout does not define counts per newton. With --sequence, a column sequence comes first.
 
-With a wrench calibration (feeler calibrate --wrench), output is one row per frame: frame, stamp, f_x, f_y, f_z (N), m_x, m_y, m_z (N m) in the frame and with the sign of the calibration's measurements, empty if not calibrated; valid: whether the image is similar to those of the calibration; and novelty: its distance from them, as a fraction of the largest valid distance. MCAP files contain geometry_msgs/WrenchStamped, with NaN for components that are not calibrated or not valid.
+With a wrench calibration (feeler calibrate --wrench), output is one row per frame: frame, stamp, f_x, f_y, f_z (N), m_x, m_y, m_z (N m), p_x, p_y (place of contact, m) in the frame and with the sign of the calibration's measurements, empty if not calibrated; valid: whether the image or row is similar to those of the calibration; and novelty: its distance from them, as a fraction of the largest valid distance. MCAP files contain geometry_msgs/WrenchStamped, with NaN for components that are not calibrated or not valid.
 
 u is measured from the unloaded centroids of the calibration. Without a calibration, it is measured from their mean over the first frames (--unloaded), or from --reference.";
 
@@ -119,7 +119,7 @@ pub struct Arguments {
 struct TaxelArguments {
     /// Read a table of a three-axis taxel array with this layout: a file or a built-in one (see `feeler list`).
     #[arg(long, value_name = "LAYOUT", conflicts_with_all = [
-        "layout", "calibration", "drift_correction", "reference", "raw", "size", "exposure"])]
+        "layout", "drift_correction", "reference", "raw", "size", "exposure"])]
     taxels: Option<String>,
     /// Prefix of the array's columns if the table has several arrays, as in left.
     #[arg(long, value_name = "PREFIX", requires = "taxels")]

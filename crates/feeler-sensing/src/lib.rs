@@ -8,4 +8,6 @@ mod sense;
 
 pub use camera::{CameraName, CameraOptions, NAMES, NO_GENICAM, NO_VIDEO, OpenCamera};
 pub use score_slip::{RecordedOptions, SlipScoreOptions, score_slip};
-pub use sense::{SenseOptions, TaxelOptions, Track, named_sensor, sense, taxel_layout_text};
+pub use sense::{
+    SenseOptions, TaxelOptions, Track, named_sensor, read_taxel_layout, sense, taxel_layout_text,
+};

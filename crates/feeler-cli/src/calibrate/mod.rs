@@ -37,8 +37,9 @@ pub struct Arguments {
     /// row (px) identify elements by position instead; x_angle (rad) is the direction of the force frame's x axis in
     /// the image.
     ///
-    /// With --wrench, a table of forces on the whole fingertip: picture, f_x, f_y, f_z (N) and optionally m_x, m_y,
-    /// m_z (N m).
+    /// With --wrench, a table of forces on the whole fingertip: picture, or recording and time (s); f_x, f_y, f_z (N),
+    /// m_x, m_y, m_z (N m) and p_x, p_y (place of contact, m), at least one. With --taxels, recording is a table of
+    /// taxels, relative to this one, and time is on the clock of its time column.
     #[arg(value_name = "LOADS.csv", required_unless_present = "simulated")]
     input: Option<String>,
     /// Apply loads to the simulated fingertip of the experiment instead.
@@ -67,6 +68,12 @@ pub struct Arguments {
     /// Layout file of the sensing elements, written by `feeler locate`, instead of an experiment.
     #[arg(long, value_name = "LAYOUT.toml", conflicts_with_all = ["simulated", "experiment"])]
     layout: Option<PathBuf>,
+    /// Calibrate a taxel array with this layout: a file or a built-in one (see `feeler list`). Requires --wrench.
+    #[arg(long, value_name = "LAYOUT", requires = "wrench", conflicts_with_all = ["layout", "experiment", "finger", "live"])]
+    taxels: Option<String>,
+    /// Prefix of the array's columns if tables have several arrays, as in left.
+    #[arg(long, value_name = "PREFIX", requires = "taxels")]
+    prefix: Option<String>,
     /// Calibration file to write; a report with curves and residuals is written next to it.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,

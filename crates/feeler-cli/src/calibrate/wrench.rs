@@ -3,51 +3,122 @@
 use super::{
     Arguments, Calibrated, CommandError, Outcome, create_outputs, guide_live, page_path, sensor,
 };
+use feeler::sensor::fingertip::CalibrationTarget;
+use feeler::sensor::wrench::basis::Basis;
 use feeler::sensor::wrench::quality::{HeldOut, outlier};
-use feeler::sensor::wrench::{WrenchFit, fit};
-use feeler_console::{Steps, Working, print_json, warn};
-use feeler_lab::sensor::{ForcesFile, MeasuredSamples};
+use feeler::sensor::wrench::taxels::MAX_DELAY;
+use feeler::sensor::wrench::{FitOf, SampleOf, fit};
+use feeler_console::{PartFile, Steps, Working, print_json, warn};
+use feeler_lab::sensor::ForcesFile;
 use feeler_sensing::calibration::checks::CONFIRM;
-use feeler_sensing::calibration::{FORCES, wrench_page, wrench_table};
+use feeler_sensing::calibration::{FORCES, read_taxel_recordings, wrench_page, wrench_table};
+use feeler_sensing::{TaxelOptions, read_taxel_layout};
 use std::io::Write;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 /// Maximum number of images named in warnings.
 const NAMED: usize = 5;
 
-/// Calibrates the total force on a fingertip.
+/// Calibrates the total force on a fingertip with a camera or a taxel array.
 pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let output = &arguments.output;
-    let page_path = page_path(output)?;
+    match &arguments.taxels {
+        Some(layout) => calibrate_taxels(arguments, layout, out),
+        None => calibrate_camera(arguments, out),
+    }
+}
+
+fn calibrate_camera(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let page_path = page_path(&arguments.output)?;
     let sensor = sensor(arguments)?;
     let csv = match guide_live(arguments, &sensor, &page_path)? {
         Some(folder) => folder.join(FORCES),
         None => measured(arguments)?,
     };
-    let forces = ForcesFile::read(&csv)?;
-    if !arguments.confirm_loads {
-        let checked = forces.check_magnitude();
-        checked.map_err(|error| format!("{}: {error}{CONFIRM}", csv.display()))?;
-    }
+    let forces = read(arguments, &csv)?;
     // Opened first, because calibrating takes a while.
-    let [file, page_file] = create_outputs(arguments, &forces.files(), &page_path)?;
+    let files = create_outputs(arguments, &forces.files(), &page_path)?;
     let progress = Steps::new(forces.picture_count());
     let measured = forces.sense(&sensor, || progress.advance())?;
     drop(progress);
     warn_of_skipped(&measured.skipped);
+    let fitted = fit_to(arguments, sensor.made_for, &forces, &measured.samples)?;
+    write_fitted(arguments, files, &fitted, &forces, out)
+}
+
+fn calibrate_taxels(
+    arguments: &Arguments,
+    layout: &str,
+    out: &mut dyn Write,
+) -> Result<Outcome, CommandError> {
+    let page_path = page_path(&arguments.output)?;
+    let options = TaxelOptions {
+        prefix: arguments.prefix.clone(),
+        ..TaxelOptions::default()
+    };
+    let layout = read_taxel_layout(layout, &options, None)?;
+    let forces = read(arguments, &measured(arguments)?)?;
+    let tables = forces.recordings().iter().map(|name| forces.path_of(name));
+    let inputs: Vec<_> = tables.chain(forces.files()).collect();
+    let files = create_outputs(arguments, &inputs, &page_path)?;
+    let progress = Steps::new(forces.recordings().len());
+    let recordings = read_taxel_recordings(&forces, &layout, || progress.advance())?;
+    drop(progress);
+    recordings.troubles.iter().for_each(|words| warn(words));
+    if recordings.delay.abs() >= MAX_DELAY {
+        warn(&format!(
+            "the best delay between taxels and forces is at the limit of {MAX_DELAY} s; check that both use one clock"
+        ));
+    }
+    let target = layout.calibration_target()?;
+    let fitted = fit_to(arguments, target, &forces, &recordings.samples)?;
+    if !arguments.json.json {
+        let (rows, delay) = (recordings.samples.len(), recordings.delay);
+        writeln!(
+            out,
+            "{rows} rows of taxels with a measured wrench, {delay:.2} s later on the clock of the tables"
+        )?;
+    }
+    write_fitted(arguments, files, &fitted, &forces, out)
+}
+
+/// Reads the table of forces at `csv` and checks their magnitude.
+fn read(arguments: &Arguments, csv: &Path) -> Result<ForcesFile, CommandError> {
+    let forces = ForcesFile::read(csv)?;
+    if !arguments.confirm_loads {
+        let checked = forces.check_magnitude();
+        checked.map_err(|error| format!("{}: {error}{CONFIRM}", csv.display()))?;
+    }
+    Ok(forces)
+}
+
+/// Fits a calibration for `made_for` to `samples`, with warnings.
+fn fit_to<B: Basis>(
+    arguments: &Arguments,
+    made_for: CalibrationTarget,
+    forces: &ForcesFile,
+    samples: &[SampleOf<B>],
+) -> Result<FitOf<B>, CommandError> {
     let fitting = Working::on("fitting");
-    let fitted = fit(
-        sensor.made_for,
-        forces.recordings(),
-        &measured.samples,
-        arguments.force_fit,
-    );
+    let fitted = fit(made_for, forces.recordings(), samples, arguments.force_fit);
     drop(fitting);
-    let mut fitted = fitted.map_err(|e| format!("{}: {e}{}", csv.display(), advice(&e)))?;
+    let mut fitted = fitted.map_err(|e| format!("{}: {e}{}", forces.name(), advice(&e)))?;
     fitted.calibration.loads_confirmed = arguments.confirm_loads;
-    warn_of_fit(&fitted, &measured, forces.recordings());
-    let source = forces.name();
-    page_file.finish(wrench_page(&fitted, forces.recordings(), &source).as_bytes())?;
+    warn_of_fit(&fitted, samples.len(), forces.recordings());
+    Ok(fitted)
+}
+
+/// Writes the calibration and its report to `files`, and prints the errors.
+fn write_fitted<B: Basis>(
+    arguments: &Arguments,
+    [file, page_file]: [PartFile; 2],
+    fitted: &FitOf<B>,
+    forces: &ForcesFile,
+    out: &mut dyn Write,
+) -> Result<Outcome, CommandError> {
+    let output = &arguments.output;
+    let page_path = page_path(output)?;
+    let page = wrench_page(fitted, forces.recordings(), &forces.name());
+    page_file.finish(page.as_bytes())?;
     file.finish(fitted.calibration.to_toml()?.as_bytes())?;
     if arguments.json.json {
         let calibrated = Calibrated {
@@ -100,11 +171,11 @@ fn warn_of_skipped(skipped: &[String]) {
 }
 
 /// Warns of ignored images and of components that are left out or doubtful.
-fn warn_of_fit(fitted: &WrenchFit, measured: &MeasuredSamples, recordings: &[String]) {
+fn warn_of_fit<B: Basis>(fitted: &FitOf<B>, all: usize, recordings: &[String]) {
     if fitted.unusable > 0 {
-        let (unusable, all) = (fitted.unusable, measured.samples.len());
+        let unusable = fitted.unusable;
         warn(&format!(
-            "ignored {unusable} of {all} images, in which more than a tenth of the elements are dark or saturated"
+            "ignored {unusable} of {all} samples, in which more than a tenth of the elements are missing, dark or saturated"
         ));
     }
     for (axis, r2) in &fitted.left_out {
@@ -114,7 +185,7 @@ fn warn_of_fit(fitted: &WrenchFit, measured: &MeasuredSamples, recordings: &[Str
                 "{name} is left out: the fit predicts no better than the mean (expected a held-out R² above 0, got {r2:.2}); --force-fit keeps it"
             )),
             None => warn(&format!(
-                "{name} is left out: expected at least 10 distinct values in the images"
+                "{name} is left out: expected at least 10 distinct values"
             )),
         }
     }

@@ -5,6 +5,7 @@ mod calibrate_checks;
 mod calibrate_live;
 mod calibrate_live_wrench;
 mod calibrate_loads;
+mod calibrate_taxels;
 mod calibrate_wrench;
 mod cameras;
 mod cap;

@@ -9,6 +9,7 @@ use feeler::sensor::forces::{ElementReading, SensingChain, SensingError};
 use feeler::sensor::moments::ElementMoments;
 use feeler::sensor::wrench::features::usable;
 use feeler::sensor::wrench::forces::{ForcesError, MeasuredForces, MeasuredPicture, read_forces};
+use feeler::sensor::wrench::taxels::MeasuredAt;
 use feeler::sensor::wrench::{WrenchCalibration, WrenchSample};
 use glam::DVec3;
 use std::fs::File;
@@ -121,6 +122,24 @@ impl ForcesFile {
             &self.csv,
             pictures.map(|measured| measured.picture.as_str()),
         )
+    }
+
+    /// Path of the file `name`, which the table refers to.
+    pub fn path_of(&self, name: &str) -> PathBuf {
+        self.csv.parent().unwrap_or(Path::new("")).join(name)
+    }
+
+    /// Wrenches measured in the recording of index `recording`, ordered by time. Returns `None` if a row has no time.
+    pub fn measured_in(&self, recording: usize) -> Option<Vec<MeasuredAt>> {
+        let pictures = self.forces.pictures.iter();
+        let own = pictures.filter(|picture| picture.recording == recording);
+        let measured = own.map(|picture| {
+            Some(MeasuredAt {
+                time: picture.time?,
+                wrench: picture.wrench,
+            })
+        });
+        measured.collect()
     }
 
     /// Computes the moments of all images, and reads those of recordings at the given times. Calls `sensed` after each

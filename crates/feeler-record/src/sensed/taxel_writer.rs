@@ -1,6 +1,6 @@
 //! Recordings of third-party taxel arrays without a run: one MCAP file of ROS 2 messages.
 
-use super::readings::{SensedWriter, TACTILE};
+use super::readings::{SensedWriter, TACTILE, WRENCH};
 use crate::error::RecordError;
 use crate::messages::channels::Tactile;
 use crate::messages::topic::{Channel, topics};
@@ -30,6 +30,8 @@ pub struct TaxelFacts {
     pub layout: String,
     /// Elements, each with its position in the fingertip frame `T` (m).
     pub elements: Vec<(SensingElement, DVec3)>,
+    /// `true` if wrenches of a calibration are written, too ([`TaxelWriter::write_wrench`]).
+    pub wrenches: bool,
 }
 
 /// Writes [`Tactile`] frames to [`TACTILE`], and messages for viewers: taxels and forces as a point cloud, taxels as
@@ -54,7 +56,7 @@ impl TaxelWriter {
     /// If the file cannot be written.
     pub fn create(path: &Path, facts: TaxelFacts) -> Result<Self, RecordError> {
         let mut container = Container::create(path, WriteOptions::new())?;
-        let is_newton = facts.unit == "N";
+        let (is_newton, wrenches) = (facts.unit == "N", facts.wrenches);
         let metadata = [
             ("name", facts.name),
             ("unit", facts.unit.to_string()),
@@ -74,6 +76,7 @@ impl TaxelWriter {
             topics::SCENE.into(),
         ];
         channels.extend(is_newton.then(|| Channel::from(topics::wrench(0))));
+        channels.extend(wrenches.then(|| Channel::from(WRENCH)));
         Ok(Self {
             // All topics are of the rig or of finger 0.
             messages: SensedWriter::in_container(container, channels, 1)?,
@@ -123,6 +126,14 @@ impl TaxelWriter {
             self.messages.write(topics::taxels(0), &self.cloud)?;
         }
         Ok(())
+    }
+
+    /// Writes a wrench to [`WRENCH`]. Requires [`TaxelFacts::wrenches`].
+    ///
+    /// # Errors
+    /// If the file cannot be written, or was created without wrenches.
+    pub fn write_wrench(&mut self, wrench: &WrenchStamped) -> Result<(), RecordError> {
+        self.messages.write(WRENCH, wrench)
     }
 
     /// Passes buffered messages to the operating system.

@@ -1,11 +1,11 @@
 //! HTML report of a wrench calibration.
 
-use super::wrench_table::named;
-use feeler::sensor::wrench::WrenchFit;
+use feeler::sensor::wrench::FitOf;
+use feeler::sensor::wrench::basis::Basis;
 use feeler_report::pages::{AxisPoints, PredictedPoint, WrenchPage, wrench_page as render};
 
 /// Renders the report of a fit to the named `recordings` from `source`, as HTML.
-pub fn wrench_page(fitted: &WrenchFit, recordings: &[String], source: &str) -> String {
+pub fn wrench_page<B: Basis>(fitted: &FitOf<B>, recordings: &[String], source: &str) -> String {
     let calibration = &fitted.calibration;
     let axes = calibration.quality.iter().zip(&fitted.held_out);
     let axes = axes.map(|(quality, held_out)| {
@@ -24,7 +24,9 @@ pub fn wrench_page(fitted: &WrenchFit, recordings: &[String], source: &str) -> S
         AxisPoints {
             name: quality.axis.name(),
             unit: quality.axis.unit(),
-            terms: model.map(|model| named(model.terms)).unwrap_or_default(),
+            terms: model
+                .map(|model| B::describe(model.terms))
+                .unwrap_or_default(),
             range: quality.range,
             rmse: quality.blocks.rmse,
             mae: quality.blocks.mae,

@@ -1,7 +1,7 @@
 //! Errors of a wrench calibration as text.
 
-use feeler::sensor::wrench::WrenchCalibration;
-use feeler::sensor::wrench::features::{Growth, Terms};
+use feeler::sensor::wrench::CalibrationOf;
+use feeler::sensor::wrench::basis::Basis;
 use feeler::sensor::wrench::quality::{AxisQuality, Errors, RecordingQuality};
 use std::fmt::Write;
 
@@ -9,7 +9,7 @@ use std::fmt::Write;
 const NAME: usize = 22;
 
 /// Formats the held-out errors by component and by recording.
-pub fn wrench_table(calibration: &WrenchCalibration) -> String {
+pub fn wrench_table<B: Basis>(calibration: &CalibrationOf<B>) -> String {
     let mut text = String::new();
     // Writing to a `String` cannot fail.
     let _ = write_axes(&mut text, calibration);
@@ -17,7 +17,7 @@ pub fn wrench_table(calibration: &WrenchCalibration) -> String {
     text
 }
 
-fn write_axes(text: &mut String, calibration: &WrenchCalibration) -> std::fmt::Result {
+fn write_axes<B: Basis>(text: &mut String, calibration: &CalibrationOf<B>) -> std::fmt::Result {
     writeln!(
         text,
         "held-out errors with blocks of time left out (% of the measured range), RMSE of predicting the mean, and the error \
@@ -36,8 +36,8 @@ fn write_axes(text: &mut String, calibration: &WrenchCalibration) -> std::fmt::R
             .hysteresis
             .map_or("-".into(), |h| format!("{h:+.4}"));
         let model = calibration.axis(axis);
-        let terms =
-            model.map(|model| format!("{}, penalty {:.3}", named(model.terms), model.penalty));
+        let terms = model
+            .map(|model| format!("{}, penalty {:.3}", B::describe(model.terms), model.penalty));
         writeln!(
             text,
             "{:<10}{:>6}  {:<20}{:<20}{:>10.4}{:>8.3}{:>12}{:>10}  {}",
@@ -88,20 +88,4 @@ fn write_recordings(text: &mut String, qualities: &[AxisQuality]) -> std::fmt::R
         }
     }
     Ok(())
-}
-
-/// Describes the terms of a regression.
-pub fn named(terms: Terms) -> String {
-    let growth = match terms.growth {
-        Growth::Ignored => None,
-        Growth::GainFree => Some("growth"),
-        Growth::Plain => Some("growth and overall brightness"),
-    };
-    let displacement = terms.displacement.then_some("displacement");
-    let squares = terms.squares.then_some("their squares");
-    let parts: Vec<_> = [growth, displacement, squares]
-        .into_iter()
-        .flatten()
-        .collect();
-    parts.join(", ")
 }

@@ -27,7 +27,7 @@ use std::io::ErrorKind;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use tally::SensingStats;
-pub use taxels::{TaxelOptions, taxel_layout_text};
+pub use taxels::{TaxelOptions, read_taxel_layout, taxel_layout_text};
 pub use track::Track;
 
 /// Experiment whose fingertip is assumed by default.

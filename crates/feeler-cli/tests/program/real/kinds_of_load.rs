@@ -23,7 +23,7 @@ impl Counted {
     fn add(&mut self, calibration: &WrenchCalibration, samples: &[WrenchSample]) {
         let mut estimator = WrenchEstimator::new(calibration.clone()).unwrap();
         for sample in samples {
-            let estimate = estimator.of_seen(sample.seen.iter().copied());
+            let estimate = estimator.estimate_with(|input| input.clone_from(&sample.seen));
             let is_far_off = |axis: WrenchAxis| {
                 let stated = calibration.quality.iter().find(|q| q.axis == axis);
                 let measured = sample.wrench[axis.index()].zip(estimate.component(axis));

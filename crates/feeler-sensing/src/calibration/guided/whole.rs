@@ -82,7 +82,7 @@ impl<'a> Whole<'a> {
         self.samples.push(WrenchSample {
             recording: 0,
             seen: moments.iter().map(lit).collect(),
-            wrench: values.map(Some),
+            wrench: std::array::from_fn(|axis| values.get(axis).copied()),
         });
         Ok(())
     }

@@ -1,8 +1,9 @@
 //! Selection of the taxel layout.
 
-use super::super::SenseOptions;
 use feeler::sensor::taxel::{BUILT_IN_TAXELS, BuiltInTaxels, TaxelLayout};
+use feeler::sensor::wrench::taxels::{TaxelCalibration, TaxelWrenchEstimator};
 use feeler_console::CommandError;
+use std::fmt::Display;
 use std::fs;
 use std::path::Path;
 
@@ -17,21 +18,28 @@ pub struct TaxelOptions {
     pub sequence: Option<String>,
 }
 
-/// Reads the layout `name` (a file or a built-in one) and applies the options in `options`.
-pub fn read(options: &SenseOptions, name: &str) -> Result<TaxelLayout, CommandError> {
+/// Reads the layout `name` (a file or a built-in one) and applies `options` and the number of `unloaded` rows.
+///
+/// # Errors
+/// If there is no such layout, or a value is invalid.
+pub fn read_taxel_layout(
+    name: &str,
+    options: &TaxelOptions,
+    unloaded: Option<u32>,
+) -> Result<TaxelLayout, CommandError> {
     let text = taxel_layout_text(name)?;
     let refused = |e| format!("--taxels {name}: {e}");
     let mut layout = TaxelLayout::from_toml(&text).map_err(refused)?;
     let TaxelOptions {
         prefix, sequence, ..
-    } = &options.taxels;
+    } = options;
     if let Some(prefix) = prefix {
         layout.columns.prefix.clone_from(prefix);
     }
     if sequence.is_some() {
         layout.columns.sequence.clone_from(sequence);
     }
-    if let Some(rows) = options.unloaded {
+    if let Some(rows) = unloaded {
         layout.zero.rows = rows;
         for taxel in &mut layout.taxels {
             taxel.zero = None;
@@ -50,6 +58,19 @@ pub fn taxel_layout_text(name: &str) -> Result<String, CommandError> {
         Some(built_in) => Ok(built_in.text.to_owned()),
         None => read_file(name),
     }
+}
+
+/// Creates the estimator of the wrench calibration at `path`, which must be for `layout`.
+pub fn read_estimator(
+    path: &Path,
+    layout: &TaxelLayout,
+) -> Result<TaxelWrenchEstimator, CommandError> {
+    let named = |e: &dyn Display| format!("--calibration {}: {e}", path.display());
+    let text = fs::read_to_string(path).map_err(|e| named(&e))?;
+    let calibration = TaxelCalibration::from_toml(&text).map_err(|e| named(&e))?;
+    let target = layout.calibration_target()?;
+    calibration.verify_target(&target).map_err(|e| named(&e))?;
+    Ok(TaxelWrenchEstimator::new(calibration).map_err(|e| named(&e))?)
 }
 
 fn read_file(name: &str) -> Result<String, CommandError> {

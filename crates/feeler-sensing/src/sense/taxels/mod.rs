@@ -5,7 +5,7 @@ mod output;
 mod publish;
 mod pump;
 
-pub use layout::{TaxelOptions, taxel_layout_text};
+pub use layout::{TaxelOptions, read_taxel_layout, taxel_layout_text};
 
 use super::frames::WAIT;
 use super::output::{FrameReadings, Output};
@@ -14,6 +14,7 @@ use super::tally::SensingStats;
 use super::{SenseOptions, close};
 use feeler::sensor::forces::{ElementReading, TactileFrame};
 use feeler::sensor::taxel::{TaxelLayout, TaxelUnit};
+use feeler::sensor::wrench::taxels::TaxelWrenchEstimator;
 use feeler_console::{CommandError, is_raised, open_table};
 use output::TaxelFormat;
 use publish::Publisher;
@@ -33,15 +34,22 @@ pub fn sense(
     if options.finger.is_some() && !options.publish {
         return Err("--finger: has no effect for taxels without --publish".into());
     }
-    let layout = layout::read(options, layout)?;
+    if options.publish && options.calibration.is_some() {
+        return Err("--calibration: has no effect for taxels with --publish, because the hand needs the force on each taxel".into());
+    }
+    let layout = read_taxel_layout(layout, &options.taxels, options.unloaded)?;
+    let calibration = options.calibration.as_deref();
+    let estimator = calibration.map(|path| layout::read_estimator(path, &layout));
+    let estimator = estimator.transpose()?;
+    let is_calibrated = estimator.is_some();
     let table = Table::of(&options.sources)?;
     let stream = table.open()?;
     let publisher = match options.publish {
         true => Some(Publisher::new(options, &layout, tally.warner())?),
         false => None,
     };
-    let output = open_output(options, &layout, tally)?;
-    if layout.force_unit() == TaxelUnit::Counts {
+    let output = open_output(options, &layout, estimator, tally)?;
+    if layout.force_unit() == TaxelUnit::Counts && !is_calibrated {
         tally.warn(
             "forces are in counts, because the layout has no counts_per_newton; thresholds must be in counts, too",
         );
@@ -71,12 +79,13 @@ pub fn sense(
 fn open_output(
     options: &SenseOptions,
     layout: &TaxelLayout,
+    estimator: Option<TaxelWrenchEstimator>,
     tally: &SensingStats,
 ) -> Result<Option<Box<dyn Output>>, CommandError> {
     if options.publish && options.output.is_none() {
         return Ok(None);
     }
-    let output = options.open_output_as(&TaxelFormat::of(layout)?)?;
+    let output = options.open_output_as(&TaxelFormat::of(layout, estimator)?)?;
     match options.publish {
         true => Ok(Some(Box::new(BackgroundOutput::start(
             output,

@@ -1,8 +1,10 @@
 //! Destinations for the forces of taxels: a table, JSON Lines, or MCAP.
 
 use super::super::output::{ForceRow, Format, FrameReadings, Output, RowFile, RowWriter};
+use super::super::wrench::{self, Estimates};
 use feeler::sensor::forces::{NO_FORCE, TactileFrame};
 use feeler::sensor::taxel::{TaxelLayout, TaxelUnit};
+use feeler::sensor::wrench::taxels::TaxelWrenchEstimator;
 use feeler_console::CommandError;
 use feeler_record::{TaxelFacts, TaxelWriter};
 use serde::Serialize;
@@ -14,11 +16,16 @@ pub struct TaxelFormat {
     unit: TaxelUnit,
     /// `true` if a column names sequences.
     sequences: bool,
+    /// Estimates the total wrench, which replaces the forces of taxels in tables.
+    estimator: Option<TaxelWrenchEstimator>,
 }
 
 impl TaxelFormat {
-    /// Creates the formats for `layout`.
-    pub fn of(layout: &TaxelLayout) -> Result<Self, CommandError> {
+    /// Creates the formats for `layout`; for wrenches if an `estimator` is given.
+    pub fn of(
+        layout: &TaxelLayout,
+        estimator: Option<TaxelWrenchEstimator>,
+    ) -> Result<Self, CommandError> {
         let unit = layout.force_unit();
         Ok(Self {
             facts: TaxelFacts {
@@ -26,9 +33,11 @@ impl TaxelFormat {
                 unit: unit.name(),
                 layout: layout.to_toml()?,
                 elements: layout.elements().collect(),
+                wrenches: estimator.is_some(),
             },
             unit,
             sequences: layout.columns.sequence.is_some(),
+            estimator,
         })
     }
 
@@ -47,13 +56,22 @@ impl Format for TaxelFormat {
             TaxelUnit::Newton => ["f_x", "f_y", "f_z"],
             TaxelUnit::Counts => ["f_x_counts", "f_y_counts", "f_z_counts"],
         };
+        if let Some(estimator) = self.estimator.clone() {
+            let sequence = self.sequences.then(String::new);
+            return Ok(Box::new(wrench::Rows::csv(writer, estimator, sequence)?));
+        }
         let sequence = self.sequences.then_some("sequence");
         let columns = sequence.into_iter().chain(["frame", "stamp", "element"]);
         Ok(self.rows(RowFile::csv(writer, columns.chain(forces))?))
     }
 
     fn jsonl(&self, writer: RowWriter) -> Result<Box<dyn Output>, CommandError> {
-        Ok(self.rows(RowFile::json_lines(writer)))
+        let file = RowFile::json_lines(writer);
+        if let Some(estimator) = self.estimator.clone() {
+            let sequence = self.sequences.then(String::new);
+            return Ok(Box::new(wrench::Rows::new(file, estimator, sequence)));
+        }
+        Ok(self.rows(file))
     }
 
     fn mcap(&self, path: &Path) -> Result<Box<dyn Output>, CommandError> {
@@ -61,6 +79,7 @@ impl Format for TaxelFormat {
         Ok(Box::new(Mcap {
             writer: TaxelWriter::create(path, self.facts.clone())?,
             frame: TactileFrame::unloaded(elements),
+            estimates: self.estimator.clone().map(Estimates::new),
         }))
     }
 }
@@ -152,6 +171,7 @@ impl Output for Rows {
 struct Mcap {
     writer: TaxelWriter,
     frame: TactileFrame,
+    estimates: Option<Estimates<TaxelWrenchEstimator>>,
 }
 
 impl Output for Mcap {
@@ -160,7 +180,24 @@ impl Output for Mcap {
         for (force, reading) in self.frame.forces.iter_mut().zip(frame.readings) {
             *force = reading.force.unwrap_or(NO_FORCE);
         }
-        Ok(self.writer.write(&self.frame)?)
+        self.writer.write(&self.frame)?;
+        if let Some(estimates) = &mut self.estimates {
+            let estimate = estimates.next(frame);
+            self.writer
+                .write_wrench(&wrench::message(frame.stamp, &estimate))?;
+        }
+        Ok(())
+    }
+
+    fn begin_sequence(&mut self, _: &str) -> Result<(), CommandError> {
+        if let Some(estimates) = &mut self.estimates {
+            estimates.restart();
+        }
+        Ok(())
+    }
+
+    fn warning(&self) -> Option<String> {
+        self.estimates.as_ref().and_then(Estimates::warning)
     }
 
     /// Does nothing, because each flush adds 0.6 KB to the file.

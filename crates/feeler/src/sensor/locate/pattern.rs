@@ -2,7 +2,6 @@
 
 use super::strays::{centres, gaps};
 use super::{median, median_of, nearest, spot::Spot};
-use glam::DVec2;
 
 /// Minimum number of spots in a pattern.
 const FEWEST: usize = 6;

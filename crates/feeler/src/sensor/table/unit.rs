@@ -9,6 +9,8 @@ pub enum Quantity {
     Torque,
     /// A time, s.
     Time,
+    /// A length, m.
+    Length,
     /// An angle, rad.
     Angle,
     /// A position in an image, px.
@@ -18,7 +20,7 @@ pub enum Quantity {
 }
 
 /// Names of units with their quantity and their size in feeler's unit of that quantity.
-const UNITS: [(&str, Quantity, f64); 32] = [
+const UNITS: [(&str, Quantity, f64); 39] = [
     ("N", Quantity::Force, 1.0),
     ("mN", Quantity::Force, 1e-3),
     ("uN", Quantity::Force, 1e-6),
@@ -28,6 +30,9 @@ const UNITS: [(&str, Quantity, f64); 32] = [
     ("kN", Quantity::Force, 1e3),
     ("newton", Quantity::Force, 1.0),
     ("newtons", Quantity::Force, 1.0),
+    // Kilogram-force and gram-force, as shown by scales.
+    ("kgf", Quantity::Force, 9.80665),
+    ("gf", Quantity::Force, 9.80665e-3),
     ("Nm", Quantity::Torque, 1.0),
     ("N m", Quantity::Torque, 1.0),
     ("N*m", Quantity::Torque, 1.0),
@@ -45,6 +50,11 @@ const UNITS: [(&str, Quantity, f64); 32] = [
     ("µs", Quantity::Time, 1e-6),
     ("\u{3bc}s", Quantity::Time, 1e-6),
     ("ns", Quantity::Time, 1e-9),
+    ("m", Quantity::Length, 1.0),
+    ("cm", Quantity::Length, 1e-2),
+    ("mm", Quantity::Length, 1e-3),
+    ("um", Quantity::Length, 1e-6),
+    ("µm", Quantity::Length, 1e-6),
     ("rad", Quantity::Angle, 1.0),
     ("deg", Quantity::Angle, std::f64::consts::PI / 180.0),
     ("degrees", Quantity::Angle, std::f64::consts::PI / 180.0),
@@ -74,9 +84,10 @@ impl Quantity {
     /// Supported units, for messages.
     pub fn units(self) -> &'static str {
         match self {
-            Self::Force => "N, mN, µN or kN",
+            Self::Force => "N, mN, µN, kN, kgf or gf",
             Self::Torque => "Nm, mNm or Nmm",
             Self::Time => "s, ms, us or ns",
+            Self::Length => "m, cm, mm or µm",
             Self::Angle => "rad or deg",
             Self::Pixels => "px",
             Self::Any => "any unit",

@@ -2,6 +2,7 @@
 
 use super::{Axes, TaxelError, TaxelUnit, TimeUnit};
 use crate::sensor::fingertip::layout::{ElementLayout, SensingElement};
+use crate::sensor::fingertip::made_for::{CalibrationTarget, LengthUnit};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -173,6 +174,31 @@ impl TaxelLayout {
     /// If a value cannot be represented in TOML.
     pub fn to_toml(&self) -> Result<String, TaxelError> {
         Ok(toml::to_string(self)?)
+    }
+
+    /// Identifies the array for a calibration: units, axes and taxels, but neither columns nor zeros.
+    ///
+    /// # Errors
+    /// If a value cannot be represented in TOML.
+    pub fn calibration_target(&self) -> Result<CalibrationTarget, TaxelError> {
+        #[derive(Serialize)]
+        struct Identity {
+            kind: &'static str,
+            unit: TaxelUnit,
+            axes: Axes,
+            scales: Vec<[f64; 3]>,
+            places: Vec<([f64; 3], [f64; 3], f64)>,
+        }
+        let taxels = self.taxels.iter();
+        let text = toml::to_string(&Identity {
+            kind: "taxels",
+            unit: self.unit,
+            axes: self.axes,
+            scales: taxels.clone().filter_map(|t| self.scale(t)).collect(),
+            places: taxels.map(|t| (t.place, t.normal, t.turn_deg)).collect(),
+        })?;
+        let count = self.taxels.len();
+        Ok(CalibrationTarget::layout(&text, count, LengthUnit::Metre))
     }
 
     /// Unit of the resulting forces: newtons, or counts if the scale is unknown.

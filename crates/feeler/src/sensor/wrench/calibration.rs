@@ -1,7 +1,8 @@
 //! Wrench calibration of one fingertip and its file format.
 
-use super::error::{KIND, VERSION, WrenchError};
-use super::features::{ElementStandard, PER_ELEMENT, Terms};
+use super::basis::Basis;
+use super::error::{VERSION, WrenchError};
+use super::features::{MomentBasis, Terms};
 use super::novelty::{MAX_DIRECTIONS, Novelty};
 use super::quality::AxisQuality;
 use super::{AXES, WrenchAxis};
@@ -11,49 +12,52 @@ use crate::sensor::table::Quantity;
 use serde::{Deserialize, Serialize};
 
 /// Maximum magnitude of a number in the file: far above any measurement and far below overflow of sums.
-const LARGEST: f64 = 1e15;
+pub(super) const LARGEST: f64 = 1e15;
 
 /// Regression of one component.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct AxisModel {
+pub struct AxisModel<T = Terms> {
     /// The component.
     pub axis: WrenchAxis,
     /// Terms of the regression.
-    pub terms: Terms,
+    pub terms: T,
     /// Penalty on the squared weights; features have a variance of 1.
     pub penalty: f64,
-    /// Value if all terms are 0, N or N m.
+    /// Value if all terms are 0, N, N m or m.
     pub intercept: f64,
-    /// Weight of each term, N or N m: for each element, its features, then their squares.
+    /// Weight of each term, in the order of [`Basis::terms`], N, N m or m.
     pub weights: Vec<f64>,
 }
 
-impl AxisModel {
-    /// Returns the component for standardised `features`, N or N m. Neither allocates nor panics.
-    pub fn value(&self, features: &[[f64; PER_ELEMENT]]) -> f64 {
-        let terms = self.terms.of(features).zip(&self.weights);
+impl<T: Copy> AxisModel<T> {
+    /// Returns the component for standardised `features`, N, N m or m. Neither allocates nor panics.
+    pub fn value<B: Basis<Terms = T>>(&self, basis: &B, features: &[f64]) -> f64 {
+        let terms = basis.terms(self.terms, features).zip(&self.weights);
         self.intercept + terms.map(|(term, weight)| term * weight).sum::<f64>()
     }
 }
 
-/// Model that predicts a wrench from the moments of all elements.
+/// Model that predicts a wrench from the features of all elements.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct WrenchModel {
+#[serde(deny_unknown_fields, bound = "")]
+pub struct WrenchModel<B: Basis> {
     /// Predicted components, in the order of [`WrenchAxis::ALL`].
-    pub axes: Vec<AxisModel>,
-    /// Distribution of the calibration images, to detect unusual ones.
-    pub novelty: Novelty,
-    /// Reference and statistics of each element.
-    pub elements: Vec<ElementStandard>,
+    pub axes: Vec<AxisModel<B::Terms>>,
+    /// Distribution of the calibration's samples, to detect unusual ones.
+    pub novelty: Novelty<B::Terms>,
+    /// Reference and statistics of the elements.
+    pub elements: B,
 }
 
-/// The wrench calibration of one fingertip.
+/// The wrench calibration of a camera's fingertip.
+pub type WrenchCalibration = CalibrationOf<MomentBasis>;
+
+/// The wrench calibration of one fingertip with features `B`.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct WrenchCalibration {
-    /// [`KIND`].
+#[serde(deny_unknown_fields, bound = "")]
+pub struct CalibrationOf<B: Basis> {
+    /// [`Basis::KIND`].
     pub kind: String,
     /// Version of the file format, [`VERSION`].
     pub version: u32,
@@ -65,7 +69,7 @@ pub struct WrenchCalibration {
     /// Errors of each component.
     pub quality: Vec<AxisQuality>,
     /// Prediction model.
-    pub model: WrenchModel,
+    pub model: WrenchModel<B>,
 }
 
 /// Fields that identify the file.
@@ -77,10 +81,10 @@ struct Header {
     version: u32,
 }
 
-impl WrenchCalibration {
+impl<B: Basis> CalibrationOf<B> {
     /// Returns `true` if `text` is a wrench calibration file of any version.
     pub fn is_kind(text: &str) -> bool {
-        toml::from_str::<Header>(text).is_ok_and(|header| header.kind == KIND)
+        toml::from_str::<Header>(text).is_ok_and(|header| header.kind == B::KIND)
     }
 
     /// Parses a calibration from TOML.
@@ -89,8 +93,13 @@ impl WrenchCalibration {
     /// If the text is not a wrench calibration of the supported version, or if a number in it is invalid.
     pub fn from_toml(text: &str) -> Result<Self, WrenchError> {
         let Header { kind, version } = toml::from_str(text)?;
-        if kind != KIND || version != VERSION {
-            return Err(WrenchError::Version { kind, version });
+        if kind != B::KIND || version != VERSION {
+            let expected = B::KIND;
+            return Err(WrenchError::Version {
+                expected,
+                kind,
+                version,
+            });
         }
         let calibration: Self = toml::from_str(text)?;
         calibration.check()?;
@@ -115,7 +124,7 @@ impl WrenchCalibration {
     }
 
     /// Returns the model of a component, or `None` if it is not calibrated.
-    pub fn axis(&self, axis: WrenchAxis) -> Option<&AxisModel> {
+    pub fn axis(&self, axis: WrenchAxis) -> Option<&AxisModel<B::Terms>> {
         self.model.axes.iter().find(|model| model.axis == axis)
     }
 
@@ -138,11 +147,8 @@ impl WrenchCalibration {
     /// Rejects invalid numbers.
     pub(super) fn check(&self) -> Result<(), WrenchError> {
         self.made_for.check()?;
-        let elements = self.made_for.elements;
-        count("model.elements", elements, self.model.elements.len())?;
-        for (index, element) in self.model.elements.iter().enumerate() {
-            check_element(index, element)?;
-        }
+        let basis = &self.model.elements;
+        basis.check(self.made_for.elements)?;
         let axes = &self.model.axes;
         let sorted = axes.windows(2).all(|pair| pair[0].axis < pair[1].axis);
         if axes.is_empty() || axes.len() > AXES || !sorted {
@@ -150,30 +156,30 @@ impl WrenchCalibration {
             return Err(WrenchError::Value {
                 field: "model.axes".into(),
                 value: format!("{:?}", names.collect::<Vec<_>>()),
-                expected: "one or more of f_x, f_y, f_z, m_x, m_y, m_z, each once, in this order",
+                expected: "one or more of f_x, f_y, f_z, m_x, m_y, m_z, p_x, p_y, each once, in this order",
             });
         }
         for model in axes {
             let name = model.axis.name();
-            count(
+            check_count(
                 &format!("{name}.weights"),
-                model.terms.count(elements),
+                basis.term_count(model.terms),
                 model.weights.len(),
             )?;
-            number(&format!("{name}.penalty"), model.penalty, 0.0..=LARGEST)?;
+            check_number(&format!("{name}.penalty"), model.penalty, 0.0..=LARGEST)?;
             let weights = model.weights.iter().chain([&model.intercept]);
             for &weight in weights {
-                number(&format!("{name}.weights"), weight, -LARGEST..=LARGEST)?;
+                check_number(&format!("{name}.weights"), weight, -LARGEST..=LARGEST)?;
             }
         }
-        self.check_novelty(elements)
+        self.check_novelty()
     }
 
-    fn check_novelty(&self, elements: usize) -> Result<(), WrenchError> {
+    fn check_novelty(&self) -> Result<(), WrenchError> {
         let novelty = &self.model.novelty;
-        number("novelty.limit", novelty.limit, 1e-9..=LARGEST)?;
-        number("novelty.rest", novelty.rest, 1e-9..=LARGEST)?;
-        if novelty.directions.len() > MAX_DIRECTIONS || novelty.terms.squares {
+        check_number("novelty.limit", novelty.limit, 1e-9..=LARGEST)?;
+        check_number("novelty.rest", novelty.rest, 1e-9..=LARGEST)?;
+        if novelty.directions.len() > MAX_DIRECTIONS || !B::can_watch(novelty.terms) {
             return Err(WrenchError::Value {
                 field: "novelty".into(),
                 value: format!("{} directions", novelty.directions.len()),
@@ -181,38 +187,22 @@ impl WrenchCalibration {
             });
         }
         for direction in &novelty.directions {
-            let terms = novelty.terms.count(elements);
-            count("novelty.directions.along", terms, direction.along.len())?;
-            number(
+            let terms = self.model.elements.term_count(novelty.terms);
+            check_count("novelty.directions.along", terms, direction.along.len())?;
+            check_number(
                 "novelty.directions.variance",
                 direction.variance,
                 1e-9..=LARGEST,
             )?;
             for &part in &direction.along {
-                number("novelty.directions.along", part, -2.0..=2.0)?;
+                check_number("novelty.directions.along", part, -2.0..=2.0)?;
             }
         }
         Ok(())
     }
 }
 
-fn check_element(index: usize, element: &ElementStandard) -> Result<(), WrenchError> {
-    let field = |name: &str| format!("model.elements[{index}].{name}");
-    if element.used {
-        // A tiny value would make growth overflow.
-        number(&field("gray"), element.gray, 1e-100..=LARGEST)?;
-    }
-    for place in element.centroid.to_array() {
-        number(&field("centroid"), place, -LARGEST..=LARGEST)?;
-    }
-    for (mean, scale) in element.mean.into_iter().zip(element.scale) {
-        number(&field("mean"), mean, -LARGEST..=LARGEST)?;
-        number(&field("scale"), scale, 0.0..=LARGEST)?;
-    }
-    Ok(())
-}
-
-fn count(what: &str, expected: usize, actual: usize) -> Result<(), WrenchError> {
+pub(super) fn check_count(what: &str, expected: usize, actual: usize) -> Result<(), WrenchError> {
     if expected == actual {
         return Ok(());
     }
@@ -224,7 +214,7 @@ fn count(what: &str, expected: usize, actual: usize) -> Result<(), WrenchError> 
     })
 }
 
-fn number(
+pub(super) fn check_number(
     field: &str,
     value: f64,
     range: std::ops::RangeInclusive<f64>,

@@ -1,46 +1,43 @@
 //! Chooses terms and penalty by cross-validation over blocks of time.
 
 use super::WrenchAxis;
+use super::basis::{Basis, matrix};
 use super::blocks::{Fold, blocks};
-use super::features::{Features, Growth, MIN_FOR_GAIN, Terms, matrix};
 use super::ridge::Spectrum;
 
 /// Numbers of blocks per recording. Two partitions reduce the influence of where the cuts fall.
 const CUTS: [usize; 2] = [5, 8];
-/// Maximum number of rows used for the choice, evenly spread. The regression uses all rows.
-const MAX_ROWS: usize = 400;
 /// Exponents of candidate penalties `10^(n/2)`. Features have a variance of 1.
 const HALF_DECADES: std::ops::RangeInclusive<i32> = -4..=12;
 /// Minimum decrease of the mean error, in standard errors, for a more complex set of terms to be preferred. Among many
 /// candidates, one is better by chance.
 const WORTH: f64 = 1.0;
-/// Like [`WORTH`], but for overall brightness, which drifts with the lamp, and the maximum fraction of the mean square
-/// error that may remain.
-const WORTH_OF_BRIGHTNESS: f64 = 3.0;
-const LEFT_BY_BRIGHTNESS: f64 = 0.5;
+/// Like [`WORTH`], but for doubtful terms ([`Basis::is_doubtful`]), and the maximum fraction of the mean square error
+/// that may remain.
+const WORTH_OF_DOUBTFUL: f64 = 3.0;
+const LEFT_BY_DOUBTFUL: f64 = 0.5;
 
 /// Terms and penalty of a component's regression.
 #[derive(Debug, Clone, PartialEq)]
-pub(super) struct Choice {
-    pub terms: Terms,
+pub(super) struct Choice<T> {
+    pub terms: T,
     pub penalty: f64,
     /// Squared error of each row when its block is held out, averaged over the partitions.
     squares: Vec<f64>,
 }
 
-impl Choice {
+impl<T: Copy> Choice<T> {
     fn score(&self) -> f64 {
         self.squares.iter().sum::<f64>() / self.squares.len() as f64
     }
 
     /// Returns `true` if the errors are significantly smaller than those of `other`. Compares magnitudes, because a
     /// single image may dominate squares.
-    fn is_worth_more(&self, other: &Self) -> bool {
-        let overall = self.terms.growth == Growth::Plain && other.terms.growth != Growth::Plain;
-        match overall {
+    fn is_worth_more<B: Basis<Terms = T>>(&self, other: &Self) -> bool {
+        match B::is_doubtful(self.terms, other.terms) {
             true => {
-                let far_less = self.score() < LEFT_BY_BRIGHTNESS * other.score();
-                far_less && self.is_better(other, WORTH_OF_BRIGHTNESS)
+                let far_less = self.score() < LEFT_BY_DOUBTFUL * other.score();
+                far_less && self.is_better(other, WORTH_OF_DOUBTFUL)
             }
             false => self.is_better(other, WORTH),
         }
@@ -67,14 +64,14 @@ pub(super) struct Target {
     pub measured: Vec<f64>,
 }
 
-/// Best choice for each of `targets`, or `None` if no regression has a finite solution. `used`: elements in use.
-pub(super) fn choose(
-    features: &Features,
+/// Best choice for each of `targets`, or `None` if no regression has a finite solution.
+pub(super) fn choose<B: Basis>(
+    basis: &B,
+    features: &[Vec<f64>],
     recording_of: &[usize],
-    used: usize,
     targets: &[Target],
-) -> Vec<Option<Choice>> {
-    let mut chosen: Vec<Option<Choice>> = vec![None; targets.len()];
+) -> Vec<Option<Choice<B::Terms>>> {
+    let mut chosen: Vec<Option<Choice<B::Terms>>> = vec![None; targets.len()];
     for (first, target) in targets.iter().enumerate() {
         // Components measured on the same rows share the expensive decompositions.
         let is_first = !targets[..first]
@@ -83,22 +80,22 @@ pub(super) fn choose(
         if !is_first {
             continue;
         }
-        let step = target.rows.len().div_ceil(MAX_ROWS).max(1);
+        let step = target.rows.len().div_ceil(B::MAX_ROWS).max(1);
         let kept: Vec<_> = (0..target.rows.len()).step_by(step).collect();
         let rows: Vec<_> = kept.iter().map(|&place| target.rows[place]).collect();
         let recordings: Vec<_> = rows.iter().map(|&row| recording_of[row]).collect();
         let cuts = CUTS.map(|count| blocks(&recordings, count));
-        for terms in candidates(used) {
-            let spectrum = Spectrum::new(matrix(features, &rows, terms));
+        for terms in basis.candidates() {
+            let spectrum = Spectrum::new(matrix(basis, features, &rows, terms));
             for (target, chosen) in targets.iter().zip(&mut chosen).skip(first) {
                 if target.rows != targets[first].rows {
                     continue;
                 }
                 let measured: Vec<_> = kept.iter().map(|&place| target.measured[place]).collect();
                 let best = best_penalty(&spectrum, &measured, terms, &cuts);
-                let better = |best: &Choice| {
+                let better = |best: &Choice<B::Terms>| {
                     let before = chosen.as_ref();
-                    before.is_none_or(|before| best.is_worth_more(before))
+                    before.is_none_or(|before| best.is_worth_more::<B>(before))
                 };
                 if let Some(best) = best.filter(better) {
                     *chosen = Some(best);
@@ -109,38 +106,16 @@ pub(super) fn choose(
     chosen
 }
 
-/// Candidate terms in order of preference.
-fn candidates(used: usize) -> impl Iterator<Item = Terms> {
-    let terms = |growth, displacement, squares| Terms {
-        growth,
-        displacement,
-        squares,
-    };
-    let kinds = [
-        (Growth::GainFree, false),
-        (Growth::Ignored, true),
-        (Growth::GainFree, true),
-        (Growth::Plain, false),
-        (Growth::Plain, true),
-    ];
-    let kinds = kinds
-        .into_iter()
-        .filter(move |(growth, _)| used >= MIN_FOR_GAIN || *growth != Growth::GainFree);
-    kinds.flat_map(move |(growth, displacement)| {
-        [false, true].map(|squares| terms(growth, displacement, squares))
-    })
-}
-
 /// Returns the penalty halfway, in decades, between the best one and the largest one that is not significantly worse
 /// (one-standard-error rule; Hastie, Tibshirani and Friedman, The Elements of Statistical Learning, 2009, section
 /// 7.10). Smaller weights reduce the effect of drift between recordings, which blocks of a single recording do not
 /// show. The largest penalty would discard too much information.
-fn best_penalty(
+fn best_penalty<T: Copy>(
     spectrum: &Spectrum,
     measured: &[f64],
-    terms: Terms,
+    terms: T,
     cuts: &[Vec<Fold>],
-) -> Option<Choice> {
+) -> Option<Choice<T>> {
     let choices = HALF_DECADES.filter_map(|power| {
         let penalty = libm::pow(10.0, f64::from(power) / 2.0);
         let mut squares = vec![0.0; measured.len()];

@@ -3,8 +3,6 @@
 use crate::sensor::calibration::error::CalibrationError;
 use crate::sensor::calibration::load_range::FINGERTIP_RANGE;
 
-/// Kind of the file, which distinguishes it from a calibration of elements.
-pub const KIND: &str = "wrench";
 /// Supported version of the file.
 pub const VERSION: u32 = 1;
 
@@ -19,9 +17,11 @@ pub enum WrenchError {
     Write(#[from] toml::ser::Error),
     /// The file has another kind or version.
     #[error(
-        "expected kind = \"{KIND}\" and version = {VERSION}, got kind = {kind:?} and version = {version}; create the file with `feeler calibrate --wrench`"
+        "expected kind = \"{expected}\" and version = {VERSION}, got kind = {kind:?} and version = {version}; create the file with `feeler calibrate --wrench`"
     )]
     Version {
+        /// Expected kind.
+        expected: &'static str,
         /// Kind of the file.
         kind: String,
         /// Version of the file.

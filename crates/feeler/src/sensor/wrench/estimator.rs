@@ -1,17 +1,17 @@
 //! Estimates the wrench in each frame. Suitable for the control loop.
 
-use super::calibration::WrenchCalibration;
+use super::basis::Basis;
+use super::calibration::CalibrationOf;
 use super::error::WrenchError;
-use super::features::{MAX_MISSING, PER_ELEMENT, standardise, usable};
+use super::features::{MAX_MISSING, MomentBasis, usable};
 use super::{AXES, WrenchAxis};
 use crate::sensor::forces::sensing::{ElementReading, Reference};
-use crate::sensor::moments::kernel::ElementMoments;
 use glam::DVec3;
 
 /// The wrench in one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WrenchEstimate {
-    /// Components in the order of [`WrenchAxis::ALL`], N or N m, in the frame and with the sign of the measurements
+    /// Components in the order of [`WrenchAxis::ALL`], N, N m or m, in the frame and with the sign of the measurements
     /// (see [`wrench`](super)). `None` for components that are not calibrated, and for all if more than a tenth of the
     /// elements are dark or saturated.
     pub components: [Option<f64>; AXES],
@@ -22,7 +22,7 @@ pub struct WrenchEstimate {
 }
 
 impl WrenchEstimate {
-    /// Returns a component, N or N m, or `None` if unknown.
+    /// Returns a component, N, N m or m, or `None` if unknown.
     pub fn component(&self, axis: WrenchAxis) -> Option<f64> {
         self.components[axis.index()]
     }
@@ -34,57 +34,48 @@ impl WrenchEstimate {
     }
 }
 
-/// Estimates the wrench on the fingertip from the moments of all elements. Allocates only during construction.
+/// Estimates the wrench on a camera's fingertip from the moments of all elements.
+pub type WrenchEstimator = EstimatorOf<MomentBasis>;
+
+/// Estimates the wrench on a fingertip from the features `B` of all elements. Allocates only during construction.
 #[derive(Debug, Clone)]
-pub struct WrenchEstimator {
-    calibration: WrenchCalibration,
-    features: Vec<[f64; PER_ELEMENT]>,
+pub struct EstimatorOf<B: Basis> {
+    calibration: CalibrationOf<B>,
+    input: B::Input,
+    features: Vec<f64>,
 }
 
-impl WrenchEstimator {
+impl<B: Basis> EstimatorOf<B> {
     /// Creates an estimator. The caller must check that `calibration` was made for the sensor, with
-    /// [`WrenchCalibration::verify_target`].
+    /// [`CalibrationOf::verify_target`].
     ///
     /// # Errors
     /// If a number in the calibration is invalid.
-    pub fn new(calibration: WrenchCalibration) -> Result<Self, WrenchError> {
+    pub fn new(calibration: CalibrationOf<B>) -> Result<Self, WrenchError> {
         calibration.check()?;
         Ok(Self {
-            features: vec![[f64::NAN; PER_ELEMENT]; calibration.model.elements.len()],
+            features: vec![f64::NAN; calibration.model.elements.feature_count()],
+            input: calibration.model.elements.missing_input(),
             calibration,
         })
     }
 
     /// The calibration in use.
-    pub fn calibration(&self) -> &WrenchCalibration {
+    pub fn calibration(&self) -> &CalibrationOf<B> {
         &self.calibration
     }
 
     /// Number of elements.
     pub fn element_count(&self) -> usize {
-        self.features.len()
+        self.calibration.made_for.elements
     }
 
-    /// Reference centroids: their means over the images of the calibration.
-    pub fn reference(&self) -> Reference {
-        let elements = self.calibration.model.elements.iter();
-        Reference {
-            centroids: elements.map(|e| e.used.then_some(e.centroid)).collect(),
-        }
-    }
-
-    /// Estimates the wrench from one reading per element. Neither allocates nor panics.
-    pub fn estimate(&mut self, readings: &[ElementReading]) -> WrenchEstimate {
-        self.of_seen(readings.iter().map(usable))
-    }
-
-    /// Like [`Self::estimate`], but from moments: `None` for elements that are dark or saturated.
-    pub fn of_seen(
-        &mut self,
-        seen: impl Iterator<Item = Option<ElementMoments>> + Clone,
-    ) -> WrenchEstimate {
+    /// Estimates the wrench from a measurement of all elements, which `fill` writes to its argument. Does not panic,
+    /// and allocates only if `fill` does.
+    pub fn estimate_with(&mut self, fill: impl FnOnce(&mut B::Input)) -> WrenchEstimate {
+        fill(&mut self.input);
         let model = &self.calibration.model;
-        let missing = standardise(&model.elements, seen, &mut self.features);
+        let missing = model.elements.standardise(&self.input, &mut self.features);
         let mut estimate = WrenchEstimate {
             components: [None; AXES],
             valid: false,
@@ -94,10 +85,32 @@ impl WrenchEstimator {
             return estimate;
         }
         for axis in &model.axes {
-            estimate.components[axis.axis.index()] = Some(axis.value(&self.features));
+            let value = axis.value(&model.elements, &self.features);
+            estimate.components[axis.axis.index()] = Some(value);
         }
-        estimate.novelty = model.novelty.distance(&self.features) / model.novelty.limit;
+        let distance = model.novelty.distance(&model.elements, &self.features);
+        estimate.novelty = distance / model.novelty.limit;
         estimate.valid = estimate.novelty <= 1.0;
         estimate
+    }
+}
+
+impl EstimatorOf<MomentBasis> {
+    /// Reference centroids: their means over the images of the calibration.
+    pub fn reference(&self) -> Reference {
+        let elements = self.calibration.model.elements.0.iter();
+        Reference {
+            centroids: elements.map(|e| e.used.then_some(e.centroid)).collect(),
+        }
+    }
+
+    /// Estimates the wrench from one reading per element. Neither allocates nor panics.
+    pub fn estimate(&mut self, readings: &[ElementReading]) -> WrenchEstimate {
+        self.estimate_with(|input| {
+            input.fill(None);
+            for (moments, reading) in input.iter_mut().zip(readings) {
+                *moments = usable(reading);
+            }
+        })
     }
 }

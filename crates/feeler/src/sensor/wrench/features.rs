@@ -11,11 +11,13 @@
 //!
 //! A dimming lamp changes `m` but not the growth, because a global gain is not a force. Only plain growth is affected.
 
+use super::basis::Basis;
+use super::calibration::{LARGEST, check_count, check_number};
+use super::error::WrenchError;
 use crate::sensor::forces::sensing::ElementReading;
 use crate::sensor::image::exposure::Exposure;
 use crate::sensor::moments::kernel::ElementMoments;
 use glam::DVec2;
-use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 /// Number of features of one element: growth without common gain, plain growth, displacement along x and along y.
@@ -58,15 +60,8 @@ pub struct Terms {
 }
 
 impl Terms {
-    /// Number of terms for `elements` elements.
-    pub fn count(self, elements: usize) -> usize {
-        let kinds = self.kinds().count();
-        let orders = if self.squares { 2 } else { 1 };
-        orders * kinds * elements
-    }
-
     /// Indices of the used features among the [`PER_ELEMENT`] of an element.
-    pub fn kinds(self) -> impl Iterator<Item = usize> + Clone {
+    fn kinds(self) -> impl Iterator<Item = usize> + Clone {
         let growth = match self.growth {
             Growth::Ignored => None,
             Growth::GainFree => Some(0),
@@ -75,29 +70,10 @@ impl Terms {
         let displacement = if self.displacement { 2..4 } else { 0..0 };
         growth.into_iter().chain(displacement)
     }
-
-    /// Returns the terms of standardised `features` in the order of the weights: for each element its features, then
-    /// their squares. Missing features (NaN) give terms of 0, which have no effect. Does not allocate.
-    pub fn of(self, features: &[[f64; PER_ELEMENT]]) -> impl Iterator<Item = f64> {
-        features.iter().flat_map(move |features| {
-            let linear = self.kinds().map(move |kind| or_nothing(features[kind]));
-            let squares = self.kinds().filter(move |_| self.squares);
-            linear.chain(squares.map(move |kind| square(features[kind])))
-        })
-    }
 }
 
-/// Standardised features of each row.
-pub(super) type Features = [Vec<[f64; PER_ELEMENT]>];
-
-/// Design matrix with one row of terms for each of `rows`.
-pub(super) fn matrix(features: &Features, rows: &[usize], terms: Terms) -> DMatrix<f64> {
-    let elements = rows.first().map_or(0, |&row| features[row].len());
-    let values = rows.iter().flat_map(|&row| terms.of(&features[row]));
-    DMatrix::from_row_iterator(rows.len(), terms.count(elements), values)
-}
-
-fn or_nothing(feature: f64) -> f64 {
+/// Returns 0 for a missing feature, so that it has no effect.
+pub(super) fn or_nothing(feature: f64) -> f64 {
     if feature.is_nan() { 0.0 } else { feature }
 }
 
@@ -157,6 +133,22 @@ impl ElementStandard {
         })
     }
 
+    fn check(&self, index: usize) -> Result<(), WrenchError> {
+        let field = |name: &str| format!("model.elements[{index}].{name}");
+        if self.used {
+            // A tiny value would make growth overflow.
+            check_number(&field("gray"), self.gray, 1e-100..=LARGEST)?;
+        }
+        for place in self.centroid.to_array() {
+            check_number(&field("centroid"), place, -LARGEST..=LARGEST)?;
+        }
+        for (mean, scale) in self.mean.into_iter().zip(self.scale) {
+            check_number(&field("mean"), mean, -LARGEST..=LARGEST)?;
+            check_number(&field("scale"), scale, 0.0..=LARGEST)?;
+        }
+        Ok(())
+    }
+
     /// Features before standardisation, for an image with common gain `gain`.
     fn raw(&self, moments: &ElementMoments, gain: f64) -> [f64; PER_ELEMENT] {
         let growth = moments.integrated_gray / self.gray;
@@ -170,26 +162,161 @@ impl ElementStandard {
     }
 }
 
-/// Moments of the elements in one image; `None` for elements that are dark or saturated.
-pub type Seen = [Option<ElementMoments>];
+/// Statistics of the elements of a camera's sensor.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct MomentBasis(pub Vec<ElementStandard>);
+
+impl Basis for MomentBasis {
+    const KIND: &'static str = "wrench";
+    const MAX_ROWS: usize = 400;
+    /// Moments of the elements in one image; `None` for elements that are dark or saturated.
+    type Input = Vec<Option<ElementMoments>>;
+    type Terms = Terms;
+
+    fn elements_of(input: &Self::Input) -> usize {
+        input.len()
+    }
+
+    fn learn(elements: usize, inputs: &[&Self::Input]) -> Self {
+        Self(standards(elements, inputs))
+    }
+
+    fn missing_input(&self) -> Self::Input {
+        vec![None; self.0.len()]
+    }
+
+    fn feature_count(&self) -> usize {
+        PER_ELEMENT * self.0.len()
+    }
+
+    fn standardise(&self, input: &Self::Input, features: &mut [f64]) -> f64 {
+        features.fill(f64::NAN);
+        let Some(gain) = common_gain(&self.0, input) else {
+            return 1.0;
+        };
+        let (mut used, mut missing) = (0.0, 0.0);
+        let (features, _) = features.as_chunks_mut::<PER_ELEMENT>();
+        for ((standard, moments), features) in self.0.iter().zip(input).zip(features) {
+            if !standard.used {
+                continue;
+            }
+            used += 1.0;
+            match moments {
+                Some(moments) => *features = standard.standardised(standard.raw(moments, gain)),
+                None => missing += 1.0,
+            }
+        }
+        missing / used
+    }
+
+    fn candidates(&self) -> Vec<Terms> {
+        let terms = |growth, displacement, squares| Terms {
+            growth,
+            displacement,
+            squares,
+        };
+        let kinds = [
+            (Growth::GainFree, false),
+            (Growth::Ignored, true),
+            (Growth::GainFree, true),
+            (Growth::Plain, false),
+            (Growth::Plain, true),
+        ];
+        let separable = self.used() >= MIN_FOR_GAIN;
+        let kinds = kinds
+            .into_iter()
+            .filter(|(growth, _)| separable || *growth != Growth::GainFree);
+        let candidates = kinds.flat_map(|(growth, displacement)| {
+            [false, true].map(|squares| terms(growth, displacement, squares))
+        });
+        candidates.collect()
+    }
+
+    /// Overall brightness drifts with the lamp.
+    fn is_doubtful(terms: Terms, other: Terms) -> bool {
+        terms.growth == Growth::Plain && other.growth != Growth::Plain
+    }
+
+    /// Growth and displacement of each element, independently of the terms of the components. Under an unusual load,
+    /// spots may brighten as usual but move differently. Overall brightness is included if a component depends on it,
+    /// or if there are too few elements to separate it from growth.
+    fn watched(&self, chosen: &[Terms]) -> Terms {
+        let plain = chosen.iter().any(|terms| terms.growth == Growth::Plain);
+        Terms {
+            growth: match plain || self.used() < MIN_FOR_GAIN {
+                true => Growth::Plain,
+                false => Growth::GainFree,
+            },
+            displacement: true,
+            squares: false,
+        }
+    }
+
+    fn can_watch(terms: Terms) -> bool {
+        !terms.squares
+    }
+
+    fn describe(terms: Terms) -> String {
+        let growth = match terms.growth {
+            Growth::Ignored => None,
+            Growth::GainFree => Some("growth"),
+            Growth::Plain => Some("growth and overall brightness"),
+        };
+        let displacement = terms.displacement.then_some("displacement");
+        let squares = terms.squares.then_some("their squares");
+        let parts = [growth, displacement, squares].into_iter().flatten();
+        parts.collect::<Vec<_>>().join(", ")
+    }
+
+    fn term_count(&self, terms: Terms) -> usize {
+        let orders = if terms.squares { 2 } else { 1 };
+        orders * terms.kinds().count() * self.0.len()
+    }
+
+    /// In this order: for each element its features, then their squares.
+    fn terms<'a>(&'a self, terms: Terms, features: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        let (features, _) = features.as_chunks::<PER_ELEMENT>();
+        features.iter().flat_map(move |features| {
+            let linear = terms.kinds().map(move |kind| or_nothing(features[kind]));
+            let squares = terms.kinds().filter(move |_| terms.squares);
+            linear.chain(squares.map(move |kind| square(features[kind])))
+        })
+    }
+
+    fn check(&self, elements: usize) -> Result<(), WrenchError> {
+        check_count("model.elements", elements, self.0.len())?;
+        for (index, element) in self.0.iter().enumerate() {
+            element.check(index)?;
+        }
+        Ok(())
+    }
+}
+
+impl MomentBasis {
+    /// Number of elements in use.
+    fn used(&self) -> usize {
+        self.0.iter().filter(|standard| standard.used).count()
+    }
+}
+
+/// Moments of the elements in one image.
+type Seen = [Option<ElementMoments>];
 
 /// Reference and statistics of `elements` elements over `pictures`.
-pub(super) fn standards<'a>(
-    elements: usize,
-    pictures: impl Iterator<Item = &'a Seen> + Clone,
-) -> Vec<ElementStandard> {
-    let total = pictures.clone().count();
+fn standards(elements: usize, pictures: &[&Vec<Option<ElementMoments>>]) -> Vec<ElementStandard> {
+    let total = pictures.len();
     let mut standards: Vec<_> = (0..elements)
         .map(|element| {
             reference(
-                pictures.clone().filter_map(|seen| *seen.get(element)?),
+                pictures.iter().filter_map(|seen| *seen.get(element)?),
                 total,
             )
         })
         .collect();
     let mut sums = vec![[[0.0; 3]; PER_ELEMENT]; elements];
     for seen in pictures {
-        let Some(gain) = common_gain(&standards, seen.iter().copied()) else {
+        let Some(gain) = common_gain(&standards, seen) else {
             continue;
         };
         for (element, moments) in seen.iter().enumerate() {
@@ -238,10 +365,7 @@ fn reference(moments: impl Iterator<Item = ElementMoments>, total: usize) -> Ele
 }
 
 /// Mean of G/G_0 over the elements that are used and visible, or `None` if there are no such elements.
-fn common_gain(
-    standards: &[ElementStandard],
-    seen: impl Iterator<Item = Option<ElementMoments>>,
-) -> Option<f64> {
+fn common_gain(standards: &[ElementStandard], seen: &Seen) -> Option<f64> {
     let (mut sum, mut count) = (0.0, 0.0);
     for (standard, moments) in standards.iter().zip(seen) {
         if let Some(moments) = moments.filter(|_| standard.used) {
@@ -251,29 +375,4 @@ fn common_gain(
     }
     let gain = sum / count;
     (gain.is_finite() && gain > 0.0).then_some(gain)
-}
-
-/// Fills `features` with standardised features, or NaN for elements that are not used or not visible. Returns the
-/// fraction of used elements that are not visible, or 1 if no element is. Neither allocates nor panics.
-pub fn standardise(
-    standards: &[ElementStandard],
-    seen: impl Iterator<Item = Option<ElementMoments>> + Clone,
-    features: &mut [[f64; PER_ELEMENT]],
-) -> f64 {
-    features.fill([f64::NAN; PER_ELEMENT]);
-    let Some(gain) = common_gain(standards, seen.clone()) else {
-        return 1.0;
-    };
-    let (mut used, mut missing) = (0.0, 0.0);
-    for ((standard, moments), features) in standards.iter().zip(seen).zip(features) {
-        if !standard.used {
-            continue;
-        }
-        used += 1.0;
-        match moments {
-            Some(moments) => *features = standard.standardised(standard.raw(&moments, gain)),
-            None => missing += 1.0,
-        }
-    }
-    missing / used
 }

@@ -1,21 +1,25 @@
 //! Fits a wrench calibration to images and measured wrenches.
 
 use super::WrenchAxis;
-use super::calibration::WrenchCalibration;
-use super::error::{KIND, VERSION, WrenchError};
-use super::features::{MAX_MISSING, PER_ELEMENT, standardise, standards};
+use super::basis::Basis;
+use super::calibration::CalibrationOf;
+use super::error::{VERSION, WrenchError};
+use super::features::{MAX_MISSING, MomentBasis};
 use super::learn::{MIN_ROWS, can_be_learned, learn, target};
 use super::novelty::MARGIN;
 use super::quality::{AxisQuality, HeldOut, band_95};
-use super::sample::WrenchSample;
+use super::sample::SampleOf;
 use super::validation::validate;
 use crate::sensor::fingertip::made_for::CalibrationTarget;
 
-/// Result of fitting.
+/// Result of fitting a camera's fingertip.
+pub type WrenchFit = FitOf<MomentBasis>;
+
+/// Result of fitting a sensor with features `B`.
 #[derive(Debug, Clone, PartialEq)]
-pub struct WrenchFit {
+pub struct FitOf<B: Basis> {
     /// The calibration.
-    pub calibration: WrenchCalibration,
+    pub calibration: CalibrationOf<B>,
     /// Measured components that are omitted because the calibration does not predict them, with their held-out R²
     /// (`None` if there are too few measurements).
     pub left_out: Vec<(WrenchAxis, Option<f64>)>,
@@ -30,14 +34,14 @@ pub struct WrenchFit {
 ///
 /// # Errors
 /// If there are too few usable samples, if all components are constant, or if no component can be predicted.
-pub fn fit(
+pub fn fit<B: Basis>(
     made_for: CalibrationTarget,
     recordings: &[String],
-    samples: &[WrenchSample],
+    samples: &[SampleOf<B>],
     keep_all: bool,
-) -> Result<WrenchFit, WrenchError> {
+) -> Result<FitOf<B>, WrenchError> {
     check(&made_for, recordings, samples)?;
-    let mut samples: Vec<&WrenchSample> = samples.iter().collect();
+    let mut samples: Vec<&SampleOf<B>> = samples.iter().collect();
     samples.sort_by_key(|sample| sample.recording);
     let lit = lit(made_for.elements, &samples);
     let unusable = samples.len() - lit.len();
@@ -72,8 +76,8 @@ pub fn fit(
     for (quality, held_out) in qualities.iter_mut().zip(&held_out) {
         quality.band_95 = band_95(held_out, limit);
     }
-    let calibration = WrenchCalibration {
-        kind: KIND.into(),
+    let calibration = CalibrationOf {
+        kind: B::KIND.into(),
         version: VERSION,
         loads_confirmed: false,
         made_for,
@@ -81,7 +85,7 @@ pub fn fit(
         model,
     };
     calibration.check()?;
-    Ok(WrenchFit {
+    Ok(FitOf {
         calibration,
         left_out,
         unusable,
@@ -90,10 +94,10 @@ pub fn fit(
 }
 
 /// Rejects samples of another sensor or of a recording without a name.
-fn check(
+fn check<B: Basis>(
     made_for: &CalibrationTarget,
     recordings: &[String],
-    samples: &[WrenchSample],
+    samples: &[SampleOf<B>],
 ) -> Result<(), WrenchError> {
     let wrong = |what: &str, expected, actual| WrenchError::Count {
         what: what.into(),
@@ -101,9 +105,9 @@ fn check(
         actual,
     };
     for sample in samples {
-        if sample.seen.len() != made_for.elements {
-            let (expected, actual) = (made_for.elements, sample.seen.len());
-            return Err(wrong("elements of a picture", expected, actual));
+        let (expected, actual) = (made_for.elements, B::elements_of(&sample.seen));
+        if expected != actual {
+            return Err(wrong("elements of a sample", expected, actual));
         }
         if sample.recording >= recordings.len() {
             let (expected, actual) = (sample.recording + 1, recordings.len());
@@ -114,25 +118,27 @@ fn check(
 }
 
 /// Samples in which at most [`MAX_MISSING`] of the elements are missing.
-fn lit<'a>(elements: usize, samples: &[&'a WrenchSample]) -> Vec<&'a WrenchSample> {
-    let standards = standards(elements, samples.iter().map(|sample| &sample.seen[..]));
-    let mut features = vec![[0.0; PER_ELEMENT]; elements];
-    let mut is_lit = |sample: &&&WrenchSample| {
-        let seen = sample.seen.iter().copied();
-        standardise(&standards, seen, &mut features) <= MAX_MISSING
-    };
+fn lit<'a, B: Basis>(elements: usize, samples: &[&'a SampleOf<B>]) -> Vec<&'a SampleOf<B>> {
+    let inputs: Vec<_> = samples.iter().map(|sample| &sample.seen).collect();
+    let basis = B::learn(elements, &inputs);
+    let mut features = vec![0.0; basis.feature_count()];
+    let mut is_lit =
+        |sample: &&&SampleOf<B>| basis.standardise(&sample.seen, &mut features) <= MAX_MISSING;
     samples.iter().filter(|s| is_lit(s)).copied().collect()
 }
 
 /// Components that were measured in any sample.
-fn measured(samples: &[&WrenchSample]) -> Vec<WrenchAxis> {
+fn measured<B: Basis>(samples: &[&SampleOf<B>]) -> Vec<WrenchAxis> {
     let all = WrenchAxis::ALL.into_iter();
     let any = |axis: &WrenchAxis| samples.iter().any(|s| s.wrench[axis.index()].is_some());
     all.filter(any).collect()
 }
 
 /// Components that were measured often enough and are not constant.
-fn changing(samples: &[&WrenchSample], unusable: usize) -> Result<Vec<WrenchAxis>, WrenchError> {
+fn changing<B: Basis>(
+    samples: &[&SampleOf<B>],
+    unusable: usize,
+) -> Result<Vec<WrenchAxis>, WrenchError> {
     let targets = WrenchAxis::ALL.map(|axis| target(samples, axis));
     let most = targets.iter().map(|target| target.rows.len()).max();
     let actual = most.unwrap_or(0);

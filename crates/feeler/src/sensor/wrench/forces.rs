@@ -2,7 +2,8 @@
 //!
 //! A [`table`](crate::sensor::table) with a column `picture` (a file relative to the CSV, or `FILE@TIME` for the frame
 //! of a recording or video at a time in s), or instead with columns `recording` (an .mcap file or a video) and `time`
-//! (s). It has at least one of `f_x, f_y, f_z` (N) and `m_x, m_y, m_z` (N m), in any order; other columns are ignored.
+//! (s). It has at least one of `f_x, f_y, f_z` (N), `m_x, m_y, m_z` (N m) and `p_x, p_y` (place of contact, m), in any
+//! order; other columns are ignored.
 //! A cell is empty if nothing was measured. A column `recording` next to `picture` groups the images; without it,
 //! images are grouped by name ([`recordings`](super::recordings)).
 
@@ -20,7 +21,7 @@ pub enum ForcesError {
     /// The header lacks a column.
     #[error(
         "no column {column} in the header {header:?}, read with {separator} between cells; expected picture (or recording, time) and \
-         at least one of f_x, f_y, f_z, m_x, m_y, m_z"
+         at least one of f_x, f_y, f_z, m_x, m_y, m_z, p_x, p_y"
     )]
     Column {
         /// The missing column.
@@ -56,6 +57,8 @@ pub struct MeasuredPicture {
     pub line: u64,
     /// Index of the recording.
     pub recording: usize,
+    /// Time, s, or `None` if unknown.
+    pub time: Option<f64>,
     /// Measured wrench.
     pub wrench: MeasuredWrench,
 }
@@ -147,7 +150,6 @@ pub fn read_forces(text: impl Read) -> Result<MeasuredForces, ForcesError> {
     let columns = Columns::of(&mut table)?;
     let mut pictures = Vec::new();
     let mut named = Vec::new();
-    let mut times = Vec::new();
     while table.advance()? {
         let time = match columns.time {
             Some(time) if columns.picture.is_none() => Some(number(&table, "time", time)?),
@@ -164,11 +166,11 @@ pub fn read_forces(text: impl Read) -> Result<MeasuredForces, ForcesError> {
         }
         let recording = columns.recording.map(|column| table.text(column));
         named.push(recording.unwrap_or_default().into_owned());
-        times.push(time);
         pictures.push(MeasuredPicture {
             picture,
             line: table.line(),
             recording: 0,
+            time,
             wrench,
         });
     }
@@ -176,16 +178,11 @@ pub fn read_forces(text: impl Read) -> Result<MeasuredForces, ForcesError> {
         return Err(ForcesError::Empty);
     }
     let by_name = columns.recording.is_none();
-    Ok(in_order(pictures, by_name, &named, &times))
+    Ok(in_order(pictures, by_name, &named))
 }
 
 /// Sorts the rows by recording and time.
-fn in_order(
-    mut pictures: Vec<MeasuredPicture>,
-    by_name: bool,
-    named: &[String],
-    times: &[Option<f64>],
-) -> MeasuredForces {
+fn in_order(mut pictures: Vec<MeasuredPicture>, by_name: bool, named: &[String]) -> MeasuredForces {
     let (numbered_names, by_names) = recordings(pictures.iter().map(|p| p.picture.as_str()));
     let numbers = by_names.iter().map(|&(_, number)| number);
     let (recordings, of) = match by_name {
@@ -195,8 +192,9 @@ fn in_order(
     for (picture, &of) in pictures.iter_mut().zip(&of) {
         picture.recording = of;
     }
-    let timed = times.iter().all(Option::is_some);
-    let keys: Vec<_> = times.iter().zip(numbers).collect();
+    let timed = pictures.iter().all(|picture| picture.time.is_some());
+    let times = pictures.iter().map(|picture| picture.time);
+    let keys: Vec<_> = times.zip(numbers).collect();
     let mut order: Vec<_> = (0..pictures.len()).collect();
     order.sort_by(|&a, &b| {
         let time = |row: usize| keys[row].0.filter(|_| timed).unwrap_or(0.0);
@@ -247,7 +245,7 @@ mod tests {
         assert_eq!(forces.recordings, ["b", "a"]);
         let names: Vec<_> = forces.pictures.iter().map(|p| &*p.picture).collect();
         assert_eq!(names, ["b_9.png", "b_10.png", "a_1.png", "a_3.png"]);
-        assert_eq!(forces.pictures[0].wrench, [None; 6]);
+        assert_eq!(forces.pictures[0].wrench, [None; AXES]);
         let [x, y, z, ..] = forces.pictures[1].wrench;
         assert_eq!(
             (x, y, z, forces.pictures[1].line),

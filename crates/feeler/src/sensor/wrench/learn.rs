@@ -1,15 +1,15 @@
-//! Fits the model of a wrench calibration: standards, terms, penalties, weights and novelty.
+//! Fits the model of a wrench calibration: statistics, terms, penalties, weights and novelty.
 
 use super::WrenchAxis;
+use super::basis::{Basis, matrix};
 use super::calibration::{AxisModel, WrenchModel};
 use super::choice::{Target, choose};
 use super::error::WrenchError;
-use super::features::{Growth, MIN_FOR_GAIN, PER_ELEMENT, Terms, matrix, standardise, standards};
 use super::novelty::Novelty;
 use super::ridge::regress;
-use super::sample::{WrenchSample, recording_of};
+use super::sample::{SampleOf, recording_of};
 
-/// Minimum number of images to fit a component.
+/// Minimum number of samples to fit a component.
 pub(super) const MIN_ROWS: usize = 10;
 
 /// Returns `true` if a component was measured often enough and is not constant.
@@ -18,7 +18,7 @@ pub(super) fn can_be_learned(target: &Target) -> bool {
     changes && target.rows.len() >= MIN_ROWS
 }
 
-pub(super) fn target(samples: &[&WrenchSample], axis: WrenchAxis) -> Target {
+pub(super) fn target<B: Basis>(samples: &[&SampleOf<B>], axis: WrenchAxis) -> Target {
     let measured = samples.iter().map(|sample| sample.wrench[axis.index()]);
     let measured = measured.enumerate();
     let (rows, measured) = measured
@@ -32,25 +32,26 @@ pub(super) fn target(samples: &[&WrenchSample], axis: WrenchAxis) -> Target {
 }
 
 /// Fits the components `axes` to `samples`, including the choice of terms and penalties. Omits components with too few
-/// measurements. The novelty model uses the features `watched`, or by default growth and displacement of all elements;
-/// its limit is not set.
-pub(super) fn learn(
-    samples: &[&WrenchSample],
+/// measurements. The novelty model uses the terms `watched`, or by default [`Basis::watched`]; its limit is not set.
+pub(super) fn learn<B: Basis>(
+    samples: &[&SampleOf<B>],
     axes: &[WrenchAxis],
-    watched: Option<Terms>,
-) -> Result<WrenchModel, WrenchError> {
-    let elements = samples.first().map_or(0, |sample| sample.seen.len());
-    let standards = standards(elements, samples.iter().map(|sample| &sample.seen[..]));
-    let features = samples.iter().map(|sample| {
-        let mut features = vec![[0.0; PER_ELEMENT]; elements];
-        standardise(&standards, sample.seen.iter().copied(), &mut features);
+    watched: Option<B::Terms>,
+) -> Result<WrenchModel<B>, WrenchError> {
+    let elements = samples
+        .first()
+        .map_or(0, |sample| B::elements_of(&sample.seen));
+    let inputs: Vec<_> = samples.iter().map(|sample| &sample.seen).collect();
+    let basis = B::learn(elements, &inputs);
+    let features = inputs.iter().map(|input| {
+        let mut features = vec![0.0; basis.feature_count()];
+        basis.standardise(input, &mut features);
         features
     });
     let features: Vec<_> = features.collect();
     let targets = axes.iter().map(|&axis| target(samples, axis));
     let targets: Vec<_> = targets.filter(can_be_learned).collect();
-    let used = standards.iter().filter(|standard| standard.used).count();
-    let choices = choose(&features, &recording_of(samples), used, &targets);
+    let choices = choose(&basis, &features, &recording_of(samples), &targets);
     let mut models = Vec::new();
     for (target, choice) in targets.iter().zip(choices) {
         let axis = target.axis;
@@ -58,7 +59,7 @@ pub(super) fn learn(
         let Some(choice) = choice else {
             return Err(unsolvable);
         };
-        let rows = matrix(&features, &target.rows, choice.terms);
+        let rows = matrix(&basis, &features, &target.rows, choice.terms);
         let solved = regress(rows, &target.measured, choice.penalty);
         let (intercept, weights) = solved.ok_or(unsolvable)?;
         models.push(AxisModel {
@@ -69,28 +70,11 @@ pub(super) fn learn(
             weights,
         });
     }
-    let all: Vec<_> = (0..features.len()).collect();
-    let watched = watched.unwrap_or_else(|| watched_of(&models, used));
+    let chosen: Vec<_> = models.iter().map(|model| model.terms).collect();
+    let watched = watched.unwrap_or_else(|| basis.watched(&chosen));
     Ok(WrenchModel {
-        novelty: Novelty::learn(&features, &all, watched),
+        novelty: Novelty::learn(&basis, &features, watched),
         axes: models,
-        elements: standards,
+        elements: basis,
     })
-}
-
-/// Features for novelty detection: growth and displacement of each of the `used` elements, independently of the terms
-/// of the components. Under an unusual load, spots may brighten as usual but move differently. Overall brightness is
-/// included if a component depends on it, or if there are too few elements to separate it from growth.
-fn watched_of(models: &[AxisModel], used: usize) -> Terms {
-    let plain = models
-        .iter()
-        .any(|model| model.terms.growth == Growth::Plain);
-    Terms {
-        growth: match plain || used < MIN_FOR_GAIN {
-            true => Growth::Plain,
-            false => Growth::GainFree,
-        },
-        displacement: true,
-        squares: false,
-    }
 }

@@ -12,6 +12,7 @@
 //! A wrench is estimated in the frame and with the sign of the measurements. Only [`sensor`] requires a convention: the
 //! force on the fingertip by the object, in a frame whose z axis points outward along the dome's axis.
 
+pub mod basis;
 mod blocks;
 pub mod calibration;
 mod choice;
@@ -27,22 +28,23 @@ pub mod recordings;
 mod ridge;
 mod sample;
 pub mod sensor;
+pub mod taxels;
 mod validation;
 
-pub use calibration::{AxisModel, WrenchCalibration};
+pub use calibration::{AxisModel, CalibrationOf, WrenchCalibration};
 pub use error::WrenchError;
-pub use estimator::{WrenchEstimate, WrenchEstimator};
-pub use fit::{WrenchFit, fit};
-pub use sample::WrenchSample;
+pub use estimator::{EstimatorOf, WrenchEstimate, WrenchEstimator};
+pub use fit::{FitOf, WrenchFit, fit};
+pub use sample::{SampleOf, WrenchSample};
 pub use sensor::WrenchSensor;
 
 use super::table::Quantity;
 use serde::{Deserialize, Serialize};
 
-/// Number of components of a wrench.
-pub const AXES: usize = 6;
+/// Number of components of a wrench with the place of contact.
+pub const AXES: usize = 8;
 
-/// A component of a wrench.
+/// A component of a wrench, or of the place of contact.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, PartialOrd, Ord, Hash, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum WrenchAxis {
@@ -64,6 +66,12 @@ pub enum WrenchAxis {
     /// Torque about z, N m.
     #[serde(rename = "m_z")]
     TorqueZ,
+    /// Place of contact along x, m.
+    #[serde(rename = "p_x")]
+    PlaceX,
+    /// Place of contact along y, m.
+    #[serde(rename = "p_y")]
+    PlaceY,
 }
 
 impl WrenchAxis {
@@ -75,6 +83,8 @@ impl WrenchAxis {
         Self::TorqueX,
         Self::TorqueY,
         Self::TorqueZ,
+        Self::PlaceX,
+        Self::PlaceY,
     ];
 
     /// Index in [`Self::ALL`].
@@ -84,7 +94,7 @@ impl WrenchAxis {
 
     /// Column name.
     pub fn name(self) -> &'static str {
-        ["f_x", "f_y", "f_z", "m_x", "m_y", "m_z"][self as usize]
+        ["f_x", "f_y", "f_z", "m_x", "m_y", "m_z", "p_x", "p_y"][self as usize]
     }
 
     /// Physical quantity.
@@ -92,6 +102,7 @@ impl WrenchAxis {
         match self {
             Self::ForceX | Self::ForceY | Self::ForceZ => Quantity::Force,
             Self::TorqueX | Self::TorqueY | Self::TorqueZ => Quantity::Torque,
+            Self::PlaceX | Self::PlaceY => Quantity::Length,
         }
     }
 
@@ -100,9 +111,10 @@ impl WrenchAxis {
         match self {
             Self::ForceX | Self::ForceY | Self::ForceZ => "N",
             Self::TorqueX | Self::TorqueY | Self::TorqueZ => "N m",
+            Self::PlaceX | Self::PlaceY => "m",
         }
     }
 }
 
-/// A measured wrench: forces in N and torques in N m, `None` for components that were not measured.
+/// A measured wrench: forces in N, torques in N m and the place of contact in m, `None` for components that were not measured.
 pub type MeasuredWrench = [Option<f64>; AXES];

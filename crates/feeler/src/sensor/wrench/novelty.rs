@@ -8,7 +8,8 @@
 //! d² = (sum_k t_k² / v_k + (|z|² - sum_k t_k²) / s²) / p
 //! ```
 
-use super::features::{Features, PER_ELEMENT, Terms, matrix};
+use super::basis::{Basis, matrix};
+use super::features::Terms;
 use nalgebra::{DMatrix, SymmetricEigen};
 use serde::{Deserialize, Serialize};
 
@@ -27,9 +28,9 @@ const MIN_VARIANCE: f64 = 1e-6;
 /// Distribution of the images of the calibration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
-pub struct Novelty {
-    /// Features used: growth and displacement of each element, independently of the terms of the components.
-    pub terms: Terms,
+pub struct Novelty<T = Terms> {
+    /// Terms used ([`Basis::watched`]).
+    pub terms: T,
     /// Distance up to which an image resembles those of the calibration: 1.25 times the distance within which 90 % of
     /// the calibration's images are from other blocks of time.
     pub limit: f64,
@@ -49,14 +50,11 @@ pub struct Direction {
     pub along: Vec<f64>,
 }
 
-impl Novelty {
-    /// Fits the distribution to the features of `rows`, whose mean is 0. The caller sets the limit.
-    pub(super) fn learn(features: &Features, rows: &[usize], terms: Terms) -> Self {
-        let terms = Terms {
-            squares: false,
-            ..terms
-        };
-        let mut looked_at = matrix(features, rows, terms);
+impl<T: Copy> Novelty<T> {
+    /// Fits the distribution of `terms` to all `features`, whose mean is 0. The caller sets the limit.
+    pub(super) fn learn<B: Basis<Terms = T>>(basis: &B, features: &[Vec<f64>], terms: T) -> Self {
+        let rows: Vec<_> = (0..features.len()).collect();
+        let mut looked_at = matrix(basis, features, &rows, terms);
         looked_at /= (rows.len().max(1) as f64).sqrt();
         let (count, dimensions) = looked_at.shape();
         let total = looked_at.norm_squared();
@@ -72,8 +70,8 @@ impl Novelty {
     }
 
     /// Distance of standardised `features` from the calibration; about 1 for its own images. Never allocates or panics.
-    pub fn distance(&self, features: &[[f64; PER_ELEMENT]]) -> f64 {
-        let values = self.terms.of(features);
+    pub fn distance<B: Basis<Terms = T>>(&self, basis: &B, features: &[f64]) -> f64 {
+        let values = basis.terms(self.terms, features);
         let (mut total, mut count) = (0.0, 0.0_f64);
         for value in values {
             total += value * value;
@@ -81,7 +79,7 @@ impl Novelty {
         }
         let mut sum = 0.0;
         for direction in &self.directions {
-            let terms = self.terms.of(features).zip(&direction.along);
+            let terms = basis.terms(self.terms, features).zip(&direction.along);
             let along: f64 = terms.map(|(value, along)| value * along).sum();
             total -= along * along;
             sum += along * along / direction.variance;

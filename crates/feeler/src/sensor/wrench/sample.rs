@@ -1,20 +1,24 @@
-//! Images and simultaneously measured wrenches, from which a calibration is fitted.
+//! Measurements of a sensor and simultaneously measured wrenches, from which a calibration is fitted.
 
 use super::MeasuredWrench;
-use crate::sensor::moments::kernel::ElementMoments;
+use super::basis::Basis;
+use super::features::MomentBasis;
 
 /// One image and the wrench measured at the same time.
+pub type WrenchSample = SampleOf<MomentBasis>;
+
+/// Measurement of a sensor with features `B`, and the wrench measured at the same time.
 #[derive(Debug, Clone, PartialEq)]
-pub struct WrenchSample {
+pub struct SampleOf<B: Basis> {
     /// Index of the recording.
     pub recording: usize,
-    /// Moments of each element; `None` if it is dark or saturated.
-    pub seen: Vec<Option<ElementMoments>>,
+    /// Measurement of each element; for an image its moments, `None` if it is dark or saturated.
+    pub seen: B::Input,
     /// Measured wrench.
     pub wrench: MeasuredWrench,
 }
 
 /// Recording of each sample.
-pub(super) fn recording_of(samples: &[&WrenchSample]) -> Vec<usize> {
+pub(super) fn recording_of<B: Basis>(samples: &[&SampleOf<B>]) -> Vec<usize> {
     samples.iter().map(|sample| sample.recording).collect()
 }

@@ -1,6 +1,8 @@
 //! Tactile sensor of one element, from a camera and a wrench calibration.
 
 use super::WrenchAxis;
+use super::basis::Basis;
+use super::calibration::{CalibrationOf, check_count};
 use super::error::WrenchError;
 use super::estimator::{WrenchEstimate, WrenchEstimator};
 use crate::sensor::forces::reading::{NO_FORCE, SensorError, TactileFrame, TactileSensor};
@@ -43,28 +45,12 @@ impl<C: Camera> WrenchSensor<C> {
         sensing: SensingChain,
         estimator: WrenchEstimator,
     ) -> Result<Self, WrenchError> {
-        let (expected, actual) = (sensing.element_count(), estimator.element_count());
-        if expected != actual {
-            return Err(WrenchError::Count {
-                what: "elements of the wrench calibration".into(),
-                expected,
-                actual,
-            });
-        }
-        let forces = [WrenchAxis::ForceX, WrenchAxis::ForceY, WrenchAxis::ForceZ];
-        let calibration = estimator.calibration();
-        let mut missing = forces
-            .into_iter()
-            .filter(|&axis| calibration.axis(axis).is_none());
-        if let Some(axis) = missing.next() {
-            return Err(WrenchError::Missing {
-                missing: axis.name(),
-            });
-        }
+        let count = sensing.element_count();
+        check_forces(estimator.calibration(), count)?;
         let (width, height) = sensing.picture_size();
         Ok(Self {
             camera,
-            readings: vec![ElementReading::default(); expected],
+            readings: vec![ElementReading::default(); count],
             sensing,
             estimator,
             axes: DMat3::IDENTITY,
@@ -102,6 +88,33 @@ pub fn element_force(on_fingertip: DVec3) -> DVec3 {
     DVec3::new(on_fingertip.x, on_fingertip.y, -on_fingertip.z)
 }
 
+/// Checks that `calibration` is for `count` elements and contains all components of the force.
+pub(super) fn check_forces<B: Basis>(
+    calibration: &CalibrationOf<B>,
+    count: usize,
+) -> Result<(), WrenchError> {
+    let (expected, actual) = (count, calibration.made_for.elements);
+    check_count("elements of the wrench calibration", expected, actual)?;
+    let forces = [WrenchAxis::ForceX, WrenchAxis::ForceY, WrenchAxis::ForceZ];
+    let mut missing = forces
+        .into_iter()
+        .filter(|&axis| calibration.axis(axis).is_none());
+    missing.next().map_or(Ok(()), |axis| {
+        Err(WrenchError::Missing {
+            missing: axis.name(),
+        })
+    })
+}
+
+/// Force of the fingertip's element, or [`NO_FORCE`] if it is unknown or unreliable. `axes` converts the calibrated
+/// force to that on the fingertip.
+pub(super) fn felt_force(estimate: &WrenchEstimate, axes: DMat3) -> DVec3 {
+    let felt = estimate
+        .force()
+        .filter(|_| estimate.novelty <= FARTHEST_NOVELTY);
+    felt.map_or(NO_FORCE, |felt| element_force(axes * felt))
+}
+
 /// Converts a sensing error to a sensor error.
 fn not_sensed(error: SensingError) -> SensorError {
     match error {
@@ -133,10 +146,7 @@ impl<C: Camera> TactileSensor for WrenchSensor<C> {
         let sensed = self.sensing.sense(&self.frame.picture, &mut self.readings);
         sensed.map_err(not_sensed)?;
         let estimate = self.estimator.estimate(&self.readings);
-        let felt = estimate
-            .force()
-            .filter(|_| estimate.novelty <= FARTHEST_NOVELTY);
-        *force = felt.map_or(NO_FORCE, |felt| element_force(self.axes * felt));
+        *force = felt_force(&estimate, self.axes);
         self.estimate = Some(estimate);
         reading.sequence = self.frame.sequence;
         reading.stamp = self.frame.stamp;

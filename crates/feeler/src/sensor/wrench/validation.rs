@@ -1,13 +1,13 @@
 //! Validates a wrench calibration: predictions of held-out samples by refitted models.
 
 use super::WrenchAxis;
+use super::basis::Basis;
 use super::blocks::{Fold, blocks, recordings};
 use super::calibration::WrenchModel;
-use super::features::{PER_ELEMENT, standardise};
 use super::learn::learn;
 use super::novelty::NEAR;
 use super::quality::{AxisQuality, HeldOut, judge, quantile};
-use super::sample::{WrenchSample, recording_of};
+use super::sample::{SampleOf, recording_of};
 use std::thread;
 
 /// Number of blocks of time per recording.
@@ -38,9 +38,9 @@ impl Validated {
 }
 
 /// Predicts each sample with models refitted without its block and without its recording.
-pub(super) fn validate(
-    samples: &[&WrenchSample],
-    model: &WrenchModel,
+pub(super) fn validate<B: Basis>(
+    samples: &[&SampleOf<B>],
+    model: &WrenchModel<B>,
     names: &[String],
 ) -> Validated {
     let recording_of = recording_of(samples);
@@ -80,9 +80,9 @@ struct Predicted {
 }
 
 /// Predicts each sample with a model of the same components, fitted without the fold that holds it out.
-fn held_out(
-    samples: &[&WrenchSample],
-    whole: &WrenchModel,
+fn held_out<B: Basis>(
+    samples: &[&SampleOf<B>],
+    whole: &WrenchModel<B>,
     folds: &[Fold],
 ) -> Vec<Option<Predicted>> {
     let mut predicted = vec![None; samples.len()];
@@ -104,9 +104,9 @@ fn held_out(
     predicted
 }
 
-fn predict_fold(
-    samples: &[&WrenchSample],
-    whole: &WrenchModel,
+fn predict_fold<B: Basis>(
+    samples: &[&SampleOf<B>],
+    whole: &WrenchModel<B>,
     fold: &Fold,
 ) -> Vec<(usize, Predicted)> {
     let train = fold.train(samples.len());
@@ -116,20 +116,17 @@ fn predict_fold(
     let Ok(model) = learn(&train, &axes, Some(whole.novelty.terms)) else {
         return Vec::new();
     };
-    if model.elements.is_empty() {
-        return Vec::new();
-    }
-    let mut features = vec![[0.0; PER_ELEMENT]; model.elements.len()];
+    let basis = &model.elements;
+    let mut features = vec![0.0; basis.feature_count()];
     let rows = fold.held.iter().map(|&row| {
-        let seen = samples[row].seen.iter().copied();
-        standardise(&model.elements, seen, &mut features);
+        basis.standardise(&samples[row].seen, &mut features);
         let values = axes.iter().map(|axis| {
             let own = model.axes.iter().find(|model| model.axis == *axis);
-            own.map(|own| own.value(&features))
+            own.map(|own| own.value(basis, &features))
         });
         let predicted = Predicted {
             values: values.collect(),
-            distance: model.novelty.distance(&features),
+            distance: model.novelty.distance(basis, &features),
         };
         (row, predicted)
     });

@@ -82,7 +82,7 @@ proptest! {
         let mut estimator = WrenchEstimator::new(calibration).unwrap();
         let moments = ElementMoments { integrated_gray: gray, centroid: DVec2::splat(place) };
         for count in [0, 1, ELEMENTS, 2 * ELEMENTS] {
-            let estimate = estimator.of_seen(std::iter::repeat_n(Some(moments), count));
+            let estimate = estimator.estimate_with(|input| *input = vec![Some(moments); count]);
             prop_assert!(estimate.components.iter().flatten().all(|c| c.is_finite()), "{estimate:?}");
             prop_assert!(!estimate.novelty.is_nan() || !estimate.valid);
         }

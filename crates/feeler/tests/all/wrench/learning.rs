@@ -3,7 +3,7 @@
 use super::world::{ELEMENTS, chain, layout, made_for, picture, read, samples};
 use assert_no_alloc::assert_no_alloc;
 use feeler::sensor::image::Exposure;
-use feeler::sensor::wrench::{WrenchAxis, WrenchError, WrenchEstimator, WrenchSample, fit};
+use feeler::sensor::wrench::{AXES, WrenchAxis, WrenchError, WrenchEstimator, WrenchSample, fit};
 use glam::{DVec2, DVec3};
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
@@ -74,7 +74,7 @@ fn held_out_errors_predict_errors_on_later_images() {
     for quality in &fit.calibration.quality {
         let axis = quality.axis.index();
         let squares = later.iter().map(|sample| {
-            let estimate = estimator.of_seen(sample.seen.iter().copied());
+            let estimate = estimator.estimate_with(|input| input.clone_from(&sample.seen));
             (estimate.components[axis].unwrap() - sample.wrench[axis].unwrap()).powi(2)
         });
         let rmse = (squares.sum::<f64>() / later.len() as f64).sqrt();
@@ -137,12 +137,12 @@ fn readings_unlike_the_calibration_are_invalid() {
     }
     let estimate = estimator.estimate(&readings);
     assert!(
-        !estimate.valid && estimate.components == [None; 6],
+        !estimate.valid && estimate.components == [None; AXES],
         "{estimate:?}"
     );
     let estimate = estimator.estimate(&[]);
     assert!(
-        !estimate.valid && estimate.components == [None; 6],
+        !estimate.valid && estimate.components == [None; AXES],
         "{estimate:?}"
     );
 }
@@ -162,7 +162,8 @@ fn components_without_correlation_are_left_out_or_rejected() {
 
     for sample in &mut all {
         let noise = sample.wrench[5];
-        sample.wrench = [noise, None, None, None, None, None];
+        sample.wrench = [None; AXES];
+        sample.wrench[0] = noise;
     }
     let refused = fit(made_for(), &names(1), &all, false).unwrap_err();
     assert!(
@@ -178,7 +179,8 @@ fn components_without_correlation_are_left_out_or_rejected() {
         "{refused}"
     );
     for sample in &mut all {
-        sample.wrench = [Some(1.0), None, None, None, None, None];
+        sample.wrench = [None; AXES];
+        sample.wrench[0] = Some(1.0);
     }
     let refused = fit(made_for(), &names(1), &all, false).unwrap_err();
     assert!(matches!(refused, WrenchError::Constant), "{refused}");

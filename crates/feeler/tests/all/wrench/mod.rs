@@ -3,4 +3,5 @@
 mod control;
 mod file;
 mod learning;
+mod taxels;
 mod world;

@@ -127,7 +127,11 @@ pub fn samples(count: usize, recording: usize, lamp: f64, seed: u64) -> Vec<Wren
         let [x, y, z] = force
             .to_array()
             .map(|f| Some(f + random.random_range(-0.01..0.01)));
-        sample(&readings, recording, [x, y, z, None, None, None])
+        sample(
+            &readings,
+            recording,
+            [x, y, z, None, None, None, None, None],
+        )
     });
     samples.collect()
 }

@@ -1,0 +1,109 @@
+//! Recordings of a taxel array with measured wrenches.
+
+use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
+use feeler::sensor::taxel::{TaxelLayout, TaxelSensor};
+use feeler::sensor::wrench::taxels::{
+    Memory, TaxelInput, TaxelSample, TaxelSeries, estimate_delay, join,
+};
+use feeler_console::{CommandError, open_table};
+use feeler_lab::sensor::ForcesFile;
+use std::path::Path;
+
+/// Samples of all recordings.
+pub struct TaxelRecordings {
+    /// Rows of taxels with the wrench at the same time.
+    pub samples: Vec<TaxelSample>,
+    /// Estimated delay of the measured wrenches after the rows of taxels, s.
+    pub delay: f64,
+    /// Problems in the tables.
+    pub troubles: Vec<String>,
+}
+
+/// Reads the taxel tables that are the recordings of `forces`, and joins their rows with the measured wrenches. Calls
+/// `read` after each table.
+///
+/// # Errors
+/// If a table cannot be read, or if no wrench was measured during a recording.
+pub fn read_taxel_recordings(
+    forces: &ForcesFile,
+    layout: &TaxelLayout,
+    mut read: impl FnMut(),
+) -> Result<TaxelRecordings, CommandError> {
+    let mut all = Vec::new();
+    let mut troubles = Vec::new();
+    for (index, name) in forces.recordings().iter().enumerate() {
+        let measured = forces.measured_in(index).ok_or_else(|| {
+            format!(
+                "{}: --taxels requires the columns recording (a table of taxels) and time (s), and no column picture",
+                forces.name()
+            )
+        })?;
+        let path = forces.path_of(name);
+        let mut series = read_series(&path, layout, &mut troubles)
+            .map_err(|e| format!("{}: {e}", path.display()))?;
+        series.measured = measured;
+        check_overlap(&path, &series)?;
+        all.push(series);
+        read();
+    }
+    let delay = estimate_delay(&all);
+    Ok(TaxelRecordings {
+        samples: join(&all, delay),
+        delay,
+        troubles,
+    })
+}
+
+/// Reads the rows of the table at `path`, without measured wrenches.
+fn read_series(
+    path: &Path,
+    layout: &TaxelLayout,
+    troubles: &mut Vec<String>,
+) -> Result<TaxelSeries, CommandError> {
+    let mut sensor = TaxelSensor::open(open_table(path)?, layout, None)?;
+    let mut frame = TactileFrame::unloaded(sensor.element_count());
+    let mut memory = Memory::new(sensor.element_count());
+    let mut series = TaxelSeries::default();
+    loop {
+        match sensor.read(&mut frame) {
+            Ok(()) => {}
+            Err(SensorError::Ended { .. }) => break,
+            Err(error) => return Err(error.into()),
+        }
+        if sensor.starts_sequence() {
+            memory.restart();
+        }
+        let mut input = TaxelInput::default();
+        memory.take(frame.stamp, &frame.forces, &mut input);
+        series.stamps.push(frame.stamp);
+        series.inputs.push(input);
+    }
+    for seen in sensor.troubles().iter() {
+        let column = seen.first.column.and_then(|c| sensor.columns().get(c));
+        let words = seen.in_words(column.map(String::as_str));
+        troubles.push(format!("{}: {words}", path.display()));
+    }
+    Ok(series)
+}
+
+/// Rejects a recording during which no wrench was measured, as with clocks that differ.
+fn check_overlap(path: &Path, series: &TaxelSeries) -> Result<(), CommandError> {
+    let ends = |mut times: Box<dyn Iterator<Item = f64> + '_>| {
+        let first = times.next()?;
+        Some(times.fold([first; 2], |[low, high], time| {
+            [low.min(time), high.max(time)]
+        }))
+    };
+    let stamps = ends(Box::new(series.stamps.iter().copied()));
+    let times = ends(Box::new(series.measured.iter().map(|m| m.time)));
+    match (stamps, times) {
+        (Some([start, end]), Some([first, last])) if first <= end && last >= start => Ok(()),
+        (Some([start, end]), Some([first, last])) => Err(format!(
+            "{}: expected forces measured during its rows ({start} to {end} s), got times from {first} to {last} s; use \
+             one clock for both",
+            path.display()
+        )
+        .into()),
+        _ => Err(format!("{}: no rows of taxels", path.display()).into()),
+    }
+}
