@@ -14,8 +14,11 @@ use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
 use feeler::sensor::image::{Camera, CameraError, Frame, ProjectedElement};
 use feeler::sensor::moments::ElementMoments;
 use feeler::sensor::taxel::{TaxelLayout, TaxelSensor};
+use feeler::sensor::wrench::basis::Basis;
 use feeler::sensor::wrench::forces::read_forces;
-use feeler::sensor::wrench::{WrenchCalibration, WrenchEstimator};
+use feeler::sensor::wrench::moments::MomentBasis;
+use feeler::sensor::wrench::taxels::TaxelBasis;
+use feeler::sensor::wrench::{CalibrationOf, EstimatorOf};
 use feeler_drives::packet::{
     Decoder, LONGEST, Protocol, Sender, complete_blocks, encode, fast_blocks,
 };
@@ -59,30 +62,40 @@ pub fn layout(bytes: &[u8]) -> bool {
     true
 }
 
-/// A valid wrench calibration round-trips and gives finite components for finite moments.
+/// A valid wrench calibration, of a camera or of taxels, round-trips and gives finite components for finite input.
 pub fn wrench(bytes: &[u8]) -> bool {
-    let calibration = text(bytes).and_then(|text| WrenchCalibration::from_toml(text).ok());
+    let cameras = wrench_calibration(bytes, |basis: &MomentBasis, factor| {
+        let moments = basis.0.iter().map(|element| {
+            Some(ElementMoments {
+                integrated_gray: element.gray * factor,
+                centroid: element.centroid + DVec2::splat(factor),
+            })
+        });
+        moments.collect()
+    });
+    cameras
+        || wrench_calibration(bytes, |basis: &TaxelBasis, factor| {
+            let mut input = basis.missing_input();
+            input.values.fill(DVec3::splat(factor));
+            input
+        })
+}
+
+/// Returns `true` if `bytes` is a calibration of the kind `B`. Checks it with an `input` for each factor.
+fn wrench_calibration<B: Basis>(bytes: &[u8], input: impl Fn(&B, f64) -> B::Input) -> bool {
+    let calibration = text(bytes).and_then(|text| CalibrationOf::<B>::from_toml(text).ok());
     let Some(calibration) = calibration else {
         return false;
     };
     let written = calibration
         .to_toml()
         .expect("a calibration that was read can be written");
-    let again = WrenchCalibration::from_toml(&written).expect("what was written can be read");
+    let again = CalibrationOf::from_toml(&written).expect("what was written can be read");
     assert_eq!(calibration, again);
-    let elements = calibration.model.elements.clone();
-    let mut estimator = WrenchEstimator::new(calibration).expect("a sound calibration");
+    let basis = calibration.model.elements.clone();
+    let mut estimator = EstimatorOf::new(calibration).expect("a sound calibration");
     for factor in [0.0, 0.5, 1.0, 10.0, 1e300] {
-        let seen = elements.0.iter().map(|element| {
-            Some(ElementMoments {
-                integrated_gray: element.gray * factor,
-                centroid: element.centroid + DVec2::splat(factor),
-            })
-        });
-        let estimate = estimator.estimate_with(|input| {
-            input.clear();
-            input.extend(seen);
-        });
+        let estimate = estimator.estimate_with(|filled| *filled = input(&basis, factor));
         let mut components = estimate.components.iter().flatten();
         assert!(components.all(|c| c.is_finite()), "{estimate:?}");
     }

@@ -29,7 +29,7 @@ const MAX_LOADS: i64 = 20_000;
 
 #[derive(Debug, clap::Args)]
 pub struct Arguments {
-    /// Table of loads and images; with --simulated, the experiment.
+    /// Table of loads and images; with --wrench, of total forces; with --simulated, the experiment.
     ///
     /// Columns: picture (a file relative to the table, or FILE@TIME for the frame at TIME (s) of a video or of a
     /// recording by `feeler sense`), element, f_x, f_y, f_z (N, on the finger in the element's frame; f_z is positive
@@ -37,15 +37,15 @@ pub struct Arguments {
     /// row (px) identify elements by position instead; x_angle (rad) is the direction of the force frame's x axis in
     /// the image.
     ///
-    /// With --wrench, a table of forces on the whole fingertip: picture, or recording and time (s); f_x, f_y, f_z (N),
-    /// m_x, m_y, m_z (N m) and p_x, p_y (place of contact, m), at least one. With --taxels, recording is a table of
-    /// taxels, relative to this one, and time is on the clock of its time column.
+    /// With --wrench, a table of forces on the whole fingertip: picture, or recording and time (s); and one or more of
+    /// f_x, f_y, f_z (N, or with a unit as in "f_z [gf]"), m_x, m_y, m_z (N m), p_x, p_y (place of contact, m). With
+    /// --taxels, recording is a table of taxels, relative to this one, and time is on the clock of its time column.
     #[arg(value_name = "LOADS.csv", required_unless_present = "simulated")]
     input: Option<String>,
     /// Apply loads to the simulated fingertip of the experiment instead.
     #[arg(long)]
     simulated: bool,
-    /// Calibrate the total force on the fingertip from all elements together, if elements cannot be loaded singly.
+    /// Calibrate the total force on the fingertip from all elements together, if elements cannot be loaded individually.
     #[arg(long, conflicts_with_all = ["simulated", "verbose", "loads", "model"])]
     wrench: bool,
     /// Accept a calibration that predicts no better than the mean, or loads that contradict the images.
@@ -71,7 +71,7 @@ pub struct Arguments {
     /// Calibrate a taxel array with this layout: a file or a built-in one (see `feeler list`). Requires --wrench.
     #[arg(long, value_name = "LAYOUT", requires = "wrench", conflicts_with_all = ["layout", "experiment", "finger", "live"])]
     taxels: Option<String>,
-    /// Prefix of the array's columns if tables have several arrays, as in left.
+    /// Prefix of the array's columns if tables have several arrays, for example left.
     #[arg(long, value_name = "PREFIX", requires = "taxels")]
     prefix: Option<String>,
     /// Calibration file to write; a report with curves and residuals is written next to it.

@@ -64,19 +64,23 @@ fn calibrate_taxels(
     let recordings = read_taxel_recordings(&forces, &layout, || progress.advance())?;
     drop(progress);
     recordings.troubles.iter().for_each(|words| warn(words));
-    if recordings.delay.abs() >= MAX_DELAY {
-        warn(&format!(
-            "the best delay between taxels and forces is at the limit of {MAX_DELAY} s; check that both use one clock"
-        ));
+    let delay = recordings.delay;
+    if delay.abs() >= MAX_DELAY && !arguments.force_fit {
+        return Err(format!(
+            "{}: expected forces delayed by less than {MAX_DELAY} s after the taxels, got {delay:.2} s or more; use one clock for \
+             both; --force-fit accepts it",
+            forces.name()
+        )
+        .into());
     }
     let target = layout.calibration_target()?;
     let fitted = fit_to(arguments, target, &forces, &recordings.samples)?;
     if !arguments.json.json {
-        let (rows, delay) = (recordings.samples.len(), recordings.delay);
-        writeln!(
-            out,
-            "{rows} rows of taxels with a measured wrench, {delay:.2} s later on the clock of the tables"
-        )?;
+        let rows = recordings.samples.len();
+        writeln!(out, "{rows} rows of taxels with a measured wrench")?;
+        if delay != 0.0 {
+            writeln!(out, "compensated a delay of the forces of {delay:.2} s")?;
+        }
     }
     write_fitted(arguments, files, &fitted, &forces, out)
 }

@@ -126,7 +126,10 @@ fn ambiguous_loads_are_refused() {
         ),
         (
             b"picture,element,f_x,f_y,Fz [lbf]\n",
-            &["\"Fz [lbf]\" is in \"lbf\"", "expected N, mN, µN or kN"],
+            &[
+                "\"Fz [lbf]\" is in \"lbf\"",
+                "expected N, mN, µN, kN, kgf or gf",
+            ],
         ),
         (
             b"picture element f_x f_y f_z\n",

@@ -26,7 +26,7 @@ fn skin(path: &Path, seconds: u32, start: f64) {
         let [x, y, z] = if row < 10 { [0.0; 3] } else { force(time) };
         write!(table, "{time}").unwrap();
         for n in 0..15 {
-            let gain = |axis: f64| 100.0 * (1.3 * f64::from(n) + 2.1 * axis).sin();
+            let gain = |axis: f64| 100.0 * ((1.3 + 0.4 * axis) * f64::from(n) + 2.1 * axis).sin();
             let noise = (f64::from(row * 15 + n) * 77.7).sin();
             let count = 500.0 + gain(0.0) * x + gain(1.0) * y + gain(2.0) * z + noise;
             write!(table, ",{count:.1}").unwrap();
@@ -74,7 +74,11 @@ fn calibrate(folder: &Path) {
         ],
     );
     assert_eq!(ended.status, Some(0), "{ended:?}");
-    assert!(ended.stdout.contains("0.10 s later"), "{}", ended.stdout);
+    assert!(
+        ended.stdout.contains("delay of the forces of 0.10 s"),
+        "{}",
+        ended.stdout
+    );
     assert!(fs::metadata(folder.join("wrench.html")).is_ok());
 }
 
@@ -138,6 +142,23 @@ fn unsuitable_tables_are_refused() {
     fs::write(folder.join("clock.csv"), other_clock).unwrap();
     fs::write(folder.join("pictures.csv"), "picture,f_z\na.csv,1\n").unwrap();
     fs::write(folder.join("lost.csv"), "recording,time,f_z\nz.csv,1,1\n").unwrap();
+    let late = fs::read_to_string(folder.join("FORCES.csv")).unwrap();
+    let late = late
+        .lines()
+        .enumerate()
+        .map(|(index, line)| match line.split(',').nth(1) {
+            Some(time) if index > 0 => {
+                let later = time.parse::<f64>().unwrap() + 0.6;
+                line.replacen(&format!(",{time},"), &format!(",{later},"), 1) + "\n"
+            }
+            _ => format!("{line}\n"),
+        });
+    fs::write(folder.join("late.csv"), late.collect::<String>()).unwrap();
+    let table = fs::read_to_string(folder.join("a.csv")).unwrap();
+    let again = table.lines().skip(1).collect::<Vec<_>>().join("\n");
+    fs::write(folder.join("twice.csv"), table.clone() + &again).unwrap();
+    let twice = "recording,time,f_z\ntwice.csv,1,1\ntwice.csv,2,2\n";
+    fs::write(folder.join("restart.csv"), twice).unwrap();
     let layout = fs::read_to_string(folder.join("skin.toml")).unwrap();
     fs::write(
         folder.join("moved.toml"),
@@ -176,6 +197,11 @@ fn unsuitable_tables_are_refused() {
             "requires the columns recording",
         ),
         (with("lost.csv", "x.toml").to_vec(), "z.csv"),
+        (with("late.csv", "x.toml").to_vec(), "got 0.50 s or more"),
+        (
+            with("restart.csv", "x.toml").to_vec(),
+            "time goes back from 29.98 to 0 s",
+        ),
         (with("FORCES.csv", "a.csv").to_vec(), "a.csv"),
         (
             [&sense("moved.toml", "wrench.toml")[..], &["x.csv"]].concat(),

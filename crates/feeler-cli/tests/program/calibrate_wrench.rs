@@ -103,8 +103,10 @@ fn forces_of_other_programs_make_the_same_calibration() {
             .replacen("f_y", "F_Y [m]", 1),
     )
     .unwrap();
-    run(&folder, &[&CALIBRATE[..], &["--force"]].concat())
-        .refused(&["\"F_Y [m]\" is in \"m\"", "expected N, mN, µN or kN"]);
+    run(&folder, &[&CALIBRATE[..], &["--force"]].concat()).refused(&[
+        "\"F_Y [m]\" is in \"m\"",
+        "expected N, mN, µN, kN, kgf or gf",
+    ]);
 }
 
 #[test]

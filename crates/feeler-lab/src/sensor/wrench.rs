@@ -7,9 +7,9 @@ use crate::config::read_text;
 use feeler::sensor::calibration::{FINGERTIP_RANGE, LoadCheckError, check_magnitude};
 use feeler::sensor::forces::{ElementReading, SensingChain, SensingError};
 use feeler::sensor::moments::ElementMoments;
-use feeler::sensor::wrench::features::usable;
 use feeler::sensor::wrench::forces::{ForcesError, MeasuredForces, MeasuredPicture, read_forces};
-use feeler::sensor::wrench::taxels::MeasuredAt;
+use feeler::sensor::wrench::moments::usable;
+use feeler::sensor::wrench::taxels::{MeasuredAt, TaxelCalibration};
 use feeler::sensor::wrench::{WrenchCalibration, WrenchSample};
 use glam::DVec3;
 use std::fs::File;
@@ -238,7 +238,8 @@ impl SensorGeometry {
         &self,
         text: &str,
     ) -> Result<Option<WrenchCalibration>, GeometryError> {
-        if !WrenchCalibration::is_kind(text) {
+        // A calibration of taxels is a wrench calibration, too, which is rejected below.
+        if !WrenchCalibration::is_kind(text) && !TaxelCalibration::is_kind(text) {
             return Ok(None);
         }
         let calibration = WrenchCalibration::from_toml(text)?;

@@ -8,6 +8,10 @@ use feeler::sensor::forces::{
 };
 use feeler::sensor::image::{Camera, CameraError, Frame};
 use feeler::sensor::taxel::{BuiltInTaxels, TaxelSensor};
+use feeler::sensor::wrench::taxels::{
+    MeasuredAt, Memory, TaxelInput, TaxelSeries, TaxelWrenchEstimator, join,
+};
+use feeler::sensor::wrench::{AXES, fit};
 use feeler_sim::bench::{CalibrationBenchConfig, calibrate_simulated};
 use feeler_sim::optics::{OpticsConfig, OpticsModel, OpticsScratch, render};
 use glam::DVec3;
@@ -86,4 +90,44 @@ fn a_row_of_taxels_does_not_allocate() {
         count
     });
     assert_eq!((count, sensor.troubles().skipped()), (100, 5));
+}
+
+/// Neither valid nor missing taxels allocate.
+#[test]
+fn a_wrench_of_taxels_does_not_allocate() {
+    let layout = BuiltInTaxels::named("eflesh").unwrap().layout().unwrap();
+    let values = |row: u32| {
+        let time = 0.1 * f64::from(row);
+        [1.0, 1.3, 0.7, 2.1, 0.4].map(|gain| DVec3::new(time.sin(), 0.5, gain) * gain * time.cos())
+    };
+    let mut memory = Memory::new(5);
+    let mut series = TaxelSeries::default();
+    for row in 0..200 {
+        let mut input = TaxelInput::default();
+        memory.update(0.1 * f64::from(row), &values(row), &mut input);
+        let mut wrench = [None; AXES];
+        wrench[2] = Some(input.values[0].z + input.values[3].x.powi(2));
+        let time = 0.1 * f64::from(row);
+        series.measured.push(MeasuredAt { time, wrench });
+        series.stamps.push(time);
+        series.inputs.push(input);
+    }
+    let target = layout.calibration_target().unwrap();
+    let samples = join(&[series], 0.0);
+    let fitted = fit(target, &["presses".to_owned()], &samples, false).unwrap();
+    let mut estimator = TaxelWrenchEstimator::new(fitted.calibration).unwrap();
+    let estimated = assert_no_alloc(|| {
+        estimator.restart();
+        let rows = (0..100).filter(|&row| {
+            let mut values = values(row);
+            if row % 7 == 0 {
+                values[2] = DVec3::NAN;
+            }
+            let estimate = estimator.estimate(0.1 * f64::from(row), &values);
+            estimate.components[2].is_some()
+        });
+        rows.count()
+    });
+    // One of five taxels is more than the tenth that may be missing.
+    assert_eq!(estimated, 85);
 }

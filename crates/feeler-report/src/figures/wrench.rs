@@ -7,7 +7,7 @@ use crate::figures::drawing::sheet::tiled;
 /// RMSE, MAE and mean error of one recording, in the component's unit.
 pub type RecordingErrors = Option<[f64; 3]>;
 
-/// Results for one component. Errors are in its unit, on images held out in blocks of time.
+/// Results for one component. Errors are in its unit, on samples held out in blocks of time.
 #[derive(Debug, Clone, PartialEq, Default)]
 pub struct AxisPoints {
     /// Component name.
@@ -26,31 +26,31 @@ pub struct AxisPoints {
     pub mean_rmse: f64,
     /// Coefficient of determination.
     pub r2: f64,
-    /// Mean error under growing load minus mean error under falling load; `None` if either has too few images.
+    /// Mean error under growing load minus mean error under falling load; `None` if either has too few samples.
     pub hysteresis: Option<f64>,
-    /// Error that 95 % of valid images do not exceed; `None` if unknown.
+    /// Error that 95 % of valid samples do not exceed; `None` if unknown.
     pub band_95: Option<f64>,
     /// For each recording with this component: name, errors with its blocks held out, and errors with the whole
     /// recording held out.
     pub recordings: Vec<(String, RecordingErrors, RecordingErrors)>,
-    /// Measured images in chronological order.
+    /// Measured samples in chronological order.
     pub points: Vec<PredictedPoint>,
 }
 
-/// Measured and predicted value of one wrench component in one image, in the unit of the component.
+/// Measured and predicted value of one wrench component in one sample, in the unit of the component.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct PredictedPoint {
     /// Index of the recording.
     pub recording: usize,
     /// Measured value.
     pub measured: f64,
-    /// Prediction with the image's block of time held out; NaN if there is no prediction.
+    /// Prediction with the sample's block of time held out; NaN if there is no prediction.
     pub by_blocks: f64,
-    /// Prediction with the image's recording held out; NaN if there is no prediction.
+    /// Prediction with the sample's recording held out; NaN if there is no prediction.
     pub by_recording: f64,
 }
 
-/// Accessor for the error of an image.
+/// Accessor for the error of a sample.
 type ErrorOf = fn(&PredictedPoint) -> f64;
 
 /// Maximum number of dots per recording.
@@ -86,7 +86,7 @@ pub fn predicted_figure(recordings: &[String], axis: &AxisPoints, number: u32) -
         1,
         320.0,
     );
-    let caption = "Each dot is an image, predicted with its block of time held out. Dots on the line are exact.";
+    let caption = "Each dot is a sample, predicted with its block of time held out. Dots on the line are exact.";
     Figure::drawn(number, title, caption, Some(drawing))
 }
 
@@ -108,7 +108,7 @@ pub fn residuals_figure(recordings: &[String], axis: &AxisPoints, number: u32) -
             plots.push(dots(&own, DOTS, finger_colour(recording % COLOURS), 2.4));
         }
         let label = format!("error, {kind} ({})", axis.unit);
-        let layout = panel(airy((0.0, last)), airy(errors), "image", &label);
+        let layout = panel(airy((0.0, last)), airy(errors), "sample", &label);
         Some((plots, layout))
     });
     let title = format!("{}: errors in chronological order", axis.name);

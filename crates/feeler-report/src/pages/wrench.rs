@@ -1,4 +1,4 @@
-//! Report page of a wrench calibration: errors on held-out images.
+//! Report page of a wrench calibration: errors on held-out samples.
 
 use super::document::{Tile, document_of_figures, figures, number_heads, numbers, table, tiles};
 use super::text::significant;
@@ -36,7 +36,7 @@ pub fn wrench_page(page: &WrenchPage) -> String {
         (tiles(&page.axes.iter().map(tile).collect::<Vec<_>>()))
         h2 { "Components" }
         p.note {
-            "Errors on held-out images: each recording is divided into blocks of time, and the model is fitted without the block under test."
+            "Errors on held-out samples: each recording is divided into blocks of time, and the model is fitted without the block under test."
         }
         (axes_table(page))
         h2 { "Recordings" }
@@ -67,9 +67,9 @@ fn verdict(page: &WrenchPage) -> Markup {
     });
     let errors: Vec<_> = errors.collect();
     html! {
-        "RMS error on held-out images: " (errors.join(", ")) "."
+        "RMS error on held-out samples: " (errors.join(", ")) "."
         @if !page.left_out.is_empty() {
-            " Not calibrated, because the images do not predict them: " (page.left_out.join(", ")) "."
+            " Not calibrated, because the samples do not predict them: " (page.left_out.join(", ")) "."
         }
     }
 }
@@ -88,7 +88,7 @@ fn axes_table(page: &WrenchPage) -> Markup {
         "RMSE of the mean",
         "R²",
         "Hysteresis",
-        "95 % of valid images within",
+        "95 % of valid samples within",
     ];
     let head = html! { th { "Component" } (number_heads(COLUMNS)) th { "Regressed on" } };
     let rows = page.axes.iter().map(|axis| {

@@ -3,11 +3,14 @@
 use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
 use feeler::sensor::taxel::{TaxelLayout, TaxelSensor};
 use feeler::sensor::wrench::taxels::{
-    Memory, TaxelInput, TaxelSample, TaxelSeries, estimate_delay, join,
+    MeasuredAt, Memory, TaxelInput, TaxelSample, TaxelSeries, estimate_delay, join,
 };
 use feeler_console::{CommandError, open_table};
 use feeler_lab::sensor::ForcesFile;
 use std::path::Path;
+
+/// Maximum time by which rows may be out of order, s.
+const MAX_BACK: f64 = 1.0;
 
 /// Samples of all recordings.
 pub struct TaxelRecordings {
@@ -19,11 +22,11 @@ pub struct TaxelRecordings {
     pub troubles: Vec<String>,
 }
 
-/// Reads the taxel tables that are the recordings of `forces`, and joins their rows with the measured wrenches. Calls
-/// `read` after each table.
+/// Reads the taxel tables listed in `forces`, and joins their rows with the measured wrenches. Calls `read` after each
+/// table.
 ///
 /// # Errors
-/// If a table cannot be read, or if no wrench was measured during a recording.
+/// If a table cannot be read, or if no wrench was measured between its first and last row.
 pub fn read_taxel_recordings(
     forces: &ForcesFile,
     layout: &TaxelLayout,
@@ -34,15 +37,14 @@ pub fn read_taxel_recordings(
     for (index, name) in forces.recordings().iter().enumerate() {
         let measured = forces.measured_in(index).ok_or_else(|| {
             format!(
-                "{}: --taxels requires the columns recording (a table of taxels) and time (s), and no column picture",
+                "{}: --taxels requires the columns recording (a table of taxels) and time (s) instead of picture",
                 forces.name()
             )
         })?;
         let path = forces.path_of(name);
-        let mut series = read_series(&path, layout, &mut troubles)
+        let series = read_series(&path, layout, measured, &mut troubles)
             .map_err(|e| format!("{}: {e}", path.display()))?;
-        series.measured = measured;
-        check_overlap(&path, &series)?;
+        check_times(&path, &series)?;
         all.push(series);
         read();
     }
@@ -54,16 +56,20 @@ pub fn read_taxel_recordings(
     })
 }
 
-/// Reads the rows of the table at `path`, without measured wrenches.
+/// Reads the rows of the table at `path`, during which wrenches were `measured`.
 fn read_series(
     path: &Path,
     layout: &TaxelLayout,
+    measured: Vec<MeasuredAt>,
     troubles: &mut Vec<String>,
 ) -> Result<TaxelSeries, CommandError> {
     let mut sensor = TaxelSensor::open(open_table(path)?, layout, None)?;
     let mut frame = TactileFrame::unloaded(sensor.element_count());
     let mut memory = Memory::new(sensor.element_count());
-    let mut series = TaxelSeries::default();
+    let mut series = TaxelSeries {
+        measured,
+        ..TaxelSeries::default()
+    };
     loop {
         match sensor.read(&mut frame) {
             Ok(()) => {}
@@ -74,10 +80,11 @@ fn read_series(
             memory.restart();
         }
         let mut input = TaxelInput::default();
-        memory.take(frame.stamp, &frame.forces, &mut input);
+        memory.update(frame.stamp, &frame.forces, &mut input);
         series.stamps.push(frame.stamp);
         series.inputs.push(input);
     }
+    series.forget_if_sparse();
     for seen in sensor.troubles().iter() {
         let column = seen.first.column.and_then(|c| sensor.columns().get(c));
         let words = seen.in_words(column.map(String::as_str));
@@ -86,19 +93,25 @@ fn read_series(
     Ok(series)
 }
 
-/// Rejects a recording during which no wrench was measured, as with clocks that differ.
-fn check_overlap(path: &Path, series: &TaxelSeries) -> Result<(), CommandError> {
-    let ends = |mut times: Box<dyn Iterator<Item = f64> + '_>| {
-        let first = times.next()?;
-        Some(times.fold([first; 2], |[low, high], time| {
-            [low.min(time), high.max(time)]
-        }))
-    };
-    let stamps = ends(Box::new(series.stamps.iter().copied()));
-    let times = ends(Box::new(series.measured.iter().map(|m| m.time)));
-    match (stamps, times) {
-        (Some([start, end]), Some([first, last])) if first <= end && last >= start => Ok(()),
-        (Some([start, end]), Some([first, last])) => Err(format!(
+/// Rejects a recording whose clock starts again, or during which no wrench was measured, as with clocks that differ.
+fn check_times(path: &Path, series: &TaxelSeries) -> Result<(), CommandError> {
+    if let Some(back) = series
+        .stamps
+        .windows(2)
+        .find(|pair| pair[1] < pair[0] - MAX_BACK)
+    {
+        let ([before, after], path) = ([back[0], back[1]], path.display());
+        return Err(format!(
+            "{path}: expected one recording, but time goes back from {before} to {after} s; split it into one table for each"
+        )
+        .into());
+    }
+    let (start, end) = (series.stamps.first(), series.stamps.last());
+    let (first, last) = (series.measured.first(), series.measured.last());
+    let times = first.zip(last).map(|(first, last)| [first.time, last.time]);
+    match (start.zip(end), times) {
+        (Some((&start, &end)), Some([first, last])) if first <= end && last >= start => Ok(()),
+        (Some((start, end)), Some([first, last])) => Err(format!(
             "{}: expected forces measured during its rows ({start} to {end} s), got times from {first} to {last} s; use \
              one clock for both",
             path.display()

@@ -2,6 +2,7 @@
 
 use feeler::sensor::wrench::FitOf;
 use feeler::sensor::wrench::basis::Basis;
+use feeler::sensor::wrench::quality::Errors;
 use feeler_report::pages::{AxisPoints, PredictedPoint, WrenchPage, wrench_page as render};
 
 /// Renders the report of a fit to the named `recordings` from `source`, as HTML.
@@ -10,30 +11,32 @@ pub fn wrench_page<B: Basis>(fitted: &FitOf<B>, recordings: &[String], source: &
     let axes = calibration.quality.iter().zip(&fitted.held_out);
     let axes = axes.map(|(quality, held_out)| {
         let model = calibration.axis(quality.axis);
+        let (unit, factor) = quality.axis.shown_unit();
         let points = held_out.iter().map(|point| PredictedPoint {
             recording: point.recording,
-            measured: point.measured,
-            by_blocks: point.by_blocks.unwrap_or(f64::NAN),
-            by_recording: point.by_recording.unwrap_or(f64::NAN),
+            measured: factor * point.measured,
+            by_blocks: factor * point.by_blocks.unwrap_or(f64::NAN),
+            by_recording: factor * point.by_recording.unwrap_or(f64::NAN),
         });
+        let shown = |e: Errors| [e.rmse, e.mae, e.bias].map(|error| factor * error);
         let rows = quality.recordings.iter().map(|recording| {
-            let blocks = recording.blocks.map(|e| [e.rmse, e.mae, e.bias]);
-            let left_out = recording.left_out.map(|e| [e.rmse, e.mae, e.bias]);
+            let blocks = recording.blocks.map(shown);
+            let left_out = recording.left_out.map(shown);
             (recording.name.clone(), blocks, left_out)
         });
         AxisPoints {
             name: quality.axis.name(),
-            unit: quality.axis.unit(),
+            unit,
             terms: model
                 .map(|model| B::describe(model.terms))
                 .unwrap_or_default(),
-            range: quality.range,
-            rmse: quality.blocks.rmse,
-            mae: quality.blocks.mae,
-            mean_rmse: quality.mean_rmse,
+            range: quality.range.map(|end| factor * end),
+            rmse: factor * quality.blocks.rmse,
+            mae: factor * quality.blocks.mae,
+            mean_rmse: factor * quality.mean_rmse,
             r2: quality.r2,
-            hysteresis: quality.hysteresis,
-            band_95: quality.band_95,
+            hysteresis: quality.hysteresis.map(|error| factor * error),
+            band_95: quality.band_95.map(|band| factor * band),
             recordings: rows.collect(),
             points: points.collect(),
         }

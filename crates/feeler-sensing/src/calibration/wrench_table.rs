@@ -21,7 +21,7 @@ fn write_axes<B: Basis>(text: &mut String, calibration: &CalibrationOf<B>) -> st
     writeln!(
         text,
         "held-out errors with blocks of time left out (% of the measured range), RMSE of predicting the mean, and the error \
-         that 95 % of valid images do not exceed"
+         that 95 % of valid samples do not exceed"
     )?;
     writeln!(
         text,
@@ -30,27 +30,29 @@ fn write_axes<B: Basis>(text: &mut String, calibration: &CalibrationOf<B>) -> st
     )?;
     for quality in &calibration.quality {
         let axis = quality.axis;
-        let with_percent = |error: f64| format!("{error:.4} ({:.1} %)", quality.percent(error));
+        let (unit, factor) = axis.shown_unit();
+        let with_percent =
+            |error: f64| format!("{:.4} ({:.1} %)", factor * error, quality.percent(error));
         let errors = quality.blocks;
         let hysteresis = quality
             .hysteresis
-            .map_or("-".into(), |h| format!("{h:+.4}"));
+            .map_or("-".into(), |h| format!("{:+.4}", factor * h));
         let model = calibration.axis(axis);
         let terms = model
             .map(|model| format!("{}, penalty {:.3}", B::describe(model.terms), model.penalty));
         writeln!(
             text,
             "{:<10}{:>6}  {:<20}{:<20}{:>10.4}{:>8.3}{:>12}{:>10}  {}",
-            format!("{} ({})", axis.name(), axis.unit()),
+            format!("{} ({unit})", axis.name()),
             errors.rows,
             with_percent(errors.rmse),
             with_percent(errors.mae),
-            quality.mean_rmse,
+            factor * quality.mean_rmse,
             quality.r2,
             hysteresis,
             quality
                 .band_95
-                .map_or("-".into(), |band| format!("{band:.4}")),
+                .map_or("-".into(), |band| format!("{:.4}", factor * band)),
             terms.unwrap_or_default(),
         )?;
     }
@@ -66,6 +68,7 @@ fn write_recordings(text: &mut String, qualities: &[AxisQuality]) -> std::fmt::R
         "\nby recording: RMSE / MAE with blocks of it left out; with the whole recording left out; its mean error then (drift)"
     )?;
     for quality in qualities {
+        let (_, factor) = quality.axis.shown_unit();
         for RecordingQuality {
             name,
             blocks,
@@ -73,10 +76,11 @@ fn write_recordings(text: &mut String, qualities: &[AxisQuality]) -> std::fmt::R
         } in &quality.recordings
         {
             let pair = |errors: &Option<Errors>| match errors {
-                Some(errors) => format!("{:.4} / {:.4}", errors.rmse, errors.mae),
+                Some(errors) => format!("{:.4} / {:.4}", factor * errors.rmse, factor * errors.mae),
                 None => "-".into(),
             };
-            let drift = left_out.map_or("-".into(), |errors| format!("{:+.4}", errors.bias));
+            let drift =
+                left_out.map_or("-".into(), |errors| format!("{:+.4}", factor * errors.bias));
             let rows = blocks.or(*left_out).map_or(0, |errors| errors.rows);
             writeln!(
                 text,

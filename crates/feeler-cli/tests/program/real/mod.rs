@@ -2,6 +2,7 @@
 //! Counts and names are taken from the recordings, so that similar recordings can be used as well.
 
 mod blobs;
+mod eflesh_force;
 mod faulty_pictures;
 mod fibres;
 mod fit;

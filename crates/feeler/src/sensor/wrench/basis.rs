@@ -5,10 +5,16 @@ use nalgebra::DMatrix;
 use serde::{Serialize, de::DeserializeOwned};
 use std::fmt::Debug;
 
-/// Features of a sensor, standardised by their statistics over the samples of a calibration, and the terms of the
-/// regression that are computed from them.
+/// Maximum fraction of elements that may be missing in a measurement used for fitting or prediction.
+pub const MAX_MISSING: f64 = 0.1;
+
+/// Maximum magnitude of a standardised feature, which keeps predictions finite for any input.
+pub(super) const MAX_FEATURE: f64 = 1e6;
+
+/// Features of a sensor, standardised by their statistics over the samples of a calibration, and the regression terms
+/// computed from them.
 ///
-/// Implemented for cameras ([`MomentBasis`](super::features::MomentBasis)) and taxel arrays
+/// Implemented for cameras ([`MomentBasis`](super::moments::MomentBasis)) and taxel arrays
 /// ([`TaxelBasis`](super::taxels::TaxelBasis)).
 pub trait Basis:
     Debug + Clone + PartialEq + Send + Sync + Serialize + DeserializeOwned + 'static
@@ -26,7 +32,7 @@ pub trait Basis:
     fn elements_of(input: &Self::Input) -> usize;
 
     /// Computes the statistics of `elements` elements over `inputs`.
-    fn learn(elements: usize, inputs: &[&Self::Input]) -> Self;
+    fn from_inputs(elements: usize, inputs: &[&Self::Input]) -> Self;
 
     /// Creates an input whose elements are missing, with memory for all elements.
     fn missing_input(&self) -> Self::Input;
@@ -35,8 +41,13 @@ pub trait Basis:
     fn feature_count(&self) -> usize;
 
     /// Fills `features` with the standardised features of `input`, NaN where missing. Returns the fraction of elements
-    /// that are missing, or 1 if all are. Neither allocates nor panics.
+    /// that are missing. Neither allocates nor panics.
     fn standardise(&self, input: &Self::Input, features: &mut [f64]) -> f64;
+
+    /// Returns `true` if `input` is strong enough to reveal the place of contact.
+    fn reveals_place(&self, _input: &Self::Input) -> bool {
+        true
+    }
 
     /// Candidate terms in order of preference.
     fn candidates(&self) -> Vec<Self::Terms>;
@@ -47,10 +58,10 @@ pub trait Basis:
     }
 
     /// Terms for novelty detection, given those `chosen` for the components.
-    fn watched(&self, chosen: &[Self::Terms]) -> Self::Terms;
+    fn novelty_terms(&self, chosen: &[Self::Terms]) -> Self::Terms;
 
     /// Returns `true` if novelty detection may use `terms`.
-    fn can_watch(terms: Self::Terms) -> bool;
+    fn supports_novelty(terms: Self::Terms) -> bool;
 
     /// Describes `terms` for reports.
     fn describe(terms: Self::Terms) -> String;
@@ -72,7 +83,7 @@ pub trait Basis:
     fn check(&self, elements: usize) -> Result<(), WrenchError>;
 }
 
-/// Design matrix with one row of `terms` for each of `rows`.
+/// Design matrix with one row of `terms` for each index in `rows`.
 pub(super) fn matrix<B: Basis>(
     basis: &B,
     features: &[Vec<f64>],
@@ -83,4 +94,19 @@ pub(super) fn matrix<B: Basis>(
         .iter()
         .flat_map(|&row| basis.terms(terms, &features[row]));
     DMatrix::from_row_iterator(rows.len(), basis.term_count(terms), values)
+}
+
+/// Returns 0 for a missing feature, so that it has no effect.
+pub(super) fn zero_if_nan(feature: f64) -> f64 {
+    if feature.is_nan() { 0.0 } else { feature }
+}
+
+/// Mean and standard deviation from the sums of the powers 0, 1 and 2 of a feature.
+pub(super) fn mean_and_scale([count, first, second]: [f64; 3]) -> (f64, f64) {
+    let count = f64::max(count, 1.0);
+    let mean = first / count;
+    let scale = (second / count - mean * mean).max(0.0).sqrt();
+    // Rounding errors are not a scale.
+    let least = 1e-9 * (1.0 + mean.abs());
+    (mean, if scale > least { scale } else { 0.0 })
 }

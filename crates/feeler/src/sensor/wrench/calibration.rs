@@ -2,7 +2,7 @@
 
 use super::basis::Basis;
 use super::error::{VERSION, WrenchError};
-use super::features::{MomentBasis, Terms};
+use super::moments::{MomentBasis, Terms};
 use super::novelty::{MAX_DIRECTIONS, Novelty};
 use super::quality::AxisQuality;
 use super::{AXES, WrenchAxis};
@@ -179,7 +179,7 @@ impl<B: Basis> CalibrationOf<B> {
         let novelty = &self.model.novelty;
         check_number("novelty.limit", novelty.limit, 1e-9..=LARGEST)?;
         check_number("novelty.rest", novelty.rest, 1e-9..=LARGEST)?;
-        if novelty.directions.len() > MAX_DIRECTIONS || !B::can_watch(novelty.terms) {
+        if novelty.directions.len() > MAX_DIRECTIONS || !B::supports_novelty(novelty.terms) {
             return Err(WrenchError::Value {
                 field: "novelty".into(),
                 value: format!("{} directions", novelty.directions.len()),

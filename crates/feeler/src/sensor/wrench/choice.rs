@@ -21,6 +21,7 @@ const LEFT_BY_DOUBTFUL: f64 = 0.5;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Choice<T> {
     pub terms: T,
+    /// Penalty for all rows: that of the kept rows, times the number of rows for each kept one.
     pub penalty: f64,
     /// Squared error of each row when its block is held out, averaged over the partitions.
     squares: Vec<f64>,
@@ -101,6 +102,11 @@ pub(super) fn choose<B: Basis>(
                     *chosen = Some(best);
                 }
             }
+        }
+    }
+    for (choice, target) in chosen.iter_mut().zip(targets) {
+        if let Some(choice) = choice {
+            choice.penalty *= target.rows.len().div_ceil(B::MAX_ROWS).max(1) as f64;
         }
     }
     chosen

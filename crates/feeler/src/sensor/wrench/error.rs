@@ -60,9 +60,9 @@ pub enum WrenchError {
         /// The largest measured force, N.
         largest: f64,
     },
-    /// There are too few usable images.
+    /// There are too few usable samples.
     #[error(
-        "expected at least {expected} images of lit elements with a measured wrench, got {actual}{why}"
+        "expected at least {expected} samples of valid elements with a measured wrench, got {actual}{why}"
     )]
     TooFew {
         /// Minimum number of images.

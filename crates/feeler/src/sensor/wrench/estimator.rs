@@ -1,18 +1,21 @@
 //! Estimates the wrench in each frame. Suitable for the control loop.
 
 use super::basis::Basis;
+use super::basis::MAX_MISSING;
 use super::calibration::CalibrationOf;
 use super::error::WrenchError;
-use super::features::{MAX_MISSING, MomentBasis, usable};
+use super::moments::{MomentBasis, usable};
 use super::{AXES, WrenchAxis};
 use crate::sensor::forces::sensing::{ElementReading, Reference};
+use crate::sensor::table::Quantity;
 use glam::DVec3;
 
 /// The wrench in one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WrenchEstimate {
     /// Components in the order of [`WrenchAxis::ALL`], N, N m or m, in the frame and with the sign of the measurements
-    /// (see [`wrench`](super)). `None` for components that are not calibrated, and for all if more than a tenth of the
+    /// (see [`wrench`](super)). `None` for components that are not calibrated, for the place
+    /// of contact without a touch, and for all if more than a tenth of the
     /// elements are dark or saturated.
     pub components: [Option<f64>; AXES],
     /// `true` if the image resembles those of the calibration. Otherwise the components are extrapolated.
@@ -84,7 +87,9 @@ impl<B: Basis> EstimatorOf<B> {
         if missing > MAX_MISSING {
             return estimate;
         }
-        for axis in &model.axes {
+        let touched = model.elements.reveals_place(&self.input);
+        let known = |axis: WrenchAxis| touched || axis.quantity() != Quantity::Length;
+        for axis in model.axes.iter().filter(|model| known(model.axis)) {
             let value = axis.value(&model.elements, &self.features);
             estimate.components[axis.axis.index()] = Some(value);
         }

@@ -2,10 +2,11 @@
 
 use super::WrenchAxis;
 use super::basis::Basis;
+use super::basis::MAX_MISSING;
 use super::calibration::CalibrationOf;
 use super::error::{VERSION, WrenchError};
-use super::features::{MAX_MISSING, MomentBasis};
 use super::learn::{MIN_ROWS, can_be_learned, learn, target};
+use super::moments::MomentBasis;
 use super::novelty::MARGIN;
 use super::quality::{AxisQuality, HeldOut, band_95};
 use super::sample::SampleOf;
@@ -120,7 +121,7 @@ fn check<B: Basis>(
 /// Samples in which at most [`MAX_MISSING`] of the elements are missing.
 fn lit<'a, B: Basis>(elements: usize, samples: &[&'a SampleOf<B>]) -> Vec<&'a SampleOf<B>> {
     let inputs: Vec<_> = samples.iter().map(|sample| &sample.seen).collect();
-    let basis = B::learn(elements, &inputs);
+    let basis = B::from_inputs(elements, &inputs);
     let mut features = vec![0.0; basis.feature_count()];
     let mut is_lit =
         |sample: &&&SampleOf<B>| basis.standardise(&sample.seen, &mut features) <= MAX_MISSING;
@@ -146,7 +147,9 @@ fn changing<B: Basis>(
         let why = match unusable {
             0 => String::new(),
             count => {
-                format!("; in {count} others, over a tenth of the elements are dark or saturated")
+                format!(
+                    "; in {count} others, over a tenth of the elements are missing, dark or saturated"
+                )
             }
         };
         return Err(WrenchError::TooFew {

@@ -32,7 +32,7 @@ pub(super) fn target<B: Basis>(samples: &[&SampleOf<B>], axis: WrenchAxis) -> Ta
 }
 
 /// Fits the components `axes` to `samples`, including the choice of terms and penalties. Omits components with too few
-/// measurements. The novelty model uses the terms `watched`, or by default [`Basis::watched`]; its limit is not set.
+/// measurements. The novelty model uses the terms `watched`, or by default [`Basis::novelty_terms`]; its limit is not set.
 pub(super) fn learn<B: Basis>(
     samples: &[&SampleOf<B>],
     axes: &[WrenchAxis],
@@ -42,7 +42,7 @@ pub(super) fn learn<B: Basis>(
         .first()
         .map_or(0, |sample| B::elements_of(&sample.seen));
     let inputs: Vec<_> = samples.iter().map(|sample| &sample.seen).collect();
-    let basis = B::learn(elements, &inputs);
+    let basis = B::from_inputs(elements, &inputs);
     let features = inputs.iter().map(|input| {
         let mut features = vec![0.0; basis.feature_count()];
         basis.standardise(input, &mut features);
@@ -71,7 +71,7 @@ pub(super) fn learn<B: Basis>(
         });
     }
     let chosen: Vec<_> = models.iter().map(|model| model.terms).collect();
-    let watched = watched.unwrap_or_else(|| basis.watched(&chosen));
+    let watched = watched.unwrap_or_else(|| basis.novelty_terms(&chosen));
     Ok(WrenchModel {
         novelty: Novelty::learn(&basis, &features, watched),
         axes: models,

@@ -1,11 +1,11 @@
 //! Wrench on a whole fingertip, estimated from all elements together.
 //!
 //! Most laboratories have one force sensor under the whole fingertip and cannot load single elements. A wrench
-//! calibration is fitted to images and simultaneous measurements of that sensor. Each component is a ridge regression
-//! on the growth and displacement of all elements ([`features`]), with terms and penalty chosen by cross-validation
-//! over blocks of time ([`mod@fit`]), and evaluated on held-out data ([`quality`]). [`forces`] reads the measurements,
-//! [`calibration`] defines the file, [`estimator`] estimates wrenches in the control loop, and [`sensor`] combines it
-//! with a camera to a fingertip of one element.
+//! calibration is fitted to images or taxel readings and simultaneous measurements of that sensor. Each component is a
+//! ridge regression on features of all elements ([`moments`] of images, [`taxels`]), with terms and penalty chosen by
+//! cross-validation over blocks of time ([`mod@fit`]), and evaluated on held-out data ([`quality`]). [`forces`] reads
+//! the measurements, [`calibration`] defines the file, [`estimator`] estimates wrenches in the control loop, and
+//! [`sensor`] combines it with a camera to a fingertip of one element.
 //!
 //! # Frame and sign
 //!
@@ -18,10 +18,10 @@ pub mod calibration;
 mod choice;
 pub mod error;
 pub mod estimator;
-pub mod features;
 pub mod fit;
 pub mod forces;
 mod learn;
+pub mod moments;
 pub mod novelty;
 pub mod quality;
 pub mod recordings;
@@ -103,6 +103,14 @@ impl WrenchAxis {
             Self::ForceX | Self::ForceY | Self::ForceZ => Quantity::Force,
             Self::TorqueX | Self::TorqueY | Self::TorqueZ => Quantity::Torque,
             Self::PlaceX | Self::PlaceY => Quantity::Length,
+        }
+    }
+
+    /// Unit in reports, and its number per [`unit`](Self::unit): places are shown in mm.
+    pub fn shown_unit(self) -> (&'static str, f64) {
+        match self {
+            Self::PlaceX | Self::PlaceY => ("mm", 1e3),
+            axis => (axis.unit(), 1.0),
         }
     }
 

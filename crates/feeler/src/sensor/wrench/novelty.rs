@@ -9,7 +9,7 @@
 //! ```
 
 use super::basis::{Basis, matrix};
-use super::features::Terms;
+use super::moments::Terms;
 use nalgebra::{DMatrix, SymmetricEigen};
 use serde::{Deserialize, Serialize};
 
@@ -29,7 +29,7 @@ const MIN_VARIANCE: f64 = 1e-6;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Novelty<T = Terms> {
-    /// Terms used ([`Basis::watched`]).
+    /// Terms used ([`Basis::novelty_terms`]).
     pub terms: T,
     /// Distance up to which an image resembles those of the calibration: 1.25 times the distance within which 90 % of
     /// the calibration's images are from other blocks of time.

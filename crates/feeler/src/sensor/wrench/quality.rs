@@ -1,4 +1,4 @@
-//! Quality of a wrench calibration: errors on held-out images.
+//! Quality of a wrench calibration: errors on held-out samples.
 
 use super::WrenchAxis;
 use crate::sensor::calibration::outlier::{MIN_SHARE, MISTYPED, robust_deviation};
@@ -8,11 +8,11 @@ use std::collections::BTreeMap;
 /// Minimum number of readings with growing and with falling load to estimate hysteresis.
 const MIN_CYCLED: usize = 3;
 
-/// Errors (predicted minus measured) on held-out images, N or N m.
+/// Errors (predicted minus measured) on held-out samples, N, N m or m.
 #[derive(Debug, Clone, Copy, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Errors {
-    /// Number of images.
+    /// Number of samples.
     pub rows: usize,
     /// Root mean square error.
     pub rmse: f64,
@@ -62,19 +62,19 @@ pub struct RecordingQuality {
 pub struct AxisQuality {
     /// The component.
     pub axis: WrenchAxis,
-    /// Minimum and maximum of the measured values, N or N m.
+    /// Minimum and maximum of the measured values, N, N m or m.
     pub range: [f64; 2],
-    /// Root mean square error of predicting the mean of the measured values, N or N m.
+    /// Root mean square error of predicting the mean of the measured values, N, N m or m.
     pub mean_rmse: f64,
     /// Errors with blocks of time held out. Everything is refitted without them, including terms and penalty.
     pub blocks: Errors,
     /// R² with blocks held out: 1 for perfect predictions, 0 for predictions no better than the mean.
     pub r2: f64,
-    /// Mean error under growing minus under falling load, blocks held out, N or N m; `None` if unknown.
+    /// Mean error under growing minus under falling load, blocks held out, N, N m or m; `None` if unknown.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub hysteresis: Option<f64>,
-    /// Band of errors that contains 95 % of the valid images, N or N m, from held-out recordings and blocks of time;
-    /// `None` if there are too few images. Includes hysteresis and preload, which the novelty check does not detect.
+    /// Band of errors that contains 95 % of the valid samples, N, N m or m, from held-out recordings and blocks of time;
+    /// `None` if there are too few samples. Includes hysteresis and preload, which the novelty check does not detect.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub band_95: Option<f64>,
     /// Errors by recording.
@@ -93,27 +93,27 @@ impl AxisQuality {
     }
 }
 
-/// Measured value and held-out predictions of one component in one image, N or N m.
+/// Measured value and held-out predictions of one component in one sample, N, N m or m.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct HeldOut {
     /// Index of the recording.
     pub recording: usize,
     /// Measured value.
     pub measured: f64,
-    /// Prediction without the image's block of time.
+    /// Prediction without the sample's block of time.
     pub by_blocks: Option<f64>,
-    /// Prediction without the image's recording.
+    /// Prediction without the sample's recording.
     pub by_recording: Option<f64>,
-    /// Novelty distance of the image without its block of time in the calibration.
+    /// Novelty distance of the sample without its block of time in the calibration.
     pub distance_by_blocks: Option<f64>,
-    /// Novelty distance of the image without its recording in the calibration.
+    /// Novelty distance of the sample without its recording in the calibration.
     pub distance_by_recording: Option<f64>,
 }
 
-/// Minimum number of images from which the band of errors is measured.
+/// Minimum number of samples from which the band of errors is measured.
 const MIN_IMAGES: usize = 20;
 
-/// Minimum number of images of a left-out recording that counts in the band of errors.
+/// Minimum number of samples of a left-out recording that counts in the band of errors.
 const MIN_OF_RECORDING: usize = 5;
 
 /// Returns the value that the fraction `part` of `values` does not exceed, or `None` if empty.
@@ -123,11 +123,11 @@ pub(super) fn quantile(mut values: Vec<f64>, part: f64) -> Option<f64> {
     values.get(place).or(values.last()).copied()
 }
 
-/// Band of errors that contains 95 % of the images within novelty distance `limit`, N or N m; `None` if there are fewer
-/// than 20 images.
+/// Band of errors that contains 95 % of the samples within novelty distance `limit`, N, N m or m; `None` if there are fewer
+/// than 20 samples.
 ///
 /// The larger of two bands: the 95 % quantile of the errors over blocks of time, and the prediction interval of a new
-/// recording, 1.96 s √(1 + 1/m) with the root mean square error s of m left-out recordings. Only images within `limit`
+/// recording, 1.96 s √(1 + 1/m) with the root mean square error s of m left-out recordings. Only samples within `limit`
 /// count.
 pub(super) fn band_95(held_out: &[HeldOut], limit: f64) -> Option<f64> {
     let near = |distance: Option<f64>| distance.is_some_and(|distance| distance <= limit);

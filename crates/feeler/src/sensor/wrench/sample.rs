@@ -2,7 +2,7 @@
 
 use super::MeasuredWrench;
 use super::basis::Basis;
-use super::features::MomentBasis;
+use super::moments::MomentBasis;
 
 /// One image and the wrench measured at the same time.
 pub type WrenchSample = SampleOf<MomentBasis>;

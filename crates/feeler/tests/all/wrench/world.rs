@@ -5,7 +5,7 @@ use feeler::sensor::fingertip::{
 };
 use feeler::sensor::forces::{ElementReading, SensingChain};
 use feeler::sensor::image::{Picture, Polarity};
-use feeler::sensor::wrench::features::usable;
+use feeler::sensor::wrench::moments::usable;
 use feeler::sensor::wrench::{MeasuredWrench, WrenchSample};
 use glam::{DVec2, DVec3};
 use rand::{RngExt, SeedableRng};

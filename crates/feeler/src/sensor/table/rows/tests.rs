@@ -75,11 +75,11 @@ fn rejects_ambiguous_tables() {
         ),
         (
             "picture,f_z [lbf]\n",
-            "column \"f_z [lbf]\" is in \"lbf\"; expected N, mN, µN or kN",
+            "column \"f_z [lbf]\" is in \"lbf\"; expected N, mN, µN, kN, kgf or gf",
         ),
         (
             "picture,f_z\n,Nm\n",
-            "column \"f_z\" is in \"Nm\"; expected N, mN, µN or kN",
+            "column \"f_z\" is in \"Nm\"; expected N, mN, µN, kN, kgf or gf",
         ),
         (
             "picture,f_z [N]\n,mN\n",

@@ -2,16 +2,16 @@
 
 use super::memory::{TIME_CONSTANTS, TaxelInput};
 use crate::sensor::wrench::WrenchError;
-use crate::sensor::wrench::basis::Basis;
+use crate::sensor::wrench::basis::{Basis, MAX_FEATURE, mean_and_scale, zero_if_nan};
 use crate::sensor::wrench::calibration::{LARGEST, check_count, check_number};
-use crate::sensor::wrench::features::or_nothing;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
+use std::ops::Range;
 
 /// Kind of regression terms.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
-pub enum TaxelKind {
+pub enum TermKind {
     /// The readings.
     Linear,
     /// The readings and their products.
@@ -25,7 +25,7 @@ pub enum TaxelKind {
 #[serde(deny_unknown_fields)]
 pub struct TaxelTerms {
     /// Kind of terms.
-    pub kind: TaxelKind,
+    pub kind: TermKind,
     /// Also use the differences between the readings and their filters.
     pub memory: bool,
 }
@@ -42,77 +42,119 @@ pub struct Statistics {
 
 /// Statistics of a taxel array's features.
 ///
-/// A feature is missing (NaN) if its taxel is. The length |v| excludes missing taxels, so that the direction of the
-/// others is exact only if all taxels are valid.
+/// A feature is missing (NaN) if one of its taxels is. The length |v| excludes missing taxels, so that the direction of
+/// the others is exact only if all taxels are valid.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TaxelBasis {
-    /// Length of the readings that is added to |v|², N or counts: a tenth of the root mean square length. It keeps the
-    /// direction of weak readings from being noise.
-    pub least: f64,
-    /// Features in this order: readings x, y, z of each taxel; their direction; ln |v|; differences from the filters of
-    /// each taxel and component, filter by filter.
+    /// Number of taxels.
+    pub taxels: usize,
+    /// Lower bound of |v|, N or counts: a tenth of the root mean square length, whose square is added to |v|². It keeps
+    /// the direction of weak readings from being noise.
+    pub norm_floor: f64,
+    /// Features in this order: readings x, y and z of each taxel; their products; their direction and ln |v|; products
+    /// of these; differences from the filters of each taxel and component, filter by filter.
     pub features: Statistics,
 }
 
-/// Fraction of the root mean square length that is [`TaxelBasis::least`].
-const LEAST: f64 = 0.1;
+/// Fraction of the root mean square length that is [`TaxelBasis::norm_floor`].
+const NORM_FLOOR: f64 = 0.1;
 /// Standard deviation of the memory terms relative to the others. Hysteresis is a small part of a reading, and a ridge
 /// penalises the weights of smaller terms more.
-const MEMORY: f64 = 0.1;
-/// Magnitude at which a factor of a product saturates, in standard deviations. Products model curvature within the
-/// calibrated range; beyond it they would diverge.
-const FARTHEST_FACTOR: f64 = 4.0;
-/// Maximum magnitude of a feature in standard deviations, which keeps predictions finite for any input.
-const FARTHEST: f64 = 1e6;
-/// Maximum number of taxels for which products are used.
-const MAX_FOR_PRODUCTS: usize = 16;
+const MEMORY_SCALE: f64 = 0.1;
+/// Magnitude at which a product saturates, in standard deviations. Products model curvature within the calibrated range;
+/// beyond it they would diverge.
+const MAX_PRODUCT: f64 = 16.0;
+/// Maximum number of taxels for which pattern and products are used.
+const MAX_FOR_PRODUCTS: usize = 10;
+
+/// Ranges of the features by group.
+struct Groups {
+    /// Readings x, y and z of each taxel.
+    readings: Range<usize>,
+    /// Products of the readings.
+    products: Range<usize>,
+    /// Direction of all readings together, and ln |v|.
+    pattern: Range<usize>,
+    /// Products of the pattern.
+    pattern_products: Range<usize>,
+    /// Differences from the filters of each taxel and component, filter by filter.
+    memory: Range<usize>,
+}
+
+impl Groups {
+    /// Returns the groups of `taxels` taxels. More than [`MAX_FOR_PRODUCTS`] have neither pattern nor products.
+    fn of(taxels: usize) -> Self {
+        let readings = 3 * taxels;
+        let pairs = |count: usize| count * (count + 1) / 2;
+        let counts = match taxels <= MAX_FOR_PRODUCTS {
+            true => [pairs(readings), readings + 1, pairs(readings + 1)],
+            false => [0; 3],
+        };
+        let mut end = 0;
+        let mut next = |count: usize| {
+            let start = end;
+            end += count;
+            start..end
+        };
+        Self {
+            readings: next(readings),
+            products: next(counts[0]),
+            pattern: next(counts[1]),
+            pattern_products: next(counts[2]),
+            memory: next(readings * TIME_CONSTANTS.len()),
+        }
+    }
+}
 
 impl TaxelBasis {
-    /// Number of taxels. Each has 3 readings, 3 components of the direction, and 3 differences from each filter.
-    fn taxels(&self) -> usize {
-        self.features.mean.len().saturating_sub(1) / per_taxel()
-    }
-
-    /// Standardised features whose products are terms of `kind`, with the terms themselves.
-    fn factors(&self, kind: TaxelKind, features: &[f64]) -> std::ops::Range<usize> {
-        let readings = (3 * self.taxels()).min(features.len());
-        match kind {
-            TaxelKind::Linear | TaxelKind::Quadratic => 0..readings,
-            TaxelKind::Pattern => readings..(2 * readings + 1).min(features.len()),
-        }
-    }
-}
-
-fn per_taxel() -> usize {
-    6 + 3 * TIME_CONSTANTS.len()
-}
-
-/// Calls `take` with the index and value of each feature of `input` before standardisation.
-fn each_feature(input: &TaxelInput, least: f64, mut take: impl FnMut(usize, f64)) {
-    let valid = input.values.iter().filter(|value| !value.is_nan());
-    let squares: f64 = valid.map(|value| value.length_squared()).sum();
-    let length = (squares + least * least).sqrt();
-    let values = input.values.iter().copied();
-    let directions = values.clone().map(|value| value / length);
-    let memory = (0..TIME_CONSTANTS.len()).flat_map(|constant| {
-        let pairs = input.values.iter().zip(&input.slow);
-        pairs.map(move |(&value, slow)| value - slow[constant])
-    });
-    let vectors = |vectors: &mut dyn Iterator<Item = DVec3>,
-                   first: usize,
-                   take: &mut dyn FnMut(usize, f64)| {
-        for (index, vector) in vectors.enumerate() {
-            for (axis, value) in vector.to_array().into_iter().enumerate() {
-                take(first + 3 * index + axis, value);
+    /// Fills `features` with the features of `input` before standardisation. Ignores missing or excess taxels.
+    fn raw(input: &TaxelInput, norm_floor: f64, groups: &Groups, features: &mut [f64]) {
+        features.fill(f64::NAN);
+        let flat = |vectors: &mut dyn Iterator<Item = DVec3>, features: &mut [f64]| {
+            for (vector, features) in vectors.zip(features.chunks_exact_mut(3)) {
+                features.copy_from_slice(&vector.to_array());
             }
+        };
+        let values = input.values.iter().copied();
+        flat(
+            &mut { values.clone() },
+            &mut features[groups.readings.clone()],
+        );
+        for (constant, features) in (features[groups.memory.clone()])
+            .chunks_exact_mut(groups.readings.len().max(1))
+            .enumerate()
+        {
+            let pairs = values.clone().zip(&input.filtered);
+            flat(
+                &mut pairs.map(|(value, filtered)| value - filtered[constant]),
+                features,
+            );
         }
-    };
-    let readings = 3 * input.values.len();
-    vectors(&mut values.clone(), 0, &mut take);
-    vectors(&mut { directions }, readings, &mut take);
-    take(2 * readings, libm::log(length));
-    vectors(&mut { memory }, 2 * readings + 1, &mut take);
+        let Some(length) = features[groups.pattern.clone()].last_mut() else {
+            return;
+        };
+        let valid = values.clone().filter(|value| !value.is_nan());
+        let squares: f64 = valid.map(DVec3::length_squared).sum();
+        let norm = (squares + norm_floor * norm_floor).sqrt();
+        *length = libm::log(norm);
+        flat(
+            &mut values.map(|value| value / norm),
+            &mut features[groups.pattern.clone()],
+        );
+        fill_products(features, &groups.readings, &groups.products);
+        fill_products(features, &groups.pattern, &groups.pattern_products);
+    }
+}
+
+/// Fills the range `products` of `features` with the products of all pairs of the range `factors`.
+fn fill_products(features: &mut [f64], factors: &Range<usize>, products: &Range<usize>) {
+    let pairs = factors
+        .clone()
+        .flat_map(|first| (first..factors.end).map(move |second| (first, second)));
+    for ((first, second), product) in pairs.zip(products.clone()) {
+        features[product] = features[first] * features[second];
+    }
 }
 
 impl Basis for TaxelBasis {
@@ -125,104 +167,99 @@ impl Basis for TaxelBasis {
         input.values.len()
     }
 
-    fn learn(elements: usize, inputs: &[&TaxelInput]) -> Self {
+    fn from_inputs(elements: usize, inputs: &[&TaxelInput]) -> Self {
         let values = inputs.iter().flat_map(|input| &input.values);
         let squares: f64 = values
             .filter(|value| !value.is_nan())
             .map(|value| value.length_squared())
             .sum();
-        // At least the smallest normal number: a direction of 0 is no problem, a division by 0 is.
-        let least = LEAST * (squares / inputs.len().max(1) as f64).sqrt();
-        let least = least.max(f64::MIN_POSITIVE.sqrt());
-        let mut sums = vec![[0.0; 3]; per_taxel() * elements + 1];
+        // Not 0, by which directions would be divided.
+        let norm_floor = NORM_FLOOR * (squares / inputs.len().max(1) as f64).sqrt();
+        let norm_floor = norm_floor.max(f64::MIN_POSITIVE.sqrt());
+        let groups = Groups::of(elements);
+        let mut features = vec![0.0; groups.memory.end];
+        let mut sums = vec![[0.0; 3]; features.len()];
         for input in inputs {
-            each_feature(input, least, |index, value| {
-                if value.is_nan() {
-                    return;
-                }
-                for (sum, power) in sums[index].iter_mut().zip([1.0, value, value * value]) {
+            Self::raw(input, norm_floor, &groups, &mut features);
+            let valid = sums.iter_mut().zip(&features);
+            for (sums, &value) in valid.filter(|(_, value)| !value.is_nan()) {
+                for (sum, power) in sums.iter_mut().zip([1.0, value, value * value]) {
                     *sum += power;
                 }
-            });
+            }
         }
         let (mean, scale) = sums.into_iter().map(mean_and_scale).unzip();
         Self {
-            least,
+            taxels: elements,
+            norm_floor,
             features: Statistics { mean, scale },
         }
     }
 
     fn missing_input(&self) -> TaxelInput {
-        let taxels = self.taxels();
         TaxelInput {
-            values: vec![DVec3::NAN; taxels],
-            slow: vec![[DVec3::ZERO; TIME_CONSTANTS.len()]; taxels],
+            values: vec![DVec3::NAN; self.taxels],
+            filtered: vec![[DVec3::ZERO; TIME_CONSTANTS.len()]; self.taxels],
         }
     }
 
     fn feature_count(&self) -> usize {
-        self.features.mean.len()
+        Groups::of(self.taxels).memory.end
     }
 
     fn standardise(&self, input: &TaxelInput, features: &mut [f64]) -> f64 {
-        features.fill(f64::NAN);
+        Self::raw(input, self.norm_floor, &Groups::of(self.taxels), features);
         let Statistics { mean, scale } = &self.features;
-        each_feature(input, self.least, |index, value| {
-            let (Some(feature), Some(mean), Some(&scale)) =
-                (features.get_mut(index), mean.get(index), scale.get(index))
-            else {
-                return;
-            };
+        for ((feature, mean), &scale) in features.iter_mut().zip(mean).zip(scale) {
             *feature = match scale > 0.0 {
-                true => ((value - mean) / scale).clamp(-FARTHEST, FARTHEST),
+                true => ((*feature - mean) / scale).clamp(-MAX_FEATURE, MAX_FEATURE),
                 false => 0.0,
             };
-        });
+        }
         let missing = input.values.iter().filter(|value| value.is_nan()).count();
         missing as f64 / input.values.len().max(1) as f64
     }
 
+    /// Readings below the noise floor of the direction are those of an untouched skin.
+    fn reveals_place(&self, input: &TaxelInput) -> bool {
+        let valid = input.values.iter().filter(|value| !value.is_nan());
+        let squares: f64 = valid.map(|value| value.length_squared()).sum();
+        squares >= self.norm_floor * self.norm_floor
+    }
+
     fn candidates(&self) -> Vec<TaxelTerms> {
-        let kinds: &[TaxelKind] = match self.taxels() <= MAX_FOR_PRODUCTS {
-            true => &[TaxelKind::Linear, TaxelKind::Quadratic, TaxelKind::Pattern],
-            false => &[TaxelKind::Linear],
+        let kinds: &[TermKind] = match self.taxels <= MAX_FOR_PRODUCTS {
+            true => &[TermKind::Linear, TermKind::Quadratic, TermKind::Pattern],
+            false => &[TermKind::Linear],
         };
-        let memory = |&kind: &TaxelKind| [false, true].map(|memory| TaxelTerms { kind, memory });
+        let memory = |&kind: &TermKind| [false, true].map(|memory| TaxelTerms { kind, memory });
         kinds.iter().flat_map(memory).collect()
     }
 
-    fn watched(&self, _: &[TaxelTerms]) -> TaxelTerms {
+    fn novelty_terms(&self, _: &[TaxelTerms]) -> TaxelTerms {
         TaxelTerms {
-            kind: TaxelKind::Linear,
+            kind: TermKind::Linear,
             memory: false,
         }
     }
 
-    fn can_watch(terms: TaxelTerms) -> bool {
-        terms.kind == TaxelKind::Linear && !terms.memory
+    fn supports_novelty(terms: TaxelTerms) -> bool {
+        terms.kind == TermKind::Linear && !terms.memory
     }
 
     fn describe(terms: TaxelTerms) -> String {
         let kind = match terms.kind {
-            TaxelKind::Linear => "readings",
-            TaxelKind::Quadratic => "readings and their products",
-            TaxelKind::Pattern => "direction and length of the readings, and their products",
+            TermKind::Linear => "readings",
+            TermKind::Quadratic => "readings and their products",
+            TermKind::Pattern => "direction and length of the readings, and their products",
         };
         let memory = if terms.memory { ", memory" } else { "" };
         format!("{kind}{memory}")
     }
 
     fn term_count(&self, terms: TaxelTerms) -> usize {
-        let readings = 3 * self.taxels();
-        let factors = match terms.kind {
-            TaxelKind::Linear => readings,
-            TaxelKind::Quadratic => readings + readings * (readings + 1) / 2,
-            TaxelKind::Pattern => (readings + 1) * (readings + 4) / 2,
-        };
-        match terms.memory {
-            true => factors + readings * TIME_CONSTANTS.len(),
-            false => factors,
-        }
+        let (linear, products, memory) = ranges(self.taxels, terms);
+        linear.len() + products.len() + memory.len()
     }
 
     /// In this order: features, their products, memory.
@@ -231,29 +268,24 @@ impl Basis for TaxelBasis {
         terms: TaxelTerms,
         features: &'a [f64],
     ) -> impl Iterator<Item = f64> + 'a {
-        let factors = &features[self.factors(terms.kind, features)];
-        let products = match terms.kind {
-            TaxelKind::Linear => 0,
-            TaxelKind::Quadratic | TaxelKind::Pattern => factors.len(),
-        };
-        let factor =
-            |place: usize| or_nothing(factors[place]).clamp(-FARTHEST_FACTOR, FARTHEST_FACTOR);
-        let products = (0..products)
-            .flat_map(move |first| (first..factors.len()).map(move |second| (first, second)))
-            .map(move |(first, second)| factor(first) * factor(second));
-        let memory = match terms.memory {
-            true => &features[(6 * self.taxels() + 1).min(features.len())..],
-            false => &[],
-        };
-        let memory = memory.iter().map(|&feature| MEMORY * or_nothing(feature));
-        let linear = factors.iter().map(|&feature| or_nothing(feature));
-        linear.chain(products).chain(memory)
+        let (linear, products, memory) = ranges(self.taxels, terms);
+        let of = |range: Range<usize>| features[range].iter().copied().map(zero_if_nan);
+        let products = of(products).map(|p| p.clamp(-MAX_PRODUCT, MAX_PRODUCT));
+        let memory = of(memory).map(|feature| MEMORY_SCALE * feature);
+        of(linear).chain(products).chain(memory)
     }
 
     fn check(&self, elements: usize) -> Result<(), WrenchError> {
-        check_number("model.elements.least", self.least, 1e-200..=LARGEST)?;
+        check_count("model.elements.taxels", elements, self.taxels)?;
+        // Before numbers of features are computed, which would overflow.
+        check_number("model.elements.taxels", self.taxels as f64, 1.0..=1e6)?;
+        check_number(
+            "model.elements.norm_floor",
+            self.norm_floor,
+            1e-200..=LARGEST,
+        )?;
         let Statistics { mean, scale } = &self.features;
-        let expected = per_taxel() * elements + 1;
+        let expected = Groups::of(elements).memory.end;
         for (name, values, low) in [("mean", mean, -LARGEST), ("scale", scale, 0.0)] {
             let name = format!("model.elements.features.{name}");
             check_count(&name, expected, values.len())?;
@@ -265,12 +297,14 @@ impl Basis for TaxelBasis {
     }
 }
 
-/// Mean and standard deviation from the sums of the powers 0, 1 and 2 of a feature.
-fn mean_and_scale([count, first, second]: [f64; 3]) -> (f64, f64) {
-    let count = f64::max(count, 1.0);
-    let mean = first / count;
-    let scale = (second / count - mean * mean).max(0.0).sqrt();
-    // Rounding errors are not a scale.
-    let least = 1e-9 * (1.0 + mean.abs());
-    (mean, if scale > least { scale } else { 0.0 })
+/// Ranges of the features that are `terms`: features, their products, memory.
+fn ranges(taxels: usize, terms: TaxelTerms) -> (Range<usize>, Range<usize>, Range<usize>) {
+    let groups = Groups::of(taxels);
+    let (linear, products) = match terms.kind {
+        TermKind::Linear => (groups.readings, 0..0),
+        TermKind::Quadratic => (groups.readings, groups.products),
+        TermKind::Pattern => (groups.pattern, groups.pattern_products),
+    };
+    let memory = if terms.memory { groups.memory } else { 0..0 };
+    (linear, products, memory)
 }

@@ -42,6 +42,6 @@ impl TaxelWrenchEstimator {
     pub fn estimate(&mut self, stamp: f64, values: &[DVec3]) -> WrenchEstimate {
         let memory = &mut self.memory;
         self.estimator
-            .estimate_with(|input| memory.take(stamp, values, input))
+            .estimate_with(|input| memory.update(stamp, values, input))
     }
 }

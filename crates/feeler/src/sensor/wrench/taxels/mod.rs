@@ -18,7 +18,7 @@ mod join;
 mod memory;
 mod sensor;
 
-pub use basis::{TaxelBasis, TaxelKind, TaxelTerms};
+pub use basis::{TaxelBasis, TaxelTerms, TermKind};
 pub use estimator::TaxelWrenchEstimator;
 pub use join::{MAX_DELAY, MeasuredAt, TaxelSeries, estimate_delay, join};
 pub use memory::{Memory, TIME_CONSTANTS, TaxelInput};

@@ -1,0 +1,160 @@
+//! Regression features of a camera's sensor.
+
+use super::standard::{ElementStandard, common_gain, standards};
+use super::{Growth, MIN_FOR_GAIN, PER_ELEMENT, Terms};
+use crate::sensor::moments::kernel::ElementMoments;
+use crate::sensor::wrench::WrenchError;
+use crate::sensor::wrench::basis::{Basis, zero_if_nan};
+use crate::sensor::wrench::calibration::check_count;
+use serde::{Deserialize, Serialize};
+
+/// Magnitude at which the square of a standardised feature saturates. Squares model curvature within the calibrated
+/// range; beyond it they would diverge.
+const FARTHEST_SQUARED: f64 = 4.0;
+
+/// Statistics of the elements of a camera's sensor.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(transparent)]
+pub struct MomentBasis(pub Vec<ElementStandard>);
+
+impl Basis for MomentBasis {
+    const KIND: &'static str = "wrench";
+    const MAX_ROWS: usize = 400;
+    /// Moments of the elements in one image; `None` for elements that are dark or saturated.
+    type Input = Vec<Option<ElementMoments>>;
+    type Terms = Terms;
+
+    fn elements_of(input: &Self::Input) -> usize {
+        input.len()
+    }
+
+    fn from_inputs(elements: usize, inputs: &[&Self::Input]) -> Self {
+        Self(standards(elements, inputs))
+    }
+
+    fn missing_input(&self) -> Self::Input {
+        vec![None; self.0.len()]
+    }
+
+    fn feature_count(&self) -> usize {
+        PER_ELEMENT * self.0.len()
+    }
+
+    fn standardise(&self, input: &Self::Input, features: &mut [f64]) -> f64 {
+        features.fill(f64::NAN);
+        let Some(gain) = common_gain(&self.0, input) else {
+            return 1.0;
+        };
+        let (mut used, mut missing) = (0.0, 0.0);
+        let (features, _) = features.as_chunks_mut::<PER_ELEMENT>();
+        for ((standard, moments), features) in self.0.iter().zip(input).zip(features) {
+            if !standard.used {
+                continue;
+            }
+            used += 1.0;
+            match moments {
+                Some(moments) => *features = standard.standardised(standard.raw(moments, gain)),
+                None => missing += 1.0,
+            }
+        }
+        missing / used
+    }
+
+    fn candidates(&self) -> Vec<Terms> {
+        let terms = |growth, displacement, squares| Terms {
+            growth,
+            displacement,
+            squares,
+        };
+        let kinds = [
+            (Growth::GainFree, false),
+            (Growth::Ignored, true),
+            (Growth::GainFree, true),
+            (Growth::Plain, false),
+            (Growth::Plain, true),
+        ];
+        let separable = self.used() >= MIN_FOR_GAIN;
+        let kinds = kinds
+            .into_iter()
+            .filter(|(growth, _)| separable || *growth != Growth::GainFree);
+        let candidates = kinds.flat_map(|(growth, displacement)| {
+            [false, true].map(|squares| terms(growth, displacement, squares))
+        });
+        candidates.collect()
+    }
+
+    /// Overall brightness drifts with the lamp.
+    fn is_doubtful(terms: Terms, other: Terms) -> bool {
+        terms.growth == Growth::Plain && other.growth != Growth::Plain
+    }
+
+    /// Growth and displacement of each element, independently of the terms of the components. Under an unusual load,
+    /// spots may brighten as usual but move differently. Overall brightness is included if a component depends on it,
+    /// or if there are too few elements to separate it from growth.
+    fn novelty_terms(&self, chosen: &[Terms]) -> Terms {
+        let plain = chosen.iter().any(|terms| terms.growth == Growth::Plain);
+        Terms {
+            growth: match plain || self.used() < MIN_FOR_GAIN {
+                true => Growth::Plain,
+                false => Growth::GainFree,
+            },
+            displacement: true,
+            squares: false,
+        }
+    }
+
+    fn supports_novelty(terms: Terms) -> bool {
+        !terms.squares
+    }
+
+    fn describe(terms: Terms) -> String {
+        let growth = match terms.growth {
+            Growth::Ignored => None,
+            Growth::GainFree => Some("growth"),
+            Growth::Plain => Some("growth and overall brightness"),
+        };
+        let displacement = terms.displacement.then_some("displacement");
+        let squares = terms.squares.then_some("their squares");
+        let parts = [growth, displacement, squares].into_iter().flatten();
+        parts.collect::<Vec<_>>().join(", ")
+    }
+
+    fn term_count(&self, terms: Terms) -> usize {
+        let orders = if terms.squares { 2 } else { 1 };
+        orders * terms.kinds().count() * self.0.len()
+    }
+
+    /// In this order: for each element its features, then their squares.
+    fn terms<'a>(&'a self, terms: Terms, features: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        let (features, _) = features.as_chunks::<PER_ELEMENT>();
+        features.iter().flat_map(move |features| {
+            let linear = terms.kinds().map(move |kind| zero_if_nan(features[kind]));
+            let squares = terms.kinds().filter(move |_| terms.squares);
+            linear.chain(squares.map(move |kind| square(features[kind])))
+        })
+    }
+
+    fn check(&self, elements: usize) -> Result<(), WrenchError> {
+        check_count("model.elements", elements, self.0.len())?;
+        for (index, element) in self.0.iter().enumerate() {
+            element.check(index)?;
+        }
+        Ok(())
+    }
+}
+
+impl MomentBasis {
+    /// Number of elements in use.
+    fn used(&self) -> usize {
+        self.0.iter().filter(|standard| standard.used).count()
+    }
+}
+
+/// Square of a standardised feature, centred and scaled as for a normal distribution.
+fn square(feature: f64) -> f64 {
+    if feature.is_nan() {
+        return 0.0;
+    }
+    let near = feature.clamp(-FARTHEST_SQUARED, FARTHEST_SQUARED);
+    (near * near - 1.0) * std::f64::consts::FRAC_1_SQRT_2
+}

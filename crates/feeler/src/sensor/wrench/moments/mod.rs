@@ -1,0 +1,78 @@
+//! Regression features: standardised growth and displacement of every element.
+//!
+//! Features are relative to each element's mean over the images of the calibration, so that no unloaded image is
+//! needed; the intercept absorbs the difference:
+//!
+//! ```text
+//! growth         G/G_0 / m - 1      m = mean of G/G_0 over the elements: the image's common gain
+//! plain growth   G/G_0 - 1
+//! displacement   u_x, u_y = c - c_0
+//! ```
+//!
+//! A dimming lamp changes `m` but not the growth, because a global gain is not a force. Only plain growth is affected.
+
+mod basis;
+mod standard;
+
+pub use basis::MomentBasis;
+pub use standard::ElementStandard;
+
+use crate::sensor::forces::sensing::ElementReading;
+use crate::sensor::image::exposure::Exposure;
+use crate::sensor::moments::kernel::ElementMoments;
+use serde::{Deserialize, Serialize};
+
+/// Number of features of one element: growth without common gain, plain growth, displacement along x and along y.
+pub const PER_ELEMENT: usize = 4;
+
+/// Minimum number of elements required to separate a common gain from the loads.
+pub const MIN_FOR_GAIN: usize = 4;
+
+/// Definition of growth.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Growth {
+    /// Growth is not used.
+    Ignored,
+    /// Relative to the common gain of the image: a dimming lamp has no effect.
+    GainFree,
+    /// Absolute: overall brightness counts, and a dimming lamp looks like a force.
+    Plain,
+}
+
+/// Features used for the regression of a component.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Terms {
+    /// Use of each element's growth.
+    pub growth: Growth,
+    /// Use the displacement of each element.
+    pub displacement: bool,
+    /// Also use the squares of these features.
+    pub squares: bool,
+}
+
+impl Terms {
+    /// Indices of the used features among the [`PER_ELEMENT`] of an element.
+    fn kinds(self) -> impl Iterator<Item = usize> + Clone {
+        let growth = match self.growth {
+            Growth::Ignored => None,
+            Growth::GainFree => Some(0),
+            Growth::Plain => Some(1),
+        };
+        let displacement = if self.displacement { 2..4 } else { 0..0 };
+        growth.into_iter().chain(displacement)
+    }
+}
+
+/// Returns the moments of a reading, or `None` if they cannot be used.
+pub fn usable(reading: &ElementReading) -> Option<ElementMoments> {
+    let good = reading.exposure == Exposure::Good && reading.integrated_gray.is_finite();
+    let centroid = reading
+        .centroid
+        .filter(|centroid| good && centroid.is_finite())?;
+    (reading.integrated_gray > 0.0).then_some(ElementMoments {
+        integrated_gray: reading.integrated_gray,
+        centroid,
+    })
+}
