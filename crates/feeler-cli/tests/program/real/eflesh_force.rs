@@ -8,6 +8,7 @@ use std::fmt::Write;
 use std::fs::{self, File};
 use std::io::Read;
 use std::path::{Path, PathBuf};
+use std::slice;
 
 /// One row of measurements: time (s), probe x, y, z (mm) and, under known forces, a scale's reading (grams; negative
 /// if there is none).
@@ -164,7 +165,7 @@ fn normal_force_of_the_last_fifth_of_a_run() {
         return;
     };
     for name in names(&bench.data, "normal") {
-        let calibration = bench.calibrate(&[name.clone()], 0.8, false);
+        let calibration = bench.calibrate(slice::from_ref(&name), 0.8, false);
         let pairs = bench.estimated(&name, "f_z", 0.8);
         let band = calibration.quality[0].band_95.unwrap();
         let (error, inside) = (rmse(&pairs), within(&pairs, band));
@@ -205,7 +206,7 @@ fn shear_force_of_the_last_fifth_of_a_run() {
         return;
     };
     for name in names(&bench.data, "shear") {
-        bench.calibrate(&[name.clone()], 0.8, false);
+        bench.calibrate(slice::from_ref(&name), 0.8, false);
         let error = rmse(&bench.estimated(&name, "f_z", 0.8));
         println!("{name}: {error:.3} N");
         assert!(error <= 0.32, "{name}: {error} N");
@@ -219,7 +220,7 @@ fn place_of_contact_of_the_last_pass() {
         return;
     };
     for name in names(&bench.data, "place") {
-        bench.calibrate(&[name.clone()], 0.8, true);
+        bench.calibrate(slice::from_ref(&name), 0.8, true);
         for column in ["p_x", "p_y"] {
             let pairs = bench.estimated(&name, column, 0.8);
             let sum: f64 = pairs.iter().map(|[a, b]| (a - b).abs()).sum();

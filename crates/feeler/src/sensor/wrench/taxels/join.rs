@@ -165,7 +165,7 @@ impl ComponentSeries {
         let before = after.checked_sub(1)?;
         let (start, first) = (self.times[before], self.values[before]);
         let part = (time - start) / (end - start);
-        (end - start <= self.gap).then(|| first + part * (value - first))
+        (end - start <= self.gap).then_some(first + part * (value - first))
     }
 }
 
