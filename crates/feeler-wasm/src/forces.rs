@@ -21,7 +21,7 @@ enum Kind {
         analyzer: FlagAnalyzer,
         frame: TactileFrame,
     },
-    Wrench(WrenchEstimator),
+    Wrench(Box<WrenchEstimator>),
 }
 
 /// Forces in one image, as the page shows them.
@@ -65,7 +65,7 @@ impl Forces {
             None => chain,
         };
         let kind = match wrench {
-            Some(calibration) => Kind::Wrench(WrenchEstimator::new(calibration)?),
+            Some(calibration) => Kind::Wrench(Box::new(WrenchEstimator::new(calibration)?)),
             None => Kind::Elements {
                 analyzer: FlagAnalyzer::new(ControlConfig::default().thresholds(), count),
                 frame: TactileFrame::unloaded(count),

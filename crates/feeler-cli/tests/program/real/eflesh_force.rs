@@ -11,7 +11,7 @@ use std::path::{Path, PathBuf};
 use std::slice;
 
 /// One row of measurements: time (s), probe x, y, z (mm) and, under known forces, a scale's reading (grams; negative
-/// if there is none).
+/// if missing).
 type State = Vec<f64>;
 
 fn states(data: &Path, name: &str) -> Vec<State> {
