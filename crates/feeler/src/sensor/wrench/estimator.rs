@@ -1,7 +1,6 @@
 //! Estimates the wrench in each frame. Suitable for the control loop.
 
-use super::basis::Basis;
-use super::basis::MAX_MISSING;
+use super::basis::{Basis, MAX_MISSING};
 use super::calibration::CalibrationOf;
 use super::error::WrenchError;
 use super::moments::{MomentBasis, usable};
@@ -14,8 +13,8 @@ use glam::DVec3;
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct WrenchEstimate {
     /// Components in the order of [`WrenchAxis::ALL`], N, N m or m, in the frame and with the sign of the measurements
-    /// (see [`wrench`](super)). `None` for components that are not calibrated, for the place
-    /// of contact without a touch, and for all if more than a tenth of the
+    /// (see [`wrench`](super)). `None` for components that are not calibrated, for the place of contact
+    /// without a touch, and for all if more than a tenth of the
     /// elements are dark or saturated.
     pub components: [Option<f64>; AXES],
     /// `true` if the image resembles those of the calibration. Otherwise the components are extrapolated.

@@ -106,6 +106,18 @@ pub(super) fn check_forces<B: Basis>(
     })
 }
 
+/// Returns the force of the only element.
+pub(super) fn only_force(forces: &mut [DVec3]) -> Result<&mut DVec3, SensorError> {
+    let actual = forces.len();
+    let [force] = forces else {
+        return Err(SensorError::ElementCount {
+            expected: 1,
+            actual,
+        });
+    };
+    Ok(force)
+}
+
 /// Force of the fingertip's element, or [`NO_FORCE`] if it is unknown or unreliable. `axes` converts the calibrated
 /// force to that on the fingertip.
 pub(super) fn felt_force(estimate: &WrenchEstimate, axes: DMat3) -> DVec3 {
@@ -135,13 +147,7 @@ impl<C: Camera> TactileSensor for WrenchSensor<C> {
     }
 
     fn read(&mut self, reading: &mut TactileFrame) -> Result<(), SensorError> {
-        let actual = reading.forces.len();
-        let [force] = &mut reading.forces[..] else {
-            return Err(SensorError::ElementCount {
-                expected: 1,
-                actual,
-            });
-        };
+        let force = only_force(&mut reading.forces)?;
         self.camera.capture(&mut self.frame)?;
         let sensed = self.sensing.sense(&self.frame.picture, &mut self.readings);
         sensed.map_err(not_sensed)?;

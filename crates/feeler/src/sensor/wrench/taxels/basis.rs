@@ -68,6 +68,12 @@ const MAX_PRODUCT: f64 = 16.0;
 /// Maximum number of taxels for which pattern and products are used.
 const MAX_FOR_PRODUCTS: usize = 10;
 
+/// Terms for novelty detection.
+const NOVELTY: TaxelTerms = TaxelTerms {
+    kind: TermKind::Linear,
+    memory: false,
+};
+
 /// Ranges of the features by group.
 struct Groups {
     /// Readings x, y and z of each taxel.
@@ -134,9 +140,7 @@ impl TaxelBasis {
         let Some(length) = features[groups.pattern.clone()].last_mut() else {
             return;
         };
-        let valid = values.clone().filter(|value| !value.is_nan());
-        let squares: f64 = valid.map(DVec3::length_squared).sum();
-        let norm = (squares + norm_floor * norm_floor).sqrt();
+        let norm = (squared_length(input) + norm_floor * norm_floor).sqrt();
         *length = libm::log(norm);
         flat(
             &mut values.map(|value| value / norm),
@@ -145,6 +149,12 @@ impl TaxelBasis {
         fill_products(features, &groups.readings, &groups.products);
         fill_products(features, &groups.pattern, &groups.pattern_products);
     }
+}
+
+/// Squared length |v|² of all readings together, without missing ones.
+fn squared_length(input: &TaxelInput) -> f64 {
+    let valid = input.values.iter().filter(|value| !value.is_nan());
+    valid.map(|value| value.length_squared()).sum()
 }
 
 /// Fills the range `products` of `features` with the products of all pairs of the range `factors`.
@@ -168,11 +178,7 @@ impl Basis for TaxelBasis {
     }
 
     fn from_inputs(elements: usize, inputs: &[&TaxelInput]) -> Self {
-        let values = inputs.iter().flat_map(|input| &input.values);
-        let squares: f64 = values
-            .filter(|value| !value.is_nan())
-            .map(|value| value.length_squared())
-            .sum();
+        let squares: f64 = inputs.iter().map(|input| squared_length(input)).sum();
         // Not 0, by which directions would be divided.
         let norm_floor = NORM_FLOOR * (squares / inputs.len().max(1) as f64).sqrt();
         let norm_floor = norm_floor.max(f64::MIN_POSITIVE.sqrt());
@@ -222,9 +228,7 @@ impl Basis for TaxelBasis {
 
     /// Readings below the noise floor of the direction are those of an untouched skin.
     fn reveals_place(&self, input: &TaxelInput) -> bool {
-        let valid = input.values.iter().filter(|value| !value.is_nan());
-        let squares: f64 = valid.map(|value| value.length_squared()).sum();
-        squares >= self.norm_floor * self.norm_floor
+        squared_length(input) >= self.norm_floor * self.norm_floor
     }
 
     fn candidates(&self) -> Vec<TaxelTerms> {
@@ -232,19 +236,26 @@ impl Basis for TaxelBasis {
             true => &[TermKind::Linear, TermKind::Quadratic, TermKind::Pattern],
             false => &[TermKind::Linear],
         };
-        let memory = |&kind: &TermKind| [false, true].map(|memory| TaxelTerms { kind, memory });
-        kinds.iter().flat_map(memory).collect()
+        // Constant memory would be chosen for rounding errors.
+        let scales = &self.features.scale[Groups::of(self.taxels).memory];
+        let memory: &[bool] = match scales.iter().any(|&scale| scale > 0.0) {
+            true => &[false, true],
+            false => &[false],
+        };
+        let terms = |&kind| {
+            memory
+                .iter()
+                .map(move |&memory| TaxelTerms { kind, memory })
+        };
+        kinds.iter().flat_map(terms).collect()
     }
 
     fn novelty_terms(&self, _: &[TaxelTerms]) -> TaxelTerms {
-        TaxelTerms {
-            kind: TermKind::Linear,
-            memory: false,
-        }
+        NOVELTY
     }
 
     fn supports_novelty(terms: TaxelTerms) -> bool {
-        terms.kind == TermKind::Linear && !terms.memory
+        terms == NOVELTY
     }
 
     fn describe(terms: TaxelTerms) -> String {

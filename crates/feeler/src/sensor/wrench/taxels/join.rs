@@ -59,26 +59,52 @@ impl TaxelSeries {
 /// Returns a sample for each row of `series` for which the wrench at stamp + `delay` (s) can be interpolated between two
 /// measurements. `series` are the recordings, in order of their indices.
 pub fn join(series: &[TaxelSeries], delay: f64) -> Vec<TaxelSample> {
-    let samples = series.iter().enumerate().flat_map(|(recording, series)| {
-        let lines = ComponentSeries::of_each_axis(&series.measured);
+    let joined = joined(series, delay).into_iter();
+    let samples = joined.map(
+        |Joined {
+             recording,
+             input,
+             wrench,
+         }| TaxelSample {
+            recording,
+            seen: input.clone(),
+            wrench,
+        },
+    );
+    samples.collect()
+}
+
+/// A row of taxels, with the wrench at its time.
+struct Joined<'a> {
+    recording: usize,
+    input: &'a TaxelInput,
+    wrench: MeasuredWrench,
+}
+
+/// Like [`join`], without copying the rows.
+fn joined(series: &[TaxelSeries], delay: f64) -> Vec<Joined<'_>> {
+    let joined = series.iter().enumerate().flat_map(|(recording, series)| {
+        let components = ComponentSeries::of_each_axis(&series.measured);
         let rows = series.stamps.iter().zip(&series.inputs);
         rows.filter_map(move |(stamp, input)| {
-            let wrench: MeasuredWrench = std::array::from_fn(|axis| lines[axis].at(stamp + delay));
-            wrench.iter().any(Option::is_some).then(|| TaxelSample {
+            let wrench: MeasuredWrench =
+                std::array::from_fn(|axis| components[axis].at(stamp + delay));
+            let measured = wrench.iter().any(Option::is_some);
+            measured.then_some(Joined {
                 recording,
-                seen: input.clone(),
+                input,
                 wrench,
             })
         })
     });
-    samples.collect()
+    joined.collect()
 }
 
 /// Estimates the delay of the measured wrenches after the taxels, s, between -[`MAX_DELAY`] and [`MAX_DELAY`]: the one
 /// with which a linear regression on the readings explains the wrenches best. Returns 0 if it does not halve the squared
 /// error (the geometric mean over the components).
 pub fn estimate_delay(series: &[TaxelSeries]) -> f64 {
-    let rows = join(series, 0.0).len();
+    let rows = joined(series, 0.0).len();
     let error = |delay: f64| (squared_error(series, delay, rows), delay);
     let least = |a: &(f64, f64), b: &(f64, f64)| a.0.total_cmp(&b.0);
     let unaligned = error(0.0);
@@ -101,7 +127,7 @@ pub fn estimate_delay(series: &[TaxelSeries]) -> f64 {
 /// Fraction of variance that a linear regression on the readings leaves unexplained: the geometric mean over the
 /// components. Infinite if `delay` joins far fewer samples than `rows`, the number without a delay.
 fn squared_error(series: &[TaxelSeries], delay: f64, rows: usize) -> f64 {
-    let samples = join(series, delay);
+    let samples = joined(series, delay);
     if samples.len() * 5 < rows * 4 {
         return f64::INFINITY;
     }
@@ -114,9 +140,9 @@ fn squared_error(series: &[TaxelSeries], delay: f64, rows: usize) -> f64 {
 
 /// Fraction of the variance of a component that a linear regression on the readings leaves unexplained, or `None` if
 /// the component is constant or was not measured.
-fn unexplained(samples: &[TaxelSample], axis: usize) -> Option<f64> {
+fn unexplained(samples: &[Joined], axis: usize) -> Option<f64> {
     let rows = samples.iter();
-    let rows = rows.filter_map(|sample| Some((&sample.seen, sample.wrench[axis]?)));
+    let rows = rows.filter_map(|sample| Some((sample.input, sample.wrench[axis]?)));
     let (inputs, measured): (Vec<_>, Vec<_>) = rows.unzip();
     let terms = 3 * inputs.first()?.values.len();
     let values = inputs.iter().flat_map(|input| {

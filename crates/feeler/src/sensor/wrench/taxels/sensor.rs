@@ -3,7 +3,7 @@
 use super::estimator::TaxelWrenchEstimator;
 use crate::sensor::forces::reading::{SensorError, TactileFrame, TactileSensor};
 use crate::sensor::taxel::TaxelSensor;
-use crate::sensor::wrench::sensor::{check_forces, felt_force};
+use crate::sensor::wrench::sensor::{check_forces, felt_force, only_force};
 use crate::sensor::wrench::{WrenchError, WrenchEstimate};
 use glam::DMat3;
 use std::io::BufRead;
@@ -59,13 +59,7 @@ impl<R: BufRead> TactileSensor for TaxelWrenchSensor<R> {
 
     /// Waits for the next row. Neither allocates nor panics.
     fn read(&mut self, reading: &mut TactileFrame) -> Result<(), SensorError> {
-        let actual = reading.forces.len();
-        let [force] = &mut reading.forces[..] else {
-            return Err(SensorError::ElementCount {
-                expected: 1,
-                actual,
-            });
-        };
+        let force = only_force(&mut reading.forces)?;
         self.taxels.read(&mut self.values)?;
         if self.taxels.starts_sequence() {
             self.estimator.restart();
