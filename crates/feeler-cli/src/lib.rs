@@ -26,6 +26,7 @@ mod schema;
 mod score_slip;
 mod sense;
 mod urdf;
+mod verify;
 mod view;
 
 use clap::{CommandFactory, FromArgMatches, Parser, Subcommand};
@@ -73,7 +74,7 @@ The book, in docs/ of the repository (`mdbook serve` shows it):
 
 /// Tactile sensing and control with soft tri-axial fingertips, on a real or simulated hand.
 ///
-/// Exit status: 0 success; 1 the task was given up or interrupted, or a replay differs; 2 invalid input.
+/// Exit status: 0 success; 1 the task was given up or interrupted, a replay differs, or a calibration is no longer valid; 2 invalid input.
 #[derive(Debug, Parser)]
 #[command(name = "feeler", version, after_help = EXAMPLES)]
 struct Arguments {
@@ -121,6 +122,8 @@ enum Command {
     Cameras(cameras::Arguments),
     /// Calibrate a fingertip from images under known loads.
     Calibrate(calibrate::Arguments),
+    /// Test with a few presses whether a wrench calibration is still valid.
+    Verify(verify::Arguments),
     /// Find the sensing elements in images of an unloaded sensor.
     Locate(locate::Arguments),
     /// Simulate the rig (cameras, encoders, drives) for separate sensor and hand programs.
@@ -209,6 +212,7 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::Export(arguments) => export::export(&arguments, out),
         Command::Cameras(arguments) => cameras::cameras(&arguments, out),
         Command::Calibrate(arguments) => calibrate::calibrate(&arguments, out),
+        Command::Verify(arguments) => verify::verify(&arguments, out),
         Command::Locate(arguments) => locate::locate(&arguments, out),
         Command::Bench(arguments) => link::bench::bench(&arguments, out),
         Command::World(arguments) => link::world::world(&arguments, out),

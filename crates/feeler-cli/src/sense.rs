@@ -41,6 +41,9 @@ pub struct Arguments {
     /// Use this calibration of the fingertip, written by `feeler calibrate`.
     #[arg(long, value_name = "FILE")]
     calibration: Option<PathBuf>,
+    /// Require a wrench calibration that `feeler verify` found valid within this number of days.
+    #[arg(long, value_name = "DAYS", requires = "calibration")]
+    verified_within: Option<u32>,
     /// Correct for a lamp that dims or brightens.
     ///
     /// The quarter of the elements that brightened least is assumed to be untouched, if these elements agree and have
@@ -150,6 +153,7 @@ impl Arguments {
             layout: self.layout.clone(),
             experiment: self.experiment.clone(),
             calibration: self.calibration.clone(),
+            verified_within: self.verified_within,
             drift_correction: self.drift_correction,
             output: self.output.clone(),
             force: self.overwrite.force,

@@ -9,7 +9,7 @@ pub enum Outcome {
     Done,
     /// Given up by its task or interrupted.
     GivenUp,
-    /// Completed, but a replay differs from its recording.
+    /// Completed, but a replay differs from its recording, or a calibration is no longer valid.
     Differs,
 }
 

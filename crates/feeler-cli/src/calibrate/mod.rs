@@ -74,6 +74,12 @@ pub struct Arguments {
     /// Prefix of the array's columns if tables have several arrays, for example left.
     #[arg(long, value_name = "PREFIX", requires = "taxels")]
     prefix: Option<String>,
+    /// Transfer this wrench calibration of another copy of the sensor, with a few presses in FORCES.csv (ten are enough).
+    #[arg(long, value_name = "WRENCH.toml", requires = "wrench")]
+    from: Option<PathBuf>,
+    /// Conditions to record in the calibration, for example "22 °C, new gel".
+    #[arg(long, value_name = "TEXT", requires = "wrench", default_value = "")]
+    conditions: String,
     /// Calibration file to write; a report with curves and residuals is written next to it.
     #[arg(short, long, value_name = "FILE")]
     output: PathBuf,

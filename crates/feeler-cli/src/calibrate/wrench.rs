@@ -5,14 +5,20 @@ use super::{
 };
 use feeler::sensor::fingertip::CalibrationTarget;
 use feeler::sensor::wrench::basis::Basis;
+use feeler::sensor::wrench::passport::Passport;
 use feeler::sensor::wrench::quality::{HeldOut, outlier};
 use feeler::sensor::wrench::taxels::MAX_DELAY;
-use feeler::sensor::wrench::{FitOf, SampleOf, fit};
+use feeler::sensor::wrench::transfer::transfer;
+use feeler::sensor::wrench::{CalibrationOf, FitOf, SampleOf, fit};
 use feeler_console::{PartFile, Steps, Working, print_json, warn};
 use feeler_lab::sensor::ForcesFile;
 use feeler_sensing::calibration::checks::CONFIRM;
-use feeler_sensing::calibration::{FORCES, read_taxel_recordings, wrench_page, wrench_table};
+use feeler_sensing::calibration::{
+    FORCES, read_taxel_recordings, today, wrench_page, wrench_table,
+};
 use feeler_sensing::{TaxelOptions, read_taxel_layout};
+use std::fmt::Display;
+use std::fs;
 use std::io::Write;
 use std::path::{Path, PathBuf};
 
@@ -36,7 +42,12 @@ fn calibrate_camera(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcom
     };
     let forces = read(arguments, &csv)?;
     // Opened first, because calibrating takes a while.
-    let files = create_outputs(arguments, &forces.files(), &page_path)?;
+    let inputs: Vec<_> = forces
+        .files()
+        .into_iter()
+        .chain(arguments.from.clone())
+        .collect();
+    let files = create_outputs(arguments, &inputs, &page_path)?;
     let progress = Steps::new(forces.picture_count());
     let measured = forces.sense(&sensor, || progress.advance())?;
     drop(progress);
@@ -58,7 +69,10 @@ fn calibrate_taxels(
     let layout = read_taxel_layout(layout, &options, None)?;
     let forces = read(arguments, &measured(arguments)?)?;
     let tables = forces.recordings().iter().map(|name| forces.path_of(name));
-    let inputs: Vec<_> = tables.chain(forces.files()).collect();
+    let inputs: Vec<_> = tables
+        .chain(forces.files())
+        .chain(arguments.from.clone())
+        .collect();
     let files = create_outputs(arguments, &inputs, &page_path)?;
     let progress = Steps::new(forces.recordings().len());
     let recordings = read_taxel_recordings(&forces, &layout, || progress.advance())?;
@@ -102,13 +116,35 @@ fn fit_to<B: Basis>(
     forces: &ForcesFile,
     samples: &[SampleOf<B>],
 ) -> Result<FitOf<B>, CommandError> {
+    let source = arguments
+        .from
+        .as_deref()
+        .map(read_source::<B>)
+        .transpose()?;
     let fitting = Working::on("fitting");
-    let fitted = fit(made_for, forces.recordings(), samples, arguments.force_fit);
+    let fitted = match &source {
+        Some(source) => transfer(source, made_for, forces.recordings(), samples),
+        None => fit(made_for, forces.recordings(), samples, arguments.force_fit),
+    };
     drop(fitting);
     let mut fitted = fitted.map_err(|e| format!("{}: {e}{}", forces.name(), advice(&e)))?;
     fitted.calibration.loads_confirmed = arguments.confirm_loads;
+    let transferred_from = source.map(|source| source.checksum()).transpose()?;
+    fitted.calibration.sign(Passport {
+        date: today(),
+        conditions: arguments.conditions.clone(),
+        transferred_from,
+        ..Passport::default()
+    })?;
     warn_of_fit(&fitted, samples.len(), forces.recordings());
     Ok(fitted)
+}
+
+/// Reads the calibration to transfer.
+fn read_source<B: Basis>(path: &Path) -> Result<CalibrationOf<B>, CommandError> {
+    let named = |e: &dyn Display| format!("--from {}: {e}", path.display());
+    let text = fs::read_to_string(path).map_err(|e| named(&e))?;
+    Ok(CalibrationOf::from_toml(&text).map_err(|e| named(&e))?)
 }
 
 /// Writes the calibration and its report to `files`, and prints the errors.

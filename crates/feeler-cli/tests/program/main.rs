@@ -57,6 +57,7 @@ mod sweep;
 mod tune;
 mod urdf;
 mod verdicts;
+mod verify;
 mod videos;
 
 use assert_no_alloc::AllocDisabler;

@@ -47,6 +47,8 @@ pub struct SenseOptions {
     pub experiment: Option<String>,
     /// Calibration file.
     pub calibration: Option<PathBuf>,
+    /// Maximum age of the wrench calibration's verification, days, or `None` if it need not be verified.
+    pub verified_within: Option<u32>,
     /// `true` to correct for a drifting lamp.
     pub drift_correction: bool,
     /// Output file (.csv, .jsonl or .mcap), or `None` for a table on standard output.

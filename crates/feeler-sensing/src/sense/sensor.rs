@@ -1,6 +1,7 @@
 //! Sensors selected by the command-line options.
 
 use super::SenseOptions;
+use crate::calibration::require_verified;
 use feeler::sensor::calibration::Calibration;
 use feeler::sensor::forces::{DriftConfig, ElementReading, Reference, SensingChain};
 use feeler::sensor::wrench::WrenchEstimator;
@@ -26,6 +27,7 @@ pub fn sensing_chain(
     let calibration = options.calibration.as_deref();
     let estimator = calibration.map(|path| named_estimator(&geometry, path));
     let estimator = estimator.transpose()?.flatten();
+    check_verified(options, estimator.as_ref())?;
     let calibration = calibration.filter(|_| estimator.is_none());
     let calibration = calibration.map(|path| named_calibration(&geometry, path));
     let calibration = calibration.transpose()?;
@@ -68,6 +70,7 @@ pub fn hand_sensor(
     experiment: &Experiment,
     finger: usize,
 ) -> Result<SensorOf, CommandError> {
+    check_verified(options, None)?;
     let mut geometry = match &options.layout {
         layout @ Some(_) => named_sensor(options.experiment(), None, layout.as_deref())?,
         None => SensorGeometry::of_fingertip(experiment.fingertip(Some(finger))?)?,
@@ -91,6 +94,22 @@ pub fn hand_sensor(
         sensing,
         sha256: geometry.made_for.sha256,
     })
+}
+
+/// Checks that the calibration was verified as recently as `options` require.
+fn check_verified(
+    options: &SenseOptions,
+    estimator: Option<&WrenchEstimator>,
+) -> Result<(), CommandError> {
+    match (options.verified_within, estimator) {
+        (None, _) => Ok(()),
+        (Some(days), Some(estimator)) => require_verified(estimator.calibration(), days)
+            .map_err(|e| format!("--verified-within {days}: {e}").into()),
+        (Some(days), None) => Err(format!(
+            "--verified-within {days}: expected a wrench calibration; calibrations of elements are not verified"
+        )
+        .into()),
+    }
 }
 
 /// Returns the located sensor of `layout`, if given, otherwise the fingertip of `finger` of the experiment `name`.

@@ -1,5 +1,6 @@
 //! Selection of the taxel layout.
 
+use crate::calibration::require_verified;
 use feeler::sensor::taxel::{BUILT_IN_TAXELS, BuiltInTaxels, TaxelLayout};
 use feeler::sensor::wrench::taxels::{TaxelCalibration, TaxelWrenchEstimator};
 use feeler_console::CommandError;
@@ -60,16 +61,22 @@ pub fn taxel_layout_text(name: &str) -> Result<String, CommandError> {
     }
 }
 
-/// Creates the estimator of the wrench calibration at `path`, which must be for `layout`.
+/// Creates the estimator of the wrench calibration at `path`, which must be for `layout` and, if given, verified within a
+/// number of days.
 pub fn read_estimator(
     path: &Path,
     layout: &TaxelLayout,
+    verified_within: Option<u32>,
 ) -> Result<TaxelWrenchEstimator, CommandError> {
     let named = |e: &dyn Display| format!("--calibration {}: {e}", path.display());
     let text = fs::read_to_string(path).map_err(|e| named(&e))?;
     let calibration = TaxelCalibration::from_toml(&text).map_err(|e| named(&e))?;
     let target = layout.calibration_target()?;
     calibration.verify_target(&target).map_err(|e| named(&e))?;
+    if let Some(days) = verified_within {
+        require_verified(&calibration, days)
+            .map_err(|e| named(&format!("--verified-within {days}: {e}")))?;
+    }
     Ok(TaxelWrenchEstimator::new(calibration).map_err(|e| named(&e))?)
 }
 

@@ -39,7 +39,8 @@ pub fn sense(
     }
     let layout = read_taxel_layout(layout, &options.taxels, options.unloaded)?;
     let calibration = options.calibration.as_deref();
-    let estimator = calibration.map(|path| layout::read_estimator(path, &layout));
+    let estimator =
+        calibration.map(|path| layout::read_estimator(path, &layout, options.verified_within));
     let estimator = estimator.transpose()?;
     let is_calibrated = estimator.is_some();
     let table = Table::of(&options.sources)?;

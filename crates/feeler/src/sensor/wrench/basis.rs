@@ -76,6 +76,18 @@ pub trait Basis:
         features: &'a [f64],
     ) -> impl Iterator<Item = f64> + 'a;
 
+    /// Number of parameters that describe how the readings of a copy of the sensor differ from those of the original; 0 if
+    /// they are not modelled.
+    fn copy_parameters(&self) -> usize {
+        0
+    }
+
+    /// Returns the features for a copy of the sensor. All `parameters` are 0 for the original, and relative to it.
+    #[must_use]
+    fn of_copy(&self, _parameters: &[f64]) -> Self {
+        self.clone()
+    }
+
     /// Checks the numbers of a calibration file for `elements` elements.
     ///
     /// # Errors

@@ -4,6 +4,7 @@ use super::basis::Basis;
 use super::error::{VERSION, WrenchError};
 use super::moments::{MomentBasis, Terms};
 use super::novelty::{MAX_DIRECTIONS, Novelty};
+use super::passport::Passport;
 use super::quality::AxisQuality;
 use super::{AXES, WrenchAxis};
 use crate::sensor::calibration::load_range::FINGERTIP_RANGE;
@@ -66,6 +67,9 @@ pub struct CalibrationOf<B: Basis> {
     pub loads_confirmed: bool,
     /// Sensor for which the calibration was made.
     pub made_for: CalibrationTarget,
+    /// Origin and tests of the calibration; `None` for files of feeler 0.2 and older.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub passport: Option<Passport>,
     /// Errors of each component.
     pub quality: Vec<AxisQuality>,
     /// Prediction model.
@@ -90,7 +94,8 @@ impl<B: Basis> CalibrationOf<B> {
     /// Parses a calibration from TOML.
     ///
     /// # Errors
-    /// If the text is not a wrench calibration of the supported version, or if a number in it is invalid.
+    /// If the text is not a wrench calibration of the supported version, was changed after it was written, or contains an
+    /// invalid number.
     pub fn from_toml(text: &str) -> Result<Self, WrenchError> {
         let Header { kind, version } = toml::from_str(text)?;
         if kind != B::KIND || version != VERSION {
@@ -102,6 +107,7 @@ impl<B: Basis> CalibrationOf<B> {
             });
         }
         let calibration: Self = toml::from_str(text)?;
+        calibration.check_checksum()?;
         calibration.check()?;
         calibration.check_magnitude()?;
         Ok(calibration)

@@ -116,7 +116,7 @@ pub(super) fn choose<B: Basis>(
 /// (one-standard-error rule; Hastie, Tibshirani and Friedman, The Elements of Statistical Learning, 2009, section
 /// 7.10). Smaller weights reduce the effect of drift between recordings, which blocks of a single recording do not
 /// show. The largest penalty would discard too much information.
-fn best_penalty<T: Copy>(
+pub(super) fn best_penalty<T: Copy>(
     spectrum: &Spectrum,
     measured: &[f64],
     terms: T,

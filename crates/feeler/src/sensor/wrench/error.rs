@@ -72,6 +72,39 @@ pub enum WrenchError {
         /// Reason why other images are unusable; may be empty.
         why: String,
     },
+    /// No component of the calibration was measured within its range during a press.
+    #[error(
+        "expected presses with a component that is calibrated, within its calibrated range; got none"
+    )]
+    NotMeasured,
+    /// The calibration does not state a band of errors.
+    #[error(
+        "{axis} of the calibration has no band of errors, because it was fitted to fewer than 20 samples; calibrate again with more"
+    )]
+    NoBand {
+        /// The component.
+        axis: &'static str,
+    },
+    /// There are too few presses to test a calibration.
+    #[error(
+        "expected at least {expected} presses, separated by less than a tenth of the largest load, got {actual}"
+    )]
+    TooFewPresses {
+        /// Minimum number of presses.
+        expected: usize,
+        /// Number of presses.
+        actual: usize,
+    },
+    /// A calibration was changed after it was written.
+    #[error(
+        "the calibration was changed after it was written: its checksum is {actual}, expected {expected}; calibrate again"
+    )]
+    Checksum {
+        /// Checksum in the file.
+        expected: String,
+        /// Checksum of the contents.
+        actual: String,
+    },
     /// All measured components are constant.
     #[error("expected a force or torque that changes, but every measured component is constant")]
     Constant,

@@ -44,7 +44,7 @@ pub fn fit<B: Basis>(
     check(&made_for, recordings, samples)?;
     let mut samples: Vec<&SampleOf<B>> = samples.iter().collect();
     samples.sort_by_key(|sample| sample.recording);
-    let lit = lit(made_for.elements, &samples);
+    let lit = usable(made_for.elements, &samples);
     let unusable = samples.len() - lit.len();
     let measured = measured(&lit);
     let changing = changing(&lit, unusable)?;
@@ -82,6 +82,7 @@ pub fn fit<B: Basis>(
         version: VERSION,
         loads_confirmed: false,
         made_for,
+        passport: None,
         quality: qualities,
         model,
     };
@@ -95,7 +96,7 @@ pub fn fit<B: Basis>(
 }
 
 /// Rejects samples of another sensor or of a recording without a name.
-fn check<B: Basis>(
+pub(super) fn check<B: Basis>(
     made_for: &CalibrationTarget,
     recordings: &[String],
     samples: &[SampleOf<B>],
@@ -119,7 +120,10 @@ fn check<B: Basis>(
 }
 
 /// Samples in which at most [`MAX_MISSING`] of the elements are missing.
-fn lit<'a, B: Basis>(elements: usize, samples: &[&'a SampleOf<B>]) -> Vec<&'a SampleOf<B>> {
+pub(super) fn usable<'a, B: Basis>(
+    elements: usize,
+    samples: &[&'a SampleOf<B>],
+) -> Vec<&'a SampleOf<B>> {
     let inputs: Vec<_> = samples.iter().map(|sample| &sample.seen).collect();
     let basis = B::from_inputs(elements, &inputs);
     let mut features = vec![0.0; basis.feature_count()];

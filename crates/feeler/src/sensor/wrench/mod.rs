@@ -23,13 +23,17 @@ pub mod forces;
 mod learn;
 pub mod moments;
 pub mod novelty;
+pub mod passport;
+mod presses;
 pub mod quality;
 pub mod recordings;
 mod ridge;
 mod sample;
 pub mod sensor;
 pub mod taxels;
+pub mod transfer;
 mod validation;
+pub mod verification;
 
 pub use calibration::{AxisModel, CalibrationOf, WrenchCalibration};
 pub use error::WrenchError;

@@ -1,6 +1,7 @@
 //! Wrenches on a whole fingertip: learning from images, rejected data, and control of a hand.
 
 mod control;
+mod copies;
 mod file;
 mod learning;
 mod taxels;

@@ -4,7 +4,7 @@ use super::memory::{TIME_CONSTANTS, TaxelInput};
 use crate::sensor::wrench::WrenchError;
 use crate::sensor::wrench::basis::{Basis, MAX_FEATURE, mean_and_scale, zero_if_nan};
 use crate::sensor::wrench::calibration::{LARGEST, check_count, check_number};
-use glam::DVec3;
+use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
 use std::ops::Range;
 
@@ -31,7 +31,7 @@ pub struct TaxelTerms {
 }
 
 /// Mean and standard deviation of features over the samples of a calibration.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Default, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Statistics {
     /// Means.
@@ -52,6 +52,10 @@ pub struct TaxelBasis {
     /// Lower bound of |v|, N or counts: a tenth of the root mean square length, whose square is added to |v|². It keeps
     /// the direction of weak readings from being noise.
     pub norm_floor: f64,
+    /// Map from the reading of each taxel to that of the original, if the calibration was transferred to this copy of the
+    /// sensor; otherwise empty.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub to_original: Vec<DMat3>,
     /// Features in this order: readings x, y and z of each taxel; their products; their direction and ln |v|; products
     /// of these; differences from the filters of each taxel and component, filter by filter.
     pub features: Statistics,
@@ -114,15 +118,29 @@ impl Groups {
 }
 
 impl TaxelBasis {
+    /// Readings of all taxels, as of the original sensor.
+    fn readings<'a>(&'a self, input: &'a TaxelInput) -> impl Iterator<Item = DVec3> + Clone + 'a {
+        let values = input.values.iter().enumerate();
+        values.map(|(taxel, value)| self.as_original(taxel, *value))
+    }
+
+    fn as_original(&self, taxel: usize, value: DVec3) -> DVec3 {
+        match self.to_original.get(taxel) {
+            Some(map) => *map * value,
+            None => value,
+        }
+    }
+
     /// Fills `features` with the features of `input` before standardisation. Ignores missing or excess taxels.
-    fn raw(input: &TaxelInput, norm_floor: f64, groups: &Groups, features: &mut [f64]) {
+    fn raw(&self, input: &TaxelInput, features: &mut [f64]) {
+        let groups = Groups::of(self.taxels);
         features.fill(f64::NAN);
         let flat = |vectors: &mut dyn Iterator<Item = DVec3>, features: &mut [f64]| {
             for (vector, features) in vectors.zip(features.chunks_exact_mut(3)) {
                 features.copy_from_slice(&vector.to_array());
             }
         };
-        let values = input.values.iter().copied();
+        let values = self.readings(input);
         flat(
             &mut { values.clone() },
             &mut features[groups.readings.clone()],
@@ -133,14 +151,16 @@ impl TaxelBasis {
         {
             let pairs = values.clone().zip(&input.filtered);
             flat(
-                &mut pairs.map(|(value, filtered)| value - filtered[constant]),
+                &mut pairs.enumerate().map(|(taxel, (value, filtered))| {
+                    value - self.as_original(taxel, filtered[constant])
+                }),
                 features,
             );
         }
         let Some(length) = features[groups.pattern.clone()].last_mut() else {
             return;
         };
-        let norm = (squared_length(input) + norm_floor * norm_floor).sqrt();
+        let norm = (squared_length(values.clone()) + self.norm_floor * self.norm_floor).sqrt();
         *length = libm::log(norm);
         flat(
             &mut values.map(|value| value / norm),
@@ -152,9 +172,9 @@ impl TaxelBasis {
 }
 
 /// Squared length |v|² of all readings together, without missing ones.
-fn squared_length(input: &TaxelInput) -> f64 {
-    let valid = input.values.iter().filter(|value| !value.is_nan());
-    valid.map(|value| value.length_squared()).sum()
+fn squared_length(values: impl Iterator<Item = DVec3>) -> f64 {
+    let valid = values.filter(|value| !value.is_nan());
+    valid.map(DVec3::length_squared).sum()
 }
 
 /// Fills the range `products` of `features` with the products of all pairs of the range `factors`.
@@ -178,15 +198,23 @@ impl Basis for TaxelBasis {
     }
 
     fn from_inputs(elements: usize, inputs: &[&TaxelInput]) -> Self {
-        let squares: f64 = inputs.iter().map(|input| squared_length(input)).sum();
+        let squares = inputs
+            .iter()
+            .map(|input| squared_length(input.values.iter().copied()));
+        let squares: f64 = squares.sum();
         // Not 0, by which directions would be divided.
         let norm_floor = NORM_FLOOR * (squares / inputs.len().max(1) as f64).sqrt();
         let norm_floor = norm_floor.max(f64::MIN_POSITIVE.sqrt());
-        let groups = Groups::of(elements);
-        let mut features = vec![0.0; groups.memory.end];
+        let mut basis = Self {
+            taxels: elements,
+            norm_floor,
+            to_original: Vec::new(),
+            features: Statistics::default(),
+        };
+        let mut features = vec![0.0; basis.feature_count()];
         let mut sums = vec![[0.0; 3]; features.len()];
         for input in inputs {
-            Self::raw(input, norm_floor, &groups, &mut features);
+            basis.raw(input, &mut features);
             let valid = sums.iter_mut().zip(&features);
             for (sums, &value) in valid.filter(|(_, value)| !value.is_nan()) {
                 for (sum, power) in sums.iter_mut().zip([1.0, value, value * value]) {
@@ -195,11 +223,8 @@ impl Basis for TaxelBasis {
             }
         }
         let (mean, scale) = sums.into_iter().map(mean_and_scale).unzip();
-        Self {
-            taxels: elements,
-            norm_floor,
-            features: Statistics { mean, scale },
-        }
+        basis.features = Statistics { mean, scale };
+        basis
     }
 
     fn missing_input(&self) -> TaxelInput {
@@ -214,7 +239,7 @@ impl Basis for TaxelBasis {
     }
 
     fn standardise(&self, input: &TaxelInput, features: &mut [f64]) -> f64 {
-        Self::raw(input, self.norm_floor, &Groups::of(self.taxels), features);
+        self.raw(input, features);
         let Statistics { mean, scale } = &self.features;
         for ((feature, mean), &scale) in features.iter_mut().zip(mean).zip(scale) {
             *feature = match scale > 0.0 {
@@ -228,7 +253,7 @@ impl Basis for TaxelBasis {
 
     /// Readings below the noise floor of the direction are those of an untouched skin.
     fn reveals_place(&self, input: &TaxelInput) -> bool {
-        squared_length(input) >= self.norm_floor * self.norm_floor
+        squared_length(self.readings(input)) >= self.norm_floor * self.norm_floor
     }
 
     fn candidates(&self) -> Vec<TaxelTerms> {
@@ -286,6 +311,28 @@ impl Basis for TaxelBasis {
         of(linear).chain(products).chain(memory)
     }
 
+    /// Nine for the matrix of each taxel if products of readings are used. The linear terms alone follow any such map.
+    fn copy_parameters(&self) -> usize {
+        match self.taxels <= MAX_FOR_PRODUCTS {
+            true => 9 * self.taxels,
+            false => 0,
+        }
+    }
+
+    fn of_copy(&self, parameters: &[f64]) -> Self {
+        let matrices = parameters.as_chunks::<9>().0.iter().enumerate();
+        let to_original = matrices.map(|(taxel, change)| {
+            let copy = DMat3::IDENTITY + DMat3::from_cols_array(change);
+            self.to_original
+                .get(taxel)
+                .map_or(copy, |before| *before * copy)
+        });
+        Self {
+            to_original: to_original.collect(),
+            ..self.clone()
+        }
+    }
+
     fn check(&self, elements: usize) -> Result<(), WrenchError> {
         check_count("model.elements.taxels", elements, self.taxels)?;
         // Before numbers of features are computed, which would overflow.
@@ -295,6 +342,13 @@ impl Basis for TaxelBasis {
             self.norm_floor,
             1e-200..=LARGEST,
         )?;
+        if !self.to_original.is_empty() {
+            let name = "model.elements.to_original";
+            check_count(name, elements, self.to_original.len())?;
+            for number in self.to_original.iter().flat_map(DMat3::to_cols_array) {
+                check_number(name, number, -LARGEST..=LARGEST)?;
+            }
+        }
         let Statistics { mean, scale } = &self.features;
         let expected = Groups::of(elements).memory.end;
         for (name, values, low) in [("mean", mean, -LARGEST), ("scale", scale, 0.0)] {

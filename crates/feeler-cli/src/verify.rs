@@ -1,0 +1,75 @@
+//! The `feeler verify` subcommand.
+
+use super::{CommandError, Outcome};
+use crate::options::{Json, Overwrite, parse_between};
+use feeler_sensing::TaxelOptions;
+use feeler_sensing::calibration::VerifyOptions;
+use std::io::Write;
+use std::path::PathBuf;
+
+const DETAILS: &str = "\
+A press is a run of samples with more than a tenth of the largest load; for places of contact without forces, a run at the same place. A press is outside if more than half of its samples are farther from the measured value than the calibration's 95 % band, or unlike the calibration's samples. A component is rejected if more presses are outside than chance explains. A drift within the band is reported, but not rejected.
+
+Exit status 0: still valid; 1: no longer valid; 2: cannot be tested.";
+
+#[derive(Debug, clap::Args)]
+#[command(after_long_help = DETAILS)]
+pub struct Arguments {
+    /// Wrench calibration, written by `feeler calibrate --wrench`.
+    calibration: PathBuf,
+    /// Table of presses with measured forces, in the format of `feeler calibrate --wrench`. Five presses are enough for
+    /// one component.
+    #[arg(value_name = "FORCES.csv")]
+    presses: PathBuf,
+    /// Layout of the taxel array: a file or a built-in one (see `feeler list`).
+    #[arg(long, value_name = "LAYOUT", conflicts_with_all = ["layout", "experiment", "finger"])]
+    taxels: Option<String>,
+    /// Prefix of the array's columns if tables have several arrays, for example left.
+    #[arg(long, value_name = "PREFIX", requires = "taxels")]
+    prefix: Option<String>,
+    /// Layout file of the sensing elements, written by `feeler locate`, instead of an experiment.
+    #[arg(long, value_name = "LAYOUT.toml", conflicts_with = "experiment")]
+    layout: Option<PathBuf>,
+    /// Experiment that defines the fingertip: a file, or the name of a built-in one.
+    #[arg(long, value_name = "EXPERIMENT", default_value = "cap-closing")]
+    experiment: String,
+    /// Index of the finger whose fingertip it is [default: the fingertip shared by all fingers]
+    #[arg(long, value_name = "NUMBER", conflicts_with = "layout")]
+    finger: Option<usize>,
+    /// Maximum probability of rejecting a calibration that is still valid, if presses are independent. If all presses
+    /// are off together, it is at most 10 %.
+    #[arg(long, value_name = "PROBABILITY", default_value_t = 0.01, value_parser = parse_rate)]
+    false_alarm_rate: f64,
+    /// Write the calibration with the result in its passport, as `feeler sense --verified-within` requires.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: Overwrite,
+    #[command(flatten)]
+    json: Json,
+}
+
+fn parse_rate(text: &str) -> Result<f64, String> {
+    parse_between(text, 1e-6, 0.1, "of valid calibrations")
+}
+
+/// Tests whether a calibration is still valid.
+pub fn verify(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let options = VerifyOptions {
+        calibration: arguments.calibration.clone(),
+        presses: arguments.presses.clone(),
+        taxels: TaxelOptions {
+            taxels: arguments.taxels.clone(),
+            prefix: arguments.prefix.clone(),
+            ..TaxelOptions::default()
+        },
+        layout: arguments.layout.clone(),
+        experiment: arguments.experiment.clone(),
+        finger: arguments.finger,
+        false_alarm_rate: arguments.false_alarm_rate,
+        output: arguments.output.clone(),
+        force: arguments.overwrite.force,
+        json: arguments.json.json,
+    };
+    feeler_sensing::calibration::verify(&options, out)
+}

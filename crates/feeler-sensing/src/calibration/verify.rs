@@ -1,0 +1,203 @@
+//! `feeler verify`: tests whether a wrench calibration is still valid.
+
+use super::checks::CONFIRM;
+use super::passport::today;
+use super::read_taxel_recordings;
+use crate::{TaxelOptions, named_sensor, read_taxel_layout};
+use feeler::sensor::wrench::basis::Basis;
+use feeler::sensor::wrench::taxels::TaxelCalibration;
+use feeler::sensor::wrench::verification::{AxisVerification, Verification, verify as test};
+use feeler::sensor::wrench::{CalibrationOf, SampleOf, WrenchCalibration};
+use feeler_console::{CommandError, Outcome, Outputs, PartFile, Steps, print_json, warn};
+use feeler_lab::sensor::ForcesFile;
+use std::fs;
+use std::io::Write;
+use std::path::{Path, PathBuf};
+
+/// Calibration to test, presses, and output.
+#[derive(Debug, Clone)]
+pub struct VerifyOptions {
+    /// Wrench calibration.
+    pub calibration: PathBuf,
+    /// Table of measured forces.
+    pub presses: PathBuf,
+    /// Layout of the taxel array, if the sensor is one.
+    pub taxels: TaxelOptions,
+    /// Located layout of a camera's sensor, in place of an experiment's fingertip.
+    pub layout: Option<PathBuf>,
+    /// Experiment whose fingertip it is: a file or a built-in name.
+    pub experiment: String,
+    /// Finger of the experiment.
+    pub finger: Option<usize>,
+    /// Maximum probability of rejecting a valid calibration if presses are independent.
+    pub false_alarm_rate: f64,
+    /// File for the calibration with the result in its passport, or `None` to print the result only.
+    pub output: Option<PathBuf>,
+    /// `true` to replace an existing output.
+    pub force: bool,
+    /// `true` to print JSON.
+    pub json: bool,
+}
+
+/// Tests a calibration with measured presses. Returns [`Outcome::Differs`] if it is no longer valid.
+///
+/// # Errors
+/// If a file cannot be read or was made for another sensor, or if there are too few presses.
+pub fn verify(options: &VerifyOptions, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let path = &options.calibration;
+    let named = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
+    let text = fs::read_to_string(path).map_err(|e| named(&e))?;
+    let forces = ForcesFile::read(&options.presses)?;
+    if TaxelCalibration::is_kind(&text) {
+        let calibration = TaxelCalibration::from_toml(&text).map_err(|e| named(&e))?;
+        let layout = options.taxels.taxels.as_deref();
+        let layout = layout.ok_or_else(|| {
+            named(&"expected --taxels LAYOUT, because the calibration is for a taxel array")
+        })?;
+        let layout = read_taxel_layout(layout, &options.taxels, None)?;
+        let target = layout.calibration_target()?;
+        calibration.verify_target(&target).map_err(|e| named(&e))?;
+        let tables: Vec<_> = forces
+            .recordings()
+            .iter()
+            .map(|name| forces.path_of(name))
+            .collect();
+        let job = Job::new(options, calibration, &forces, tables)?;
+        let progress = Steps::new(forces.recordings().len());
+        let recordings = read_taxel_recordings(&forces, &layout, || progress.advance())?;
+        drop(progress);
+        recordings.troubles.iter().for_each(|words| warn(words));
+        return job.finish(&recordings.samples, out);
+    }
+    let sensor = named_sensor(
+        &options.experiment,
+        options.finger,
+        options.layout.as_deref(),
+    )?;
+    let calibration = sensor
+        .parse_wrench_calibration(&text)
+        .map_err(|e| named(&e))?;
+    let calibration: WrenchCalibration = calibration
+        .ok_or_else(|| named(&"expected a calibration by `feeler calibrate --wrench`"))?;
+    let job = Job::new(options, calibration, &forces, forces.files())?;
+    let progress = Steps::new(forces.picture_count());
+    let measured = forces.sense(&sensor, || progress.advance())?;
+    drop(progress);
+    measured
+        .skipped
+        .iter()
+        .for_each(|reason| warn(&format!("skipped: {reason}")));
+    job.finish(&measured.samples, out)
+}
+
+/// A calibration to test, and the file for the result.
+struct Job<'a, B: Basis> {
+    options: &'a VerifyOptions,
+    calibration: CalibrationOf<B>,
+    file: Option<PartFile>,
+}
+
+impl<'a, B: Basis> Job<'a, B> {
+    /// Checks the unit of the forces, and creates the output.
+    fn new(
+        options: &'a VerifyOptions,
+        calibration: CalibrationOf<B>,
+        forces: &ForcesFile,
+        inputs: Vec<PathBuf>,
+    ) -> Result<Self, CommandError> {
+        if !calibration.loads_confirmed {
+            let checked = forces.check_magnitude();
+            checked.map_err(|error| format!("{}: {error}{CONFIRM}", options.presses.display()))?;
+        }
+        let named = [options.calibration.as_path(), &options.presses];
+        let inputs = inputs.iter().map(PathBuf::as_path).chain(named).map(Some);
+        let mut outputs = Outputs::new(options.force, inputs);
+        let create = |path: &PathBuf| outputs.create(path, "--output");
+        let file = options.output.as_ref().map(create).transpose()?;
+        Ok(Self {
+            options,
+            calibration,
+            file,
+        })
+    }
+
+    /// Tests the calibration, prints the result and writes the output.
+    fn finish(
+        mut self,
+        samples: &[SampleOf<B>],
+        out: &mut dyn Write,
+    ) -> Result<Outcome, CommandError> {
+        let options = self.options;
+        let verification = test(
+            &self.calibration,
+            samples,
+            &today(),
+            options.false_alarm_rate,
+        )
+        .map_err(|e| format!("{}: {e}", options.presses.display()))?;
+        if options.json {
+            print_json(&verification, out)?;
+        } else {
+            print(&self.calibration, &verification, out)?;
+        }
+        let outcome = match verification.valid {
+            true => Outcome::Done,
+            false => Outcome::Differs,
+        };
+        self.calibration.add_verification(verification)?;
+        if let (Some(file), Some(path)) = (self.file, &options.output) {
+            file.finish(self.calibration.to_toml()?.as_bytes())?;
+            if !options.json {
+                writeln!(out, "{}", Path::display(path))?;
+            }
+        }
+        Ok(outcome)
+    }
+}
+
+/// Prints the result of each component.
+fn print<B: Basis>(
+    calibration: &CalibrationOf<B>,
+    verification: &Verification,
+    out: &mut dyn Write,
+) -> std::io::Result<()> {
+    writeln!(
+        out,
+        "{:<10}{:>9}{:>10}{:>15}{:>12}{:>10}{:>10}{:>8}",
+        "", "presses", "outside", "rejected from", "95 % band", "RMSE", "bias", "gain"
+    )?;
+    for tested in &verification.axes {
+        let AxisVerification {
+            axis,
+            presses,
+            outside,
+            rejected_from,
+            errors,
+            gain_drift,
+        } = tested;
+        let (unit, factor) = axis.shown_unit();
+        let number =
+            |value: Option<f64>| value.map_or("-".into(), |value| format!("{:.4}", factor * value));
+        let band = calibration
+            .quality
+            .iter()
+            .find(|quality| quality.axis == *axis);
+        writeln!(
+            out,
+            "{:<10}{presses:>9}{outside:>10}{rejected_from:>15}{:>12}{:>10}{:>10}{:>8}",
+            format!("{} ({unit})", axis.name()),
+            number(band.and_then(|quality| quality.band_95)),
+            number(errors.map(|errors| errors.rmse)),
+            number(errors.map(|errors| errors.bias)),
+            gain_drift.map_or("-".into(), |gain| format!("{:+.1} %", 100.0 * gain)),
+        )?;
+    }
+    let percent = 100.0 * verification.false_alarm_rate;
+    match verification.valid {
+        true => writeln!(out, "still valid (false-alarm rate at most {percent} %)"),
+        false => writeln!(
+            out,
+            "no longer valid (false-alarm rate at most {percent} %); calibrate again"
+        ),
+    }
+}

@@ -1,0 +1,199 @@
+//! Transfers a calibration to another copy of the sensor with a few presses.
+//!
+//! Copies of a sensor differ by manufacturing: stiffness, strength and position of magnets or lights, mounting. The result
+//! stays close to the original where the presses do not contradict it. [`adjust`] fits a gain and an offset of each component;
+//! held-out presses decide between two further steps:
+//!
+//! - [`adjust`] also fits a linear map from the readings of each taxel to those of the original.
+//! - [`refine`] adds a ridge regression of the remaining errors on the regression terms, so that the weights shrink toward
+//!   those of the original (Kuzborskij and Orabona, Stability and hypothesis transfer learning, ICML 2013).
+//!
+//! Penalties are chosen by cross-validation over presses.
+
+mod adjust;
+mod data;
+mod refine;
+
+use super::basis::Basis;
+use super::calibration::{CalibrationOf, WrenchModel};
+use super::error::WrenchError;
+use super::fit::{FitOf, check, usable};
+use super::novelty::{MARGIN, NEAR};
+use super::quality::{HeldOut, band_95, judge, quantile};
+use super::sample::SampleOf;
+use crate::sensor::fingertip::made_for::CalibrationTarget;
+use data::PressData;
+
+/// Transfers `source` to the sensor `made_for` with `samples` of it, which must be in order of time within each recording.
+/// Components that were not measured are omitted. `recordings` contains the names of the recordings.
+///
+/// Errors in the result are those of held-out presses; everything is fitted again without them.
+///
+/// # Errors
+/// If the sensors have different numbers of elements, if there are fewer than three presses, or if no component of the
+/// source was measured often enough.
+pub fn transfer<B: Basis>(
+    source: &CalibrationOf<B>,
+    made_for: CalibrationTarget,
+    recordings: &[String],
+    samples: &[SampleOf<B>],
+) -> Result<FitOf<B>, WrenchError> {
+    source.check()?;
+    check(&made_for, recordings, samples)?;
+    if source.made_for.elements != made_for.elements {
+        return Err(WrenchError::Count {
+            what: "elements of the calibration to transfer".into(),
+            expected: made_for.elements,
+            actual: source.made_for.elements,
+        });
+    }
+    let mut samples: Vec<&SampleOf<B>> = samples.iter().collect();
+    samples.sort_by_key(|sample| sample.recording);
+    let usable = usable(made_for.elements, &samples);
+    let unusable = samples.len() - usable.len();
+    let data = PressData::new(usable)?;
+    let methods: &[Method] = match source.model.elements.copy_parameters() {
+        0 => &[Method::Errors],
+        _ => &[Method::Errors, Method::Readings],
+    };
+    let tried = methods
+        .iter()
+        .map(|&method| (method, predict_held_out(source, &data, method)));
+    let total = |predicted: &[Predicted]| squared_error(source, &data, predicted);
+    let best = tried.min_by(|(_, a), (_, b)| total(a).total_cmp(&total(b)));
+    let Some((method, predicted)) = best else {
+        return Err(WrenchError::NotMeasured);
+    };
+    let mut model = transferred(source, &data, method, None);
+    let distances: Vec<f64> = predicted.iter().map(|p| p.distance).collect();
+    let near = quantile(distances, NEAR).unwrap_or(0.0);
+    let limit = source.model.novelty.limit.max(MARGIN * near);
+    model.novelty.limit = limit;
+    let (mut quality, mut held_out, mut left_out) = (Vec::new(), Vec::new(), Vec::new());
+    for (place, original) in source.model.axes.iter().enumerate() {
+        let axis = original.axis;
+        let rows = data.samples.iter().zip(&predicted);
+        let rows = rows.filter_map(|(sample, predicted)| {
+            Some(HeldOut {
+                recording: sample.recording,
+                measured: sample.wrench[axis.index()]?,
+                by_blocks: predicted.values[place],
+                by_recording: None,
+                distance_by_blocks: Some(predicted.distance),
+                distance_by_recording: None,
+            })
+        });
+        let rows: Vec<_> = rows.collect();
+        let judged = judge(axis, &rows, recordings);
+        match judged.filter(|_| model.axes.iter().any(|model| model.axis == axis)) {
+            Some(mut judged) => {
+                judged.band_95 = band_95(&rows, limit);
+                quality.push(judged);
+                held_out.push(rows);
+            }
+            None => left_out.push((axis, None)),
+        }
+    }
+    if quality.is_empty() {
+        return Err(WrenchError::NotMeasured);
+    }
+    (model.axes).retain(|axis| quality.iter().any(|quality| quality.axis == axis.axis));
+    let calibration = CalibrationOf {
+        made_for,
+        passport: None,
+        quality,
+        model,
+        ..source.clone()
+    };
+    calibration.check()?;
+    Ok(FitOf {
+        calibration,
+        left_out,
+        unusable,
+        held_out,
+    })
+}
+
+/// Adaptation of a model, besides a gain and an offset of each component.
+#[derive(Debug, Clone, Copy, PartialEq)]
+enum Method {
+    /// Regress its errors on the terms.
+    Errors,
+    /// Map the readings to those of the original.
+    Readings,
+}
+
+/// Transfers the model of `source` without the press `held`. Omits components that were measured too seldom.
+fn transferred<B: Basis>(
+    source: &CalibrationOf<B>,
+    data: &PressData<B>,
+    method: Method,
+    held: Option<usize>,
+) -> WrenchModel<B> {
+    let mut model = adjust::adjusted(source, data, method, held);
+    if method == Method::Readings {
+        (model.axes).retain(|axis| data.target(axis.axis, held).is_some());
+        return model;
+    }
+    let all: Vec<_> = (0..data.samples.len()).collect();
+    let features = data.features(&model.elements, &all);
+    let axes = model.axes.iter();
+    let refined =
+        axes.filter_map(|axis| refine::refined(&model.elements, &features, axis, data, held));
+    model.axes = refined.collect();
+    model
+}
+
+/// Prediction of a sample without its press.
+struct Predicted {
+    /// Each component of the source; `None` if it was measured too seldom.
+    values: Vec<Option<f64>>,
+    /// Novelty distance.
+    distance: f64,
+}
+
+/// Sum of the squared errors of all components, in units of the source's errors.
+fn squared_error<B: Basis>(
+    source: &CalibrationOf<B>,
+    data: &PressData<B>,
+    predicted: &[Predicted],
+) -> f64 {
+    let rows = data.samples.iter().zip(predicted);
+    let errors = rows.flat_map(|(sample, predicted)| {
+        let qualities = source.quality.iter().zip(&predicted.values);
+        qualities.filter_map(|(quality, value)| {
+            let error = (*value)? - sample.wrench[quality.axis.index()]?;
+            Some((error / quality.blocks.rmse.max(f64::MIN_POSITIVE)).powi(2))
+        })
+    });
+    errors.sum()
+}
+
+/// Predicts each sample with a model transferred without its press.
+fn predict_held_out<B: Basis>(
+    source: &CalibrationOf<B>,
+    data: &PressData<B>,
+    method: Method,
+) -> Vec<Predicted> {
+    let models: Vec<_> = (0..data.presses)
+        .map(|press| transferred(source, data, method, Some(press)))
+        .collect();
+    let rows = data
+        .samples
+        .iter()
+        .zip(&data.press_of)
+        .map(|(sample, &press)| {
+            let model = &models[press];
+            let mut features = vec![0.0; model.elements.feature_count()];
+            model.elements.standardise(&sample.seen, &mut features);
+            let values = source.model.axes.iter().map(|original| {
+                let own = model.axes.iter().find(|own| own.axis == original.axis);
+                own.map(|own| own.value(&model.elements, &features))
+            });
+            Predicted {
+                values: values.collect(),
+                distance: model.novelty.distance(&model.elements, &features),
+            }
+        });
+    rows.collect()
+}

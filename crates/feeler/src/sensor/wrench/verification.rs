@@ -1,0 +1,240 @@
+//! Tests whether a calibration is still valid, from a few presses with measured wrenches.
+//!
+//! The calibration states a band that contains the errors of 95 % of the samples ([`AxisQuality::band_95`]). If it is still
+//! valid, more than half of a press's samples are outside the band with a probability of at most 10 % (Markov's inequality,
+//! for any distribution of the errors and any correlation within a press). A component is rejected if k of n presses are
+//! outside and the binomial probability of k or more, at 10 % each, does not exceed the false-alarm rate, which the
+//! components share. If all presses of a session are off together, the false-alarm rate is at most 10 %.
+//!
+//! [`AxisQuality::band_95`]: super::quality::AxisQuality::band_95
+
+use super::WrenchAxis;
+use super::basis::Basis;
+use super::calibration::CalibrationOf;
+use super::error::WrenchError;
+use super::estimator::EstimatorOf;
+use super::presses::presses;
+use super::quality::{AxisQuality, Errors};
+use super::sample::SampleOf;
+use serde::{Deserialize, Serialize};
+
+/// Maximum probability that more than half of a press's samples are outside the 95 % band of a valid calibration.
+const OUTSIDE: f64 = 0.1;
+
+/// Result of testing a calibration.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Verification {
+    /// Date of the presses, UTC, as in 2026-11-28.
+    pub date: String,
+    /// Maximum probability that a valid calibration is rejected if presses are independent.
+    pub false_alarm_rate: f64,
+    /// `true` if no component was rejected.
+    pub valid: bool,
+    /// Result for each component of the calibration that was measured.
+    pub axes: Vec<AxisVerification>,
+}
+
+/// Result of testing one component.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct AxisVerification {
+    /// The component.
+    pub axis: WrenchAxis,
+    /// Number of presses.
+    pub presses: usize,
+    /// Number of presses with more than half of the samples outside the 95 % band, or unlike those of the calibration.
+    pub outside: usize,
+    /// Minimum number of presses outside for which the component is rejected.
+    pub rejected_from: usize,
+    /// Errors of the valid samples, N, N m or m; `None` without any.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub errors: Option<Errors>,
+    /// Slope of the regression of measured on predicted values, minus 1; `None` if predictions are constant.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gain_drift: Option<f64>,
+}
+
+impl AxisVerification {
+    /// Returns `true` if the component was rejected.
+    pub fn is_rejected(&self) -> bool {
+        self.outside >= self.rejected_from
+    }
+}
+
+/// Tests `calibration` with `samples`, in order of time within each recording. `date` is recorded as the date of the
+/// presses.
+///
+/// Samples beyond the calibrated range of a component are ignored.
+///
+/// # Errors
+/// If no component of the calibration was measured within its range, if its band of errors is unknown, or if there are
+/// too few presses to reject it.
+pub fn verify<B: Basis>(
+    calibration: &CalibrationOf<B>,
+    samples: &[SampleOf<B>],
+    date: &str,
+    false_alarm_rate: f64,
+) -> Result<Verification, WrenchError> {
+    let mut samples: Vec<&SampleOf<B>> = samples.iter().collect();
+    samples.sort_by_key(|sample| sample.recording);
+    let presses = presses(&samples);
+    let mut estimator = EstimatorOf::new(calibration.clone())?;
+    let estimates = samples
+        .iter()
+        .map(|sample| estimator.estimate_with(|input| input.clone_from(&sample.seen)));
+    let estimates: Vec<_> = estimates.collect();
+    let compared = |quality: &AxisQuality| {
+        let index = quality.axis.index();
+        let [low, high] = quality.range;
+        let pair = |row: usize| {
+            let measured =
+                samples[row].wrench[index].filter(|value| (low..=high).contains(value))?;
+            let estimate = &estimates[row];
+            let predicted = estimate.components[index].filter(|_| estimate.valid);
+            Some((measured, predicted))
+        };
+        let presses = presses.iter();
+        let presses = presses.map(|press| {
+            press
+                .iter()
+                .filter_map(|&row| pair(row))
+                .collect::<Vec<_>>()
+        });
+        presses
+            .filter(|press| !press.is_empty())
+            .collect::<Vec<_>>()
+    };
+    let tested = calibration
+        .quality
+        .iter()
+        .map(|quality| (quality, compared(quality)));
+    let tested: Vec<_> = tested.filter(|(_, presses)| !presses.is_empty()).collect();
+    if tested.is_empty() {
+        return Err(WrenchError::NotMeasured);
+    }
+    let rate = false_alarm_rate / tested.len() as f64;
+    let axes = tested
+        .iter()
+        .map(|(quality, presses)| test(quality, presses, rate));
+    let axes = axes.collect::<Result<Vec<_>, _>>()?;
+    Ok(Verification {
+        date: date.to_owned(),
+        false_alarm_rate,
+        valid: !axes.iter().any(AxisVerification::is_rejected),
+        axes,
+    })
+}
+
+/// A measured value, and the predicted one if it is valid.
+type Compared = (f64, Option<f64>);
+
+/// Tests one component with the samples of each press.
+fn test(
+    quality: &AxisQuality,
+    presses: &[Vec<Compared>],
+    false_alarm_rate: f64,
+) -> Result<AxisVerification, WrenchError> {
+    let axis = quality.axis;
+    let band = quality
+        .band_95
+        .ok_or(WrenchError::NoBand { axis: axis.name() })?;
+    let is_outside = |press: &&Vec<Compared>| {
+        let inside = press.iter().filter(|(measured, predicted)| {
+            predicted.is_some_and(|predicted| (predicted - measured).abs() <= band)
+        });
+        2 * inside.count() < press.len()
+    };
+    let rejected_from = rejected_from(presses.len(), false_alarm_rate).ok_or_else(|| {
+        WrenchError::TooFewPresses {
+            expected: fewest_presses(false_alarm_rate),
+            actual: presses.len(),
+        }
+    })?;
+    let valid: Vec<[f64; 2]> = presses
+        .iter()
+        .flatten()
+        .filter_map(|&(measured, predicted)| Some([measured, predicted?]))
+        .collect();
+    Ok(AxisVerification {
+        axis,
+        presses: presses.len(),
+        outside: presses.iter().filter(is_outside).count(),
+        rejected_from,
+        errors: Errors::of(
+            valid
+                .iter()
+                .map(|[measured, predicted]| predicted - measured),
+        ),
+        gain_drift: slope(&valid).map(|slope| slope - 1.0),
+    })
+}
+
+/// Slope of the regression of measured on predicted values, or `None` if the predicted ones are constant.
+fn slope(pairs: &[[f64; 2]]) -> Option<f64> {
+    let count = pairs.len() as f64;
+    let mean = |index: usize| pairs.iter().map(|pair| pair[index]).sum::<f64>() / count;
+    let [measured, predicted] = [mean(0), mean(1)];
+    let (mut common, mut square) = (0.0, 0.0);
+    for pair in pairs {
+        let away = pair[1] - predicted;
+        common += away * (pair[0] - measured);
+        square += away * away;
+    }
+    (square > 0.0).then(|| common / square)
+}
+
+/// Minimum number of `presses` that are outside with a probability of at most `rate` if the calibration is valid, or
+/// `None` if even all of them are outside more often.
+fn rejected_from(presses: usize, rate: f64) -> Option<usize> {
+    let factorial = |n: usize| libm::lgamma(n as f64 + 1.0);
+    let probability = |outside: usize| {
+        let inside = presses - outside;
+        let ways = factorial(presses) - factorial(outside) - factorial(inside);
+        libm::exp(
+            ways + outside as f64 * libm::log(OUTSIDE) + inside as f64 * libm::log(1.0 - OUTSIDE),
+        )
+    };
+    let mut sum = 0.0;
+    let most_first = (1..=presses).rev();
+    let rarer = most_first.take_while(|&outside| {
+        sum += probability(outside);
+        sum <= rate
+    });
+    rarer.last()
+}
+
+/// Minimum number of presses with which a calibration can be rejected.
+fn fewest_presses(rate: f64) -> usize {
+    (1..)
+        .find(|&presses| rejected_from(presses, rate).is_some())
+        .unwrap_or(usize::MAX)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Critical numbers from a table of the binomial distribution with p = 0.1: P(X >= 3 of 5) = 0.00856,
+    /// P(X >= 2 of 5) = 0.0815, P(X >= 4 of 10) = 0.0128, P(X >= 5 of 10) = 0.00163, P(X = 2 of 2) = 0.01.
+    #[test]
+    fn critical_numbers_are_those_of_the_binomial_distribution() {
+        for (presses, rate, expected) in [
+            (5, 0.01, Some(3)),
+            (5, 0.1, Some(2)),
+            (10, 0.0129, Some(4)),
+            (10, 0.01, Some(5)),
+            (2, 0.0101, Some(2)),
+            (1, 0.01, None),
+            (0, 0.5, None),
+        ] {
+            assert_eq!(
+                rejected_from(presses, rate),
+                expected,
+                "{presses} presses, {rate}"
+            );
+        }
+        assert_eq!(fewest_presses(0.0099), 3);
+        assert_eq!(rejected_from(1000, 0.01), Some(124));
+    }
+}
