@@ -17,7 +17,7 @@ target/release/examples/moments_speed target/peers | tee target/peers/feeler.txt
 venv=target/peers/mujoco
 if ! "$venv/bin/python" -c 'import mujoco' 2>/dev/null; then
     python3 -m venv "$venv"
-    "$venv/bin/pip" install --quiet mujoco==3.3.7 numpy==2.4.6
+    "$venv/bin/pip" install --quiet mujoco==4.0.0 numpy==2.4.6
 fi
 cargo bench --quiet -p feeler-lab --bench sim -- physics_of_mujocos_scene | tee target/peers/sim.txt
 "$venv/bin/python" benches/peers/mujoco.py target/peers/sim.txt
