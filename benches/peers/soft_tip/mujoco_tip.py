@@ -75,8 +75,9 @@ class Tip:
         forces, places = self.contacts()
         pressed = places[forces[:, 2] < 0]
         # Forces are relative to the tip's motion, which is opposite to the plate's.
-        return {"load": -force[1], "elements": self.elements(forces), "shear": force[0], "moment": force[2],
-                "radius": float(np.hypot(*pressed[:, :2].T).max()) if len(pressed) else None}
+        return {"load": -float(force[1]), "elements": self.elements(forces), "shear": float(force[0]),
+                "moment": float(force[2]),
+                "radius": float(np.hypot(*pressed[:, :2].T).max()) if len(pressed) > 1 else None}
 
 
 class Sphere(Tip):
@@ -107,9 +108,9 @@ integrator="implicitfast" tolerance="1e-10" iterations="100" noslip_iterations="
     def elements(self, forces):
         return abs(float(self.data.sensor("grid").data[:256].sum()))
 
-    def depths(self):
-        data = self.data.sensor("tactile").data
-        return data[: len(data) // 3]
+    def read(self):
+        depths = self.data.sensor("tactile").data[:400]
+        return {**super().read(), "sum_of_depths": float(depths.sum())}
 
 
 def fitted():
@@ -123,7 +124,7 @@ def fitted():
 class Flex(Tip):
     def __init__(self, step):
         points, tetrahedra, bonded = mesh.tip(ACROSS, LAYERS)
-        contact = f'condim="3" friction="{scene.FRICTION} 0 0" solref="{2 * scene.COARSE_STEPS[0]} 1" solimp="0.9999 0.9999 0.001"'
+        contact = f'condim="3" friction="{scene.FRICTION} 0 0" solref="{2 * step} 1" solimp="0.9999 0.9999 0.001"'
         super().__init__(f"""<mujoco><option timestep="{step}" gravity="0 0 0" cone="elliptic" integrator="discrete"
 solver="{SOLVER}" impratio="100" tolerance="1e-8" iterations="300"/>
 <worldbody>{PLATE.format(contact=contact)}
@@ -138,5 +139,5 @@ element="{' '.join(map(str, tetrahedra.flatten()))}">
 
 
 if __name__ == "__main__":
-    peer, steps = {"sphere": (Sphere, scene.STEPS), "flex": (Flex, scene.COARSE_STEPS)}[sys.argv[2]]
+    peer, steps = {"sphere": (Sphere, scene.STEPS), "flex": (Flex, [0.005, 0.0025, 0.00125])}[sys.argv[2]]
     scene.main(f"MuJoCo, {sys.argv[2]}", mujoco.__version__, peer, steps)

@@ -76,4 +76,4 @@ class Tip:
 
 
 if __name__ == "__main__":
-    scene.main("Newton, VBD", version("newton"), Tip, [0.01, 0.005, 0.0025])
+    scene.main("Newton, VBD", version("newton"), Tip, scene.COARSE_STEPS)

@@ -52,8 +52,8 @@ def measures(peer, step):
     force = loads(press)
     out = {f"load{n}": f / scene.hertz_force(d) - 1 for n, (f, d) in enumerate(zip(force, scene.DEPTHS))}
     at_rest = at(press, scene.PRESS_TIME)
-    sums = [abs(row["elements"] / row["load"] - 1) for row in press + shear + hold + twist
-            if row["elements"] is not None and row["load"] > 0.02]
+    sums = [abs(row["elements"] / row["load"] - 1) for row in shear + hold + twist
+            if row["elements"] is not None and row["time"] >= scene.PRESS_TIME]
     out["sum"] = max(sums) if sums else None
     out["radius"] = at_rest["radius"] / RADIUS - 1 if at_rest["radius"] else None
     mindlin = [{**row, "shear": scene.mindlin_force(row["travel"], LOAD, RADIUS)} for row in shear]
@@ -83,24 +83,39 @@ def step_dependence(peer, steps):
     return worst
 
 
-def percent(value, digits=1):
-    return "-" if value is None else f"{100 * value:+.{digits}f}".replace("-0.0", "0.0").replace("+0.0", "0.0")
+ROWS = {
+    "load0": "load at 0.25 mm", "load1": "load at 0.5 mm", "load2": "load at 0.75 mm", "load3": "load at 1 mm",
+    "radius": "contact radius at 1 mm", "shear_slope": "shear slope, first 0.1 mm", "break": "shear limit",
+    "overshoot": "largest shear", "hold": "held shear, change in 1 s", "twist_slope": "torsion slope, first 0.02 rad",
+    "torsion": "torsion limit",
+}
+
+
+def percent(value):
+    return "-" if value is None else f"{100 * value:+.1f}".replace("-0.0", "0.0").replace("+0.0", "0.0")
+
+
+def steps_of(peer):
+    return sorted({r["step"] for r in peer["records"]}, reverse=True)
+
+
+def middle(steps):
+    return steps[len(steps) // 2]
 
 
 def table(peers):
-    columns = {"load0": "load at 0.25 mm", "load1": "0.5 mm", "load2": "0.75 mm", "load3": "1 mm", "radius": "radius",
-               "shear_slope": "shear slope", "break": "shear limit", "hold": "held shear after 1 s",
-               "twist_slope": "torsion slope", "torsion": "torsion limit"}
-    print("|peer|step, ms|" + "|".join(columns.values()) + "|elements' sum, largest error|coarsest against finest step|s per s|")
-    print("|---" * (len(columns) + 5) + "|")
-    for peer in peers:
-        steps = sorted({r["step"] for r in peer["records"]}, reverse=True)
-        for step in steps:
-            m = measures(peer, step)
-            total = "-" if m["sum"] is None else f"{100 * m['sum']:.2g}"
-            change = f"{100 * step_dependence(peer, steps):.2g}" if step == steps[0] else ""
-            cells = [percent(m[c]) for c in columns] + [total, change, f"{m['cost']:.3g}"]
-            print(f"|{peer['name']} {peer['version']}|{1e3 * step:g}|" + "|".join(cells) + "|")
+    """One column per peer, at the middle step; all values but the last two rows are differences in percent."""
+    steps = [steps_of(peer) for peer in peers]
+    found = [measures(peer, middle(own)) for peer, own in zip(peers, steps)]
+    line = lambda name, cells: print(f"|{name}|" + "|".join(cells) + "|")
+    line("", [f"{peer['name']} {peer['version']}" for peer in peers])
+    line("---", ["---"] * len(peers))
+    for key, name in ROWS.items():
+        line(name, [percent(m[key]) for m in found])
+    line("sum of the elements against the load, at 1 mm", ["-" if m["sum"] is None else f"{100 * m['sum']:.1g}" for m in found])
+    line("largest change with the step", [f"{100 * step_dependence(p, own):.2g}" for p, own in zip(peers, steps)])
+    line("steps, ms", [", ".join(f"{1e3 * step:g}" for step in own) for own in steps])
+    line("processor time, s per s", [f"{m['cost']:.2g}" for m in found])
 
 
 def draw(path, peers):
@@ -113,7 +128,7 @@ def draw(path, peers):
     turns = np.linspace(0, limit / scene.twist_stiffness() / 1.5, 2)
     twist.plot(turns, scene.twist_stiffness() * turns / limit, "k", lw=2)
     for peer in peers:
-        step = sorted({r["step"] for r in peer["records"]})[1]
+        step = middle(steps_of(peer))
         line, = press.plot([1e3 * d for d in scene.DEPTHS], loads(rows(peer, "press", step)), "o--", ms=3, lw=0.8, label=peer["name"])
         for axes, run, by, of, x, y in ((shear, "shear", "travel", "shear", 1e3, 1 / scene.FRICTION / LOAD),
                                         (twist, "twist", "turn", "moment", 1, 1 / limit)):
