@@ -113,7 +113,8 @@ def table(peers):
     for key, name in ROWS.items():
         line(name, [percent(m[key]) for m in found])
     line("sum of the elements against the load, at 1 mm", ["-" if m["sum"] is None else f"{100 * m['sum']:.1g}" for m in found])
-    line("largest change with the step", [f"{100 * step_dependence(p, own):.2g}" for p, own in zip(peers, steps)])
+    line("largest change with the step",
+         [f"{100 * step_dependence(p, own):.2g}" if len(own) > 1 else "-" for p, own in zip(peers, steps)])
     line("steps, ms", [", ".join(f"{1e3 * step:g}" for step in own) for own in steps])
     line("processor time, s per s", [f"{m['cost']:.2g}" for m in found])
 
