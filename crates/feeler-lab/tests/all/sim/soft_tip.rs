@@ -119,8 +119,8 @@ fn sheared_and_twisted(layout: &LayoutConfig, step: f64) -> Vec<[f64; 3]> {
 }
 
 /// The elements' forces sum to the load in every step. Loads (N) and moments (N·mm) depend on the step because sliding
-/// elements follow their curved path by backward Euler, with an error of first order: 4 um of travel per step, of about 1
-/// mm over which the direction of friction changes.
+/// elements follow their curved path by backward Euler, with an error of first order: at most 4 um of travel per step, of
+/// about 1 mm over which the direction of friction changes. Elements that stick have none, which leaves a quarter.
 #[test]
 fn elements_sum_to_the_load_and_do_not_depend_on_the_step() {
     for layout in [dense_layout(), reference_layout()] {
@@ -128,7 +128,7 @@ fn elements_sum_to_the_load_and_do_not_depend_on_the_step() {
         let coarse = sheared_and_twisted(&layout, 2e-3);
         for (fine, coarse) in fine.iter().zip(&coarse) {
             for (fine, coarse) in fine.iter().zip(coarse) {
-                assert!((fine - coarse).abs() < 4e-3, "{fine} and {coarse}");
+                assert!((fine - coarse).abs() < 1e-3, "{fine} and {coarse}");
             }
         }
     }
