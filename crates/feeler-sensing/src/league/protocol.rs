@@ -1,0 +1,274 @@
+//! Messages of the league to a program and back: one JSON object a line (docs/league.md).
+
+use super::data::{Fold, Piece, SetData, Truth};
+use super::definition::Target;
+use rand::SeedableRng;
+use rand::seq::SliceRandom;
+use rand_pcg::Pcg64;
+use serde::{Deserialize, Serialize};
+use std::io::Write;
+
+/// Version of the messages.
+const VERSION: u32 = 1;
+/// Maximum length of a line of answers, plus that of each number (bytes).
+const LINE: usize = 4096;
+const NUMBER: usize = 64;
+/// Maximum number of characters of a wrong answer that are shown.
+const SHOWN: usize = 80;
+
+/// First line to a program.
+#[derive(Serialize)]
+struct Header<'a> {
+    protocol: &'static str,
+    version: u32,
+    set: &'a str,
+    /// `slip` or `values`.
+    task: &'static str,
+    /// `recording` or `row`: number of answers per recording.
+    per: &'static str,
+    fold: usize,
+    folds: usize,
+    columns: &'a [&'static str],
+    unit: &'a str,
+    targets: Vec<Named<'a>>,
+    train: usize,
+    test: usize,
+}
+
+#[derive(Serialize)]
+struct Named<'a> {
+    name: &'a str,
+    unit: &'a str,
+}
+
+/// A line for a piece of a recording. Training lines contain the truth.
+#[derive(Serialize)]
+struct Sample<'a> {
+    sample: usize,
+    part: &'static str,
+    recording: usize,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    group: Option<usize>,
+    times: &'a [f64],
+    values: &'a [Vec<f64>],
+    #[serde(skip_serializing_if = "Option::is_none")]
+    slip: Option<Labels<'a>>,
+    #[serde(skip_serializing_if = "Option::is_none")]
+    targets: Option<&'a [Vec<f64>]>,
+}
+
+#[derive(Serialize)]
+#[serde(untagged)]
+enum Labels<'a> {
+    One(bool),
+    Rows(&'a [Option<bool>]),
+}
+
+/// A line from a program.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct Answer {
+    sample: usize,
+    slip: Option<Numbers>,
+    targets: Option<Vec<Vec<f64>>>,
+}
+
+#[derive(Deserialize)]
+#[serde(untagged)]
+enum Numbers {
+    One(f64),
+    Rows(Vec<f64>),
+}
+
+/// Order in which the pieces of a fold are sent, and identifiers of recordings and groups. Names and order of recordings
+/// may reveal labels, so both are drawn, the same for the same data.
+pub struct Order {
+    pub train: Vec<Piece>,
+    /// Indices of the test pieces in the fold, in the order in which they are sent.
+    pub test: Vec<usize>,
+    /// Identifier of each recording and of each group.
+    recordings: Vec<usize>,
+    groups: Vec<usize>,
+}
+
+impl Order {
+    /// Draws the order of a fold. Pieces with values stay in order of time.
+    pub fn of(set: &SetData, fold: &Fold) -> Self {
+        let mut random = Pcg64::seed_from_u64(set.recordings.len() as u64);
+        let mut drawn = |count: usize| {
+            let mut drawn: Vec<_> = (0..count).collect();
+            drawn.shuffle(&mut random);
+            drawn
+        };
+        let recordings = drawn(set.recordings.len());
+        let groups = drawn(set.groups.len());
+        let mut train = fold.train.clone();
+        let mut test: Vec<_> = (0..fold.test.len()).collect();
+        let place = |piece: &Piece| (recordings[piece.recording], piece.rows.start);
+        train.sort_by_key(place);
+        test.sort_by_key(|&index| place(&fold.test[index]));
+        Self {
+            train,
+            test,
+            recordings,
+            groups,
+        }
+    }
+}
+
+/// A fold of a set for a program.
+pub struct Question<'a> {
+    pub name: &'a str,
+    pub set: &'a SetData,
+    pub targets: &'a [Target],
+    pub fold: &'a Fold,
+    pub order: &'a Order,
+    /// Index of the fold and number of folds.
+    pub number: (usize, usize),
+}
+
+impl Question<'_> {
+    /// Writes all lines.
+    ///
+    /// # Errors
+    /// If the program does not read them.
+    pub fn write(&self, out: &mut impl Write) -> std::io::Result<()> {
+        let per_row = |r: &super::data::Recording| !matches!(r.truth, Truth::Slip(_));
+        let named = |target: &Target| (target.name.clone(), target.unit.clone());
+        let named: Vec<_> = self.targets.iter().map(named).collect();
+        let header = Header {
+            protocol: "feeler-league",
+            version: VERSION,
+            set: self.name,
+            task: if self.targets.is_empty() {
+                "slip"
+            } else {
+                "values"
+            },
+            per: if self.set.recordings.iter().any(per_row) {
+                "row"
+            } else {
+                "recording"
+            },
+            fold: self.number.0,
+            folds: self.number.1,
+            columns: self.set.columns,
+            unit: &self.set.unit,
+            targets: named
+                .iter()
+                .map(|(name, unit)| Named { name, unit })
+                .collect(),
+            train: self.order.train.len(),
+            test: self.order.test.len(),
+        };
+        line(&header, out)?;
+        for (number, piece) in self.order.train.iter().enumerate() {
+            line(&self.sample(number, piece, true), out)?;
+        }
+        for (number, &index) in self.order.test.iter().enumerate() {
+            line(&self.sample(number, &self.fold.test[index], false), out)?;
+        }
+        Ok(())
+    }
+
+    fn sample(&self, sample: usize, piece: &Piece, train: bool) -> Sample<'_> {
+        let recording = &self.set.recordings[piece.recording];
+        let rows = piece.rows.clone();
+        let (mut slip, mut targets) = (None, None);
+        match &recording.truth {
+            _ if !train => {}
+            Truth::Slip(slipped) => slip = Some(Labels::One(*slipped)),
+            Truth::SlipRows(labels) => slip = Some(Labels::Rows(&labels[rows.clone()])),
+            Truth::Values(values) => targets = Some(&values[rows.clone()]),
+        }
+        Sample {
+            sample,
+            part: if train { "train" } else { "test" },
+            recording: self.order.recordings[piece.recording],
+            group: train.then(|| self.order.groups[recording.group]),
+            times: &recording.times[rows.clone()],
+            values: &recording.rows[rows],
+            slip,
+            targets,
+        }
+    }
+
+    /// Maximum length of an answer (bytes).
+    pub fn longest(&self) -> usize {
+        let rows = self.fold.test.iter().map(|piece| piece.rows.len()).max();
+        LINE + NUMBER * rows.unwrap_or(0) * self.targets.len().max(1)
+    }
+
+    /// Parses the answer `text` to test piece `number`, in the order in which they are sent: rows of numbers, or one row
+    /// for a whole recording.
+    ///
+    /// # Errors
+    /// Returns what was expected if the answer is something else.
+    pub fn parse(&self, number: usize, text: &[u8]) -> Result<Vec<Vec<f64>>, String> {
+        let shown = || {
+            let text = String::from_utf8_lossy(text);
+            let text = text.trim();
+            match text.char_indices().nth(SHOWN) {
+                Some((end, _)) => format!("{:?}…", &text[..end]),
+                None => format!("{text:?}"),
+            }
+        };
+        let expected = |what: &str| format!("expected {what}, got {}", shown());
+        let answer: Answer = serde_json::from_slice(text)
+            .map_err(|error| format!("{} ({error})", expected("an answer in JSON")))?;
+        if answer.sample != number {
+            return Err(expected(&format!("the answer to sample {number}")));
+        }
+        let piece = &self.fold.test[self.order.test[number]];
+        let rows = piece.rows.len();
+        match (&self.set.recordings[piece.recording].truth, answer) {
+            (
+                Truth::Values(_),
+                Answer {
+                    targets: Some(targets),
+                    slip: None,
+                    ..
+                },
+            ) => {
+                let count = self.targets.len();
+                let is_whole =
+                    targets.len() == rows && targets.iter().all(|row| row.len() == count);
+                let what = format!("targets with {rows} rows of {count} numbers");
+                if is_whole {
+                    Ok(targets)
+                } else {
+                    Err(expected(&what))
+                }
+            }
+            (Truth::Values(_), _) => Err(expected("targets")),
+            (
+                truth,
+                Answer {
+                    slip: Some(slip),
+                    targets: None,
+                    ..
+                },
+            ) => {
+                let (found, count) = match (truth, slip) {
+                    (Truth::Slip(_), Numbers::One(slip)) => (vec![slip], 1),
+                    (Truth::SlipRows(_), Numbers::Rows(slips)) => (slips, rows),
+                    (Truth::Slip(_), _) => return Err(expected("slip as one number")),
+                    _ => return Err(expected(&format!("slip as {rows} numbers"))),
+                };
+                let is_share = found.iter().all(|slip| (0.0..=1.0).contains(slip));
+                match found.len() == count && is_share {
+                    true => Ok(found.into_iter().map(|slip| vec![slip]).collect()),
+                    false => Err(expected(&format!(
+                        "{count} probabilities of slip from 0 to 1"
+                    ))),
+                }
+            }
+            _ => Err(expected("slip")),
+        }
+    }
+}
+
+fn line(message: &impl Serialize, out: &mut impl Write) -> std::io::Result<()> {
+    serde_json::to_writer(&mut *out, message)?;
+    out.write_all(b"\n")
+}
