@@ -3,35 +3,24 @@
 mod data;
 mod definition;
 mod entries;
-mod images;
 mod options;
 mod output;
-mod program;
-mod protocol;
-mod ridge;
+mod read;
 mod scores;
 mod sets;
-mod slip;
-mod targets;
-mod taxels;
-mod wrench;
 
 pub use options::LeagueOptions;
 
 use crate::score_slip::in_order;
-use data::SetData;
 use definition::{Definition, Split};
-use entries::{Course, Entry};
+use entries::{Course, Entry, Inputs};
 use feeler_console::{CommandError, Outcome, Outputs, Steps, print_json, warn};
 use feeler_report::pages::{LeaguePage, LeagueRow, LeagueSet, PublishedFigure, league_page};
 use feeler_report::run::make::create_folder;
+use read::read;
 use scores::{metric_names, metrics};
 use sets::{FoundSet, find_sets};
-use sha2::{Digest, Sha256};
-use std::fs;
 use std::io::Write;
-use std::path::{Path, PathBuf};
-use wrench::Inputs;
 
 /// Scores all entries on all sets in a folder.
 ///
@@ -231,40 +220,6 @@ fn score(found: &FoundSet, programs: &[Entry], options: &LeagueOptions, bar: &St
         Ok(())
     });
     scored
-}
-
-/// Reads a set.
-fn read(definition: &Definition, folder: &Path) -> Result<SetData, CommandError> {
-    let mut files = Vec::new();
-    let mut set = match (&definition.slip, &definition.values) {
-        (Some(slip), _) => slip::read(slip, folder, &mut files)?,
-        (_, Some(values)) => match (&values.taxels, &values.images) {
-            (Some(taxels), _) => taxels::read(taxels, &values.targets, folder, &mut files)?,
-            (_, Some(images)) => images::read(images, &values.targets, folder, &mut files)?,
-            _ => return Err("no data".into()),
-        },
-        _ => return Err("no data".into()),
-    };
-    set.digest = digest(files)?;
-    Ok(set)
-}
-
-/// Hash of the contents of `files`, in the order of their names: the first 16 hexadecimal digits of SHA-256.
-fn digest(mut files: Vec<PathBuf>) -> Result<String, CommandError> {
-    files.sort();
-    files.dedup();
-    let mut hash = Sha256::new();
-    for path in files {
-        let bytes = fs::read(&path).map_err(|e| format!("{}: {e}", path.display()))?;
-        hash.update((bytes.len() as u64).to_le_bytes());
-        hash.update(&bytes);
-    }
-    Ok(hash
-        .finalize()
-        .iter()
-        .take(8)
-        .map(|byte| format!("{byte:02x}"))
-        .collect())
 }
 
 fn split_words(definition: &Definition, folds: usize) -> String {

@@ -7,7 +7,7 @@ use std::io::Write;
 use std::path::Path;
 
 /// Width of the columns of metrics and entries.
-const METRIC: usize = 14;
+const METRIC: usize = 18;
 const ENTRY: usize = 30;
 const VALUE: usize = 28;
 

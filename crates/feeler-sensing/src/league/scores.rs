@@ -2,8 +2,7 @@
 
 use super::data::{Fold, SetData, Truth, fold_of_group};
 use super::definition::{Definition, ErrorMetric, Split, Target};
-use super::entries::Answers;
-use super::program::Predictions;
+use super::entries::{Answers, Predictions};
 use feeler_lab::grasps::{Labelled, score_at, score_in_folds};
 use feeler_lab::sweep::analysis::{Estimate, bootstrap_of};
 use std::collections::{BTreeMap, HashMap};

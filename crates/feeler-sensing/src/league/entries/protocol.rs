@@ -1,10 +1,8 @@
 //! Messages of the league to a program and back: one JSON object a line (docs/league.md).
 
-use super::data::{Fold, Piece, SetData, Truth};
-use super::definition::Target;
-use rand::SeedableRng;
-use rand::seq::SliceRandom;
-use rand_pcg::Pcg64;
+use super::order::Order;
+use crate::league::data::{Fold, Piece, SetData, Truth};
+use crate::league::definition::Target;
 use serde::{Deserialize, Serialize};
 use std::io::Write;
 
@@ -80,42 +78,6 @@ enum Numbers {
     Rows(Vec<f64>),
 }
 
-/// Order in which the pieces of a fold are sent, and identifiers of recordings and groups. Names and order of recordings
-/// may reveal labels, so both are drawn, the same for the same data.
-pub struct Order {
-    pub train: Vec<Piece>,
-    /// Indices of the test pieces in the fold, in the order in which they are sent.
-    pub test: Vec<usize>,
-    /// Identifier of each recording and of each group.
-    recordings: Vec<usize>,
-    groups: Vec<usize>,
-}
-
-impl Order {
-    /// Draws the order of a fold. Pieces with values stay in order of time.
-    pub fn of(set: &SetData, fold: &Fold) -> Self {
-        let mut random = Pcg64::seed_from_u64(set.recordings.len() as u64);
-        let mut drawn = |count: usize| {
-            let mut drawn: Vec<_> = (0..count).collect();
-            drawn.shuffle(&mut random);
-            drawn
-        };
-        let recordings = drawn(set.recordings.len());
-        let groups = drawn(set.groups.len());
-        let mut train = fold.train.clone();
-        let mut test: Vec<_> = (0..fold.test.len()).collect();
-        let place = |piece: &Piece| (recordings[piece.recording], piece.rows.start);
-        train.sort_by_key(place);
-        test.sort_by_key(|&index| place(&fold.test[index]));
-        Self {
-            train,
-            test,
-            recordings,
-            groups,
-        }
-    }
-}
-
 /// A fold of a set for a program.
 pub struct Question<'a> {
     pub name: &'a str,
@@ -133,7 +95,7 @@ impl Question<'_> {
     /// # Errors
     /// If the program does not read them.
     pub fn write(&self, out: &mut impl Write) -> std::io::Result<()> {
-        let per_row = |r: &super::data::Recording| !matches!(r.truth, Truth::Slip(_));
+        let per_row = |r: &crate::league::data::Recording| !matches!(r.truth, Truth::Slip(_));
         let named = |target: &Target| (target.name.clone(), target.unit.clone());
         let named: Vec<_> = self.targets.iter().map(named).collect();
         let header = Header {

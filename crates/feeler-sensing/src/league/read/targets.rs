@@ -1,6 +1,6 @@
 //! Tables of measured values.
 
-use super::definition::Target;
+use crate::league::definition::Target;
 use feeler::sensor::table::{Quantity, Table};
 use feeler_console::{CommandError, open_table};
 use std::io::{BufReader, Cursor, Read};

@@ -1,8 +1,8 @@
 //! Reads sets of taxel arrays with measured values.
 
-use super::data::{Recording, SetData, Truth};
-use super::definition::{Layout, Target, TaxelData};
 use super::targets::{Measured, read_targets};
+use crate::league::data::{Recording, SetData, Truth};
+use crate::league::definition::{Layout, Target, TaxelData};
 use crate::sense::taxel_layout_text;
 use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
 use feeler::sensor::taxel::{TaxelLayout, TaxelSensor};

@@ -1,6 +1,6 @@
 //! Entry: feeler's wrench calibration, fitted to the training rows.
 
-use super::data::{Fold, Piece, Recording, SetData, Truth};
+use crate::league::data::{Fold, Piece, Recording, SetData, Truth};
 use feeler::sensor::fingertip::{CalibrationTarget, LengthUnit};
 use feeler::sensor::moments::ElementMoments;
 use feeler::sensor::wrench::basis::Basis;

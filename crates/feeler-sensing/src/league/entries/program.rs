@@ -1,8 +1,9 @@
 //! Entry: a program that reads a set on standard input and answers on standard output.
 
-use super::data::{Fold, SetData};
-use super::definition::Target;
-use super::protocol::{Order, Question};
+use super::order::Order;
+use super::protocol::Question;
+use crate::league::data::{Fold, SetData};
+use crate::league::definition::Target;
 use std::io::{self, BufRead, BufReader, BufWriter, Read, Write};
 use std::process::{Child, ChildStderr, ChildStdout, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};

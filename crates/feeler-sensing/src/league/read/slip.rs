@@ -1,7 +1,7 @@
 //! Reads sets of recordings labelled with slip.
 
-use super::data::{Recording, SetData, Slip, Truth};
-use super::definition::SlipData;
+use crate::league::data::{Recording, SetData, Slip, Truth};
+use crate::league::definition::SlipData;
 use crate::score_slip::{Found, Label, Notes, RecordedOptions};
 use feeler_console::CommandError;
 use feeler_lab::grasps::ContactReference;

@@ -1,10 +1,16 @@
 //! Entries of the league.
 
+mod order;
+mod program;
+mod protocol;
+mod ridge;
+mod wrench;
+
+pub use program::Predictions;
+pub use wrench::Inputs;
+
 use super::data::{Fold, Piece, SetData, Truth};
 use super::definition::Target;
-use super::program::{self, Predictions};
-use super::ridge;
-use super::wrench::Inputs;
 use feeler_lab::grasps::DETECTORS;
 use std::time::Duration;
 

@@ -1,8 +1,8 @@
 //! Reads sets of images with measured values.
 
-use super::data::{Recording, SetData, Truth};
-use super::definition::{ImageData, Reference, Target};
 use super::targets::read_targets;
+use crate::league::data::{Recording, SetData, Truth};
+use crate::league::definition::{ImageData, Reference, Target};
 use crate::score_slip::in_order;
 use feeler::sensor::fingertip::LocatedLayout;
 use feeler::sensor::forces::ElementReading;
