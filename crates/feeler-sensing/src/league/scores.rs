@@ -12,16 +12,8 @@ const MIN_GROUPS: usize = 5;
 /// Number of parts of all tested recordings together, if parts are resampled.
 const PARTS: usize = 20;
 
-/// A metric of an entry.
-#[derive(Debug, Clone, PartialEq)]
-pub struct Metric {
-    /// Name, such as `auc` or `rmse f_z`.
-    pub name: String,
-    /// Unit; empty for areas and fractions.
-    pub unit: String,
-    /// Lower end, estimate and upper end; `None` if undetermined.
-    pub value: Option<[f64; 3]>,
-}
+/// Lower end, estimate and upper end of a metric; `None` if undetermined.
+pub type Metric = Option<[f64; 3]>;
 
 /// Names of the metrics of a set, with their units.
 pub fn metric_names(definition: &Definition) -> Vec<(String, String)> {
@@ -55,13 +47,12 @@ pub fn metrics(
     folds: &[Fold],
     answers: &Answers,
 ) -> Vec<Metric> {
-    let values = match (&definition.slip, &definition.values) {
+    match (&definition.slip, &definition.values) {
         (Some(slip), _) => {
             let [accuracy, auc] = slip_metrics(definition.split, set, folds, answers);
-            if slip.accuracy {
-                vec![accuracy, auc]
-            } else {
-                vec![auc]
+            match slip.accuracy {
+                true => vec![accuracy, auc],
+                false => vec![auc],
             }
         }
         (_, Some(values)) => match answers {
@@ -69,20 +60,11 @@ pub fn metrics(
             Answers::Scores(_) => vec![None; values.targets.len()],
         },
         _ => Vec::new(),
-    };
-    let names = metric_names(definition).into_iter().zip(values);
-    names
-        .map(|((name, unit), value)| Metric { name, unit, value })
-        .collect()
+    }
 }
 
 /// Accuracy and area under the ROC curve.
-fn slip_metrics(
-    split: Split,
-    set: &SetData,
-    folds: &[Fold],
-    answers: &Answers,
-) -> [Option<[f64; 3]>; 2] {
+fn slip_metrics(split: Split, set: &SetData, folds: &[Fold], answers: &Answers) -> [Metric; 2] {
     let (scores, is_probability) = match answers {
         Answers::Scores(scores) => (scores.clone(), false),
         Answers::Rows(rows) => (answered(set, folds, rows), true),
@@ -132,7 +114,7 @@ fn errors(
     set: &SetData,
     folds: &[Fold],
     predictions: &[Predictions],
-) -> Vec<Option<[f64; 3]>> {
+) -> Vec<Metric> {
     let tested = folds.iter().flat_map(|fold| &fold.test);
     let pieces = tested.clone().count();
     let mut groups: Vec<_> = tested

@@ -104,7 +104,7 @@ pub struct SlipData {
     pub group: Option<String>,
     /// Name of the table of labels of frames in each recording's folder.
     pub frame_labels: Option<String>,
-    /// Whether accuracy is a metric, in addition to the area under the ROC curve.
+    /// `true` if accuracy is a metric, in addition to the area under the ROC curve.
     #[serde(default = "yes")]
     pub accuracy: bool,
 }

@@ -23,7 +23,7 @@ pub enum Entry {
     Detector(usize),
     /// Ridge regression, with products of all values or without.
     Ridge {
-        /// Whether products are used.
+        /// `true` if products are used.
         products: bool,
     },
     /// feeler's wrench calibration.

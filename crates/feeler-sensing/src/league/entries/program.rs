@@ -50,7 +50,7 @@ pub enum ProgramError {
     Answer {
         /// Number of the answer, from 1.
         number: usize,
-        /// What was expected.
+        /// The expected and the actual answer.
         problem: String,
     },
 }
@@ -58,7 +58,7 @@ pub enum ProgramError {
 /// Predictions: values of each row of each piece.
 pub type Predictions = Vec<Vec<Vec<f64>>>;
 
-/// Runs `command` in the system's shell, in a process of its own for each fold, and returns its answers by fold and
+/// Runs `command` in the system's shell, in a new process for each fold, and returns its answers by fold and
 /// test piece.
 ///
 /// # Errors
@@ -146,7 +146,7 @@ fn shell(command: &str) -> Command {
     let mut shell = {
         use std::os::unix::process::CommandExt;
         let mut shell = Command::new("sh");
-        // A group of its own, so that its own children are ended, too.
+        // A separate group, so that its child processes are ended, too.
         shell.arg("-c").process_group(0);
         shell
     };
@@ -196,7 +196,7 @@ impl Drop for Running {
     }
 }
 
-/// Reads lines of at most `longest` bytes on a thread of its own. A longer line is cut, and is the last one.
+/// Reads lines of at most `longest` bytes on a background thread. A longer line is cut, and is the last one.
 fn lines_of(stdout: ChildStdout, longest: usize) -> Receiver<Vec<u8>> {
     let (sender, receiver) = channel();
     thread::spawn(move || {
@@ -216,7 +216,7 @@ fn lines_of(stdout: ChildStdout, longest: usize) -> Receiver<Vec<u8>> {
     receiver
 }
 
-/// Reads standard error on a thread of its own, and sends its end when it is closed.
+/// Reads standard error on a background thread, and sends its end when it is closed.
 fn last_of(stderr: ChildStderr) -> Receiver<Vec<u8>> {
     let (sender, receiver) = channel();
     thread::spawn(move || {
@@ -226,7 +226,7 @@ fn last_of(stderr: ChildStderr) -> Receiver<Vec<u8>> {
             let excess = last.len().saturating_sub(SHOWN);
             last.drain(..excess);
         }
-        // Nobody may be waiting.
+        // The receiver may be gone.
         let _ = sender.send(last);
     });
     receiver
