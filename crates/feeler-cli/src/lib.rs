@@ -64,6 +64,7 @@ Examples:
   feeler sense images/ --calibration my.calibration.toml -o forces.csv
   feeler sense xela_sensor1.csv --taxels uskin-4x4 -o forces.csv
   feeler sense touch.mp4 --layout layout.toml -o moments.csv
+  feeler league data/                         compare detectors and calibrations on published recordings
 
 The book, in docs/ of the repository (`mdbook serve` shows it):
   first-run.md                                a first run and its report

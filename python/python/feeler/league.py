@@ -84,7 +84,7 @@ def serve(entry: Entry, questions: Iterable[str] = sys.stdin, answers: TextIO = 
     Raises
     ------
     ValueError
-        If the first line is not that of the league, or of another version.
+        If the first line is not that of the league, or of another version, or if a prediction is not finite.
     """
     lines = iter(questions)
     header = json.loads(next(lines, "{}"))
@@ -104,4 +104,4 @@ def serve(entry: Entry, questions: Iterable[str] = sys.stdin, answers: TextIO = 
         predicted = np.asarray(entry.predict(_sample(message)), dtype=np.float64)
         key = "slip" if course.task == "slip" else "targets"
         answer = float(predicted.reshape(())) if course.per == "recording" else predicted.tolist()
-        print(json.dumps({"sample": message["sample"], key: answer}), file=answers, flush=True)
+        print(json.dumps({"sample": message["sample"], key: answer}, allow_nan=False), file=answers, flush=True)

@@ -63,7 +63,7 @@ source = "a paper"
     fs::write(folder.join("pillar.league.toml"), definition).unwrap();
 }
 
-/// Writes a set of twelve grasps of six objects, half of which slip: their last readings contain [`MARK`].
+/// Writes a set of twelve grasps of six objects. Half of them slip: their last readings contain [`MARK`].
 fn grasps(folder: &Path) {
     let folder = folder.join("grasps");
     fs::create_dir_all(folder.join("tables")).unwrap();

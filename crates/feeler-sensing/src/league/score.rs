@@ -61,7 +61,7 @@ fn described(definition: &Definition) -> LeagueSet {
 /// Reads and splits a set, and describes both in `scored`.
 ///
 /// # Errors
-/// If a file cannot be read, or there is nothing to split.
+/// If a file cannot be read, or the data are too few to split.
 fn prepared(
     found: &FoundSet,
     data: &Path,

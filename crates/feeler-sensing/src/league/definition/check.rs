@@ -179,3 +179,31 @@ fn require(
         }),
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use proptest::prelude::*;
+
+    const VALID: &str = include_str!("../../../league/eflesh-normal.toml");
+
+    proptest! {
+        /// Damaged definitions are rejected or valid, without a panic.
+        #[test]
+        fn damaged_definitions_cause_no_panic(
+            edits in proptest::collection::vec((0..VALID.len(), any::<char>()), 1..6), end in 0..2 * VALID.len()
+        ) {
+            let mut text: Vec<char> = VALID.chars().collect();
+            text.truncate(end);
+            for (place, new) in edits {
+                if let Some(c) = text.get_mut(place) {
+                    *c = new;
+                }
+            }
+            let text: String = text.into_iter().collect();
+            if let Ok(definition) = Definition::from_toml(&text) {
+                prop_assert!(definition.slip.is_some() != definition.values.is_some());
+            }
+        }
+    }
+}

@@ -234,3 +234,124 @@ fn line(message: &impl Serialize, out: &mut impl Write) -> std::io::Result<()> {
     serde_json::to_writer(&mut *out, message)?;
     out.write_all(b"\n")
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::league::data::Recording;
+    use proptest::prelude::*;
+
+    /// A fold that tests one recording of three rows with this truth.
+    fn with_question<R>(truth: Truth, targets: usize, ask: impl FnOnce(&Question) -> R) -> R {
+        let set = SetData {
+            columns: &["x"],
+            unit: "px".into(),
+            recordings: vec![Recording {
+                name: "a".into(),
+                group: 0,
+                times: vec![0.0, 1.0, 2.0],
+                rows: vec![vec![1.0], vec![f64::NAN], vec![3.0]],
+                truth,
+            }],
+            groups: vec!["a".into()],
+            slips: Vec::new(),
+            digest: String::new(),
+            notes: Vec::new(),
+        };
+        let piece = Piece {
+            recording: 0,
+            rows: 0..3,
+        };
+        let fold = Fold {
+            train: Vec::new(),
+            test: vec![piece],
+        };
+        let target: Target = toml::from_str("name = 'f'\ncolumn = 'f'\nunit = 'N'").unwrap();
+        let order = Order::of(&set, &fold);
+        ask(&Question {
+            name: "set",
+            set: &set,
+            targets: &vec![target; targets],
+            fold: &fold,
+            order: &order,
+            number: (0, 1),
+        })
+    }
+
+    #[test]
+    fn unknown_values_are_null() {
+        let text = with_question(Truth::Slip(true), 0, |question| {
+            let mut text = Vec::new();
+            question.write(&mut text).unwrap();
+            String::from_utf8(text).unwrap()
+        });
+        let last = text.lines().last().unwrap();
+        let expected = r#"{"sample":0,"part":"test","recording":0,"times":[0.0,1.0,2.0],"values":[[1.0],[null],[3.0]]}"#;
+        assert_eq!(last, expected);
+    }
+
+    #[test]
+    fn answers_must_fit_the_question() {
+        let whole =
+            |text: &str| with_question(Truth::Slip(true), 0, |q| q.parse(0, text.as_bytes()));
+        let rows = |text: &str| {
+            with_question(Truth::SlipRows(vec![None; 3]), 0, |q| {
+                q.parse(0, text.as_bytes())
+            })
+        };
+        let values = |text: &str| {
+            with_question(Truth::Values(vec![vec![0.0]; 3]), 1, |q| {
+                q.parse(0, text.as_bytes())
+            })
+        };
+        assert_eq!(whole(r#"{"sample":0,"slip":0.5}"#), Ok(vec![vec![0.5]]));
+        assert_eq!(
+            rows(r#"{"sample":0,"slip":[0,0.5,1]}"#).map(|rows| rows.len()),
+            Ok(3)
+        );
+        assert_eq!(
+            values(r#"{"sample":0,"targets":[[1],[2],[3e9]]}"#).map(|rows| rows.len()),
+            Ok(3)
+        );
+        for text in [
+            "",
+            "{}",
+            "0.5",
+            r#"{"sample":1,"slip":0.5}"#,
+            r#"{"sample":0,"slip":1.5}"#,
+            r#"{"sample":0,"slip":null}"#,
+            r#"{"sample":0,"slip":[0.5]}"#,
+            r#"{"sample":0,"slip":1e999}"#,
+            r#"{"sample":0,"targets":[[1],[2],[3]]}"#,
+            r#"{"sample":0,"slip":0.5,"more":1}"#,
+            r#"{"sample":0,"slip":0.5,"targets":[]}"#,
+            r#"{"sample":0,"slip":NaN}"#,
+        ] {
+            let error = whole(text).unwrap_err();
+            assert!(error.starts_with("expected "), "{error}");
+        }
+        for text in [
+            r#"{"sample":0,"slip":[0,1]}"#,
+            r#"{"sample":0,"slip":[0,1,-0.1]}"#,
+            r#"{"sample":0,"slip":0.5}"#,
+        ] {
+            rows(text).unwrap_err();
+        }
+        for text in [
+            r#"{"sample":0,"targets":[[1],[2]]}"#,
+            r#"{"sample":0,"targets":[[1],[2],[3,4]]}"#,
+            r#"{"sample":0,"targets":[[1],[2],[null]]}"#,
+            r#"{"sample":0,"slip":[0,0,0]}"#,
+        ] {
+            values(text).unwrap_err();
+        }
+    }
+
+    proptest! {
+        #[test]
+        fn any_answer_is_parsed_without_a_panic(bytes in proptest::collection::vec(any::<u8>(), 0..200)) {
+            let parsed = with_question(Truth::Slip(false), 0, |question| question.parse(0, &bytes));
+            prop_assert!(parsed.is_err());
+        }
+    }
+}
