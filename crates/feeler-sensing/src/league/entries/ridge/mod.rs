@@ -175,7 +175,7 @@ mod tests {
     #[test]
     fn products_are_recovered() {
         let wave = |row: usize, step: f64| ((row as f64 * step).fract() - 0.5) * 2.0;
-        let rows: Vec<_> = (0..400).map(|row| {
+        let rows = (0..400).map(|row| {
             let mut values = vec![
                 wave(row, 0.618_034),
                 wave(row, 0.414_214),
