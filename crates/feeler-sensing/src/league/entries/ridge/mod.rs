@@ -25,10 +25,10 @@ pub fn predict(
     let mut predicted = vec![vec![f64::NAN; count]; test.len()];
     // Targets measured in the same rows share the decompositions.
     let mut by_rows: BTreeMap<Vec<usize>, Vec<usize>> = BTreeMap::new();
-    for target in 0..count {
+    (0..count).for_each(|target| {
         let rows = (0..train.len()).filter(|&row| targets[row][target].is_finite());
         by_rows.entry(rows.collect()).or_default().push(target);
-    }
+    });
     for (rows, own) in by_rows {
         if rows.is_empty() {
             continue;
