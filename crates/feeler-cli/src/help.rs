@@ -14,7 +14,14 @@ const GROUPS: [Group; 6] = [
     ),
     (
         "My fingertip",
-        &["cameras", "locate", "calibrate", "sense", "score-slip"],
+        &[
+            "cameras",
+            "locate",
+            "calibrate",
+            "sense",
+            "score-slip",
+            "league",
+        ],
     ),
     (
         "My hand",

@@ -14,6 +14,7 @@ mod emulated;
 pub mod experiments;
 mod export;
 mod help;
+mod league;
 mod link;
 mod locate;
 mod locate_preview;
@@ -64,6 +65,7 @@ Examples:
   feeler sense images/ --calibration my.calibration.toml -o forces.csv
   feeler sense xela_sensor1.csv --taxels uskin-4x4 -o forces.csv
   feeler sense touch.mp4 --layout layout.toml -o moments.csv
+  feeler league data/                         compare detectors and calibrations on published recordings
 
 The book, in docs/ of the repository (`mdbook serve` shows it):
   first-run.md                                a first run and its report
@@ -98,6 +100,8 @@ enum Command {
     Identify(identify::Arguments),
     /// Score slip detectors on simulated runs or labelled recordings.
     ScoreSlip(score_slip::Arguments),
+    /// Compare slip detectors, calibrations and your own programs on published recordings.
+    League(league::Arguments),
     /// Simulate labelled grasps, held or slipping, for training slip detectors.
     ///
     /// Writes tables for `feeler sense`, each with its layout, to DIR/recordings. DIR/labels.csv contains a label per
@@ -201,6 +205,7 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::Robustness(arguments) => robustness::robustness(&arguments, out),
         Command::Tune(arguments) => tune::tune(&arguments, out),
         Command::Identify(arguments) => identify::identify(&arguments, out),
+        Command::League(arguments) => league::league(&arguments, out),
         Command::ScoreSlip(arguments) => score_slip::score_slip(&arguments, out),
         Command::SimulateGrasps(arguments) => simulate_grasps::simulate_grasps(&arguments, out),
         Command::List(arguments) => list::list(&arguments, out),

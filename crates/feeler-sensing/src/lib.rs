@@ -3,10 +3,12 @@
 
 pub mod calibration;
 mod camera;
+mod league;
 mod score_slip;
 mod sense;
 
 pub use camera::{CameraName, CameraOptions, NAMES, NO_GENICAM, NO_VIDEO, OpenCamera};
+pub use league::{LeagueOptions, league};
 pub use score_slip::{RecordedOptions, SlipScoreOptions, score_slip};
 pub use sense::{
     SenseOptions, TaxelOptions, Track, named_sensor, read_taxel_layout, sense, taxel_layout_text,

@@ -28,6 +28,7 @@ mod hands;
 mod how_many;
 mod identify;
 mod interrupted;
+mod league;
 mod locate;
 mod lying_sensors;
 mod named_recording;

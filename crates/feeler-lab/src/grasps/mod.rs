@@ -16,5 +16,5 @@ pub use detectors::{
     ContactReference, DETECTORS, Detector, DetectorTrace, GraspFrame, GraspRecording,
 };
 pub use feeler::control::grasp_slip::Picture;
-pub use outcome::{Judged, Labelled, Outcome, Verdict, score};
+pub use outcome::{Judged, Labelled, Outcome, Verdict, score, score_at, score_in_folds};
 pub use transfer::{Transfer, transfer};

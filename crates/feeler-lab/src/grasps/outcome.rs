@@ -141,20 +141,38 @@ fn weights(groups: &[usize], drawn: &[&usize]) -> Vec<f64> {
 /// classifications on all other groups. They lie midway between two scores or at infinity; among several equally good
 /// ones, the middle one is used.
 pub fn score(samples: &[Labelled]) -> Outcome {
+    score_in_folds(samples, |group| group)
+}
+
+/// Like [`score`], with thresholds chosen on the groups of all other folds. `fold_of` returns the fold of a group.
+pub fn score_in_folds(samples: &[Labelled], fold_of: impl Fn(usize) -> usize) -> Outcome {
     let known = known(samples);
-    let groups = groups_of(&known);
     let others = |group: usize| {
-        let others = known.iter().filter(move |k| k.group != group);
-        (groups.len() > 1).then(|| best_threshold(others))
+        let others = known.iter().filter(|k| fold_of(k.group) != fold_of(group));
+        (others.clone().next().is_some()).then(|| best_threshold(others))
     };
-    let judged = judge(&known, samples.len(), others);
+    outcome(&known, samples.len(), others)
+}
+
+/// Like [`score`], with a given threshold.
+pub fn score_at(samples: &[Labelled], threshold: f64) -> Outcome {
+    outcome(&known(samples), samples.len(), |_| Some(threshold))
+}
+
+fn outcome(
+    known: &[Known],
+    samples: usize,
+    threshold_of: impl Fn(usize) -> Option<f64>,
+) -> Outcome {
+    let groups = groups_of(known);
+    let judged = judge(known, samples, threshold_of);
     Outcome {
-        auc: bootstrap_of(&groups, |drawn| area(&known, &weights(&groups, drawn))),
+        auc: bootstrap_of(&groups, |drawn| area(known, &weights(&groups, drawn))),
         accuracy: judged.accuracy,
         threshold: best_threshold(known.iter()),
         confusion: judged.confusion,
-        curve: curve(&known),
-        unknown: samples.len() - known.len(),
+        curve: curve(known),
+        unknown: samples - known.len(),
         verdicts: judged.verdicts,
     }
 }
@@ -285,6 +303,27 @@ mod tests {
         };
         assert_eq!(outcome.confusion, expected);
         assert_eq!(outcome.accuracy.unwrap().mean, 0.75);
+    }
+
+    /// Groups 0 and 1 are one fold: the threshold of group 0 is chosen on group 2 alone, between 4 and 6, although group 1
+    /// would separate at 2.
+    #[test]
+    fn a_threshold_does_not_depend_on_its_fold() {
+        let rows = samples(&[
+            (0, true, 3.0),
+            (1, false, 1.0),
+            (1, true, 3.0),
+            (2, false, 4.0),
+            (2, true, 6.0),
+        ]);
+        let outcome = score_in_folds(&rows, |group| group / 2);
+        let verdict = outcome.verdicts[0].unwrap();
+        assert_eq!((verdict.threshold, verdict.says_slip), (5.0, false));
+        let outcome = score_at(&rows, 2.0);
+        assert_eq!(
+            (outcome.confusion.missed, outcome.confusion.false_alarms),
+            (0, 1)
+        );
     }
 
     #[test]

@@ -7,6 +7,7 @@ pub(crate) mod document;
 pub(crate) mod grasp_slip;
 pub(crate) mod identify;
 pub(crate) mod law_shares;
+pub(crate) mod league;
 pub(crate) mod live;
 pub(crate) mod ranges_table;
 pub(crate) mod robustness;
@@ -33,6 +34,7 @@ pub use grasp_slip::{
 };
 pub use identify::{EstimateRow, IdentifyPage, identify_page};
 pub use law_shares::{LawSharesPage, law_shares_page};
+pub use league::{LeaguePage, LeagueRow, LeagueSet, PublishedFigure, league_page};
 pub use live::{Live, LiveRig, live_page};
 pub use ranges_table::RangeRow;
 pub use robustness::{ALL_OF_HAND, Ending, RobustnessPage, decided_by, robustness_page};

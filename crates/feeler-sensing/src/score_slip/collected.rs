@@ -10,7 +10,9 @@ use super::taxels::TaxelTables;
 use super::tracks::{TrackTables, is_tracks};
 use super::videos::Videos;
 use feeler_console::{CommandError, Steps};
-use feeler_lab::grasps::{ContactReference, DETECTORS, Detector, DetectorTrace, Labelled};
+use feeler_lab::grasps::{
+    ContactReference, DETECTORS, Detector, DetectorTrace, GraspRecording, Labelled,
+};
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
@@ -151,7 +153,19 @@ impl<'a> Found<'a> {
     ///
     /// # Errors
     /// If no recording has a label.
-    pub fn collect(mut self, notes: &mut Notes) -> Result<Collected, CommandError> {
+    pub fn collect(self, notes: &mut Notes) -> Result<Collected, CommandError> {
+        self.collect_with(notes, |_, _, _, _| {})
+    }
+
+    /// Like [`collect`](Self::collect). Calls `keep` with the name, group, content and label of each labelled recording.
+    ///
+    /// # Errors
+    /// If no recording has a label.
+    pub fn collect_with(
+        mut self,
+        notes: &mut Notes,
+        mut keep: impl FnMut(&str, &str, &GraspRecording, &Label),
+    ) -> Result<Collected, CommandError> {
         let mut collected = Collected {
             scored: Vec::new(),
             groups: BTreeMap::new(),
@@ -173,7 +187,7 @@ impl<'a> Found<'a> {
                     collected.of_taxels &= self.reader.is_of_taxels(source);
                     for read in &recordings {
                         let labels = self.labels.as_mut();
-                        collected.add(read, source, self.frame_labels, labels, notes)?;
+                        collected.add(read, source, self.frame_labels, labels, notes, &mut keep)?;
                     }
                 }
                 Err(error) => notes.add("unreadable", || format!("{error}; recording skipped")),
@@ -216,6 +230,7 @@ impl Collected {
         frame_labels: Option<&str>,
         labels: Option<&mut Labels>,
         notes: &mut Notes,
+        keep: &mut impl FnMut(&str, &str, &GraspRecording, &Label),
     ) -> Result<(), CommandError> {
         let names: Vec<_> = read.names.iter().map(String::as_str).collect();
         let Some(&name) = names.first() else {
@@ -244,6 +259,7 @@ impl Collected {
             notes.add("unlabelled", || format!("{name} has no label; skipped"));
             return Ok(());
         };
+        keep(name, &group, &read.recording, &label);
         let trace = DetectorTrace::of(&read.recording)?;
         if let Some(why) = &trace.no_pattern {
             let known = trace.sums().iter().any(Option::is_some);

@@ -15,8 +15,12 @@ mod taxels;
 mod tracks;
 mod videos;
 
+pub(crate) use collected::Found;
 use feeler_console::{CommandError, Outcome};
 use feeler_lab::config::BUILT_IN;
+pub(crate) use in_order::in_order;
+pub(crate) use labels::Label;
+pub(crate) use notes::Notes;
 pub use options::{RecordedOptions, SlipScoreOptions};
 use std::io::Write;
 use std::path::Path;

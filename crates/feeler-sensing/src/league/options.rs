@@ -1,0 +1,23 @@
+//! Options of `feeler league`.
+
+use std::path::PathBuf;
+use std::time::Duration;
+
+/// Sets and entries of a league.
+#[derive(Debug, Clone)]
+pub struct LeagueOptions {
+    /// Folder with the sets.
+    pub data: PathBuf,
+    /// Names of the sets to use; all if empty.
+    pub sets: Vec<String>,
+    /// Name and command of each program to score.
+    pub programs: Vec<(String, String)>,
+    /// Time limit of a program for each set.
+    pub limit: Duration,
+    /// Folder of the results.
+    pub out: PathBuf,
+    /// `true` to replace existing outputs.
+    pub force: bool,
+    /// `true` to print JSON instead of text.
+    pub json: bool,
+}
