@@ -28,15 +28,18 @@ pub enum Detector {
     ContactLoss,
     /// Motion of the object in the grip ([`GraspDrag`]).
     Drag,
+    /// Return of the image to that of the untouched gel ([`ImageLoss`](feeler::control::grasp_slip::ImageLoss)).
+    ImageLoss,
 }
 
 /// All detectors, in the order of their scores.
-pub const DETECTORS: [Detector; 5] = [
+pub const DETECTORS: [Detector; 6] = [
     Detector::ShearRate,
     Detector::FilteredShearRate,
     Detector::Shear,
     Detector::ContactLoss,
     Detector::Drag,
+    Detector::ImageLoss,
 ];
 
 impl Detector {
@@ -48,6 +51,7 @@ impl Detector {
             Self::Shear => "shear",
             Self::ContactLoss => "contact loss",
             Self::Drag => "drag",
+            Self::ImageLoss => "image loss",
         }
     }
 
@@ -59,6 +63,7 @@ impl Detector {
             Self::Shear => "shear",
             Self::ContactLoss => "contact_loss",
             Self::Drag => "drag",
+            Self::ImageLoss => "image_loss",
         }
     }
 
@@ -71,6 +76,7 @@ impl Detector {
             Self::Shear => format!("largest shear of an element, {unit}"),
             Self::ContactLoss => "-ln of the load".into(),
             Self::Drag => "excursion from the slow mean, standard deviations of the noise".into(),
+            Self::ImageLoss => "-ln of the distance from the untouched image, grey levels".into(),
         }
     }
 
@@ -78,14 +84,14 @@ impl Detector {
     pub fn of_a_recording(self) -> &'static str {
         match self {
             Self::ShearRate | Self::FilteredShearRate | Self::Shear => "maximum",
-            Self::ContactLoss => "maximum of the second half",
+            Self::ContactLoss | Self::ImageLoss => "maximum of the second half",
             Self::Drag => "value exceeded in a tenth of the frames",
         }
     }
 
-    /// Returns the score of a recording with these scores of its frames.
-    fn sum_up(self, mut frames: Vec<Option<f64>>) -> Option<f64> {
-        if self == Self::ContactLoss {
+    /// Returns the score of a recording from the scores of its frames, or `None` if it has none.
+    pub fn sum_up(self, mut frames: Vec<Option<f64>>) -> Option<f64> {
+        if matches!(self, Self::ContactLoss | Self::ImageLoss) {
             // Neither a later touch nor the time before the grasp should affect the score.
             frames.drain(..frames.len() / 2);
         }
@@ -196,7 +202,8 @@ impl GraspRecording {
 /// Scores of all detectors for a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DetectorTrace {
-    /// Scores of each frame in the order of [`DETECTORS`]; `None` if unknown. Drag is in the unit of the
+    /// Scores of each frame in the order of [`DETECTORS`]; `None` if unknown, as of [`Detector::ImageLoss`], which
+    /// requires images. Drag is in the unit of the
     /// vectors.
     pub frames: Vec<[Option<f64>; DETECTORS.len()]>,
     /// Noise of the recording in the unit of the vectors, if known.
@@ -239,7 +246,7 @@ impl DetectorTrace {
                         f64::NAN
                     });
                     loss.update(interval, [DVec2::X * newest]);
-                    frames.push([None, None, None, loss.score(), None]);
+                    frames.push([None, None, None, loss.score(), None, None]);
                     continue;
                 }
                 _ => loss.update(interval, frame.shear.iter().copied()),
@@ -251,6 +258,7 @@ impl DetectorTrace {
                 largest(shear),
                 loss.score(),
                 drag.update(interval, frame.loads()),
+                None,
             ]);
         }
         Ok(Self {

@@ -8,6 +8,7 @@
 mod confusion;
 mod detectors;
 mod outcome;
+mod probability;
 pub mod simulated;
 mod transfer;
 
@@ -17,4 +18,5 @@ pub use detectors::{
 };
 pub use feeler::control::grasp_slip::Picture;
 pub use outcome::{Judged, Labelled, Outcome, Verdict, score, score_at, score_in_folds};
+pub use probability::{Calibrated, calibrate};
 pub use transfer::{Transfer, transfer};

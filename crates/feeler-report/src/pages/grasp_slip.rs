@@ -44,6 +44,8 @@ pub struct GraspDetector {
     pub confusion: [usize; 4],
     /// Number of labelled units (recordings or frames) to which the detector gives no score.
     pub unknown: usize,
+    /// Probabilities of slip from the scores; `None` if they cannot be cross-validated.
+    pub probability: Option<GraspProbability>,
     /// ROC curve.
     #[serde(skip)]
     pub curve: Roc,
@@ -51,6 +53,17 @@ pub struct GraspDetector {
     pub wrong: Vec<String>,
     /// Result with thresholds from other recordings, if scores are comparable between the sets.
     pub transfer: Option<GraspTransfer>,
+}
+
+/// Probabilities of slip, 1 / (1 + exp(-(w0 + w1 score))), from the scores of a detector.
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct GraspProbability {
+    /// w0 and w1, fitted to all groups.
+    pub weights: [f64; 2],
+    /// Expected calibration error in ten intervals of probability, with weights fitted to all other groups.
+    pub error: f64,
+    /// Intervals: mean predicted probability, observed fraction of slips, number of units.
+    pub bins: Vec<(f64, f64, usize)>,
 }
 
 /// Result of a detector with thresholds from other recordings.
@@ -88,7 +101,7 @@ impl GraspTransfer {
 }
 
 /// Column headings of a detector's result.
-pub const GRASP_COLUMNS: [&str; 9] = [
+pub const GRASP_COLUMNS: [&str; 11] = [
     "AUC",
     "accuracy (%)",
     "threshold",
@@ -97,14 +110,17 @@ pub const GRASP_COLUMNS: [&str; 9] = [
     "false alarms",
     "correct rejections",
     "unknown",
+    "calibration error",
+    "log-odds of slip",
     "score",
 ];
 
 impl GraspDetector {
     /// Formatted values in the order of [`GRASP_COLUMNS`].
-    pub fn fields(&self) -> [String; 9] {
+    pub fn fields(&self) -> [String; 11] {
         let dash = || "-".to_string();
         let [noticed, missed, alarms, quiet] = self.confusion.map(|count| count.to_string());
+        let known = self.probability.as_ref();
         [
             self.auc.map_or_else(dash, area),
             share(self.accuracy),
@@ -114,9 +130,17 @@ impl GraspDetector {
             alarms,
             quiet,
             self.unknown.to_string(),
+            known.map_or_else(dash, |known| format!("{:.3}", known.error)),
+            known.map_or_else(dash, log_odds),
             self.meaning.clone(),
         ]
     }
+}
+
+/// Formats the weights of probabilities.
+fn log_odds(known: &GraspProbability) -> String {
+    let [constant, slope] = known.weights;
+    format!("{constant:.3} {slope:+.3} score")
 }
 
 /// Formats a threshold; infinite thresholds mean that the detector always or never fires.
@@ -156,6 +180,8 @@ pub fn grasp_slip_page(page: &GraspSlipPage) -> String {
             "Brackets show 95 % confidence intervals (bootstrap over groups)."
             @if groups == 1 { " A single group has no interval." }
             @else if groups < 10 { " With only " (groups) " groups, the intervals are unreliable." }
+            " The calibration error is the mean difference between predicted and observed fractions of slips in ten intervals of probability, "
+            "with weights fitted to the other groups."
             " AUC is the area under the curve: the probability that a slip has a higher score than a non-slip. The threshold is chosen on all "
             "groups, for use on other recordings. Missing shear requires the fingertip's pose, which recordings do not contain. "
             "Contact loss indicates that the object is gone, drag that it moves in the grip; labels may mean either. No detector predicts slip."
@@ -168,6 +194,12 @@ pub fn grasp_slip_page(page: &GraspSlipPage) -> String {
             }
             (detectors_table(TRANSFER_COLUMNS, page.detectors.iter().filter_map(|d| Some((d, d.transfer.as_ref()?.fields())))))
             p.note { "Only detectors whose scores are comparable between both sets." }
+        }
+        @for (detector, known) in page.detectors.iter().filter_map(|d| Some((d, d.probability.as_ref()?))) {
+            details {
+                summary { "Reliability of the probabilities of " (detector.name) }
+                (reliability(known))
+            }
         }
         @for detector in page.detectors.iter().filter(|detector| !detector.wrong.is_empty()) {
             details {
@@ -191,6 +223,20 @@ fn detectors_table<'a, const N: usize>(
 ) -> Markup {
     let head = html! { th { "Detector" } (number_heads(columns)) };
     let rows = rows.map(|(detector, fields)| html! { td { (detector.name) } (numbers(fields)) });
+    table(head, rows)
+}
+
+/// Predicted and observed fractions of slips.
+fn reliability(known: &GraspProbability) -> Markup {
+    let head = html! { (number_heads(["Predicted", "Observed", "Number"])) };
+    let rows = known.bins.iter().map(|(predicted, observed, count)| {
+        let fields = [
+            format!("{predicted:.2}"),
+            format!("{observed:.2}"),
+            count.to_string(),
+        ];
+        html! { (numbers(fields)) }
+    });
     table(head, rows)
 }
 

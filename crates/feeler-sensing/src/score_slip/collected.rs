@@ -1,5 +1,6 @@
 //! Reads labelled recordings and runs the detectors over them.
 
+use super::images::{Images, score_images};
 use super::in_order::in_order;
 use super::labels::{Label, Labels, read_frames};
 use super::notes::Notes;
@@ -170,6 +171,7 @@ impl<'a> Found<'a> {
             scored: Vec::new(),
             groups: BTreeMap::new(),
             noise: Vec::new(),
+            images: Vec::new(),
             in_spacings: true,
             of_taxels: true,
         };
@@ -215,6 +217,8 @@ pub struct Collected {
     pub groups: BTreeMap<String, usize>,
     /// Noise of each recording, in the unit of its vectors.
     noise: Vec<f64>,
+    /// Images of the recordings.
+    images: Vec<Images>,
     /// `true` if all loads are in spacings of a pattern, `false` if any is in a sensor's unit.
     pub in_spacings: bool,
     /// `true` if all recordings are of taxels.
@@ -279,6 +283,7 @@ impl Collected {
         let next = self.groups.len();
         let group = *self.groups.entry(group).or_insert(next);
         let own_noise = trace.noise;
+        let first = self.scored.len();
         let mut scored = |frame: Option<usize>, slip, scores| {
             let recording = name.to_owned();
             self.scored.push(Scored {
@@ -307,7 +312,19 @@ impl Collected {
                 }
             }
         }
+        let stamps = read.recording.frames.iter().map(|frame| frame.stamp);
+        self.images.push(Images {
+            group,
+            images: stamps.zip(read.images.iter().cloned()).collect(),
+            scored: first..self.scored.len(),
+        });
         Ok(())
+    }
+
+    /// Compares the images of the recordings with each other and with those of `others`.
+    pub fn score_images(&mut self, others: Option<&Self>) {
+        let others = others.map_or(&[][..], |others| &others.images);
+        score_images(&self.images, others, &mut self.scored);
     }
 
     /// Divides the drag scores by the median noise of all recordings, which are assumed to be of the same sensor.

@@ -1,6 +1,7 @@
 //! `feeler score-slip`: compares slip detectors with the simulator's ground truth or with labelled recordings.
 
 mod collected;
+mod images;
 mod in_order;
 mod labels;
 mod notes;

@@ -7,9 +7,11 @@ use super::page::{PAGE, make_folder};
 use super::said::{say, wrong};
 use super::scores::{SCORES, scores_csv};
 use feeler_console::{CommandError, Outcome, Outputs, print_json};
-use feeler_lab::grasps::{Confusion, DETECTORS, Detector, transfer};
+use feeler_lab::grasps::{Calibrated, Confusion, DETECTORS, Detector, calibrate, transfer};
 use feeler_lab::sweep::analysis::Estimate;
-use feeler_report::pages::{GraspDetector, GraspSlipPage, GraspTransfer, Roc, grasp_slip_page};
+use feeler_report::pages::{
+    GraspDetector, GraspProbability, GraspSlipPage, GraspTransfer, Roc, grasp_slip_page,
+};
 use serde_json::json;
 use std::io::Write;
 use std::path::Path;
@@ -63,11 +65,13 @@ pub fn score(options: &SlipScoreOptions, out: &mut dyn Write) -> Result<Outcome,
             let found = found.collect(&mut notes);
             let mut collected = told(found, &notes)?;
             collected.normalize_each();
+            collected.score_images(None);
             let name = path.display().to_string();
             Some(Others { name, collected })
         }
         _ => None,
     };
+    collected.score_images(others.as_ref().map(|others| &others.collected));
     let page = judge(
         &mut collected,
         others.as_ref(),
@@ -135,6 +139,7 @@ fn judge(
             threshold: (!says_nothing).then_some(outcome.threshold),
             confusion: counts(outcome.confusion),
             unknown: outcome.unknown,
+            probability: calibrate(&labelled).map(probability),
             curve: Roc {
                 name: detector.name(),
                 points: outcome.curve,
@@ -171,14 +176,27 @@ fn judge(
 
 /// Returns `true` if the detector's scores are in the same unit on both.
 ///
-/// Drag is in standard deviations of the noise. The load is in spacings if both are of patterns. All others are in a
+/// Drag is in standard deviations of the noise, image loss in grey levels. The load is in spacings if both are of patterns. All others are in a
 /// sensor's unit, which is the same if both are of one kind of taxel array.
 fn is_comparable(detector: Detector, one: &Collected, other: &Collected) -> bool {
     match detector {
-        Detector::Drag => true,
+        Detector::Drag | Detector::ImageLoss => true,
         _ if one.of_taxels && other.of_taxels => true,
         Detector::ContactLoss => one.in_spacings && other.in_spacings,
         _ => false,
+    }
+}
+
+fn probability(calibrated: Calibrated) -> GraspProbability {
+    let Calibrated {
+        weights,
+        error,
+        bins,
+    } = calibrated;
+    GraspProbability {
+        weights,
+        error,
+        bins,
     }
 }
 

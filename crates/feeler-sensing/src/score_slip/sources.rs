@@ -1,6 +1,7 @@
 //! Finds recordings.
 
 use super::notes::Notes;
+use feeler::control::grasp_slip::CoarseImage;
 use feeler_console::CommandError;
 use feeler_lab::grasps::GraspRecording;
 use feeler_sources::is_video_name;
@@ -64,6 +65,8 @@ pub struct Read {
     /// Names under which labels may list the recording, the primary one first.
     pub names: Vec<String>,
     pub recording: GraspRecording,
+    /// Image of each frame; empty for tables.
+    pub images: Vec<CoarseImage>,
 }
 
 /// Finds the recordings at `path`.

@@ -102,6 +102,7 @@ impl TaxelTables {
                     origins: Vec::new(),
                     frames: side_by_side(&own, recording, notes),
                 },
+                images: Vec::new(),
             }
         };
         Ok(names.into_iter().map(together).collect())

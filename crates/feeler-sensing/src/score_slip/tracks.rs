@@ -72,6 +72,7 @@ impl TrackTables {
                 origins,
                 frames,
             },
+            images: Vec::new(),
         }])
     }
 

@@ -7,6 +7,7 @@
 use super::notes::Notes;
 use super::options::RecordedOptions;
 use super::sources::{Read, Source};
+use feeler::control::grasp_slip::CoarseImage;
 use feeler::sensor::image::{Camera, CameraError, Frame, Picture as Grey};
 use feeler::sensor::locate::{LocateConfig, Located, ReferencePicture, locate, locate_again};
 use feeler_console::CommandError;
@@ -49,7 +50,7 @@ impl Videos {
         let (width, height) = video.size();
         let mut frame = Frame::black(width, height);
         let mut locator = Locator::default();
-        let (mut frames, mut failed) = (Vec::new(), None);
+        let (mut frames, mut images, mut failed) = (Vec::new(), Vec::new(), None);
         let ended = loop {
             if let Err(ended) = video.capture(&mut frame) {
                 break ended;
@@ -60,6 +61,7 @@ impl Videos {
                     failed.get_or_insert(error);
                     Vec::new()
                 });
+                images.push(CoarseImage::of(&frame.picture));
                 frames.push(GraspFrame {
                     stamp: frame.stamp,
                     shear: found,
@@ -90,6 +92,7 @@ impl Videos {
                 origins: Vec::new(),
                 frames,
             },
+            images,
         }])
     }
 }

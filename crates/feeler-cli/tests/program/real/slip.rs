@@ -53,4 +53,10 @@ fn lost_objects_are_detected_in_videos() {
     assert!(area >= 0.87 && right >= 80.0, "{text}");
     // All videos were read and scored.
     assert_eq!(number(&text, "contact loss", "unknown"), 0.0, "{text}");
+    let area = number(&text, "image loss", "AUC");
+    let right = number(&text, "image loss", "accuracy (%)");
+    let error = number(&text, "image loss", "calibration error");
+    println!("image: area {area}, {right} % right, calibration error {error}");
+    assert!(area >= 0.87 && right >= 80.0, "{text}");
+    assert_eq!(number(&text, "image loss", "unknown"), 0.0, "{text}");
 }

@@ -10,6 +10,8 @@
 //! - [`GraspDrag`]: *Does the object move within the grip?* Uses the deviation of every element's load from its own
 //!   slow mean.
 //!
+//! - [`ImageLoss`]: *Is the object still held?* Uses the image of the gel relative to the one of the untouched gel.
+//!
 //! Each detector is blind to the other event: a lost object no longer drags the elements, and a dragged object still
 //! loads them. Both take one vector per element from any sensor: displacements of markers or feelers, or forces of
 //! taxels. [`GraspDrag`] also uses normal loads, if available. A NaN vector marks an element without a measurement in
@@ -37,12 +39,14 @@
 mod contact_loss;
 mod error;
 mod grasp_drag;
+mod image_loss;
 mod lens_fit;
 mod regular_pattern;
 
 pub use contact_loss::{Contact, ContactLoss, ContactLossConfig};
 pub use error::GraspSlipError;
 pub use grasp_drag::{GraspDrag, GraspDragConfig, noise_of};
+pub use image_loss::{CoarseImage, ImageLoss};
 pub use regular_pattern::{FEWEST_ELEMENTS, Picture, RegularPattern};
 
 use glam::DVec2;

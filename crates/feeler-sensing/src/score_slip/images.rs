@@ -1,0 +1,82 @@
+//! Untouched images of gels, found among the images of all recordings.
+//!
+//! Different grasps press different shapes into a gel, but all of them leave the same untouched image. An image is
+//! therefore compared with those of all other groups of recordings: the distance to the nearest of them is small if the
+//! gel is untouched. Labels are not used.
+
+use super::scores::Scored;
+use feeler::control::grasp_slip::{CoarseImage, ImageLoss};
+use feeler_lab::grasps::{DETECTORS, Detector};
+use std::ops::Range;
+
+/// Interval between two images of a recording that others are compared with (s).
+const INTERVAL: f64 = 0.48;
+/// Duration at the start that is left out (s): cameras may deliver images of the previous recording first.
+const LEFT_OUT: f64 = 0.24;
+
+/// Images of a recording.
+pub struct Images {
+    /// Group of the recording.
+    pub group: usize,
+    /// Time (s) and content of each image.
+    pub images: Vec<(f64, CoarseImage)>,
+    /// Indices of its scores.
+    pub scored: Range<usize>,
+}
+
+impl Images {
+    fn valid(&self) -> impl Iterator<Item = &(f64, CoarseImage)> {
+        let start = self.images.first().map_or(0.0, |image| image.0);
+        let valid = move |image: &&(f64, CoarseImage)| image.0 - start >= LEFT_OUT;
+        self.images.iter().filter(valid)
+    }
+
+    fn sparse(&self) -> impl Iterator<Item = &CoarseImage> {
+        let mut next = f64::NEG_INFINITY;
+        self.valid().filter_map(move |(stamp, image)| {
+            let is_due = *stamp >= next;
+            next = if is_due {
+                stamp + INTERVAL - 1e-6
+            } else {
+                next
+            };
+            is_due.then_some(image)
+        })
+    }
+}
+
+/// Adds the scores of [`Detector::ImageLoss`]. Images are compared with those of other groups and of `more` recordings.
+pub fn score_images(recordings: &[Images], more: &[Images], scored: &mut [Scored]) {
+    let Some(detector) = DETECTORS.iter().position(|d| *d == Detector::ImageLoss) else {
+        return;
+    };
+    for own in recordings {
+        let others = recordings.iter().filter(|other| other.group != own.group);
+        let others: Vec<_> = others.chain(more).flat_map(Images::sparse).collect();
+        let mut scores = vec![None; own.images.len() - own.valid().count()];
+        let (mut loss, mut before, mut last) = (ImageLoss::default(), None, 0);
+        for (stamp, image) in own.valid() {
+            let interval = stamp - before.replace(*stamp).unwrap_or(*stamp);
+            let distance = nearest(image, &others, &mut last).unwrap_or(f64::NAN);
+            scores.push(loss.update(interval, distance));
+        }
+        for one in scored.get_mut(own.scored.clone()).into_iter().flatten() {
+            one.scores[detector] = match one.frame {
+                Some(frame) => scores.get(frame).copied().flatten(),
+                None => Detector::ImageLoss.sum_up(scores.clone()),
+            };
+        }
+    }
+}
+
+/// Distance to the nearest of `others`. The search starts with the one at index `last`, which is then set to the
+/// nearest.
+fn nearest(image: &CoarseImage, others: &[&CoarseImage], last: &mut usize) -> Option<f64> {
+    let mut least = image.distance(others.get(*last)?);
+    for (index, other) in others.iter().enumerate() {
+        if let Some(distance) = image.distance_below(other, least) {
+            (least, *last) = (distance, index);
+        }
+    }
+    Some(least)
+}
