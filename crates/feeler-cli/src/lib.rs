@@ -125,7 +125,7 @@ enum Command {
     /// List the available cameras and their capabilities.
     Cameras(cameras::Arguments),
     /// Calibrate a fingertip from images under known loads.
-    Calibrate(calibrate::Arguments),
+    Calibrate(Box<calibrate::Arguments>),
     /// Test with a few presses whether a wrench calibration is still valid.
     Verify(verify::Arguments),
     /// Find the sensing elements in images of an unloaded sensor.

@@ -93,7 +93,7 @@ pub(super) fn choose<B: Basis>(
                     continue;
                 }
                 let measured: Vec<_> = kept.iter().map(|&place| target.measured[place]).collect();
-                let best = best_penalty(&spectrum, &measured, terms, &cuts);
+                let best = best_penalty(&spectrum, &measured, terms, &cuts, Shrinkage::Moderate);
                 let better = |best: &Choice<B::Terms>| {
                     let before = chosen.as_ref();
                     before.is_none_or(|before| best.is_worth_more::<B>(before))
@@ -112,15 +112,33 @@ pub(super) fn choose<B: Basis>(
     chosen
 }
 
-/// Returns the penalty halfway, in decades, between the best one and the largest one that is not significantly worse
-/// (one-standard-error rule; Hastie, Tibshirani and Friedman, The Elements of Statistical Learning, 2009, section
-/// 7.10). Smaller weights reduce the effect of drift between recordings, which blocks of a single recording do not
-/// show. The largest penalty would discard too much information.
+/// Choice among the penalties from the best one to the largest one that is not significantly worse.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub(super) enum Shrinkage {
+    /// Halfway, in decades. Smaller weights than the best ones reduce the effect of drift between recordings, which blocks of
+    /// a single recording do not show. The largest penalty would discard too much information.
+    Moderate,
+    /// The largest (one-standard-error rule; Hastie, Tibshirani and Friedman, The Elements of Statistical Learning, 2009,
+    /// section 7.10), for changes of a model that is good without them.
+    Strong,
+}
+
+impl Shrinkage {
+    fn between(self, best: usize, as_good: usize) -> usize {
+        match self {
+            Self::Moderate => best.midpoint(as_good),
+            Self::Strong => as_good,
+        }
+    }
+}
+
+/// Chooses the penalty by cross-validation.
 pub(super) fn best_penalty<T: Copy>(
     spectrum: &Spectrum,
     measured: &[f64],
     terms: T,
     cuts: &[Vec<Fold>],
+    shrinkage: Shrinkage,
 ) -> Option<Choice<T>> {
     let choices = HALF_DECADES.filter_map(|power| {
         let penalty = libm::pow(10.0, f64::from(power) / 2.0);
@@ -147,5 +165,5 @@ pub(super) fn best_penalty<T: Copy>(
     let as_good = places
         .rev()
         .find(|&place| !choices[best].is_better(&choices[place], WORTH))?;
-    choices.into_iter().nth(best.midpoint(as_good))
+    choices.into_iter().nth(shrinkage.between(best, as_good))
 }

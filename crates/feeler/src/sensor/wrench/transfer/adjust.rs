@@ -3,11 +3,10 @@
 //! Minimises the squared errors of all components together over the parameters of the map ([`Basis::of_copy`]) and a gain
 //! and an offset of each component, with a penalty on their squares, by Gauss-Newton iterations.
 
-use super::Method;
 use super::data::PressData;
 use crate::sensor::wrench::basis::Basis;
 use crate::sensor::wrench::calibration::{AxisModel, CalibrationOf, WrenchModel};
-use crate::sensor::wrench::choice::best_penalty;
+use crate::sensor::wrench::choice::{Shrinkage, best_penalty};
 use crate::sensor::wrench::ridge::{Spectrum, regress};
 use nalgebra::{DMatrix, DVector};
 
@@ -26,12 +25,10 @@ const STEP: f64 = 1e-4;
 /// Maximum number of samples used, evenly spread.
 const MAX_SAMPLES: usize = 600;
 
-/// Adjusts the model of `source` to the samples without the press `held`, with a map only for [`Method::Readings`]. Returns
-/// the model unchanged if nothing can be learned.
+/// Adjusts the model of `source` to the samples without the press `held`. Returns it unchanged if nothing can be learned.
 pub(super) fn adjusted<B: Basis>(
     source: &CalibrationOf<B>,
     data: &PressData<B>,
-    method: Method,
     held: Option<usize>,
 ) -> WrenchModel<B> {
     let used = (0..data.samples.len()).filter(|&row| Some(data.press_of[row]) != held);
@@ -53,10 +50,7 @@ pub(super) fn adjusted<B: Basis>(
     let errors = source.quality.iter().map(|quality| quality.blocks.rmse);
     let problem = Problem {
         source: &source.model,
-        parameters: match method {
-            Method::Readings => source.model.elements.copy_parameters(),
-            Method::Errors => 0,
-        },
+        parameters: source.model.elements.copy_parameters(),
         data,
         samples,
         rows,
@@ -116,7 +110,9 @@ impl<B: Basis> Problem<'_, B> {
                     let samples: Vec<_> = samples.collect();
                     let folds = [self.data.folds(&samples)];
                     let spectrum = Spectrum::new(derivatives.clone());
-                    *penalty.insert(best_penalty(&spectrum, &target, (), &folds)?.penalty)
+                    *penalty.insert(
+                        best_penalty(&spectrum, &target, (), &folds, Shrinkage::Strong)?.penalty,
+                    )
                 }
             };
             (_, changes) = regress(derivatives, &target, penalty)?;

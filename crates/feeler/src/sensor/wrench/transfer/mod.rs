@@ -1,12 +1,12 @@
 //! Transfers a calibration to another copy of the sensor with a few presses.
 //!
-//! Copies of a sensor differ by manufacturing: stiffness, strength and position of magnets or lights, mounting. The result
-//! stays close to the original where the presses do not contradict it. [`adjust`] fits a gain and an offset of each component;
-//! held-out presses decide between two further steps:
+//! Copies of a sensor differ by manufacturing: stiffness, strength and position of magnets or lights, mounting. Two steps keep
+//! the result close to the original where the presses do not contradict it:
 //!
-//! - [`adjust`] also fits a linear map from the readings of each taxel to those of the original.
-//! - [`refine`] adds a ridge regression of the remaining errors on the regression terms, so that the weights shrink toward
-//!   those of the original (Kuzborskij and Orabona, Stability and hypothesis transfer learning, ICML 2013).
+//! 1. [`adjust`] fits a gain and an offset of each component and, where products of readings are used, a linear map from the
+//!    readings of each taxel to those of the original.
+//! 2. [`refine`] adds a ridge regression of the remaining errors on the regression terms, so that the weights shrink toward
+//!    those of the original (Kuzborskij and Orabona, Stability and hypothesis transfer learning, ICML 2013).
 //!
 //! Penalties are chosen by cross-validation over presses.
 
@@ -52,19 +52,8 @@ pub fn transfer<B: Basis>(
     let usable = usable(made_for.elements, &samples);
     let unusable = samples.len() - usable.len();
     let data = PressData::new(usable)?;
-    let methods: &[Method] = match source.model.elements.copy_parameters() {
-        0 => &[Method::Errors],
-        _ => &[Method::Errors, Method::Readings],
-    };
-    let tried = methods
-        .iter()
-        .map(|&method| (method, predict_held_out(source, &data, method)));
-    let total = |predicted: &[Predicted]| squared_error(source, &data, predicted);
-    let best = tried.min_by(|(_, a), (_, b)| total(a).total_cmp(&total(b)));
-    let Some((method, predicted)) = best else {
-        return Err(WrenchError::NotMeasured);
-    };
-    let mut model = transferred(source, &data, method, None);
+    let mut model = transferred(source, &data, None);
+    let predicted = predict_held_out(source, &data);
     let distances: Vec<f64> = predicted.iter().map(|p| p.distance).collect();
     let near = quantile(distances, NEAR).unwrap_or(0.0);
     let limit = source.model.novelty.limit.max(MARGIN * near);
@@ -114,27 +103,13 @@ pub fn transfer<B: Basis>(
     })
 }
 
-/// Adaptation of a model, besides a gain and an offset of each component.
-#[derive(Debug, Clone, Copy, PartialEq)]
-enum Method {
-    /// Regress its errors on the terms.
-    Errors,
-    /// Map the readings to those of the original.
-    Readings,
-}
-
 /// Transfers the model of `source` without the press `held`. Omits components that were measured too seldom.
 fn transferred<B: Basis>(
     source: &CalibrationOf<B>,
     data: &PressData<B>,
-    method: Method,
     held: Option<usize>,
 ) -> WrenchModel<B> {
-    let mut model = adjust::adjusted(source, data, method, held);
-    if method == Method::Readings {
-        (model.axes).retain(|axis| data.target(axis.axis, held).is_some());
-        return model;
-    }
+    let mut model = adjust::adjusted(source, data, held);
     let all: Vec<_> = (0..data.samples.len()).collect();
     let features = data.features(&model.elements, &all);
     let axes = model.axes.iter();
@@ -152,31 +127,10 @@ struct Predicted {
     distance: f64,
 }
 
-/// Sum of the squared errors of all components, in units of the source's errors.
-fn squared_error<B: Basis>(
-    source: &CalibrationOf<B>,
-    data: &PressData<B>,
-    predicted: &[Predicted],
-) -> f64 {
-    let rows = data.samples.iter().zip(predicted);
-    let errors = rows.flat_map(|(sample, predicted)| {
-        let qualities = source.quality.iter().zip(&predicted.values);
-        qualities.filter_map(|(quality, value)| {
-            let error = (*value)? - sample.wrench[quality.axis.index()]?;
-            Some((error / quality.blocks.rmse.max(f64::MIN_POSITIVE)).powi(2))
-        })
-    });
-    errors.sum()
-}
-
 /// Predicts each sample with a model transferred without its press.
-fn predict_held_out<B: Basis>(
-    source: &CalibrationOf<B>,
-    data: &PressData<B>,
-    method: Method,
-) -> Vec<Predicted> {
+fn predict_held_out<B: Basis>(source: &CalibrationOf<B>, data: &PressData<B>) -> Vec<Predicted> {
     let models: Vec<_> = (0..data.presses)
-        .map(|press| transferred(source, data, method, Some(press)))
+        .map(|press| transferred(source, data, Some(press)))
         .collect();
     let rows = data
         .samples

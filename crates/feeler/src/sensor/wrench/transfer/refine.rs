@@ -3,7 +3,7 @@
 use super::data::PressData;
 use crate::sensor::wrench::basis::{Basis, matrix};
 use crate::sensor::wrench::calibration::AxisModel;
-use crate::sensor::wrench::choice::best_penalty;
+use crate::sensor::wrench::choice::{Shrinkage, best_penalty};
 use crate::sensor::wrench::ridge::{Spectrum, regress};
 
 /// Adds a regression of the errors to a component, without the press `held`. Returns `None` if the component was measured
@@ -29,6 +29,7 @@ pub(super) fn refined<B: Basis>(
         &kept_errors,
         original.terms,
         &[data.folds(&kept)],
+        Shrinkage::Strong,
     )?;
     let penalty = chosen.penalty * step as f64;
     let (intercept, changes) = regress(design(&target.rows), &errors, penalty)?;
