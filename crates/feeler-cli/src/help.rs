@@ -18,6 +18,7 @@ const GROUPS: [Group; 6] = [
             "cameras",
             "locate",
             "calibrate",
+            "verify",
             "sense",
             "score-slip",
             "league",
