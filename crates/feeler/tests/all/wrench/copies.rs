@@ -139,21 +139,23 @@ static SOURCE: LazyLock<TaxelCalibration> =
     LazyLock::new(|| calibrated(&Skin::copy(0.0, 0).presses(MANY, 1)));
 
 /// Prints the error against the number of presses, and compares ten transferred presses with a full calibration, on other
-/// copies than those on which the transfer was developed. A full calibration is better than ten presses by up to 2.5 times
-/// (docs/calibration.md); ten presses from scratch by far worse than transferred.
+/// copies than those on which the transfer was developed. Bounds are for the worst copy (docs/calibration.md). All numbers of
+/// presses on five copies only if `FEELER_LONG_TESTS` is set.
 #[test]
 fn ten_presses_transfer_a_calibration_to_a_copy() {
+    let long = std::env::var_os("FEELER_LONG_TESTS").is_some_and(|value| value != "0");
+    let (copies, counts): (_, &[usize]) = match long {
+        true => (21..=25, &[3, 5, 10, 20, 40]),
+        false => (21..=22, &[10]),
+    };
     println!("copy, presses: RMSE (N) from scratch, transferred");
-    let mut ratios = Vec::new();
-    for copy in 21..=25 {
+    for copy in copies {
         let skin = Skin::copy(1.0, copy);
         let unseen = skin.presses(40, 100 + copy);
         let full = error(&calibrated(&skin.presses(MANY, 200 + copy)), &unseen);
-        println!(
-            "{copy}: full {full:.3}, untransferred {:.3}",
-            error(&SOURCE, &unseen)
-        );
-        for count in [5, 10, 20] {
+        let untransferred = error(&SOURCE, &unseen);
+        println!("{copy}: full {full:.3}, untransferred {untransferred:.3}");
+        for &count in counts {
             let presses = skin.presses(count, 300 + copy);
             let scratch = error(&calibrated(&presses), &unseen);
             let transferred = transfer(&SOURCE, target(), &names(), &presses).unwrap();
@@ -161,16 +163,16 @@ fn ten_presses_transfer_a_calibration_to_a_copy() {
             println!("{copy}, {count}: {scratch:.3} {transferred:.3}");
             if count == 10 {
                 assert!(
-                    transferred < scratch,
+                    transferred < 0.5 * scratch,
                     "{transferred} N, from scratch {scratch} N"
                 );
-                ratios.push(transferred / full);
+                assert!(
+                    transferred < 2.6 * full,
+                    "{transferred} N, full calibration {full} N"
+                );
             }
         }
     }
-    ratios.sort_by(f64::total_cmp);
-    println!("transferred with ten presses, over full: {ratios:.2?}");
-    assert!(ratios[2] <= 1.5, "median of {ratios:?}");
 }
 
 /// In 400 sessions of five presses, the stated false-alarm rate of 1 % allows 10 rejections with a probability of 99.9 %
