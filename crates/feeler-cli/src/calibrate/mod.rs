@@ -276,7 +276,8 @@ fn create_outputs(
 ) -> Result<[PartFile; 2], CommandError> {
     let inputs = files.iter().map(|path| Some(path.as_path()));
     let experiment = Path::new(experiment_name(arguments));
-    let named = [Some(experiment), arguments.layout.as_deref()];
+    let taxels = arguments.taxels.as_deref().map(Path::new);
+    let named = [Some(experiment), arguments.layout.as_deref(), taxels];
     let mut outputs = Outputs::new(arguments.overwrite.force, inputs.chain(named));
     Ok([
         outputs.create(&arguments.output, "--output")?,

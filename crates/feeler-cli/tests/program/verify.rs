@@ -157,7 +157,7 @@ fn edited_calibrations_and_unsuitable_presses_are_refused() {
             "wrench.toml",
             "torque.csv",
             vec![],
-            "within its calibrated range; got none",
+            "band of errors; got none",
         ),
         (
             "element.toml",

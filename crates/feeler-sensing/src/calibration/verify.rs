@@ -109,8 +109,14 @@ impl<'a, B: Basis> Job<'a, B> {
             let checked = forces.check_magnitude();
             checked.map_err(|error| format!("{}: {error}{CONFIRM}", options.presses.display()))?;
         }
-        let named = [options.calibration.as_path(), &options.presses];
-        let inputs = inputs.iter().map(PathBuf::as_path).chain(named).map(Some);
+        let named = [
+            Some(options.calibration.as_path()),
+            Some(&options.presses),
+            options.taxels.taxels.as_deref().map(Path::new),
+            options.layout.as_deref(),
+            Some(Path::new(&options.experiment)),
+        ];
+        let inputs = inputs.iter().map(|path| Some(path.as_path())).chain(named);
         let mut outputs = Outputs::new(options.force, inputs);
         let create = |path: &PathBuf| outputs.create(path, "--output");
         let file = options.output.as_ref().map(create).transpose()?;

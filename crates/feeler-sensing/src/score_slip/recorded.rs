@@ -5,9 +5,9 @@ use super::notes::Notes;
 use super::options::SlipScoreOptions;
 use super::page::{PAGE, make_folder};
 use super::said::{say, wrong};
-use super::scores::{SCORES, scores_csv};
+use super::scores::{SCORES, applicable_detectors, scores_csv};
 use feeler_console::{CommandError, Outcome, Outputs, print_json};
-use feeler_lab::grasps::{Calibrated, Confusion, DETECTORS, Detector, calibrate, transfer};
+use feeler_lab::grasps::{Calibrated, Confusion, Detector, calibrate, transfer};
 use feeler_lab::sweep::analysis::Estimate;
 use feeler_report::pages::{
     GraspDetector, GraspProbability, GraspSlipPage, GraspTransfer, Roc, grasp_slip_page,
@@ -110,7 +110,7 @@ fn judge(
     let groups = collected.groups.len();
     let ends = |estimate: Option<Estimate>| estimate.map(|e| e.with_ends(groups));
     let mut detectors = Vec::new();
-    for (index, detector) in DETECTORS.into_iter().enumerate() {
+    for (index, detector) in applicable_detectors(&collected.scored) {
         let labelled = collected.labelled(index);
         let outcome = feeler_lab::grasps::score(&labelled);
         let transfer = others.and_then(|others| {

@@ -1,6 +1,6 @@
 //! `scores.csv`: the score and verdict of each detector for each recording or frame.
 
-use feeler_lab::grasps::{DETECTORS, Verdict};
+use feeler_lab::grasps::{DETECTORS, Detector, Verdict};
 
 /// File name of the table.
 pub const SCORES: &str = "scores.csv";
@@ -48,8 +48,9 @@ pub fn scores_csv(scored: &[Scored], of_frames: bool, by_others: bool) -> String
         let _ = writer.write_record(cells.map(|(_, cell)| cell));
     };
     write(header.map(String::from));
+    let applicable = applicable_detectors(scored);
     for one in scored {
-        for (index, detector) in DETECTORS.into_iter().enumerate() {
+        for &(index, detector) in &applicable {
             let number = |number: Option<f64>| number.map_or(String::new(), |n| n.to_string());
             let threshold = |verdict: Option<Verdict>| number(verdict.map(|v| v.threshold));
             let says = |verdict: Option<Verdict>| {
@@ -72,4 +73,12 @@ pub fn scores_csv(scored: &[Scored], of_frames: bool, by_others: bool) -> String
     }
     let bytes = writer.into_inner().unwrap_or_default();
     String::from_utf8_lossy(&bytes).into_owned()
+}
+
+/// Detectors with their indices in [`DETECTORS`], without image loss if no image was scored.
+pub fn applicable_detectors(scored: &[Scored]) -> Vec<(usize, Detector)> {
+    let has = |index: usize| scored.iter().any(|one| one.scores[index].is_some());
+    let all = DETECTORS.into_iter().enumerate();
+    let applicable = all.filter(|&(index, detector)| detector != Detector::ImageLoss || has(index));
+    applicable.collect()
 }

@@ -178,6 +178,10 @@ impl<B: Basis> CalibrationOf<B> {
                 check_number(&format!("{name}.weights"), weight, -LARGEST..=LARGEST)?;
             }
         }
+        for quality in &self.quality {
+            let band = format!("{}.band_95", quality.axis.name());
+            check_number(&band, quality.band_95.unwrap_or(0.0), 0.0..=LARGEST)?;
+        }
         self.check_novelty()
     }
 

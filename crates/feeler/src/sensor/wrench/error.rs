@@ -74,7 +74,7 @@ pub enum WrenchError {
     },
     /// No component of the calibration was measured within its range during a press.
     #[error(
-        "expected presses with a component that is calibrated, within its calibrated range; got none"
+        "expected presses with a calibrated component, within its calibrated range and stronger than its band of errors; got none"
     )]
     NotMeasured,
     /// The calibration does not state a band of errors.

@@ -8,7 +8,6 @@
 //!
 //! [`AxisQuality::band_95`]: super::quality::AxisQuality::band_95
 
-use super::WrenchAxis;
 use super::basis::Basis;
 use super::calibration::CalibrationOf;
 use super::error::WrenchError;
@@ -16,6 +15,8 @@ use super::estimator::EstimatorOf;
 use super::presses::presses;
 use super::quality::{AxisQuality, Errors};
 use super::sample::SampleOf;
+use super::{MeasuredWrench, WrenchAxis};
+use crate::sensor::table::Quantity;
 use serde::{Deserialize, Serialize};
 
 /// Maximum probability that more than half of a press's samples are outside the 95 % band of a valid calibration.
@@ -25,7 +26,7 @@ const OUTSIDE: f64 = 0.1;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Verification {
-    /// Date of the presses, UTC, as in 2026-11-28.
+    /// Date of the test, UTC, as in 2026-11-28.
     pub date: String,
     /// Maximum probability that a valid calibration is rejected if presses are independent.
     pub false_alarm_rate: f64,
@@ -63,9 +64,10 @@ impl AxisVerification {
 }
 
 /// Tests `calibration` with `samples`, in order of time within each recording. `date` is recorded as the date of the
-/// presses.
+/// test.
 ///
-/// Samples beyond the calibrated range of a component are ignored.
+/// Samples beyond the calibrated range of a component are ignored, as are presses too weak to be outside the band of any
+/// measured force or torque.
 ///
 /// # Errors
 /// If no component of the calibration was measured within its range, if its band of errors is unknown, or if there are
@@ -78,7 +80,8 @@ pub fn verify<B: Basis>(
 ) -> Result<Verification, WrenchError> {
     let mut samples: Vec<&SampleOf<B>> = samples.iter().collect();
     samples.sort_by_key(|sample| sample.recording);
-    let presses = presses(&samples);
+    let mut presses = presses(&samples);
+    presses.retain(|press| is_strong(calibration, press.iter().map(|&row| &samples[row].wrench)));
     let mut estimator = EstimatorOf::new(calibration.clone())?;
     let estimates = samples
         .iter()
@@ -123,6 +126,24 @@ pub fn verify<B: Basis>(
         false_alarm_rate,
         valid: !axes.iter().any(AxisVerification::is_rejected),
         axes,
+    })
+}
+
+/// Returns `true` if a force or torque of a press exceeds its band of errors, so that a sensor without response would be
+/// outside. Presses with a measured place are strong.
+fn is_strong<'a, B: Basis>(
+    calibration: &CalibrationOf<B>,
+    wrenches: impl Iterator<Item = &'a MeasuredWrench> + Clone,
+) -> bool {
+    calibration.quality.iter().any(|quality| {
+        let mut values = wrenches
+            .clone()
+            .filter_map(|wrench| wrench[quality.axis.index()]);
+        let band = match quality.axis.quantity() {
+            Quantity::Length => None,
+            _ => quality.band_95,
+        };
+        values.any(|value| value.abs() > band.unwrap_or(-1.0))
     })
 }
 
