@@ -3,9 +3,9 @@
 //! Copies of a sensor differ by manufacturing: stiffness, strength and position of magnets or lights, mounting. Two steps keep
 //! the result close to the original where the presses do not contradict it:
 //!
-//! 1. [`adjust`] fits a gain and an offset of each component and, where products of readings are used, a linear map from the
+//! 1. `adjust` fits a gain and an offset of each component and, where products of readings are used, a linear map from the
 //!    readings of each taxel to those of the original.
-//! 2. [`refine`] adds a ridge regression of the remaining errors on the regression terms, so that the weights shrink toward
+//! 2. `refine` adds a ridge regression of the remaining errors on the regression terms, so that the weights shrink toward
 //!    those of the original (Kuzborskij and Orabona, Stability and hypothesis transfer learning, ICML 2013).
 //!
 //! Penalties are chosen by cross-validation over presses.
