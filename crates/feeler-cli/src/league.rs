@@ -46,7 +46,7 @@ fn parse_entry(text: &str) -> Result<(String, String), String> {
     }
 }
 
-/// Runs the league.
+/// Scores all entries on all sets.
 pub fn league(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let options = LeagueOptions {
         data: arguments.data.clone(),

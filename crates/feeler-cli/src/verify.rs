@@ -40,7 +40,7 @@ pub struct Arguments {
     /// are off together, it is at most 10 %.
     #[arg(long, value_name = "PROBABILITY", default_value_t = 0.01, value_parser = parse_rate)]
     false_alarm_rate: f64,
-    /// Write the calibration with the result in its passport, as `feeler sense --verified-within` requires.
+    /// File for a copy of the calibration whose passport contains the result; `feeler sense --verified-within` requires one.
     #[arg(short, long, value_name = "FILE")]
     output: Option<PathBuf>,
     #[command(flatten)]

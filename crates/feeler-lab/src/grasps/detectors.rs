@@ -28,7 +28,7 @@ pub enum Detector {
     ContactLoss,
     /// Motion of the object in the grip ([`GraspDrag`]).
     Drag,
-    /// Return of the image to that of the untouched gel ([`ImageLoss`](feeler::control::grasp_slip::ImageLoss)).
+    /// Similarity of the image to that of the untouched gel ([`ImageLoss`](feeler::control::grasp_slip::ImageLoss)).
     ImageLoss,
 }
 
@@ -202,9 +202,8 @@ impl GraspRecording {
 /// Scores of all detectors for a recording.
 #[derive(Debug, Clone, PartialEq)]
 pub struct DetectorTrace {
-    /// Scores of each frame in the order of [`DETECTORS`]; `None` if unknown, as of [`Detector::ImageLoss`], which
-    /// requires images. Drag is in the unit of the
-    /// vectors.
+    /// Scores of each frame in the order of [`DETECTORS`]; `None` if unknown, and always for [`Detector::ImageLoss`],
+    /// which requires images. Drag is in the unit of the vectors.
     pub frames: Vec<[Option<f64>; DETECTORS.len()]>,
     /// Noise of the recording in the unit of the vectors, if known.
     pub noise: Option<f64>,

@@ -144,7 +144,7 @@ pub fn score(samples: &[Labelled]) -> Outcome {
     score_in_folds(samples, |group| group)
 }
 
-/// Like [`score`], with thresholds chosen on the groups of all other folds. `fold_of` returns the fold of a group.
+/// Like [`score`], but chooses each group's threshold on the groups of all other folds. `fold_of` returns a group's fold.
 pub fn score_in_folds(samples: &[Labelled], fold_of: impl Fn(usize) -> usize) -> Outcome {
     let known = known(samples);
     let others = |group: usize| {

@@ -3,7 +3,7 @@
 use super::LeagueOptions;
 use super::data::{Fold, SetData, split};
 use super::definition::{Definition, Split};
-use super::entries::{Course, Entry, Inputs};
+use super::entries::{Entry, Inputs, Task};
 use super::output::content;
 use super::read::read;
 use super::scores::{Metric, metric_names, metrics};
@@ -107,7 +107,7 @@ fn run_all(
         .values
         .as_ref()
         .map(|values| values.targets.as_slice());
-    let course = Course {
+    let task = Task {
         name: &definition.name,
         set,
         folds,
@@ -116,7 +116,7 @@ fn run_all(
         limit: options.limit,
     };
     let run = |entry: &Entry| {
-        let answers = course.run(entry);
+        let answers = task.run(entry);
         answers.map(|answers| metrics(definition, set, folds, &answers))
     };
     let ran: Result<(), ()> = in_order(entries, run, |entry, result| {

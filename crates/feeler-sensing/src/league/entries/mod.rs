@@ -86,8 +86,8 @@ pub enum Answers {
     Scores(Vec<Option<f64>>),
 }
 
-/// A set for entries.
-pub struct Course<'a> {
+/// A set prepared for the entries: data, folds and targets.
+pub struct Task<'a> {
     pub name: &'a str,
     pub set: &'a SetData,
     pub folds: &'a [Fold],
@@ -98,7 +98,7 @@ pub struct Course<'a> {
     pub limit: Duration,
 }
 
-impl Course<'_> {
+impl Task<'_> {
     /// Runs an entry.
     ///
     /// # Errors

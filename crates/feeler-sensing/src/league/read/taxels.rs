@@ -6,12 +6,10 @@ use crate::league::definition::{Layout, Target, TaxelData};
 use crate::sense::taxel_layout_text;
 use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
 use feeler::sensor::taxel::{TaxelLayout, TaxelSensor};
+use feeler::sensor::wrench::taxels::MeasuredSeries;
 use feeler_console::{CommandError, open_table};
 use std::fs;
 use std::path::{Path, PathBuf};
-
-/// Maximum interval between measurements that are interpolated, relative to the median interval.
-const MAX_GAP: f64 = 4.0;
 
 /// Reads a set in `folder`. Adds the files to `files`.
 ///
@@ -137,42 +135,31 @@ fn at_times(measured: &Measured, times: &[f64], targets: usize) -> Vec<Vec<f64>>
         });
         let mut known: Vec<_> = known.collect();
         known.sort_by(|a, b| a.0.total_cmp(&b.0));
-        let mut gaps: Vec<_> = known.windows(2).map(|pair| pair[1].0 - pair[0].0).collect();
-        gaps.sort_by(f64::total_cmp);
-        let gap = MAX_GAP * gaps.get(gaps.len() / 2).copied().unwrap_or(0.0);
-        (known, gap)
+        let (times, values) = known.into_iter().unzip();
+        MeasuredSeries::new(times, values)
     };
     let series: Vec<_> = (0..targets).map(of_target).collect();
     let at = |&time: &f64| {
-        let value = |(known, gap): &(Vec<(f64, f64)>, f64)| interpolated(known, *gap, time);
-        series.iter().map(value).collect()
+        let values = series.iter();
+        values
+            .map(|series| series.at(time).unwrap_or(f64::NAN))
+            .collect()
     };
     times.iter().map(at).collect()
 }
 
-/// Value of the series `known` at `time`; NaN outside or in an interval longer than `gap`.
-fn interpolated(known: &[(f64, f64)], gap: f64, time: f64) -> f64 {
-    let after = known.partition_point(|&(measured, _)| measured < time);
-    match (
-        after.checked_sub(1).and_then(|before| known.get(before)),
-        known.get(after),
-    ) {
-        (_, Some(&(end, value))) if end == time => value,
-        (Some(&(start, first)), Some(&(end, last))) if end - start <= gap => {
-            first + (time - start) / (end - start) * (last - first)
-        }
-        _ => f64::NAN,
-    }
-}
-
 #[cfg(test)]
 mod tests {
-    use super::interpolated;
+    use super::*;
 
     #[test]
     fn gaps_and_ends_are_unknown() {
-        let known = [(0.0, 1.0), (1.0, 3.0), (9.0, 5.0)];
-        let at = |time| interpolated(&known, 2.0, time);
+        let measured = Measured {
+            keys: ["0", "0.5", "1", "9"].map(String::from).to_vec(),
+            values: [1.0, 2.0, 3.0, 5.0].map(|value| vec![value]).to_vec(),
+            skipped: 0,
+        };
+        let at = |time| at_times(&measured, &[time], 1)[0][0];
         assert_eq!((at(0.0), at(0.5), at(1.0), at(9.0)), (1.0, 2.0, 3.0, 5.0));
         assert!([-0.1, 5.0, 9.1].map(at).iter().all(|value| value.is_nan()));
     }

@@ -82,7 +82,8 @@ pub trait Basis:
         0
     }
 
-    /// Returns the features for a copy of the sensor. All `parameters` are 0 for the original, and relative to it.
+    /// Returns the features of a copy of the sensor whose readings differ from those of this one by `parameters`, which are
+    /// relative to the readings. If all are 0, the features are the same.
     #[must_use]
     fn of_copy(&self, _parameters: &[f64]) -> Self {
         self.clone()
@@ -106,6 +107,19 @@ pub(super) fn matrix<B: Basis>(
         .iter()
         .flat_map(|&row| basis.terms(terms, &features[row]));
     DMatrix::from_row_iterator(rows.len(), basis.term_count(terms), values)
+}
+
+/// Standardised features of each of `inputs`.
+pub(super) fn standardised<'a, B: Basis>(
+    basis: &B,
+    inputs: impl IntoIterator<Item = &'a B::Input>,
+) -> Vec<Vec<f64>> {
+    let features = inputs.into_iter().map(|input| {
+        let mut features = vec![0.0; basis.feature_count()];
+        basis.standardise(input, &mut features);
+        features
+    });
+    features.collect()
 }
 
 /// Returns 0 for a missing feature, so that it has no effect.

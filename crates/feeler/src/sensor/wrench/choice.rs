@@ -115,7 +115,7 @@ pub(super) fn choose<B: Basis>(
 /// Choice among the penalties from the best one to the largest one that is not significantly worse.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub(super) enum Shrinkage {
-    /// Halfway, in decades. Smaller weights than the best ones reduce the effect of drift between recordings, which blocks of
+    /// The geometric mean of both. Smaller weights than the best ones reduce the effect of drift between recordings, which blocks of
     /// a single recording do not show. The largest penalty would discard too much information.
     Moderate,
     /// The largest (one-standard-error rule; Hastie, Tibshirani and Friedman, The Elements of Statistical Learning, 2009,

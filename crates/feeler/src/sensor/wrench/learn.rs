@@ -1,7 +1,7 @@
 //! Fits the model of a wrench calibration: statistics, terms, penalties, weights and novelty.
 
 use super::WrenchAxis;
-use super::basis::{Basis, matrix};
+use super::basis::{Basis, matrix, standardised};
 use super::calibration::{AxisModel, WrenchModel};
 use super::choice::{Target, choose};
 use super::error::WrenchError;
@@ -43,12 +43,7 @@ pub(super) fn learn<B: Basis>(
         .map_or(0, |sample| B::elements_of(&sample.seen));
     let inputs: Vec<_> = samples.iter().map(|sample| &sample.seen).collect();
     let basis = B::from_inputs(elements, &inputs);
-    let features = inputs.iter().map(|input| {
-        let mut features = vec![0.0; basis.feature_count()];
-        basis.standardise(input, &mut features);
-        features
-    });
-    let features: Vec<_> = features.collect();
+    let features = standardised(&basis, inputs.iter().copied());
     let targets = axes.iter().map(|&axis| target(samples, axis));
     let targets: Vec<_> = targets.filter(can_be_learned).collect();
     let choices = choose(&basis, &features, &recording_of(samples), &targets);

@@ -73,10 +73,28 @@ pub(super) fn validate<B: Basis>(
 
 /// Held-out prediction of a sample.
 #[derive(Clone)]
-struct Predicted {
+pub(super) struct Predicted {
     /// Each component of the whole model; `None` if there is too little data without the fold.
-    values: Vec<Option<f64>>,
-    distance: f64,
+    pub values: Vec<Option<f64>>,
+    /// Novelty distance.
+    pub distance: f64,
+}
+
+impl Predicted {
+    /// Predicts the components `axes` from a measurement, with the components that `model` has.
+    pub fn new<B: Basis>(model: &WrenchModel<B>, axes: &[WrenchAxis], seen: &B::Input) -> Self {
+        let basis = &model.elements;
+        let mut features = vec![0.0; basis.feature_count()];
+        basis.standardise(seen, &mut features);
+        let values = axes.iter().map(|axis| {
+            let own = model.axes.iter().find(|own| own.axis == *axis)?;
+            Some(own.value(basis, &features))
+        });
+        Self {
+            values: values.collect(),
+            distance: model.novelty.distance(basis, &features),
+        }
+    }
 }
 
 /// Predicts each sample with a model of the same components, fitted without the fold that holds it out.
@@ -116,19 +134,7 @@ fn predict_fold<B: Basis>(
     let Ok(model) = learn(&train, &axes, Some(whole.novelty.terms)) else {
         return Vec::new();
     };
-    let basis = &model.elements;
-    let mut features = vec![0.0; basis.feature_count()];
-    let rows = fold.held.iter().map(|&row| {
-        basis.standardise(&samples[row].seen, &mut features);
-        let values = axes.iter().map(|axis| {
-            let own = model.axes.iter().find(|model| model.axis == *axis);
-            own.map(|own| own.value(basis, &features))
-        });
-        let predicted = Predicted {
-            values: values.collect(),
-            distance: model.novelty.distance(basis, &features),
-        };
-        (row, predicted)
-    });
-    rows.collect()
+    let held = fold.held.iter();
+    held.map(|&row| (row, Predicted::new(&model, &axes, &samples[row].seen)))
+        .collect()
 }

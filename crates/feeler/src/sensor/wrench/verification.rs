@@ -20,7 +20,7 @@ use crate::sensor::table::Quantity;
 use serde::{Deserialize, Serialize};
 
 /// Maximum probability that more than half of a press's samples are outside the 95 % band of a valid calibration.
-const OUTSIDE: f64 = 0.1;
+const MAX_OUTSIDE: f64 = 0.1;
 
 /// Result of testing a calibration.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -213,7 +213,8 @@ fn rejected_from(presses: usize, rate: f64) -> Option<usize> {
         let inside = presses - outside;
         let ways = factorial(presses) - factorial(outside) - factorial(inside);
         libm::exp(
-            ways + outside as f64 * libm::log(OUTSIDE) + inside as f64 * libm::log(1.0 - OUTSIDE),
+            ways + outside as f64 * libm::log(MAX_OUTSIDE)
+                + inside as f64 * libm::log(1.0 - MAX_OUTSIDE),
         )
     };
     let mut sum = 0.0;

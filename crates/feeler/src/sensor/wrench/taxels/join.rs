@@ -84,7 +84,7 @@ struct Joined<'a> {
 /// Like [`join`], without copying the rows.
 fn joined(series: &[TaxelSeries], delay: f64) -> Vec<Joined<'_>> {
     let joined = series.iter().enumerate().flat_map(|(recording, series)| {
-        let components = ComponentSeries::of_each_axis(&series.measured);
+        let components = MeasuredSeries::of_each_axis(&series.measured);
         let rows = series.stamps.iter().zip(&series.inputs);
         rows.filter_map(move |(stamp, input)| {
             let wrench: MeasuredWrench =
@@ -158,33 +158,40 @@ fn unexplained(samples: &[Joined], axis: usize) -> Option<f64> {
     (total > 0.0).then(|| (predicted - measured).norm_squared() / total)
 }
 
-/// Measurements of one component over time.
-struct ComponentSeries {
+/// Measurements of one quantity over time.
+#[derive(Debug, Clone, PartialEq)]
+pub struct MeasuredSeries {
     times: Vec<f64>,
     values: Vec<f64>,
     /// Maximum interval that is interpolated, s.
     gap: f64,
 }
 
-impl ComponentSeries {
+impl MeasuredSeries {
+    /// Creates a series of `values` measured at `times`, s, in ascending order.
+    pub fn new(times: Vec<f64>, values: Vec<f64>) -> Self {
+        Self {
+            gap: MAX_GAP * median_interval(&times),
+            times,
+            values,
+        }
+    }
+
     fn of_each_axis(measured: &[MeasuredAt]) -> [Self; AXES] {
         std::array::from_fn(|axis| {
             let known = measured
                 .iter()
                 .filter_map(|m| Some((m.time, m.wrench[axis]?)));
-            let (times, values): (Vec<f64>, Vec<f64>) = known.unzip();
-            Self {
-                gap: MAX_GAP * median_interval(&times),
-                times,
-                values,
-            }
+            let (times, values) = known.unzip();
+            Self::new(times, values)
         })
     }
 
-    /// Interpolates the component at `time`. Returns `None` outside the measurements or in a gap.
-    fn at(&self, time: f64) -> Option<f64> {
+    /// Interpolates linearly at `time`, s. Returns `None` outside the measurements, or in an interval of more than four
+    /// times the median.
+    pub fn at(&self, time: f64) -> Option<f64> {
         let after = self.times.partition_point(|&measured| measured < time);
-        let [end, value] = [*self.times.get(after)?, self.values[after]];
+        let (&end, &value) = self.times.get(after).zip(self.values.get(after))?;
         if end == time {
             return Some(value);
         }

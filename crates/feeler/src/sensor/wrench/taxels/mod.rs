@@ -20,7 +20,7 @@ mod sensor;
 
 pub use basis::{TaxelBasis, TaxelTerms, TermKind};
 pub use estimator::TaxelWrenchEstimator;
-pub use join::{MAX_DELAY, MeasuredAt, TaxelSeries, estimate_delay, join};
+pub use join::{MAX_DELAY, MeasuredAt, MeasuredSeries, TaxelSeries, estimate_delay, join};
 pub use memory::{Memory, TIME_CONSTANTS, TaxelInput};
 pub use sensor::TaxelWrenchSensor;
 

@@ -4,19 +4,19 @@
 //! and an offset of each component, with a penalty on their squares, by Gauss-Newton iterations.
 
 use super::data::PressData;
-use crate::sensor::wrench::basis::Basis;
+use crate::sensor::wrench::basis::{Basis, standardised};
 use crate::sensor::wrench::calibration::{AxisModel, CalibrationOf, WrenchModel};
 use crate::sensor::wrench::choice::{Shrinkage, best_penalty};
 use crate::sensor::wrench::ridge::{Spectrum, regress};
 use nalgebra::{DMatrix, DVector};
 
 /// Expected magnitude of a parameter of the map, relative to the readings.
-const PARAMETER: f64 = 0.1;
+const EXPECTED_PARAMETER: f64 = 0.1;
 /// Expected relative change of a component. Larger than that of a parameter, because a common factor is the most likely
 /// difference between copies.
-const GAIN: f64 = 0.3;
+const EXPECTED_GAIN_CHANGE: f64 = 0.3;
 /// Expected offset of a component, relative to its held-out error.
-const OFFSET: f64 = 10.0;
+const EXPECTED_OFFSET: f64 = 10.0;
 /// Number of Gauss-Newton iterations. The map is nearly linear.
 const ITERATIONS: usize = 3;
 /// Step of numerical derivatives.
@@ -124,7 +124,11 @@ impl<B: Basis> Problem<'_, B> {
     fn predict(&self, changes: &[f64]) -> DVector<f64> {
         let mut model = self.source.clone();
         self.apply(changes, &mut model);
-        let features = self.data.features(&model.elements, &self.samples);
+        let inputs = self
+            .samples
+            .iter()
+            .map(|&sample| &self.data.samples[sample].seen);
+        let features = standardised(&model.elements, inputs);
         let values = self.rows.iter().map(|row| {
             let value = model.axes[row.axis].value(&model.elements, &features[row.place]);
             self.scales[row.axis] * value
@@ -147,14 +151,17 @@ impl<B: Basis> Problem<'_, B> {
     /// Applies `changes` to the source's model.
     fn apply(&self, changes: &[f64], model: &mut WrenchModel<B>) {
         let (parameters, changes) = changes.split_at(self.parameters);
-        let parameters: Vec<_> = parameters.iter().map(|change| PARAMETER * change).collect();
+        let parameters: Vec<_> = parameters
+            .iter()
+            .map(|change| EXPECTED_PARAMETER * change)
+            .collect();
         if !parameters.is_empty() {
             model.elements = self.source.elements.of_copy(&parameters);
         }
         let (gains, offsets) = changes.split_at(self.scales.len());
         for (index, axis) in model.axes.iter_mut().enumerate() {
-            scale(axis, 1.0 + GAIN * gains[index]);
-            axis.intercept += OFFSET * offsets[index] / self.scales[index];
+            scale(axis, 1.0 + EXPECTED_GAIN_CHANGE * gains[index]);
+            axis.intercept += EXPECTED_OFFSET * offsets[index] / self.scales[index];
         }
     }
 }

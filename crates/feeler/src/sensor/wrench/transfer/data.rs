@@ -37,16 +37,6 @@ impl<'a, B: Basis> PressData<'a, B> {
         })
     }
 
-    /// Standardised features of some samples.
-    pub fn features(&self, basis: &B, samples: &[usize]) -> Vec<Vec<f64>> {
-        let features = samples.iter().map(|&sample| {
-            let mut features = vec![0.0; basis.feature_count()];
-            basis.standardise(&self.samples[sample].seen, &mut features);
-            features
-        });
-        features.collect()
-    }
-
     /// Measured values of a component without those of the press `held`, or `None` if it was measured too seldom.
     pub fn target(&self, axis: WrenchAxis, held: Option<usize>) -> Option<Target> {
         let mut target = target(&self.samples, axis);

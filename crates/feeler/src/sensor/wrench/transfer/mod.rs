@@ -14,13 +14,14 @@ mod adjust;
 mod data;
 mod refine;
 
-use super::basis::Basis;
+use super::basis::{Basis, standardised};
 use super::calibration::{CalibrationOf, WrenchModel};
 use super::error::WrenchError;
 use super::fit::{FitOf, check, usable};
 use super::novelty::{MARGIN, NEAR};
 use super::quality::{HeldOut, band_95, judge, quantile};
 use super::sample::SampleOf;
+use super::validation::Predicted;
 use crate::sensor::fingertip::made_for::CalibrationTarget;
 use data::PressData;
 
@@ -110,8 +111,8 @@ fn transferred<B: Basis>(
     held: Option<usize>,
 ) -> WrenchModel<B> {
     let mut model = adjust::adjusted(source, data, held);
-    let all: Vec<_> = (0..data.samples.len()).collect();
-    let features = data.features(&model.elements, &all);
+    let inputs = data.samples.iter().map(|sample| &sample.seen);
+    let features = standardised(&model.elements, inputs);
     let axes = model.axes.iter();
     let refined =
         axes.filter_map(|axis| refine::refined(&model.elements, &features, axis, data, held));
@@ -119,35 +120,13 @@ fn transferred<B: Basis>(
     model
 }
 
-/// Prediction of a sample without its press.
-struct Predicted {
-    /// Each component of the source; `None` if it was measured too seldom.
-    values: Vec<Option<f64>>,
-    /// Novelty distance.
-    distance: f64,
-}
-
 /// Predicts each sample with a model transferred without its press.
 fn predict_held_out<B: Basis>(source: &CalibrationOf<B>, data: &PressData<B>) -> Vec<Predicted> {
     let models: Vec<_> = (0..data.presses)
         .map(|press| transferred(source, data, Some(press)))
         .collect();
-    let rows = data
-        .samples
-        .iter()
-        .zip(&data.press_of)
-        .map(|(sample, &press)| {
-            let model = &models[press];
-            let mut features = vec![0.0; model.elements.feature_count()];
-            model.elements.standardise(&sample.seen, &mut features);
-            let values = source.model.axes.iter().map(|original| {
-                let own = model.axes.iter().find(|own| own.axis == original.axis);
-                own.map(|own| own.value(&model.elements, &features))
-            });
-            Predicted {
-                values: values.collect(),
-                distance: model.novelty.distance(&model.elements, &features),
-            }
-        });
-    rows.collect()
+    let axes: Vec<_> = source.model.axes.iter().map(|model| model.axis).collect();
+    let rows = data.samples.iter().zip(&data.press_of);
+    rows.map(|(sample, &press)| Predicted::new(&models[press], &axes, &sample.seen))
+        .collect()
 }
