@@ -140,22 +140,29 @@ pub(super) fn best_penalty<T: Copy>(
     cuts: &[Vec<Fold>],
     shrinkage: Shrinkage,
 ) -> Option<Choice<T>> {
-    let choices = HALF_DECADES.filter_map(|power| {
-        let penalty = libm::pow(10.0, f64::from(power) / 2.0);
-        let mut squares = vec![0.0; measured.len()];
-        for folds in cuts {
-            let errors = spectrum.errors(measured, penalty, folds)?;
-            for (square, error) in squares.iter_mut().zip(errors) {
-                *square += error?.powi(2) / cuts.len() as f64;
+    let penalties = HALF_DECADES.map(|power| libm::pow(10.0, f64::from(power) / 2.0));
+    let penalties: Vec<_> = penalties.collect();
+    let by_cut: Vec<_> = cuts
+        .iter()
+        .map(|folds| spectrum.errors(measured, &penalties, folds))
+        .collect();
+    let choices = penalties
+        .iter()
+        .enumerate()
+        .filter_map(|(place, &penalty)| {
+            let mut squares = vec![0.0; measured.len()];
+            for errors in &by_cut {
+                for (square, error) in squares.iter_mut().zip(errors[place].as_ref()?) {
+                    *square += (*error)?.powi(2) / cuts.len() as f64;
+                }
             }
-        }
-        let choice = Choice {
-            terms,
-            penalty,
-            squares,
-        };
-        choice.score().is_finite().then_some(choice)
-    });
+            let choice = Choice {
+                terms,
+                penalty,
+                squares,
+            };
+            choice.score().is_finite().then_some(choice)
+        });
     let choices: Vec<_> = choices.collect();
     let places = 0..choices.len();
     let score = |place: usize| choices[place].score();

@@ -46,8 +46,9 @@ impl Spectrum {
         }
     }
 
-    /// Returns the cross-validation error (predicted minus measured) of each row, or `None` for rows that no fold holds
-    /// out. Each prediction comes from a regression on the rows that the fold does not hide.
+    /// Returns the cross-validation error (predicted minus measured) of each row for each of `penalties`, or `None` for
+    /// rows that no fold holds out and for penalties without a solution. Each prediction comes from a regression on the
+    /// rows that the fold does not hide.
     ///
     /// Exact without refitting: with the hat matrix H of all rows and the residuals r = y - H y, the errors of the
     /// hidden rows S are `-(I - H_SS)⁻¹ r_S` (Cook and Weisberg, Residuals and Influence in Regression, 1982, section
@@ -55,38 +56,89 @@ impl Spectrum {
     pub fn errors(
         &self,
         measured: &[f64],
-        penalty: f64,
+        penalties: &[f64],
         folds: &[Fold],
-    ) -> Option<Vec<Option<f64>>> {
+    ) -> Vec<Option<Vec<Option<f64>>>> {
         let rows = measured.len();
         let mean = measured.iter().sum::<f64>() / rows as f64;
         let centred = DVector::from_iterator(rows, measured.iter().map(|value| value - mean));
         let along = self.directions.tr_mul(&centred);
-        let shares = self
-            .eigenvalues
-            .iter()
-            .map(|value| value / (value + penalty));
-        let shares = DVector::from_iterator(self.eigenvalues.len(), shares);
-        let residuals = &centred - &self.directions * along.component_mul(&shares);
-        let mut errors = vec![None; rows];
+        let fit = |&penalty: &f64| {
+            let shares = self
+                .eigenvalues
+                .iter()
+                .map(|value| value / (value + penalty));
+            let shares = DVector::from_iterator(self.eigenvalues.len(), shares);
+            let residuals = &centred - &self.directions * along.component_mul(&shares);
+            (shares.push(1.0), residuals)
+        };
+        let fits: Vec<_> = penalties.iter().map(fit).collect();
+        let mut errors = vec![Some(vec![None; rows]); penalties.len()];
         for fold in folds {
-            let own = self.directions.select_rows(&fold.hidden);
-            let mut scaled = own.clone();
-            for (mut column, share) in scaled.column_iter_mut().zip(&shares) {
-                column *= *share;
-            }
-            let hat = scaled * own.transpose();
-            let size = fold.hidden.len();
-            let left = DMatrix::identity(size, size) - hat.add_scalar(1.0 / rows as f64);
-            let right = DVector::from_iterator(size, fold.hidden.iter().map(|&row| residuals[row]));
-            let solved = left.lu().solve(&right)?;
-            for (&row, error) in fold.hidden.iter().zip(&solved) {
-                if fold.held.contains(&row) {
-                    errors[row] = Some(-error);
+            let hidden = HiddenRows::new(&self.directions, fold);
+            for ((shares, residuals), errors) in fits.iter().zip(&mut errors) {
+                let own = DVector::from_iterator(
+                    fold.hidden.len(),
+                    fold.hidden.iter().map(|&row| residuals[row]),
+                );
+                match (hidden.solve(shares, own), errors.as_mut()) {
+                    (Some(solved), Some(errors)) => {
+                        let of_hidden = fold.hidden.iter().zip(&hidden.is_held).zip(&solved);
+                        for ((&row, _), error) in of_hidden.filter(|((_, held), _)| **held) {
+                            errors[row] = Some(-error);
+                        }
+                    }
+                    _ => *errors = None,
                 }
             }
         }
-        Some(errors)
+        errors
+    }
+}
+
+/// Rows that a fold hides, in the directions of a [`Spectrum`] and of the mean: `V` with `H_SS = V diag(shares) Vᵀ`.
+struct HiddenRows {
+    directions: DMatrix<f64>,
+    /// `Vᵀ V` if it is smaller than `H_SS`.
+    gram: Option<DMatrix<f64>>,
+    /// `true` for rows to predict.
+    is_held: Vec<bool>,
+}
+
+impl HiddenRows {
+    fn new(directions: &DMatrix<f64>, fold: &Fold) -> Self {
+        let (rows, count) = directions.shape();
+        let mean = 1.0 / (rows as f64).sqrt();
+        let own = directions
+            .select_rows(&fold.hidden)
+            .insert_column(count, mean);
+        let gram = (own.ncols() < own.nrows()).then(|| own.tr_mul(&own));
+        let mut held = vec![false; rows];
+        fold.held.iter().for_each(|&row| held[row] = true);
+        Self {
+            directions: own,
+            gram,
+            is_held: fold.hidden.iter().map(|&row| held[row]).collect(),
+        }
+    }
+
+    /// Solves `(I - V diag(shares) Vᵀ) x = right`, directly or with the identity of Woodbury.
+    fn solve(&self, shares: &DVector<f64>, right: DVector<f64>) -> Option<DVector<f64>> {
+        let own = &self.directions;
+        let Some(gram) = &self.gram else {
+            let mut scaled = own.transpose();
+            for (mut row, share) in scaled.row_iter_mut().zip(shares) {
+                row *= *share;
+            }
+            let left = DMatrix::identity(own.nrows(), own.nrows()) - own * scaled;
+            return Some(left.cholesky()?.solve(&right));
+        };
+        let mut left = -gram;
+        for (index, share) in shares.iter().enumerate() {
+            left[(index, index)] += 1.0 / share;
+        }
+        let inner = left.cholesky()?.solve(&own.tr_mul(&right));
+        Some(right + own * inner)
     }
 }
 
@@ -146,12 +198,15 @@ mod tests {
     /// The closed form equals refitting without the held-out rows, with more and with fewer terms than rows.
     #[test]
     fn errors_equal_those_of_refitting_without_the_rows() {
-        for (rows, terms) in [(40, 7), (23, 60)] {
+        // Of each fold, more rows than terms are hidden, or fewer.
+        for (rows, terms) in [(40, 7), (40, 20), (23, 60)] {
             let (features, measured) = drawn(rows, terms, 5);
             let folds = blocks(&vec![0; rows], 4);
             let spectrum = Spectrum::new(features.clone());
-            for penalty in [1e-2, 1.0, 1e3] {
-                let errors = spectrum.errors(&measured, penalty, &folds).unwrap();
+            let penalties = [1e-2, 1.0, 1e3];
+            let all = spectrum.errors(&measured, &penalties, &folds);
+            for (penalty, errors) in penalties.into_iter().zip(all) {
+                let errors = errors.unwrap();
                 for fold in &folds {
                     let train = fold.train(rows);
                     let own: Vec<_> = train.iter().map(|&row| measured[row]).collect();
