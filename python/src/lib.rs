@@ -3,6 +3,7 @@
 //! Names, defaults and argument checks are in Python; see `python/feeler`.
 
 mod calibration;
+mod contacts;
 mod control;
 mod environment;
 mod errors;
@@ -25,6 +26,8 @@ mod _core {
     const __version__: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
     use super::calibration::{Calibration, calibrate_file, calibrate_frames, simulate_loads};
+    #[pymodule_export]
+    use super::contacts::estimate_contacts;
     #[pymodule_export]
     use super::control::{FingerSense, HandSense, Plan, Session};
     #[pymodule_export]

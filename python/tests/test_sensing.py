@@ -212,3 +212,21 @@ def test_fingertips_calibrations_and_layouts_are_copied(
     assert other.warnings == layout.warnings and repr(other) == repr(layout)
     located = feeler.Fingertip(layout=layout).with_reference(frames[:5])
     np.testing.assert_array_equal(copied(located).sense(frames).displacement, located.sense(frames).displacement)
+
+
+def test_contacts_of_forces(tip: feeler.Fingertip) -> None:
+    force = np.zeros((3, tip.element_count, 3))
+    force[1, 0] = [0.3, 0.0, 1.0]
+    force[2, :5] = [0.0, 0.0, 0.5]
+    force[2, 9] = np.nan
+    contacts = feeler.contacts(force, tip.tips, tip.rotations, friction=0.3)
+    np.testing.assert_array_equal(contacts.touching, [0, 1, 5])
+    assert np.isnan(contacts.centre[0]).all() and np.isnan(contacts.sliding[0])
+    np.testing.assert_allclose(contacts.centre[1], tip.tips[0], atol=1e-12)
+    np.testing.assert_allclose(contacts.force[1], tip.force_on_fingertip(force)[1, 0], atol=1e-12)
+    np.testing.assert_array_equal(contacts.sliding[1:], [1.0, 0.0])
+    assert contacts.area[2] > 0 and np.isnan(contacts.area[1])
+    with pytest.raises(ValueError, match=r"tips: expected .*\[41, 3\], got float64 \[3, 3\]"):
+        feeler.contacts(force, tip.tips[:3], tip.rotations)
+    with pytest.raises(ValueError, match="touch: expected a number greater than 0, got -1"):
+        feeler.contacts(force, tip.tips, tip.rotations, touch=-1)

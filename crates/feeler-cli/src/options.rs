@@ -66,6 +66,15 @@ pub fn parse_between(text: &str, low: f64, high: f64, unit: &str) -> Result<f64,
         .ok_or_else(|| format!("expected {low} to {high} {unit}"))
 }
 
+/// Parses a number greater than 0.
+pub fn parse_positive(text: &str) -> Result<f64, String> {
+    let number = text
+        .parse()
+        .ok()
+        .filter(|number: &f64| number.is_finite() && *number > 0.0);
+    number.ok_or_else(|| format!("expected a number greater than 0, got {text}"))
+}
+
 /// Parses a rate of images or samples, Hz.
 ///
 /// # Errors

@@ -15,6 +15,7 @@ pub use crate::messages::channels::{
     Cap, Command, Findings, Fingertip, Flags, Joints, Moments, NO_ELEMENT, ObjectPose,
     RecordingGap, Stamped, Tactile, Task, TorqueSensor, TrueSlip,
 };
+pub use crate::messages::contact::Contact;
 pub use crate::messages::facts::{CapFacts, CarryGoal, RunFacts};
 pub use crate::messages::image::Image;
 pub use crate::messages::model::{FingerModel, Solid, SolidFrame, SolidShape};

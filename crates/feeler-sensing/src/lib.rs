@@ -11,5 +11,6 @@ pub use camera::{CameraName, CameraOptions, NAMES, NO_GENICAM, NO_VIDEO, OpenCam
 pub use league::{LeagueOptions, league};
 pub use score_slip::{RecordedOptions, SlipScoreOptions, score_slip};
 pub use sense::{
-    SenseOptions, TaxelOptions, Track, named_sensor, read_taxel_layout, sense, taxel_layout_text,
+    ContactOptions, SenseOptions, TaxelOptions, Track, named_sensor, read_taxel_layout, sense,
+    taxel_layout_text,
 };

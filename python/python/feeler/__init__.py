@@ -8,6 +8,7 @@ from __future__ import annotations
 from feeler._core import __version__
 from feeler._environments import register_once_imported
 from feeler._settings import Value
+from feeler.contacts import Contacts, contacts
 from feeler.control import FingerSense, HandSense, Law, Plan, Session, Step, Task
 from feeler.recordings import PHASES, Recording, read
 from feeler.runs import Run, report, run
@@ -19,6 +20,7 @@ register_once_imported()
 __all__ = [
     "PHASES",
     "Calibration",
+    "Contacts",
     "Felt",
     "FingerSense",
     "Fingertip",
@@ -36,6 +38,7 @@ __all__ = [
     "Value",
     "__version__",
     "calibrate",
+    "contacts",
     "locate",
     "read",
     "report",

@@ -3,13 +3,13 @@
 use crate::config::{ConfigError, Experiment, read_text};
 use feeler::sensor::calibration::{Calibration, CalibrationError, CalibrationTarget, LengthUnit};
 use feeler::sensor::fingertip::{
-    Fingertip, FingertipConfig, FingertipError, LayoutError, LocatedLayout,
+    Fingertip, FingertipConfig, FingertipError, LayoutError, LocatedLayout, SensingElement,
 };
 use feeler::sensor::forces::{SensingChain, SensingError};
 use feeler::sensor::image::{DEFAULT_MAX_SATURATED, ProjectedElement, WeightedPixel};
 use feeler::sensor::moments::{MomentsError, MomentsKernel};
 use feeler::sensor::wrench::WrenchError;
-use glam::DMat3;
+use glam::{DMat3, DVec3};
 use std::path::Path;
 
 /// Error of a sensor geometry or calibration that cannot be used.
@@ -51,6 +51,8 @@ pub struct SensorGeometry {
     pub seen: Vec<ProjectedElement>,
     /// Rotation from each element's frame to the fingertip frame. Empty if lengths are in pixels.
     pub frames: Vec<DMat3>,
+    /// Radius of the sphere through the unloaded tips of the elements (m), or `None` if lengths are in pixels.
+    pub dome_radius: Option<f64>,
     /// Default for the maximum fraction of an element's pixels that may be saturated.
     pub max_saturated: f64,
     /// Identification of the sensor for which a calibration is made.
@@ -90,6 +92,7 @@ impl SensorGeometry {
             regions: layout.weighted_pixels()?,
             seen: layout.seen_elements()?,
             frames: layout.element_frames(),
+            dome_radius: layout.dome.as_ref().map(|dome| dome.radius),
             max_saturated: layout.max_saturated(),
             made_for: CalibrationTarget::layout(&layout.to_toml()?, layout.elements.len(), unit),
         })
@@ -108,9 +111,20 @@ impl SensorGeometry {
             regions,
             seen: Fingertip::seen_elements(config)?,
             frames: layout.elements.iter().map(|e| e.rotation).collect(),
+            dome_radius: Some(layout.dome_radius),
             max_saturated: DEFAULT_MAX_SATURATED,
             made_for: CalibrationTarget::fingertip(config)?,
         })
+    }
+
+    /// Elements with their unloaded tips (m, in the fingertip frame), or `None` if lengths are in pixels.
+    pub fn places(&self) -> Option<Vec<(SensingElement, DVec3)>> {
+        let radius = self.dome_radius?;
+        let place = |&rotation: &DMat3| {
+            let element = SensingElement { ring: 0, rotation };
+            (element, radius * element.normal())
+        };
+        Some(self.frames.iter().map(place).collect())
     }
 
     /// Creates a sensing chain for the sensor, without a calibration.

@@ -172,10 +172,16 @@ impl SoftTip {
         }
     }
 
-    pub fn read(&self) -> Reading {
-        let (force, torque) = self.world.wrench(0);
+    /// Forces on the elements by the plate (N), in `E_i`.
+    pub fn forces(&self) -> Vec<DVec3> {
         let mut forces = vec![DVec3::ZERO; self.layout.elements.len()];
         self.world.element_forces(0, &mut forces);
+        forces
+    }
+
+    pub fn read(&self) -> Reading {
+        let (force, torque) = self.world.wrench(0);
+        let forces = self.forces();
         let pairs = self.layout.elements.iter().zip(&forces);
         let on_tip: DVec3 = pairs.map(|(e, &f)| e.force_on_fingertip(f)).sum();
         let axis = self.pose.position;

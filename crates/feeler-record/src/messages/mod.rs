@@ -1,6 +1,7 @@
 //! Messages of a recording and the facts in its header.
 
 pub(crate) mod channels;
+pub(crate) mod contact;
 pub(crate) mod facts;
 pub(crate) mod image;
 pub(crate) mod model;

@@ -4,6 +4,7 @@ use super::channels::{
     Cap, Command, Findings, Fingertip, Flags, Joints, Moments, ObjectPose, RecordingGap, Stamped,
     Tactile, Task, TorqueSensor, TrueSlip,
 };
+use super::contact::Contact;
 use super::facts::RunFacts;
 use super::image::{Image, compress, size};
 use crate::error::RecordError;
@@ -222,8 +223,9 @@ recorded!(
     TrueSlip in true_slip,
 );
 
-/// Only written to sensor files, which contain no run.
+// Only written to sensor files, which contain no run.
 impl RecordedMessage for Moments {}
+impl RecordedMessage for Contact {}
 
 /// Left in the file; a recording in memory only stores the position of each image.
 impl RecordedMessage for Image {

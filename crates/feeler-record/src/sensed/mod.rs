@@ -6,5 +6,5 @@ pub(crate) mod taxel_writer;
 pub(crate) mod taxels;
 
 pub use images::is_sensed;
-pub use readings::{MOMENTS, TACTILE, WRENCH};
+pub use readings::{CONTACT, MOMENTS, TACTILE, WRENCH};
 pub use taxels::{Elements, taxels};

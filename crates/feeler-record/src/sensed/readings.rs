@@ -2,6 +2,7 @@
 
 use crate::error::RecordError;
 use crate::messages::channels::{Moments, Tactile};
+use crate::messages::contact::Contact;
 use crate::messages::topic::{Channel, RecordedMessage, RecordedTopic, topics};
 use crate::reading::container::{Container, find, log_time};
 use crate::reading::scan::{Found, scan};
@@ -21,6 +22,9 @@ pub const MOMENTS: RecordedTopic<Moments> = RecordedTopic::of_rig("moments");
 pub const TACTILE: RecordedTopic<Tactile> = RecordedTopic::of_rig("tactile");
 /// Wrench on the fingertip, from all its elements.
 pub const WRENCH: RecordedTopic<WrenchStamped> = RecordedTopic::of_rig("wrench");
+
+/// Contact of the fingertip with an object.
+pub const CONTACT: RecordedTopic<Contact> = RecordedTopic::of_rig("contact");
 
 /// Writes [`Moments`] to [`MOMENTS`] and either [`Tactile`] frames to [`TACTILE`] or [`WrenchStamped`] to [`WRENCH`].
 /// Images are optional and written to [`topics::image`], as in recordings of runs.
@@ -52,6 +56,14 @@ impl SensedWriter {
         finger: Option<usize>,
     ) -> Result<Self, RecordError> {
         Self::with_channels(path.as_ref(), [MOMENTS.into(), WRENCH.into()], finger)
+    }
+
+    /// Creates a file for tactile frames and [`Contact`] messages.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn create_for_contacts(path: impl AsRef<Path>) -> Result<Self, RecordError> {
+        Self::with_channels(path.as_ref(), [TACTILE.into(), CONTACT.into()], None)
     }
 
     fn with_channels(

@@ -1,6 +1,7 @@
 //! Converts images to readings and writes them.
 
 use super::assumed::AssumedFingertip;
+use super::contact::ContactFormat;
 use super::output::{FrameReadings, Output};
 use super::sensor::{sensing_chain, sensor_geometry};
 use super::source::Source;
@@ -26,16 +27,24 @@ pub fn sense(
 ) -> Result<(), CommandError> {
     let geometry = sensor_geometry(options)?;
     let assumed = AssumedFingertip::of(options, &geometry)?;
+    let places = geometry.places();
     let (sensing, estimator) = sensing_chain(geometry, options)?;
     let size = sensing.picture_size();
     let camera = source.camera(options, size)?;
     let pictures = options.recorded_finger();
-    let output = match estimator {
-        Some(estimator) => options.open_output_as(&WrenchFormat {
+    let output = match (options.contact, estimator) {
+        (Some(contact), None) if sensing.is_calibrated() => {
+            let places = places.ok_or("--contact: requires the dome's geometry in the layout")?;
+            options.open_output_as(&ContactFormat::new(contact, places, false))?
+        }
+        (Some(_), _) => {
+            return Err("--contact: requires --calibration with a calibration of elements".into());
+        }
+        (None, Some(estimator)) => options.open_output_as(&WrenchFormat {
             estimator,
             pictures,
         })?,
-        None => options.open_output(sensing.is_calibrated())?,
+        (None, None) => options.open_output(sensing.is_calibrated())?,
     };
     let output = options.beside_the_sensor(output, source, tally)?;
     let mut stage = Stage {

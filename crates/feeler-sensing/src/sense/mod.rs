@@ -2,6 +2,7 @@
 
 mod assumed;
 mod beside;
+mod contact;
 mod frames;
 mod output;
 mod publish;
@@ -15,6 +16,7 @@ mod track;
 mod wrench;
 
 use crate::camera::CameraOptions;
+pub use contact::ContactOptions;
 use feeler_console::{CommandError, Outcome, Outputs, is_raised, watch_for_interrupt};
 use feeler_lab::config::Experiment;
 use feeler_report::run::make::RECORDING;
@@ -43,6 +45,8 @@ pub struct SenseOptions {
     pub sources: Vec<PathBuf>,
     /// Located layout in place of an experiment's fingertip.
     pub layout: Option<PathBuf>,
+    /// Settings of contacts, or `None` to write forces or moments.
+    pub contact: Option<ContactOptions>,
     /// Experiment whose fingertip it is: a file or a built-in name.
     pub experiment: Option<String>,
     /// Calibration file.

@@ -1,11 +1,14 @@
 //! Reads the forces of a recorded run.
 
+use super::contact::ContactFormat;
 use super::output::{FrameReadings, Output};
 use super::tally::SensingStats;
 use super::{SenseOptions, close};
+use feeler::sensor::fingertip::SensingElement;
 use feeler::sensor::forces::{ElementReading, SensorError, TactileFrame, TactileSensor};
 use feeler_console::{CommandError, is_raised};
 use feeler_record::{RecordedSensor, Recording};
+use glam::DVec3;
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -25,7 +28,23 @@ pub fn sense(
         )
         .into());
     }
-    let mut output = options.open_output(true)?;
+    let mut output = match options.contact {
+        Some(contact) => {
+            let tips = recording
+                .facts
+                .hand
+                .get(finger)
+                .map(|model| model.element_tips.as_slice());
+            let tips = tips
+                .unwrap_or_default()
+                .iter()
+                .copied()
+                .map(DVec3::from_array);
+            let places = tips.map(|tip| (SensingElement::facing(tip.normalize_or(DVec3::X)), tip));
+            options.open_output_as(&ContactFormat::new(contact, places, false))?
+        }
+        None => options.open_output(true)?,
+    };
     let mut sensor = RecordedSensor::new(&recording, finger);
     let ended = give_out(&mut sensor, output.as_mut(), tally, interrupted);
     let ended = ended.and_then(|()| match &recording.problem {

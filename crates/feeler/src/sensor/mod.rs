@@ -4,9 +4,12 @@
 //! the dewarping of [`fingertip`]) → forces ([`calibration`]) → [`TactileFrame`](forces::TactileFrame). [`SensingChain`](forces::SensingChain) is the complete chain, which also
 //! works without a calibration; [`OpticalSensor`](forces::OpticalSensor) connects it to a camera.
 //!
+//! [`contact`] estimates where and how an object touches.
+//!
 //! Three-axis taxel arrays have no images: [`taxel`] reads their tables. [`table`] reads tables of all kinds.
 
 pub mod calibration;
+pub mod contact;
 pub mod fingertip;
 pub mod forces;
 pub mod image;

@@ -2,6 +2,7 @@
 
 mod assumed;
 mod bad_input;
+mod contact;
 mod decoding;
 mod forces;
 #[cfg(unix)]

@@ -5,6 +5,7 @@
 //! a sphere, equal areas have equal ranges of compression, which is therefore uniform between 0 and the depth.
 
 use super::scene::{DEPTH, FRICTION, RADIUS, SoftTip, dense_layout, reference_layout};
+use feeler::sensor::contact::{Contact, ContactEstimator};
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
 use std::f64::consts::TAU;
 
@@ -132,4 +133,70 @@ fn elements_sum_to_the_load_and_do_not_depend_on_the_step() {
             }
         }
     }
+}
+
+/// Contact of a tip that is pressed to [`DEPTH`], then sheared by `travel` in steps, or turned by `turn`.
+fn contact(estimator: &mut ContactEstimator, travel: f64, turn: f64) -> (Contact, SoftTip) {
+    let mut tip = even_tip();
+    press(&mut tip, DEPTH, 100);
+    let mut contact = None;
+    for step in 1..=100 {
+        let share = f64::from(step) / 100.0;
+        tip.advance(DEPTH, travel * share, turn * share);
+        contact = estimator.estimate(&tip.forces());
+    }
+    (contact.expect("a contact"), tip)
+}
+
+/// Equal areas have equal ranges of compression, of which those below the travel over mu slide. The coefficient is found
+/// from the elements that slide first.
+#[test]
+fn estimated_contact_slides_and_measures_as_on_an_elastic_foundation() {
+    let layout = ElementLayout::new(&dense_layout());
+    let radius = (2.0 * RADIUS * DEPTH).sqrt();
+    for part in [0.3, 0.6, 0.9] {
+        let mut estimator = ContactEstimator::new(layout.places(), 1e-6);
+        let (contact, tip) = contact(&mut estimator, part * FRICTION * DEPTH, 0.0);
+        let friction = contact.friction.expect("the rim slides");
+        // The median over sliding elements, some of which began to slide since the last evaluation.
+        assert!((friction / FRICTION - 1.0).abs() < 0.02, "{friction}");
+        let sliding = contact.sliding_share().expect("friction is known");
+        // One ring of elements of 12 within the contact, at most a twelfth of the area times 2.
+        assert!((sliding - part).abs() < 0.1, "{part}: {sliding}");
+        let force = tip.read().force;
+        // x of `T` points down, y along x of the plate.
+        assert!(
+            (contact.force.x + force.z.abs()).abs() < 1e-9,
+            "{} {force}",
+            contact.force
+        );
+        assert!(
+            (contact.force.y + force.x).abs() < 1e-9,
+            "{} {force}",
+            contact.force
+        );
+        // The pressure is parabolic, for which the semi-axes are sqrt(5/6) too short.
+        let ellipse = contact.ellipse.expect("the elements resolve the extent");
+        for semi_axis in ellipse.semi_axes {
+            let error = semi_axis / (radius * (5.0_f64 / 6.0).sqrt()) - 1.0;
+            assert!(error.abs() < 0.05, "{error}");
+        }
+        assert!((contact.centre - RADIUS * contact.normal).length() < 1e-3 * RADIUS);
+    }
+}
+
+#[test]
+fn estimated_torsion_is_that_of_the_plate() {
+    let layout = ElementLayout::new(&dense_layout());
+    let mut estimator = ContactEstimator::new(layout.places(), 1e-6);
+    let (contact, tip) = contact(&mut estimator, 0.0, 0.3);
+    let moment = tip.read().moment;
+    // The elements' forces act on their deflected tips, at most mu times the depth from the undeflected ones.
+    let tolerance = FRICTION * DEPTH / (2.0 * RADIUS * DEPTH).sqrt();
+    // The plate's moment about z is opposite to that on the tip; the normal is -z.
+    assert!(
+        (contact.torsion / moment - 1.0).abs() < tolerance,
+        "{} {moment}",
+        contact.torsion
+    );
 }

@@ -7,6 +7,7 @@ mod pump;
 
 pub use layout::{TaxelOptions, read_taxel_layout, taxel_layout_text};
 
+use super::contact::ContactFormat;
 use super::frames::WAIT;
 use super::output::{FrameReadings, Output};
 use super::queued::{BackgroundOutput, Backpressure};
@@ -86,7 +87,22 @@ fn open_output(
     if options.publish && options.output.is_none() {
         return Ok(None);
     }
-    let output = options.open_output_as(&TaxelFormat::of(layout, estimator)?)?;
+    let output = match options.contact {
+        Some(_) if estimator.is_some() => {
+            return Err("--contact: has no effect with a wrench calibration, which gives the place of contact itself".into());
+        }
+        Some(contact) if contact.touch.is_none() && layout.force_unit() == TaxelUnit::Counts => {
+            return Err(
+                "--contact: requires --contact=COUNTS, because the forces are in counts".into(),
+            );
+        }
+        Some(contact) => {
+            let sequences = layout.columns.sequence.is_some();
+            let format = ContactFormat::new(contact, layout.elements(), sequences);
+            options.open_output_as(&format)?
+        }
+        None => options.open_output_as(&TaxelFormat::of(layout, estimator)?)?,
+    };
     match options.publish {
         true => Ok(Some(Box::new(BackgroundOutput::start(
             output,

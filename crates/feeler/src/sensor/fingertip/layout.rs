@@ -209,6 +209,12 @@ impl ElementLayout {
     pub fn tip(&self, index: usize) -> DVec3 {
         self.dome_radius * self.elements[index].normal()
     }
+
+    /// Elements with their unloaded tips, m in `T`.
+    pub fn places(&self) -> impl Iterator<Item = (SensingElement, DVec3)> + '_ {
+        let elements = self.elements.iter();
+        elements.map(|&element| (element, self.dome_radius * element.normal()))
+    }
 }
 
 /// Frame of the element at the angle `polar` from x of `T` and at `azimuth` from y of `T` towards z of `T`, rad.

@@ -1,6 +1,7 @@
 //! Steps from images to moments to forces, compared with closed forms and slower methods.
 
 mod beyond_calibration;
+mod contact;
 mod dome;
 mod drift;
 mod exposure;

@@ -1,0 +1,116 @@
+//! Coefficient of friction from a contact that begins to slide.
+
+use glam::DVec3;
+
+/// Growth of an element's shear, over the mean of the faster half, below which the element slides.
+const STILL: f64 = 0.25;
+/// Ratio of shear to compression of elements that may slide, over the largest one.
+const TOP: f64 = 0.93;
+/// Compression of judged elements, over the threshold of touch: the ratios of weakly pressed ones are mostly noise.
+const PRESSED: f64 = 3.0;
+/// Growth of shear between two evaluations, over the compression.
+const STEP: f64 = 0.02;
+/// The same per element, over the minimum compression: well above noise.
+const ABOVE_NOISE: f64 = 0.67;
+
+/// Estimates the coefficient of friction from elements that begin to slide before others (incipient slip).
+///
+/// While the tangential load grows, the shear of sticking elements grows, but that of sliding elements remains at
+/// friction times compression (Cattaneo 1938, Mindlin 1949; K. L. Johnson, *Contact Mechanics*, 1985, section 7.2).
+/// If the shear of most elements with the largest ratios of shear to compression stands still while that of others grows,
+/// the median of these ratios is the coefficient. Growth of shear is that beyond the growth of compression, so pressing
+/// harder gives no estimate.
+#[derive(Debug, Clone, PartialEq)]
+pub(super) struct FrictionEstimator {
+    /// Minimum compression of a judged element, N.
+    least: f64,
+    /// Forces on the fingertip at the last evaluation, N in `T`; NaN without contact.
+    anchor: Vec<DVec3>,
+    /// Judged elements: growth of shear (N), ratio of shear to compression.
+    judged: Vec<(f64, f64)>,
+    friction: Option<f64>,
+}
+
+impl FrictionEstimator {
+    /// Creates an estimator for `elements` elements, which touch at compressions above `touch` (N).
+    pub fn new(elements: usize, touch: f64) -> Self {
+        Self {
+            least: PRESSED * touch,
+            anchor: vec![DVec3::NAN; elements],
+            judged: Vec::with_capacity(elements),
+            friction: None,
+        }
+    }
+
+    /// Forgets the estimate, for example when another object is touched.
+    pub fn restart(&mut self) {
+        self.anchor.fill(DVec3::NAN);
+        self.friction = None;
+    }
+
+    /// Takes the number of each touching element and the force on the fingertip there (N in `T`) in the next frame, and
+    /// the outward `normal` of the contact. Returns the latest estimate, or `None` if no element has begun to slide before
+    /// others. Does not allocate.
+    pub fn update(
+        &mut self,
+        normal: DVec3,
+        touching: impl Iterator<Item = (usize, DVec3)> + Clone,
+    ) -> Option<f64> {
+        self.judged.clear();
+        let (mut growth, mut pressed) = (0.0, 0.0);
+        for (element, force) in touching.clone() {
+            let (shear, compression) = parts(force, normal);
+            let (shear_before, compression_before) = parts(self.anchor[element], normal);
+            // False for NaN.
+            if !(compression > self.least && compression_before > self.least) {
+                continue;
+            }
+            let ratio = shear.length() / compression;
+            // Less what a sliding element gains with its compression.
+            let grown = (shear - shear_before).dot(shear.normalize_or_zero())
+                - ratio * (compression - compression_before);
+            growth += grown;
+            pressed += compression;
+            self.judged.push((grown, ratio));
+        }
+        let step = (STEP * pressed).max(ABOVE_NOISE * self.least * self.judged.len() as f64);
+        if growth > step {
+            self.friction = sliding_friction(&mut self.judged).or(self.friction);
+        } else if growth > -step && pressed > 0.0 {
+            return self.friction;
+        }
+        self.anchor.fill(DVec3::NAN);
+        for (element, force) in touching {
+            self.anchor[element] = force;
+        }
+        self.friction
+    }
+}
+
+/// Shear and compression (N) of a `force` on the fingertip, by its outward `normal`.
+pub(super) fn parts(force: DVec3, normal: DVec3) -> (DVec3, f64) {
+    let outward = force.dot(normal);
+    (force - outward * normal, -outward)
+}
+
+/// Median of the largest ratios of shear to compression, or `None` if the shear of most of these elements grows.
+fn sliding_friction(judged: &mut [(f64, f64)]) -> Option<f64> {
+    let mean_above = |least: f64| {
+        let faster = judged
+            .iter()
+            .map(|&(grown, _)| grown)
+            .filter(|&grown| grown >= least);
+        let (sum, count) = faster.fold((0.0, 0), |(sum, count), grown| (sum + grown, count + 1));
+        sum / f64::from(count)
+    };
+    let fast = mean_above(mean_above(f64::NEG_INFINITY));
+    judged.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
+    let &(_, largest) = judged.last()?;
+    let top = &judged[judged.partition_point(|&(_, ratio)| ratio < TOP * largest)..];
+    let still = top
+        .iter()
+        .filter(|(grown, _)| grown.abs() < STILL * fast)
+        .count();
+    let (_, middle) = top[top.len() / 2];
+    (2 * still > top.len() && still > 1).then_some(middle)
+}
