@@ -216,10 +216,10 @@ def test_fingertips_calibrations_and_layouts_are_copied(
 
 def test_contacts_of_forces(tip: feeler.Fingertip) -> None:
     force = np.zeros((3, tip.element_count, 3))
-    force[1, 0] = [0.3, 0.0, 1.0]
+    force[1, 0] = [0.7, 0.0, 1.0]
     force[2, :5] = [0.0, 0.0, 0.5]
     force[2, 9] = np.nan
-    contacts = feeler.contacts(force, tip.tips, tip.rotations, friction=0.3)
+    contacts = feeler.contacts(force, tip.tips, tip.rotations, friction=0.7)
     np.testing.assert_array_equal(contacts.touching, [0, 1, 5])
     assert np.isnan(contacts.centre[0]).all() and np.isnan(contacts.sliding[0])
     np.testing.assert_allclose(contacts.centre[1], tip.tips[0], atol=1e-12)

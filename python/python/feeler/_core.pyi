@@ -7,7 +7,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, Final, SupportsFloat, SupportsIndex, final
 
-__all__ = ["__version__", "Calibration", "EnvironmentSpec", "FingerSense", "HandSense", "Layout", "ManyEnvironments", "Plan", "Recording", "RunOutcome", "Sensor", "Session", "SingleEnvironment", "Store", "Trials", "calibrate_file", "calibrate_frames", "locate", "raise_flags", "read_table", "report", "run", "simulate_loads"]
+__all__ = ["__version__", "Calibration", "EnvironmentSpec", "FingerSense", "HandSense", "Layout", "ManyEnvironments", "Plan", "Recording", "RunOutcome", "Sensor", "Session", "SingleEnvironment", "Store", "Trials", "calibrate_file", "calibrate_frames", "estimate_contacts", "locate", "raise_flags", "read_table", "report", "run", "simulate_loads"]
 
 __version__: Final[str]
 
@@ -537,6 +537,13 @@ def calibrate_file(path: str | PathLike[str], how: Incomplete) -> Calibration:
 def calibrate_frames(frames: Incomplete, forces: Incomplete, how: Incomplete) -> Calibration:
     """
     Fits a calibration to `frames` [N, H, W] under `forces` [N, E, 3], N; NaN for unknown forces.
+    """
+
+def estimate_contacts(force: Incomplete, tips: Incomplete, rotations: Incomplete, touch: SupportsFloat | SupportsIndex, friction: SupportsFloat | SupportsIndex | None) -> Incomplete:
+    """
+    Contact in each frame of `force` [N, E, 3] on elements at `tips` [E, 3] with `rotations` [E, 3, 3] to `T`: touching,
+    centre (3), its error, normal (3), force (3), its error, torsion, its error, semi-axes (2), their errors (2),
+    direction (3), friction and sliding [N, 23]. Unknown values are NaN.
     """
 
 def locate(frames: Incomplete, polarity: str | None, spot_diameter: SupportsFloat | SupportsIndex | None, element_diameter: SupportsFloat | SupportsIndex | None, region_radius: SupportsFloat | SupportsIndex, dome: str | None) -> Layout:

@@ -148,8 +148,8 @@ fn contact(estimator: &mut ContactEstimator, travel: f64, turn: f64) -> (Contact
     (contact.expect("a contact"), tip)
 }
 
-/// Equal areas have equal ranges of compression, of which those below the travel over mu slide. The coefficient is found
-/// from the elements that slide first.
+/// Equal areas have equal ranges of compression; elements with less than the travel over mu slide. The coefficient is
+/// found from the elements that slide first.
 #[test]
 fn estimated_contact_slides_and_measures_as_on_an_elastic_foundation() {
     let layout = ElementLayout::new(&dense_layout());
@@ -158,7 +158,7 @@ fn estimated_contact_slides_and_measures_as_on_an_elastic_foundation() {
         let mut estimator = ContactEstimator::new(layout.places(), 1e-6);
         let (contact, tip) = contact(&mut estimator, part * FRICTION * DEPTH, 0.0);
         let friction = contact.friction.expect("the rim slides");
-        // The median over sliding elements, some of which began to slide since the last evaluation.
+        // The median includes elements that began to slide since the last evaluation.
         assert!((friction / FRICTION - 1.0).abs() < 0.02, "{friction}");
         let sliding = contact.sliding_share().expect("friction is known");
         // One ring of elements of 12 within the contact, at most a twelfth of the area times 2.

@@ -47,7 +47,7 @@ pub(super) struct Share {
 /// Variance of the position within a square cell with sides of 1 (Sheppard's correction of moments of grouped data).
 pub(super) const CELL: f64 = 1.0 / 12.0;
 
-/// Semi-axes, their standard errors, and the longer one's direction in the tangent plane, or `None` if the elements do
+/// Semi-axes, their standard errors, and the direction of the longer one in the tangent plane, or `None` if the elements do
 /// not resolve the extent: if fewer than three touch, if they lie on a line, or if one of them bears almost everything.
 /// `touching` is the number of touching elements, `noise` the standard error of each share.
 pub(super) fn ellipse(

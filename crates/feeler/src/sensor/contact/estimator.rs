@@ -88,7 +88,7 @@ struct Place {
     element: SensingElement,
     /// Position in `T`, m.
     position: DVec3,
-    /// Squared distance to the nearest other element, m²; 0 if there is none.
+    /// Squared distance to the nearest other element, m²; 0 for a single element.
     cell: f64,
     /// Numbers of the elements around it.
     neighbours: Vec<usize>,
@@ -289,7 +289,7 @@ impl ContactEstimator {
     }
 }
 
-/// Radius of the dome around the origin of `T` on which all elements lie, m, or `None` if there is none.
+/// Radius of the dome around the origin of `T` on which all elements lie, m, or `None` if they lie on no such dome.
 fn dome_radius(elements: &[(SensingElement, DVec3)]) -> Option<f64> {
     let radius = elements.first()?.1.length();
     let on_dome = |(element, place): &(SensingElement, DVec3)| {

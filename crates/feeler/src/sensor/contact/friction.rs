@@ -10,7 +10,7 @@ const TOP: f64 = 0.93;
 const PRESSED: f64 = 3.0;
 /// Growth of shear between two evaluations, over the compression.
 const STEP: f64 = 0.02;
-/// The same per element, over the minimum compression: well above noise.
+/// Growth of shear per element between two evaluations, over the minimum compression: well above noise.
 const ABOVE_NOISE: f64 = 0.67;
 
 /// Estimates the coefficient of friction from elements that begin to slide before others (incipient slip).
