@@ -1,5 +1,5 @@
 /** A recorded or live run: typed access to its columns, phases and strokes. */
-import type { Finger, RunTable, Stroke } from "./page_data";
+import type { Finger, RunTable, Stroke, Vector } from "./page_data";
 import type { Column, Table } from "./table";
 
 /** Bits of `finger/N/flags`. */
@@ -13,12 +13,25 @@ export const FLAG_NAMES: readonly [bit: number, name: string][] = [
   [OVER, "OVER"],
 ];
 
+/** Contact of a finger with an object; vectors are in the finger's frame. Unknown values are NaN. */
+export interface Contact {
+  /** Centre of pressure (m). */
+  centre: Vector;
+  /** Semi-axes of the contact area (m). */
+  axes: [long: Vector, short: Vector];
+  /** Torque on the fingertip about its normal (N m). */
+  torsion: number;
+  /** Fraction of the touching elements that slide. */
+  sliding: number;
+}
+
 /** Recorded columns of one finger. */
 export class FingerColumns {
   readonly forces: Column | undefined;
   readonly graspForce: Column | undefined;
   readonly shearRate: Column | undefined;
   readonly #flags: Column | undefined;
+  readonly #contact: Column | undefined;
 
   constructor(
     table: Table,
@@ -29,6 +42,21 @@ export class FingerColumns {
     this.graspForce = table.column(`finger/${number}/grasp_force`);
     this.shearRate = table.column(`finger/${number}/shear_rate`);
     this.#flags = table.column(`finger/${number}/flags`);
+    this.#contact = table.column(`finger/${number}/contact`);
+  }
+
+  /** `true` if contacts are recorded. */
+  get hasContact(): boolean {
+    return this.#contact !== undefined;
+  }
+
+  /** Contact at a row; `undefined` if nothing touches. */
+  contact(row: number): Contact | undefined {
+    const value = (k: number) => this.#contact?.at(row, k) ?? NaN;
+    const vector = (k: number): Vector => [value(k), value(k + 1), value(k + 2)];
+    const centre = vector(0);
+    if (!Number.isFinite(centre[0])) return undefined;
+    return { centre, axes: [vector(3), vector(6)], torsion: value(9), sliding: value(10) };
   }
 
   flags(row: number): number {

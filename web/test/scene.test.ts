@@ -4,7 +4,7 @@ import { Vector3 } from "three";
 import { inflate } from "../src/inflate";
 import { readTable } from "../src/table";
 import { FrameTree } from "../src/scene/frames";
-import { spots } from "../src/fingertip/optics";
+import { camera, spots } from "../src/fingertip/optics";
 import { scene } from "../sample/page_data";
 import { runTable } from "../sample/encode";
 import { BASES, elements, jointsAt, tipPose } from "../sample/hand";
@@ -68,4 +68,11 @@ test("the camera view shows the dome from inside: apex in the middle, z up, y to
   assert.ok((seen[1]?.x ?? 0) < -0.1 && Math.abs(seen[1]?.y ?? 1) < 1e-9);
   assert.ok((seen[3]?.y ?? 0) > 0.1 && Math.abs(seen[3]?.x ?? 1) < 1e-9);
   assert.ok(seen.every(({ x, y }) => Math.hypot(x, y) < 1));
+});
+
+test("the camera sees each tip at its spot", () => {
+  const seen = camera(elements());
+  for (const [i, { x, y }] of spots(elements()).entries()) {
+    assert.deepEqual(seen(elements()[i]?.tip ?? [0, 0, 0]), [x, y]);
+  }
 });

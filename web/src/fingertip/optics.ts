@@ -16,15 +16,27 @@ export interface Spot {
   shear: [x: [number, number], y: [number, number]];
 }
 
-/** Spots of the unloaded elements. */
-export function spots(elements: Element[]): Spot[] {
-  const radius = Math.max(1e-6, ...elements.map(({ tip }) => Math.hypot(...tip)));
+/** Projection of a point in the finger's frame (m) to the image, whose edge is at 1. */
+export type Camera = (point: Vector) => [x: number, y: number];
+
+/** Camera that sees all elements. */
+export function camera(elements: Element[]): Camera {
+  const radius = domeRadius(elements);
   const largest = Math.max(1e-6, ...elements.map(({ tip }) => Math.hypot(...project(tip, radius))));
   const edge = 1.2 * largest;
-  const seen = (point: Vector): [number, number] => {
+  return (point) => {
     const [x, y] = project(point, radius);
     return [x / edge, y / edge];
   };
+}
+
+function domeRadius(elements: Element[]): number {
+  return Math.max(1e-6, ...elements.map(({ tip }) => Math.hypot(...tip)));
+}
+
+/** Spots of the unloaded elements. */
+export function spots(elements: Element[], seen: Camera = camera(elements)): Spot[] {
+  const radius = domeRadius(elements);
   return elements.map(({ tip, rotation }) => {
     const [x, y] = seen(tip);
     const moved = (axis: Vector): [number, number] => {

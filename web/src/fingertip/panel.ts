@@ -59,7 +59,9 @@ export class FingertipPanel {
 
   #table(): HTMLElement {
     const body = make("tbody");
-    for (const name of ["Normal force", "Tangential force", "Maximum compression", "Touching elements"]) {
+    const ofElements = ["Normal force", "Tangential force", "Maximum compression", "Touching elements"];
+    const ofContact = this.#columns.hasContact ? ["Contact area", "Torsion", "Sliding"] : [];
+    for (const name of [...ofElements, ...ofContact]) {
       const value = make("td", { class: "number" });
       this.#numbers.set(name, value);
       body.append(make("tr", {}, make("th", { scope: "row" }, name), value));
@@ -84,6 +86,12 @@ export class FingertipPanel {
     this.#write("Tangential force", quantity(Math.hypot(x, y, z), "N"));
     this.#write("Maximum compression", quantity(hardest, "N"));
     this.#write("Touching elements", `${touching} of ${elements.length}`);
+    const contact = this.#columns.contact(row);
+    const [long, short] = contact?.axes.map((axis) => Math.hypot(...axis)) ?? [];
+    const area = Math.PI * (long ?? NaN) * (short ?? NaN);
+    this.#write("Contact area", quantity(area, "mm²", 1e6));
+    this.#write("Torsion", quantity(contact?.torsion ?? NaN, "N\u00a0mm", 1e3));
+    this.#write("Sliding", quantity(contact?.sliding ?? NaN, "%", 100));
     this.#canvas.ariaLabel = `Camera view: ${touching} touching elements, ${significant(normal)} N in total.`;
   }
 
@@ -124,6 +132,6 @@ function legend(): HTMLElement {
     "p",
     { class: "note" },
     arrow,
-    `tangential force ${significant(LEGEND_FORCE)}\u00a0N; spots grow with compression`,
+    `tangential force ${significant(LEGEND_FORCE)}\u00a0N; spots grow with compression; pink: centre and area of contact`,
   );
 }

@@ -1,12 +1,18 @@
 /** Draws the camera view of a fingertip with the tangential forces. */
-import type { FingerColumns } from "../run";
+import type { Contact, FingerColumns } from "../run";
 import { SLIP } from "../run";
 import { OVER_COLOUR, SLIP_COLOUR, TOUCH_COLOUR } from "../ui/colours";
-import { growth, type Spot, spots } from "./optics";
+import { type Camera, camera, growth, type Spot, spots } from "./optics";
 
 /** Background of the camera image; dark in both themes. */
 const GROUND = ["#23272c", "#0c0e10"] as const;
 const ARROW = "#7fd4ff";
+/** Outline and centre of the contact. */
+const CONTACT = "#ff5fc0";
+/** Corners of the contact's outline. */
+const CORNERS = 48;
+/** Half length of the cross at the centre of the contact; the image is 2 units wide. */
+const CROSS = 0.09;
 /** Radius of an unloaded spot; the image is 2 units wide. */
 const SPOT = 0.035;
 /** Length of an arrow per newton; the image is 2 units wide. */
@@ -16,13 +22,15 @@ const LEAST_FORCE = 0.01;
 
 export class Picture {
   readonly #columns: FingerColumns;
+  readonly #camera: Camera;
   readonly #spots: Spot[];
   readonly #canvas: HTMLCanvasElement;
 
   constructor(canvas: HTMLCanvasElement, columns: FingerColumns) {
     this.#canvas = canvas;
     this.#columns = columns;
-    this.#spots = spots(columns.finger.elements);
+    this.#camera = camera(columns.finger.elements);
+    this.#spots = spots(columns.finger.elements, this.#camera);
   }
 
   draw(row: number): void {
@@ -36,6 +44,31 @@ export class Picture {
     const slips = (this.#columns.flags(row) & SLIP) !== 0;
     this.#spots.forEach((spot, i) => this.#drawSpot(ctx, spot, i, row, slips));
     this.#spots.forEach((spot, i) => this.#drawArrow(ctx, spot, i, row));
+    const contact = this.#columns.contact(row);
+    if (contact) this.#drawContact(ctx, contact);
+  }
+
+  /** Draws the centre of pressure as a cross, and the contact area as an ellipse if it is known. */
+  #drawContact(ctx: CanvasRenderingContext2D, { centre, axes: [long, short] }: Contact): void {
+    ctx.strokeStyle = CONTACT;
+    ctx.lineWidth = 0.025;
+    const [x, y] = this.#camera(centre);
+    ctx.beginPath();
+    ctx.moveTo(x - CROSS, y);
+    ctx.lineTo(x + CROSS, y);
+    ctx.moveTo(x, y - CROSS);
+    ctx.lineTo(x, y + CROSS);
+    ctx.stroke();
+    if (!Number.isFinite(long[0])) return;
+    ctx.beginPath();
+    for (let corner = 0; corner < CORNERS; corner++) {
+      const angle = (2 * Math.PI * corner) / CORNERS;
+      const [cos, sin] = [Math.cos(angle), Math.sin(angle)];
+      const at = (k: 0 | 1 | 2) => centre[k] + cos * long[k] + sin * short[k];
+      ctx.lineTo(...this.#camera([at(0), at(1), at(2)]));
+    }
+    ctx.closePath();
+    ctx.stroke();
   }
 
   #drawDome(ctx: CanvasRenderingContext2D): void {

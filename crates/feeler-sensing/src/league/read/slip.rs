@@ -60,6 +60,7 @@ pub fn read(
     });
     let mut collected = collected?;
     collected.normalize();
+    collected.score_images(None);
     let groups: BTreeSet<_> = kept.iter().map(|(group, _)| group.clone()).collect();
     let groups: Vec<_> = groups.into_iter().collect();
     let recordings = kept.into_iter().map(|(group, mut recording)| {
