@@ -3,12 +3,42 @@
 use feeler::sensor::contact::{Contact, ContactEstimator};
 use feeler::sensor::fingertip::SensingElement;
 use glam::{DMat3, DVec3};
-use numpy::{PyArray2, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods as _};
+use numpy::{
+    PyArray1, PyArrayMethods as _, PyReadonlyArray2, PyReadonlyArray3, PyUntypedArrayMethods as _,
+};
 use pyo3::prelude::*;
+use pyo3::types::PyDict;
 
-/// Contact in each frame of `force` [N, E, 3] on elements at `tips` [E, 3] with `rotations` [E, 3, 3] to `T`: touching,
-/// centre (3), its error, normal (3), force (3), its error, torsion, its error, semi-axes (2), their errors (2),
-/// direction (3), friction and sliding [N, 23]. Unknown values are NaN.
+/// Name of an array, number of its values per frame, and the values of a contact; missing ones are NaN.
+type Field = (&'static str, usize, fn(&Contact) -> Vec<f64>);
+
+const FIELDS: [Field; 14] = [
+    ("touching", 1, |c| vec![c.touching as f64]),
+    ("centre", 3, |c| c.centre.to_array().into()),
+    ("centre_error", 1, |c| vec![c.centre_error]),
+    ("normal", 3, |c| c.normal.to_array().into()),
+    ("force", 3, |c| c.force.to_array().into()),
+    ("force_error", 1, |c| vec![c.force_error]),
+    ("torsion", 1, |c| vec![c.torsion]),
+    ("torsion_error", 1, |c| vec![c.torsion_error]),
+    ("semi_axes", 2, |c| {
+        c.ellipse.map_or(vec![], |e| e.semi_axes.into())
+    }),
+    ("semi_axis_errors", 2, |c| {
+        c.ellipse.map_or(vec![], |e| e.errors.into())
+    }),
+    ("direction", 3, |c| {
+        c.ellipse.map_or(vec![], |e| e.direction.to_array().into())
+    }),
+    ("area_error", 1, |c| {
+        c.ellipse.map(|e| e.area_error()).into_iter().collect()
+    }),
+    ("friction", 1, |c| c.friction.into_iter().collect()),
+    ("sliding", 1, |c| c.sliding.into_iter().collect()),
+];
+
+/// Contact in each frame of `force` [N, E, 3] on elements at `tips` [E, 3] with `rotations` [E, 3, 3] to `T`: arrays by
+/// name, [N] or [N, width].
 #[pyfunction]
 pub fn estimate_contacts<'py>(
     py: Python<'py>,
@@ -17,7 +47,7 @@ pub fn estimate_contacts<'py>(
     rotations: PyReadonlyArray3<'py, f64>,
     touch: f64,
     friction: Option<f64>,
-) -> PyResult<Bound<'py, PyArray2<f64>>> {
+) -> PyResult<Bound<'py, PyDict>> {
     let elements = force.shape()[1];
     let places = tips
         .as_slice()?
@@ -32,34 +62,26 @@ pub fn estimate_contacts<'py>(
         estimator = estimator.with_friction(friction);
     }
     let forces = force.as_slice()?;
-    let rows: Vec<_> = py.detach(|| {
+    let contacts: Vec<_> = py.detach(|| {
         let frames = forces.chunks_exact((3 * elements).max(1));
         let frames = frames.map(|frame| {
             let forces: Vec<_> = frame.chunks_exact(3).map(DVec3::from_slice).collect();
-            row(estimator.estimate(&forces).as_ref())
+            estimator.estimate(&forces)
         });
         frames.collect()
     });
-    Ok(PyArray2::from_vec2(py, &rows)?)
-}
-
-fn row(contact: Option<&Contact>) -> Vec<f64> {
-    let Some(c) = contact else {
-        let unknown = std::iter::repeat_n(f64::NAN, 22);
-        return std::iter::once(0.0).chain(unknown).collect();
-    };
-    let ellipse = c.ellipse;
-    let unknown = f64::NAN;
-    let mut row = vec![c.touching as f64];
-    row.extend(c.centre.to_array());
-    row.push(c.centre_error);
-    row.extend(c.normal.to_array());
-    row.extend(c.force.to_array());
-    row.extend([c.force_error, c.torsion, c.torsion_error]);
-    row.extend(ellipse.map_or([unknown; 2], |e| e.semi_axes));
-    row.extend(ellipse.map_or([unknown; 2], |e| e.errors));
-    row.extend(ellipse.map_or([unknown; 3], |e| e.direction.to_array()));
-    row.push(c.friction.unwrap_or(unknown));
-    row.push(c.sliding_share().unwrap_or(unknown));
-    row
+    let arrays = PyDict::new(py);
+    for (name, width, values) in FIELDS {
+        let missing = std::iter::repeat(f64::NAN);
+        let rows = contacts.iter().flat_map(|contact| {
+            let values = contact.as_ref().map_or(vec![], values);
+            values.into_iter().chain(missing.clone()).take(width)
+        });
+        let flat = PyArray1::from_iter(py, rows);
+        match width {
+            1 => arrays.set_item(name, flat)?,
+            _ => arrays.set_item(name, flat.reshape([contacts.len(), width])?)?,
+        }
+    }
+    Ok(arrays)
 }

@@ -16,7 +16,7 @@ With --taxels, the source is a table with one row per sample of a taxel array, o
 
 With a wrench calibration (feeler calibrate --wrench), output is one row per frame: frame, stamp, f_x, f_y, f_z (N), m_x, m_y, m_z (N m), p_x, p_y (place of contact, m) in the frame and with the sign of the calibration's measurements, empty if not calibrated; valid: whether the image or row is similar to those of the calibration; and novelty: its distance from them, divided by the largest valid distance. MCAP files contain geometry_msgs/WrenchStamped without places, with NaN for components that are not calibrated or not valid.
 
-With --contact, output is one row per frame: frame, stamp, invalid (elements without a force), touching (elements), and in the fingertip's frame T the centre of pressure c_x, c_y, c_z with its standard error along each tangent c_error (m), the fingertip's outward normal n_x, n_y, n_z, the force on the fingertip by the object f_x, f_y, f_z with f_error (N), torsion about the normal with torsion_error (N m), area with area_error (m²), long_axis and short_axis of the contact ellipse with errors (semi-axes, m), direction of the long axis long_x, long_y, long_z, coefficient of friction, and sliding: the fraction of the touching elements that slide. MCAP files contain the forces and messages of type Contact.
+With --contact, output is one row per frame: frame, stamp, invalid (elements without a force), touching (elements), and in the fingertip's frame T the centre of pressure c_x, c_y, c_z with its standard error along each tangent c_error (m), the fingertip's outward normal n_x, n_y, n_z, the force on the fingertip by the object f_x, f_y, f_z with f_error (N), torsion about the normal with torsion_error (N m), area with area_error (m²), long_axis and short_axis of the contact ellipse with errors (semi-axes, m), direction of the long axis long_x, long_y, long_z, coefficient of friction, and sliding: the fraction of the elements pressed with three times TOUCH or more that slide. Columns of forces in counts end in _counts or _counts_m. MCAP files contain the forces and messages of type Contact.
 
 u is measured from the unloaded centroids of the calibration. Without a calibration, it is measured from their mean over the first frames (--unloaded), or from --reference.";
 
@@ -45,7 +45,7 @@ pub struct Arguments {
     calibration: Option<PathBuf>,
     /// Write the contact of the fingertip with the object instead of the forces.
     ///
-    /// TOUCH is the compression (N, or counts) from which an element touches [default: 0.1 N]; a third of it is assumed
+    /// TOUCH is the compression (N, or counts) above which an element touches [default: 0.1 N]; a third of it is assumed
     /// to be the standard error of a force. Requires forces: a calibration of elements, a recorded run, or taxels.
     #[arg(long, value_name = "TOUCH", num_args = 0..=1, require_equals = true, value_parser = parse_positive,
         conflicts_with_all = ["track", "publish", "record_frames"])]

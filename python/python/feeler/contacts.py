@@ -14,7 +14,7 @@ from feeler.sensing import FloatArray
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Contacts:
-    """Contact of one fingertip in each of N frames. Unknown values are NaN; without contact, all but ``touching``.
+    """Contact of one fingertip in each of N frames. Unknown values are NaN; without contact, all fields but ``touching`` are NaN.
 
     Vectors are in the fingertip's frame T.
     """
@@ -41,10 +41,12 @@ class Contacts:
     """Standard errors of the semi-axes [N, 2], m."""
     direction: FloatArray
     """Direction of the longer semi-axis [N, 3]; its sign has no meaning."""
+    area_error: FloatArray
+    """Standard error of the area [N], m²."""
     friction: FloatArray
     """Coefficient of friction [N]: as given, or the latest estimate."""
     sliding: FloatArray
-    """Fraction of the touching elements that slide [N], 0 to 1."""
+    """Fraction of the elements pressed with three times ``touch`` or more that slide [N], 0 to 1."""
 
     @property
     def area(self) -> FloatArray:
@@ -88,22 +90,8 @@ def contacts(
     for name, number in (("touch", touch), ("friction", friction)):
         if number is not None and not 0 < number < np.inf:
             raise ValueError(f"{name}: expected a number greater than 0, got {number}")
-    values: FloatArray = np.reshape(_core.estimate_contacts(force, tips, rotations, touch, friction), (count, 23))
-    return Contacts(
-        touching=values[:, 0].astype(np.int64),
-        centre=values[:, 1:4],
-        centre_error=values[:, 4],
-        normal=values[:, 5:8],
-        force=values[:, 8:11],
-        force_error=values[:, 11],
-        torsion=values[:, 12],
-        torsion_error=values[:, 13],
-        semi_axes=values[:, 14:16],
-        semi_axis_errors=values[:, 16:18],
-        direction=values[:, 18:21],
-        friction=values[:, 21],
-        sliding=values[:, 22],
-    )
+    arrays = _core.estimate_contacts(force, tips, rotations, touch, friction)
+    return Contacts(**{**arrays, "touching": np.nan_to_num(arrays["touching"]).astype(np.int64)})
 
 
 def _checked(name: str, array: FloatArray, shape: tuple[int | str, ...]) -> FloatArray:

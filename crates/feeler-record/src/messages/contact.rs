@@ -38,7 +38,7 @@ pub struct Contact {
     pub direction: Vector3,
     /// Coefficient of friction.
     pub friction: f64,
-    /// Fraction of the touching elements that slide.
+    /// Fraction of the well pressed elements that slide.
     pub sliding: f64,
 }
 
@@ -60,7 +60,7 @@ message!(
     "float64[2] semi_axis_errors  # m, standard errors",
     "geometry_msgs/Vector3 direction  # of the longer semi-axis",
     "float64 friction  # coefficient of friction",
-    "float64 sliding  # fraction of the touching elements that slide",
+    "float64 sliding  # fraction of the well pressed elements that slide",
     vector3_schema!(),
 );
 
@@ -90,7 +90,7 @@ impl Contact {
             semi_axis_errors: ellipse.map_or([f64::NAN; 2], |e| e.errors),
             direction: ellipse.map_or(NONE, |e| e.direction.into()),
             friction: number(&|c| c.friction.unwrap_or(f64::NAN)),
-            sliding: number(&|c| c.sliding_share().unwrap_or(f64::NAN)),
+            sliding: number(&|c| c.sliding.unwrap_or(f64::NAN)),
         }
     }
 }

@@ -248,7 +248,7 @@ fn add_contact(
 /// Number of values of a contact.
 const CONTACT_WIDTH: usize = 11;
 
-/// Centre, both semi-axes as vectors (m in `T`), torsion (N m), and the fraction of the touching elements that slide;
+/// Centre, both semi-axes as vectors (m in `T`), torsion (N m), and the fraction of the well pressed elements that slide;
 /// NaN if unknown.
 fn contact_values(contact: Option<Contact>) -> [f64; CONTACT_WIDTH] {
     let vector = |of: Option<DVec3>| of.unwrap_or(DVec3::NAN).to_array();
@@ -258,7 +258,7 @@ fn contact_values(contact: Option<Contact>) -> [f64; CONTACT_WIDTH] {
     let [short_x, short_y, short_z] =
         vector(ellipse.map(|(e, normal)| e.semi_axes[1] * normal.cross(e.direction)));
     let torsion = contact.map_or(f64::NAN, |contact| contact.torsion);
-    let sliding = contact.and_then(|contact| contact.sliding_share());
+    let sliding = contact.and_then(|contact| contact.sliding);
     let sliding = sliding.unwrap_or(f64::NAN);
     [
         x, y, z, long_x, long_y, long_z, short_x, short_y, short_z, torsion, sliding,

@@ -4,6 +4,7 @@ use super::output::{Format, FrameReadings, Output, RowFile, RowWriter};
 use feeler::sensor::contact::{Contact, ContactEstimator};
 use feeler::sensor::fingertip::SensingElement;
 use feeler::sensor::forces::NO_FORCE;
+use feeler::sensor::taxel::{TaxelLayout, TaxelUnit};
 use feeler_console::CommandError;
 use feeler_record::sensed::{CONTACT, TACTILE};
 use feeler_record::{Contact as Message, MessageSink, SensedWriter, Tactile};
@@ -11,7 +12,7 @@ use glam::DVec3;
 use serde::{Serialize, Serializer};
 use std::path::{Path, PathBuf};
 
-/// Compression from which an element of a fingertip touches by default, N: F1 of the paper.
+/// Compression above which an element of a fingertip touches by default, N: F1 of the paper.
 const TOUCH: f64 = 0.1;
 
 /// Settings of `--contact`.
@@ -51,12 +52,14 @@ const COLUMNS: [Column; 24] = [
     ("long_y", |c| Some(c.ellipse?.direction.y)),
     ("long_z", |c| Some(c.ellipse?.direction.z)),
     ("friction", |c| c.friction),
-    ("sliding", Contact::sliding_share),
+    ("sliding", |c| c.sliding),
 ];
 
 /// Output format for the contact in each frame.
 pub struct ContactFormat {
     estimator: ContactEstimator,
+    /// Unit of the forces.
+    unit: TaxelUnit,
     /// `true` if a column names sequences.
     sequences: bool,
 }
@@ -66,7 +69,6 @@ impl ContactFormat {
     pub fn new(
         options: ContactOptions,
         elements: impl IntoIterator<Item = (SensingElement, DVec3)>,
-        sequences: bool,
     ) -> Self {
         let estimator = ContactEstimator::new(elements, options.touch.unwrap_or(TOUCH));
         Self {
@@ -74,13 +76,49 @@ impl ContactFormat {
                 Some(friction) => estimator.with_friction(friction),
                 None => estimator,
             },
-            sequences,
+            unit: TaxelUnit::Newton,
+            sequences: false,
         }
+    }
+
+    /// Creates the format for a taxel array.
+    ///
+    /// # Errors
+    /// If the forces are in counts and `options` have no threshold.
+    pub fn of_taxels(options: ContactOptions, layout: &TaxelLayout) -> Result<Self, CommandError> {
+        let unit = layout.force_unit();
+        if options.touch.is_none() && unit == TaxelUnit::Counts {
+            return Err(
+                "--contact: requires --contact=COUNTS, because the forces are in counts".into(),
+            );
+        }
+        Ok(Self {
+            unit,
+            sequences: layout.columns.sequence.is_some(),
+            ..Self::new(options, layout.elements())
+        })
+    }
+
+    /// Names of all columns.
+    fn columns(&self) -> Vec<&'static str> {
+        let first = self.sequences.then_some("sequence").into_iter();
+        let first = first.chain(["frame", "stamp", "invalid", "touching"]);
+        let named = |name| match (self.unit, name) {
+            (TaxelUnit::Counts, "f_x") => "f_x_counts",
+            (TaxelUnit::Counts, "f_y") => "f_y_counts",
+            (TaxelUnit::Counts, "f_z") => "f_z_counts",
+            (TaxelUnit::Counts, "f_error") => "f_error_counts",
+            (TaxelUnit::Counts, "torsion") => "torsion_counts_m",
+            (TaxelUnit::Counts, "torsion_error") => "torsion_error_counts_m",
+            (_, name) => name,
+        };
+        first.chain(COLUMNS.map(|(name, _)| named(name))).collect()
     }
 
     fn rows(&self, file: RowFile) -> Box<dyn Output> {
         Box::new(Rows {
             file,
+            columns: self.columns(),
             estimator: self.estimator.clone(),
             forces: Vec::new(),
             sequence: self.sequences.then(String::new),
@@ -90,7 +128,7 @@ impl ContactFormat {
 
 impl Format for ContactFormat {
     fn csv(&self, writer: RowWriter) -> Result<Box<dyn Output>, CommandError> {
-        Ok(self.rows(RowFile::csv(writer, columns(self.sequences))?))
+        Ok(self.rows(RowFile::csv(writer, self.columns())?))
     }
 
     fn jsonl(&self, writer: RowWriter) -> Result<Box<dyn Output>, CommandError> {
@@ -98,18 +136,14 @@ impl Format for ContactFormat {
     }
 
     fn mcap(&self, path: &Path) -> Result<Box<dyn Output>, CommandError> {
+        if self.unit == TaxelUnit::Counts {
+            return Err("messages of type Contact are in newtons, but the forces are in counts; write .csv or .jsonl".into());
+        }
         Ok(Box::new(Mcap {
             writer: SensedWriter::create_for_contacts(path)?,
             estimator: self.estimator.clone(),
         }))
     }
-}
-
-/// Names of all columns.
-fn columns(sequences: bool) -> impl Iterator<Item = &'static str> {
-    let first = sequences.then_some("sequence").into_iter();
-    let first = first.chain(["frame", "stamp", "invalid", "touching"]);
-    first.chain(COLUMNS.map(|(name, _)| name))
 }
 
 /// Copies the forces of a frame.
@@ -127,18 +161,27 @@ enum Cell<'a> {
     Number(Option<f64>),
 }
 
-/// A row with named cells.
-struct NamedCells<'a>(&'a [Cell<'a>], bool);
+impl Cell<'_> {
+    /// Missing and unknown values are empty.
+    fn number(number: Option<f64>) -> Self {
+        Self::Number(number.filter(|number| number.is_finite()))
+    }
+}
+
+/// A row with the names of its cells.
+struct NamedCells<'a>(&'a [&'static str], &'a [Cell<'a>]);
 
 impl Serialize for NamedCells<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        serializer.collect_map(columns(self.1).zip(self.0))
+        serializer.collect_map(self.0.iter().zip(self.1))
     }
 }
 
 /// Writer of one row per frame.
 struct Rows {
     file: RowFile,
+    /// Names of the columns.
+    columns: Vec<&'static str>,
     estimator: ContactEstimator,
     forces: Vec<DVec3>,
     /// Name of the current sequence, if a column names sequences.
@@ -149,21 +192,27 @@ impl Output for Rows {
     fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError> {
         copy_forces(frame, &mut self.forces);
         let contact = self.estimator.estimate(&self.forces);
-        let invalid = self.forces.iter().filter(|force| force.is_nan()).count();
+        let invalid = self
+            .forces
+            .iter()
+            .filter(|force| !force.is_finite())
+            .count();
         let touching = contact.map_or(0, |contact| contact.touching);
         let sequence = self.sequence.as_deref().map(Cell::Text).into_iter();
         let cells: Vec<_> = sequence
-            .chain([Cell::Count(frame.sequence), Cell::Number(Some(frame.stamp))])
+            .chain([Cell::Count(frame.sequence), Cell::number(Some(frame.stamp))])
             .chain([invalid, touching].map(|count| Cell::Count(count as u64)))
-            .chain(COLUMNS.map(|(_, value)| Cell::Number(contact.as_ref().and_then(value))))
+            .chain(COLUMNS.map(|(_, value)| Cell::number(contact.as_ref().and_then(value))))
             .collect();
-        let object = NamedCells(&cells, self.sequence.is_some());
+        let object = NamedCells(&self.columns, &cells);
         self.file.write_either(&cells, &object)
     }
 
     fn begin_sequence(&mut self, name: &str) -> Result<(), CommandError> {
         self.estimator.restart();
-        self.sequence = Some(name.to_owned());
+        if let Some(sequence) = &mut self.sequence {
+            name.clone_into(sequence);
+        }
         Ok(())
     }
 

@@ -35,7 +35,7 @@ pub fn sense(
     let output = match (options.contact, estimator) {
         (Some(contact), None) if sensing.is_calibrated() => {
             let places = places.ok_or("--contact: requires the dome's geometry in the layout")?;
-            options.open_output_as(&ContactFormat::new(contact, places, false))?
+            options.open_output_as(&ContactFormat::new(contact, places))?
         }
         (Some(_), _) => {
             return Err("--contact: requires --calibration with a calibration of elements".into());

@@ -160,7 +160,7 @@ fn estimated_contact_slides_and_measures_as_on_an_elastic_foundation() {
         let friction = contact.friction.expect("the rim slides");
         // The median includes elements that began to slide since the last evaluation.
         assert!((friction / FRICTION - 1.0).abs() < 0.02, "{friction}");
-        let sliding = contact.sliding_share().expect("friction is known");
+        let sliding = contact.sliding.expect("friction is known");
         // One ring of elements of 12 within the contact, at most a twelfth of the area times 2.
         assert!((sliding - part).abs() < 0.1, "{part}: {sliding}");
         let force = tip.read().force;

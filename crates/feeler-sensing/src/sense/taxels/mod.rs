@@ -91,16 +91,7 @@ fn open_output(
         Some(_) if estimator.is_some() => {
             return Err("--contact: has no effect with a wrench calibration, which gives the place of contact itself".into());
         }
-        Some(contact) if contact.touch.is_none() && layout.force_unit() == TaxelUnit::Counts => {
-            return Err(
-                "--contact: requires --contact=COUNTS, because the forces are in counts".into(),
-            );
-        }
-        Some(contact) => {
-            let sequences = layout.columns.sequence.is_some();
-            let format = ContactFormat::new(contact, layout.elements(), sequences);
-            options.open_output_as(&format)?
-        }
+        Some(contact) => options.open_output_as(&ContactFormat::of_taxels(contact, layout)?)?,
         None => options.open_output_as(&TaxelFormat::of(layout, estimator)?)?,
     };
     match options.publish {

@@ -14,7 +14,7 @@ const HERTZ: f64 = 5.0;
 pub struct ContactEllipse {
     /// Semi-axes, m; the longer one first.
     pub semi_axes: [f64; 2],
-    /// Standard errors of the semi-axes, m. Nine of ten are within two of them.
+    /// Standard errors of the semi-axes, m. About 90 % of deviations are within two standard errors.
     pub errors: [f64; 2],
     /// Direction of the longer semi-axis, a unit vector in the fingertip frame `T`. Its sign has no meaning.
     pub direction: DVec3,
@@ -35,23 +35,26 @@ impl ContactEllipse {
 
 /// Element in the tangent plane of the contact.
 #[derive(Debug, Clone, Copy)]
-pub(super) struct Share {
+pub(super) struct Sample {
     /// Position relative to the centre, m.
-    pub place: DVec2,
-    /// Compression over that of the contact.
-    pub share: f64,
+    pub position: DVec2,
+    /// Compression relative to that of the contact.
+    pub weight: f64,
     /// Squared distance to the nearest element, m².
-    pub cell: f64,
+    pub cell_area: f64,
 }
 
 /// Variance of the position within a square cell with sides of 1 (Sheppard's correction of moments of grouped data).
-pub(super) const CELL: f64 = 1.0 / 12.0;
+pub(super) const CELL_VARIANCE: f64 = 1.0 / 12.0;
+
+/// Maximum second moment across a line, relative to that along it, by rounding.
+const ON_A_LINE: f64 = 1e-6;
 
 /// Semi-axes, their standard errors, and the direction of the longer one in the tangent plane, or `None` if the elements do
 /// not resolve the extent: if fewer than three touch, if they lie on a line, or if one of them bears almost everything.
-/// `touching` is the number of touching elements, `noise` the standard error of each share.
+/// `touching` is the number of touching elements, `noise` the standard error of each weight.
 pub(super) fn ellipse(
-    elements: impl Iterator<Item = Share> + Clone,
+    elements: impl Iterator<Item = Sample> + Clone,
     touching: usize,
     noise: f64,
 ) -> Option<([f64; 2], [f64; 2], DVec2)> {
@@ -59,12 +62,12 @@ pub(super) fn ellipse(
         return None;
     }
     let mean =
-        |f: &dyn Fn(&Share) -> f64| -> f64 { elements.clone().map(|s| s.share * f(&s)).sum() };
-    let within = CELL * mean(&|s| s.cell);
+        |f: &dyn Fn(&Sample) -> f64| -> f64 { elements.clone().map(|s| s.weight * f(&s)).sum() };
+    let within = CELL_VARIANCE * mean(&|s| s.cell_area);
     let [xx, xy, yy] = [
-        mean(&|s| s.place.x * s.place.x),
-        mean(&|s| s.place.x * s.place.y),
-        mean(&|s| s.place.y * s.place.y),
+        mean(&|s| s.position.x * s.position.x),
+        mean(&|s| s.position.x * s.position.y),
+        mean(&|s| s.position.y * s.position.y),
     ];
     let (middle, half) = (0.5 * (xx + yy), 0.5 * (xx - yy));
     let radius = libm::hypot(half, xy);
@@ -72,19 +75,19 @@ pub(super) fn ellipse(
     let along = DVec2::new(libm::cos(angle), libm::sin(angle));
     let square = |value: f64| value * value;
     let variance = |lever: &dyn Fn(DVec2) -> f64| -> f64 {
-        let levers = elements.clone().map(|s| square(lever(s.place)));
+        let levers = elements.clone().map(|s| square(lever(s.position)));
         noise * noise * levers.sum::<f64>()
     };
     // Noise across the axes makes the longer one longer and the shorter one shorter, most in a round contact.
-    let across = variance(&|place| place.dot(along) * place.dot(along.perp()));
+    let across = variance(&|position| position.dot(along) * position.dot(along.perp()));
     let split = across / libm::sqrt(across).max(2.0 * radius).max(f64::MIN_POSITIVE);
     let axis = |moment: f64, axis: DVec2| {
-        // Smaller moments describe the cells rather than the contact.
-        if moment <= 2.0 * within {
+        // Smaller moments describe the cells rather than the contact, or elements on a line. False for NaN.
+        if !(moment > 2.0 * within.max(0.0) && moment > ON_A_LINE * (middle + radius)) {
             return None;
         }
         let semi_axis = libm::sqrt(HERTZ * (moment - within));
-        let noise = variance(&|place| square(place.dot(axis)) - moment);
+        let noise = variance(&|position| square(position.dot(axis)) - moment);
         let grouping = within * within / touching as f64;
         let error = libm::sqrt(noise + grouping + split * split);
         Some((semi_axis, 0.5 * HERTZ / semi_axis * error))

@@ -1,16 +1,18 @@
 //! Contact from the forces of one frame.
 
-use super::ellipse::{CELL, ContactEllipse, Share, ellipse};
-use super::friction::{FrictionEstimator, parts};
+use super::ellipse::{CELL_VARIANCE, ContactEllipse, Sample, ellipse};
+use super::friction::{FrictionEstimator, MIN_COMPRESSION, shear_and_compression};
 use crate::sensor::fingertip::layout::SensingElement;
 use glam::{DVec2, DVec3};
 
-/// Maximum squared distance of neighbours, over that of the nearest one: a square's diagonal, and tolerance.
+/// Maximum squared distance of neighbours, relative to that of the nearest one: 2 for the diagonal of a square, plus
+/// tolerance.
 const NEIGHBOURS: f64 = 2.3;
 
-/// Number of times that the normal of the contact is computed from compressions along the previous one, which are affected
-/// less and less by shear.
-const WEIGHINGS: usize = 4;
+/// Iterations that compute the contact normal; each reduces the influence of shear.
+const NORMAL_ITERATIONS: usize = 4;
+/// Minimum compression of an isolated element that touches although another is pressed harder, relative to the threshold.
+const ISOLATED: f64 = 2.0;
 /// Ratio of shear to compression, over the coefficient of friction, from which an element counts as sliding.
 const SLIDING: f64 = 0.95;
 
@@ -20,7 +22,7 @@ pub struct Contact {
     /// Centre of pressure, m: mean position of the elements, weighted by their compression along `normal`. On a dome, it is projected
     /// onto the dome.
     pub centre: DVec3,
-    /// Standard error of the centre along each tangent, m.
+    /// Standard error of the centre along each tangent, m; NaN for a single element, whose size is unknown.
     pub centre_error: f64,
     /// Outward normal of the fingertip, a unit vector: mean normal of the elements, weighted by their compression.
     pub normal: DVec3,
@@ -39,25 +41,22 @@ pub struct Contact {
     pub touching: usize,
     /// Coefficient of friction, or `None` if it is unknown.
     pub friction: Option<f64>,
-    /// Number of touching elements that slide, or `None` if the coefficient of friction is unknown.
-    pub sliding: Option<usize>,
-}
-
-impl Contact {
-    /// Fraction of the touching elements that slide, 0 to 1, or `None` if the coefficient of friction is unknown.
-    pub fn sliding_share(&self) -> Option<f64> {
-        Some(self.sliding? as f64 / self.touching as f64)
-    }
+    /// Fraction of the elements with a compression of three times the threshold or more that slide, 0 to 1, or `None` if
+    /// there is no such element or the coefficient of friction is unknown.
+    pub sliding: Option<f64>,
 }
 
 /// Estimates the contact of a fingertip from the forces on its elements.
 ///
-/// An element touches if its compression exceeds a threshold, unless it is alone and another one is pressed harder. The forces on its neighbours also count, although they
-/// may be noise: without them, the weakly loaded edge would be missing. The standard error of each force component is
-/// assumed to be a third of the threshold; stated errors include the spacing of the elements.
+/// An element touches if its compression exceeds a threshold. An isolated one between one and two thresholds is ignored
+/// as noise, unless it is pressed hardest. Forces on neighbours of touching elements are included, because the edge of a
+/// contact is weakly loaded. The standard error of each force component is assumed to be a third of the threshold; stated
+/// errors include the spacing of the elements, which should be about equal in all directions.
+///
+/// Shear and compression are measured relative to one plane: the object must be locally flat.
 #[derive(Debug, Clone, PartialEq)]
 pub struct ContactEstimator {
-    elements: Vec<Place>,
+    elements: Vec<Site>,
     /// Radius of the dome, m, or `None` if the elements do not lie on a dome.
     dome_radius: Option<f64>,
     touch: f64,
@@ -68,7 +67,7 @@ pub struct ContactEstimator {
 
 #[derive(Debug, Clone, PartialEq)]
 struct Loaded {
-    /// Number of the element.
+    /// Index of the element.
     element: usize,
     /// Force on the fingertip, N in `T`.
     force: DVec3,
@@ -84,13 +83,13 @@ enum Friction {
 }
 
 #[derive(Debug, Clone, PartialEq)]
-struct Place {
+struct Site {
     element: SensingElement,
     /// Position in `T`, m.
     position: DVec3,
-    /// Squared distance to the nearest other element, m²; 0 for a single element.
-    cell: f64,
-    /// Numbers of the elements around it.
+    /// Squared distance to the nearest other element, m²; NaN for a single element.
+    cell_area: f64,
+    /// Indices of the elements around it.
     neighbours: Vec<usize>,
 }
 
@@ -102,27 +101,30 @@ impl ContactEstimator {
     /// [`ElementLayout::places`]: crate::sensor::fingertip::ElementLayout::places
     pub fn new(elements: impl IntoIterator<Item = (SensingElement, DVec3)>, touch: f64) -> Self {
         let elements: Vec<_> = elements.into_iter().collect();
-        let place = |(index, &(element, position)): (usize, &(SensingElement, DVec3))| {
-            let others = elements
-                .iter()
-                .enumerate()
-                .filter(|&(other, _)| other != index);
-            let distances =
-                others.map(|(other, (_, place))| (other, place.distance_squared(position)));
-            let nearest = distances
-                .clone()
-                .map(|(_, distance)| distance)
-                .fold(f64::INFINITY, f64::min);
-            let neighbours = distances.filter(|&(_, distance)| distance <= NEIGHBOURS * nearest);
-            Place {
+        let distance = |a: usize, b: usize| elements[a].1.distance_squared(elements[b].1);
+        let others = |index: usize| (0..elements.len()).filter(move |&other| other != index);
+        let nearest = |index| {
+            others(index)
+                .map(|other| distance(index, other))
+                .fold(f64::INFINITY, f64::min)
+        };
+        let nearest: Vec<_> = (0..elements.len()).map(nearest).collect();
+        let site = |(index, &(element, position)): (usize, &(SensingElement, DVec3))| {
+            let limit = |other: usize| NEIGHBOURS * nearest[index].max(nearest[other]);
+            let is_near = |&other: &usize| distance(index, other) <= limit(other);
+            Site {
                 element,
                 position,
-                cell: if nearest.is_finite() { nearest } else { 0.0 },
-                neighbours: neighbours.map(|(other, _)| other).collect(),
+                cell_area: if nearest[index].is_finite() {
+                    nearest[index]
+                } else {
+                    0.0
+                },
+                neighbours: others(index).filter(is_near).collect(),
             }
         };
         Self {
-            elements: elements.iter().enumerate().map(place).collect(),
+            elements: elements.iter().enumerate().map(site).collect(),
             dome_radius: dome_radius(&elements),
             friction: Friction::Estimated(FrictionEstimator::new(elements.len(), touch)),
             touch,
@@ -151,49 +153,61 @@ impl ContactEstimator {
     }
 
     /// Estimates the contact from the forces of the next [`TactileFrame`](crate::sensor::forces::TactileFrame), or returns
-    /// `None` if no element touches. Does not allocate.
+    /// `None` if no element touches, or if the forces of touching elements cancel. Does not allocate.
     ///
     /// Elements without a valid force are ignored, as if they did not touch.
     pub fn estimate(&mut self, forces: &[DVec3]) -> Option<Contact> {
-        self.load(forces);
-        let normal = self.weigh()?;
-        let mut contact = self.contact(normal)?;
+        self.collect_loaded(forces);
+        let contact = self
+            .contact_normal()
+            .and_then(|normal| self.contact(normal));
+        let Some(mut contact) = contact else {
+            if let Friction::Estimated(estimator) = &mut self.friction {
+                estimator.release();
+            }
+            return None;
+        };
+        let touching = self.loaded.iter().filter(|loaded| loaded.touches);
         contact.friction = match &mut self.friction {
             Friction::Known(friction) => Some(*friction),
             Friction::Estimated(estimator) => {
-                let touching = self.loaded.iter().filter(|loaded| loaded.touches);
-                estimator.update(
-                    normal,
-                    touching.map(|loaded| (loaded.element, loaded.force)),
-                )
+                let forces = touching
+                    .clone()
+                    .map(|loaded| (loaded.element, loaded.force));
+                estimator.update(contact.normal, forces)
             }
         };
-        contact.sliding = contact.friction.map(|friction| {
-            let touching = self.loaded.iter().filter(|loaded| loaded.touches);
-            let slides = touching.filter(|loaded| {
-                let (shear, compression) = parts(loaded.force, normal);
+        contact.sliding = contact.friction.and_then(|friction| {
+            let judged =
+                touching.filter(|loaded| loaded.compression >= MIN_COMPRESSION * self.touch);
+            let slides = |loaded: &&Loaded| {
+                let (shear, compression) = shear_and_compression(loaded.force, contact.normal);
                 shear.length() >= SLIDING * friction * compression
-            });
-            slides.count()
+            };
+            let count = judged.clone().count();
+            (count > 0).then(|| judged.filter(slides).count() as f64 / count as f64)
         });
         Some(contact)
     }
 
     /// Collects touching elements and their neighbours.
-    fn load(&mut self, forces: &[DVec3]) {
+    fn collect_loaded(&mut self, forces: &[DVec3]) {
         let valid = |index: usize| forces.get(index).filter(|force| force.is_finite());
         let compression = |index: usize| valid(index).map_or(f64::NEG_INFINITY, |force| force.z);
         let strongest =
             (0..self.elements.len()).max_by(|&a, &b| compression(a).total_cmp(&compression(b)));
         let pressed = |index: usize| compression(index) > self.touch;
-        // An element that is pressed alone is noise, unless no other is pressed harder.
         let touches = |index: usize| {
+            let is_strong = Some(index) == strongest || compression(index) > ISOLATED * self.touch;
             let neighbours = &self.elements[index].neighbours;
-            pressed(index) && (Some(index) == strongest || neighbours.iter().any(|&n| pressed(n)))
+            pressed(index) && (is_strong || neighbours.iter().any(|&n| pressed(n)))
         };
         self.loaded.clear();
         for (index, place) in self.elements.iter().enumerate() {
-            let Some(&force) = valid(index) else { continue };
+            // A pulled element does not belong to a contact.
+            let Some(&force) = valid(index).filter(|force| force.z > -self.touch) else {
+                continue;
+            };
             let own = touches(index);
             if own || place.neighbours.iter().any(|&n| touches(n)) {
                 self.loaded.push(Loaded {
@@ -206,18 +220,19 @@ impl ContactEstimator {
         }
     }
 
-    /// Normal of the contact: the mean of the elements' normals, weighted by their compression along it. An object
-    /// flattens the fingertip, so its surface faces this direction, not those of the unloaded elements.
-    fn weigh(&mut self) -> Option<DVec3> {
+    /// Normal of the contact: the mean of the elements' normals, weighted by their compression along it, which is stored. An
+    /// object flattens the fingertip, so its surface faces this direction, not those of the unloaded elements.
+    fn contact_normal(&mut self) -> Option<DVec3> {
         let mut normal = DVec3::ZERO;
-        for _ in 0..WEIGHINGS {
+        for _ in 0..NORMAL_ITERATIONS {
             let of_elements = self
                 .loaded
                 .iter()
                 .map(|l| l.compression * self.elements[l.element].element.normal());
             normal = of_elements.sum::<DVec3>().try_normalize()?;
             for loaded in &mut self.loaded {
-                (_, loaded.compression) = parts(loaded.force, normal);
+                let (_, compression) = shear_and_compression(loaded.force, normal);
+                loaded.compression = compression.max(-self.touch);
             }
         }
         Some(normal)
@@ -227,7 +242,7 @@ impl ContactEstimator {
     fn contact(&self, normal: DVec3) -> Option<Contact> {
         let touching = self.loaded.iter().filter(|loaded| loaded.touches).count();
         let pressed: f64 = self.loaded.iter().map(|loaded| loaded.compression).sum();
-        if touching == 0 || pressed <= self.touch {
+        if touching == 0 || pressed <= 0.5 * self.touch {
             return None;
         }
         let position = |loaded: &Loaded| self.elements[loaded.element].position;
@@ -242,23 +257,23 @@ impl ContactEstimator {
             .iter()
             .map(|l| normal.dot((position(l) - mean).cross(l.force)));
         let (x, y) = normal.any_orthonormal_pair();
-        let shares = self.loaded.iter().map(|loaded| {
-            let off = position(loaded) - mean;
-            Share {
-                place: DVec2::new(off.dot(x), off.dot(y)),
-                share: loaded.compression / pressed,
-                cell: self.elements[loaded.element].cell,
+        let samples = self.loaded.iter().map(|loaded| {
+            let offset = position(loaded) - mean;
+            Sample {
+                position: DVec2::new(offset.dot(x), offset.dot(y)),
+                weight: loaded.compression / pressed,
+                cell_area: self.elements[loaded.element].cell_area,
             }
         });
         let noise = self.touch / 3.0;
-        let arms: f64 = shares.clone().map(|s| s.place.length_squared()).sum();
-        let cell: f64 = shares.clone().map(|s| s.share * s.cell).sum();
-        // `arms` is the sum along both tangents, so half of it is that along each.
-        let by_noise = 0.5 * arms * (noise / pressed) * (noise / pressed);
-        let centre_variance = by_noise + CELL * cell.max(0.0) / touching as f64;
-        let (shear, _) = parts(force, normal);
+        let squared_arms: f64 = samples.clone().map(|s| s.position.length_squared()).sum();
+        let cell_area: f64 = samples.clone().map(|s| s.weight * s.cell_area).sum();
+        // `squared_arms` is the sum along both tangents, so half of it is that along each.
+        let by_noise = 0.5 * squared_arms * (noise / pressed) * (noise / pressed);
+        let centre_variance = by_noise + CELL_VARIANCE * cell_area.abs() / touching as f64;
+        let (shear, _) = shear_and_compression(force, normal);
         let by_centre = shear.length_squared() * centre_variance;
-        let ellipse = ellipse(shares, touching, noise / pressed);
+        let ellipse = ellipse(samples, touching, noise / pressed);
         Some(Contact {
             centre: self.on_surface(mean),
             centre_error: libm::sqrt(centre_variance),
@@ -266,7 +281,7 @@ impl ContactEstimator {
             force,
             force_error: noise * libm::sqrt(self.loaded.len() as f64),
             torsion: torsion.sum(),
-            torsion_error: libm::sqrt(noise * noise * arms + by_centre),
+            torsion_error: libm::sqrt(noise * noise * squared_arms + by_centre),
             ellipse: ellipse.map(|(semi_axes, errors, along)| ContactEllipse {
                 semi_axes,
                 errors,

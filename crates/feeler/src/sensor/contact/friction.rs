@@ -2,15 +2,16 @@
 
 use glam::DVec3;
 
-/// Growth of an element's shear, over the mean of the faster half, below which the element slides.
-const STILL: f64 = 0.25;
-/// Ratio of shear to compression of elements that may slide, over the largest one.
-const TOP: f64 = 0.93;
-/// Compression of judged elements, over the threshold of touch: the ratios of weakly pressed ones are mostly noise.
-const PRESSED: f64 = 3.0;
-/// Growth of shear between two evaluations, over the compression.
-const STEP: f64 = 0.02;
-/// Growth of shear per element between two evaluations, over the minimum compression: well above noise.
+/// Maximum growth of an element's shear at which it counts as sliding, relative to the mean of faster elements.
+const MAX_STILL_GROWTH: f64 = 0.25;
+/// Minimum ratio of shear to compression of elements that may slide, relative to the largest one.
+const TOP_RATIO: f64 = 0.93;
+/// Minimum compression of judged elements, relative to the threshold of touch: ratios of weakly pressed elements are mostly
+/// noise.
+pub(super) const MIN_COMPRESSION: f64 = 3.0;
+/// Minimum growth of shear between two evaluations, relative to the compression.
+const MIN_GROWTH: f64 = 0.02;
+/// Minimum growth of shear per element between two evaluations, relative to the minimum compression: well above noise.
 const ABOVE_NOISE: f64 = 0.67;
 
 /// Estimates the coefficient of friction from elements that begin to slide before others (incipient slip).
@@ -23,7 +24,7 @@ const ABOVE_NOISE: f64 = 0.67;
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct FrictionEstimator {
     /// Minimum compression of a judged element, N.
-    least: f64,
+    min_compression: f64,
     /// Forces on the fingertip at the last evaluation, N in `T`; NaN without contact.
     anchor: Vec<DVec3>,
     /// Judged elements: growth of shear (N), ratio of shear to compression.
@@ -35,16 +36,21 @@ impl FrictionEstimator {
     /// Creates an estimator for `elements` elements, which touch at compressions above `touch` (N).
     pub fn new(elements: usize, touch: f64) -> Self {
         Self {
-            least: PRESSED * touch,
+            min_compression: MIN_COMPRESSION * touch,
             anchor: vec![DVec3::NAN; elements],
             judged: Vec::with_capacity(elements),
             friction: None,
         }
     }
 
+    /// Ends a contact: the next one is not compared with it.
+    pub fn release(&mut self) {
+        self.anchor.fill(DVec3::NAN);
+    }
+
     /// Forgets the estimate, for example when another object is touched.
     pub fn restart(&mut self) {
-        self.anchor.fill(DVec3::NAN);
+        self.release();
         self.friction = None;
     }
 
@@ -59,10 +65,11 @@ impl FrictionEstimator {
         self.judged.clear();
         let (mut growth, mut pressed) = (0.0, 0.0);
         for (element, force) in touching.clone() {
-            let (shear, compression) = parts(force, normal);
-            let (shear_before, compression_before) = parts(self.anchor[element], normal);
+            let (shear, compression) = shear_and_compression(force, normal);
+            let (shear_before, compression_before) =
+                shear_and_compression(self.anchor[element], normal);
             // False for NaN.
-            if !(compression > self.least && compression_before > self.least) {
+            if !(compression > self.min_compression && compression_before > self.min_compression) {
                 continue;
             }
             let ratio = shear.length() / compression;
@@ -73,7 +80,8 @@ impl FrictionEstimator {
             pressed += compression;
             self.judged.push((grown, ratio));
         }
-        let step = (STEP * pressed).max(ABOVE_NOISE * self.least * self.judged.len() as f64);
+        let step = (MIN_GROWTH * pressed)
+            .max(ABOVE_NOISE * self.min_compression * self.judged.len() as f64);
         if growth > step {
             self.friction = sliding_friction(&mut self.judged).or(self.friction);
         } else if growth > -step && pressed > 0.0 {
@@ -88,12 +96,13 @@ impl FrictionEstimator {
 }
 
 /// Shear and compression (N) of a `force` on the fingertip, by its outward `normal`.
-pub(super) fn parts(force: DVec3, normal: DVec3) -> (DVec3, f64) {
+pub(super) fn shear_and_compression(force: DVec3, normal: DVec3) -> (DVec3, f64) {
     let outward = force.dot(normal);
     (force - outward * normal, -outward)
 }
 
-/// Median of the largest ratios of shear to compression, or `None` if the shear of most of these elements grows.
+/// Median of the largest ratios of shear to compression, or `None` if the shear of most of these elements grows, or fewer than
+/// two are still.
 fn sliding_friction(judged: &mut [(f64, f64)]) -> Option<f64> {
     let mean_above = |least: f64| {
         let faster = judged
@@ -106,10 +115,10 @@ fn sliding_friction(judged: &mut [(f64, f64)]) -> Option<f64> {
     let fast = mean_above(mean_above(f64::NEG_INFINITY));
     judged.sort_unstable_by(|a, b| a.1.total_cmp(&b.1));
     let &(_, largest) = judged.last()?;
-    let top = &judged[judged.partition_point(|&(_, ratio)| ratio < TOP * largest)..];
+    let top = &judged[judged.partition_point(|&(_, ratio)| ratio < TOP_RATIO * largest)..];
     let still = top
         .iter()
-        .filter(|(grown, _)| grown.abs() < STILL * fast)
+        .filter(|(grown, _)| grown.abs() < MAX_STILL_GROWTH * fast)
         .count();
     let (_, middle) = top[top.len() / 2];
     (2 * still > top.len() && still > 1).then_some(middle)
