@@ -539,11 +539,10 @@ def calibrate_frames(frames: Incomplete, forces: Incomplete, how: Incomplete) ->
     Fits a calibration to `frames` [N, H, W] under `forces` [N, E, 3], N; NaN for unknown forces.
     """
 
-def estimate_contacts(force: Incomplete, tips: Incomplete, rotations: Incomplete, touch: SupportsFloat | SupportsIndex, friction: SupportsFloat | SupportsIndex | None) -> Incomplete:
+def estimate_contacts(force: Incomplete, tips: Incomplete, rotations: Incomplete, touch: SupportsFloat | SupportsIndex, friction: SupportsFloat | SupportsIndex | None) -> dict:
     """
-    Contact in each frame of `force` [N, E, 3] on elements at `tips` [E, 3] with `rotations` [E, 3, 3] to `T`: touching,
-    centre (3), its error, normal (3), force (3), its error, torsion, its error, semi-axes (2), their errors (2),
-    direction (3), friction and sliding [N, 23]. Unknown values are NaN.
+    Contact in each frame of `force` [N, E, 3] on elements at `tips` [E, 3] with `rotations` [E, 3, 3] to `T`: arrays by
+    name, [N] or [N, width].
     """
 
 def locate(frames: Incomplete, polarity: str | None, spot_diameter: SupportsFloat | SupportsIndex | None, element_diameter: SupportsFloat | SupportsIndex | None, region_radius: SupportsFloat | SupportsIndex, dome: str | None) -> Layout:

@@ -14,9 +14,9 @@ from feeler.sensing import FloatArray
 
 @dataclass(frozen=True, slots=True, eq=False)
 class Contacts:
-    """Contact of one fingertip in each of N frames. Unknown values are NaN; without contact, all fields but ``touching`` are NaN.
+    """Contact of one fingertip in each of N frames. Vectors are in the fingertip's frame T.
 
-    Vectors are in the fingertip's frame T.
+    Unknown values are NaN; without contact, all fields but ``touching`` are NaN.
     """
 
     touching: NDArray[np.int64]
@@ -84,7 +84,7 @@ def contacts(
         If an array has an unexpected shape, or a number is not positive.
     """
     force = _checked("force", force, ("N", "E", 3))
-    count, elements, _ = force.shape
+    elements = force.shape[1]
     tips = _checked("tips", tips, (elements, 3))
     rotations = _checked("rotations", rotations, (elements, 3, 3))
     for name, number in (("touch", touch), ("friction", friction)):

@@ -126,11 +126,11 @@ fn contacts_of_images_have_the_centre_of_the_loads() {
             assert_eq!(row["touching"], 0.0);
             continue;
         };
-        // The errors of forces are far below a third of the threshold.
+        // Two standard errors.
         let off = (vector(row, "c") - known.centre).length();
-        assert!(off < row["c_error"], "{off} {}", row["c_error"]);
+        assert!(off < 2.0 * row["c_error"], "{off} {}", row["c_error"]);
         let off = (vector(row, "f") - known.force).abs().max_element();
-        assert!(off < row["f_error"], "{off} {}", row["f_error"]);
+        assert!(off < 2.0 * row["f_error"], "{off} {}", row["f_error"]);
     }
 }
 

@@ -274,9 +274,15 @@ impl ContactEstimator {
         let (shear, _) = shear_and_compression(force, normal);
         let by_centre = shear.length_squared() * centre_variance;
         let ellipse = ellipse(samples, touching, noise / pressed);
+        let centre = self.on_surface(mean);
+        // The mean of elements all over a dome is far below its surface.
+        let projected = match mean.length() {
+            depth if depth > 0.0 => centre.length() / depth,
+            _ => 1.0,
+        };
         Some(Contact {
-            centre: self.on_surface(mean),
-            centre_error: libm::sqrt(centre_variance),
+            centre,
+            centre_error: projected * libm::sqrt(centre_variance),
             normal,
             force,
             force_error: noise * libm::sqrt(self.loaded.len() as f64),
