@@ -1,6 +1,6 @@
 //! `feeler sense --contact`.
 
-use super::rendered::{CALIBRATION, fingertip, pictures, save};
+use super::rendered::{CALIBRATION, fingertip, pictures, pressed, save};
 use crate::program::{folder, run, whole_run};
 use feeler::sensor::contact::ContactEstimator;
 use feeler_record::Contact;
@@ -112,16 +112,23 @@ fn contacts_of_taxels_are_written_in_every_format() {
 #[test]
 fn contacts_of_images_have_the_centre_of_the_loads() {
     let folder = folder("contact-images");
-    let pictures = pictures(6);
+    let pictures = pressed(6);
     save(&pictures, &folder.join("loads"));
-    let sense = ["sense", "loads", "--calibration", CALIBRATION, "--contact"];
+    // Three standard errors: shear has a hysteresis of 0.2 N when loads change at random.
+    let sense = [
+        "sense",
+        "loads",
+        "--calibration",
+        CALIBRATION,
+        "--contact=0.6",
+    ];
     let said = run(&folder, &sense);
     assert_eq!(said.status, Some(0), "{said:?}");
     let layout = fingertip().layout;
     let table = rows(&said.stdout);
     assert_eq!(table.len(), pictures.len());
     for (row, picture) in table.iter().zip(&pictures) {
-        let mut known = ContactEstimator::new(layout.places(), 0.1);
+        let mut known = ContactEstimator::new(layout.places(), 0.6);
         let Some(known) = known.estimate(&picture.forces) else {
             assert_eq!(row["touching"], 0.0);
             continue;

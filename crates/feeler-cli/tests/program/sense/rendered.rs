@@ -76,6 +76,20 @@ pub fn pictures(count: usize) -> Vec<Loaded> {
     all
 }
 
+/// Renders `count` images, all but the first pressed at the apex and the ring around it with up to 2 N per element.
+pub fn pressed(count: usize) -> Vec<Loaded> {
+    let mut renderer = Renderer::new();
+    let elements = fingertip().layout.elements.len();
+    let take = |number: usize| {
+        let mut forces = vec![DVec3::ZERO; elements];
+        if number > 0 {
+            forces[..9].fill_with(|| load(&mut renderer.rng));
+        }
+        renderer.picture(forces)
+    };
+    (0..count).map(take).collect()
+}
+
 /// Renders `count` images, all but the first under 1 N on each of nine elements, while the lamp dims by a tenth.
 pub fn dimming(count: usize) -> Vec<Loaded> {
     let mut renderer = Renderer::new();
