@@ -46,7 +46,7 @@ export interface RunTable {
  *   the feeler by the object, z is compression, positive when pressed
  * - `finger/N/flags` (u8): bit 0 TOUCH, bit 1 SLIP, bit 2 OVER, bit 3 true slip (simulated runs only)
  * - `finger/N/contact`, width 11, in the finger's frame: centre x, y, z, long semi-axis x, y, z and short semi-axis x, y,
- *   z in m, torsion in N m, fraction of the well pressed elements that slide; NaN if unknown
+ *   z in m, torsion in N m, fraction of pressed elements that slide; NaN if unknown
  * - `finger/N/grasp_force` in N; `finger/N/shear_rate` in N/s
  * - `torque` in N m
  * - `frame/NAME`, width 7: pose of the frame NAME in its parent: position x, y, z in m, quaternion x, y, z, w

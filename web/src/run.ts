@@ -21,7 +21,7 @@ export interface Contact {
   axes: [long: Vector, short: Vector];
   /** Torque on the fingertip about its normal (N m). */
   torsion: number;
-  /** Fraction of the well pressed elements that slide. */
+  /** Fraction of the elements pressed with three times the threshold or more that slide. */
   sliding: number;
 }
 

@@ -30,7 +30,7 @@ pub use crate::reading::replay::{RecordedHand, RecordedSensor};
 pub use crate::reading::steps::{FingerStep, Step, Steps};
 pub use crate::sensed::images::SensedPictures;
 pub use crate::sensed::readings::{SensedWriter, read_moments};
-pub use crate::sensed::taxel_writer::{TaxelFacts, TaxelWriter};
+pub use crate::sensed::taxel_messages::{TaxelFacts, TaxelMessages};
 pub use crate::writing::buffer_recorder::BufferRecorder;
 pub use crate::writing::closing::CLOSE_TIMEOUT;
 pub use crate::writing::instruments::InstrumentRecord;

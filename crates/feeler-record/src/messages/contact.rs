@@ -38,7 +38,7 @@ pub struct Contact {
     pub direction: Vector3,
     /// Coefficient of friction.
     pub friction: f64,
-    /// Fraction of the well pressed elements that slide.
+    /// Fraction of the elements with a compression of three times the threshold or more that slide.
     pub sliding: f64,
 }
 
@@ -60,7 +60,7 @@ message!(
     "float64[2] semi_axis_errors  # m, standard errors",
     "geometry_msgs/Vector3 direction  # of the longer semi-axis",
     "float64 friction  # coefficient of friction",
-    "float64 sliding  # fraction of the well pressed elements that slide",
+    "float64 sliding  # fraction of the elements pressed with three times the threshold or more that slide",
     vector3_schema!(),
 );
 

@@ -2,7 +2,7 @@
 
 pub(crate) mod images;
 pub(crate) mod readings;
-pub(crate) mod taxel_writer;
+pub(crate) mod taxel_messages;
 pub(crate) mod taxels;
 
 pub use images::is_sensed;

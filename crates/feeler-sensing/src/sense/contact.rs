@@ -1,16 +1,16 @@
 //! Writes the contact of each frame as a table, JSON Lines, or MCAP.
 
-use super::output::{Format, FrameReadings, Output, RowFile, RowWriter};
+use super::output::{Format, FrameReadings, RowFile, tactile};
 use feeler::sensor::contact::{Contact, ContactEstimator};
 use feeler::sensor::fingertip::SensingElement;
 use feeler::sensor::forces::NO_FORCE;
 use feeler::sensor::taxel::{TaxelLayout, TaxelUnit};
 use feeler_console::CommandError;
 use feeler_record::sensed::{CONTACT, TACTILE};
-use feeler_record::{Contact as Message, MessageSink, SensedWriter, Tactile};
+use feeler_record::{Contact as Message, MessageSink, SensedWriter};
 use glam::DVec3;
 use serde::{Serialize, Serializer};
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Compression above which an element of a fingertip touches by default, N: F1 of the paper.
 const TOUCH: f64 = 0.1;
@@ -24,10 +24,10 @@ pub struct ContactOptions {
     pub friction: Option<f64>,
 }
 
-/// Name of a column and its value.
+/// Name of a column and its value, or `None` if the value is unknown.
 type Column = (&'static str, fn(&Contact) -> Option<f64>);
 
-/// Columns that describe a contact.
+/// Columns of a table that describe a contact, behind those of the frame.
 const COLUMNS: [Column; 24] = [
     ("c_x", |c| Some(c.centre.x)),
     ("c_y", |c| Some(c.centre.y)),
@@ -58,10 +58,13 @@ const COLUMNS: [Column; 24] = [
 /// Output format for the contact in each frame.
 pub struct ContactFormat {
     estimator: ContactEstimator,
+    /// Forces of the current frame.
+    forces: Vec<DVec3>,
+    /// Names of the columns.
+    columns: Vec<&'static str>,
     /// Unit of the forces.
     unit: TaxelUnit,
-    /// `true` if a column names sequences.
-    sequences: bool,
+    names_sequences: bool,
 }
 
 impl ContactFormat {
@@ -70,14 +73,16 @@ impl ContactFormat {
         options: ContactOptions,
         elements: impl IntoIterator<Item = (SensingElement, DVec3)>,
     ) -> Self {
-        let estimator = ContactEstimator::new(elements, options.touch.unwrap_or(TOUCH));
+        let mut estimator = ContactEstimator::new(elements, options.touch.unwrap_or(TOUCH));
+        if let Some(friction) = options.friction {
+            estimator = estimator.with_friction(friction);
+        }
         Self {
-            estimator: match options.friction {
-                Some(friction) => estimator.with_friction(friction),
-                None => estimator,
-            },
+            estimator,
+            forces: Vec::new(),
+            columns: columns(TaxelUnit::Newton),
             unit: TaxelUnit::Newton,
-            sequences: false,
+            names_sequences: false,
         }
     }
 
@@ -93,83 +98,49 @@ impl ContactFormat {
             );
         }
         Ok(Self {
+            columns: columns(unit),
             unit,
-            sequences: layout.columns.sequence.is_some(),
+            names_sequences: layout.columns.sequence.is_some(),
             ..Self::new(options, layout.elements())
         })
     }
 
-    /// Names of all columns.
-    fn columns(&self) -> Vec<&'static str> {
-        let first = self.sequences.then_some("sequence").into_iter();
-        let first = first.chain(["frame", "stamp", "invalid", "touching"]);
-        let named = |name| match (self.unit, name) {
-            (TaxelUnit::Counts, "f_x") => "f_x_counts",
-            (TaxelUnit::Counts, "f_y") => "f_y_counts",
-            (TaxelUnit::Counts, "f_z") => "f_z_counts",
-            (TaxelUnit::Counts, "f_error") => "f_error_counts",
-            (TaxelUnit::Counts, "torsion") => "torsion_counts_m",
-            (TaxelUnit::Counts, "torsion_error") => "torsion_error_counts_m",
-            (_, name) => name,
-        };
-        first.chain(COLUMNS.map(|(name, _)| named(name))).collect()
-    }
-
-    fn rows(&self, file: RowFile) -> Box<dyn Output> {
-        Box::new(Rows {
-            file,
-            columns: self.columns(),
-            estimator: self.estimator.clone(),
-            forces: Vec::new(),
-            sequence: self.sequences.then(String::new),
-        })
+    /// Estimates the contact in the next frame.
+    fn estimate(&mut self, frame: &FrameReadings) -> Option<Contact> {
+        self.forces.clear();
+        let forces = frame.readings.iter().map(|r| r.force.unwrap_or(NO_FORCE));
+        self.forces.extend(forces);
+        self.estimator.estimate(&self.forces)
     }
 }
 
-impl Format for ContactFormat {
-    fn csv(&self, writer: RowWriter) -> Result<Box<dyn Output>, CommandError> {
-        Ok(self.rows(RowFile::csv(writer, self.columns())?))
-    }
-
-    fn jsonl(&self, writer: RowWriter) -> Result<Box<dyn Output>, CommandError> {
-        Ok(self.rows(RowFile::json_lines(writer)))
-    }
-
-    fn mcap(&self, path: &Path) -> Result<Box<dyn Output>, CommandError> {
-        if self.unit == TaxelUnit::Counts {
-            return Err("messages of type Contact are in newtons, but the forces are in counts; write .csv or .jsonl".into());
-        }
-        Ok(Box::new(Mcap {
-            writer: SensedWriter::create_for_contacts(path)?,
-            estimator: self.estimator.clone(),
-        }))
-    }
+/// Names of all columns for forces in `unit`.
+fn columns(unit: TaxelUnit) -> Vec<&'static str> {
+    let named = |name| match (unit, name) {
+        (TaxelUnit::Counts, "f_x") => "f_x_counts",
+        (TaxelUnit::Counts, "f_y") => "f_y_counts",
+        (TaxelUnit::Counts, "f_z") => "f_z_counts",
+        (TaxelUnit::Counts, "f_error") => "f_error_counts",
+        (TaxelUnit::Counts, "torsion") => "torsion_counts_m",
+        (TaxelUnit::Counts, "torsion_error") => "torsion_error_counts_m",
+        (_, name) => name,
+    };
+    let of_frame = ["frame", "stamp", "invalid", "touching"];
+    let of_contact = COLUMNS.map(|(name, _)| named(name));
+    of_frame.into_iter().chain(of_contact).collect()
 }
 
-/// Copies the forces of a frame.
-fn copy_forces(frame: &FrameReadings, forces: &mut Vec<DVec3>) {
-    forces.clear();
-    forces.extend(frame.readings.iter().map(|r| r.force.unwrap_or(NO_FORCE)));
-}
-
-/// A cell of a row; missing values are empty.
+/// A cell of a row.
 #[derive(Serialize)]
 #[serde(untagged)]
-enum Cell<'a> {
-    Text(&'a str),
+enum Cell {
     Count(u64),
+    /// Empty if unknown.
     Number(Option<f64>),
 }
 
-impl Cell<'_> {
-    /// Missing and unknown values are empty.
-    fn number(number: Option<f64>) -> Self {
-        Self::Number(number.filter(|number| number.is_finite()))
-    }
-}
-
 /// A row with the names of its cells.
-struct NamedCells<'a>(&'a [&'static str], &'a [Cell<'a>]);
+struct NamedCells<'a>(&'a [&'static str], &'a [Cell]);
 
 impl Serialize for NamedCells<'_> {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
@@ -177,88 +148,54 @@ impl Serialize for NamedCells<'_> {
     }
 }
 
-/// Writer of one row per frame.
-struct Rows {
-    file: RowFile,
-    /// Names of the columns.
-    columns: Vec<&'static str>,
-    estimator: ContactEstimator,
-    forces: Vec<DVec3>,
-    /// Name of the current sequence, if a column names sequences.
-    sequence: Option<String>,
-}
+impl Format for ContactFormat {
+    fn columns(&self) -> Vec<&'static str> {
+        self.columns.clone()
+    }
 
-impl Output for Rows {
-    fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError> {
-        copy_forces(frame, &mut self.forces);
-        let contact = self.estimator.estimate(&self.forces);
-        let invalid = self
-            .forces
-            .iter()
-            .filter(|force| !force.is_finite())
-            .count();
+    fn names_sequences(&self) -> bool {
+        self.names_sequences
+    }
+
+    fn write_rows(
+        &mut self,
+        frame: &FrameReadings,
+        file: &mut RowFile,
+    ) -> Result<(), CommandError> {
+        let contact = self.estimate(frame);
+        let invalid = self.forces.iter().filter(|f| !f.is_finite()).count();
         let touching = contact.map_or(0, |contact| contact.touching);
-        let sequence = self.sequence.as_deref().map(Cell::Text).into_iter();
-        let cells: Vec<_> = sequence
-            .chain([Cell::Count(frame.sequence), Cell::number(Some(frame.stamp))])
-            .chain([invalid, touching].map(|count| Cell::Count(count as u64)))
-            .chain(COLUMNS.map(|(_, value)| Cell::number(contact.as_ref().and_then(value))))
-            .collect();
-        let object = NamedCells(&self.columns, &cells);
-        self.file.write_either(&cells, &object)
+        let number = |number: Option<f64>| Cell::Number(number.filter(|n| n.is_finite()));
+        let of_frame = [
+            Cell::Count(frame.sequence),
+            number(Some(frame.stamp)),
+            Cell::Count(invalid as u64),
+            Cell::Count(touching as u64),
+        ];
+        let of_contact = COLUMNS.map(|(_, value)| number(contact.as_ref().and_then(value)));
+        let cells: Vec<_> = of_frame.into_iter().chain(of_contact).collect();
+        file.write_either(&cells, &NamedCells(&self.columns, &cells))
     }
 
-    fn begin_sequence(&mut self, name: &str) -> Result<(), CommandError> {
-        self.estimator.restart();
-        if let Some(sequence) = &mut self.sequence {
-            name.clone_into(sequence);
+    fn create_mcap(&self, path: &Path) -> Result<SensedWriter, CommandError> {
+        if self.unit == TaxelUnit::Counts {
+            return Err("messages of type Contact are in newtons, but the forces are in counts; write .csv or .jsonl".into());
         }
-        Ok(())
+        Ok(SensedWriter::create_for_contacts(path)?)
     }
 
-    fn flush(&mut self) -> Result<(), CommandError> {
-        Ok(self.file.flush()?)
-    }
-}
-
-/// ROS 2 messages in an MCAP file: forces and contacts.
-struct Mcap {
-    writer: SensedWriter,
-    estimator: ContactEstimator,
-}
-
-impl Output for Mcap {
-    fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError> {
-        let (sequence, stamp) = (frame.sequence, frame.stamp);
-        let mut of_elements = Vec::with_capacity(frame.readings.len());
-        copy_forces(frame, &mut of_elements);
-        let contact = self.estimator.estimate(&of_elements);
-        let forces = of_elements.into_iter().map(Into::into).collect();
-        let tactile = Tactile {
-            sequence,
-            stamp,
-            forces,
-        };
-        self.writer.write(TACTILE, &tactile)?;
-        let message = Message::new(sequence, stamp, contact.as_ref());
-        Ok(self.writer.write(CONTACT, &message)?)
+    fn write_messages(
+        &mut self,
+        frame: &FrameReadings,
+        writer: &mut SensedWriter,
+    ) -> Result<(), CommandError> {
+        writer.write(TACTILE, &tactile(frame))?;
+        let contact = self.estimate(frame);
+        let message = Message::new(frame.sequence, frame.stamp, contact.as_ref());
+        Ok(writer.write(CONTACT, &message)?)
     }
 
-    fn begin_sequence(&mut self, _: &str) -> Result<(), CommandError> {
+    fn begin_sequence(&mut self) {
         self.estimator.restart();
-        Ok(())
-    }
-
-    /// Does nothing, because each flush adds 0.6 KB to the file.
-    fn flush(&mut self) -> Result<(), CommandError> {
-        Ok(())
-    }
-
-    fn settle(&mut self) -> Result<(), CommandError> {
-        Ok(self.writer.flush()?)
-    }
-
-    fn finish(self: Box<Self>, _: bool) -> Result<Option<PathBuf>, CommandError> {
-        Ok(self.writer.finish().map(|()| None)?)
     }
 }

@@ -6,7 +6,7 @@ use super::output::{FrameReadings, Output};
 use super::sensor::{sensing_chain, sensor_geometry};
 use super::source::Source;
 use super::tally::SensingStats;
-use super::wrench::WrenchFormat;
+use super::wrench::{Estimates, WrenchFormat};
 use super::{SenseOptions, close};
 use feeler::sensor::forces::{ElementReading, Reference, SensingChain};
 use feeler::sensor::image::{CameraError, Frame};
@@ -35,13 +35,13 @@ pub fn sense(
     let output = match (options.contact, estimator) {
         (Some(contact), None) if sensing.is_calibrated() => {
             let places = places.ok_or("--contact: requires the dome's geometry in the layout")?;
-            options.open_output_as(&ContactFormat::new(contact, places))?
+            options.open_output_as(ContactFormat::new(contact, places))?
         }
         (Some(_), _) => {
             return Err("--contact: requires --calibration with a calibration of elements".into());
         }
-        (None, Some(estimator)) => options.open_output_as(&WrenchFormat {
-            estimator,
+        (None, Some(estimator)) => options.open_output_as(WrenchFormat {
+            estimates: Estimates::new(estimator),
             pictures,
         })?,
         (None, None) => options.open_output(sensing.is_calibrated())?,

@@ -164,7 +164,7 @@ impl SenseOptions {
     /// Opens the output for readings of images.
     fn open_output(&self, forces: bool) -> Result<Box<dyn Output>, CommandError> {
         let pictures = self.recorded_finger();
-        self.open_output_as(&ImageFormat { forces, pictures })
+        self.open_output_as(ImageFormat { forces, pictures })
     }
 
     /// Moves `output` to a background thread if images are recorded, so that writing them does not block sensing.
@@ -190,8 +190,11 @@ impl SenseOptions {
     }
 
     /// Opens the output for rows or messages of this format.
-    fn open_output_as(&self, format: &dyn Format) -> Result<Box<dyn Output>, CommandError> {
-        output::open(self.output.as_deref(), self.outputs(), format)
+    fn open_output_as(
+        &self,
+        format: impl Format + 'static,
+    ) -> Result<Box<dyn Output>, CommandError> {
+        output::open(self.output.as_deref(), self.outputs(), Box::new(format))
     }
 
     /// Returns the set of output files, which rejects input files as outputs.

@@ -41,7 +41,7 @@ pub fn sense(
                 .copied()
                 .map(DVec3::from_array);
             let places = tips.map(|tip| (SensingElement::facing(tip.normalize_or(DVec3::X)), tip));
-            options.open_output_as(&ContactFormat::new(contact, places))?
+            options.open_output_as(ContactFormat::new(contact, places))?
         }
         None => options.open_output(true)?,
     };

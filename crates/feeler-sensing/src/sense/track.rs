@@ -1,7 +1,7 @@
 //! `feeler sense --track`: tracks the identity of markers and writes displacements with their confidence.
 
 use super::frames::WAIT;
-use super::output::{Format, FrameReadings, ImageFormat, Output, RowFile, RowWriter};
+use super::output::{Format, FrameReadings, ImageFormat, Output, RowFile};
 use super::source::Source;
 use super::tally::SensingStats;
 use super::{SenseOptions, close};
@@ -11,6 +11,7 @@ use feeler::sensor::image::{CameraError, Exposure, Picture};
 use feeler::sensor::track::{MarkerTracker, TrackError, TrackedMarker};
 use feeler_console::{CommandError, is_raised};
 use feeler_lab::sensor::read_layout;
+use feeler_record::SensedWriter;
 use feeler_sources::FramePump;
 use serde::Serialize;
 use std::path::Path;
@@ -42,7 +43,10 @@ pub fn sense(
     let size = (layout.width, layout.height);
     let camera = source.camera(options, size)?;
     let pictures = options.recorded_finger();
-    let output = options.open_output_as(&MarkerFormat { pictures })?;
+    let output = options.open_output_as(MarkerFormat(ImageFormat {
+        forces: false,
+        pictures,
+    }))?;
     let mut output = options.beside_the_sensor(output, source, tally)?;
     let pump = FramePump::start(camera, size)?;
     let ended = stage.follow(&pump, output.as_mut(), tally, interrupted);
@@ -156,11 +160,8 @@ impl Stage {
     }
 }
 
-/// Output format for tracked markers.
-struct MarkerFormat {
-    /// Finger whose images are recorded, or `None` if images are not recorded.
-    pictures: Option<usize>,
-}
+/// Output format for tracked markers. Messages are as without tracking; a lost marker has no displacement.
+struct MarkerFormat(ImageFormat);
 
 /// One marker in one frame as written.
 #[derive(Serialize)]
@@ -188,34 +189,31 @@ fn rows<'a>(frame: &'a FrameReadings) -> impl Iterator<Item = Row> + 'a {
 }
 
 impl Format for MarkerFormat {
-    fn csv(&self, writer: RowWriter) -> Result<Box<dyn Output>, CommandError> {
-        let columns = ["frame", "stamp", "element", "integrated_gray", "u_x", "u_y"];
-        let columns = columns.into_iter().chain(["confidence"]);
-        Ok(Box::new(Rows(RowFile::csv(writer, columns)?)))
+    fn columns(&self) -> Vec<&'static str> {
+        [self.0.columns(), vec!["confidence"]].concat()
     }
 
-    fn jsonl(&self, writer: RowWriter) -> Result<Box<dyn Output>, CommandError> {
-        Ok(Box::new(Rows(RowFile::json_lines(writer))))
+    fn write_rows(
+        &mut self,
+        frame: &FrameReadings,
+        file: &mut RowFile,
+    ) -> Result<(), CommandError> {
+        rows(frame).try_for_each(|row| file.write(&row))
     }
 
-    fn mcap(&self, path: &Path) -> Result<Box<dyn Output>, CommandError> {
-        // Moments as without tracking; a lost marker has no displacement.
-        ImageFormat {
-            forces: false,
-            pictures: self.pictures,
-        }
-        .mcap(path)
-    }
-}
-
-struct Rows(RowFile);
-
-impl Output for Rows {
-    fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError> {
-        rows(frame).try_for_each(|row| self.0.write(&row))
+    fn create_mcap(&self, path: &Path) -> Result<SensedWriter, CommandError> {
+        self.0.create_mcap(path)
     }
 
-    fn flush(&mut self) -> Result<(), CommandError> {
-        Ok(self.0.flush()?)
+    fn pictures(&self) -> Option<usize> {
+        self.0.pictures()
+    }
+
+    fn write_messages(
+        &mut self,
+        frame: &FrameReadings,
+        writer: &mut SensedWriter,
+    ) -> Result<(), CommandError> {
+        self.0.write_messages(frame, writer)
     }
 }

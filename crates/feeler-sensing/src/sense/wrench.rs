@@ -1,8 +1,7 @@
 //! Writes the wrench of each frame as a table, JSON Lines, or MCAP.
 
-use super::output::{Format, FrameReadings, Output, Pictures, RowFile, RowWriter, moments};
+use super::output::{Format, FrameReadings, RowFile, moments};
 use feeler::sensor::forces::NO_FORCE;
-use feeler::sensor::image::Frame;
 use feeler::sensor::wrench::taxels::TaxelWrenchEstimator;
 use feeler::sensor::wrench::{AXES, WrenchAxis, WrenchEstimate, WrenchEstimator};
 use feeler_console::CommandError;
@@ -11,36 +10,10 @@ use feeler_record::sensed::{MOMENTS, WRENCH};
 use feeler_record::wire::Vector3;
 use feeler_record::{MessageSink, SensedWriter};
 use serde::Serialize;
-use std::path::{Path, PathBuf};
+use std::path::Path;
 
 /// Name of the coordinate frame in which wrenches are given.
 const FRAME: &str = "wrench_sensor";
-
-/// Output format for the wrench that the estimator predicts from each image.
-pub struct WrenchFormat {
-    pub estimator: WrenchEstimator,
-    /// Finger whose images are recorded, or `None` if images are not recorded.
-    pub pictures: Option<usize>,
-}
-
-impl Format for WrenchFormat {
-    fn csv(&self, writer: RowWriter) -> Result<Box<dyn Output>, CommandError> {
-        Ok(Box::new(Rows::csv(writer, self.estimator.clone(), None)?))
-    }
-
-    fn jsonl(&self, writer: RowWriter) -> Result<Box<dyn Output>, CommandError> {
-        let file = RowFile::json_lines(writer);
-        Ok(Box::new(Rows::new(file, self.estimator.clone(), None)))
-    }
-
-    fn mcap(&self, path: &Path) -> Result<Box<dyn Output>, CommandError> {
-        Ok(Box::new(Mcap {
-            writer: SensedWriter::create_for_wrenches(path, self.pictures)?,
-            pictures: Pictures::of(self.pictures),
-            estimates: Estimates::new(self.estimator.clone()),
-        }))
-    }
-}
 
 /// Estimates the wrench from the readings of a frame.
 pub trait Estimate: Send {
@@ -146,72 +119,20 @@ impl Row {
     }
 }
 
-/// A row of a table with sequences.
-#[derive(Serialize)]
-struct SequenceRow<'a> {
-    sequence: &'a str,
-    #[serde(flatten)]
-    row: &'a Row,
+/// Names of the columns.
+pub fn columns() -> Vec<&'static str> {
+    let axes = WrenchAxis::ALL.map(WrenchAxis::name);
+    let columns = ["frame", "stamp"].into_iter().chain(axes);
+    columns.chain(["valid", "novelty"]).collect()
 }
 
-/// Writer of one row per frame.
-pub struct Rows<E> {
-    file: RowFile,
-    estimates: Estimates<E>,
-    /// Name of the current sequence, if a column names sequences.
-    sequence: Option<String>,
-}
-
-impl<E: Estimate> Rows<E> {
-    /// Creates a comma-separated table; with a column for sequences if `sequence` is given.
-    pub fn csv(
-        writer: RowWriter,
-        estimator: E,
-        sequence: Option<String>,
-    ) -> Result<Self, CommandError> {
-        let axes = WrenchAxis::ALL.map(WrenchAxis::name);
-        let first = sequence.is_some().then_some("sequence");
-        let columns = first.into_iter().chain(["frame", "stamp"]).chain(axes);
-        let file = RowFile::csv(writer, columns.chain(["valid", "novelty"]))?;
-        Ok(Self::new(file, estimator, sequence))
-    }
-
-    /// Creates a writer of rows to `file`.
-    pub fn new(file: RowFile, estimator: E, sequence: Option<String>) -> Self {
-        Self {
-            file,
-            estimates: Estimates::new(estimator),
-            sequence,
-        }
-    }
-}
-
-impl<E: Estimate> Output for Rows<E> {
-    fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError> {
-        let estimate = self.estimates.next(frame);
-        let row = &Row::new(frame, &estimate);
-        match &self.sequence {
-            Some(sequence) => {
-                let object = SequenceRow { sequence, row };
-                self.file.write_either(&(sequence, row), &object)
-            }
-            None => self.file.write(row),
-        }
-    }
-
-    fn begin_sequence(&mut self, name: &str) -> Result<(), CommandError> {
-        self.sequence = Some(name.to_owned());
-        self.estimates.restart();
-        Ok(())
-    }
-
-    fn flush(&mut self) -> Result<(), CommandError> {
-        Ok(self.file.flush()?)
-    }
-
-    fn warning(&self) -> Option<String> {
-        self.estimates.warning()
-    }
+/// Writes the wrench of a frame as a row.
+pub fn write_row(
+    frame: &FrameReadings,
+    estimate: &WrenchEstimate,
+    file: &mut RowFile,
+) -> Result<(), CommandError> {
+    file.write(&Row::new(frame, estimate))
 }
 
 /// Message with the wrench of a frame at `stamp` (s). Components that are missing or not valid are NaN.
@@ -240,39 +161,46 @@ pub fn message(stamp: f64, estimate: &WrenchEstimate) -> WrenchStamped {
     }
 }
 
-/// ROS 2 messages in an MCAP file: moments, wrenches and, if recorded, images.
-struct Mcap {
-    writer: SensedWriter,
-    pictures: Pictures,
-    estimates: Estimates<WrenchEstimator>,
+/// Output format for the wrench that the estimator predicts from each image: moments, wrenches and, if recorded, images.
+pub struct WrenchFormat {
+    pub estimates: Estimates<WrenchEstimator>,
+    /// Finger whose images are recorded, or `None` if images are not recorded.
+    pub pictures: Option<usize>,
 }
 
-impl Output for Mcap {
-    fn write(&mut self, frame: &FrameReadings) -> Result<(), CommandError> {
+impl Format for WrenchFormat {
+    fn columns(&self) -> Vec<&'static str> {
+        columns()
+    }
+
+    fn write_rows(
+        &mut self,
+        frame: &FrameReadings,
+        file: &mut RowFile,
+    ) -> Result<(), CommandError> {
         let estimate = self.estimates.next(frame);
-        self.writer.write(MOMENTS, &moments(frame))?;
-        let message = message(frame.stamp, &estimate);
-        Ok(self.writer.write(WRENCH, &message)?)
+        write_row(frame, &estimate, file)
     }
 
-    fn write_picture(&mut self, frame: &Frame) -> Result<(), CommandError> {
-        self.pictures.write(frame, &mut self.writer)
+    fn create_mcap(&self, path: &Path) -> Result<SensedWriter, CommandError> {
+        Ok(SensedWriter::create_for_wrenches(path, self.pictures)?)
     }
 
-    /// Does nothing, because each flush adds 0.6 KB to the file.
-    fn flush(&mut self) -> Result<(), CommandError> {
-        Ok(())
+    fn pictures(&self) -> Option<usize> {
+        self.pictures
     }
 
-    fn settle(&mut self) -> Result<(), CommandError> {
-        Ok(self.writer.flush()?)
+    fn write_messages(
+        &mut self,
+        frame: &FrameReadings,
+        writer: &mut SensedWriter,
+    ) -> Result<(), CommandError> {
+        let estimate = self.estimates.next(frame);
+        writer.write(MOMENTS, &moments(frame))?;
+        Ok(writer.write(WRENCH, &message(frame.stamp, &estimate))?)
     }
 
     fn warning(&self) -> Option<String> {
         self.estimates.warning()
-    }
-
-    fn finish(self: Box<Self>, _: bool) -> Result<Option<PathBuf>, CommandError> {
-        Ok(self.writer.finish().map(|()| None)?)
     }
 }

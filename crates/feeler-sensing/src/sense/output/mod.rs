@@ -3,14 +3,12 @@
 mod filed;
 mod format;
 mod frame_output;
-mod mcap;
+mod image_format;
 mod prompt;
 mod row_file;
-mod rows;
 mod whole_rows;
 
-pub use format::{Format, ImageFormat, open};
+pub use format::{Format, open};
 pub use frame_output::{FrameReadings, Output, partial};
-pub use mcap::{Pictures, moments};
-pub use row_file::{RowFile, RowWriter};
-pub use rows::ForceRow;
+pub use image_format::{ForceRow, ImageFormat, moments, tactile};
+pub use row_file::RowFile;

@@ -5,33 +5,58 @@ use feeler_console::CommandError;
 use serde::Serialize;
 use std::io::{self, Write};
 
-/// A writer of rows.
+/// A writer of text.
 pub type RowWriter = Box<dyn Write + Send>;
 
 /// A writer of rows in one of two formats.
-pub enum RowFile {
+pub struct RowFile {
+    writer: Writer,
+    /// Name of the current sequence, if the first column names sequences.
+    sequence: Option<String>,
+}
+
+enum Writer {
     /// Comma-separated values.
     Csv(Box<csv::Writer<WholeRows<RowWriter>>>),
     /// JSON Lines: one object per row.
     JsonLines(WholeRows<RowWriter>),
 }
 
+/// A row with the name of its sequence.
+#[derive(Serialize)]
+struct Sequenced<'a, T> {
+    sequence: &'a str,
+    #[serde(flatten)]
+    row: &'a T,
+}
+
 impl RowFile {
-    /// Creates a table with these columns.
-    pub fn csv<'a>(
-        writer: RowWriter,
-        columns: impl IntoIterator<Item = &'a str>,
-    ) -> Result<Self, CommandError> {
+    /// Creates a table with these columns; behind one with the name of the sequence if `sequences` is `true`.
+    pub fn csv(writer: RowWriter, columns: &[&str], sequences: bool) -> Result<Self, CommandError> {
         let mut writer = csv::WriterBuilder::new()
             .has_headers(false)
             .from_writer(WholeRows::new(writer));
-        writer.write_record(columns)?;
-        Ok(Self::Csv(Box::new(writer)))
+        let sequence = sequences.then_some("sequence");
+        writer.write_record(sequence.iter().chain(columns))?;
+        Ok(Self {
+            writer: Writer::Csv(Box::new(writer)),
+            sequence: sequences.then(String::new),
+        })
     }
 
-    /// Creates a JSON Lines writer.
-    pub fn json_lines(writer: RowWriter) -> Self {
-        Self::JsonLines(WholeRows::new(writer))
+    /// Creates a JSON Lines writer. Rows name their sequence if `sequences` is `true`.
+    pub fn json_lines(writer: RowWriter, sequences: bool) -> Self {
+        Self {
+            writer: Writer::JsonLines(WholeRows::new(writer)),
+            sequence: sequences.then(String::new),
+        }
+    }
+
+    /// Starts a sequence of this name.
+    pub fn begin_sequence(&mut self, name: &str) {
+        if let Some(sequence) = &mut self.sequence {
+            name.clone_into(sequence);
+        }
     }
 
     /// Writes a row whose fields are named like the columns.
@@ -45,20 +70,32 @@ impl RowFile {
         cells: &impl Serialize,
         object: &impl Serialize,
     ) -> Result<(), CommandError> {
-        match self {
-            Self::Csv(writer) => Ok(writer.serialize(cells)?),
-            Self::JsonLines(writer) => {
-                serde_json::to_writer(&mut *writer, object)?;
-                Ok(writer.write_all(b"\n")?)
+        match (&mut self.writer, &self.sequence) {
+            (Writer::Csv(writer), None) => writer.serialize(cells)?,
+            (Writer::Csv(writer), Some(sequence)) => writer.serialize((sequence, cells))?,
+            (Writer::JsonLines(writer), None) => write_json(writer, object)?,
+            (Writer::JsonLines(writer), Some(sequence)) => {
+                let row = object;
+                write_json(writer, &Sequenced { sequence, row })?;
             }
         }
+        Ok(())
     }
 
     /// Passes all complete rows on.
     pub fn flush(&mut self) -> io::Result<()> {
-        match self {
-            Self::Csv(writer) => writer.flush(),
-            Self::JsonLines(writer) => writer.flush(),
+        match &mut self.writer {
+            Writer::Csv(writer) => writer.flush(),
+            Writer::JsonLines(writer) => writer.flush(),
         }
     }
+}
+
+/// Writes `object` as one line.
+fn write_json(
+    writer: &mut WholeRows<RowWriter>,
+    object: &impl Serialize,
+) -> Result<(), CommandError> {
+    serde_json::to_writer(&mut *writer, object)?;
+    Ok(writer.write_all(b"\n")?)
 }

@@ -91,8 +91,8 @@ fn open_output(
         Some(_) if estimator.is_some() => {
             return Err("--contact: has no effect with a wrench calibration, which gives the place of contact itself".into());
         }
-        Some(contact) => options.open_output_as(&ContactFormat::of_taxels(contact, layout)?)?,
-        None => options.open_output_as(&TaxelFormat::of(layout, estimator)?)?,
+        Some(contact) => options.open_output_as(ContactFormat::of_taxels(contact, layout)?)?,
+        None => options.open_output_as(TaxelFormat::of(layout, estimator)?)?,
     };
     match options.publish {
         true => Ok(Some(Box::new(BackgroundOutput::start(

@@ -50,14 +50,15 @@ pub(super) const CELL_VARIANCE: f64 = 1.0 / 12.0;
 /// Maximum second moment across a line, relative to that along it, by rounding.
 const ON_A_LINE: f64 = 1e-6;
 
-/// Semi-axes, their standard errors, and the direction of the longer one in the tangent plane, or `None` if the elements do
-/// not resolve the extent: if fewer than three touch, if they lie on a line, or if one of them bears almost everything.
-/// `touching` is the number of touching elements, `noise` the standard error of each weight.
+/// Contact area, or `None` if the elements do not resolve it: if fewer than three touch, if they lie on a line, or if one
+/// of them bears almost everything. `tangents` are the axes of positions in `T`, `touching` is the number of touching
+/// elements, and `noise` the standard error of each weight.
 pub(super) fn ellipse(
     elements: impl Iterator<Item = Sample> + Clone,
+    tangents: (DVec3, DVec3),
     touching: usize,
     noise: f64,
-) -> Option<([f64; 2], [f64; 2], DVec2)> {
+) -> Option<ContactEllipse> {
     if touching < 3 {
         return None;
     }
@@ -92,7 +93,11 @@ pub(super) fn ellipse(
         let error = libm::sqrt(noise + grouping + split * split);
         Some((semi_axis, 0.5 * HERTZ / semi_axis * error))
     };
-    let long = axis(middle + radius, along)?;
-    let short = axis(middle - radius, along.perp())?;
-    Some(([long.0, short.0], [long.1, short.1], along))
+    let (long, long_error) = axis(middle + radius, along)?;
+    let (short, short_error) = axis(middle - radius, along.perp())?;
+    Some(ContactEllipse {
+        semi_axes: [long, short],
+        errors: [long_error, short_error],
+        direction: along.x * tangents.0 + along.y * tangents.1,
+    })
 }

@@ -19,8 +19,8 @@ const SLIDING: f64 = 0.95;
 /// Contact of one fingertip with an object. Vectors are in the fingertip frame `T`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Contact {
-    /// Centre of pressure, m: mean position of the elements, weighted by their compression along `normal`. On a dome, it is projected
-    /// onto the dome.
+    /// Centre of pressure, m: mean position of the elements, weighted by their compression along `normal`. On a dome,
+    /// it is projected onto the dome.
     pub centre: DVec3,
     /// Standard error of the centre along each tangent, m; NaN for a single element, whose size is unknown.
     pub centre_error: f64,
@@ -163,11 +163,11 @@ impl ContactEstimator {
             .and_then(|normal| self.contact(normal));
         let Some(mut contact) = contact else {
             if let Friction::Estimated(estimator) = &mut self.friction {
-                estimator.release();
+                estimator.end_contact();
             }
             return None;
         };
-        let touching = self.loaded.iter().filter(|loaded| loaded.touches);
+        let touching = touching(&self.loaded);
         contact.friction = match &mut self.friction {
             Friction::Known(friction) => Some(*friction),
             Friction::Estimated(estimator) => {
@@ -240,7 +240,7 @@ impl ContactEstimator {
 
     /// Contact of the collected elements, without friction.
     fn contact(&self, normal: DVec3) -> Option<Contact> {
-        let touching = self.loaded.iter().filter(|loaded| loaded.touches).count();
+        let touching = touching(&self.loaded).count();
         let pressed: f64 = self.loaded.iter().map(|loaded| loaded.compression).sum();
         if touching == 0 || pressed <= 0.5 * self.touch {
             return None;
@@ -273,7 +273,6 @@ impl ContactEstimator {
         let centre_variance = by_noise + CELL_VARIANCE * cell_area.abs() / touching as f64;
         let (shear, _) = shear_and_compression(force, normal);
         let by_centre = shear.length_squared() * centre_variance;
-        let ellipse = ellipse(samples, touching, noise / pressed);
         let centre = self.on_surface(mean);
         // The mean of elements all over a dome is far below its surface.
         let projected = match mean.length() {
@@ -288,11 +287,7 @@ impl ContactEstimator {
             force_error: noise * libm::sqrt(self.loaded.len() as f64),
             torsion: torsion.sum(),
             torsion_error: libm::sqrt(noise * noise * squared_arms + by_centre),
-            ellipse: ellipse.map(|(semi_axes, errors, along)| ContactEllipse {
-                semi_axes,
-                errors,
-                direction: along.x * x + along.y * y,
-            }),
+            ellipse: ellipse(samples, (x, y), touching, noise / pressed),
             touching,
             friction: None,
             sliding: None,
@@ -308,6 +303,11 @@ impl ContactEstimator {
             None => mean,
         }
     }
+}
+
+/// Touching elements among `loaded`.
+fn touching(loaded: &[Loaded]) -> impl Iterator<Item = &Loaded> + Clone {
+    loaded.iter().filter(|loaded| loaded.touches)
 }
 
 /// Radius of the dome around the origin of `T` on which all elements lie, m, or `None` if they lie on no such dome.

@@ -44,19 +44,19 @@ impl FrictionEstimator {
     }
 
     /// Ends a contact: the next one is not compared with it.
-    pub fn release(&mut self) {
+    pub fn end_contact(&mut self) {
         self.anchor.fill(DVec3::NAN);
     }
 
     /// Forgets the estimate, for example when another object is touched.
     pub fn restart(&mut self) {
-        self.release();
+        self.end_contact();
         self.friction = None;
     }
 
-    /// Takes the number of each touching element and the force on the fingertip there (N in `T`) in the next frame, and
-    /// the outward `normal` of the contact. Returns the latest estimate, or `None` if no element has begun to slide before
-    /// others. Does not allocate.
+    /// Updates the estimate with the next frame and returns it, or `None` if no element has begun to slide before others
+    /// yet. `normal` is the outward normal of the contact; `touching` are the indices of the touching elements, each with
+    /// the force on the fingertip there (N in `T`). Does not allocate.
     pub fn update(
         &mut self,
         normal: DVec3,

@@ -30,16 +30,45 @@ pub struct TaxelFacts {
     pub layout: String,
     /// Elements, each with its position in the fingertip frame `T` (m).
     pub elements: Vec<(SensingElement, DVec3)>,
-    /// `true` if wrenches of a calibration are written, too ([`TaxelWriter::write_wrench`]).
+    /// `true` if wrenches of a calibration are written to [`WRENCH`], too.
     pub wrenches: bool,
+}
+
+impl TaxelFacts {
+    fn is_newton(&self) -> bool {
+        self.unit == "N"
+    }
+}
+
+impl SensedWriter {
+    /// Creates a file for [`TaxelMessages`], and for wrenches of a calibration if `facts` say so.
+    ///
+    /// # Errors
+    /// If the file cannot be written.
+    pub fn create_for_taxels(path: &Path, facts: &TaxelFacts) -> Result<Self, RecordError> {
+        let mut container = Container::create(path, WriteOptions::new())?;
+        let metadata = [
+            ("name", facts.name.as_str()),
+            ("unit", facts.unit),
+            ("layout", &facts.layout),
+        ];
+        let metadata = metadata.map(|(key, value)| (key.to_owned(), value.to_owned()));
+        container.metadata(TAXELS, BTreeMap::from(metadata))?;
+        let mut channels: Vec<Channel> = vec![
+            TACTILE.into(),
+            topics::taxels(0).into(),
+            topics::SCENE.into(),
+        ];
+        channels.extend(facts.is_newton().then(|| Channel::from(topics::wrench(0))));
+        channels.extend(facts.wrenches.then(|| Channel::from(WRENCH)));
+        // All topics are of the rig or of finger 0.
+        Self::in_container(container, channels, 1)
+    }
 }
 
 /// Writes [`Tactile`] frames to [`TACTILE`], and messages for viewers: taxels and forces as a point cloud, taxels as
 /// dots of a scene and, if forces are in newtons, their sum as a wrench. All are in the frame of finger 0's dome, `T`.
-///
-/// Until [`finish`](Self::finish) is called, the file lacks its end, which MCAP readers report.
-pub struct TaxelWriter {
-    messages: SensedWriter,
+pub struct TaxelMessages {
     elements: Elements,
     cloud: PointCloud2,
     scene: MarkerArray,
@@ -49,37 +78,16 @@ pub struct TaxelWriter {
     drawn: Option<f64>,
 }
 
-impl TaxelWriter {
-    /// Creates the file.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
-    pub fn create(path: &Path, facts: TaxelFacts) -> Result<Self, RecordError> {
-        let mut container = Container::create(path, WriteOptions::new())?;
-        let (is_newton, wrenches) = (facts.unit == "N", facts.wrenches);
-        let metadata = [
-            ("name", facts.name),
-            ("unit", facts.unit.to_string()),
-            ("layout", facts.layout),
-        ];
-        let metadata = metadata.map(|(key, value)| (key.to_string(), value));
-        container.metadata(TAXELS, BTreeMap::from(metadata))?;
-        let elements = Elements::new(facts.elements);
+impl TaxelMessages {
+    /// Creates the messages of an array.
+    pub fn new(facts: &TaxelFacts) -> Self {
+        let elements = Elements::new(facts.elements.clone());
         let cloud = taxels(0, &elements);
-        let wrench = is_newton.then(|| WrenchStamped {
+        let wrench = facts.is_newton().then(|| WrenchStamped {
             header: cloud.header.clone(),
             ..WrenchStamped::default()
         });
-        let mut channels: Vec<Channel> = vec![
-            TACTILE.into(),
-            topics::taxels(0).into(),
-            topics::SCENE.into(),
-        ];
-        channels.extend(is_newton.then(|| Channel::from(topics::wrench(0))));
-        channels.extend(wrenches.then(|| Channel::from(WRENCH)));
-        Ok(Self {
-            // All topics are of the rig or of finger 0.
-            messages: SensedWriter::in_container(container, channels, 1)?,
+        Self {
             scene: MarkerArray {
                 markers: vec![element_dots(elements.tips())],
             },
@@ -87,21 +95,25 @@ impl TaxelWriter {
             cloud,
             wrench,
             drawn: None,
-        })
+        }
     }
 
-    /// Writes a frame.
+    /// Writes a frame to a file created with [`SensedWriter::create_for_taxels`].
     ///
     /// # Errors
     /// If the file cannot be written, or the stamp is not a valid time (negative or not finite).
-    pub fn write(&mut self, frame: &TactileFrame) -> Result<(), RecordError> {
+    pub fn write(
+        &mut self,
+        frame: &TactileFrame,
+        writer: &mut SensedWriter,
+    ) -> Result<(), RecordError> {
         let forces = frame.forces.iter().map(|&force| force.into());
         let tactile = Tactile {
             sequence: frame.sequence,
             stamp: frame.stamp,
             forces: forces.collect(),
         };
-        self.messages.write(TACTILE, &tactile)?;
+        writer.write(TACTILE, &tactile)?;
         let Some(stamp) = Time::of(frame.stamp) else {
             return Ok(());
         };
@@ -109,13 +121,13 @@ impl TaxelWriter {
         if let Some(wrench) = &mut self.wrench {
             wrench.header.stamp = stamp;
             wrench.wrench = self.elements.wrench();
-            self.messages.write(topics::wrench(0), wrench)?;
+            writer.write(topics::wrench(0), wrench)?;
         }
         if self.drawn.is_none() {
             for marker in &mut self.scene.markers {
                 marker.header.stamp = stamp;
             }
-            self.messages.write(topics::SCENE, &self.scene)?;
+            writer.write(topics::SCENE, &self.scene)?;
         }
         // Also written if time jumps back.
         let due = (self.drawn).is_none_or(|drawn| (frame.stamp - drawn).abs() >= FRAME_TIME);
@@ -123,32 +135,8 @@ impl TaxelWriter {
             self.drawn = Some(frame.stamp);
             self.cloud.header.stamp = stamp;
             self.elements.fill(&mut self.cloud, |_| false);
-            self.messages.write(topics::taxels(0), &self.cloud)?;
+            writer.write(topics::taxels(0), &self.cloud)?;
         }
         Ok(())
-    }
-
-    /// Writes a wrench to [`WRENCH`]. Requires [`TaxelFacts::wrenches`].
-    ///
-    /// # Errors
-    /// If the file cannot be written, or was created without wrenches.
-    pub fn write_wrench(&mut self, wrench: &WrenchStamped) -> Result<(), RecordError> {
-        self.messages.write(WRENCH, wrench)
-    }
-
-    /// Passes buffered messages to the operating system.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
-    pub fn flush(&mut self) -> Result<(), RecordError> {
-        self.messages.flush()
-    }
-
-    /// Writes the end of the file and closes it.
-    ///
-    /// # Errors
-    /// If the file cannot be written.
-    pub fn finish(self) -> Result<(), RecordError> {
-        self.messages.finish()
     }
 }
