@@ -41,7 +41,7 @@ impl TaxelFacts {
 }
 
 impl SensedWriter {
-    /// Creates a file for [`TaxelMessages`], and for wrenches of a calibration if `facts` say so.
+    /// Creates a file for [`TaxelMessages`], and for wrenches of a calibration if [`TaxelFacts::wrenches`] is `true`.
     ///
     /// # Errors
     /// If the file cannot be written.
