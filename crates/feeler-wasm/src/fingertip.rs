@@ -81,9 +81,7 @@ impl Fingertip {
         self.forces = None;
         self.sensed.clear();
         let geometry = SensorGeometry::of_layout(&self.layout).map_err(js)?;
-        let forces = self
-            .forces
-            .insert(Forces::new(&geometry, text).map_err(js)?);
+        let forces = self.forces.insert(Forces::new(geometry, text).map_err(js)?);
         Ok(forces.has_flags())
     }
 

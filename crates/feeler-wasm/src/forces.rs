@@ -52,7 +52,7 @@ impl Forces {
     ///
     /// # Errors
     /// If the file is invalid, or was made for another sensor.
-    pub fn new(geometry: &SensorGeometry, text: &str) -> Result<Self, Box<dyn Error>> {
+    pub fn new(mut geometry: SensorGeometry, text: &str) -> Result<Self, Box<dyn Error>> {
         let wrench = geometry.parse_wrench_calibration(text)?;
         let elements = match wrench {
             Some(_) => None,

@@ -68,6 +68,11 @@ pub struct Arguments {
     /// Layout file of the sensing elements, written by `feeler locate`, instead of an experiment.
     #[arg(long, value_name = "LAYOUT.toml", conflicts_with_all = ["simulated", "experiment"])]
     layout: Option<PathBuf>,
+    /// Track the markers of the layout in each image by identity, for markers that leave their places under load.
+    ///
+    /// Requires --wrench and images; `feeler sense` with the calibration tracks them, too.
+    #[arg(long, requires_all = ["wrench", "layout"])]
+    track: bool,
     /// Calibrate a taxel array with this layout: a file or a built-in one (see `feeler list`). Requires --wrench.
     #[arg(long, value_name = "LAYOUT", requires = "wrench", conflicts_with_all = ["layout", "experiment", "finger", "live"])]
     taxels: Option<String>,
@@ -247,7 +252,11 @@ fn loads_file(
 /// Returns the geometry of the sensor.
 fn sensor(arguments: &Arguments) -> Result<SensorGeometry, CommandError> {
     let layout = arguments.layout.as_deref();
-    named_sensor(experiment_name(arguments), arguments.finger, layout)
+    let sensor = named_sensor(experiment_name(arguments), arguments.finger, layout)?;
+    Ok(SensorGeometry {
+        tracked: arguments.track,
+        ..sensor
+    })
 }
 
 /// Guides through live loading if requested. Returns the folder of the loads.

@@ -121,6 +121,13 @@ fn fit_to<B: Basis>(
         .as_deref()
         .map(read_source::<B>)
         .transpose()?;
+    if let Some(source) = source.as_ref().filter(|s| s.tracked != arguments.track) {
+        return Err(match source.tracked {
+            true => "--from: expected --track, because the calibration is of tracked markers",
+            false => "--track: expected --from with a calibration of tracked markers",
+        }
+        .into());
+    }
     let fitting = Working::on("fitting");
     let fitted = match &source {
         Some(source) => transfer(source, made_for, forces.recordings(), samples),
@@ -129,6 +136,7 @@ fn fit_to<B: Basis>(
     drop(fitting);
     let mut fitted = fitted.map_err(|e| format!("{}: {e}{}", forces.name(), advice(&e)))?;
     fitted.calibration.loads_confirmed = arguments.confirm_loads;
+    fitted.calibration.tracked = arguments.track;
     let transferred_from = source.map(|source| source.checksum()).transpose()?;
     fitted.calibration.sign(Passport {
         date: today(),

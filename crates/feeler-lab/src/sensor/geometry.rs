@@ -8,6 +8,7 @@ use feeler::sensor::fingertip::{
 use feeler::sensor::forces::{SensingChain, SensingError};
 use feeler::sensor::image::{DEFAULT_MAX_SATURATED, ProjectedElement, WeightedPixel};
 use feeler::sensor::moments::{MomentsError, MomentsKernel};
+use feeler::sensor::track::MarkerTracker;
 use feeler::sensor::wrench::WrenchError;
 use glam::{DMat3, DVec3};
 use std::path::Path;
@@ -57,6 +58,10 @@ pub struct SensorGeometry {
     pub max_saturated: f64,
     /// Identification of the sensor for which a calibration is made.
     pub made_for: CalibrationTarget,
+    /// Located layout, or `None` for the fingertip of an experiment.
+    pub layout: Option<LocatedLayout>,
+    /// `true` if elements are tracked as markers instead of computing moments of sub-regions; requires a layout.
+    pub tracked: bool,
 }
 
 impl SensorGeometry {
@@ -95,6 +100,8 @@ impl SensorGeometry {
             dome_radius: layout.dome.as_ref().map(|dome| dome.radius),
             max_saturated: layout.max_saturated(),
             made_for: CalibrationTarget::layout(&layout.to_toml()?, layout.elements.len(), unit),
+            layout: Some(layout.clone()),
+            tracked: false,
         })
     }
 
@@ -114,6 +121,8 @@ impl SensorGeometry {
             dome_radius: Some(layout.dome_radius),
             max_saturated: DEFAULT_MAX_SATURATED,
             made_for: CalibrationTarget::fingertip(config)?,
+            layout: None,
+            tracked: false,
         })
     }
 
@@ -130,14 +139,18 @@ impl SensorGeometry {
     /// Creates a sensing chain for the sensor, without a calibration.
     ///
     /// # Errors
-    /// If the regions do not match the kernel.
+    /// If the regions do not match the kernel, or if markers are tracked but there are too few.
     pub fn sensing_chain(&self) -> Result<SensingChain, SensingError> {
-        SensingChain::new(
+        let chain = SensingChain::new(
             self.size,
             self.kernel.clone(),
             &self.regions,
             self.max_saturated,
-        )
+        )?;
+        Ok(match self.layout.as_ref().filter(|_| self.tracked) {
+            Some(layout) => chain.with_tracker(MarkerTracker::new(layout)?),
+            None => chain,
+        })
     }
 
     /// Reads the calibration at `path` and verifies that it was made for this sensor.

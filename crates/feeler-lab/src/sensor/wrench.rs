@@ -158,6 +158,7 @@ impl ForcesFile {
             chain: sensor.sensing_chain()?,
             readings: vec![ElementReading::default(); elements],
             moments: vec![ElementMoments::default(); elements],
+            tracked: sensor.tracked,
         };
         let mut all = MeasuredSamples {
             samples: Vec::new(),
@@ -198,12 +199,17 @@ struct Eye {
     chain: SensingChain,
     readings: Vec<ElementReading>,
     moments: Vec<ElementMoments>,
+    /// `true` if markers are tracked, which requires images.
+    tracked: bool,
 }
 
 impl Eye {
     /// Returns the moments of each element, `None` for elements that are dark or saturated.
     fn see(&mut self, name: &str) -> Result<Vec<Option<ElementMoments>>, String> {
         let NamedFrame::Picture(picture) = self.frames.get(name, &mut self.moments)? else {
+            if self.tracked {
+                return Err("the recording contains no images, in which markers could be tracked; record with `feeler sense --record-frames`".into());
+            }
             let lit = |moments: &ElementMoments| {
                 (moments.integrated_gray.is_finite() && moments.integrated_gray > 0.0)
                     .then_some(*moments)
@@ -217,25 +223,25 @@ impl Eye {
 }
 
 impl SensorGeometry {
-    /// Reads the wrench calibration at `path` and verifies that it was made for this sensor. Returns `None` if the
-    /// file is of another kind.
+    /// Reads the wrench calibration at `path` and verifies that it was made for this sensor. Tracks markers from now on
+    /// if the calibration does. Returns `None` if the file is of another kind.
     ///
     /// # Errors
     /// If the file cannot be read, is invalid, or was made for another sensor.
     pub fn read_wrench_calibration(
-        &self,
+        &mut self,
         path: &Path,
     ) -> Result<Option<WrenchCalibration>, GeometryError> {
         self.parse_wrench_calibration(&read_text(path)?)
     }
 
-    /// Parses the text of a wrench calibration and verifies that it was made for this sensor. Returns `None` if it is
-    /// of another kind.
+    /// Parses the text of a wrench calibration and verifies that it was made for this sensor. Tracks markers from now on
+    /// if the calibration does. Returns `None` if it is of another kind.
     ///
     /// # Errors
     /// If the calibration is invalid or was made for another sensor.
     pub fn parse_wrench_calibration(
-        &self,
+        &mut self,
         text: &str,
     ) -> Result<Option<WrenchCalibration>, GeometryError> {
         // A calibration of taxels is a wrench calibration, too, which is rejected below.
@@ -244,6 +250,7 @@ impl SensorGeometry {
         }
         let calibration = WrenchCalibration::from_toml(text)?;
         calibration.verify_target(&self.made_for)?;
+        self.tracked = calibration.tracked;
         Ok(Some(calibration))
     }
 }

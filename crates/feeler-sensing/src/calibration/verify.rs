@@ -69,7 +69,7 @@ pub fn verify(options: &VerifyOptions, out: &mut dyn Write) -> Result<Outcome, C
         recordings.troubles.iter().for_each(|words| warn(words));
         return job.finish(&recordings.samples, out);
     }
-    let sensor = named_sensor(
+    let mut sensor = named_sensor(
         &options.experiment,
         options.finger,
         options.layout.as_deref(),

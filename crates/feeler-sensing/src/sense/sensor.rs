@@ -25,11 +25,11 @@ pub fn sensing_chain(
     options: &SenseOptions,
 ) -> Result<(SensingChain, Option<WrenchEstimator>), CommandError> {
     let calibration = options.calibration.as_deref();
-    let estimator = calibration.map(|path| named_estimator(&geometry, path));
+    let estimator = calibration.map(|path| named_estimator(&mut geometry, path));
     let estimator = estimator.transpose()?.flatten();
     check_verified(options, estimator.as_ref())?;
     let calibration = calibration.filter(|_| estimator.is_none());
-    let calibration = calibration.map(|path| named_calibration(&geometry, path));
+    let calibration = calibration.map(|path| named_calibration(&mut geometry, path));
     let calibration = calibration.transpose()?;
     geometry.max_saturated = options.max_saturated.unwrap_or(geometry.max_saturated);
     let mut sensing = geometry.sensing_chain()?;
@@ -76,7 +76,7 @@ pub fn hand_sensor(
         None => SensorGeometry::of_fingertip(experiment.fingertip(Some(finger))?)?,
     };
     let calibration = match &options.calibration {
-        Some(path) => named_calibration(&geometry, path)?,
+        Some(path) => named_calibration(&mut geometry, path)?,
         None => {
             let calibration = experiment.calibration(finger)?;
             geometry.made_for.verify_same(&calibration.made_for)?;
@@ -126,7 +126,10 @@ pub fn named_sensor(
 }
 
 /// Reads the calibration at `path` (`--calibration`) and checks that it belongs to the sensor.
-fn named_calibration(geometry: &SensorGeometry, path: &Path) -> Result<Calibration, CommandError> {
+fn named_calibration(
+    geometry: &mut SensorGeometry,
+    path: &Path,
+) -> Result<Calibration, CommandError> {
     if named_estimator(geometry, path)?.is_some() {
         let path = path.display();
         return Err(format!(
@@ -138,9 +141,10 @@ fn named_calibration(geometry: &SensorGeometry, path: &Path) -> Result<Calibrati
     read.map_err(|e| format!("--calibration {}: {e}", path.display()).into())
 }
 
-/// Creates the wrench estimator of the calibration at `path`, or `None` if it is a calibration of elements.
+/// Creates the wrench estimator of the calibration at `path`, or returns `None` if it is a calibration of elements. Sets
+/// whether markers are tracked.
 fn named_estimator(
-    geometry: &SensorGeometry,
+    geometry: &mut SensorGeometry,
     path: &Path,
 ) -> Result<Option<WrenchEstimator>, CommandError> {
     let named = |e: &dyn Display| format!("--calibration {}: {e}", path.display());

@@ -7,7 +7,7 @@ use super::tally::SensingStats;
 use super::{SenseOptions, close};
 use feeler::sensor::fingertip::LocatedLayout;
 use feeler::sensor::forces::ElementReading;
-use feeler::sensor::image::{CameraError, Exposure, Picture};
+use feeler::sensor::image::{CameraError, Picture};
 use feeler::sensor::track::{MarkerTracker, TrackError, TrackedMarker};
 use feeler_console::{CommandError, is_raised};
 use feeler_lab::sensor::read_layout;
@@ -133,14 +133,7 @@ impl Stage {
             }
         }
         for (reading, marker) in self.readings.iter_mut().zip(self.tracker.markers()) {
-            let lost = marker.confidence == 0.0;
-            *reading = ElementReading {
-                integrated_gray: marker.integrated_gray,
-                centroid: (!lost).then_some(marker.place),
-                displacement: (!lost).then_some(marker.displacement),
-                force: None,
-                exposure: if lost { Exposure::Dark } else { Exposure::Good },
-            };
+            *reading = marker.into();
         }
         Ok(())
     }

@@ -8,5 +8,6 @@ mod fibres;
 mod fit;
 mod gelsight;
 mod kinds_of_load;
+mod sheared;
 mod slip;
 mod video;

@@ -107,6 +107,106 @@ fn dark_markers_are_tracked_beyond_their_spacing() {
     }
 }
 
+/// Saves 90 images of drags and their FORCES.csv: force in proportion to the drag, 0.1 N/px. The middle moves by up to
+/// 1.2 spacings.
+fn dragged(folder: &Path) {
+    let mut csv = String::from("picture,f_x,f_y\n");
+    for number in 0..90 {
+        let (angle, length) = (
+            2.4 * f64::from(number),
+            36.0 * f64::from(number % 13) / 12.0,
+        );
+        let drag = [length * angle.cos(), 0.6 * length * angle.sin()];
+        save(&folder.join(format!("drag_{number}.png")), drag);
+        let [x, y] = drag.map(|px| 0.1 * px);
+        csv += &format!("drag_{number}.png,{x},{y}\n");
+    }
+    let (calibrating, testing) = csv.split_at(csv.find("drag_60").unwrap());
+    fs::write(folder.join("FORCES.csv"), calibrating).unwrap();
+    let header = csv.lines().next().unwrap();
+    fs::write(folder.join("TEST.csv"), format!("{header}\n{testing}")).unwrap();
+}
+
+/// Columns `f_x` and `f_y` of a table.
+fn forces(table: &str) -> Vec<[f64; 2]> {
+    let mut reader = csv::Reader::from_reader(table.as_bytes());
+    let names = reader.headers().unwrap().clone();
+    let column = |name| names.iter().position(|n| n == name).unwrap();
+    let columns = [column("f_x"), column("f_y")];
+    let rows = reader.records().map(|row| {
+        let row = row.unwrap();
+        columns.map(|column| row[column].parse().unwrap())
+    });
+    rows.collect()
+}
+
+#[test]
+fn total_force_is_calibrated_from_markers_that_leave_their_places() {
+    let folder = folder("sense-track-wrench");
+    save(&folder.join("reference.png"), [0.0, 0.0]);
+    let located = run(&folder, &["locate", "reference.png", "-o", "gel.toml"]);
+    assert_eq!(located.status, Some(0), "{located:?}");
+    dragged(&folder);
+    let calibrate = |output: &str, more: &[&str]| {
+        let arguments = [
+            "calibrate",
+            "FORCES.csv",
+            "--wrench",
+            "--layout",
+            "gel.toml",
+        ];
+        run(&folder, &[&arguments, &["-o", output][..], more].concat())
+    };
+    let ended = calibrate("tracked.toml", &["--track"]);
+    assert_eq!(ended.status, Some(0), "{ended:?}");
+    let worst = |calibration: &str| {
+        let pictures: Vec<_> = (60..90)
+            .map(|number| format!("drag_{number}.png"))
+            .collect();
+        let pictures: Vec<_> = pictures.iter().map(String::as_str).collect();
+        let arguments = ["--layout", "gel.toml", "--calibration", calibration];
+        let ended = run(&folder, &[&["sense"], &pictures[..], &arguments].concat());
+        assert_eq!(ended.status, Some(0), "{ended:?}");
+        let measured = forces(&fs::read_to_string(folder.join("TEST.csv")).unwrap());
+        let errors = forces(&ended.stdout).into_iter().zip(measured);
+        let errors = errors.map(|([x, y], [a, b])| (x - a).hypot(y - b));
+        errors.fold(0.0, f64::max)
+    };
+    // Each of 63 markers is located to 0.3 px, on average by a third of the drag: 0.03 N / (sqrt(63) / 3), with a margin of
+    // 5 for the regression.
+    assert!(worst("tracked.toml") < 0.06, "{} N", worst("tracked.toml"));
+    // Within their places, markers are confused with their neighbours.
+    let ended = calibrate("within.toml", &[]);
+    assert_eq!(ended.status, Some(0), "{ended:?}");
+    assert!(worst("within.toml") > 0.2, "{} N", worst("within.toml"));
+
+    let verified = run(
+        &folder,
+        &["verify", "tracked.toml", "TEST.csv", "--layout", "gel.toml"],
+    );
+    assert_eq!(verified.status, Some(0), "{verified:?}");
+    assert!(verified.stdout.contains("still valid"), "{verified:?}");
+    calibrate("copy.toml", &["--from", "tracked.toml"]).refused(&["--from", "--track"]);
+    calibrate("copy.toml", &["--track", "--from", "within.toml"]).refused(&["--track", "--from"]);
+    let copied = calibrate("copy.toml", &["--track", "--from", "tracked.toml"]);
+    assert_eq!(copied.status, Some(0), "{copied:?}");
+    // Without the layout, the sensor is another one.
+    run(
+        &folder,
+        &["sense", "drag_1.png", "--calibration", "tracked.toml"],
+    )
+    .refused(&["tracked.toml"]);
+    let arguments = [
+        "calibrate",
+        "FORCES.csv",
+        "--wrench",
+        "--track",
+        "-o",
+        "x.toml",
+    ];
+    run(&folder, &arguments).refused(&["--layout"]);
+}
+
 #[test]
 fn images_without_markers_are_reported() {
     let folder = folder("sense-track-without");

@@ -14,6 +14,7 @@ use crate::sensor::image::polarity::Polarity;
 use crate::sensor::image::subregion::WeightedPixel;
 use crate::sensor::moments::config::MomentsError;
 use crate::sensor::moments::kernel::{ElementMoments, MomentsKernel};
+use crate::sensor::track::{MarkerTracker, TrackError, TrackedMarker};
 use glam::{DVec2, DVec3};
 
 /// Error of sensing.
@@ -25,6 +26,9 @@ pub enum SensingError {
     /// The moments cannot be computed.
     #[error(transparent)]
     Moments(#[from] MomentsError),
+    /// The markers cannot be tracked.
+    #[error(transparent)]
+    Track(#[from] TrackError),
     /// The calibration cannot be used with this sensor.
     #[error(transparent)]
     Calibration(#[from] CalibrationError),
@@ -55,6 +59,33 @@ pub struct ElementReading {
     pub force: Option<DVec3>,
     /// Exposure of the sub-region.
     pub exposure: Exposure,
+}
+
+impl From<&TrackedMarker> for ElementReading {
+    /// Reading of a marker; a lost one is a dark element.
+    fn from(marker: &TrackedMarker) -> Self {
+        match marker.confidence > 0.0 {
+            true => Self::of_place(marker),
+            false => Self {
+                integrated_gray: marker.integrated_gray,
+                exposure: Exposure::Dark,
+                ..Self::default()
+            },
+        }
+    }
+}
+
+impl ElementReading {
+    /// Reading of a marker that is assumed to be at its found or predicted place.
+    fn of_place(marker: &TrackedMarker) -> Self {
+        Self {
+            integrated_gray: marker.integrated_gray,
+            centroid: Some(marker.place),
+            displacement: Some(marker.displacement),
+            force: None,
+            exposure: Exposure::Good,
+        }
+    }
 }
 
 /// Unloaded centroids, from which displacements are measured.
@@ -105,6 +136,8 @@ pub struct SensingChain {
     calibration: Option<Calibration>,
     drift: Option<DriftCorrection>,
     first_picture: MountingCheck,
+    /// Tracker of the elements' markers, or `None` to compute moments of sub-regions.
+    tracker: Option<MarkerTracker>,
 }
 
 impl SensingChain {
@@ -134,6 +167,7 @@ impl SensingChain {
             calibration: None,
             drift: None,
             first_picture: MountingCheck::default(),
+            tracker: None,
         })
     }
 
@@ -172,6 +206,17 @@ impl SensingChain {
         self
     }
 
+    /// Measures the elements as markers with `tracker`, which must be of the same layout, instead of computing moments of
+    /// sub-regions, so that they may leave their sub-regions. Each image is matched independently of earlier ones
+    /// ([`MarkerTracker::match_picture`]), which allocates. Readings have no forces.
+    #[must_use]
+    pub fn with_tracker(self, tracker: MarkerTracker) -> Self {
+        Self {
+            tracker: Some(tracker),
+            ..self
+        }
+    }
+
     /// Number of elements.
     pub fn element_count(&self) -> usize {
         self.kernel.element_count()
@@ -203,7 +248,8 @@ impl SensingChain {
         Ok(())
     }
 
-    /// Fills `readings` with the measurements of all elements in `picture`. Neither allocates nor panics.
+    /// Fills `readings` with the measurements of all elements in `picture`. Does not panic, and allocates only
+    /// [with a tracker](Self::with_tracker). In an image without markers, all elements are dark.
     ///
     /// # Errors
     /// If the size of the image or the length of `readings` does not match the sensor.
@@ -227,6 +273,11 @@ impl SensingChain {
         readings: &mut [ElementReading],
     ) -> Result<(), SensingError> {
         check_count("readings", self.element_count(), readings.len())?;
+        if let Some(tracker) = &mut self.tracker {
+            match_markers(tracker, picture, readings)?;
+            self.apply_reference(readings);
+            return Ok(());
+        }
         self.measure(picture, next)?;
         for (element, (reading, moments)) in readings.iter_mut().zip(&self.moments).enumerate() {
             let exposure = self.exposure(picture, element, moments);
@@ -239,10 +290,15 @@ impl SensingChain {
                 exposure,
             };
         }
+        self.apply_reference(readings);
+        Ok(())
+    }
+
+    /// Sets the displacements in `readings` if there is a reference.
+    fn apply_reference(&self, readings: &mut [ElementReading]) {
         if let Some(reference) = &self.reference {
             reference.apply(readings);
         }
-        Ok(())
     }
 
     /// Fills `forces` with the force at each element, N in `E_i`: the same as [`sense`](Self::sense), and
@@ -331,6 +387,28 @@ impl SensingChain {
         let calibration = self.calibration.as_ref()?.elements.get(element)?;
         (exposure == Exposure::Good).then(|| calibration.force(moments))
     }
+}
+
+/// Fills `readings` with the markers in `picture`. Up to a tenth of them may be lost and are at the positions that their
+/// neighbours predict; if more are lost, these are dark.
+fn match_markers<P: AsRef<[u8]>>(
+    tracker: &mut MarkerTracker,
+    picture: &Picture<P>,
+    readings: &mut [ElementReading],
+) -> Result<(), TrackError> {
+    match tracker.match_picture(picture) {
+        Err(TrackError::Locate(_)) => tracker.lose(),
+        Err(error) => return Err(error),
+        Ok(_) => {}
+    }
+    let few_are_lost = 10 * (readings.len() - tracker.found()) <= readings.len();
+    for (reading, marker) in readings.iter_mut().zip(tracker.markers()) {
+        *reading = match few_are_lost {
+            true => ElementReading::of_place(marker),
+            false => marker.into(),
+        };
+    }
+    Ok(())
 }
 
 fn check_count(what: &'static str, expected: usize, actual: usize) -> Result<(), SensingError> {

@@ -21,7 +21,8 @@ pub trait Basis:
 {
     /// Kind of the calibration file.
     const KIND: &'static str;
-    /// Maximum number of samples used to choose terms and penalty, evenly spread. The regression uses all samples.
+    /// Maximum number of samples used to choose terms and penalty, evenly spread; up to 1000 for terms that are no more
+    /// than this. The regression uses all samples.
     const MAX_ROWS: usize;
     /// Measurement of all elements at one time.
     type Input: Debug + Clone + PartialEq + Send + Sync;
@@ -75,6 +76,9 @@ pub trait Basis:
         terms: Self::Terms,
         features: &'a [f64],
     ) -> impl Iterator<Item = f64> + 'a;
+
+    /// Removes statistics that none of `terms` needs, which changes the number of features.
+    fn keep_only(&mut self, _terms: &[Self::Terms]) {}
 
     /// Number of parameters that describe how the readings of a copy of the sensor differ from those of the original; 0 if
     /// they are not modelled.

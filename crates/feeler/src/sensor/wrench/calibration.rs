@@ -65,6 +65,10 @@ pub struct CalibrationOf<B: Basis> {
     /// `true` if forces outside the plausible range ([`FINGERTIP_RANGE`]) were confirmed during calibration.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub loads_confirmed: bool,
+    /// `true` if the elements of a camera's sensor are [tracked as
+    /// markers](crate::sensor::forces::SensingChain::with_tracker); always `false` for taxels.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub tracked: bool,
     /// Sensor for which the calibration was made.
     pub made_for: CalibrationTarget,
     /// Origin and tests of the calibration; `None` for files of feeler 0.2 and older.

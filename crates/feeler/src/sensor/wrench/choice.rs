@@ -17,19 +17,32 @@ const WORTH: f64 = 1.0;
 const WORTH_OF_DOUBTFUL: f64 = 3.0;
 const LEFT_BY_DOUBTFUL: f64 = 0.5;
 
+/// Maximum number of rows for which few terms, at most [`Basis::MAX_ROWS`], are compared on all rows.
+const MAX_ROWS_OF_FEW: usize = 1000;
+
 /// Terms and penalty of a component's regression.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Choice<T> {
     pub terms: T,
     /// Penalty for all rows: that of the kept rows, times the number of rows for each kept one.
     pub penalty: f64,
-    /// Squared error of each row when its block is held out, averaged over the partitions.
+    /// Squared error of each compared row when its block is held out, averaged over the partitions.
     squares: Vec<f64>,
 }
 
 impl<T: Copy> Choice<T> {
     fn score(&self) -> f64 {
         self.squares.iter().sum::<f64>() / self.squares.len() as f64
+    }
+
+    /// Converts a choice from every `own_step`-th row to all rows, with errors of every `step`-th row.
+    fn of_all(self, own_step: usize, step: usize) -> Self {
+        let compared = self.squares.iter().step_by(step / own_step);
+        Self {
+            squares: compared.copied().collect(),
+            penalty: self.penalty * own_step as f64,
+            ..self
+        }
     }
 
     /// Returns `true` if the errors are significantly smaller than those of `other`. Compares magnitudes, because a
@@ -81,12 +94,16 @@ pub(super) fn choose<B: Basis>(
         if !is_first {
             continue;
         }
-        let step = target.rows.len().div_ceil(B::MAX_ROWS).max(1);
-        let kept: Vec<_> = (0..target.rows.len()).step_by(step).collect();
-        let rows: Vec<_> = kept.iter().map(|&place| target.rows[place]).collect();
-        let recordings: Vec<_> = rows.iter().map(|&row| recording_of[row]).collect();
-        let cuts = CUTS.map(|count| blocks(&recordings, count));
+        let count = target.rows.len();
+        let step = count.div_ceil(B::MAX_ROWS).max(1);
         for terms in basis.candidates() {
+            // The cost depends on the smaller number of rows and terms.
+            let is_small = basis.term_count(terms) <= B::MAX_ROWS && count <= MAX_ROWS_OF_FEW;
+            let own_step = if is_small { 1 } else { step };
+            let kept: Vec<_> = (0..count).step_by(own_step).collect();
+            let rows: Vec<_> = kept.iter().map(|&place| target.rows[place]).collect();
+            let recordings: Vec<_> = rows.iter().map(|&row| recording_of[row]).collect();
+            let cuts = CUTS.map(|count| blocks(&recordings, count));
             let spectrum = Spectrum::new(matrix(basis, features, &rows, terms));
             for (target, chosen) in targets.iter().zip(&mut chosen).skip(first) {
                 if target.rows != targets[first].rows {
@@ -94,6 +111,7 @@ pub(super) fn choose<B: Basis>(
                 }
                 let measured: Vec<_> = kept.iter().map(|&place| target.measured[place]).collect();
                 let best = best_penalty(&spectrum, &measured, terms, &cuts, Shrinkage::Moderate);
+                let best = best.map(|best| best.of_all(own_step, step));
                 let better = |best: &Choice<B::Terms>| {
                     let before = chosen.as_ref();
                     before.is_none_or(|before| best.is_worth_more::<B>(before))
@@ -102,11 +120,6 @@ pub(super) fn choose<B: Basis>(
                     *chosen = Some(best);
                 }
             }
-        }
-    }
-    for (choice, target) in chosen.iter_mut().zip(targets) {
-        if let Some(choice) = choice {
-            choice.penalty *= target.rows.len().div_ceil(B::MAX_ROWS).max(1) as f64;
         }
     }
     chosen

@@ -81,6 +81,7 @@ pub fn fit<B: Basis>(
         kind: B::KIND.into(),
         version: VERSION,
         loads_confirmed: false,
+        tracked: false,
         made_for,
         passport: None,
         quality: qualities,

@@ -67,9 +67,12 @@ pub(super) fn learn<B: Basis>(
     }
     let chosen: Vec<_> = models.iter().map(|model| model.terms).collect();
     let watched = watched.unwrap_or_else(|| basis.novelty_terms(&chosen));
+    let novelty = Novelty::learn(&basis, &features, watched);
+    let mut elements = basis;
+    elements.keep_only(&chosen);
     Ok(WrenchModel {
-        novelty: Novelty::learn(&basis, &features, watched),
+        novelty,
         axes: models,
-        elements: basis,
+        elements,
     })
 }

@@ -58,7 +58,8 @@ impl<T: Copy> Novelty<T> {
         looked_at /= (rows.len().max(1) as f64).sqrt();
         let (count, dimensions) = looked_at.shape();
         let total = looked_at.norm_squared();
-        let directions = principal(&looked_at, total, (count / 3).min(dimensions / 2));
+        let most = (count / 3).min(dimensions / 2).min(MAX_DIRECTIONS);
+        let directions = principal(&looked_at, PART * total, most);
         let principal: f64 = directions.iter().map(|direction| direction.variance).sum();
         let others = (dimensions - directions.len()).max(1) as f64;
         Self {
@@ -88,8 +89,9 @@ impl<T: Copy> Novelty<T> {
     }
 }
 
-/// Directions of largest variance of `rows`, up to a fraction [`PART`] of the `total` variance.
-fn principal(rows: &DMatrix<f64>, total: f64, most: usize) -> Vec<Direction> {
+/// Directions of largest variance of `rows`, in descending order: at most `most`, and no more than explain the variance
+/// `part`.
+pub(super) fn principal(rows: &DMatrix<f64>, part: f64, most: usize) -> Vec<Direction> {
     let dual = rows.nrows() <= rows.ncols();
     let gram = match dual {
         true => rows * rows.transpose(),
@@ -103,9 +105,9 @@ fn principal(rows: &DMatrix<f64>, total: f64, most: usize) -> Vec<Direction> {
     order.sort_by(|&a, &b| eigenvalues[b].total_cmp(&eigenvalues[a]));
     let mut directions: Vec<Direction> = Vec::new();
     let mut explained = 0.0;
-    for index in order.into_iter().take(most.min(MAX_DIRECTIONS)) {
+    for index in order.into_iter().take(most) {
         let variance = eigenvalues[index];
-        let enough = explained >= PART * total;
+        let enough = explained >= part;
         if enough || variance <= MIN_VARIANCE {
             break;
         }

@@ -23,7 +23,8 @@ const FARTHEST_NOVELTY: f64 = 2.0;
 ///
 /// Reports [`NO_FORCE`], which stops the hand, if too few elements are lit or if the image's novelty is above 2, since
 /// a force would be unreliable. For a novelty between 1 and 2, the force is extrapolated. Allocates only during
-/// construction; [`read`](TactileSensor::read) does not allocate.
+/// construction; [`read`](TactileSensor::read) does not allocate, unless [markers are
+/// tracked](SensingChain::with_tracker).
 #[derive(Debug)]
 pub struct WrenchSensor<C> {
     camera: C,
@@ -134,10 +135,10 @@ fn not_sensed(error: SensingError) -> SensorError {
             expected, actual, ..
         } => SensorError::ElementCount { expected, actual },
         SensingError::Moments(error) => error.into(),
-        // The other errors occur only when a chain is built.
-        built @ (SensingError::Fingertip(_) | SensingError::Calibration(_)) => {
-            CameraError::Failed(built.to_string()).into()
-        }
+        // Otherwise, an image of another size, or an error that occurs only when a chain is built.
+        built @ (SensingError::Fingertip(_)
+        | SensingError::Calibration(_)
+        | SensingError::Track(_)) => CameraError::Failed(built.to_string()).into(),
     }
 }
 

@@ -4,5 +4,6 @@ mod control;
 mod copies;
 mod file;
 mod learning;
+mod modes;
 mod taxels;
 mod world;

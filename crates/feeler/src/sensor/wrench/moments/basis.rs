@@ -1,10 +1,11 @@
 //! Regression features of a camera's sensor.
 
+use super::modes::{self, add_modes, fill_modes};
 use super::standard::{ElementStandard, common_gain, standards};
 use super::{Growth, MIN_FOR_GAIN, PER_ELEMENT, Terms};
 use crate::sensor::moments::kernel::ElementMoments;
 use crate::sensor::wrench::WrenchError;
-use crate::sensor::wrench::basis::{Basis, zero_if_nan};
+use crate::sensor::wrench::basis::{Basis, MAX_FEATURE, zero_if_nan};
 use crate::sensor::wrench::calibration::check_count;
 use serde::{Deserialize, Serialize};
 
@@ -29,7 +30,9 @@ impl Basis for MomentBasis {
     }
 
     fn from_inputs(elements: usize, inputs: &[&Self::Input]) -> Self {
-        Self(standards(elements, inputs))
+        let mut standards = standards(elements, inputs);
+        add_modes(&mut standards, inputs);
+        Self(standards)
     }
 
     fn missing_input(&self) -> Self::Input {
@@ -37,7 +40,7 @@ impl Basis for MomentBasis {
     }
 
     fn feature_count(&self) -> usize {
-        PER_ELEMENT * self.0.len()
+        PER_ELEMENT * self.0.len() + self.modes()
     }
 
     fn standardise(&self, input: &Self::Input, features: &mut [f64]) -> f64 {
@@ -46,6 +49,11 @@ impl Basis for MomentBasis {
             return 1.0;
         };
         let (mut used, mut missing) = (0.0, 0.0);
+        let (features, modes) = features.split_at_mut(PER_ELEMENT * self.0.len());
+        fill_modes(&self.0, input, modes);
+        modes
+            .iter_mut()
+            .for_each(|mode| *mode = mode.clamp(-MAX_FEATURE, MAX_FEATURE));
         let (features, _) = features.as_chunks_mut::<PER_ELEMENT>();
         for ((standard, moments), features) in self.0.iter().zip(input).zip(features) {
             if !standard.used {
@@ -65,6 +73,11 @@ impl Basis for MomentBasis {
             growth,
             displacement,
             squares,
+            modes: false,
+        };
+        let with_modes = |growth| Terms {
+            modes: true,
+            ..terms(growth, false, false)
         };
         let kinds = [
             (Growth::GainFree, false),
@@ -80,7 +93,11 @@ impl Basis for MomentBasis {
         let candidates = kinds.flat_map(|(growth, displacement)| {
             [false, true].map(|squares| terms(growth, displacement, squares))
         });
-        candidates.collect()
+        let of_modes = [Growth::Ignored, Growth::GainFree].map(with_modes);
+        let of_modes = of_modes
+            .into_iter()
+            .filter(|terms| self.modes() > 0 && (separable || terms.growth == Growth::Ignored));
+        candidates.chain(of_modes).collect()
     }
 
     /// Overall brightness drifts with the lamp.
@@ -100,11 +117,12 @@ impl Basis for MomentBasis {
             },
             displacement: true,
             squares: false,
+            modes: false,
         }
     }
 
     fn supports_novelty(terms: Terms) -> bool {
-        !terms.squares
+        !terms.squares && !terms.modes
     }
 
     fn describe(terms: Terms) -> String {
@@ -115,35 +133,55 @@ impl Basis for MomentBasis {
         };
         let displacement = terms.displacement.then_some("displacement");
         let squares = terms.squares.then_some("their squares");
-        let parts = [growth, displacement, squares].into_iter().flatten();
+        let modes = terms
+            .modes
+            .then_some("modes of displacement and their products");
+        let parts = [growth, displacement, squares, modes].into_iter().flatten();
         parts.collect::<Vec<_>>().join(", ")
     }
 
     fn term_count(&self, terms: Terms) -> usize {
         let orders = if terms.squares { 2 } else { 1 };
-        orders * terms.kinds().count() * self.0.len()
+        let modes = if terms.modes { self.modes() } else { 0 };
+        orders * terms.kinds().count() * self.0.len() + modes::term_count(modes)
     }
 
-    /// In this order: for each element its features, then their squares.
+    /// In this order: for each element its features, then their squares; then the modes and their products.
     fn terms<'a>(&'a self, terms: Terms, features: &'a [f64]) -> impl Iterator<Item = f64> + 'a {
+        let (features, modes) = features.split_at(PER_ELEMENT * self.0.len());
+        let modes = if terms.modes { modes } else { &[] };
         let (features, _) = features.as_chunks::<PER_ELEMENT>();
-        features.iter().flat_map(move |features| {
+        let of_elements = features.iter().flat_map(move |features| {
             let linear = terms.kinds().map(move |kind| zero_if_nan(features[kind]));
             let squares = terms.kinds().filter(move |_| terms.squares);
             linear.chain(squares.map(move |kind| square(features[kind])))
-        })
+        });
+        of_elements.chain(modes::terms(modes))
+    }
+
+    fn keep_only(&mut self, terms: &[Terms]) {
+        if terms.iter().all(|terms| !terms.modes) {
+            self.0.iter_mut().for_each(|element| element.modes.clear());
+        }
     }
 
     fn check(&self, elements: usize) -> Result<(), WrenchError> {
         check_count("model.elements", elements, self.0.len())?;
         for (index, element) in self.0.iter().enumerate() {
             element.check(index)?;
+            let name = format!("model.elements[{index}].modes");
+            check_count(&name, self.modes(), element.modes.len())?;
         }
         Ok(())
     }
 }
 
 impl MomentBasis {
+    /// Number of modes.
+    fn modes(&self) -> usize {
+        self.0.first().map_or(0, |standard| standard.modes.len())
+    }
+
     /// Number of elements in use.
     fn used(&self) -> usize {
         self.0.iter().filter(|standard| standard.used).count()

@@ -9,9 +9,13 @@
 //! displacement   u_x, u_y = c - c_0
 //! ```
 //!
+//! If markers move far, the displacement field is described by few modes of deformation ([`mod@modes`]), whose products
+//! are features, too.
+//!
 //! A dimming lamp changes `m` but not the growth, because a global gain is not a force. Only plain growth is affected.
 
 mod basis;
+mod modes;
 mod standard;
 
 pub use basis::MomentBasis;
@@ -50,6 +54,9 @@ pub struct Terms {
     pub displacement: bool,
     /// Also use the squares of these features.
     pub squares: bool,
+    /// Use the modes of the displacement field and the products of all pairs of modes.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub modes: bool,
 }
 
 impl Terms {

@@ -9,7 +9,7 @@ use glam::DVec2;
 use serde::{Deserialize, Serialize};
 
 /// Reference and statistics of one element over the images of the calibration.
-#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ElementStandard {
     /// `true` if the element is used: it was lit and not saturated in at least half of the images.
@@ -22,6 +22,9 @@ pub struct ElementStandard {
     pub mean: [f64; PER_ELEMENT],
     /// Standard deviation of each feature; 0 for a constant feature, which is not used.
     pub scale: [f64; PER_ELEMENT],
+    /// Contribution of the displacement to each mode of deformation, per m or px along x and y.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub modes: Vec<DVec2>,
 }
 
 impl ElementStandard {
@@ -31,6 +34,7 @@ impl ElementStandard {
         centroid: DVec2::ZERO,
         mean: [0.0; PER_ELEMENT],
         scale: [0.0; PER_ELEMENT],
+        modes: Vec::new(),
     };
 
     pub(super) fn standardised(&self, raw: [f64; PER_ELEMENT]) -> [f64; PER_ELEMENT] {
@@ -52,11 +56,24 @@ impl ElementStandard {
         for place in self.centroid.to_array() {
             check_number(&field("centroid"), place, -LARGEST..=LARGEST)?;
         }
+        for loading in self.modes.iter().flat_map(DVec2::to_array) {
+            check_number(&field("modes"), loading, -LARGEST..=LARGEST)?;
+        }
         for (mean, scale) in self.mean.into_iter().zip(self.scale) {
             check_number(&field("mean"), mean, -LARGEST..=LARGEST)?;
             check_number(&field("scale"), scale, 0.0..=LARGEST)?;
         }
         Ok(())
+    }
+
+    /// Displacement from its mean, or 0 if the element is not used or its moments are missing.
+    pub(super) fn deflection(&self, moments: Option<&ElementMoments>) -> DVec2 {
+        let [.., x, y] = self.mean;
+        moments
+            .filter(|_| self.used)
+            .map_or(DVec2::ZERO, |moments| {
+                moments.centroid - self.centroid - DVec2::new(x, y)
+            })
     }
 
     /// Features before standardisation, for an image with common gain `gain`.
