@@ -21,8 +21,7 @@ pub trait Basis:
 {
     /// Kind of the calibration file.
     const KIND: &'static str;
-    /// Maximum number of samples used to choose terms and penalty, evenly spread; up to 1000 for terms that are no more
-    /// than this. The regression uses all samples.
+    /// Maximum number of samples on which all terms are compared, evenly spread. The regression uses all samples.
     const MAX_ROWS: usize;
     /// Measurement of all elements at one time.
     type Input: Debug + Clone + PartialEq + Send + Sync;

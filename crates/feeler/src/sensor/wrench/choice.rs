@@ -17,8 +17,8 @@ const WORTH: f64 = 1.0;
 const WORTH_OF_DOUBTFUL: f64 = 3.0;
 const LEFT_BY_DOUBTFUL: f64 = 0.5;
 
-/// Maximum number of rows for which few terms, at most [`Basis::MAX_ROWS`], are compared on all rows.
-const MAX_ROWS_OF_FEW: usize = 1000;
+/// Number of rows on which the best terms are compared again with few terms.
+const MAX_ROWS_AGAIN: usize = 600;
 
 /// Terms and penalty of a component's regression.
 #[derive(Debug, Clone, PartialEq)]
@@ -26,23 +26,13 @@ pub(super) struct Choice<T> {
     pub terms: T,
     /// Penalty for all rows: that of the kept rows, times the number of rows for each kept one.
     pub penalty: f64,
-    /// Squared error of each compared row when its block is held out, averaged over the partitions.
+    /// Squared error of each row when its block is held out, averaged over the partitions.
     squares: Vec<f64>,
 }
 
 impl<T: Copy> Choice<T> {
     fn score(&self) -> f64 {
         self.squares.iter().sum::<f64>() / self.squares.len() as f64
-    }
-
-    /// Converts a choice from every `own_step`-th row to all rows, with errors of every `step`-th row.
-    fn of_all(self, own_step: usize, step: usize) -> Self {
-        let compared = self.squares.iter().step_by(step / own_step);
-        Self {
-            squares: compared.copied().collect(),
-            penalty: self.penalty * own_step as f64,
-            ..self
-        }
     }
 
     /// Returns `true` if the errors are significantly smaller than those of `other`. Compares magnitudes, because a
@@ -79,6 +69,9 @@ pub(super) struct Target {
 }
 
 /// Best choice for each of `targets`, or `None` if no regression has a finite solution.
+///
+/// All candidates are compared on at most [`Basis::MAX_ROWS`] rows. If there are more, the best one is compared again on
+/// more rows with those that have few terms.
 pub(super) fn choose<B: Basis>(
     basis: &B,
     features: &[Vec<f64>],
@@ -86,43 +79,97 @@ pub(super) fn choose<B: Basis>(
     targets: &[Target],
 ) -> Vec<Option<Choice<B::Terms>>> {
     let mut chosen: Vec<Option<Choice<B::Terms>>> = vec![None; targets.len()];
+    let candidates = basis.candidates();
     for (first, target) in targets.iter().enumerate() {
         // Components measured on the same rows share the expensive decompositions.
-        let is_first = !targets[..first]
-            .iter()
-            .any(|other| other.rows == target.rows);
-        if !is_first {
+        let same = |other: &&Target| other.rows == target.rows;
+        if targets[..first].iter().any(|other| same(&other)) {
             continue;
         }
         let count = target.rows.len();
         let step = count.div_ceil(B::MAX_ROWS).max(1);
-        for terms in basis.candidates() {
-            // The cost depends on the smaller number of rows and terms.
-            let is_small = basis.term_count(terms) <= B::MAX_ROWS && count <= MAX_ROWS_OF_FEW;
-            let own_step = if is_small { 1 } else { step };
-            let kept: Vec<_> = (0..count).step_by(own_step).collect();
-            let rows: Vec<_> = kept.iter().map(|&place| target.rows[place]).collect();
-            let recordings: Vec<_> = rows.iter().map(|&row| recording_of[row]).collect();
-            let cuts = CUTS.map(|count| blocks(&recordings, count));
-            let spectrum = Spectrum::new(matrix(basis, features, &rows, terms));
-            for (target, chosen) in targets.iter().zip(&mut chosen).skip(first) {
-                if target.rows != targets[first].rows {
-                    continue;
-                }
-                let measured: Vec<_> = kept.iter().map(|&place| target.measured[place]).collect();
-                let best = best_penalty(&spectrum, &measured, terms, &cuts, Shrinkage::Moderate);
-                let best = best.map(|best| best.of_all(own_step, step));
-                let better = |best: &Choice<B::Terms>| {
-                    let before = chosen.as_ref();
-                    before.is_none_or(|before| best.is_worth_more::<B>(before))
-                };
-                if let Some(best) = best.filter(better) {
-                    *chosen = Some(best);
-                }
+        let compared = Compared::new((0..count).step_by(step).collect(), recording_of, target);
+        for &terms in &candidates {
+            let spectrum = compared.spectrum(basis, features, terms);
+            for (target, chosen) in targets.iter().zip(&mut chosen).filter(|(t, _)| same(t)) {
+                keep_better::<B>(chosen, compared.best(&spectrum, target, terms));
+            }
+        }
+        if B::MAX_ROWS >= MAX_ROWS_AGAIN || count <= B::MAX_ROWS {
+            continue;
+        }
+        let most = count.min(MAX_ROWS_AGAIN);
+        let compared = Compared::new(
+            (0..most).map(|row| row * count / most).collect(),
+            recording_of,
+            target,
+        );
+        let few = candidates.iter().copied();
+        let few = few.filter(|&terms| basis.term_count(terms) <= B::MAX_ROWS);
+        let few: Vec<_> = few.collect();
+        let mut spectra: Vec<(B::Terms, Spectrum)> = Vec::new();
+        for (target, chosen) in targets.iter().zip(&mut chosen).filter(|(t, _)| same(t)) {
+            let best = chosen.take().map(|choice| choice.terms);
+            for terms in best.into_iter().chain(few.iter().copied()) {
+                let known = spectra.iter().position(|(of, _)| *of == terms);
+                let index = known.unwrap_or_else(|| {
+                    spectra.push((terms, compared.spectrum(basis, features, terms)));
+                    spectra.len() - 1
+                });
+                keep_better::<B>(chosen, compared.best(&spectra[index].1, target, terms));
             }
         }
     }
     chosen
+}
+
+/// Replaces `chosen` with `other` if it is better.
+fn keep_better<B: Basis>(chosen: &mut Option<Choice<B::Terms>>, other: Option<Choice<B::Terms>>) {
+    let is_better = |other: &Choice<B::Terms>| {
+        let chosen = chosen.as_ref();
+        chosen.is_none_or(|chosen| other.is_worth_more::<B>(chosen))
+    };
+    if let Some(other) = other.filter(is_better) {
+        *chosen = Some(other);
+    }
+}
+
+/// Rows on which terms are compared.
+struct Compared {
+    /// Indices among the rows of a target.
+    places: Vec<usize>,
+    /// The same rows, as indices of features.
+    rows: Vec<usize>,
+    cuts: [Vec<Fold>; 2],
+    /// Number of rows of the target for each compared one.
+    factor: f64,
+}
+
+impl Compared {
+    /// Compares on the rows `places` of `target`.
+    fn new(places: Vec<usize>, recording_of: &[usize], target: &Target) -> Self {
+        let rows: Vec<_> = places.iter().map(|&place| target.rows[place]).collect();
+        let recordings: Vec<_> = rows.iter().map(|&row| recording_of[row]).collect();
+        Self {
+            cuts: CUTS.map(|count| blocks(&recordings, count)),
+            factor: target.rows.len() as f64 / rows.len() as f64,
+            places,
+            rows,
+        }
+    }
+
+    fn spectrum<B: Basis>(&self, basis: &B, features: &[Vec<f64>], terms: B::Terms) -> Spectrum {
+        Spectrum::new(matrix(basis, features, &self.rows, terms))
+    }
+
+    /// Best penalty of `terms` for `target`.
+    fn best<T: Copy>(&self, spectrum: &Spectrum, target: &Target, terms: T) -> Option<Choice<T>> {
+        let measured = self.places.iter().map(|&place| target.measured[place]);
+        let measured: Vec<_> = measured.collect();
+        let mut best = best_penalty(spectrum, &measured, terms, &self.cuts, Shrinkage::Moderate)?;
+        best.penalty *= self.factor;
+        Some(best)
+    }
 }
 
 /// Choice among the penalties from the best one to the largest one that is not significantly worse.
