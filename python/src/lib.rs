@@ -15,6 +15,7 @@ mod recording;
 mod run;
 mod sensing;
 mod sweep;
+mod wrenches;
 
 use pyo3::prelude::*;
 
@@ -44,4 +45,6 @@ mod _core {
     use super::sensing::Sensor;
     #[pymodule_export]
     use super::sweep::{Store, Trials, read_table};
+    #[pymodule_export]
+    use super::wrenches::WrenchSensor;
 }

@@ -14,6 +14,7 @@ from feeler.recordings import PHASES, Recording, read
 from feeler.runs import Run, report, run
 from feeler.sensing import Calibration, Felt, Fingertip, Layout, Thresholds, calibrate, locate, simulate_loads
 from feeler.sweeps import Sweep, sweep
+from feeler.wrenches import Wrenches, WrenchSensor
 
 register_once_imported()
 
@@ -36,6 +37,8 @@ __all__ = [
     "Task",
     "Thresholds",
     "Value",
+    "WrenchSensor",
+    "Wrenches",
     "__version__",
     "calibrate",
     "contacts",

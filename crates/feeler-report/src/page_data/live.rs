@@ -1,7 +1,7 @@
 //! Page data of a running rig.
 
 use super::panels::{Axis, Colour, Panel, Series};
-use super::table::{frame_column, of_finger};
+use super::table::{CONTACT_WIDTH, frame_column, of_finger};
 use feeler_record::{RunFacts, SolidFrame};
 use serde::Serialize;
 
@@ -41,6 +41,7 @@ impl LiveRig<'_> {
                 ("flags", 1),
                 ("grasp_force", 1),
                 ("shear_rate", 1),
+                ("contact", CONTACT_WIDTH),
             ];
             columns.extend(parts.map(|(name, width)| (of_finger(finger, name), width)));
         }

@@ -13,8 +13,8 @@ use serde::Serialize;
 
 pub use live::{Live, LiveRig};
 pub use panels::Panel;
+pub use table::{CONTACT_WIDTH, contact_values, flag_bits, of_finger};
 pub(crate) use table::{Rows, RunTable};
-pub use table::{flag_bits, of_finger};
 
 /// Version of the contract.
 const VERSION: u32 = 1;

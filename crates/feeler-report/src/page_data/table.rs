@@ -6,8 +6,7 @@ use crate::run::finger_columns::FingerColumns;
 use base64::Engine;
 use base64::engine::general_purpose::STANDARD;
 use feeler::sensor::contact::{Contact, ContactEstimator};
-use feeler::sensor::fingertip::SensingElement;
-use feeler_record::{Phase, SolidFrame};
+use feeler_record::{FingerModel, Phase, SolidFrame};
 use flate2::Compression;
 use flate2::write::DeflateEncoder;
 use glam::{DQuat, DVec3};
@@ -150,8 +149,10 @@ impl RunTable {
             let joints = kept.clone().flat_map(|row| finger.joints[row]);
             columns.f32(of_finger(number, "joints"), 3, joints);
             add_felt(&mut columns, number, finger, kept.clone());
-            let touch = data.facts.touch_force_threshold;
-            add_contact(&mut columns, number, finger, touch, kept.clone());
+            let elements = data.facts.hand.get(number).into_iter();
+            let elements = elements.flat_map(FingerModel::elements);
+            let estimator = ContactEstimator::new(elements, data.facts.touch_force_threshold);
+            add_contact(&mut columns, number, finger, estimator, kept.clone());
         }
         if let Some(torque) = &data.torque {
             let torque = kept.clone().map(|row| torque[row]);
@@ -228,29 +229,24 @@ fn add_felt(
     columns.f32(of_finger(number, "shear_rate"), 1, rate);
 }
 
-/// Adds the contact of a finger whose elements touch above `touch` (N).
+/// Adds the contact of a finger.
 fn add_contact(
     columns: &mut Columns,
     number: usize,
     finger: &FingerColumns,
-    touch: f64,
+    mut estimator: ContactEstimator,
     kept: impl Iterator<Item = usize>,
 ) {
-    let places = finger.tips.iter().map(|&tip| {
-        let outward = tip.normalize_or(DVec3::X);
-        (SensingElement::facing(outward), tip)
-    });
-    let mut estimator = ContactEstimator::new(places, touch);
     let contacts = kept.flat_map(|row| contact_values(estimator.estimate(&finger.forces[row])));
     columns.f32(of_finger(number, "contact"), CONTACT_WIDTH, contacts);
 }
 
 /// Number of values of a contact.
-const CONTACT_WIDTH: usize = 11;
+pub const CONTACT_WIDTH: usize = 11;
 
 /// Centre, both semi-axes as vectors (m in `T`), torsion (N m), and the fraction of pressed elements that slide;
 /// NaN if unknown.
-fn contact_values(contact: Option<Contact>) -> [f64; CONTACT_WIDTH] {
+pub fn contact_values(contact: Option<Contact>) -> [f64; CONTACT_WIDTH] {
     let vector = |of: Option<DVec3>| of.unwrap_or(DVec3::NAN).to_array();
     let ellipse = contact.and_then(|contact| Some((contact.ellipse?, contact.normal)));
     let [x, y, z] = vector(contact.map(|contact| contact.centre));

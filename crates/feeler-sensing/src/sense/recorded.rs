@@ -4,11 +4,9 @@ use super::contact::ContactFormat;
 use super::output::{FrameReadings, Output};
 use super::tally::SensingStats;
 use super::{SenseOptions, close};
-use feeler::sensor::fingertip::SensingElement;
 use feeler::sensor::forces::{ElementReading, SensorError, TactileFrame, TactileSensor};
 use feeler_console::{CommandError, is_raised};
-use feeler_record::{RecordedSensor, Recording};
-use glam::DVec3;
+use feeler_record::{FingerModel, RecordedSensor, Recording};
 use std::path::Path;
 use std::sync::atomic::AtomicBool;
 use std::time::Instant;
@@ -30,18 +28,9 @@ pub fn sense(
     }
     let mut output = match options.contact {
         Some(contact) => {
-            let tips = recording
-                .facts
-                .hand
-                .get(finger)
-                .map(|model| model.element_tips.as_slice());
-            let tips = tips
-                .unwrap_or_default()
-                .iter()
-                .copied()
-                .map(DVec3::from_array);
-            let places = tips.map(|tip| (SensingElement::facing(tip.normalize_or(DVec3::X)), tip));
-            options.open_output_as(ContactFormat::new(contact, places))?
+            let model = recording.facts.hand.get(finger).into_iter();
+            let elements = model.flat_map(FingerModel::elements);
+            options.open_output_as(ContactFormat::new(contact, elements))?
         }
         None => options.open_output(true)?,
     };

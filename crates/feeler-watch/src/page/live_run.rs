@@ -68,13 +68,13 @@ impl LiveRun {
                 .controller_mut()
                 .stop(StopReason::Requested { by });
         }
-        let run = &self.run;
+        let run = &mut self.run;
         self.feed
             .offer(|moment| run.fill(moment, control_loop, instruments));
     }
 
     /// Sends pages the last state of `control_loop` and how the run ended.
-    pub fn over(&self, control_loop: &SimulatedLoop, end: &RunEnd) {
+    pub fn over(&mut self, control_loop: &SimulatedLoop, end: &RunEnd) {
         self.feed.offer_last(|moment| {
             if let Some(instruments) = &self.instruments {
                 self.run.fill(moment, control_loop, instruments);
@@ -100,7 +100,7 @@ impl LiveRun {
 }
 
 impl Run {
-    fn fill(&self, moment: &mut Moment, control_loop: &SimulatedLoop, at: &Instruments) {
+    fn fill(&mut self, moment: &mut Moment, control_loop: &SimulatedLoop, at: &Instruments) {
         let controller = control_loop.controller();
         moment.stopped = controller.stop_reason().is_some();
         moment.words.clear();

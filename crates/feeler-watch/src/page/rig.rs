@@ -33,12 +33,12 @@ pub fn serve_rig(
     options: ServerOptions,
     out: &mut dyn Write,
 ) -> Result<Outcome, CommandError> {
-    let rows = LiveRows::new(&experiment.config)?;
+    let mut rows = LiveRows::new(&experiment.config)?;
     let interrupted = watch_for_interrupt()?;
     let mut watched = WatchedRig::new(experiment, rig, network)?;
     let title = format!("rig {rig}");
     let (feed, server) = serve(&title, &rows, BY, options, out)?;
-    let watching = watch(&mut watched, &rows, &feed, &interrupted);
+    let watching = watch(&mut watched, &mut rows, &feed, &interrupted);
     feed.offer_last(|moment| {
         moment.words.clear();
         // Text that does not fit is cut off.
@@ -56,7 +56,7 @@ pub fn serve_rig(
 /// Shows received messages and sends orders until `interrupted`.
 fn watch(
     watched: &mut WatchedRig,
-    rows: &LiveRows,
+    rows: &mut LiveRows,
     feed: &Feed,
     interrupted: &AtomicBool,
 ) -> Result<(), LinkError> {
@@ -76,7 +76,7 @@ fn watch(
     Ok(())
 }
 
-fn fill(moment: &mut Moment, rows: &LiveRows, watched: &WatchedRig) {
+fn fill(moment: &mut Moment, rows: &mut LiveRows, watched: &WatchedRig) {
     let snapshot = watched.snapshot();
     moment.stopped = watched.is_stopped();
     moment.words.clear();
@@ -86,14 +86,15 @@ fn fill(moment: &mut Moment, rows: &LiveRows, watched: &WatchedRig) {
     let mut row = Row::begin(&mut moment.numbers);
     let phase = snapshot.task.map(|task| f64::from(u8::from(task.phase)));
     row.push(phase.unwrap_or(UNKNOWN));
-    for (finger, elements) in snapshot.fingers.iter().zip(&rows.elements) {
+    for (number, finger) in snapshot.fingers.iter().enumerate() {
         row.finger(FingerRow {
             joints: finger.joints,
-            elements: *elements,
+            elements: finger.elements.len(),
             forces: finger.forces.iter().copied(),
             flags: &finger.flags,
             slips: false,
             shear_rates: &finger.shear_rates,
+            contact: rows.contact(number, &finger.forces),
         });
     }
     row.push(snapshot.torque.map_or(UNKNOWN, |torque| torque.newest));

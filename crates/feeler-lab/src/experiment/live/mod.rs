@@ -7,10 +7,11 @@ pub use row::{FingerRow, Row};
 use super::{ExperimentError, Instruments, SimulatedLoop, run_facts};
 use crate::config::ExperimentConfig;
 use feeler::control::{Controller, Phase};
+use feeler::sensor::contact::{Contact, ContactEstimator};
 use feeler_record::{RunFacts, SolidFrame};
 use feeler_report::measures::TRUE_SLIP;
 use feeler_report::pages::LiveRig;
-use glam::DQuat;
+use glam::{DQuat, DVec3};
 use std::{fmt, iter};
 
 /// Writes the phase of a hand that is not stopped as a sentence, such as "MOVE of stroke 2 of 4.". `stroke` is 0 before
@@ -58,6 +59,8 @@ pub struct LiveRows {
     homes: Vec<[f64; 3]>,
     /// Number of elements of each fingertip.
     pub elements: Vec<usize>,
+    /// Estimates the contact of each fingertip.
+    contacts: Vec<ContactEstimator>,
     /// `true` if rows contain the pose of a cap.
     pub cap: bool,
     /// `true` if rows contain the pose of a carried object.
@@ -72,10 +75,14 @@ impl LiveRows {
     pub fn new(config: &ExperimentConfig) -> Result<Self, ExperimentError> {
         let facts = run_facts(config)?;
         let elements = facts.hand.iter().map(|model| model.element_tips.len());
+        let touch = facts.touch_force_threshold;
+        let fingers = facts.hand.iter();
+        let contacts = fingers.map(|model| ContactEstimator::new(model.elements(), touch));
         let mut solids = facts.solids.iter();
         Ok(Self {
             homes: config.task.homes(),
             elements: elements.collect(),
+            contacts: contacts.collect(),
             cap: config.cap().is_some(),
             object: solids.any(|solid| solid.frame == SolidFrame::Object),
             facts,
@@ -98,22 +105,33 @@ impl LiveRows {
         columns.iter().map(|(_, width)| width).sum::<usize>() - 1
     }
 
+    /// Contact of the fingertip of `finger` with the forces on its elements (N, in their frames). Does not allocate.
+    pub fn contact(&mut self, finger: usize, forces: &[DVec3]) -> Option<Contact> {
+        self.contacts.get_mut(finger)?.estimate(forces)
+    }
+
     /// Writes the row of the latest step of `control_loop`, with the readings `at` its beginning, into `numbers`. What
     /// exceeds the capacity is omitted.
-    pub fn write(&self, numbers: &mut Vec<f32>, control_loop: &SimulatedLoop, at: &Instruments) {
+    pub fn write(
+        &mut self,
+        numbers: &mut Vec<f32>,
+        control_loop: &SimulatedLoop,
+        at: &Instruments,
+    ) {
         let state = control_loop.state();
         let mut row = Row::begin(numbers);
         row.push(f64::from(u8::from(control_loop.controller().phase())));
         let fingers = control_loop.touches().iter().zip(&state.joints);
         let slipped = at.slipped.iter().chain(iter::repeat(&0.0));
-        for (((touch, joints), slipped), elements) in fingers.zip(slipped).zip(&self.elements) {
+        for (finger, ((touch, joints), slipped)) in fingers.zip(slipped).enumerate() {
             row.finger(FingerRow {
                 joints: joints.position.to_array(),
-                elements: *elements,
+                elements: self.elements[finger],
                 forces: touch.frame.forces.iter().copied(),
                 flags: &touch.flags,
                 slips: *slipped > TRUE_SLIP,
                 shear_rates: &touch.shear_rate,
+                contact: self.contact(finger, &touch.frame.forces),
             });
         }
         row.push(at.torque.torque);

@@ -2,7 +2,8 @@
 
 use feeler::control::FingerFlags;
 use feeler::math::quaternion_z;
-use feeler_report::page_data::flag_bits;
+use feeler::sensor::contact::Contact;
+use feeler_report::page_data::{contact_values, flag_bits};
 use glam::{DQuat, DVec3};
 use std::iter;
 
@@ -23,6 +24,8 @@ pub struct FingerRow<'a, F> {
     pub slips: bool,
     /// Rate of change of each element's tangential force (N/s).
     pub shear_rates: &'a [f64],
+    /// Contact with an object, or `None` without one.
+    pub contact: Option<Contact>,
 }
 
 impl<'a> Row<'a> {
@@ -56,6 +59,7 @@ impl<'a> Row<'a> {
             .largest_element
             .map(|element| finger.shear_rates.get(element));
         self.push(largest.flatten().copied().unwrap_or_default());
+        self.extend(contact_values(finger.contact));
     }
 
     /// Appends the pose of the cap: its centre in `W` (m) and its angle (rad).

@@ -138,7 +138,7 @@ fn keep_better<B: Basis>(chosen: &mut Option<Choice<B::Terms>>, other: Option<Ch
 struct Compared {
     /// Indices among the rows of a target.
     places: Vec<usize>,
-    /// The same rows, as indices of features.
+    /// Indices of these rows in the features.
     rows: Vec<usize>,
     cuts: [Vec<Fold>; 2],
     /// Number of rows of the target for each compared one.
