@@ -46,5 +46,5 @@ mod _core {
     #[pymodule_export]
     use super::sweep::{Store, Trials, read_table};
     #[pymodule_export]
-    use super::wrenches::WrenchSensor;
+    use super::wrenches::WrenchEstimator;
 }

@@ -6,7 +6,7 @@ use crate::layout::Layout;
 use feeler::sensor::forces::{ElementReading, SensingChain, SensingError};
 use feeler::sensor::image::Picture;
 use feeler::sensor::wrench::taxels::{TaxelCalibration, TaxelWrenchEstimator};
-use feeler::sensor::wrench::{WrenchCalibration, WrenchEstimate, WrenchEstimator};
+use feeler::sensor::wrench::{self as core, WrenchCalibration, WrenchEstimate};
 use feeler_lab::sensor::SensorGeometry;
 use glam::DVec3;
 use numpy::{
@@ -26,20 +26,20 @@ type Wrenches<'py> = (
 
 /// Estimator of the total force on one fingertip.
 #[pyclass(frozen, module = "feeler._core")]
-pub struct WrenchSensor {
+pub struct WrenchEstimator {
     kind: Kind,
     /// Text of the calibration.
     text: String,
 }
 
 enum Kind {
-    Images(Box<(SensingChain, WrenchEstimator)>),
+    Images(Box<(SensingChain, core::WrenchEstimator)>),
     Taxels(Box<TaxelWrenchEstimator>),
 }
 
 #[pymethods]
-impl WrenchSensor {
-    /// Creates the sensor of the calibration in `text` (TOML). That of a camera needs a `layout` or an `experiment`.
+impl WrenchEstimator {
+    /// Creates the estimator of the calibration in `text` (TOML). That of a camera needs a `layout` or an `experiment`.
     #[new]
     fn new(
         text: String,
@@ -52,7 +52,7 @@ impl WrenchSensor {
             let estimator = TaxelWrenchEstimator::new(calibration).map_err(refused)?;
             Kind::Taxels(Box::new(estimator))
         } else {
-            images(&text, layout.as_deref(), experiment, finger)?
+            camera_sensor(&text, layout.as_deref(), experiment, finger)?
         };
         Ok(Self { kind, text })
     }
@@ -79,14 +79,14 @@ impl WrenchSensor {
     }
 
     /// Wrench in each of `frames` [N, H, W].
-    fn sense<'py>(
+    fn estimate<'py>(
         &self,
         py: Python<'py>,
         frames: PyReadonlyArray3<'_, u8>,
     ) -> PyResult<Wrenches<'py>> {
         let Kind::Images(sensor) = &self.kind else {
             return Err(PyValueError::new_err(
-                "expected readings, because the calibration is of a taxel array",
+                "expected a calibration of a camera's sensor, got one of a taxel array; call estimate_taxels",
             ));
         };
         let (mut chain, mut estimator) = (**sensor).clone();
@@ -112,7 +112,7 @@ impl WrenchSensor {
     }
 
     /// Wrench for each row of `readings` [N, E, 3] at `stamps` [N], s: one sequence that begins without load.
-    fn sense_taxels<'py>(
+    fn estimate_taxels<'py>(
         &self,
         py: Python<'py>,
         readings: PyReadonlyArray3<'_, f64>,
@@ -120,7 +120,7 @@ impl WrenchSensor {
     ) -> PyResult<Wrenches<'py>> {
         let Kind::Taxels(estimator) = &self.kind else {
             return Err(PyValueError::new_err(
-                "expected frames, because the calibration is of a camera's sensor",
+                "expected a calibration of a taxel array, got one of a camera's sensor; call estimate",
             ));
         };
         let mut estimator = estimator.clone();
@@ -141,8 +141,8 @@ impl WrenchSensor {
     }
 }
 
-/// Creates the sensor of a camera.
-fn images(
+/// Creates the estimator of a camera's sensor.
+fn camera_sensor(
     text: &str,
     layout: Option<&Layout>,
     experiment: Option<&str>,
@@ -163,7 +163,7 @@ fn images(
         PyValueError::new_err("expected a calibration by `feeler calibrate --wrench`")
     })?;
     let chain = geometry.sensing_chain().map_err(refused)?;
-    let estimator = WrenchEstimator::new(calibration).map_err(refused)?;
+    let estimator = core::WrenchEstimator::new(calibration).map_err(refused)?;
     Ok(Kind::Images(Box::new((chain, estimator))))
 }
 
@@ -171,7 +171,7 @@ fn images(
 fn arrays<'py>(py: Python<'py>, estimates: &[WrenchEstimate]) -> PyResult<Wrenches<'py>> {
     let components = estimates.iter().flat_map(|estimate| estimate.components);
     let components = components.map(|component| component.unwrap_or(f64::NAN));
-    let axes = feeler::sensor::wrench::AXES;
+    let axes = core::AXES;
     Ok((
         PyArray1::from_iter(py, components).reshape([estimates.len(), axes])?,
         PyArray1::from_iter(py, estimates.iter().map(|estimate| estimate.valid)),

@@ -68,11 +68,11 @@ def calibration(path: Path, layout: feeler.Layout) -> str:
 def test_force_is_that_of_the_weights(tmp_path: Path, layout: feeler.Layout) -> None:
     text = calibration(tmp_path / "layout.toml", layout)
     (tmp_path / "wrench.toml").write_text(text, encoding="utf-8")
-    sensor = feeler.WrenchSensor.load(tmp_path / "wrench.toml", layout=tmp_path / "layout.toml")
-    assert sensor.element_count == len(layout)
+    estimator = feeler.WrenchEstimator.load(tmp_path / "wrench.toml", layout=tmp_path / "layout.toml")
+    assert estimator.element_count == len(layout)
     shifts = [0.0, 1.0, 2.0]
     frames = np.stack([picture(shift) for shift in shifts])
-    wrenches = sensor.sense(frames)
+    wrenches = estimator.estimate(frames)
     # Spots are located to 0.05 px; a spot partly outside its sub-region moves its centroid less, by up to a tenth.
     moved = wrenches.force[:, 0] - wrenches.force[0, 0]
     np.testing.assert_allclose(moved, np.array(shifts) / 3, rtol=0.1, atol=0.02)
@@ -81,10 +81,10 @@ def test_force_is_that_of_the_weights(tmp_path: Path, layout: feeler.Layout) -> 
     np.testing.assert_allclose(moved, displacement[..., 0].mean(axis=1) / 3, atol=1e-12)
     assert np.isnan(wrenches.force[:, 1:]).all() and np.isnan(wrenches.torque).all() and np.isnan(wrenches.place).all()
     assert wrenches.valid.all() and len(wrenches) == 3
-    dark = sensor.sense(np.zeros_like(frames[0]))
+    dark = estimator.estimate(np.zeros_like(frames[0]))
     assert not dark.valid[0] and np.isnan(dark.force).all() and np.isinf(dark.novelty[0])
-    for other in (copy.deepcopy(sensor), pickle.loads(pickle.dumps(sensor))):
-        np.testing.assert_array_equal(other.sense(frames).force, wrenches.force)
+    for other in (copy.deepcopy(estimator), pickle.loads(pickle.dumps(estimator))):
+        np.testing.assert_array_equal(other.estimate(frames).force, wrenches.force)
 
 
 def taxel_calibration(taxels: int) -> str:
@@ -129,12 +129,12 @@ def taxel_calibration(taxels: int) -> str:
 
 def test_taxels_have_a_memory_that_begins_with_the_array() -> None:
     taxels, step = 11, 0.1
-    sensor = feeler.WrenchSensor(taxel_calibration(taxels))
+    estimator = feeler.WrenchEstimator(taxel_calibration(taxels))
     readings = np.zeros((5, taxels, 3))
     readings[1:, 0, 2] = 0.7
     readings[1:, 1, 2] = 1.0
     stamps = np.linspace(0.0, 4 * step, 5)
-    first, again = sensor.sense_taxels(readings, stamps), sensor.sense_taxels(readings, stamps)
+    first, again = estimator.estimate_taxels(readings, stamps), estimator.estimate_taxels(readings, stamps)
     np.testing.assert_array_equal(first.force, again.force)
     np.testing.assert_allclose(first.force[:, 0], readings[:, 0, 2], atol=1e-12)
     # The filter approaches a step exponentially.
@@ -142,21 +142,21 @@ def test_taxels_have_a_memory_that_begins_with_the_array() -> None:
     np.testing.assert_allclose(np.abs(first.force[:, 2]), 0.1 * difference, atol=1e-12)
     assert first.valid.all() and np.isnan(first.force[:, 1]).all()
     with pytest.raises(ValueError, match=r"readings: expected .*11, 3\], got float64 \[5, 3, 3\]"):
-        sensor.sense_taxels(readings[:, :3], stamps)
-    with pytest.raises(ValueError, match="expected readings, because the calibration is of a taxel array"):
-        sensor.sense(np.zeros((4, 4), dtype=np.uint8))
+        estimator.estimate_taxels(readings[:, :3], stamps)
+    with pytest.raises(ValueError, match="expected a calibration of a camera's sensor"):
+        estimator.estimate(np.zeros((4, 4), dtype=np.uint8))
 
 
 def test_other_inputs_are_refused(tmp_path: Path, layout: feeler.Layout) -> None:
     text = calibration(tmp_path / "layout.toml", layout)
-    sensor = feeler.WrenchSensor(text, layout=layout)
+    estimator = feeler.WrenchEstimator(text, layout=layout)
     with pytest.raises(ValueError, match=r"frames: expected .*144, 144\], got uint8 \[1, 10, 144\]"):
-        sensor.sense(np.zeros((10, 144), dtype=np.uint8))
-    with pytest.raises(ValueError, match="expected frames, because the calibration is of a camera's sensor"):
-        sensor.sense_taxels(np.zeros((1, len(layout), 3)), np.zeros(1))
+        estimator.estimate(np.zeros((10, 144), dtype=np.uint8))
+    with pytest.raises(ValueError, match="expected a calibration of a taxel array"):
+        estimator.estimate_taxels(np.zeros((1, len(layout), 3)), np.zeros(1))
     with pytest.raises(ValueError, match="pass its layout or experiment"):
-        feeler.WrenchSensor(text)
+        feeler.WrenchEstimator(text)
     with pytest.raises(ValueError, match="the calibration is for another fingertip"):
-        feeler.WrenchSensor(text, experiment="cap-closing")
+        feeler.WrenchEstimator(text, experiment="cap-closing")
     with pytest.raises(FileNotFoundError):
-        feeler.WrenchSensor.load(tmp_path / "none.toml")
+        feeler.WrenchEstimator.load(tmp_path / "none.toml")

@@ -1,5 +1,6 @@
 //! Ctrl-C and termination by the system.
 
+use std::process;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 
@@ -12,6 +13,18 @@ pub fn watch_for_interrupt() -> Result<Arc<AtomicBool>, ctrlc::Error> {
     let flag = Arc::clone(&interrupted);
     ctrlc::set_handler(move || flag.store(true, Ordering::Relaxed))?;
     Ok(interrupted)
+}
+
+/// Installs a handler that calls `clean_up` and ends the process with status 130 on Ctrl-C or a termination signal. For
+/// commands that have no partial result to complete.
+///
+/// # Errors
+/// If the signal handler cannot be installed.
+pub fn exit_on_interrupt(mut clean_up: impl FnMut() + Send + 'static) -> Result<(), ctrlc::Error> {
+    ctrlc::set_handler(move || {
+        clean_up();
+        process::exit(130);
+    })
 }
 
 /// Returns `true` if an interrupt was requested.

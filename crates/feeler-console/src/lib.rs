@@ -9,7 +9,7 @@ mod progress;
 mod table_file;
 mod warnings;
 
-pub use interrupt::{is_raised, watch_for_interrupt};
+pub use interrupt::{exit_on_interrupt, is_raised, watch_for_interrupt};
 pub use outcome::{CommandError, Outcome};
 pub use output::{Output, print_json};
 pub use part_file::{OutputError, Outputs, PartFile, cut_torn_line};

@@ -14,7 +14,7 @@ from feeler.recordings import PHASES, Recording, read
 from feeler.runs import Run, report, run
 from feeler.sensing import Calibration, Felt, Fingertip, Layout, Thresholds, calibrate, locate, simulate_loads
 from feeler.sweeps import Sweep, sweep
-from feeler.wrenches import Wrenches, WrenchSensor
+from feeler.wrenches import Wrenches, WrenchEstimator
 
 register_once_imported()
 
@@ -37,7 +37,7 @@ __all__ = [
     "Task",
     "Thresholds",
     "Value",
-    "WrenchSensor",
+    "WrenchEstimator",
     "Wrenches",
     "__version__",
     "calibrate",

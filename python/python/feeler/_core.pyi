@@ -7,7 +7,7 @@ from os import PathLike
 from pathlib import Path
 from typing import Any, Final, SupportsFloat, SupportsIndex, final
 
-__all__ = ["__version__", "Calibration", "EnvironmentSpec", "FingerSense", "HandSense", "Layout", "ManyEnvironments", "Plan", "Recording", "RunOutcome", "Sensor", "Session", "SingleEnvironment", "Store", "Trials", "WrenchSensor", "calibrate_file", "calibrate_frames", "estimate_contacts", "locate", "raise_flags", "read_table", "report", "run", "simulate_loads"]
+__all__ = ["__version__", "Calibration", "EnvironmentSpec", "FingerSense", "HandSense", "Layout", "ManyEnvironments", "Plan", "Recording", "RunOutcome", "Sensor", "Session", "SingleEnvironment", "Store", "Trials", "WrenchEstimator", "calibrate_file", "calibrate_frames", "estimate_contacts", "locate", "raise_flags", "read_table", "report", "run", "simulate_loads"]
 
 __version__: Final[str]
 
@@ -530,28 +530,28 @@ class Trials:
         """
 
 @final
-class WrenchSensor:
+class WrenchEstimator:
     """
     Estimator of the total force on one fingertip.
     """
-    def __new__(cls, /, text: str, layout: Layout | None, experiment: str | None, finger: SupportsIndex | None) -> WrenchSensor:
+    def __new__(cls, /, text: str, layout: Layout | None, experiment: str | None, finger: SupportsIndex | None) -> WrenchEstimator:
         """
-        Creates the sensor of the calibration in `text` (TOML). That of a camera needs a `layout` or an `experiment`.
+        Creates the estimator of the calibration in `text` (TOML). That of a camera needs a `layout` or an `experiment`.
         """
     @property
     def element_count(self, /) -> int: ...
+    def estimate(self, /, frames: Incomplete) -> tuple[Incomplete, Incomplete, Incomplete]:
+        """
+        Wrench in each of `frames` [N, H, W].
+        """
+    def estimate_taxels(self, /, readings: Incomplete, stamps: Incomplete) -> tuple[Incomplete, Incomplete, Incomplete]:
+        """
+        Wrench for each row of `readings` [N, E, 3] at `stamps` [N], s: one sequence that begins without load.
+        """
     @property
     def picture_size(self, /) -> tuple[int, int] | None:
         """
         Columns and rows of the images, px; `None` for taxels.
-        """
-    def sense(self, /, frames: Incomplete) -> tuple[Incomplete, Incomplete, Incomplete]:
-        """
-        Wrench in each of `frames` [N, H, W].
-        """
-    def sense_taxels(self, /, readings: Incomplete, stamps: Incomplete) -> tuple[Incomplete, Incomplete, Incomplete]:
-        """
-        Wrench for each row of `readings` [N, E, 3] at `stamps` [N], s: one sequence that begins without load.
         """
     def to_toml(self, /) -> str: ...
 

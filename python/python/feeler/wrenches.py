@@ -18,7 +18,7 @@ from feeler.sensing import BoolArray, FloatArray, Layout, PathLike
 class Wrenches:
     """Total wrench on one fingertip in each of N frames, in the frame and with the sign of the calibration's measurements.
 
-    Components that are not calibrated are NaN, and all if more than a tenth of the elements are missing.
+    Components that are not calibrated are NaN. All are NaN if more than a tenth of the elements are missing.
     """
 
     force: FloatArray
@@ -28,21 +28,22 @@ class Wrenches:
     place: FloatArray
     """Place of contact [N, 2], m; NaN without a touch."""
     valid: BoolArray
-    """``True`` if the frame resembles those of the calibration [N]; otherwise the components are extrapolated."""
+    """``True`` if the frame resembles those of the calibration [N]. Otherwise the components are extrapolated, or NaN if more
+    than a tenth of the elements are missing."""
     novelty: FloatArray
-    """Distance from the calibration's frames [N]; valid up to 1."""
+    """Distance from the calibration's frames [N]; valid up to 1, infinite if too many elements are missing."""
 
     def __len__(self) -> int:
         return len(self.valid)
 
 
-class WrenchSensor:
+class WrenchEstimator:
     """Estimates the total force, torque and place of contact on a fingertip with a camera or a taxel array.
 
     An instance may be used from several threads at once.
     """
 
-    __slots__ = ("_made_of", "_sensor")
+    __slots__ = ("_core", "_made_of")
 
     def __init__(
         self,
@@ -52,10 +53,10 @@ class WrenchSensor:
         experiment: str | None = None,
         finger: int | None = None,
     ) -> None:
-        """Creates a sensor from the content of a calibration file; see :meth:`load`."""
+        """Creates an estimator from the content of a calibration file; see :meth:`load`."""
         self._made_of = (calibration, layout, experiment, finger)
         core = None if layout is None else layout._layout
-        self._sensor = _core.WrenchSensor(calibration, core, experiment, finger)
+        self._core = _core.WrenchEstimator(calibration, core, experiment, finger)
 
     @classmethod
     def load(
@@ -65,8 +66,8 @@ class WrenchSensor:
         layout: Layout | PathLike | None = None,
         experiment: str | None = None,
         finger: int | None = None,
-    ) -> WrenchSensor:
-        """Loads the sensor of the calibration file at ``path``.
+    ) -> WrenchEstimator:
+        """Loads the estimator of the calibration file at ``path``.
 
         Parameters
         ----------
@@ -92,9 +93,9 @@ class WrenchSensor:
     @property
     def element_count(self) -> int:
         """Number of sensing elements, E."""
-        return self._sensor.element_count
+        return self._core.element_count
 
-    def sense(self, frames: NDArray[np.uint8]) -> Wrenches:
+    def estimate(self, frames: NDArray[np.uint8]) -> Wrenches:
         """Estimates the wrench in each image, independently of the others.
 
         Parameters
@@ -109,12 +110,12 @@ class WrenchSensor:
         """
         frames = np.ascontiguousarray(frames)
         frames = frames[np.newaxis] if frames.ndim == 2 else frames
-        width, height = self._sensor.picture_size or (-1, -1)
+        width, height = self._core.picture_size or (-1, -1)
         shape = ("N", height, width) if width >= 0 else ("N", "H", "W")
-        return _wrenches(self._sensor.sense(checked("frames", frames, np.uint8, shape)))
+        return _wrenches(self._core.estimate(checked("frames", frames, np.uint8, shape)))
 
-    def sense_taxels(self, readings: FloatArray, stamps: FloatArray) -> Wrenches:
-        """Estimates the wrench for each row of a taxel array: one sequence that begins without load.
+    def estimate_taxels(self, readings: FloatArray, stamps: FloatArray) -> Wrenches:
+        """Estimates the wrench for each row of a taxel array. The rows are one sequence that begins without load.
 
         Parameters
         ----------
@@ -133,17 +134,17 @@ class WrenchSensor:
         readings = checked("readings", readings, np.float64, ("N", self.element_count, 3))
         stamps = np.ascontiguousarray(stamps, dtype=np.float64)
         stamps = checked("stamps", stamps, np.float64, (len(readings),))
-        return _wrenches(self._sensor.sense_taxels(readings, stamps))
+        return _wrenches(self._core.estimate_taxels(readings, stamps))
 
-    def __reduce__(self) -> tuple[Callable[..., WrenchSensor], tuple[object, ...]]:
+    def __reduce__(self) -> tuple[Callable[..., WrenchEstimator], tuple[object, ...]]:
         return _restored, self._made_of
 
     def __repr__(self) -> str:
-        return f"WrenchSensor({self.element_count} elements)"
+        return f"WrenchEstimator({self.element_count} elements)"
 
 
-def _restored(calibration: str, layout: Layout | None, experiment: str | None, finger: int | None) -> WrenchSensor:
-    return WrenchSensor(calibration, layout=layout, experiment=experiment, finger=finger)
+def _restored(calibration: str, layout: Layout | None, experiment: str | None, finger: int | None) -> WrenchEstimator:
+    return WrenchEstimator(calibration, layout=layout, experiment=experiment, finger=finger)
 
 
 def _wrenches(arrays: tuple[FloatArray, BoolArray, FloatArray]) -> Wrenches:

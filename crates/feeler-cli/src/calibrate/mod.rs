@@ -68,9 +68,9 @@ pub struct Arguments {
     /// Layout file of the sensing elements, written by `feeler locate`, instead of an experiment.
     #[arg(long, value_name = "LAYOUT.toml", conflicts_with_all = ["simulated", "experiment"])]
     layout: Option<PathBuf>,
-    /// Track the markers of the layout in each image by identity, for markers that leave their places under load.
+    /// Track each marker of the layout, even beyond its neighbours' places.
     ///
-    /// Requires --wrench and images; `feeler sense` with the calibration tracks them, too.
+    /// Requires --wrench, --layout and images; `feeler sense` with the calibration tracks markers, too.
     #[arg(long, requires_all = ["wrench", "layout"])]
     track: bool,
     /// Calibrate a taxel array with this layout: a file or a built-in one (see `feeler list`). Requires --wrench.

@@ -1,12 +1,15 @@
 //! `feeler league` on synthetic sets with a known result, with programs that answer, fail and lie.
 
-use crate::program::{document, folder, rows, run};
+use crate::program::{document, feeler, folder, rows, run};
 use crate::recordings::recordings;
+use crate::sense::interrupted::interrupt;
 use serde_json::Value;
 use std::collections::HashMap;
 use std::fmt::Write as _;
 use std::fs;
 use std::path::Path;
+use std::process::Stdio;
+use std::thread::yield_now;
 
 /// Reading that only recordings with slip contain.
 const MARK: &str = "7777";
@@ -269,6 +272,33 @@ fn a_silent_program_is_ended() {
     let words = "FAILED: silent: gave 0 of 4 answers within the limit of 1 s";
     assert!(ended.stdout.contains(words), "{}", ended.stdout);
     assert_eq!(value(&folder, ["grasps", "auc", "shear"]), 1.0);
+}
+
+#[cfg(target_os = "linux")]
+#[test]
+fn an_interrupt_ends_programs_and_leaves_no_files() {
+    let folder = folder("league-interrupted");
+    grasps(&folder);
+    let sleeping = "sleeping=sleep 600 & echo $! > child; wait";
+    let arguments = ["league", ".", "--set", "grasps", "--entry", sleeping];
+    let mut command = feeler(&folder, &arguments);
+    let command = command.stdout(Stdio::piped()).stderr(Stdio::piped());
+    let child = command.spawn().expect("the program");
+    let sleeper = loop {
+        match fs::read_to_string(folder.join("child")) {
+            Ok(id) if id.ends_with('\n') => break id.trim().to_owned(),
+            _ => yield_now(),
+        }
+    };
+    let ended = interrupt(child);
+    assert_eq!(ended.status, Some(130), "{ended:?}");
+    // It may take a moment to end; a zombie has ended.
+    let stat = format!("/proc/{sleeper}/stat");
+    while fs::read_to_string(&stat).is_ok_and(|stat| !stat.contains(") Z ")) {
+        yield_now();
+    }
+    let left: Vec<_> = fs::read_dir(folder.join("league")).unwrap().collect();
+    assert!(left.is_empty(), "{left:?}");
 }
 
 #[test]

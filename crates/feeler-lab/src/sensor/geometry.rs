@@ -60,7 +60,8 @@ pub struct SensorGeometry {
     pub made_for: CalibrationTarget,
     /// Located layout, or `None` for the fingertip of an experiment.
     pub layout: Option<LocatedLayout>,
-    /// `true` if elements are tracked as markers instead of computing moments of sub-regions; requires a layout.
+    /// `true` if elements are tracked as markers instead of computing moments of sub-regions. Ignored without a
+    /// layout.
     pub tracked: bool,
 }
 

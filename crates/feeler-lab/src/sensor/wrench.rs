@@ -208,7 +208,7 @@ impl Eye {
     fn see(&mut self, name: &str) -> Result<Vec<Option<ElementMoments>>, String> {
         let NamedFrame::Picture(picture) = self.frames.get(name, &mut self.moments)? else {
             if self.tracked {
-                return Err("the recording contains no images, in which markers could be tracked; record with `feeler sense --record-frames`".into());
+                return Err("expected a recording with images, in which markers can be tracked, got only moments; record with `feeler sense --record-frames`".into());
             }
             let lit = |moments: &ElementMoments| {
                 (moments.integrated_gray.is_finite() && moments.integrated_gray > 0.0)
@@ -223,8 +223,8 @@ impl Eye {
 }
 
 impl SensorGeometry {
-    /// Reads the wrench calibration at `path` and verifies that it was made for this sensor. Tracks markers from now on
-    /// if the calibration does. Returns `None` if the file is of another kind.
+    /// Reads the wrench calibration at `path` and verifies that it was made for this sensor. Sets
+    /// [`tracked`](Self::tracked) as in the calibration. Returns `None` if the file is of another kind.
     ///
     /// # Errors
     /// If the file cannot be read, is invalid, or was made for another sensor.
@@ -235,8 +235,8 @@ impl SensorGeometry {
         self.parse_wrench_calibration(&read_text(path)?)
     }
 
-    /// Parses the text of a wrench calibration and verifies that it was made for this sensor. Tracks markers from now on
-    /// if the calibration does. Returns `None` if it is of another kind.
+    /// Parses the text of a wrench calibration and verifies that it was made for this sensor. Sets
+    /// [`tracked`](Self::tracked) as in the calibration. Returns `None` if it is of another kind.
     ///
     /// # Errors
     /// If the calibration is invalid or was made for another sensor.

@@ -1,6 +1,6 @@
 //! Message with the contact of a fingertip.
 
-use super::channels::Stamped;
+use super::channels::{Stamped, Tactile};
 use crate::wire::{Vector3, message, vector3_schema};
 use feeler::sensor::contact::Contact as Estimate;
 use glam::DVec3;
@@ -14,7 +14,9 @@ pub struct Contact {
     pub sequence: u64,
     /// Time of the tactile frame (s).
     pub stamp: f64,
-    /// Number of touching elements; if 0, everything else is NaN.
+    /// Number of elements without a valid force.
+    pub invalid: u32,
+    /// Number of touching elements; if 0, all following fields are NaN.
     pub touching: u32,
     /// Centre of pressure (m).
     pub centre: Vector3,
@@ -48,6 +50,7 @@ message!(
     "# Contact of one fingertip with an object; fingertip frame, NaN if not known",
     "uint64 sequence  # of the tactile frame",
     "float64 stamp  # s",
+    "uint32 invalid  # number of elements without a valid force",
     "uint32 touching  # number of touching elements",
     "geometry_msgs/Vector3 centre  # m, centre of pressure",
     "float64 centre_error  # m, standard error along each tangent",
@@ -65,20 +68,24 @@ message!(
 );
 
 impl Contact {
-    /// Creates the message of a contact, or of no contact.
-    pub fn new(sequence: u64, stamp: f64, contact: Option<&Estimate>) -> Self {
+    /// Creates the message of the contact in the frame `tactile`, or of no contact.
+    pub fn new(tactile: &Tactile, contact: Option<&Estimate>) -> Self {
         const NONE: Vector3 = Vector3 {
             x: f64::NAN,
             y: f64::NAN,
             z: f64::NAN,
         };
+        let is_invalid = |force: &&Vector3| !DVec3::from(**force).is_finite();
+        let invalid = tactile.forces.iter().filter(is_invalid);
+        let count = |count: usize| u32::try_from(count).unwrap_or(u32::MAX);
         let ellipse = contact.and_then(|c| c.ellipse);
         let number = |f: &dyn Fn(&Estimate) -> f64| contact.map_or(f64::NAN, f);
         let vector = |f: &dyn Fn(&Estimate) -> DVec3| contact.map_or(NONE, |c| f(c).into());
         Self {
-            sequence,
-            stamp,
-            touching: contact.map_or(0, |c| u32::try_from(c.touching).unwrap_or(u32::MAX)),
+            sequence: tactile.sequence,
+            stamp: tactile.stamp,
+            invalid: count(invalid.count()),
+            touching: contact.map_or(0, |c| count(c.touching)),
             centre: vector(&|c| c.centre),
             centre_error: number(&|c| c.centre_error),
             normal: vector(&|c| c.normal),

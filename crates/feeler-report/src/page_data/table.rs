@@ -244,7 +244,8 @@ fn add_contact(
 /// Number of values of a contact.
 pub const CONTACT_WIDTH: usize = 11;
 
-/// Centre, both semi-axes as vectors (m in `T`), torsion (N m), and the fraction of pressed elements that slide;
+/// Centre, both semi-axes as vectors (m in `T`), torsion (N m), and the fraction of elements, pressed with three
+/// times the threshold or more, that slide;
 /// NaN if unknown.
 pub fn contact_values(contact: Option<Contact>) -> [f64; CONTACT_WIDTH] {
     let vector = |of: Option<DVec3>| of.unwrap_or(DVec3::NAN).to_array();

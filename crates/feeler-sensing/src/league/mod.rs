@@ -12,12 +12,14 @@ mod sets;
 
 pub use options::LeagueOptions;
 
-use entries::Entry;
-use feeler_console::{CommandError, Outcome, Outputs, Steps, print_json, warn};
+use entries::{Entry, end_programs};
+use feeler_console::{CommandError, Outcome, Outputs, Steps, exit_on_interrupt, print_json, warn};
 use feeler_report::pages::{LeaguePage, league_page};
 use feeler_report::run::make::create_folder;
 use score::score;
 use sets::{ENDING, FoundSet, find_sets};
+use std::collections::BTreeSet;
+use std::fs;
 use std::io::Write;
 
 /// Scores all entries on all sets in a folder.
@@ -35,6 +37,14 @@ pub fn league(options: &LeagueOptions, out: &mut dyn Write) -> Result<Outcome, C
     // Opened first, because scoring takes a long time.
     let page_file = outputs.create(&page_path, "--out")?;
     let table_file = outputs.create(&table_path, "--out")?;
+    let parts = [&page_file, &table_file].map(|file| file.part().to_path_buf());
+    exit_on_interrupt(move || {
+        end_programs();
+        for part in &parts {
+            // Partial results are discarded.
+            let _ = fs::remove_file(part);
+        }
+    })?;
     let entries = |set: &FoundSet| Entry::all(set.definition.slip.is_some(), &programs).len();
     let bar = Steps::new(found.iter().map(|set| entries(set) + 1).sum());
     let sets = found.iter().map(|set| score(set, &programs, options, &bar));
@@ -79,8 +89,10 @@ fn chosen_sets(options: &LeagueOptions) -> Result<(Vec<FoundSet>, Vec<String>), 
     let (found, missing): (Vec<_>, Vec<_>) = sets.into_iter().partition(|s| s.folder.is_dir());
     if found.is_empty() {
         let folders = missing.iter().map(|set| set.folder.display().to_string());
-        let (data, folders) = (options.data.display(), folders.collect::<Vec<_>>());
-        let folders = folders.join(", ");
+        // Several sets may share a folder.
+        let folders: BTreeSet<_> = folders.collect();
+        let folders: Vec<_> = folders.into_iter().collect();
+        let (data, folders) = (options.data.display(), folders.join(", "));
         return Err(format!(
             "{data}: no set found; expected at least one of {folders}, or a definition *{ENDING}"
         )

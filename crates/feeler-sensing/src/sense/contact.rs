@@ -27,7 +27,7 @@ pub struct ContactOptions {
 /// Name of a column and its value, or `None` if the value is unknown.
 type Column = (&'static str, fn(&Contact) -> Option<f64>);
 
-/// Columns of a table that describe a contact, behind those of the frame.
+/// Columns of a table that describe a contact, after those of the frame.
 const COLUMNS: [Column; 24] = [
     ("c_x", |c| Some(c.centre.x)),
     ("c_y", |c| Some(c.centre.y)),
@@ -189,9 +189,10 @@ impl Format for ContactFormat {
         frame: &FrameReadings,
         writer: &mut SensedWriter,
     ) -> Result<(), CommandError> {
-        writer.write(TACTILE, &tactile(frame))?;
+        let tactile = tactile(frame);
+        writer.write(TACTILE, &tactile)?;
         let contact = self.estimate(frame);
-        let message = Message::new(frame.sequence, frame.stamp, contact.as_ref());
+        let message = Message::new(&tactile, contact.as_ref());
         Ok(writer.write(CONTACT, &message)?)
     }
 

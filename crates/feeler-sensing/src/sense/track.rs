@@ -198,8 +198,8 @@ impl Format for MarkerFormat {
         self.0.create_mcap(path)
     }
 
-    fn pictures(&self) -> Option<usize> {
-        self.0.pictures()
+    fn recorded_finger(&self) -> Option<usize> {
+        self.0.recorded_finger()
     }
 
     fn write_messages(

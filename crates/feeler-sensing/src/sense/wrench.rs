@@ -161,7 +161,7 @@ pub fn message(stamp: f64, estimate: &WrenchEstimate) -> WrenchStamped {
     }
 }
 
-/// Output format for the wrench that the estimator predicts from each image: moments, wrenches and, if recorded, images.
+/// Output format for the wrenches of images. MCAP files also contain moments and, if recorded, images.
 pub struct WrenchFormat {
     pub estimates: Estimates<WrenchEstimator>,
     /// Finger whose images are recorded, or `None` if images are not recorded.
@@ -186,7 +186,7 @@ impl Format for WrenchFormat {
         Ok(SensedWriter::create_for_wrenches(path, self.pictures)?)
     }
 
-    fn pictures(&self) -> Option<usize> {
+    fn recorded_finger(&self) -> Option<usize> {
         self.pictures
     }
 

@@ -6,7 +6,7 @@ mod contact;
 mod decoding;
 mod forces;
 #[cfg(unix)]
-mod interrupted;
+pub mod interrupted;
 mod recorded_pictures;
 mod rendered;
 mod table;

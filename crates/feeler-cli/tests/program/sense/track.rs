@@ -107,7 +107,7 @@ fn dark_markers_are_tracked_beyond_their_spacing() {
     }
 }
 
-/// Saves 90 images of drags and their FORCES.csv: force in proportion to the drag, 0.1 N/px. The middle moves by up to
+/// Saves 90 images of drags, with FORCES.csv for 60 and TEST.csv for 30 of them: force in proportion to the drag, 0.1 N/px. The middle moves by up to
 /// 1.2 spacings.
 fn dragged(folder: &Path) {
     let mut csv = String::from("picture,f_x,f_y\n");

@@ -60,7 +60,7 @@ pub struct LiveRows {
     /// Number of elements of each fingertip.
     pub elements: Vec<usize>,
     /// Estimates the contact of each fingertip.
-    contacts: Vec<ContactEstimator>,
+    estimators: Vec<ContactEstimator>,
     /// `true` if rows contain the pose of a cap.
     pub cap: bool,
     /// `true` if rows contain the pose of a carried object.
@@ -77,12 +77,12 @@ impl LiveRows {
         let elements = facts.hand.iter().map(|model| model.element_tips.len());
         let touch = facts.touch_force_threshold;
         let fingers = facts.hand.iter();
-        let contacts = fingers.map(|model| ContactEstimator::new(model.elements(), touch));
+        let estimators = fingers.map(|model| ContactEstimator::new(model.elements(), touch));
         let mut solids = facts.solids.iter();
         Ok(Self {
             homes: config.task.homes(),
             elements: elements.collect(),
-            contacts: contacts.collect(),
+            estimators: estimators.collect(),
             cap: config.cap().is_some(),
             object: solids.any(|solid| solid.frame == SolidFrame::Object),
             facts,
@@ -105,9 +105,10 @@ impl LiveRows {
         columns.iter().map(|(_, width)| width).sum::<usize>() - 1
     }
 
-    /// Contact of the fingertip of `finger` with the forces on its elements (N, in their frames). Does not allocate.
+    /// Estimates the contact in the next frame of `finger` from the forces on its elements (N, in their frames), or returns
+    /// `None` without contact. Updates the friction estimate. Does not allocate.
     pub fn contact(&mut self, finger: usize, forces: &[DVec3]) -> Option<Contact> {
-        self.contacts.get_mut(finger)?.estimate(forces)
+        self.estimators.get_mut(finger)?.estimate(forces)
     }
 
     /// Writes the row of the latest step of `control_loop`, with the readings `at` its beginning, into `numbers`. What

@@ -6,7 +6,7 @@ mod protocol;
 mod ridge;
 mod wrench;
 
-pub use program::Predictions;
+pub use program::{Predictions, end_programs};
 pub use wrench::Inputs;
 
 use super::data::{Fold, Piece, SetData, Truth};

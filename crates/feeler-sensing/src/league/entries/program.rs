@@ -5,8 +5,10 @@ use super::protocol::Question;
 use crate::league::data::{Fold, SetData};
 use crate::league::definition::Target;
 use std::io::{self, BufRead, BufReader, BufWriter, Read, Write};
+use std::mem;
 use std::process::{Child, ChildStderr, ChildStdout, Command, ExitStatus, Stdio};
 use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
 
@@ -96,7 +98,7 @@ fn ask(
 ) -> Result<Predictions, ProgramError> {
     let mut text = Vec::new();
     question.write(&mut text)?;
-    let mut running = Running(shell(command).spawn()?);
+    let mut running = Running::start(command)?;
     let child = &mut running.0;
     if let Some(stdin) = child.stdin.take() {
         // Ends when everything is read, or the program has ended.
@@ -164,10 +166,22 @@ fn shell(command: &str) -> Command {
     shell
 }
 
+/// Process groups of the running programs.
+static GROUPS: Mutex<Vec<u32>> = Mutex::new(Vec::new());
+
 /// A running program, which is killed when dropped.
 struct Running(Child);
 
 impl Running {
+    /// Starts `command` in the system's shell.
+    fn start(command: &str) -> io::Result<Self> {
+        // Locked before the start, so that no program is missed.
+        let mut groups = lock_groups();
+        let child = shell(command).spawn()?;
+        groups.push(child.id());
+        Ok(Self(child))
+    }
+
     /// Exit status in words, after a short wait.
     fn status(&mut self) -> String {
         let end = Instant::now() + GRACE;
@@ -183,17 +197,36 @@ impl Running {
 
 impl Drop for Running {
     fn drop(&mut self) {
-        #[cfg(unix)]
-        if let Some(group) = i32::try_from(self.0.id())
-            .ok()
-            .and_then(rustix::process::Pid::from_raw)
-        {
-            // The group may have ended.
-            let _ = rustix::process::kill_process_group(group, rustix::process::Signal::KILL);
-        }
+        lock_groups().retain(|id| *id != self.0.id());
+        kill_group(self.0.id());
         let _ = self.0.kill();
         let _ = self.0.wait();
     }
+}
+
+fn lock_groups() -> MutexGuard<'static, Vec<u32>> {
+    GROUPS.lock().unwrap_or_else(PoisonError::into_inner)
+}
+
+/// Kills all running programs with their child processes; on Unix only. Starting or dropping a program blocks afterwards;
+/// call it only before the process ends.
+pub fn end_programs() {
+    let groups = lock_groups();
+    groups.iter().copied().for_each(kill_group);
+    mem::forget(groups);
+}
+
+/// Kills the process group of a program, if it has not ended. Does nothing on other systems than Unix.
+fn kill_group(id: u32) {
+    #[cfg(unix)]
+    if let Some(group) = i32::try_from(id)
+        .ok()
+        .and_then(rustix::process::Pid::from_raw)
+    {
+        let _ = rustix::process::kill_process_group(group, rustix::process::Signal::KILL);
+    }
+    #[cfg(not(unix))]
+    let _ = id;
 }
 
 /// Reads lines of at most `longest` bytes on a background thread. A longer line is cut, and is the last one.

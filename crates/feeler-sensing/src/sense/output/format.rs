@@ -3,16 +3,16 @@
 use super::filed::FileOutput;
 use super::frame_output::{FrameReadings, Output};
 use super::prompt::MaxAgeFlush;
-use super::row_file::{RowFile, RowWriter};
+use super::row_file::{RowFile, TextWriter};
 use feeler::sensor::image::Frame;
 use feeler_console::{CommandError, Outputs};
 use feeler_record::{Image, MessageSink, SensedWriter, topics};
 use std::io;
 use std::path::{Path, PathBuf};
 
-/// Kind of output data: what is written for each frame, as rows or as messages.
+/// Kind of output data. Converts frames to rows or messages.
 pub trait Format: Send {
-    /// Names of the columns of a table.
+    /// Names of the columns of a table, without that of the sequence.
     fn columns(&self) -> Vec<&'static str>;
     /// Returns `true` if each row names its sequence.
     fn names_sequences(&self) -> bool {
@@ -25,7 +25,7 @@ pub trait Format: Send {
     /// Creates an MCAP file with the topics of the messages.
     fn create_mcap(&self, path: &Path) -> Result<SensedWriter, CommandError>;
     /// Returns the finger whose images are recorded in an MCAP file, or `None` if images are not recorded.
-    fn pictures(&self) -> Option<usize> {
+    fn recorded_finger(&self) -> Option<usize> {
         None
     }
     /// Writes the messages of a frame.
@@ -50,12 +50,12 @@ struct Rows {
 }
 
 impl Rows {
-    fn csv(writer: RowWriter, format: Box<dyn Format>) -> Result<Self, CommandError> {
+    fn csv(writer: TextWriter, format: Box<dyn Format>) -> Result<Self, CommandError> {
         let file = RowFile::csv(writer, &format.columns(), format.names_sequences())?;
         Ok(Self { file, format })
     }
 
-    fn json_lines(writer: RowWriter, format: Box<dyn Format>) -> Self {
+    fn json_lines(writer: TextWriter, format: Box<dyn Format>) -> Self {
         let file = RowFile::json_lines(writer, format.names_sequences());
         Self { file, format }
     }
@@ -91,7 +91,7 @@ struct Mcap {
 
 impl Mcap {
     fn create(path: &Path, format: Box<dyn Format>) -> Result<Self, CommandError> {
-        let pictures = format.pictures();
+        let pictures = format.recorded_finger();
         Ok(Self {
             writer: format.create_mcap(path)?,
             pictures: pictures.map(|finger| (finger, Image::of_finger(finger))),

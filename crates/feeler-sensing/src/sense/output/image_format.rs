@@ -137,7 +137,7 @@ impl Format for ImageFormat {
         Ok(SensedWriter::create(path, self.pictures)?)
     }
 
-    fn pictures(&self) -> Option<usize> {
+    fn recorded_finger(&self) -> Option<usize> {
         self.pictures
     }
 

@@ -5,8 +5,8 @@ use feeler_console::CommandError;
 use serde::Serialize;
 use std::io::{self, Write};
 
-/// A writer of text.
-pub type RowWriter = Box<dyn Write + Send>;
+/// Destination of text.
+pub type TextWriter = Box<dyn Write + Send>;
 
 /// A writer of rows in one of two formats.
 pub struct RowFile {
@@ -17,9 +17,9 @@ pub struct RowFile {
 
 enum Writer {
     /// Comma-separated values.
-    Csv(Box<csv::Writer<WholeRows<RowWriter>>>),
+    Csv(Box<csv::Writer<WholeRows<TextWriter>>>),
     /// JSON Lines: one object per row.
-    JsonLines(WholeRows<RowWriter>),
+    JsonLines(WholeRows<TextWriter>),
 }
 
 /// A row with the name of its sequence.
@@ -31,8 +31,12 @@ struct Sequenced<'a, T> {
 }
 
 impl RowFile {
-    /// Creates a table with these columns; behind one with the name of the sequence if `sequences` is `true`.
-    pub fn csv(writer: RowWriter, columns: &[&str], sequences: bool) -> Result<Self, CommandError> {
+    /// Creates a table with these columns, after a column `sequence` if `sequences` is `true`.
+    pub fn csv(
+        writer: TextWriter,
+        columns: &[&str],
+        sequences: bool,
+    ) -> Result<Self, CommandError> {
         let mut writer = csv::WriterBuilder::new()
             .has_headers(false)
             .from_writer(WholeRows::new(writer));
@@ -45,7 +49,7 @@ impl RowFile {
     }
 
     /// Creates a JSON Lines writer. Rows name their sequence if `sequences` is `true`.
-    pub fn json_lines(writer: RowWriter, sequences: bool) -> Self {
+    pub fn json_lines(writer: TextWriter, sequences: bool) -> Self {
         Self {
             writer: Writer::JsonLines(WholeRows::new(writer)),
             sequence: sequences.then(String::new),
@@ -93,7 +97,7 @@ impl RowFile {
 
 /// Writes `object` as one line.
 fn write_json(
-    writer: &mut WholeRows<RowWriter>,
+    writer: &mut WholeRows<TextWriter>,
     object: &impl Serialize,
 ) -> Result<(), CommandError> {
     serde_json::to_writer(&mut *writer, object)?;

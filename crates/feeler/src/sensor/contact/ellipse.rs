@@ -50,7 +50,7 @@ pub(super) const CELL_VARIANCE: f64 = 1.0 / 12.0;
 /// Maximum second moment across a line, relative to that along it, by rounding.
 const ON_A_LINE: f64 = 1e-6;
 
-/// Contact area, or `None` if the elements do not resolve it: if fewer than three touch, if they lie on a line, or if one
+/// Contact ellipse, or `None` if the elements do not resolve it: if fewer than three touch, if they lie on a line, or if one
 /// of them bears almost everything. `tangents` are the axes of positions in `T`, `touching` is the number of touching
 /// elements, and `noise` the standard error of each weight.
 pub(super) fn ellipse(

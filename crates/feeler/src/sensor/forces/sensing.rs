@@ -65,7 +65,7 @@ impl From<&TrackedMarker> for ElementReading {
     /// Reading of a marker; a lost one is a dark element.
     fn from(marker: &TrackedMarker) -> Self {
         match marker.confidence > 0.0 {
-            true => Self::of_place(marker),
+            true => Self::of_marker(marker),
             false => Self {
                 integrated_gray: marker.integrated_gray,
                 exposure: Exposure::Dark,
@@ -76,8 +76,8 @@ impl From<&TrackedMarker> for ElementReading {
 }
 
 impl ElementReading {
-    /// Reading of a marker that is assumed to be at its found or predicted place.
-    fn of_place(marker: &TrackedMarker) -> Self {
+    /// Reading of a marker at its measured or, if it is lost, predicted position.
+    fn of_marker(marker: &TrackedMarker) -> Self {
         Self {
             integrated_gray: marker.integrated_gray,
             centroid: Some(marker.place),
@@ -206,9 +206,10 @@ impl SensingChain {
         self
     }
 
-    /// Measures the elements as markers with `tracker`, which must be of the same layout, instead of computing moments of
-    /// sub-regions, so that they may leave their sub-regions. Each image is matched independently of earlier ones
-    /// ([`MarkerTracker::match_picture`]), which allocates. Readings have no forces.
+    /// Tracks the elements as markers, which may leave their sub-regions, instead of computing moments. `tracker` must have
+    /// the same layout. Readings are in px and have no forces, even with a calibration; [`moments`](Self::moments) and
+    /// [`sense_forces`](Self::sense_forces) ignore the tracker. Each image is matched independently of earlier ones
+    /// ([`MarkerTracker::match_picture`]), which allocates.
     #[must_use]
     pub fn with_tracker(self, tracker: MarkerTracker) -> Self {
         Self {
@@ -389,8 +390,8 @@ impl SensingChain {
     }
 }
 
-/// Fills `readings` with the markers in `picture`. Up to a tenth of them may be lost and are at the positions that their
-/// neighbours predict; if more are lost, these are dark.
+/// Fills `readings` with the markers in `picture`. If at most a tenth of them are lost, these get the positions that their
+/// neighbours predict; otherwise they are dark.
 fn match_markers<P: AsRef<[u8]>>(
     tracker: &mut MarkerTracker,
     picture: &Picture<P>,
@@ -404,7 +405,7 @@ fn match_markers<P: AsRef<[u8]>>(
     let few_are_lost = 10 * (readings.len() - tracker.found()) <= readings.len();
     for (reading, marker) in readings.iter_mut().zip(tracker.markers()) {
         *reading = match few_are_lost {
-            true => ElementReading::of_place(marker),
+            true => ElementReading::of_marker(marker),
             false => marker.into(),
         };
     }

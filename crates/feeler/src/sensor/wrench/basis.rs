@@ -21,7 +21,7 @@ pub trait Basis:
 {
     /// Kind of the calibration file.
     const KIND: &'static str;
-    /// Maximum number of samples on which all terms are compared, evenly spread. The regression uses all samples.
+    /// Maximum number of samples on which all candidate terms are compared, evenly spread. The regression uses all samples.
     const MAX_ROWS: usize;
     /// Measurement of all elements at one time.
     type Input: Debug + Clone + PartialEq + Send + Sync;
@@ -76,7 +76,8 @@ pub trait Basis:
         features: &'a [f64],
     ) -> impl Iterator<Item = f64> + 'a;
 
-    /// Removes statistics that none of `terms` needs, which changes the number of features.
+    /// Removes statistics that none of `terms` needs, which changes the number of features. Does nothing by
+    /// default.
     fn keep_only(&mut self, _terms: &[Self::Terms]) {}
 
     /// Number of parameters that describe how the readings of a copy of the sensor differ from those of the original; 0 if

@@ -17,14 +17,14 @@ const WORTH: f64 = 1.0;
 const WORTH_OF_DOUBTFUL: f64 = 3.0;
 const LEFT_BY_DOUBTFUL: f64 = 0.5;
 
-/// Number of rows on which the best terms are compared again with few terms.
+/// Maximum number of rows of the second comparison.
 const MAX_ROWS_AGAIN: usize = 600;
 
 /// Terms and penalty of a component's regression.
 #[derive(Debug, Clone, PartialEq)]
 pub(super) struct Choice<T> {
     pub terms: T,
-    /// Penalty for all rows: that of the kept rows, times the number of rows for each kept one.
+    /// Penalty for all rows: that of the compared rows, times the number of rows per compared one.
     pub penalty: f64,
     /// Squared error of each row when its block is held out, averaged over the partitions.
     squares: Vec<f64>,
@@ -70,8 +70,8 @@ pub(super) struct Target {
 
 /// Best choice for each of `targets`, or `None` if no regression has a finite solution.
 ///
-/// All candidates are compared on at most [`Basis::MAX_ROWS`] rows. If there are more, the best one is compared again on
-/// more rows with those that have few terms.
+/// All candidates are compared on at most [`Basis::MAX_ROWS`] rows. If there are more rows, the best candidate is compared
+/// again, on up to 600 rows, with those of few terms.
 pub(super) fn choose<B: Basis>(
     basis: &B,
     features: &[Vec<f64>],
@@ -79,48 +79,59 @@ pub(super) fn choose<B: Basis>(
     targets: &[Target],
 ) -> Vec<Option<Choice<B::Terms>>> {
     let mut chosen: Vec<Option<Choice<B::Terms>>> = vec![None; targets.len()];
-    let candidates = basis.candidates();
     for (first, target) in targets.iter().enumerate() {
         // Components measured on the same rows share the expensive decompositions.
-        let same = |other: &&Target| other.rows == target.rows;
-        if targets[..first].iter().any(|other| same(&other)) {
+        let same = |other: &Target| other.rows == target.rows;
+        if targets[..first].iter().any(same) {
             continue;
         }
+        let of_target = targets.iter().zip(&mut chosen);
+        let mut of_target: Vec<_> = of_target.filter(|(target, _)| same(target)).collect();
         let count = target.rows.len();
         let step = count.div_ceil(B::MAX_ROWS).max(1);
         let compared = Compared::new((0..count).step_by(step).collect(), recording_of, target);
-        for &terms in &candidates {
+        for terms in basis.candidates() {
             let spectrum = compared.spectrum(basis, features, terms);
-            for (target, chosen) in targets.iter().zip(&mut chosen).filter(|(t, _)| same(t)) {
+            for (target, chosen) in &mut of_target {
                 keep_better::<B>(chosen, compared.best(&spectrum, target, terms));
             }
         }
-        if B::MAX_ROWS >= MAX_ROWS_AGAIN || count <= B::MAX_ROWS {
-            continue;
-        }
-        let most = count.min(MAX_ROWS_AGAIN);
-        let compared = Compared::new(
-            (0..most).map(|row| row * count / most).collect(),
-            recording_of,
-            target,
-        );
-        let few = candidates.iter().copied();
-        let few = few.filter(|&terms| basis.term_count(terms) <= B::MAX_ROWS);
-        let few: Vec<_> = few.collect();
-        let mut spectra: Vec<(B::Terms, Spectrum)> = Vec::new();
-        for (target, chosen) in targets.iter().zip(&mut chosen).filter(|(t, _)| same(t)) {
-            let best = chosen.take().map(|choice| choice.terms);
-            for terms in best.into_iter().chain(few.iter().copied()) {
-                let known = spectra.iter().position(|(of, _)| *of == terms);
-                let index = known.unwrap_or_else(|| {
-                    spectra.push((terms, compared.spectrum(basis, features, terms)));
-                    spectra.len() - 1
-                });
-                keep_better::<B>(chosen, compared.best(&spectra[index].1, target, terms));
-            }
+        if B::MAX_ROWS < MAX_ROWS_AGAIN && count > B::MAX_ROWS {
+            let most = count.min(MAX_ROWS_AGAIN);
+            let places = (0..most).map(|row| row * count / most).collect();
+            let compared = Compared::new(places, recording_of, target);
+            compare_again(basis, features, &compared, &mut of_target);
         }
     }
     chosen
+}
+
+/// Compares the choice for each target again with all candidates of at most [`Basis::MAX_ROWS`] terms.
+fn compare_again<B: Basis>(
+    basis: &B,
+    features: &[Vec<f64>],
+    compared: &Compared,
+    targets: &mut [(&Target, &mut Option<Choice<B::Terms>>)],
+) {
+    let terms_of = |choice: Option<Choice<B::Terms>>| choice.map(|choice| choice.terms);
+    let mut best: Vec<_> = (targets.iter_mut())
+        .map(|(_, chosen)| terms_of(chosen.take()))
+        .collect();
+    while let Some(terms) = best.iter().copied().flatten().next() {
+        let spectrum = compared.spectrum(basis, features, terms);
+        for ((target, chosen), best) in targets.iter_mut().zip(&mut best) {
+            if best.take_if(|best| *best == terms).is_some() {
+                **chosen = compared.best(&spectrum, target, terms);
+            }
+        }
+    }
+    let few = |terms: &B::Terms| basis.term_count(*terms) <= B::MAX_ROWS;
+    for terms in basis.candidates().into_iter().filter(few) {
+        let spectrum = compared.spectrum(basis, features, terms);
+        for (target, chosen) in targets.iter_mut() {
+            keep_better::<B>(chosen, compared.best(&spectrum, target, terms));
+        }
+    }
 }
 
 /// Replaces `chosen` with `other` if it is better.
@@ -141,7 +152,7 @@ struct Compared {
     /// Indices of these rows in the features.
     rows: Vec<usize>,
     cuts: [Vec<Fold>; 2],
-    /// Number of rows of the target for each compared one.
+    /// Rows of the target per compared row.
     factor: f64,
 }
 

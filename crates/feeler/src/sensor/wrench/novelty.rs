@@ -89,9 +89,8 @@ impl<T: Copy> Novelty<T> {
     }
 }
 
-/// Directions of largest variance of `rows`, in descending order: at most `most`, and no more than explain the variance
-/// `part`.
-pub(super) fn principal(rows: &DMatrix<f64>, part: f64, most: usize) -> Vec<Direction> {
+/// Directions of largest variance of `rows`, in descending order: as few as explain `variance`, and at most `most`.
+pub(super) fn principal(rows: &DMatrix<f64>, variance: f64, most: usize) -> Vec<Direction> {
     let dual = rows.nrows() <= rows.ncols();
     let gram = match dual {
         true => rows * rows.transpose(),
@@ -106,19 +105,19 @@ pub(super) fn principal(rows: &DMatrix<f64>, part: f64, most: usize) -> Vec<Dire
     let mut directions: Vec<Direction> = Vec::new();
     let mut explained = 0.0;
     for index in order.into_iter().take(most) {
-        let variance = eigenvalues[index];
-        let enough = explained >= part;
-        if enough || variance <= MIN_VARIANCE {
+        let own = eigenvalues[index];
+        let enough = explained >= variance;
+        if enough || own <= MIN_VARIANCE {
             break;
         }
         let vector = eigenvectors.column(index).into_owned();
         let along = match dual {
-            true => rows.tr_mul(&vector) / variance.sqrt(),
+            true => rows.tr_mul(&vector) / own.sqrt(),
             false => vector,
         };
-        explained += variance;
+        explained += own;
         directions.push(Direction {
-            variance,
+            variance: own,
             along: along.iter().copied().collect(),
         });
     }

@@ -161,7 +161,9 @@ impl Basis for MomentBasis {
 
     fn keep_only(&mut self, terms: &[Terms]) {
         if terms.iter().all(|terms| !terms.modes) {
-            self.0.iter_mut().for_each(|element| element.modes.clear());
+            self.0
+                .iter_mut()
+                .for_each(|element| element.loadings.clear());
         }
     }
 
@@ -170,7 +172,7 @@ impl Basis for MomentBasis {
         for (index, element) in self.0.iter().enumerate() {
             element.check(index)?;
             let name = format!("model.elements[{index}].modes");
-            check_count(&name, self.modes(), element.modes.len())?;
+            check_count(&name, self.modes(), element.loadings.len())?;
         }
         Ok(())
     }
@@ -179,7 +181,7 @@ impl Basis for MomentBasis {
 impl MomentBasis {
     /// Number of modes.
     fn modes(&self) -> usize {
-        self.0.first().map_or(0, |standard| standard.modes.len())
+        self.0.first().map_or(0, |standard| standard.loadings.len())
     }
 
     /// Number of elements in use.

@@ -9,8 +9,8 @@
 //! displacement   u_x, u_y = c - c_0
 //! ```
 //!
-//! If markers move far, the displacement field is described by few modes of deformation ([`mod@modes`]), whose products
-//! are features, too.
+//! The displacement field is also described by a few modes of deformation ([`mod@modes`]); the modes and their products are
+//! candidate features.
 //!
 //! A dimming lamp changes `m` but not the growth, because a global gain is not a force. Only plain growth is affected.
 

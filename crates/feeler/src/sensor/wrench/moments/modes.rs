@@ -53,7 +53,7 @@ pub(super) fn add_modes(
             let along = &mode.along[2 * element..][..2];
             common * DVec2::from_slice(along) / mode.variance.sqrt().sqrt()
         };
-        standard.modes = modes.iter().map(loading).collect();
+        standard.loadings = modes.iter().map(loading).collect();
     }
 }
 
@@ -66,13 +66,14 @@ pub(super) fn fill_modes(
     modes.fill(0.0);
     for (standard, moments) in standards.iter().zip(seen) {
         let deflection = standard.deflection(moments.as_ref());
-        for (mode, loading) in modes.iter_mut().zip(&standard.modes) {
+        for (mode, loading) in modes.iter_mut().zip(&standard.loadings) {
             *mode += loading.dot(deflection);
         }
     }
 }
 
-/// The modes, followed by the products of all pairs, each scaled to the variance of a square.
+/// The modes, followed by the products of all pairs. Products of different modes are multiplied by √2, so that they vary as
+/// much as squares.
 pub(super) fn terms(modes: &[f64]) -> impl Iterator<Item = f64> {
     let products = modes.iter().enumerate().flat_map(move |(index, &first)| {
         let others = modes[index + 1..].iter();

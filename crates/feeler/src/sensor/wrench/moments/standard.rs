@@ -22,9 +22,9 @@ pub struct ElementStandard {
     pub mean: [f64; PER_ELEMENT],
     /// Standard deviation of each feature; 0 for a constant feature, which is not used.
     pub scale: [f64; PER_ELEMENT],
-    /// Contribution of the displacement to each mode of deformation, per m or px along x and y.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub modes: Vec<DVec2>,
+    /// Change of each mode of deformation per displacement of this element along x and y, 1/m or 1/px.
+    #[serde(default, skip_serializing_if = "Vec::is_empty", rename = "modes")]
+    pub loadings: Vec<DVec2>,
 }
 
 impl ElementStandard {
@@ -34,7 +34,7 @@ impl ElementStandard {
         centroid: DVec2::ZERO,
         mean: [0.0; PER_ELEMENT],
         scale: [0.0; PER_ELEMENT],
-        modes: Vec::new(),
+        loadings: Vec::new(),
     };
 
     pub(super) fn standardised(&self, raw: [f64; PER_ELEMENT]) -> [f64; PER_ELEMENT] {
@@ -56,7 +56,7 @@ impl ElementStandard {
         for place in self.centroid.to_array() {
             check_number(&field("centroid"), place, -LARGEST..=LARGEST)?;
         }
-        for loading in self.modes.iter().flat_map(DVec2::to_array) {
+        for loading in self.loadings.iter().flat_map(DVec2::to_array) {
             check_number(&field("modes"), loading, -LARGEST..=LARGEST)?;
         }
         for (mean, scale) in self.mean.into_iter().zip(self.scale) {
