@@ -71,7 +71,7 @@ pub struct Arguments {
     /// Track each marker of the layout, even beyond its neighbours' places.
     ///
     /// Requires --wrench, --layout and images; `feeler sense` with the calibration tracks markers, too.
-    #[arg(long, requires_all = ["wrench", "layout"])]
+    #[arg(long, requires_all = ["wrench", "layout"], conflicts_with = "taxels")]
     track: bool,
     /// Calibrate a taxel array with this layout: a file or a built-in one (see `feeler list`). Requires --wrench.
     #[arg(long, value_name = "LAYOUT", requires = "wrench", conflicts_with_all = ["layout", "experiment", "finger", "live"])]

@@ -130,7 +130,13 @@ fn fit_to<B: Basis>(
     }
     let fitting = Working::on("fitting");
     let fitted = match &source {
-        Some(source) => transfer(source, made_for, forces.recordings(), samples),
+        Some(source) => transfer(
+            source,
+            made_for,
+            forces.recordings(),
+            samples,
+            arguments.force_fit,
+        ),
         None => fit(made_for, forces.recordings(), samples, arguments.force_fit),
     };
     drop(fitting);

@@ -57,6 +57,8 @@ pub fn sense(
 
 struct Stage {
     tracker: MarkerTracker,
+    /// Tracker before the first image.
+    untouched: MarkerTracker,
     track: Track,
     readings: Vec<ElementReading>,
     /// Number of images in which markers were recovered by matching against the reference.
@@ -67,8 +69,10 @@ struct Stage {
 
 impl Stage {
     fn new(layout: &LocatedLayout, track: Track) -> Result<Self, CommandError> {
+        let tracker = MarkerTracker::new(layout)?;
         Ok(Self {
-            tracker: MarkerTracker::new(layout)?,
+            untouched: tracker.clone(),
+            tracker,
             track,
             readings: vec![ElementReading::default(); layout.elements.len()],
             found_again: 0,
@@ -117,8 +121,10 @@ impl Stage {
 
     /// Locates the markers in the next image.
     fn see(&mut self, picture: &Picture, sequence: u64) -> Result<(), CommandError> {
-        if self.track == Track::Video {
-            self.tracker.track(picture)?;
+        match self.track {
+            Track::Video => drop(self.tracker.track(picture)?),
+            // A tracker remembers earlier images.
+            Track::Single => self.tracker.clone_from(&self.untouched),
         }
         if self.track == Track::Single || self.tracker.is_lost() {
             match self.tracker.match_picture(picture) {

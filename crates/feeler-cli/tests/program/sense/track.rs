@@ -180,6 +180,17 @@ fn total_force_is_calibrated_from_markers_that_leave_their_places() {
     assert_eq!(ended.status, Some(0), "{ended:?}");
     assert!(worst("within.toml") > 0.2, "{} N", worst("within.toml"));
 
+    // An estimate does not depend on earlier images.
+    let sense = |pictures: &[&str]| {
+        let arguments = ["--layout", "gel.toml", "--calibration", "tracked.toml"];
+        let ended = run(&folder, &[&["sense"], pictures, &arguments].concat());
+        *forces(&ended.stdout).last().expect("a row")
+    };
+    assert_eq!(
+        sense(&["drag_64.png"]),
+        sense(&["drag_0.png", "drag_77.png", "drag_64.png"])
+    );
+
     let verified = run(
         &folder,
         &["verify", "tracked.toml", "TEST.csv", "--layout", "gel.toml"],
@@ -205,6 +216,7 @@ fn total_force_is_calibrated_from_markers_that_leave_their_places() {
         "x.toml",
     ];
     run(&folder, &arguments).refused(&["--layout"]);
+    calibrate("x.toml", &["--track", "--taxels", "anyskin"]).refused(&["--taxels"]);
 }
 
 #[test]

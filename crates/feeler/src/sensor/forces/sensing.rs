@@ -274,8 +274,9 @@ impl SensingChain {
         readings: &mut [ElementReading],
     ) -> Result<(), SensingError> {
         check_count("readings", self.element_count(), readings.len())?;
-        if let Some(tracker) = &mut self.tracker {
-            match_markers(tracker, picture, readings)?;
+        if let Some(tracker) = &self.tracker {
+            // A copy, because a tracker remembers earlier images.
+            match_markers(&mut tracker.clone(), picture, readings)?;
             self.apply_reference(readings);
             return Ok(());
         }
@@ -391,7 +392,7 @@ impl SensingChain {
 }
 
 /// Fills `readings` with the markers in `picture`. If at most a tenth of them are lost, these get the positions that their
-/// neighbours predict; otherwise they are dark.
+/// neighbours predict, and the mean integrated gray value; otherwise they are dark.
 fn match_markers<P: AsRef<[u8]>>(
     tracker: &mut MarkerTracker,
     picture: &Picture<P>,
@@ -402,10 +403,17 @@ fn match_markers<P: AsRef<[u8]>>(
         Err(error) => return Err(error),
         Ok(_) => {}
     }
-    let few_are_lost = 10 * (readings.len() - tracker.found()) <= readings.len();
-    for (reading, marker) in readings.iter_mut().zip(tracker.markers()) {
-        *reading = match few_are_lost {
-            true => ElementReading::of_marker(marker),
+    let markers = tracker.markers();
+    let found = markers.iter().filter(|marker| marker.confidence > 0.0);
+    let count = found.clone().count();
+    let few_are_lost = 10 * (markers.len() - count) <= markers.len();
+    let mean_gray = found.map(|m| m.integrated_gray).sum::<f64>() / count.max(1) as f64;
+    for (reading, marker) in readings.iter_mut().zip(markers) {
+        *reading = match few_are_lost && marker.confidence == 0.0 {
+            true => ElementReading::of_marker(&TrackedMarker {
+                integrated_gray: mean_gray,
+                ..*marker
+            }),
             false => marker.into(),
         };
     }

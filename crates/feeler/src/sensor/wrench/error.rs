@@ -95,6 +95,18 @@ pub enum WrenchError {
         /// Number of presses.
         actual: usize,
     },
+    /// All measured values of a component are beyond its calibrated range.
+    #[error(
+        "expected presses within the calibrated range of {axis}, {}..{} {unit}, got only others", range[0], range[1]
+    )]
+    OutsideRange {
+        /// Name of the component.
+        axis: &'static str,
+        /// Unit of the component.
+        unit: &'static str,
+        /// Calibrated range.
+        range: [f64; 2],
+    },
     /// A calibration was changed after it was written.
     #[error(
         "the calibration was changed after it was written: its checksum is {actual}, expected {expected}; calibrate again"

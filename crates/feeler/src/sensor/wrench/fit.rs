@@ -63,12 +63,7 @@ pub fn fit<B: Basis>(
         }
     }
     if qualities.is_empty() {
-        let name = |(axis, r2): &(WrenchAxis, Option<f64>)| match r2 {
-            Some(r2) => format!("{} {r2:.2}", axis.name()),
-            None => format!("{} unknown", axis.name()),
-        };
-        let found = left_out.iter().map(name).collect::<Vec<_>>().join(", ");
-        return Err(WrenchError::ExplainsNothing { found });
+        return Err(explains_nothing(&left_out));
     }
     let mut model = whole;
     (model.axes).retain(|axis| qualities.iter().any(|quality| quality.axis == axis.axis));
@@ -94,6 +89,16 @@ pub fn fit<B: Basis>(
         unusable,
         held_out,
     })
+}
+
+/// Error if no component can be predicted, with the held-out R² of each.
+pub(super) fn explains_nothing(left_out: &[(WrenchAxis, Option<f64>)]) -> WrenchError {
+    let name = |(axis, r2): &(WrenchAxis, Option<f64>)| match r2 {
+        Some(r2) => format!("{} {r2:.2}", axis.name()),
+        None => format!("{} unknown", axis.name()),
+    };
+    let found = left_out.iter().map(name).collect::<Vec<_>>().join(", ");
+    WrenchError::ExplainsNothing { found }
 }
 
 /// Rejects samples of another sensor or of a recording without a name.

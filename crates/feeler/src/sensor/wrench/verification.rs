@@ -70,7 +70,7 @@ impl AxisVerification {
 /// measured force or torque.
 ///
 /// # Errors
-/// If no component of the calibration was measured within its range, if its band of errors is unknown, or if there are
+/// If no component of the calibration was measured, if one was measured only beyond its range, if its band of errors is unknown, or if there are
 /// too few presses to reject it.
 pub fn verify<B: Basis>(
     calibration: &CalibrationOf<B>,
@@ -112,7 +112,17 @@ pub fn verify<B: Basis>(
         .quality
         .iter()
         .map(|quality| (quality, compared(quality)));
-    let tested: Vec<_> = tested.filter(|(_, presses)| !presses.is_empty()).collect();
+    let (tested, untested): (Vec<_>, Vec<_>) = tested.partition(|(_, presses)| !presses.is_empty());
+    for (quality, _) in untested {
+        let mut values = presses.iter().flatten();
+        if values.any(|&row| samples[row].wrench[quality.axis.index()].is_some()) {
+            return Err(WrenchError::OutsideRange {
+                axis: quality.axis.name(),
+                unit: quality.axis.unit(),
+                range: quality.range,
+            });
+        }
+    }
     if tested.is_empty() {
         return Err(WrenchError::NotMeasured);
     }

@@ -158,7 +158,7 @@ fn ten_presses_transfer_a_calibration_to_a_copy() {
         for &count in counts {
             let presses = skin.presses(count, 300 + copy);
             let scratch = error(&calibrated(&presses), &unseen);
-            let transferred = transfer(&SOURCE, target(), &names(), &presses).unwrap();
+            let transferred = transfer(&SOURCE, target(), &names(), &presses, false).unwrap();
             let transferred = error(&transferred.calibration, &unseen);
             println!("{copy}, {count}: {scratch:.3} {transferred:.3}");
             if count == 10 {
@@ -210,7 +210,7 @@ fn presses_are_needed_to_verify_and_to_transfer() {
         ),
         "{verified:?}"
     );
-    let transferred = transfer(&SOURCE, target(), &names(), &presses);
+    let transferred = transfer(&SOURCE, target(), &names(), &presses, false);
     assert!(matches!(
         transferred,
         Err(WrenchError::TooFewPresses {
@@ -221,6 +221,40 @@ fn presses_are_needed_to_verify_and_to_transfer() {
     let verified = verify(&SOURCE, &[], "2026-11-28", 0.01);
     assert!(
         matches!(verified, Err(WrenchError::NotMeasured)),
+        "{verified:?}"
+    );
+}
+
+#[test]
+fn presses_that_the_readings_do_not_show_are_refused() {
+    let mut presses = Skin::copy(0.0, 0).presses(10, 5);
+    // All readings are those of the first press.
+    let (first, others) = presses.split_first_mut().unwrap();
+    others
+        .iter_mut()
+        .for_each(|press| press.seen = first.seen.clone());
+    let transferred = transfer(&SOURCE, target(), &names(), &presses, false);
+    assert!(
+        matches!(transferred, Err(WrenchError::ExplainsNothing { .. })),
+        "{:?}",
+        transferred.map(|fit| fit.calibration.quality)
+    );
+    assert!(transfer(&SOURCE, target(), &names(), &presses, true).is_ok());
+}
+
+#[test]
+fn presses_beyond_the_calibrated_range_do_not_verify_a_component() {
+    let mut presses = Skin::copy(0.0, 0).presses(5, 5);
+    for value in presses
+        .iter_mut()
+        .flat_map(|press| &mut press.wrench)
+        .flatten()
+    {
+        *value += 100.0;
+    }
+    let verified = verify(&SOURCE, &presses, "2026-11-28", 0.01);
+    assert!(
+        matches!(verified, Err(WrenchError::OutsideRange { .. })),
         "{verified:?}"
     );
 }

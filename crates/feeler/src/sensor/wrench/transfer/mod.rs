@@ -17,7 +17,7 @@ mod refine;
 use super::basis::{Basis, standardised};
 use super::calibration::{CalibrationOf, WrenchModel};
 use super::error::WrenchError;
-use super::fit::{FitOf, check, usable};
+use super::fit::{FitOf, check, explains_nothing, usable};
 use super::novelty::{MARGIN, NEAR};
 use super::quality::{HeldOut, band_95, judge, quantile};
 use super::sample::SampleOf;
@@ -26,18 +26,20 @@ use crate::sensor::fingertip::made_for::CalibrationTarget;
 use data::PressData;
 
 /// Transfers `source` to the sensor `made_for` with `samples` of it, which must be in order of time within each recording.
-/// Components that were not measured are omitted. `recordings` contains the names of the recordings.
+/// Omits components that were not measured, and those that are predicted no better than by the mean, unless `keep_all`.
+/// `recordings` contains the names of the recordings.
 ///
 /// Errors in the result are those of held-out presses; everything is fitted again without them.
 ///
 /// # Errors
 /// If the sensors have different numbers of elements, if there are fewer than three presses, or if no component of the
-/// source was measured often enough.
+/// source was measured often enough, or can be predicted.
 pub fn transfer<B: Basis>(
     source: &CalibrationOf<B>,
     made_for: CalibrationTarget,
     recordings: &[String],
     samples: &[SampleOf<B>],
+    keep_all: bool,
 ) -> Result<FitOf<B>, WrenchError> {
     source.check()?;
     check(&made_for, recordings, samples)?;
@@ -76,16 +78,19 @@ pub fn transfer<B: Basis>(
         let rows: Vec<_> = rows.collect();
         let judged = judge(axis, &rows, recordings);
         match judged.filter(|_| model.axes.iter().any(|model| model.axis == axis)) {
-            Some(mut judged) => {
+            Some(mut judged) if keep_all || judged.explains() => {
                 judged.band_95 = band_95(&rows, limit);
                 quality.push(judged);
                 held_out.push(rows);
             }
-            None => left_out.push((axis, None)),
+            judged => left_out.push((axis, judged.map(|judged| judged.r2))),
         }
     }
     if quality.is_empty() {
-        return Err(WrenchError::NotMeasured);
+        return Err(match left_out.iter().any(|(_, r2)| r2.is_some()) {
+            true => explains_nothing(&left_out),
+            false => WrenchError::NotMeasured,
+        });
     }
     (model.axes).retain(|axis| quality.iter().any(|quality| quality.axis == axis.axis));
     let calibration = CalibrationOf {
