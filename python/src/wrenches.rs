@@ -28,8 +28,6 @@ type Wrenches<'py> = (
 #[pyclass(frozen, module = "feeler._core")]
 pub struct WrenchEstimator {
     kind: Kind,
-    /// Text of the calibration.
-    text: String,
 }
 
 enum Kind {
@@ -42,23 +40,19 @@ impl WrenchEstimator {
     /// Creates the estimator of the calibration in `text` (TOML). That of a camera needs a `layout` or an `experiment`.
     #[new]
     fn new(
-        text: String,
+        text: &str,
         layout: Option<PyRef<'_, Layout>>,
         experiment: Option<&str>,
         finger: Option<usize>,
     ) -> PyResult<Self> {
-        let kind = if TaxelCalibration::is_kind(&text) {
-            let calibration = TaxelCalibration::from_toml(&text).map_err(refused)?;
+        let kind = if TaxelCalibration::is_kind(text) {
+            let calibration = TaxelCalibration::from_toml(text).map_err(refused)?;
             let estimator = TaxelWrenchEstimator::new(calibration).map_err(refused)?;
             Kind::Taxels(Box::new(estimator))
         } else {
-            camera_sensor(&text, layout.as_deref(), experiment, finger)?
+            camera_sensor(text, layout.as_deref(), experiment, finger)?
         };
-        Ok(Self { kind, text })
-    }
-
-    fn to_toml(&self) -> &str {
-        &self.text
+        Ok(Self { kind })
     }
 
     #[getter]

@@ -553,7 +553,6 @@ class WrenchEstimator:
         """
         Columns and rows of the images, px; `None` for taxels.
         """
-    def to_toml(self, /) -> str: ...
 
 def calibrate_file(path: str | PathLike[str], how: Incomplete) -> Calibration:
     """

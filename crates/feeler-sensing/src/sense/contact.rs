@@ -3,7 +3,6 @@
 use super::output::{Format, FrameReadings, RowFile, tactile};
 use feeler::sensor::contact::{Contact, ContactEstimator};
 use feeler::sensor::fingertip::SensingElement;
-use feeler::sensor::forces::NO_FORCE;
 use feeler::sensor::taxel::{TaxelLayout, TaxelUnit};
 use feeler_console::CommandError;
 use feeler_record::sensed::{CONTACT, TACTILE};
@@ -108,8 +107,7 @@ impl ContactFormat {
     /// Estimates the contact in the next frame.
     fn estimate(&mut self, frame: &FrameReadings) -> Option<Contact> {
         self.forces.clear();
-        let forces = frame.readings.iter().map(|r| r.force.unwrap_or(NO_FORCE));
-        self.forces.extend(forces);
+        self.forces.extend(frame.forces());
         self.estimator.estimate(&self.forces)
     }
 }

@@ -1,7 +1,6 @@
 //! Writes the wrench of each frame as a table, JSON Lines, or MCAP.
 
 use super::output::{Format, FrameReadings, RowFile, moments};
-use feeler::sensor::forces::NO_FORCE;
 use feeler::sensor::wrench::taxels::TaxelWrenchEstimator;
 use feeler::sensor::wrench::{AXES, WrenchAxis, WrenchEstimate, WrenchEstimator};
 use feeler_console::CommandError;
@@ -32,8 +31,7 @@ impl Estimate for WrenchEstimator {
 
 impl Estimate for TaxelWrenchEstimator {
     fn of(&mut self, frame: &FrameReadings) -> WrenchEstimate {
-        let values = frame.readings.iter();
-        let values: Vec<_> = values.map(|r| r.force.unwrap_or(NO_FORCE)).collect();
+        let values: Vec<_> = frame.forces().collect();
         self.estimate(frame.stamp, &values)
     }
 

@@ -57,8 +57,6 @@ pub fn write_state(
 pub struct LiveRows {
     facts: RunFacts,
     homes: Vec<[f64; 3]>,
-    /// Number of elements of each fingertip.
-    pub elements: Vec<usize>,
     /// Estimates the contact of each fingertip.
     estimators: Vec<ContactEstimator>,
     /// `true` if rows contain the pose of a cap.
@@ -74,14 +72,12 @@ impl LiveRows {
     /// If a fingertip is invalid.
     pub fn new(config: &ExperimentConfig) -> Result<Self, ExperimentError> {
         let facts = run_facts(config)?;
-        let elements = facts.hand.iter().map(|model| model.element_tips.len());
         let touch = facts.touch_force_threshold;
         let fingers = facts.hand.iter();
         let estimators = fingers.map(|model| ContactEstimator::new(model.elements(), touch));
         let mut solids = facts.solids.iter();
         Ok(Self {
             homes: config.task.homes(),
-            elements: elements.collect(),
             estimators: estimators.collect(),
             cap: config.cap().is_some(),
             object: solids.any(|solid| solid.frame == SolidFrame::Object),
@@ -127,7 +123,7 @@ impl LiveRows {
         for (finger, ((touch, joints), slipped)) in fingers.zip(slipped).enumerate() {
             row.finger(FingerRow {
                 joints: joints.position.to_array(),
-                elements: self.elements[finger],
+                elements: self.estimators[finger].element_count(),
                 forces: touch.frame.forces.iter().copied(),
                 flags: &touch.flags,
                 slips: *slipped > TRUE_SLIP,

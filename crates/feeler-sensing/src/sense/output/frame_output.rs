@@ -1,9 +1,10 @@
 //! Interface of a destination for readings.
 
-use feeler::sensor::forces::ElementReading;
+use feeler::sensor::forces::{ElementReading, NO_FORCE};
 use feeler::sensor::image::Frame;
 use feeler::sensor::track::TrackedMarker;
 use feeler_console::CommandError;
+use glam::DVec3;
 use std::path::{Path, PathBuf};
 
 /// Readings of one frame.
@@ -16,6 +17,13 @@ pub struct FrameReadings<'a> {
     pub readings: &'a [ElementReading],
     /// One marker per element if markers are tracked, otherwise empty.
     pub markers: &'a [TrackedMarker],
+}
+
+impl FrameReadings<'_> {
+    /// Force on each element in its frame, N (counts for some taxel arrays); [`NO_FORCE`] if it is unknown.
+    pub fn forces(&self) -> impl Iterator<Item = DVec3> {
+        self.readings.iter().map(|r| r.force.unwrap_or(NO_FORCE))
+    }
 }
 
 /// A destination for readings.

@@ -6,9 +6,8 @@ use super::row_file::RowFile;
 use feeler::sensor::forces::ElementReading;
 use feeler_console::CommandError;
 use feeler_record::sensed::{MOMENTS, TACTILE};
-use feeler_record::wire::Vector3;
 use feeler_record::{MessageSink, Moments, SensedWriter, Tactile};
-use glam::{DVec2, DVec3};
+use glam::DVec2;
 use serde::Serialize;
 use std::path::Path;
 
@@ -97,13 +96,12 @@ pub fn moments(frame: &FrameReadings) -> Moments {
     }
 }
 
-/// Converts the readings of a frame to a [`Tactile`] message. A missing force is NaN in each component.
+/// Converts the readings of a frame to a [`Tactile`] message. An unknown force is NaN in each component.
 pub fn tactile(frame: &FrameReadings) -> Tactile {
-    let force = |r: &ElementReading| Vector3::from(r.force.unwrap_or(DVec3::NAN));
     Tactile {
         sequence: frame.sequence,
         stamp: frame.stamp,
-        forces: frame.readings.iter().map(force).collect(),
+        forces: frame.forces().map(Into::into).collect(),
     }
 }
 

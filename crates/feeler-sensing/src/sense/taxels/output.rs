@@ -2,7 +2,7 @@
 
 use super::super::output::{ForceRow, Format, FrameReadings, RowFile};
 use super::super::wrench::{self, Estimates};
-use feeler::sensor::forces::{NO_FORCE, TactileFrame};
+use feeler::sensor::forces::TactileFrame;
 use feeler::sensor::taxel::{TaxelLayout, TaxelUnit};
 use feeler::sensor::wrench::taxels::TaxelWrenchEstimator;
 use feeler_console::CommandError;
@@ -139,9 +139,8 @@ impl Format for TaxelFormat {
         writer: &mut SensedWriter,
     ) -> Result<(), CommandError> {
         (self.frame.sequence, self.frame.stamp) = (frame.sequence, frame.stamp);
-        for (force, reading) in self.frame.forces.iter_mut().zip(frame.readings) {
-            *force = reading.force.unwrap_or(NO_FORCE);
-        }
+        self.frame.forces.clear();
+        self.frame.forces.extend(frame.forces());
         self.messages.write(&self.frame, writer)?;
         if let Some(estimates) = &mut self.estimates {
             let estimate = estimates.next(frame);

@@ -70,8 +70,8 @@ impl AxisVerification {
 /// measured force or torque.
 ///
 /// # Errors
-/// If no component of the calibration was measured, if one was measured only beyond its range, if its band of errors is unknown, or if there are
-/// too few presses to reject it.
+/// If no component of the calibration was measured, if one was measured only beyond its range or has an unknown band of
+/// errors, or if there are too few presses to reject it.
 pub fn verify<B: Basis>(
     calibration: &CalibrationOf<B>,
     samples: &[SampleOf<B>],
