@@ -9,7 +9,7 @@
 //! displacement   u_x, u_y = c - c_0
 //! ```
 //!
-//! The displacement field is also described by a few modes of deformation ([`mod@modes`]); the modes and their products are
+//! The displacement field is also described by a few modes of deformation (`modes`); the modes and their products are
 //! candidate features.
 //!
 //! A dimming lamp changes `m` but not the growth, because a global gain is not a force. Only plain growth is affected.
