@@ -358,6 +358,12 @@ fn frames_of_several_arrays_are_scored_with_their_labels() {
     // not followed it.
     assert!(number(&text, "drag", "AUC") > 0.9, "{text}");
     assert_eq!(said(&text, "contact loss", "unknown"), "597");
+    // Two of the grasps have an onset. Drag is reported within the hundred frames, without a known loss.
+    let fields = ["onsets", "early", "reported", "before loss"];
+    let fields = fields.map(|field| said(&text, "drag", field));
+    assert_eq!(fields, ["2", "0", "2", "0 of 0"], "{text}");
+    let delay = number(&text, "drag", "delay (s)");
+    assert!((0.0..1.0).contains(&delay), "{text}");
     let scores = rows(&folder.join("slip/scores.csv"));
     assert_eq!(scores.len(), 597 * 5);
     assert_eq!(scores[0]["frame"], "0");
@@ -637,6 +643,26 @@ fn markers_in_videos_are_located_and_a_loss_is_detected() {
     );
     // Without a layout, the identity of the markers is unknown.
     assert_eq!(said(&ended.stdout, "drag", "unknown"), "4");
+    // The object is lost at once in the 20th of 25 frames per second; every other frame is used.
+    assert_eq!(said(&ended.stdout, "contact loss", "onsets"), "2");
+    let scores = rows(&folder.join("slip/scores.csv"));
+    let rows = scores
+        .iter()
+        .filter(|row| row["detector"] == "contact_loss");
+    for row in rows {
+        let time = |column: &str| row[column].parse::<f64>().ok();
+        let times = ["onset", "loss", "alarm"].map(time);
+        let lost = row["slip"] == "1";
+        assert_eq!(times.map(|time| time.is_some()), [lost; 3], "{row:?}");
+        if let [Some(onset), Some(loss), Some(alarm)] = times {
+            assert!(
+                (0.72..=0.8).contains(&onset) && (loss - 0.8).abs() < 0.01,
+                "{row:?}"
+            );
+            // The load decays exponentially. The threshold is the midpoint of the logarithms of a held and a lost grasp.
+            assert!(alarm > loss && alarm < 3.0, "{row:?}");
+        }
+    }
 }
 
 #[test]

@@ -7,6 +7,7 @@
 
 mod confusion;
 mod detectors;
+mod onset;
 mod outcome;
 mod probability;
 pub mod simulated;
@@ -17,6 +18,7 @@ pub use detectors::{
     ContactReference, DETECTORS, Detector, DetectorTrace, GraspFrame, GraspRecording,
 };
 pub use feeler::control::grasp_slip::Picture;
+pub use onset::{SlipEvent, timing};
 pub use outcome::{Judged, Labelled, Outcome, Verdict, score, score_at, score_in_folds};
 pub use probability::{Calibrated, calibrate};
 pub use transfer::{Transfer, transfer};

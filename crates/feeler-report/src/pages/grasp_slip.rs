@@ -46,6 +46,9 @@ pub struct GraspDetector {
     pub unknown: usize,
     /// Probabilities of slip from the scores; `None` if they cannot be cross-validated.
     pub probability: Option<GraspProbability>,
+    /// Time of its alarms relative to the onset of slips, with thresholds chosen on all other groups; `None` if no onset
+    /// is known.
+    pub timing: Option<GraspTiming>,
     /// ROC curve.
     #[serde(skip)]
     pub curve: Roc,
@@ -77,6 +80,53 @@ pub struct GraspTransfer {
     pub confusion: [usize; 4],
     /// Fraction classified correctly with thresholds chosen on the other recordings and all other groups together.
     pub added: Option<[f64; 3]>,
+}
+
+/// Times at which a detector reports slips. Quartiles are the lower quartile, the median and the upper quartile (s).
+#[derive(Debug, Clone, PartialEq, Serialize)]
+pub struct GraspTiming {
+    /// Number of slips with a known onset.
+    pub slips: usize,
+    /// Number of slips at whose onset an alarm was already active. They are not counted below.
+    pub early: usize,
+    /// Number of slips that are reported at or after their onset.
+    pub reported: usize,
+    /// Quartiles of the time from onset to alarm (s) of the reported slips.
+    pub delay: Option<[f64; 3]>,
+    /// Number of reported slips with a known time of loss.
+    pub losses: usize,
+    /// Number of these that are reported before the object is gone.
+    pub before_loss: usize,
+    /// Quartiles of the time from alarm to loss (s), negative if the alarm is later.
+    pub lead: Option<[f64; 3]>,
+}
+
+/// Column headings of the times of alarms.
+pub const TIMING_COLUMNS: [&str; 6] = [
+    "onsets",
+    "early",
+    "reported",
+    "delay (s)",
+    "before loss",
+    "lead time (s)",
+];
+
+impl GraspTiming {
+    /// Formatted values in the order of [`TIMING_COLUMNS`].
+    pub fn fields(&self) -> [String; 6] {
+        let quartiles = |quartiles: Option<[f64; 3]>| match quartiles {
+            Some(quartiles) => with_interval(quartiles, |value| format!("{value:.2}")),
+            None => "-".into(),
+        };
+        [
+            self.slips.to_string(),
+            self.early.to_string(),
+            self.reported.to_string(),
+            quartiles(self.delay),
+            format!("{} of {}", self.before_loss, self.losses),
+            quartiles(self.lead),
+        ]
+    }
 }
 
 /// Column headings of a transfer result.
@@ -194,6 +244,16 @@ pub fn grasp_slip_page(page: &GraspSlipPage) -> String {
             }
             (detectors_table(TRANSFER_COLUMNS, page.detectors.iter().filter_map(|d| Some((d, d.transfer.as_ref()?.fields())))))
             p.note { "Only detectors whose scores are comparable between both sets." }
+        }
+        @if page.detectors.iter().any(|detector| detector.timing.is_some()) {
+            h2 { "Time of detection" }
+            (detectors_table(TIMING_COLUMNS, page.detectors.iter().filter_map(|d| Some((d, d.timing.as_ref()?.fields())))))
+            p.note {
+                "The delay is the time from the onset of slip to the alarm, the lead time that from the alarm to the loss of the object: medians, "
+                "with quartiles in brackets. Early: an alarm was active before the onset. Onset and loss are taken from labels of frames, or from the "
+                "images: the loss is the first image of the final state, the onset the end of the last rest before. Thresholds were chosen on all "
+                "other groups."
+            }
         }
         @for (detector, known) in page.detectors.iter().filter_map(|d| Some((d, d.probability.as_ref()?))) {
             details {

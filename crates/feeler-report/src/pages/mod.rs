@@ -29,8 +29,8 @@ pub use crate::figures::wrench::{AxisPoints, PredictedPoint};
 pub use calibration::{CalibrationPage, calibration_page};
 pub use compare::{ComparePage, ComparedLaw, Row, compare_page};
 pub use grasp_slip::{
-    GRASP_COLUMNS, GraspDetector, GraspProbability, GraspSlipPage, GraspTransfer, TRANSFER_COLUMNS,
-    base_rate, grasp_slip_page,
+    GRASP_COLUMNS, GraspDetector, GraspProbability, GraspSlipPage, GraspTiming, GraspTransfer,
+    TIMING_COLUMNS, TRANSFER_COLUMNS, base_rate, grasp_slip_page,
 };
 pub use identify::{EstimateRow, IdentifyPage, identify_page};
 pub use law_shares::{LawSharesPage, law_shares_page};

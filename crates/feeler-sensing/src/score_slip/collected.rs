@@ -1,9 +1,10 @@
 //! Reads labelled recordings and runs the detectors over them.
 
-use super::images::{Images, score_images};
+use super::images::{Sequence, score_images};
 use super::in_order::in_order;
 use super::labels::{Label, Labels, read_frames};
 use super::notes::Notes;
+use super::onsets::{slip_in_images, slips_in_labels};
 use super::options::RecordedOptions;
 use super::scores::Scored;
 use super::sources::{Kind, Read, Source, find};
@@ -12,7 +13,7 @@ use super::tracks::{TrackTables, is_tracks};
 use super::videos::Videos;
 use feeler_console::{CommandError, Steps};
 use feeler_lab::grasps::{
-    ContactReference, DETECTORS, Detector, DetectorTrace, GraspRecording, Labelled,
+    ContactReference, DETECTORS, Detector, DetectorTrace, GraspRecording, Labelled, SlipEvent,
 };
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
@@ -171,7 +172,7 @@ impl<'a> Found<'a> {
             scored: Vec::new(),
             groups: BTreeMap::new(),
             noise: Vec::new(),
-            images: Vec::new(),
+            sequences: Vec::new(),
             in_spacings: true,
             of_taxels: true,
         };
@@ -217,8 +218,8 @@ pub struct Collected {
     pub groups: BTreeMap<String, usize>,
     /// Noise of each recording, in the unit of its vectors.
     noise: Vec<f64>,
-    /// Images of the recordings.
-    images: Vec<Images>,
+    /// Images and scores of the recordings over time.
+    sequences: Vec<Sequence>,
     /// `true` if all loads are in spacings of a pattern, `false` if any is in a sensor's unit.
     pub in_spacings: bool,
     /// `true` if all recordings are of taxels.
@@ -295,10 +296,12 @@ impl Collected {
                 own_noise,
                 verdicts: Default::default(),
                 verdicts_by_others: Default::default(),
+                event: None,
+                alarms: Default::default(),
             });
         };
-        match label {
-            Label::Whole(slip) => scored(None, slip, trace.sums()),
+        match &label {
+            Label::Whole(slip) => scored(None, *slip, trace.sums()),
             Label::Frames(frames) => {
                 let count = trace.frames.len();
                 if frames.len() != count {
@@ -306,25 +309,40 @@ impl Collected {
                     notes.add("frames", || format!("{name}: {count} frames, {labelled} labels; only frames with a label are scored"));
                 }
                 for (frame, slip) in frames {
-                    if let Some(scores) = trace.frames.get(frame) {
-                        scored(Some(frame), slip, *scores);
+                    if let Some(scores) = trace.frames.get(*frame) {
+                        scored(Some(*frame), *slip, *scores);
                     }
                 }
             }
         }
-        let stamps = read.recording.frames.iter().map(|frame| frame.stamp);
-        self.images.push(Images {
+        let stamps: Vec<_> = (read.recording.frames.iter())
+            .map(|frame| frame.stamp)
+            .collect();
+        let mut sequence = Sequence {
             group,
-            images: stamps.zip(read.images.iter().cloned()).collect(),
+            images: stamps
+                .iter()
+                .copied()
+                .zip(read.images.iter().cloned())
+                .collect(),
             scored: first..self.scored.len(),
-        });
+            scores: trace.frames,
+            slips: Vec::new(),
+            stamps,
+        };
+        sequence.slips = match &label {
+            Label::Whole(false) => Vec::new(),
+            Label::Whole(true) => slip_in_images(sequence.valid()).into_iter().collect(),
+            Label::Frames(frames) => slips_in_labels(frames, &sequence.stamps),
+        };
+        self.sequences.push(sequence);
         Ok(())
     }
 
     /// Compares the images of the recordings with each other and with those of `others`.
     pub fn score_images(&mut self, others: Option<&Self>) {
-        let others = others.map_or(&[][..], |others| &others.images);
-        score_images(&self.images, others, &mut self.scored);
+        let others = others.map_or(&[][..], |others| &others.sequences);
+        score_images(&mut self.sequences, others, &mut self.scored);
     }
 
     /// Divides the drag scores by the median noise of all recordings, which are assumed to be of the same sensor.
@@ -341,15 +359,45 @@ impl Collected {
     }
 
     fn divide_drag(&mut self, noise: impl Fn(&Scored) -> Option<f64>) {
-        let drag = DETECTORS.iter().position(|d| *d == Detector::Drag);
-        for scored in &mut self.scored {
-            let noise = noise(scored);
-            if let (Some(drag), Some(noise)) = (drag, noise)
-                && let Some(score) = &mut scored.scores[drag]
+        let Some(drag) = DETECTORS.iter().position(|d| *d == Detector::Drag) else {
+            return;
+        };
+        for sequence in &mut self.sequences {
+            let scored = &mut self.scored[sequence.scored.clone()];
+            let Some(noise) = scored.first().and_then(&noise) else {
+                continue;
+            };
+            let own = scored.iter_mut().map(|scored| &mut scored.scores);
+            for score in own
+                .chain(&mut sequence.scores)
+                .filter_map(|scores| scores[drag].as_mut())
             {
                 *score /= noise;
             }
         }
+    }
+
+    /// Returns the slips with a known onset, each with the time of the detector's alarm (s) at the threshold of its
+    /// verdicts. The times are also stored with the scores of whole recordings.
+    pub fn alarms(&mut self, detector: usize) -> Vec<(SlipEvent, Option<f64>)> {
+        let mut alarms = Vec::new();
+        for sequence in &self.sequences {
+            let scored = &mut self.scored[sequence.scored.clone()];
+            let Some(verdict) = scored.iter().find_map(|scored| scored.verdicts[detector]) else {
+                continue;
+            };
+            for slip in &sequence.slips {
+                let scores = sequence.scores.iter().map(|scores| scores[detector]);
+                let frames = sequence.stamps.iter().copied().zip(scores);
+                let alarm = slip.alarm(frames, verdict.threshold);
+                for whole in scored.iter_mut().filter(|scored| scored.frame.is_none()) {
+                    whole.event = Some(*slip);
+                    whole.alarms[detector] = alarm;
+                }
+                alarms.push((*slip, alarm));
+            }
+        }
+        alarms
     }
 
     /// Labels and scores of the detector with this index.

@@ -6,7 +6,7 @@
 
 use super::scores::Scored;
 use feeler::control::grasp_slip::{CoarseImage, ImageLoss};
-use feeler_lab::grasps::{DETECTORS, Detector};
+use feeler_lab::grasps::{DETECTORS, Detector, SlipEvent};
 use std::ops::Range;
 
 /// Interval between two images of a recording that others are compared with (s).
@@ -14,18 +14,25 @@ const INTERVAL: f64 = 0.48;
 /// Duration at the start that is left out (s): cameras may deliver images of the previous recording first.
 const LEFT_OUT: f64 = 0.24;
 
-/// Images of a recording.
-pub struct Images {
+/// Images and scores of a recording over time.
+pub struct Sequence {
     /// Group of the recording.
     pub group: usize,
     /// Time (s) and content of each image.
     pub images: Vec<(f64, CoarseImage)>,
     /// Indices of its scores.
     pub scored: Range<usize>,
+    /// Times of its frames (s), with or without images.
+    pub stamps: Vec<f64>,
+    /// Scores of its frames in the order of [`DETECTORS`].
+    pub scores: Vec<[Option<f64>; DETECTORS.len()]>,
+    /// Its slips with a known onset.
+    pub slips: Vec<SlipEvent>,
 }
 
-impl Images {
-    fn valid(&self) -> impl Iterator<Item = &(f64, CoarseImage)> {
+impl Sequence {
+    /// Images without the first ones, which may be of the previous recording.
+    pub fn valid(&self) -> impl Iterator<Item = &(f64, CoarseImage)> {
         let start = self.images.first().map_or(0.0, |image| image.0);
         let valid = move |image: &&(f64, CoarseImage)| image.0 - start >= LEFT_OUT;
         self.images.iter().filter(valid)
@@ -45,28 +52,39 @@ impl Images {
     }
 }
 
-/// Adds the scores of [`Detector::ImageLoss`]. Images are compared with those of other groups and of `more` recordings.
-pub fn score_images(recordings: &[Images], more: &[Images], scored: &mut [Scored]) {
+/// Adds the scores of [`Detector::ImageLoss`] to `recordings` and `scored`. Images are compared with those of other
+/// groups and of `more` recordings.
+pub fn score_images(recordings: &mut [Sequence], more: &[Sequence], scored: &mut [Scored]) {
     let Some(detector) = DETECTORS.iter().position(|d| *d == Detector::ImageLoss) else {
         return;
     };
-    for own in recordings {
-        let others = recordings.iter().filter(|other| other.group != own.group);
-        let others: Vec<_> = others.chain(more).flat_map(Images::sparse).collect();
-        let mut scores = vec![None; own.images.len() - own.valid().count()];
-        let (mut loss, mut before, mut last) = (ImageLoss::default(), None, 0);
-        for (stamp, image) in own.valid() {
-            let interval = stamp - before.replace(*stamp).unwrap_or(*stamp);
-            let distance = nearest(image, &others, &mut last).unwrap_or(f64::NAN);
-            scores.push(loss.update(interval, distance));
+    let losses = |own| image_losses(own, recordings, more);
+    let losses: Vec<_> = recordings.iter().map(losses).collect();
+    for (own, losses) in recordings.iter_mut().zip(losses) {
+        for (scores, loss) in own.scores.iter_mut().zip(&losses) {
+            scores[detector] = *loss;
         }
         for one in scored.get_mut(own.scored.clone()).into_iter().flatten() {
             one.scores[detector] = match one.frame {
-                Some(frame) => scores.get(frame).copied().flatten(),
-                None => Detector::ImageLoss.sum_up(scores.clone()),
+                Some(frame) => losses.get(frame).copied().flatten(),
+                None => Detector::ImageLoss.sum_up(losses.clone()),
             };
         }
     }
+}
+
+/// Scores of the images of one recording.
+fn image_losses(own: &Sequence, all: &[Sequence], more: &[Sequence]) -> Vec<Option<f64>> {
+    let others = all.iter().filter(|other| other.group != own.group);
+    let others: Vec<_> = others.chain(more).flat_map(Sequence::sparse).collect();
+    let mut scores = vec![None; own.images.len() - own.valid().count()];
+    let (mut loss, mut before, mut last) = (ImageLoss::default(), None, 0);
+    for (stamp, image) in own.valid() {
+        let interval = stamp - before.replace(*stamp).unwrap_or(*stamp);
+        let distance = nearest(image, &others, &mut last).unwrap_or(f64::NAN);
+        scores.push(loss.update(interval, distance));
+    }
+    scores
 }
 
 /// Distance to the nearest of `others`. The search starts with the one at index `last`, which is then set to the

@@ -5,6 +5,7 @@ mod images;
 mod in_order;
 mod labels;
 mod notes;
+mod onsets;
 mod options;
 mod page;
 mod recorded;

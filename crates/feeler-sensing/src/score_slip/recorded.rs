@@ -7,7 +7,7 @@ use super::page::{PAGE, make_folder};
 use super::said::{say, wrong};
 use super::scores::{SCORES, applicable_detectors, scores_csv};
 use feeler_console::{CommandError, Outcome, Outputs, print_json};
-use feeler_lab::grasps::{Calibrated, Confusion, Detector, calibrate, transfer};
+use feeler_lab::grasps::{Calibrated, Confusion, Detector, calibrate, timing, transfer};
 use feeler_lab::sweep::analysis::Estimate;
 use feeler_report::pages::{
     GraspDetector, GraspProbability, GraspSlipPage, GraspTransfer, Roc, grasp_slip_page,
@@ -122,6 +122,7 @@ fn judge(
             scored.verdicts_by_others[index] =
                 transfer.as_ref().and_then(|t| t.alone.verdicts[number]);
         }
+        let timing = timing(&collected.alarms(index));
         let says_nothing = outcome.unknown == labelled.len();
         if says_nothing {
             notes.add(detector.key(), || {
@@ -140,6 +141,7 @@ fn judge(
             confusion: counts(outcome.confusion),
             unknown: outcome.unknown,
             probability: calibrate(&labelled).map(probability),
+            timing,
             curve: Roc {
                 name: detector.name(),
                 points: outcome.curve,

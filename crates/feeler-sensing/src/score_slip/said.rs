@@ -2,7 +2,8 @@
 
 use super::scores::Scored;
 use feeler_report::pages::{
-    GRASP_COLUMNS, GraspSlipPage, GraspTransfer, TRANSFER_COLUMNS, base_rate,
+    GRASP_COLUMNS, GraspSlipPage, GraspTiming, GraspTransfer, TIMING_COLUMNS, TRANSFER_COLUMNS,
+    base_rate,
 };
 use std::collections::BTreeMap;
 use std::io::Write;
@@ -49,6 +50,10 @@ pub fn say(page: &GraspSlipPage, out: &mut dyn Write) -> std::io::Result<()> {
     for detector in &page.detectors {
         writeln!(out, "{}", detector.name)?;
         for (column, field) in GRASP_COLUMNS.iter().zip(detector.fields()) {
+            writeln!(out, "  {column:<22} {field}")?;
+        }
+        let times = detector.timing.iter().flat_map(GraspTiming::fields);
+        for (column, field) in TIMING_COLUMNS.iter().zip(times) {
             writeln!(out, "  {column:<22} {field}")?;
         }
         let transferred = detector.transfer.iter().flat_map(GraspTransfer::fields);

@@ -1,6 +1,6 @@
 //! `scores.csv`: the score and verdict of each detector for each recording or frame.
 
-use feeler_lab::grasps::{DETECTORS, Detector, Verdict};
+use feeler_lab::grasps::{DETECTORS, Detector, SlipEvent, Verdict};
 
 /// File name of the table.
 pub const SCORES: &str = "scores.csv";
@@ -19,10 +19,14 @@ pub struct Scored {
     pub verdicts: [Option<Verdict>; DETECTORS.len()],
     /// Verdicts with thresholds chosen on `--thresholds-from` alone.
     pub verdicts_by_others: [Option<Verdict>; DETECTORS.len()],
+    /// Slip of a whole recording, if its onset is known.
+    pub event: Option<SlipEvent>,
+    /// Times of the alarms that report it (s).
+    pub alarms: [Option<f64>; DETECTORS.len()],
 }
 
 /// Writes the table, one row per recording (or frame) and detector. Set `by_others` to include the thresholds of
-/// `--thresholds-from`.
+/// `--thresholds-from`. Times of slips are included if any are known.
 pub fn scores_csv(scored: &[Scored], of_frames: bool, by_others: bool) -> String {
     let mut writer = csv::Writer::from_writer(Vec::new());
     let header = [
@@ -36,13 +40,18 @@ pub fn scores_csv(scored: &[Scored], of_frames: bool, by_others: bool) -> String
         "says_slip",
         "other_threshold",
         "says_slip_by_other",
+        "onset",
+        "loss",
+        "alarm",
     ];
+    let has_onsets = scored.iter().any(|one| one.event.is_some());
     let used = |column: &usize| match column {
         1 => of_frames,
-        8.. => by_others,
+        8 | 9 => by_others,
+        10.. => has_onsets,
         _ => true,
     };
-    let mut write = |row: [String; 10]| {
+    let mut write = |row: [String; 13]| {
         let cells = row.iter().enumerate().filter(|(column, _)| used(column));
         // Writing to memory cannot fail.
         let _ = writer.write_record(cells.map(|(_, cell)| cell));
@@ -68,6 +77,9 @@ pub fn scores_csv(scored: &[Scored], of_frames: bool, by_others: bool) -> String
                 says(verdict),
                 threshold(by_others),
                 says(by_others),
+                number(one.event.map(|event| event.onset)),
+                number(one.event.and_then(|event| event.loss)),
+                number(one.alarms[index]),
             ]);
         }
     }
