@@ -1,7 +1,10 @@
 //! The `feeler verify` subcommand.
 
 use super::{CommandError, Outcome};
+use crate::calibrate::axes::right_handed;
+use crate::calibrate::live::RigArguments;
 use crate::options::{Json, Overwrite, parse_between};
+use feeler::sensor::calibration::ForceAxes;
 use feeler_sensing::TaxelOptions;
 use feeler_sensing::calibration::VerifyOptions;
 use std::io::Write;
@@ -18,9 +21,33 @@ pub struct Arguments {
     /// Wrench calibration, written by `feeler calibrate --wrench`.
     calibration: PathBuf,
     /// Table of presses with measured forces, in the format of `feeler calibrate --wrench`. Five presses are enough for
-    /// one component.
+    /// one component. With --live: new folder for the images and their table.
     #[arg(value_name = "FORCES.csv")]
     presses: PathBuf,
+    /// Guide through presses of the fingertip on a force sensor, under this camera.
+    ///
+    /// The camera is /dev/videoN, genicam:ID as listed by `feeler cameras`, or - for raw gray frames of the
+    /// fingertip's size on standard input. Only forces are tested, not torques.
+    #[arg(
+        long,
+        value_name = "CAMERA",
+        requires = "force_sensor",
+        conflicts_with = "taxels"
+    )]
+    live: Option<PathBuf>,
+    /// Number of presses of --live.
+    #[arg(long = "presses", value_name = "NUMBER", default_value_t = 5, requires = "live", value_parser = clap::value_parser!(u32).range(3..=100))]
+    press_count: u32,
+    /// Axes of the force sensor that are x, y and z of the fingertip, z pointing outward, e.g. z,x,-y [default: x,y,z]
+    #[arg(
+        long,
+        value_name = "AXES",
+        allow_hyphen_values = true,
+        requires = "live"
+    )]
+    force_axes: Option<ForceAxes>,
+    #[command(flatten)]
+    rig: RigArguments,
     /// Layout of the taxel array: a file or a built-in one (see `feeler list`).
     #[arg(long, value_name = "LAYOUT", conflicts_with_all = ["layout", "experiment", "finger"])]
     taxels: Option<String>,
@@ -55,7 +82,12 @@ fn parse_rate(text: &str) -> Result<f64, String> {
 
 /// Tests whether a calibration is still valid.
 pub fn verify(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let live = arguments.live.as_deref();
+    arguments.rig.check_options(live)?;
+    let axes = right_handed(arguments.force_axes.unwrap_or_default())?;
+    let rig = live.map(|live| arguments.rig.options(live, axes));
     let options = VerifyOptions {
+        live: rig.transpose()?.map(|rig| (rig, arguments.press_count)),
         calibration: arguments.calibration.clone(),
         presses: arguments.presses.clone(),
         taxels: TaxelOptions {

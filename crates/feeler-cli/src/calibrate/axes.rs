@@ -52,16 +52,23 @@ impl AxesArguments {
     /// # Errors
     /// If the axes are left-handed.
     pub fn of_sensor(&self) -> Result<ForceAxes, CommandError> {
-        let axes = self.force_axes.unwrap_or_default();
-        match axes.is_rotation() {
-            true => Ok(axes),
-            false => Err("--force-axes: expected right-handed axes of the force sensor, e.g. x,y,z or z,x,-y, got left-handed axes; check their \
-                order and signs".into()),
-        }
+        right_handed(self.force_axes.unwrap_or_default())
     }
 
     /// Returns `true` if any conversion was given.
     pub fn are_given(&self) -> bool {
         self.force_axes.is_some() || self.force_on == Body::Object
+    }
+}
+
+/// Returns the axes of a force sensor.
+///
+/// # Errors
+/// If they are left-handed.
+pub fn right_handed(axes: ForceAxes) -> Result<ForceAxes, CommandError> {
+    match axes.is_rotation() {
+        true => Ok(axes),
+        false => Err("--force-axes: expected right-handed axes of the force sensor, e.g. x,y,z or z,x,-y, got left-handed axes; check their \
+                order and signs".into()),
     }
 }

@@ -2,10 +2,10 @@
 
 use super::{Arguments, CommandError};
 use crate::camera::CameraArguments;
-use feeler::sensor::calibration::Goal;
+use feeler::sensor::calibration::{ForceAxes, Goal};
 use feeler_lab::sensor::SensorGeometry;
 use feeler_sensing::CameraOptions;
-use feeler_sensing::calibration::{self, ForceAddress, GuideOptions};
+use feeler_sensing::calibration::{self, ForceAddress, GuideOptions, Procedure};
 use std::path::{Path, PathBuf};
 
 #[derive(Debug, clap::Args)]
@@ -17,6 +17,13 @@ pub struct LiveArguments {
     /// or FORCES.csv with --wrench). After Ctrl-C, the same command continues in that folder.
     #[arg(long, value_name = "CAMERA", requires_all = ["force_sensor", "input"], conflicts_with = "simulated")]
     pub live: Option<PathBuf>,
+    #[command(flatten)]
+    pub rig: RigArguments,
+}
+
+/// Force sensor and camera of a guided procedure, for commands with the option `--live`.
+#[derive(Debug, clap::Args)]
+pub struct RigArguments {
     /// Force sensor under the fingertip: netft://HOST or ros2:/TOPIC.
     ///
     /// netft://HOST is an ATI Net F/T sensor (RDT over UDP); its web page provides the counts per unit, unless they
@@ -32,13 +39,35 @@ pub struct LiveArguments {
     camera: CameraArguments,
 }
 
-impl LiveArguments {
-    /// Rejects camera options that would have no effect.
-    pub fn check_options(&self) -> Result<(), CommandError> {
+impl RigArguments {
+    /// Returns the options of a guided procedure with the camera `live`, and with forces in `axes`.
+    ///
+    /// # Errors
+    /// Without a force sensor.
+    pub fn options<'a>(
+        &'a self,
+        live: &'a Path,
+        axes: ForceAxes,
+    ) -> Result<GuideOptions<'a>, CommandError> {
+        let force_sensor = self.force_sensor.as_ref();
+        Ok(GuideOptions {
+            camera: live,
+            rate: self.rate,
+            settings: CameraOptions::from(&self.camera),
+            force_sensor: force_sensor.ok_or("--live requires --force-sensor")?,
+            axes,
+        })
+    }
+
+    /// Rejects camera options that would have no effect with the camera `live`, if any.
+    ///
+    /// # Errors
+    /// If there is such an option.
+    pub fn check_options(&self, live: Option<&Path>) -> Result<(), CommandError> {
         let Some(option) = CameraOptions::from(&self.camera).given() else {
             return Ok(());
         };
-        match &self.live {
+        match live {
             None => Err(format!("{option} requires --live CAMERA").into()),
             Some(live) if live == Path::new("-") => {
                 Err(format!("{option} requires a camera; --live - reads standard input").into())
@@ -68,16 +97,13 @@ pub fn guide(
     folder: &Path,
     sensor: &SensorGeometry,
 ) -> Result<(), CommandError> {
-    let live = &arguments.live;
-    let force_sensor = live.force_sensor.as_ref();
-    let options = GuideOptions {
-        camera: live.live.as_deref().unwrap_or(Path::new("-")),
-        rate: live.rate,
-        settings: CameraOptions::from(&live.camera),
-        force_sensor: force_sensor.ok_or("--live requires --force-sensor")?,
-        goal: goal(arguments),
-        axes: arguments.axes.of_sensor()?,
-        model: (!arguments.wrench).then_some(arguments.model),
+    let goal = goal(arguments);
+    let procedure = match arguments.wrench {
+        true => Procedure::Whole(goal),
+        false => Procedure::Elements(goal, arguments.model),
     };
-    calibration::guide(&options, folder, sensor)
+    let live = arguments.live.live.as_deref().unwrap_or(Path::new("-"));
+    let axes = arguments.axes.of_sensor()?;
+    let options = arguments.live.rig.options(live, axes)?;
+    calibration::guide(&options, procedure, folder, sensor)
 }

@@ -1,7 +1,7 @@
 //! The `feeler calibrate` subcommand.
 
-mod axes;
-mod live;
+pub mod axes;
+pub mod live;
 mod wrench;
 
 use super::{CommandError, Outcome};
@@ -154,7 +154,8 @@ fn positive(text: &str) -> Result<f64, String> {
 }
 
 pub fn calibrate(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    arguments.live.check_options()?;
+    let live = &arguments.live;
+    live.rig.check_options(live.live.as_deref())?;
     if arguments.wrench {
         return wrench::calibrate(arguments, out);
     }

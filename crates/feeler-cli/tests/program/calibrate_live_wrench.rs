@@ -2,13 +2,14 @@
 //! fingertip.
 
 use crate::calibrate_live::{FRAME, LAYOUT, drawn, program};
-use crate::program::{Ended, folder, run};
+use crate::program::{Ended, feeler, folder, run};
 use feeler::sensor::wrench::{WrenchAxis, WrenchCalibration};
 use feeler_sources::NetFtEmulator;
 use glam::{DVec2, DVec3};
 use std::fs;
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
+use std::process::{Child, Stdio};
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
 use std::thread::{sleep, spawn};
@@ -41,21 +42,68 @@ fn loads(number: u32) -> impl Iterator<Item = DVec3> {
     all.flat_map(|load| std::iter::repeat_n(load, HELD))
 }
 
-/// Renders two spots that brighten by different amounts under compression, and move with shear.
-fn picture(force: DVec3, number: usize) -> Vec<u8> {
+/// Slow presses at different forces, each held and followed by a pause.
+fn presses() -> impl Iterator<Item = DVec3> {
+    let presses = [0.5, 0.7, 0.6, 0.8, 0.55]
+        .into_iter()
+        .flat_map(|normal: f64| {
+            let ramp = (0..30).map(move |k| normal * f64::from(k) / 30.0);
+            let held = std::iter::repeat_n(normal, 30);
+            ramp.clone().chain(held).chain(ramp.rev()).chain([0.0; 20])
+        });
+    presses.map(|normal| DVec3::new(0.0, 0.0, -normal))
+}
+
+/// Renders two spots that brighten by different amounts under compression, and move with shear. The fingertip responds
+/// `gain` times as much to compression as the calibrated one.
+fn picture(force: DVec3, gain: f64, number: usize) -> Vec<u8> {
     let spots = [(DVec2::new(16.0, 20.0), 0.6), (DVec2::new(48.0, 20.0), 0.4)];
     drawn(number, |place| {
         let spots = spots.iter().map(|&(centre, growth)| {
             let off = place - centre - 2.0 * force.truncate();
-            110.0 * (1.0 - growth * force.z) * (-off.length_squared() / 18.0).exp()
+            110.0 * (1.0 - gain * growth * force.z) * (-off.length_squared() / 18.0).exp()
         });
         spots.sum()
     })
 }
 
-/// Runs the program on simulated data: a pause, presses until the camera latency is known, and `times` repetitions of
-/// all loads, or until the program ends.
-fn play(folder: &Path, times: u32) -> Ended {
+/// Calibrates with simulated data, with `times` repetitions of all loads, or until the program ends.
+fn calibrate(folder: &Path, times: u32) -> Ended {
+    let start = |address: &str| program(folder, address, &["--wrench"]);
+    play(start, 1.0, (0..times).flat_map(loads))
+}
+
+/// Verifies again.toml with five presses of a fingertip that responds `gain` times as much. The images are saved in the
+/// folder `name`.
+fn verify(folder: &Path, name: &str, gain: f64) -> Ended {
+    let start = |address: &str| {
+        let output = format!("-o={name}.toml");
+        let arguments = [
+            "verify",
+            "again.toml",
+            name,
+            "--live=-",
+            "--rate=50",
+            "--layout=layout.toml",
+            "--force-sensor",
+            address,
+            "--force-axes=y,x,-z",
+            &output,
+        ];
+        let mut command = feeler(folder, &arguments);
+        let streams = command.stdin(Stdio::piped()).stdout(Stdio::piped());
+        streams.stderr(Stdio::piped()).spawn().expect("the program")
+    };
+    play(start, gain, presses())
+}
+
+/// Runs a program on simulated data: a pause, presses until the camera latency is known, and `forces`, or until the
+/// program ends.
+fn play(
+    start: impl FnOnce(&str) -> Child,
+    gain: f64,
+    forces: impl Iterator<Item = DVec3> + Send + 'static,
+) -> Ended {
     let now = Arc::new(Mutex::new(DVec3::ZERO));
     let felt = Arc::clone(&now);
     let sensor = NetFtEmulator::start(500.0, move || {
@@ -67,7 +115,7 @@ fn play(folder: &Path, times: u32) -> Ended {
     });
     let sensor = sensor.expect("a socket");
     let address = sensor.bare_address();
-    let mut child = program(folder, &address, &["--wrench"]);
+    let mut child = start(&address);
     let mut camera = child.stdin.take().expect("its input");
     let (knows, told) = (Arc::new(AtomicBool::new(false)), Arc::default());
     let stderr = BufReader::new(child.stderr.take().expect("its standard error"));
@@ -84,11 +132,11 @@ fn play(folder: &Path, times: u32) -> Ended {
         let still = std::iter::repeat_n(DVec3::ZERO, 60);
         let pressed = move |_: &u32| !knows.load(Ordering::Relaxed);
         let presses = (0..100).take_while(pressed).flat_map(|_| press());
-        let forces = still.chain(presses).chain((0..times).flat_map(loads));
+        let forces = still.chain(presses).chain(forces);
         for (number, force) in forces.enumerate() {
             *now.lock().unwrap() = force;
             // The program may have all data that it needs.
-            if camera.write_all(&picture(force, number)).is_err() {
+            if camera.write_all(&picture(force, gain, number)).is_err() {
                 return;
             }
             sleep(FRAME);
@@ -106,7 +154,7 @@ fn live_loads_make_the_same_calibration_as_their_table() {
     let folder = folder("calibrate-live-wrench");
     fs::write(folder.join("layout.toml"), LAYOUT).unwrap();
     // The camera ends during the first rounds; the measured loads are kept.
-    let ended = play(&folder, 1);
+    let ended = calibrate(&folder, 1);
     assert_eq!(ended.status, Some(2), "{ended:?}");
     for words in [
         "the camera stream has ended",
@@ -121,7 +169,7 @@ fn live_loads_make_the_same_calibration_as_their_table() {
     assert!(table.lines().count() >= 17, "{table}");
 
     // The same command continues, and then ends: about ten repetitions of all loads are enough.
-    let ended = play(&folder, 100);
+    let ended = calibrate(&folder, 100);
     assert_eq!(ended.status, Some(0), "{ended:?}");
     let resumed = fs::read_to_string(&csv).unwrap();
     assert!(
@@ -171,4 +219,41 @@ fn live_loads_make_the_same_calibration_as_their_table() {
         loaded += usize::from(force.z < -0.05);
     }
     assert!(loaded > 200, "{loaded} rows");
+
+    // Five presses on the same sensor verify it.
+    let ended = verify(&folder, "same", 1.0);
+    assert_eq!(ended.status, Some(0), "{ended:?}");
+    assert!(ended.stdout.contains("still valid"), "{ended:?}");
+    assert!(ended.stderr.contains("0 more presses"), "{ended:?}");
+    let verified = fs::read_to_string(folder.join("same.toml")).unwrap();
+    let verified = WrenchCalibration::from_toml(&verified).unwrap();
+    assert!(verified.passport.unwrap().verifications[0].valid);
+    // A sensor that responds twice as much is rejected.
+    let ended = verify(&folder, "softer", 2.0);
+    assert_eq!(ended.status, Some(1), "{ended:?}");
+    assert!(ended.stdout.contains("no longer valid"), "{ended:?}");
+    // Presses of an earlier session are not tested again.
+    let arguments = [
+        "verify",
+        "again.toml",
+        "same",
+        "--live=-",
+        "--layout=layout.toml",
+    ];
+    let sensor = "--force-sensor=netft://127.0.0.1:9?cpf=1&cpt=1";
+    let refused = |more: &[&str], words: &[&str]| {
+        run(&folder, &[&arguments, more].concat()).refused(words);
+    };
+    refused(&[sensor], &["same", "presses already", "new folder"]);
+    refused(&[sensor, "-o=same.toml"], &["same.toml", "exists already"]);
+    refused(&[], &["--force-sensor"]);
+    refused(
+        &[sensor, "--force-axes=y,x,z"],
+        &["--force-axes", "left-handed"],
+    );
+    refused(&[sensor, "--presses=2"], &["--presses"]);
+    refused(
+        &[sensor, "--exposure=0.01"],
+        &["--exposure requires a camera"],
+    );
 }

@@ -10,7 +10,7 @@ mod verify;
 mod wrench_page;
 mod wrench_table;
 
-pub use guided::{FORCES, ForceAddress, GuideOptions, LOADS, guide};
+pub use guided::{FORCES, ForceAddress, GuideOptions, LOADS, Procedure, guide};
 pub use page::page;
 pub use passport::{require_verified, today};
 pub use simulated_loads::write_simulated_loads;

@@ -1,9 +1,11 @@
 //! `feeler verify`: tests whether a wrench calibration is still valid.
 
 use super::checks::CONFIRM;
+use super::guided::{FORCES, GuideOptions, Procedure, guide};
 use super::passport::today;
 use super::read_taxel_recordings;
 use crate::{TaxelOptions, named_sensor, read_taxel_layout};
+use feeler::sensor::table::Quantity;
 use feeler::sensor::wrench::basis::Basis;
 use feeler::sensor::wrench::taxels::TaxelCalibration;
 use feeler::sensor::wrench::verification::{AxisVerification, Verification, verify as test};
@@ -16,11 +18,13 @@ use std::path::{Path, PathBuf};
 
 /// Calibration to test, presses, and output.
 #[derive(Debug, Clone)]
-pub struct VerifyOptions {
+pub struct VerifyOptions<'a> {
     /// Wrench calibration.
     pub calibration: PathBuf,
-    /// Table of measured forces.
+    /// Table of measured forces, or the folder for live presses.
     pub presses: PathBuf,
+    /// Camera and force sensor, and the number of presses, to guide the operator through.
+    pub live: Option<(GuideOptions<'a>, u32)>,
     /// Layout of the taxel array, if the sensor is one.
     pub taxels: TaxelOptions,
     /// Located layout of a camera's sensor, in place of an experiment's fingertip.
@@ -43,12 +47,15 @@ pub struct VerifyOptions {
 ///
 /// # Errors
 /// If a file cannot be read or was made for another sensor, or if there are too few presses.
-pub fn verify(options: &VerifyOptions, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+pub fn verify(options: &VerifyOptions<'_>, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let path = &options.calibration;
     let named = |e: &dyn std::fmt::Display| format!("{}: {e}", path.display());
     let text = fs::read_to_string(path).map_err(|e| named(&e))?;
-    let forces = ForcesFile::read(&options.presses)?;
     if TaxelCalibration::is_kind(&text) {
+        if options.live.is_some() {
+            return Err(named(&"expected the calibration of a camera with --live").into());
+        }
+        let forces = ForcesFile::read(&options.presses)?;
         let calibration = TaxelCalibration::from_toml(&text).map_err(|e| named(&e))?;
         let layout = options.taxels.taxels.as_deref();
         let layout = layout.ok_or_else(|| {
@@ -62,7 +69,8 @@ pub fn verify(options: &VerifyOptions, out: &mut dyn Write) -> Result<Outcome, C
             .iter()
             .map(|name| forces.path_of(name))
             .collect();
-        let job = Job::new(options, calibration, &forces, tables)?;
+        let job = Job::new(options, calibration, tables)?;
+        job.check(&forces)?;
         let progress = Steps::new(forces.recordings().len());
         let recordings = read_taxel_recordings(&forces, &layout, || progress.advance())?;
         drop(progress);
@@ -79,7 +87,19 @@ pub fn verify(options: &VerifyOptions, out: &mut dyn Write) -> Result<Outcome, C
         .map_err(|e| named(&e))?;
     let calibration: WrenchCalibration = calibration
         .ok_or_else(|| named(&"expected a calibration by `feeler calibrate --wrench`"))?;
-    let job = Job::new(options, calibration, &forces, forces.files())?;
+    let (job, forces) = match &options.live {
+        None => {
+            let forces = ForcesFile::read(&options.presses)?;
+            (Job::new(options, calibration, forces.files())?, forces)
+        }
+        Some((rig, wanted)) => {
+            let job = Job::new(options, calibration, Vec::new())?;
+            let presses = Procedure::Presses(full_scale(&job.calibration)?, *wanted);
+            guide(rig, presses, &options.presses, &sensor)?;
+            (job, ForcesFile::read(&options.presses.join(FORCES))?)
+        }
+    };
+    job.check(&forces)?;
     let progress = Steps::new(forces.picture_count());
     let measured = forces.sense(&sensor, || progress.advance())?;
     drop(progress);
@@ -90,25 +110,32 @@ pub fn verify(options: &VerifyOptions, out: &mut dyn Write) -> Result<Outcome, C
     job.finish(&measured.samples, out)
 }
 
+/// Largest calibrated force (N).
+fn full_scale(calibration: &WrenchCalibration) -> Result<f64, CommandError> {
+    let forces = calibration.quality.iter();
+    let forces = forces.filter(|quality| quality.axis.quantity() == Quantity::Force);
+    let ends = forces.flat_map(|quality| quality.range).map(f64::abs);
+    let largest = ends.fold(0.0, f64::max);
+    match largest > 0.0 {
+        true => Ok(largest),
+        false => Err("--live: expected a calibration of forces, got one without".into()),
+    }
+}
+
 /// A calibration to test, and the file for the result.
 struct Job<'a, B: Basis> {
-    options: &'a VerifyOptions,
+    options: &'a VerifyOptions<'a>,
     calibration: CalibrationOf<B>,
     file: Option<PartFile>,
 }
 
 impl<'a, B: Basis> Job<'a, B> {
-    /// Checks the unit of the forces, and creates the output.
+    /// Creates the output.
     fn new(
-        options: &'a VerifyOptions,
+        options: &'a VerifyOptions<'a>,
         calibration: CalibrationOf<B>,
-        forces: &ForcesFile,
         inputs: Vec<PathBuf>,
     ) -> Result<Self, CommandError> {
-        if !calibration.loads_confirmed {
-            let checked = forces.check_magnitude();
-            checked.map_err(|error| format!("{}: {error}{CONFIRM}", options.presses.display()))?;
-        }
         let named = [
             Some(options.calibration.as_path()),
             Some(&options.presses),
@@ -125,6 +152,16 @@ impl<'a, B: Basis> Job<'a, B> {
             calibration,
             file,
         })
+    }
+
+    /// Checks the unit of the forces.
+    fn check(&self, forces: &ForcesFile) -> Result<(), CommandError> {
+        let table = self.options.presses.display();
+        let checked = match self.calibration.loads_confirmed {
+            true => Ok(()),
+            false => forces.check_magnitude(),
+        };
+        checked.map_err(|error| format!("{table}: {error}{CONFIRM}").into())
     }
 
     /// Tests the calibration, prints the result and writes the output.

@@ -1,9 +1,10 @@
-//! Guided calibration: a person presses the fingertip on a force sensor under a camera.
+//! Guided calibration and verification: a person presses the fingertip on a force sensor under a camera.
 
 mod elements;
 mod folder;
 mod force;
 mod guide;
+mod presses;
 mod screen;
 mod whole;
 
@@ -19,6 +20,7 @@ use folder::Folder;
 pub use force::ForceAddress;
 use force::ForceSensor;
 use glam::DVec3;
+use presses::Presses;
 use screen::Screen;
 use std::collections::VecDeque;
 use std::path::Path;
@@ -36,7 +38,19 @@ const WAITING: usize = 32;
 /// Time to wait for an image before checking for forces and Ctrl-C.
 const WAIT: Duration = Duration::from_millis(20);
 
-/// Camera, force sensor, goal and model of a guided calibration.
+/// What the operator is guided to do.
+#[derive(Debug, Clone, Copy)]
+pub enum Procedure {
+    /// Load single elements up to the goal, to fit the model.
+    Elements(Goal, ModelChoice),
+    /// Load the whole fingertip up to the goal.
+    Whole(Goal),
+    /// Press the whole fingertip a number of times with about a force (N).
+    Presses(f64, u32),
+}
+
+/// Camera and force sensor of a guided calibration or verification.
+#[derive(Debug, Clone)]
 pub struct GuideOptions<'a> {
     /// Camera, or `-` for raw grey frames on standard input.
     pub camera: &'a Path,
@@ -48,10 +62,6 @@ pub struct GuideOptions<'a> {
     pub force_sensor: &'a ForceAddress,
     /// Conversion from the axes of the force sensor to those of the fingertip.
     pub axes: ForceAxes,
-    /// Compression and shear to reach.
-    pub goal: Goal,
-    /// Model to fit to single elements; `None` to calibrate the wrench on the whole fingertip.
-    pub model: Option<ModelChoice>,
 }
 
 impl GuideOptions<'_> {
@@ -93,19 +103,21 @@ trait Work {
     fn missing(&self) -> Option<String>;
 }
 
-/// Guides the operator until the folder contains all required loads, or until Ctrl-C.
+/// Guides the operator through `procedure` until the folder contains all required loads, or until Ctrl-C.
 ///
 /// # Errors
 /// If the camera stream ends, the folder is not writable, or the procedure is interrupted. Images saved so far are
 /// kept.
 pub fn guide(
     options: &GuideOptions<'_>,
+    procedure: Procedure,
     folder: &Path,
     sensor: &SensorGeometry,
 ) -> Result<(), CommandError> {
-    let work: Box<dyn Work + '_> = match options.model {
-        None => Box::new(Whole::open(folder, sensor, options.goal)?),
-        Some(model) => Box::new(Elements::open(folder, sensor, options.goal, model)?),
+    let work: Box<dyn Work + '_> = match procedure {
+        Procedure::Whole(goal) => Box::new(Whole::open(folder, sensor, goal)?),
+        Procedure::Elements(goal, model) => Box::new(Elements::open(folder, sensor, goal, model)?),
+        Procedure::Presses(force, wanted) => Box::new(Presses::open(folder, force, wanted)?),
     };
     let began = Instant::now();
     let forces = ForceSensor::connect(options.force_sensor)?;
@@ -136,18 +148,17 @@ pub fn guide(
         .map_or_else(|| "interrupted".to_string(), |e| e.to_string());
     let missing = missing.unwrap_or_else(|| "nothing is missing".into());
     let (kept, place) = (guided.work.kept(), folder.display());
-    let wrench = if options.model.is_none() {
-        " --wrench"
-    } else {
-        ""
+    let (count, table) = (kept.pictures(), kept.table().display());
+    let next = match procedure {
+        Procedure::Elements(..) => format!(
+            "Repeat the command to continue, or run `feeler calibrate {table}` to calibrate with these images"
+        ),
+        Procedure::Whole(_) => format!(
+            "Repeat the command to continue, or run `feeler calibrate {table} --wrench` to calibrate with these images"
+        ),
+        Procedure::Presses(..) => "Repeat the command with a new folder".to_string(),
     };
-    Err(format!(
-        "{why}: saved {} images in {place}; {missing}. Repeat the command to continue, or run `feeler calibrate {}{wrench}` to \
-         calibrate with these images",
-        kept.pictures(),
-        kept.table().display()
-    )
-    .into())
+    Err(format!("{why}: saved {count} images in {place}; {missing}. {next}").into())
 }
 
 /// State of a guided calibration.

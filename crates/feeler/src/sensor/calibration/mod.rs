@@ -23,8 +23,8 @@ pub use element::{CalibrationModel, ElementCalibration, ForceMap, ForceValidity}
 pub use error::{CALIBRATION_VERSION, CalibrationError};
 pub use fit::{ElementRecord, LoadSample, ModelChoice, explained, fit};
 pub use live::{
-    Coverage, Delay, ForceAxes, Goal, LiveCalibration, LiveWrench, Missing, ParseAxesError, Seen,
-    SeenWrench, Stage, Wrench, WrenchCoverage, WrenchMissing,
+    Coverage, Delay, ForceAxes, Goal, LiveCalibration, LivePresses, LiveWrench, Missing,
+    ParseAxesError, Seen, SeenPress, SeenWrench, Stage, Wrench, WrenchCoverage, WrenchMissing,
 };
 pub use load_check::{
     LoadCheckError, check_axes, check_axes_of_recordings, check_magnitude, check_numbers,

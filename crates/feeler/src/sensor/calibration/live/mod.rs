@@ -8,6 +8,7 @@
 //!    matters.
 //!
 //! If elements cannot be loaded individually, [`LiveWrench`] guides through loading the whole fingertip, in rounds.
+//! [`LivePresses`] guides through a few presses that verify a calibration.
 //!
 //! Times are arrival times, or exposure times if the camera reports them, on one clock. Forces are those on the
 //! fingertip by the object.
@@ -16,12 +17,14 @@ mod axes;
 mod contact;
 mod coverage;
 mod delay;
+mod presses;
 mod synchronizer;
 mod wrench;
 
 pub use axes::{ForceAxes, ParseAxesError};
 pub use coverage::{Coverage, Goal, Missing};
 pub use delay::Delay;
+pub use presses::{LivePresses, SeenPress};
 pub use wrench::{LiveWrench, SeenWrench, Wrench, WrenchCoverage, WrenchMissing};
 
 use crate::sensor::moments::kernel::ElementMoments;
