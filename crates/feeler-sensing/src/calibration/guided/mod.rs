@@ -38,7 +38,7 @@ const WAITING: usize = 32;
 /// Time to wait for an image before checking for forces and Ctrl-C.
 const WAIT: Duration = Duration::from_millis(20);
 
-/// What the operator is guided to do.
+/// Task of the operator.
 #[derive(Debug, Clone, Copy)]
 pub enum Procedure {
     /// Load single elements up to the goal, to fit the model.
