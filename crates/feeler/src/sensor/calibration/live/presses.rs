@@ -17,7 +17,7 @@ pub enum SeenPress {
     Nothing,
     /// The load changes too fast or is unknown at the image's time.
     Unclear,
-    /// A new sample. After each press, there is one of the released fingertip.
+    /// A new sample. The last one of a press is of the released fingertip.
     Sample(Wrench),
 }
 
