@@ -28,6 +28,7 @@
 pub(crate) mod finger;
 pub(crate) mod interface;
 pub(crate) mod inverse_kinematics;
+pub(crate) mod joint_vector;
 pub mod kinematics;
 pub(crate) mod kinematics_error;
 pub(crate) mod postures;
@@ -36,6 +37,7 @@ pub(crate) mod sin_cos;
 
 pub use finger::{FingerConfig, FingerError, FingerGeometry};
 pub use inverse_kinematics::{KinematicsError, POSITION_TOLERANCE, inverse_kinematics};
+pub use joint_vector::{JointVector, MAX_JOINTS};
 pub use kinematics::{fingertip_pose, jacobian};
 pub use resolved_rate::{damping_threshold, resolved_rate};
 pub use sin_cos::sin_cos_of;

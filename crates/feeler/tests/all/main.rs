@@ -11,6 +11,7 @@ mod calibration;
 mod control;
 mod control_contract;
 mod hand_kinematics;
+mod joint_vector;
 mod one_door;
 mod own_hand;
 mod pace;

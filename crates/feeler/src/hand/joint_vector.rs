@@ -1,0 +1,335 @@
+//! One number per joint of a finger.
+
+use std::fmt::{self, Debug, Display, Formatter};
+use std::ops::{
+    Add, AddAssign, Div, DivAssign, Index, IndexMut, Mul, MulAssign, Neg, Sub, SubAssign,
+};
+
+/// Maximum number of joints of a finger.
+pub const MAX_JOINTS: usize = 7;
+
+/// One number per joint of a finger, such as joint angles (rad) or joint velocities (rad/s), in the order of the
+/// joints from the base to the fingertip. Does not allocate.
+///
+/// Missing numbers count as 0: the default, of length 0, equals zeros of any length. The result of an operation on two
+/// vectors has the length of the longer one. For three joints, every result is bit-identical to that of
+/// [`DVec3`](glam::DVec3).
+///
+/// ```
+/// use feeler::hand::JointVector;
+///
+/// let angles = JointVector::from([0.1, 0.9, -0.95]);
+/// let moved = angles + 0.01 * JointVector::from([1.0, 0.0, 0.0]);
+/// assert_eq!(moved.as_slice(), [0.11, 0.9, -0.95]);
+/// assert_eq!(angles + JointVector::default(), angles);
+/// ```
+#[derive(Clone, Copy, Default)]
+pub struct JointVector {
+    /// Numbers of the joints; those from `len` on are 0.
+    values: [f64; MAX_JOINTS],
+    len: u8,
+}
+
+impl JointVector {
+    /// Returns `len` zeros, at most [`MAX_JOINTS`].
+    #[inline]
+    pub const fn zeros(len: usize) -> Self {
+        let len = if len < MAX_JOINTS { len } else { MAX_JOINTS };
+        Self {
+            values: [0.0; MAX_JOINTS],
+            len: len as u8,
+        }
+    }
+
+    /// Returns `len` times `value`, at most [`MAX_JOINTS`] times.
+    #[inline]
+    pub fn splat(len: usize, value: f64) -> Self {
+        Self::zeros(len).map(|_| value)
+    }
+
+    /// Copies `values`. `None` if there are more than [`MAX_JOINTS`].
+    pub fn from_slice(values: &[f64]) -> Option<Self> {
+        let mut vector = Self::zeros(values.len());
+        vector
+            .values
+            .get_mut(..values.len())?
+            .copy_from_slice(values);
+        Some(vector)
+    }
+
+    /// Number of joints.
+    #[inline(always)]
+    pub const fn len(&self) -> usize {
+        self.len as usize
+    }
+
+    /// `true` for the length 0.
+    #[inline]
+    pub const fn is_empty(&self) -> bool {
+        self.len == 0
+    }
+
+    /// The numbers, one per joint.
+    #[inline(always)]
+    pub fn as_slice(&self) -> &[f64] {
+        &self.values[..self.len()]
+    }
+
+    /// Iterates over the numbers, one per joint.
+    #[inline(always)]
+    pub fn iter(&self) -> impl DoubleEndedIterator<Item = f64> + ExactSizeIterator {
+        self.as_slice().iter().copied()
+    }
+
+    /// The numbers of a finger with `N` joints; missing ones are 0. `None` if there are more than `N`. For formats and
+    /// devices with a fixed number of joints.
+    #[inline]
+    pub fn to_array<const N: usize>(&self) -> Option<[f64; N]> {
+        (self.len() <= N).then(|| std::array::from_fn(|joint| self[joint]))
+    }
+
+    /// Applies `f` to the number of each joint.
+    #[inline(always)]
+    pub fn map(mut self, mut f: impl FnMut(f64) -> f64) -> Self {
+        let len = self.len();
+        for value in &mut self.values[..len] {
+            *value = f(*value);
+        }
+        self
+    }
+
+    /// Combines the numbers of each joint by `f`, over the length of the longer vector.
+    #[inline(always)]
+    pub fn zip_with(mut self, other: Self, mut f: impl FnMut(f64, f64) -> f64) -> Self {
+        self.len = self.len.max(other.len);
+        let len = self.len();
+        for (value, other) in self.values[..len].iter_mut().zip(&other.values) {
+            *value = f(*value, *other);
+        }
+        self
+    }
+
+    /// Absolute values.
+    #[inline]
+    pub fn abs(self) -> Self {
+        self.map(f64::abs)
+    }
+
+    /// Smaller number of each joint; that of `other` if one of them is NaN.
+    #[inline]
+    pub fn min(self, other: Self) -> Self {
+        self.zip_with(other, lesser)
+    }
+
+    /// Larger number of each joint; that of `other` if one of them is NaN.
+    #[inline]
+    pub fn max(self, other: Self) -> Self {
+        self.zip_with(other, greater)
+    }
+
+    /// Limits each number to `lower`..`upper`. NaN becomes `lower`.
+    #[inline]
+    pub fn clamp(self, lower: Self, upper: Self) -> Self {
+        self.max(lower).min(upper)
+    }
+
+    /// Smallest number, or 0 if there is none.
+    #[inline]
+    pub fn min_element(self) -> f64 {
+        self.iter()
+            .rev()
+            .reduce(|least, v| lesser(v, least))
+            .unwrap_or(0.0)
+    }
+
+    /// Largest number, or 0 if there is none.
+    #[inline]
+    pub fn max_element(self) -> f64 {
+        self.iter()
+            .rev()
+            .reduce(|most, v| greater(v, most))
+            .unwrap_or(0.0)
+    }
+
+    /// Sum of the products of both numbers of each joint.
+    #[inline]
+    pub fn dot(self, other: Self) -> f64 {
+        let products = self * other;
+        products.iter().reduce(|sum, v| sum + v).unwrap_or(0.0)
+    }
+
+    /// Euclidean norm. (The number of joints is [`len`](Self::len).)
+    #[inline]
+    pub fn length(self) -> f64 {
+        self.dot(self).sqrt()
+    }
+
+    /// Euclidean norm of the difference.
+    #[inline]
+    pub fn distance(self, other: Self) -> f64 {
+        (self - other).length()
+    }
+
+    /// `true` if no number is NaN or infinite.
+    #[inline]
+    pub fn is_finite(&self) -> bool {
+        self.iter().all(f64::is_finite)
+    }
+
+    /// `true` if a number is NaN.
+    #[inline]
+    pub fn is_nan(&self) -> bool {
+        self.iter().any(f64::is_nan)
+    }
+}
+
+/// The smaller number, as in `DVec3::min`.
+#[inline(always)]
+pub(crate) fn lesser(a: f64, b: f64) -> f64 {
+    if a < b { a } else { b }
+}
+
+/// The larger number, as in `DVec3::max`.
+#[inline(always)]
+pub(crate) fn greater(a: f64, b: f64) -> f64 {
+    if a > b { a } else { b }
+}
+
+impl<const N: usize> From<[f64; N]> for JointVector {
+    /// Converts one number per joint. Does not compile for more than [`MAX_JOINTS`].
+    #[inline]
+    fn from(numbers: [f64; N]) -> Self {
+        const { assert!(N <= MAX_JOINTS, "a finger has at most MAX_JOINTS joints") };
+        let mut vector = Self::zeros(N);
+        vector.values[..N].copy_from_slice(&numbers);
+        vector
+    }
+}
+
+/// Equality of all numbers; missing ones are 0.
+impl PartialEq for JointVector {
+    #[inline]
+    fn eq(&self, other: &Self) -> bool {
+        self.values == other.values
+    }
+}
+
+/// The number of a joint, or 0 if it is missing. Panics from [`MAX_JOINTS`] on.
+impl Index<usize> for JointVector {
+    type Output = f64;
+
+    #[inline(always)]
+    fn index(&self, joint: usize) -> &f64 {
+        &self.values[joint]
+    }
+}
+
+/// The number of a joint. Panics if it is missing.
+impl IndexMut<usize> for JointVector {
+    #[inline(always)]
+    fn index_mut(&mut self, joint: usize) -> &mut f64 {
+        let len = self.len();
+        &mut self.values[..len][joint]
+    }
+}
+
+impl Neg for JointVector {
+    type Output = Self;
+
+    #[inline(always)]
+    fn neg(self) -> Self {
+        self.map(|v| -v)
+    }
+}
+
+impl Mul<JointVector> for f64 {
+    type Output = JointVector;
+
+    #[inline(always)]
+    fn mul(self, vector: JointVector) -> JointVector {
+        vector.map(|v| self * v)
+    }
+}
+
+/// Implements operators between vectors, joint by joint.
+macro_rules! by_joint {
+    ($($operator:ident $method:ident $assign:ident $assign_method:ident $op:tt;)*) => {$(
+        impl $operator for JointVector {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, other: Self) -> Self {
+                self.zip_with(other, |a, b| a $op b)
+            }
+        }
+
+        impl $assign for JointVector {
+            #[inline(always)]
+            fn $assign_method(&mut self, other: Self) {
+                *self = *self $op other;
+            }
+        }
+    )*};
+}
+
+/// Implements operators with the same number for all joints.
+macro_rules! by_number {
+    ($($operator:ident $method:ident $assign:ident $assign_method:ident $op:tt;)*) => {$(
+        impl $operator<f64> for JointVector {
+            type Output = Self;
+
+            #[inline(always)]
+            fn $method(self, number: f64) -> Self {
+                self.map(|v| v $op number)
+            }
+        }
+
+        impl $assign<f64> for JointVector {
+            #[inline(always)]
+            fn $assign_method(&mut self, number: f64) {
+                *self = *self $op number;
+            }
+        }
+    )*};
+}
+
+by_joint! {
+    Add add AddAssign add_assign +;
+    Sub sub SubAssign sub_assign -;
+    Mul mul MulAssign mul_assign *;
+    Div div DivAssign div_assign /;
+}
+
+by_number! {
+    Add add AddAssign add_assign +;
+    Sub sub SubAssign sub_assign -;
+    Mul mul MulAssign mul_assign *;
+    Div div DivAssign div_assign /;
+}
+
+/// Formats the numbers as `[a, b, c]`, with the given precision.
+impl Display for JointVector {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str("[")?;
+        for (joint, value) in self.iter().enumerate() {
+            if joint > 0 {
+                f.write_str(", ")?;
+            }
+            match f.precision() {
+                Some(precision) => write!(f, "{value:.precision$}")?,
+                None => write!(f, "{value}")?,
+            }
+        }
+        f.write_str("]")
+    }
+}
+
+impl Debug for JointVector {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        let mut tuple = f.debug_tuple("JointVector");
+        for value in self.as_slice() {
+            tuple.field(value);
+        }
+        tuple.finish()
+    }
+}
