@@ -7,7 +7,7 @@ use feeler::control::law::Law;
 use feeler::control::law::policy::{Policy, PolicyModel};
 use feeler::control::sense::{FingerReadings, FingertipPose};
 use feeler::control::{Plan, TactileReading};
-use feeler::hand::{Hand, HandState, JointState};
+use feeler::hand::{Hand, HandState, JointState, JointVector};
 use feeler::sensor::calibration::{Calibration, ForceAxes, read_loads};
 use feeler::sensor::fingertip::{ElementLayout, LocatedLayout};
 use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
@@ -222,8 +222,8 @@ pub fn policy(bytes: &[u8]) -> bool {
         let sense = FingerReadings {
             pose: FingertipPose::default(),
             joints: JointState {
-                position: DVec3::splat(size),
-                velocity: DVec3::splat(-size),
+                position: JointVector::splat(3, size),
+                velocity: JointVector::splat(3, -size),
             },
             touch: &touch,
             layout: &layout,

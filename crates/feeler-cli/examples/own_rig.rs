@@ -7,7 +7,9 @@
 //! ```
 
 use feeler::glam::DVec3;
-use feeler::hand::{Hand, HandCommand, HandError, HandState, JointState, fingertip_pose};
+use feeler::hand::{
+    Hand, HandCommand, HandError, HandState, JointState, JointVector, fingertip_pose,
+};
 use feeler::pace::{FixedRate, Schedule};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::rigs::linked::{expected, rig_config};
@@ -21,12 +23,12 @@ use std::time::Instant;
 pub type Failure = Box<dyn std::error::Error + Send + Sync>;
 
 /// Joint angles (rad) and time (s), as measured by the encoders and the clock of a real rig.
-type Joints = Arc<Mutex<(DVec3, f64)>>;
+type Joints = Arc<Mutex<(JointVector, f64)>>;
 
 /// A finger with ideal velocity drives.
 struct MyHand {
     joints: Joints,
-    velocity: DVec3,
+    velocity: JointVector,
     period: f64,
 }
 
@@ -64,7 +66,7 @@ pub fn serve(
     let joints = Joints::new(Mutex::new((home[0], 0.0)));
     let hand = MyHand {
         joints: joints.clone(),
-        velocity: DVec3::ZERO,
+        velocity: JointVector::default(),
         period,
     };
     let config = rig_config(experiment, RigSpeed::Times(speed))?;

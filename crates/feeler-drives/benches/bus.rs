@@ -11,8 +11,7 @@ fn main() {}
 
 #[cfg(target_os = "linux")]
 fn main() {
-    use feeler::glam::DVec3;
-    use feeler::hand::{Hand, HandCommand, HandState};
+    use feeler::hand::{Hand, HandCommand, HandState, JointVector};
     use feeler::pace::FixedRate;
     use feeler_drives::RigClock;
     use feeler_drives::emulator::{Emulator, EmulatorConfig};
@@ -40,7 +39,7 @@ fn main() {
             hand.read(&mut state).expect("joint angles");
             stamps.push(state.stamp);
             let velocity = if step % 2 == 0 { 0.05 } else { -0.05 };
-            command.relay(&vec![DVec3::splat(velocity); fingers]);
+            command.relay(&vec![JointVector::splat(3, velocity); fingers]);
             hand.command(&command).expect("a command");
         }
         std::thread::sleep(std::time::Duration::from_millis(20));

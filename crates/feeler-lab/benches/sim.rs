@@ -3,6 +3,7 @@
 use divan::Bencher;
 use divan::counter::ItemsCount;
 use feeler::control::Phase;
+use feeler::hand::JointVector;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{Pictures, Session, run_facts};
 use feeler_record::{Recorder, RunLog};
@@ -66,7 +67,7 @@ fn physics(bencher: Bencher, timed: fn(Phase) -> bool) {
         .bench_local_refs(|session| give(session, own, steps));
 }
 
-fn give(session: &Session, commands: &[Vec<DVec3>], steps: usize) {
+fn give(session: &Session, commands: &[Vec<JointVector>], steps: usize) {
     let mut world = session.rig().world();
     for command in commands {
         for (finger, &velocity) in command.iter().enumerate() {
@@ -141,7 +142,7 @@ fn squeezed_box() -> World {
 fn physics_step_out_of_contact(bencher: Bencher) {
     let session = Session::new(&experiment("direct")).expect("a session");
     let mut world = session.rig().world();
-    world.command(0, DVec3::ZERO);
+    world.command(0, JointVector::default());
     bencher.bench_local(|| world.step().expect("a step"));
 }
 

@@ -12,7 +12,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let experiment = Experiment::load("cap-closing", &[])?;
     let mut world = world(&experiment)?;
     for _ in 0..1000 {
-        world.command(0, DVec3::new(0.0, 0.2, -0.4)); // rad/s
+        world.command(0, [0.0, 0.2, -0.4].into()); // rad/s
         world.step()?;
     }
     let mut forces = [DVec3::ZERO; 41];

@@ -73,7 +73,7 @@ proptest! {
             index.map_or(0.0, |index| theta[index])
         };
         let drawn = pose(&robot, &frame(1, "dome"), &angle);
-        let (position, rotation) = fingertip_pose(&built(&fingers[1]), DVec3::from(theta));
+        let (position, rotation) = fingertip_pose(&built(&fingers[1]), theta.into());
         prop_assert!((drawn.translation - position).length() < 1e-12);
         let off = drawn.matrix3 - rotation;
         prop_assert!(off.to_cols_array().iter().all(|entry| entry.abs() < 1e-12));

@@ -7,6 +7,7 @@ use feeler_lab::config::Experiment;
 use feeler_lab::experiment::fingers_at_home;
 use feeler_lab::experiment::rigs::linked::{expected, hand_program};
 use feeler_link::inboxes::{Beacon, RigInbox, listen};
+use feeler_link::messages::joints_to_message;
 use feeler_link::messages::message::{
     Heartbeat, MessageHeader, NO_ELEMENT, NO_FINGER, StateMessage, TactileUpdate,
 };
@@ -173,9 +174,10 @@ impl Sensors {
         listen(&*network, &topics, &inbox, &clock, &of_world)?;
         let config = &experiment.config;
         let (_, home) = fingers_at_home(config)?;
+        let home = home.into_iter().map(joints_to_message);
         Ok(Self {
             network,
-            home: home.into_iter().map(Vector3::from).collect(),
+            home: home.collect::<Result<_, _>>()?,
             inbox,
             clock,
             world,

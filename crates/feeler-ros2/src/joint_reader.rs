@@ -1,10 +1,13 @@
 //! Reads the joints of a hand from `sensor_msgs/JointState` by name.
 
-use feeler::hand::{HandState, MAX_FINGERS};
+use feeler::hand::{HandState, JointState as FingerJoints, MAX_FINGERS};
 use feeler_record::ros::JointState;
 
+/// Number of joints of each finger of a robot.
+pub(crate) const JOINTS: usize = 3;
+
 /// Names of the joints `theta1` to `theta3` of each finger.
-pub type JointNames = Vec<[String; 3]>;
+pub type JointNames = Vec<[String; JOINTS]>;
 
 /// Error when reading joints.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -43,7 +46,7 @@ impl JointReader {
     pub fn new(names: JointNames) -> Result<Self, JointError> {
         match names.len() {
             1..=MAX_FINGERS => Ok(Self {
-                places: vec![0; 3 * names.len()],
+                places: vec![0; JOINTS * names.len()],
                 names,
             }),
             other => Err(JointError::Fingers(other)),
@@ -69,8 +72,9 @@ impl JointReader {
             }
         }
         let joints = self.names.iter().zip(&mut state.joints);
-        for ((names, joint), places) in joints.zip(self.places.chunks_exact(3)) {
-            for (axis, (name, &place)) in names.iter().zip(places).enumerate() {
+        for ((names, joint), places) in joints.zip(self.places.chunks_exact(JOINTS)) {
+            *joint = FingerJoints::zero(JOINTS);
+            for (index, (name, &place)) in names.iter().zip(places).enumerate() {
                 let value = |quantity, values: &[f64]| {
                     let value = values.get(place).copied();
                     let wrong = || JointError::Value {
@@ -80,8 +84,8 @@ impl JointReader {
                     };
                     value.filter(|value| value.is_finite()).ok_or_else(wrong)
                 };
-                joint.position[axis] = value("position", &message.position)?;
-                joint.velocity[axis] = value("velocity", &message.velocity)?;
+                joint.position[index] = value("position", &message.position)?;
+                joint.velocity[index] = value("velocity", &message.velocity)?;
             }
         }
         Ok(())
@@ -111,8 +115,8 @@ mod tests {
         let mut message = message();
         for _ in 0..2 {
             reader.read(&message, &mut state).unwrap();
-            assert_eq!(state.joints[0].position.to_array(), [1.0, 2.0, 3.0]);
-            assert_eq!(state.joints[0].velocity.to_array(), [10.0, 20.0, 30.0]);
+            assert_eq!(state.joints[0].position.as_slice(), [1.0, 2.0, 3.0]);
+            assert_eq!(state.joints[0].velocity.as_slice(), [10.0, 20.0, 30.0]);
             message.name.reverse();
             message.position.reverse();
             message.velocity.reverse();

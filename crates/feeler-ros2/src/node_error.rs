@@ -2,6 +2,7 @@
 
 use crate::message_text::DescriptionError;
 use crate::name::NameError;
+use feeler_record::RecordError;
 use feeler_record::wire::WireError;
 
 /// Error of a node.
@@ -16,6 +17,9 @@ pub enum NodeError {
     /// A message could not be encoded.
     #[error(transparent)]
     Wire(#[from] WireError),
+    /// A finger has more joints than a message can contain.
+    #[error(transparent)]
+    Joints(#[from] RecordError),
     /// Zenoh returned an error.
     #[error("ROS 2 graph: {0}")]
     Zenoh(String),

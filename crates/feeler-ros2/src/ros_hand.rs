@@ -2,15 +2,14 @@
 //! `forward_command_controller`.
 
 use crate::freshness::{Freshness, GraphClock, StaleError, lock, seconds};
-use crate::joint_reader::{JointError, JointNames, JointReader};
+use crate::joint_reader::{JOINTS, JointError, JointNames, JointReader};
 use crate::node::{Node, Subscription};
 use crate::node_error::NodeError;
 use crate::qos::Qos;
 use crate::velocity_sender::VelocitySender;
-use feeler::hand::{Hand, HandCommand, HandError, HandState, check_finger_count};
+use feeler::hand::{Hand, HandCommand, HandError, HandState, JointVector, check_finger_count};
 use feeler_record::ros::JointState;
 use feeler_record::wire::cdr;
-use glam::DVec3;
 use std::sync::{Arc, Mutex};
 use std::time::{Duration, Instant};
 
@@ -122,7 +121,7 @@ impl RosHand {
         Ok(Self {
             newest,
             freshness,
-            commands: VelocitySender::start(commands, 3 * fingers, most)
+            commands: VelocitySender::start(commands, JOINTS * fingers, most)
                 .map_err(NodeError::from)?,
             fingers,
             _subscription: subscription,
@@ -171,16 +170,31 @@ impl Hand for RosHand {
     fn command(&mut self, command: &HandCommand) -> Result<(), HandError> {
         let velocities = command.joint_velocity();
         check_finger_count(self.fingers, velocities.len())?;
-        let moves = velocities.iter().any(|velocity| *velocity != DVec3::ZERO);
+        for velocity in velocities {
+            joint_numbers(velocity)?;
+        }
+        let stopped = JointVector::default();
+        let moves = velocities.iter().any(|velocity| *velocity != stopped);
         let expiry = match moves {
             true => self.expiry(),
             false => Ok(Instant::now()),
         };
         // Stale joint states stop the robot.
         let scale = if expiry.is_ok() { 1.0 } else { 0.0 };
-        let values = velocities.iter().flat_map(|v| (scale * v).to_array());
+        let numbers = velocities.iter().flat_map(joint_numbers).flatten();
+        let values = numbers.map(|velocity| scale * velocity);
         let until = *expiry.as_ref().unwrap_or(&Instant::now());
         let given = self.commands.give(values, until);
         expiry.map(drop).and(given.map_err(HandError::Failed))
     }
+}
+
+/// Joint velocities of one finger (rad/s), as in a message to the controller; missing ones are 0.
+///
+/// # Errors
+/// If the finger has more joints than the robot's fingers.
+fn joint_numbers(velocities: &JointVector) -> Result<[f64; JOINTS], HandError> {
+    let (expected, actual) = (JOINTS, velocities.len());
+    let error = HandError::JointCount { expected, actual };
+    velocities.to_array().ok_or(error)
 }

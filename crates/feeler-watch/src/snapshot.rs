@@ -1,6 +1,7 @@
 //! Plain-data snapshot of a running system, for display.
 
 use feeler::control::{FingerFlags, FlagThresholds, Phase};
+use feeler::hand::JointVector;
 use feeler::sensor::fingertip::SensingElement;
 use glam::DVec3;
 
@@ -80,7 +81,7 @@ pub struct Finger {
     /// Rate of change of each element's tangential force (N/s).
     pub shear_rates: Vec<f64>,
     /// Joint angles from the base outward (rad).
-    pub joints: [f64; 3],
+    pub joints: JointVector,
 }
 
 /// Recent readings of the torque sensor.

@@ -2,10 +2,10 @@
 
 use divan::{Bencher, black_box};
 use feeler::hand::kinematics::{fingertip_pose, jacobian};
-use feeler::hand::{FingerConfig, FingerGeometry, inverse_kinematics, resolved_rate};
+use feeler::hand::{FingerConfig, FingerGeometry, JointVector, inverse_kinematics, resolved_rate};
 use glam::DVec3;
 
-const THETA: DVec3 = DVec3::new(0.05, 0.9, -0.95);
+const THETA: [f64; 3] = [0.05, 0.9, -0.95];
 const VELOCITY: DVec3 = DVec3::new(0.001, 0.01, 0.0005);
 
 fn main() {
@@ -28,26 +28,29 @@ fn geometry() -> FingerGeometry {
 #[divan::bench]
 fn forward_kinematics(bencher: Bencher) {
     let geometry = geometry();
-    bencher.bench_local(|| fingertip_pose(black_box(&geometry), black_box(THETA)));
+    let theta = JointVector::from(THETA);
+    bencher.bench_local(|| fingertip_pose(black_box(&geometry), black_box(theta)));
 }
 
 #[divan::bench]
 fn jacobian_matrix(bencher: Bencher) {
     let geometry = geometry();
-    bencher.bench_local(|| jacobian(black_box(&geometry), black_box(THETA)));
+    let theta = JointVector::from(THETA);
+    bencher.bench_local(|| jacobian(black_box(&geometry), black_box(theta)));
 }
 
 #[divan::bench]
 fn resolved_rate_undamped(bencher: Bencher) {
     let geometry = geometry();
+    let theta = JointVector::from(THETA);
     bencher
-        .bench_local(|| resolved_rate(black_box(&geometry), black_box(THETA), black_box(VELOCITY)));
+        .bench_local(|| resolved_rate(black_box(&geometry), black_box(theta), black_box(VELOCITY)));
 }
 
 #[divan::bench]
 fn resolved_rate_damped(bencher: Bencher) {
     let geometry = geometry();
-    let straight = DVec3::new(0.05, 0.9, 0.0);
+    let straight = JointVector::from([0.05, 0.9, 0.0]);
     bencher.bench_local(|| {
         resolved_rate(
             black_box(&geometry),
@@ -61,9 +64,10 @@ fn resolved_rate_damped(bencher: Bencher) {
 #[divan::bench]
 fn inverse_kinematics_near(bencher: Bencher) {
     let geometry = geometry();
-    let target = fingertip_pose(&geometry, THETA).0 + VELOCITY * 0.01;
+    let theta = JointVector::from(THETA);
+    let target = fingertip_pose(&geometry, theta).0 + VELOCITY * 0.01;
     bencher.bench_local(|| {
-        inverse_kinematics(black_box(&geometry), black_box(target), black_box(THETA))
+        inverse_kinematics(black_box(&geometry), black_box(target), black_box(theta))
     });
 }
 
@@ -71,8 +75,9 @@ fn inverse_kinematics_near(bencher: Bencher) {
 #[divan::bench]
 fn inverse_kinematics_far(bencher: Bencher) {
     let geometry = geometry();
-    let target = fingertip_pose(&geometry, THETA).0;
-    let start = DVec3::new(-0.7, 0.1, -2.0);
+    let theta = JointVector::from(THETA);
+    let target = fingertip_pose(&geometry, theta).0;
+    let start = JointVector::from([-0.7, 0.1, -2.0]);
     bencher.bench_local(|| {
         inverse_kinematics(black_box(&geometry), black_box(target), black_box(start))
     });

@@ -7,7 +7,7 @@ use feeler::control::{ControlConfig, ControlLoop, Controller, FlaggedSensor, Pha
 use feeler::glam::DVec3;
 use feeler::hand::kinematics::fingertip_pose;
 use feeler::hand::{
-    FingerConfig, FingerGeometry, Hand, HandCommand, HandError, HandState, JointState,
+    FingerConfig, FingerGeometry, Hand, HandCommand, HandError, HandState, JointState, JointVector,
     inverse_kinematics,
 };
 use feeler::pace::FixedRate;
@@ -24,12 +24,12 @@ struct Config {
 }
 
 /// Joint angles (rad) and time (s), the readings of a rig's encoders and clock.
-type Rig = Rc<Cell<(DVec3, f64)>>;
+type Rig = Rc<Cell<(JointVector, f64)>>;
 
 /// A finger whose drives follow their commands instantly.
 pub struct MyHand {
     rig: Rig,
-    velocity: DVec3,
+    velocity: JointVector,
     period: f64,
 }
 
@@ -105,7 +105,7 @@ pub fn control_loop() -> Result<ControlLoop<FlaggedSensor<MyTouch>, MyHand>, Fai
     };
     let hand = MyHand {
         rig,
-        velocity: DVec3::ZERO,
+        velocity: JointVector::default(),
         period,
     };
     let sensors = vec![FlaggedSensor::new(touch, thresholds)];

@@ -1,6 +1,7 @@
 //! Readings of a hand and plans of a task, as Python objects.
 
 use feeler::control::{Phase, plan, sense};
+use feeler::hand::JointVector;
 use glam::DVec3;
 use numpy::{PyArray1, PyArray2, PyArrayMethods as _};
 use pyo3::exceptions::PyValueError;
@@ -163,13 +164,13 @@ impl FingerSense {
     /// Joint angles [3], rad.
     #[getter]
     fn joint_position<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        vector(py, self.joints.position)
+        joint_numbers(py, &self.joints.position)
     }
 
     /// Joint velocities [3], rad/s.
     #[getter]
     fn joint_velocity<'py>(&self, py: Python<'py>) -> Bound<'py, PyArray1<f64>> {
-        vector(py, self.joints.velocity)
+        joint_numbers(py, &self.joints.velocity)
     }
 
     /// Resultant force on the fingertip by the object [3], N, in W.
@@ -240,6 +241,11 @@ fn python_bool(value: bool) -> &'static str {
 
 fn vector(py: Python<'_>, vector: DVec3) -> Bound<'_, PyArray1<f64>> {
     PyArray1::from_slice(py, &vector.to_array())
+}
+
+/// Numbers of a finger's joints, one per joint.
+fn joint_numbers<'py>(py: Python<'py>, joints: &JointVector) -> Bound<'py, PyArray1<f64>> {
+    PyArray1::from_slice(py, joints.as_slice())
 }
 
 fn rows<'py>(py: Python<'py>, rows: &[DVec3]) -> PyResult<Bound<'py, PyArray2<f64>>> {

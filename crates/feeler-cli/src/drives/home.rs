@@ -2,6 +2,7 @@
 
 use super::HomeArguments;
 use crate::{CommandError, Outcome};
+use feeler::hand::FingerGeometry;
 use feeler_console::Outputs;
 use feeler_drives::setup::{check_model, named_joints, read_counts};
 use feeler_lab::experiment::fingers_at_home;
@@ -63,10 +64,14 @@ pub fn home(arguments: &HomeArguments, out: &mut dyn Write) -> Result<Outcome, C
 
 /// Returns the hand's present joint angles (rad): `said` (deg), or those of the task's home posture if empty.
 fn posture(rig: &ServoRig, said: &[f64]) -> Result<Vec<f64>, CommandError> {
-    let joints = 3 * rig.fingers.len();
+    let joints: usize = rig.fingers.iter().map(FingerGeometry::joint_count).sum();
     if said.is_empty() {
         let (_, home) = fingers_at_home(&rig.experiment.config)?;
-        return Ok(home.iter().flat_map(|angles| angles.to_array()).collect());
+        return Ok(home
+            .iter()
+            .flat_map(|angles| angles.as_slice())
+            .copied()
+            .collect());
     }
     if said.len() != joints || !said.iter().all(|angle| angle.abs() <= 360.0) {
         return Err(format!("--at: expected {joints} angles from -360 to 360 deg, three per finger, separated by commas").into());

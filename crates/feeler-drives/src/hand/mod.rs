@@ -11,8 +11,10 @@ use crate::registers::Registers;
 use crate::servo::Servo;
 use crate::setup::blame;
 use feeler::check::Checker;
-use feeler::hand::{FingerGeometry, Hand, HandCommand, HandError, HandState, check_finger_count};
-use glam::DVec3;
+use feeler::hand::{
+    FingerGeometry, Hand, HandCommand, HandError, HandState, JointState, JointVector,
+    check_finger_count,
+};
 
 /// Maximum speed of a jogged joint, rad/s.
 pub const JOG_SPEED: f64 = 0.2;
@@ -124,19 +126,20 @@ impl DriveHand {
         if let Some(fault) = self.fault.clone() {
             return Err(DriveError::Stopped { fault });
         }
-        let index = 3 * finger + joint;
-        let Some(servo) = self.servos.get(index).filter(|_| joint < 3) else {
+        let is_asked = |servo: &Servo| (servo.name.finger, servo.name.joint) == (finger, joint);
+        let Some(index) = self.servos.iter().position(is_asked) else {
             let joint = joint + 1;
             return Err(DriveError::NoJoint { finger, joint });
         };
         if velocity.is_nan() || velocity.abs() > JOG_SPEED {
             return Err(DriveError::Command {
-                joint: servo.name,
+                joint: self.servos[index].name,
                 velocity,
                 limit: JOG_SPEED,
             });
         }
-        let sent = self.send(|other| if other == index { velocity } else { 0.0 });
+        let turned = self.servos[index].name;
+        let sent = self.send(|other| if other == turned { velocity } else { 0.0 });
         let done = sent.and_then(|()| self.check_health_if_due(index));
         if let Err(error) = &done {
             self.fail(error);
@@ -144,17 +147,16 @@ impl DriveHand {
         done
     }
 
-    /// Sends each joint its `velocity`, rad/s, by index, unless the joint angles are too old.
-    fn send(&mut self, velocity: impl Fn(usize) -> f64) -> Result<(), DriveError> {
-        let joints = 0..self.servos.len();
-        let moving = joints.into_iter().any(|index| velocity(index) != 0.0);
+    /// Sends each joint its `velocity`, rad/s, unless the joint angles are too old.
+    fn send(&mut self, velocity: impl Fn(JointName) -> f64) -> Result<(), DriveError> {
+        let moving = self.servos.iter().any(|servo| velocity(servo.name) != 0.0);
         let age = self.age();
         if moving && age > self.most_age {
             let limit = self.most_age;
             return Err(DriveError::Stale { age, limit });
         }
-        for (index, servo) in self.servos.iter_mut().enumerate() {
-            servo.command(velocity(index))?;
+        for servo in &mut self.servos {
+            servo.command(velocity(servo.name))?;
         }
         let goals = self.servos.iter().map(|servo| (servo.name.id, servo.goal));
         let register = Registers::of(self.config.protocol).goal_velocity;
@@ -162,8 +164,8 @@ impl DriveHand {
     }
 
     /// Commands the joints, then checks the health of the next servo if due.
-    fn drive(&mut self, velocity: &[DVec3]) -> Result<(), DriveError> {
-        let at = |index: usize| velocity.get(index / 3).map_or(0.0, |v| v[index % 3]);
+    fn drive(&mut self, velocity: &[JointVector]) -> Result<(), DriveError> {
+        let at = |name: JointName| velocity.get(name.finger).map_or(0.0, |v| v[name.joint]);
         self.send(at)?;
         self.check_health_if_due(self.next_asked)
     }
@@ -232,6 +234,9 @@ impl Hand for DriveHand {
         }
         self.read_motion().map_err(|error| self.fail(&error))?;
         state.stamp = self.stamp;
+        for (joints, drives) in state.joints.iter_mut().zip(&self.config.finger) {
+            *joints = JointState::zero(drives.joint.len());
+        }
         for servo in &self.servos {
             let joints = &mut state.joints[servo.name.finger];
             joints.position[servo.name.joint] = servo.angle;

@@ -4,8 +4,7 @@
 
 use crate::support::{MAX_AGE, PERIOD, bus, config, finger};
 use assert_no_alloc::{assert_no_alloc, permit_alloc};
-use feeler::glam::DVec3;
-use feeler::hand::{Hand, HandCommand, HandState};
+use feeler::hand::{Hand, HandCommand, HandState, JointVector};
 use feeler_drives::Port;
 use feeler_drives::bus::Bus;
 use feeler_drives::emulator::Lockstep;
@@ -46,7 +45,7 @@ fn a_period_does_not_allocate() {
             let hand = DriveHand::on(master, &config, &[finger(), finger()], MAX_AGE);
             let mut hand = hand.unwrap_or_else(|error| panic!("{error}"));
             let (mut state, mut command) = (HandState::zero(2), HandCommand::stop(2));
-            command.relay(&[DVec3::splat(0.05); 2]);
+            command.relay(&[JointVector::splat(3, 0.05); 2]);
             let asked = || {
                 let bus = bus.servos();
                 let reads = bus.log().entries().filter(|e| e.instruction == READ);

@@ -3,8 +3,7 @@
 #![cfg(target_os = "linux")]
 
 use crate::support::{MAX_AGE, PERIOD, Rig, ages_of_commands, bus, config, finger, hand_on, plant};
-use feeler::glam::DVec3;
-use feeler::hand::Hand;
+use feeler::hand::{Hand, JointVector};
 use feeler_drives::bus::Bus;
 use feeler_drives::emulator::{BusFault, EmulatorConfig, Lockstep};
 use feeler_drives::hand::DriveHand;
@@ -41,7 +40,7 @@ fn joints_turn_as_commanded() {
         rig.settle();
         rig.period(0.0).unwrap();
         for (joints, begin) in rig.state.joints.iter().zip(&begin.joints) {
-            let off = joints.position - begin.position - DVec3::splat(turned);
+            let off = joints.position - begin.position - JointVector::splat(3, turned);
             // A count of 1.5 mrad at either end, with noise of 0.3 counts, and one unit of velocity for the period of
             // the last command.
             let most = 0.004 + 0.024 * PERIOD;

@@ -3,8 +3,7 @@
 #![cfg(target_os = "linux")]
 
 use crate::support::{config, finger, plant};
-use feeler::glam::DVec3;
-use feeler::hand::{Hand, HandCommand, HandState};
+use feeler::hand::{Hand, HandCommand, HandState, JointVector};
 use feeler_drives::RigClock;
 use feeler_drives::bus::Bus;
 use feeler_drives::emulator::{BusFault, Emulator, EmulatorConfig};
@@ -38,7 +37,7 @@ fn a_hand_moves_on_a_pseudo_terminal_and_stops_if_the_cable_is_pulled() {
         let (mut state, mut command) = (HandState::zero(2), HandCommand::stop(2));
         hand.read(&mut state).unwrap();
         let begin = state.clone();
-        command.relay(&[DVec3::splat(0.2); 2]);
+        command.relay(&[JointVector::splat(3, 0.2); 2]);
         while state.stamp < begin.stamp + 0.05 {
             hand.command(&command).unwrap();
             hand.read(&mut state).unwrap();

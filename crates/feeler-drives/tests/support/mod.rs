@@ -3,8 +3,9 @@
 // Not every test program uses all items.
 #![allow(dead_code)]
 
-use feeler::glam::DVec3;
-use feeler::hand::{FingerConfig, FingerGeometry, Hand, HandCommand, HandError, HandState};
+use feeler::hand::{
+    FingerConfig, FingerGeometry, Hand, HandCommand, HandError, HandState, JointVector,
+};
 use feeler_drives::DriveError;
 use feeler_drives::bus::Bus;
 use feeler_drives::config::DrivesConfig;
@@ -121,7 +122,7 @@ impl Rig {
 
     /// Commands all joints with `velocity` (rad/s).
     pub fn command(&mut self, velocity: f64) -> Result<(), HandError> {
-        let velocities = vec![DVec3::splat(velocity); self.config.finger.len()];
+        let velocities = vec![JointVector::splat(3, velocity); self.config.finger.len()];
         self.command.relay(&velocities);
         self.hand.command(&self.command)
     }

@@ -2,7 +2,7 @@
 
 use super::EnvironmentError;
 use feeler::control::{FingerReadings, LimitsConfig};
-use feeler::hand::{FingerGeometry, jacobian, resolved_rate};
+use feeler::hand::{FingerGeometry, JointVector, jacobian, resolved_rate};
 use glam::DVec3;
 
 /// Actions are clamped to this magnitude (m/s or rad/s), which is far above all limits, to prevent overflow.
@@ -36,7 +36,7 @@ impl ActionKind {
     pub(super) fn bounds(self, finger: &FingerGeometry, limits: &LimitsConfig) -> DVec3 {
         match self {
             Self::World | Self::Fingertip => DVec3::splat(limits.fingertip_speed),
-            Self::Joints => finger.joint_speed_limit(),
+            Self::Joints => of_joints(finger.joint_speed_limit()),
         }
     }
 
@@ -65,9 +65,16 @@ impl ActionKind {
         match self {
             Self::World => velocity,
             Self::Fingertip => sense.pose.rotation.transpose() * velocity,
-            Self::Joints => resolved_rate(finger, sense.joints.position, velocity).joint_velocity,
+            Self::Joints => {
+                of_joints(resolved_rate(finger, sense.joints.position, velocity).joint_velocity)
+            }
         }
     }
+}
+
+/// Joint velocities theta1 to theta3 (rad/s), as in an action.
+fn of_joints(velocities: JointVector) -> DVec3 {
+    DVec3::new(velocities[0], velocities[1], velocities[2])
 }
 
 /// Checks that an action consists of `expected` numbers.

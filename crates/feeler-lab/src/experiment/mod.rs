@@ -36,7 +36,9 @@ use feeler::control::task::Task;
 use feeler::control::{
     ControlConfig, ControlError, ControlLoop, Controller, Phase, StopReason, TactileSource,
 };
-use feeler::hand::{FingerError, FingerGeometry, Hand, KinematicsError, inverse_kinematics};
+use feeler::hand::{
+    FingerError, FingerGeometry, Hand, JointVector, KinematicsError, inverse_kinematics,
+};
 use feeler::pace::{Schedule, Tick};
 use feeler::sensor::fingertip::{ElementLayout, Fingertip, FingertipError};
 use feeler::sensor::forces::SensingError;
@@ -401,7 +403,7 @@ fn is_finished(control_loop: &SimulatedLoop, time_limit: f64) -> bool {
 /// Builds the rig of `experiment`. Also returns the index of its object with a screw thread, if any.
 fn rig(
     experiment: &Experiment,
-    joints: &[DVec3],
+    joints: &[JointVector],
 ) -> Result<(SimRig, Option<usize>), ExperimentError> {
     let world = world_with(experiment, joints)?;
     let cap = experiment.config.cap();
@@ -425,7 +427,7 @@ pub fn world(experiment: &Experiment) -> Result<World, ExperimentError> {
 }
 
 /// Like [`world`], with the fingers at the joint angles `joints` (rad).
-fn world_with(experiment: &Experiment, joints: &[DVec3]) -> Result<World, ExperimentError> {
+fn world_with(experiment: &Experiment, joints: &[JointVector]) -> Result<World, ExperimentError> {
     let config = &experiment.config;
     let fingers = geometries(config)?;
     let fingers: Vec<_> = fingers.into_iter().zip(layouts(config)?).collect();
@@ -509,7 +511,7 @@ pub fn check_rig(experiment: &Experiment) -> Result<Vec<ElementLayout>, Experime
 /// If a finger is invalid or cannot reach its home position.
 pub fn fingers_at_home(
     config: &ExperimentConfig,
-) -> Result<(Vec<FingerGeometry>, Vec<DVec3>), ExperimentError> {
+) -> Result<(Vec<FingerGeometry>, Vec<JointVector>), ExperimentError> {
     fingers_at(config, &config.task.homes())
 }
 
@@ -517,7 +519,7 @@ pub fn fingers_at_home(
 fn fingers_at(
     config: &ExperimentConfig,
     homes: &[[f64; 3]],
-) -> Result<(Vec<FingerGeometry>, Vec<DVec3>), ExperimentError> {
+) -> Result<(Vec<FingerGeometry>, Vec<JointVector>), ExperimentError> {
     let fingers = geometries(config)?;
     if fingers.len() != homes.len() {
         let (expected, actual) = (fingers.len(), homes.len());

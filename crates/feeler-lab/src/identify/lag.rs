@@ -2,7 +2,7 @@
 
 use super::noise::Measured;
 use super::trace::FingerTrace;
-use glam::DVec3;
+use feeler::hand::JointVector;
 
 /// Duration of the sections in which the modelled joint angles have separate offsets (s), to allow for drift of a
 /// drive.
@@ -26,13 +26,13 @@ pub struct DriveLag {
 /// State of a first-order drive.
 #[derive(Debug, Clone, Copy, Default)]
 struct Drive {
-    velocity: DVec3,
-    angle: DVec3,
+    velocity: JointVector,
+    angle: JointVector,
 }
 
 impl Drive {
     /// Advances by `time` under a constant velocity `command`, exactly, with the time constant `lag`.
-    fn follow(&mut self, command: DVec3, time: f64, lag: f64) {
+    fn follow(&mut self, command: JointVector, time: f64, lag: f64) {
         let decay = (-time / lag).exp();
         let behind = self.velocity - command;
         self.angle += command * time + behind * lag * (1.0 - decay);
@@ -47,7 +47,7 @@ fn residuals(trace: &FingerTrace, lag: f64, delay: f64) -> Vec<f64> {
     let mut differences = Vec::with_capacity(rows.len());
     let command_at = |index: usize, back: usize| match index.checked_sub(back) {
         Some(index) => rows[index].command,
-        None => DVec3::ZERO,
+        None => JointVector::default(),
     };
     for (index, row) in rows.iter().enumerate() {
         differences.push(row.joints - drive.angle);
@@ -61,13 +61,18 @@ fn residuals(trace: &FingerTrace, lag: f64, delay: f64) -> Vec<f64> {
         drive.follow(command_at(index, back + 1), older, lag);
         drive.follow(command_at(index, back), period - older, lag);
     }
-    let mut flat = Vec::with_capacity(3 * rows.len());
+    let mut flat = Vec::new();
     let mut from = 0;
     while from < rows.len() {
         let end = rows[from..].partition_point(|row| row.time < rows[from].time + STRETCH);
         let stretch = &differences[from..from + end];
-        let mean = stretch.iter().sum::<DVec3>() / stretch.len() as f64;
-        flat.extend(stretch.iter().flat_map(|d| (*d - mean).to_array()));
+        let sum = stretch
+            .iter()
+            .fold(JointVector::default(), |sum, &d| sum + d);
+        let mean = sum / stretch.len() as f64;
+        for &difference in stretch {
+            flat.extend((difference - mean).iter());
+        }
         from += end;
     }
     flat
@@ -157,17 +162,18 @@ mod tests {
     use feeler::control::FingertipPose;
     use feeler::control::task::probe::Step;
     use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
+    use glam::DVec3;
 
     /// Joint angles that follow changing commands with the given lag and delay, computed in steps of 0.1 ms.
     fn trace(lag: f64, delay: f64) -> FingerTrace {
         let command_at = |time: f64| match time {
-            time if time < 0.0 => DVec3::ZERO,
+            time if time < 0.0 => JointVector::zeros(3),
             time => {
-                0.05 * DVec3::new(
+                0.05 * JointVector::from([
                     (3.0 * time).sin().signum(),
                     0.4,
                     (7.0 * time).cos().signum(),
-                )
+                ])
             }
         };
         let (mut drive, mut rows) = (Drive::default(), Vec::new());
@@ -216,7 +222,7 @@ mod tests {
     fn a_finger_at_rest_has_no_lag() {
         let mut trace = trace(0.01, 0.0);
         for row in &mut trace.rows {
-            row.command = DVec3::ZERO;
+            row.command = JointVector::zeros(3);
         }
         assert_eq!(drive_lag(&trace), None);
     }

@@ -49,6 +49,7 @@ mod tests {
     use super::super::trace::Row;
     use super::*;
     use feeler::control::FingertipPose;
+    use feeler::hand::JointVector;
     use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
     use glam::DVec3;
 
@@ -64,8 +65,8 @@ mod tests {
                 time: 0.01 * index as f64,
                 step: Step::Rest,
                 place: 0,
-                command: DVec3::ZERO,
-                joints: DVec3::ZERO,
+                command: JointVector::zeros(3),
+                joints: JointVector::zeros(3),
                 pose: FingertipPose::default(),
                 // The different offsets of the elements do not count as noise.
                 forces: (0..layout.elements.len())

@@ -2,7 +2,7 @@
 
 use feeler::control::task::probe::{ProbeConfig, Step};
 use feeler::control::{ControlConfig, ControlLoop, FingertipPose, TactileSource};
-use feeler::hand::Hand;
+use feeler::hand::{Hand, JointVector};
 use feeler::sensor::fingertip::ElementLayout;
 use glam::DVec3;
 
@@ -42,9 +42,9 @@ pub struct Row {
     /// Index of the probed place, starting at 0.
     pub place: u32,
     /// Joint velocities commanded in this step (rad/s).
-    pub command: DVec3,
+    pub command: JointVector,
     /// Joint angles (rad).
-    pub joints: DVec3,
+    pub joints: JointVector,
     /// Pose of the fingertip, from the joint angles.
     pub pose: FingertipPose,
     /// Latest force on each element in its frame (N); see [`TactileFrame`](feeler::sensor::forces::TactileFrame).

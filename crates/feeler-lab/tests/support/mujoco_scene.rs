@@ -1,6 +1,6 @@
 //! Scene of `references/mujoco_cap.py`: two fingertips turn a cap under a motion prescribed over time.
 
-use feeler::hand::{FingerConfig, FingerGeometry, fingertip_pose};
+use feeler::hand::{FingerConfig, FingerGeometry, JointVector, fingertip_pose};
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
 use feeler_lab::config::Experiment;
 use feeler_sim::objects::{MotionConfig, Pose, ThreadConfig};
@@ -53,14 +53,14 @@ struct Cap {
 
 impl Header {
     /// Joint angles (rad) of `finger` at `time`.
-    pub fn joints(&self, finger: usize, time: f64) -> DVec3 {
+    pub fn joints(&self, finger: usize, time: f64) -> JointVector {
         let knots = &self.knot_joints[finger];
         let after = self.knot_times.iter().position(|&t| t > time);
         let i = after.unwrap_or(knots.len() - 1) - 1;
         let (from, to) = (self.knot_times[i], self.knot_times[i + 1]);
         let s = ((time - from) / (to - from)).clamp(0.0, 1.0);
         let s = s * s * (3.0 - 2.0 * s);
-        DVec3::from_array(knots[i]).lerp(DVec3::from_array(knots[i + 1]), s)
+        JointVector::from(knots[i]) * (1.0 - s) + JointVector::from(knots[i + 1]) * s
     }
 }
 
@@ -120,7 +120,7 @@ impl Scene {
     }
 
     /// Poses of the fingertips at these joint angles (rad).
-    pub fn poses(&self, joints: impl Fn(usize) -> DVec3) -> Vec<Pose> {
+    pub fn poses(&self, joints: impl Fn(usize) -> JointVector) -> Vec<Pose> {
         let fingers = self.fingers.iter().enumerate();
         let pose = |(finger, (geometry, _)): (usize, &(FingerGeometry, _))| {
             let (position, rotation) = fingertip_pose(geometry, joints(finger));

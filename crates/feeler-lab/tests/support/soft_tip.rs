@@ -2,7 +2,7 @@
 //!
 //! The fingertip's axis (x of `T`) points down. The elements' stiffness is fitted to an elastic half-space at one depth.
 
-use feeler::hand::{FingerConfig, FingerGeometry};
+use feeler::hand::{FingerConfig, FingerGeometry, JointVector};
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, RingConfig};
 use feeler_lab::config::Experiment;
 use feeler_sim::contact::FeelerConfig;
@@ -149,7 +149,7 @@ impl SoftTip {
             joint_speed_limit: [10.0; 3],
         });
         let fingers = [(geometry.expect("a finger"), layout.clone())];
-        let world = World::new(&sim, &fingers, &[DVec3::ZERO], Path::new(""), 0);
+        let world = World::new(&sim, &fingers, &[JointVector::zeros(3)], Path::new(""), 0);
         Self {
             world: world.expect("a world"),
             layout,

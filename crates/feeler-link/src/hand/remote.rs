@@ -2,6 +2,7 @@
 
 use super::holds::ActiveStop;
 use crate::inboxes::hand_inbox::HandInbox;
+use crate::messages::joints::{joints_of_message, joints_to_message};
 use crate::messages::message::{CommandMessage, HandMode, MessageHeader, StopInForce};
 use crate::transport::outlet::{Outlet, TimeSource, header, send};
 use crate::transport::shared::Shared;
@@ -9,7 +10,6 @@ use crate::transport::topic::Topic;
 use feeler::control::{Controller, Phase, TactileReading, TactileSource};
 use feeler::hand::{Hand, HandCommand, HandError, HandState, check_finger_count};
 use feeler::sensor::forces::SensorError;
-use feeler_record::wire::Vector3;
 use std::sync::Arc;
 
 /// Source of tactile readings for a finger whose sensor runs in another program.
@@ -109,14 +109,18 @@ impl Hand for RemoteHand {
         state.stamp = inbox.state().time;
         let read = newest.position.iter().zip(&newest.velocity);
         for (joints, (&position, &velocity)) in state.joints.iter_mut().zip(read) {
-            joints.position = position.into();
-            joints.velocity = velocity.into();
+            joints.position = joints_of_message(position);
+            joints.velocity = joints_of_message(velocity);
         }
         Ok(())
     }
 
     fn command(&mut self, command: &HandCommand) -> Result<(), HandError> {
         check_finger_count(self.fingers, command.joint_velocity().len())?;
+        let velocities = command.joint_velocity().iter();
+        let joint_velocity = velocities
+            .map(|&velocity| joints_to_message(velocity))
+            .collect::<Result<_, _>>()?;
         let message = {
             let mut inbox = self.inbox.lock();
             let (time, clock) = (inbox.state().time, &inbox.state().clock);
@@ -132,11 +136,7 @@ impl Hand for RemoteHand {
                 },
                 token,
                 state_sequence: sequence,
-                joint_velocity: command
-                    .joint_velocity()
-                    .iter()
-                    .map(|&v| Vector3::from(v))
-                    .collect(),
+                joint_velocity,
             }
         };
         let sent = send(&*self.outlet, Topic::Command, &message);

@@ -5,12 +5,13 @@ use super::peers::{Expected, Peers};
 use crate::hand::own_stop::RigStop;
 use crate::messages::decode::read;
 use crate::messages::freshness::Echo;
+use crate::messages::joints::joints_of_message;
 use crate::messages::message::{CommandMessage, HandMode, MessageHeader};
 use crate::messages::plausible::check_velocities;
 use crate::messages::rejection::{Rejection, Rejections};
 use crate::messages::sequence::Sequence;
 use crate::transport::topic::Topic;
-use glam::DVec3;
+use feeler::hand::JointVector;
 
 /// Inbox of the rig, with its watchdog.
 #[derive(Debug, Clone)]
@@ -41,7 +42,7 @@ pub struct RigInbox {
 #[derive(Debug, Clone)]
 struct Command {
     state_sequence: u64,
-    joint_velocity: Vec<DVec3>,
+    joint_velocity: Vec<JointVector>,
     /// Time of arrival on the rig's wall clock (s).
     heard: f64,
     /// `true` once the watchdog has stopped the drives.
@@ -104,9 +105,9 @@ impl RigInbox {
         self.commands.missing(number, now)?;
         // Even a command that is too old, or for a previous rig, proves that the hand is present.
         let step = self.take_step(header, command.token, now);
-        let joint_velocity = command.joint_velocity.into_iter().map(DVec3::from);
-        let joint_velocity: Vec<DVec3> = joint_velocity.collect();
-        if joint_velocity.iter().any(|v| *v != DVec3::ZERO) {
+        let joint_velocity = command.joint_velocity.into_iter().map(joints_of_message);
+        let joint_velocity: Vec<JointVector> = joint_velocity.collect();
+        if joint_velocity.iter().any(|v| *v != JointVector::default()) {
             step?;
             self.check_age(header)?;
         }
@@ -161,10 +162,13 @@ impl RigInbox {
 
     /// Returns the joint velocities (rad/s) to apply at `now` (s), or `None` if the drives must stop. The watchdog
     /// stops them when the latest command arrived more than `limit` (s) ago.
-    pub fn drive(&mut self, now: f64, limit: f64) -> Option<&[DVec3]> {
+    pub fn drive(&mut self, now: f64, limit: f64) -> Option<&[JointVector]> {
         let command = self.command.as_mut()?;
         if now - command.heard > limit {
-            let moved = command.joint_velocity.iter().any(|v| *v != DVec3::ZERO);
+            let moved = command
+                .joint_velocity
+                .iter()
+                .any(|v| *v != JointVector::default());
             self.watchdog_stops += u64::from(moved && !command.expired);
             command.expired = true;
         }

@@ -5,6 +5,7 @@ pub(crate) mod decode;
 mod definition;
 pub(crate) mod freshness;
 pub(crate) mod instruments;
+pub(crate) mod joints;
 pub mod message;
 pub(crate) mod mismatch;
 pub(crate) mod plausible;
@@ -14,6 +15,7 @@ pub(crate) mod sequence;
 pub(crate) mod tactile;
 
 pub use freshness::{Echo, SentSteps};
+pub use joints::{joints_of_message, joints_to_message};
 pub use message::{HandMode, StopInForce};
 pub use mismatch::Mismatch;
 pub use rejection::Rejection;

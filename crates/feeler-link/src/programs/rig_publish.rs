@@ -6,15 +6,15 @@ use super::rig_config::{Rig, SensorOutput};
 use super::rig_reading::{Exposed, Reading};
 use crate::hand::run_clock::RigSpeed;
 use crate::messages::freshness::Echo;
+use crate::messages::joints::joints_to_message;
 use crate::messages::message::{
     DirectForces, InstrumentsMessage, MessageHeader, PictureMessage, StateMessage,
 };
 use crate::transport::endpoints::LinkError;
 use crate::transport::outlet::header;
-use feeler::hand::{HandState, JointState};
+use feeler::hand::{HandError, HandState};
 use feeler::sensor::image::Frame;
 use feeler_record::wire::Vector3;
-use glam::DVec3;
 
 /// Interval between heartbeat updates (s).
 const REPORT_INTERVAL: f64 = 0.25;
@@ -29,7 +29,7 @@ impl<R: Rig> RigProgram<R> {
         let taken = self.taken();
         let header = header(self.node.instance, self.sequence, self.state.stamp);
         let header = header.echoing(taken.0, taken.1);
-        let state = state_message(header, &self.state, instruments);
+        let state = state_message(header, &self.state, instruments)?;
         self.send(Reading::State(state))?;
         for finger in 0..self.rig.finger_count() {
             self.expose(finger, taken)?;
@@ -138,15 +138,14 @@ fn state_message(
     header: MessageHeader,
     state: &HandState,
     instruments: Option<InstrumentsMessage>,
-) -> StateMessage {
-    let joints = |pick: fn(&JointState) -> DVec3| {
-        let joints = state.joints.iter();
-        joints.map(|joint| Vector3::from(pick(joint))).collect()
-    };
-    StateMessage {
+) -> Result<StateMessage, HandError> {
+    let (positions, velocities) = (state.joints.iter(), state.joints.iter());
+    let positions = positions.map(|joints| joints_to_message(joints.position));
+    let velocities = velocities.map(|joints| joints_to_message(joints.velocity));
+    Ok(StateMessage {
         header,
-        position: joints(|joint| joint.position),
-        velocity: joints(|joint| joint.velocity),
+        position: positions.collect::<Result<_, _>>()?,
+        velocity: velocities.collect::<Result<_, _>>()?,
         instruments: instruments.into_iter().collect(),
-    }
+    })
 }

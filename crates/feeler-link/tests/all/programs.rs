@@ -3,7 +3,7 @@
 use feeler::control::task::TaskConfig;
 use feeler::control::{ControlConfig, ControlLoop, Controller, FlaggedSensor, Phase, StopReason};
 use feeler::hand::{
-    FingerConfig, FingerGeometry, Hand, HandCommand, HandError, HandState, JointState,
+    FingerConfig, FingerGeometry, Hand, HandCommand, HandError, HandState, JointState, JointVector,
     fingertip_pose, inverse_kinematics,
 };
 use feeler::pace::FreeRunning;
@@ -55,8 +55,8 @@ struct Toy {
     finger: FingerGeometry,
     layout: ElementLayout,
     period: f64,
-    joints: DVec3,
-    velocity: DVec3,
+    joints: JointVector,
+    velocity: JointVector,
     steps: u64,
     frame: TactileFrame,
 }
@@ -69,7 +69,7 @@ impl Toy {
         Self {
             joints: inverse_kinematics(&finger, home, finger.joint_lower()).unwrap(),
             period: config.control.period,
-            velocity: DVec3::ZERO,
+            velocity: JointVector::default(),
             steps: 0,
             frame: TactileFrame::unloaded(layout.elements.len()),
             finger,
@@ -154,7 +154,7 @@ impl TactileSensor for Shared {
 const HANGS: Duration = Duration::from_secs(60);
 
 /// Joint angles, grasp force and phase of every step.
-type Trace = Vec<(DVec3, f64, Phase)>;
+type Trace = Vec<(JointVector, f64, Phase)>;
 
 fn in_one_process(config: &Config) -> Trace {
     let toy = Shared(std::rc::Rc::new(std::cell::RefCell::new(Toy::new(config))));

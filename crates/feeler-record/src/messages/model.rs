@@ -1,5 +1,6 @@
 //! Constants of a rig: the geometry of its fingers and the solids around them.
 
+use super::channels::RECORDED_JOINTS;
 use crate::error::RecordError;
 use feeler::hand::{FingerConfig, FingerGeometry};
 use feeler::math::{rotation_x, rotation_y, rotation_z};
@@ -80,8 +81,8 @@ pub fn frame(finger: usize, part: &str) -> String {
 }
 
 /// Names of the joints theta1 to theta3 of `finger`, from 0.
-pub fn joint_names(finger: usize) -> [String; 3] {
-    [1, 2, 3].map(|joint| format!("finger_{finger}_joint_{joint}"))
+pub fn joint_names(finger: usize) -> [String; RECORDED_JOINTS] {
+    std::array::from_fn(|joint| joint + 1).map(|joint| format!("finger_{finger}_joint_{joint}"))
 }
 
 impl FingerModel {

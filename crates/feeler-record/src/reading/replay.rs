@@ -4,7 +4,6 @@ use super::recording::Recording;
 use crate::messages::channels::{Joints, Tactile};
 use feeler::hand::{Hand, HandCommand, HandError, HandState, JointState, check_finger_count};
 use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
-use glam::DVec3;
 
 /// A fingertip that plays back the recorded forces of one finger.
 #[derive(Debug, Clone)]
@@ -79,8 +78,8 @@ impl Hand for RecordedHand {
             let recorded = recorded.next().ok_or(HandError::Ended { count })?;
             state.stamp = recorded.stamp;
             *joints = JointState {
-                position: DVec3::from_array(recorded.position),
-                velocity: DVec3::from_array(recorded.velocity),
+                position: recorded.position.into(),
+                velocity: recorded.velocity.into(),
             };
         }
         self.count += 1;

@@ -2,10 +2,11 @@
 
 use super::urdf::urdf;
 use crate::error::RecordError;
+use crate::messages::channels::recorded_joints;
 use crate::messages::facts::RunFacts;
 use crate::messages::model::{Frame, joint_names};
 use crate::ros::{Header, JointState, TFMessage, Text, Time, TransformStamped};
-use glam::DVec3;
+use feeler::hand::JointVector;
 
 /// Robot description, joint states and transforms of a hand. Their memory is reused.
 pub struct KinematicMessages {
@@ -53,19 +54,27 @@ impl KinematicMessages {
     }
 
     /// Sets the joint angles (rad) and velocities (rad/s) of the fingers, in order.
-    pub fn set_joints(&mut self, stamp: Time, joints: impl Iterator<Item = (DVec3, DVec3)>) {
+    ///
+    /// # Errors
+    /// If a finger has more joints than a recording can contain.
+    pub fn set_joints(
+        &mut self,
+        stamp: Time,
+        joints: impl Iterator<Item = (JointVector, JointVector)>,
+    ) -> Result<(), RecordError> {
         self.joints.header.stamp = stamp;
         self.joints.position.clear();
         self.joints.velocity.clear();
         for (position, velocity) in joints {
-            self.joints.position.extend(position.to_array());
-            self.joints.velocity.extend(velocity.to_array());
+            self.joints.position.extend(recorded_joints(position)?);
+            self.joints.velocity.extend(recorded_joints(velocity)?);
         }
+        Ok(())
     }
 
     /// Sets the transforms of moving frames. `angles` returns the joint angles of a finger (rad), or `None` to keep its
     /// transforms.
-    pub fn set_moving(&mut self, stamp: Time, angles: impl Fn(usize) -> Option<DVec3>) {
+    pub fn set_moving(&mut self, stamp: Time, angles: impl Fn(usize) -> Option<JointVector>) {
         for ((finger, frame), place) in self.frames.iter().zip(&mut self.moving.transforms) {
             let Some(angles) = angles(*finger) else {
                 continue;

@@ -2,7 +2,7 @@
 
 use crate::error::RecordError;
 use crate::messages::channels::{
-    Command, Findings, Fingertip, Flags, Joints, NO_ELEMENT, Tactile, Task,
+    Command, Findings, Fingertip, Flags, Joints, NO_ELEMENT, Tactile, Task, recorded_joints,
 };
 use crate::messages::facts::RunFacts;
 use crate::messages::image::Image;
@@ -188,15 +188,15 @@ impl<R: MessageSink> RunLog<R> {
             topics::joints(index),
             &Joints {
                 stamp,
-                position: joints.position.to_array(),
-                velocity: joints.velocity.to_array(),
+                position: recorded_joints(joints.position)?,
+                velocity: recorded_joints(joints.velocity)?,
             },
         )?;
         self.recorder.write(
             topics::command(index),
             &Command {
                 stamp,
-                joint_velocity: finger.admitted.joint_velocity.to_array(),
+                joint_velocity: recorded_joints(finger.admitted.joint_velocity)?,
                 fingertip_velocity: finger.velocity.into(),
                 limited: finger.admitted.limited,
                 damping: finger.admitted.damping,

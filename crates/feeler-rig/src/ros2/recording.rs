@@ -168,8 +168,8 @@ impl Replay {
         let Some(stamp) = stamp.filter(|_| joints.clone().count() == step.fingers.len()) else {
             return Ok(());
         };
-        let joints = joints.map(|j| (DVec3::from_array(j.position), DVec3::from_array(j.velocity)));
-        self.messages.set_joints(stamp, joints);
+        let joints = joints.map(|j| (j.position.into(), j.velocity.into()));
+        self.messages.set_joints(stamp, joints)?;
         self.publishers.publish_joints(&self.messages)
     }
 

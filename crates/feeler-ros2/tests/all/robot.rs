@@ -6,14 +6,13 @@
 mod ports;
 
 use assert_no_alloc::assert_no_alloc;
-use feeler::hand::{Hand, HandCommand, HandState};
+use feeler::hand::{Hand, HandCommand, HandState, JointVector};
 use feeler_record::ros::{JointState, Time};
 use feeler_record::wire::cdr;
 use feeler_ros2::message::Float64MultiArray;
 use feeler_ros2::{
     GraphClock, Node, NodeConfig, NodeName, Publisher, Qos, RosHand, RosHandConfig, Subscription,
 };
-use glam::DVec3;
 use ports::unused_endpoint;
 use std::sync::mpsc::{Receiver, channel};
 use std::thread::sleep;
@@ -97,7 +96,7 @@ fn hand_and_robot(most_age: f64) -> (RosHand, Robot, Node) {
     (hand, robot, node)
 }
 
-fn command(velocity: DVec3) -> HandCommand {
+fn command(velocity: JointVector) -> HandCommand {
     let mut command = HandCommand::stop(1);
     command.relay(&[velocity]);
     command
@@ -106,7 +105,7 @@ fn command(velocity: DVec3) -> HandCommand {
 #[test]
 fn reading_and_commanding_allocate_nothing() {
     let (mut hand, mut robot, _node) = hand_and_robot(600.0);
-    let (mut state, command) = (HandState::zero(1), command(DVec3::X));
+    let (mut state, command) = (HandState::zero(1), command([1.0, 0.0, 0.0].into()));
     for _ in 0..200 {
         robot.say();
         let done = assert_no_alloc(|| {
@@ -121,7 +120,7 @@ fn reading_and_commanding_allocate_nothing() {
 #[test]
 fn zeros_are_sent_if_the_control_loop_hangs_and_on_drop() {
     let (mut hand, mut robot, _node) = hand_and_robot(1.0);
-    let moving = command(DVec3::new(1.0, 2.0, 3.0));
+    let moving = command([1.0, 2.0, 3.0].into());
     // Repeat until the robot, which has just joined, receives a command.
     let moved = loop {
         robot.say();
@@ -147,7 +146,7 @@ fn zeros_are_sent_if_the_control_loop_hangs_and_on_drop() {
 #[test]
 fn dropping_a_moving_hand_stops_the_robot() {
     let (mut hand, mut robot, node) = hand_and_robot(600.0);
-    let moving = command(DVec3::ONE);
+    let moving = command(JointVector::splat(3, 1.0));
     while robot.told.recv_timeout(Duration::from_millis(50)).is_err() {
         hand.command(&moving).expect("a command");
     }

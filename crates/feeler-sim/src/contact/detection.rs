@@ -5,6 +5,7 @@ use crate::objects::object::Object;
 use crate::objects::pose::Pose;
 use crate::world::model::{Finger, WorldModel};
 use crate::world::state::{FingerState, GROUP, ObjectState};
+use feeler::hand::JointVector;
 use glam::DVec3;
 
 /// Maximum rolling distance along the tangent before a tip is projected onto the surface (m): on a radius of 10 mm
@@ -79,7 +80,7 @@ pub(crate) fn moves(objects: &[ObjectState]) -> u64 {
 impl FingerState {
     /// Returns `true` if no feeler can make contact after the joints have turned by another `turn` (rad) and objects
     /// have moved `moves` times in total. The fingertip's exact pose is then irrelevant.
-    pub(crate) fn stays_free(&mut self, finger: &Finger, turn: DVec3, moves: u64) -> bool {
+    pub(crate) fn stays_free(&mut self, finger: &Finger, turn: JointVector, moves: u64) -> bool {
         let watch = &mut self.watch;
         watch.unseen += finger.reach.dot(turn.abs());
         // `false` if the distance is NaN.

@@ -182,7 +182,7 @@ fn bodies(world: &World) -> Vec<Body<'_>> {
 fn of_finger<'a>(finger: &'a Finger, now: &'a FingerState) -> Vec<Body<'a>> {
     let (geometry, tip) = (&finger.geometry, &now.tip);
     let [l2, _, l4] = geometry.links();
-    let (sin, cos) = libm::sincos(now.joints.link.x);
+    let (sin, cos) = libm::sincos(now.joints.link[0]);
     let base = geometry.base_rotation();
     let shoulder = geometry.base_position() + l2 * (base.x_axis * cos + base.y_axis * sin);
     let wrist = tip.position - l4 * tip.rotation.x_axis;

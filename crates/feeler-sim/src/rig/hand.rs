@@ -1,8 +1,7 @@
 //! The simulated rig and its hand, behind the traits of real hardware.
 
 use crate::world::simulation::World;
-use feeler::hand::{Hand, HandCommand, HandError, HandState, check_finger_count};
-use glam::DVec3;
+use feeler::hand::{Hand, HandCommand, HandError, HandState, JointVector, check_finger_count};
 use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Shared handle to a world, for the simulated hand and sensors.
@@ -32,7 +31,7 @@ pub struct SimHand {
     steps_per_command: usize,
     period: f64,
     /// Encoder readings at the last command (rad).
-    encoded_before: Vec<DVec3>,
+    encoded_before: Vec<JointVector>,
 }
 
 impl SimHand {

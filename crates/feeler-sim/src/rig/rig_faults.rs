@@ -167,8 +167,8 @@ impl Part {
 }
 
 fn stall(finger: Option<&mut FingerState>, joint: usize, stalled: bool) {
-    if let Some(finger) = finger.filter(|_| joint < 3) {
-        finger.joints.stalled.set(joint, stalled);
+    if let Some(finger) = finger.filter(|finger| joint < finger.joints.count()) {
+        finger.joints.stalled[joint] = stalled;
     }
 }
 
@@ -178,7 +178,7 @@ fn read_wrong(
     joint: usize,
     to: impl FnOnce((f64, f64, f64)) -> (f64, f64),
 ) {
-    if let Some(finger) = finger.filter(|_| joint < 3) {
+    if let Some(finger) = finger.filter(|finger| joint < finger.joints.count()) {
         let (angle, encoders) = (finger.joints.position[joint], &mut finger.joints.encoders);
         let now = (encoders.gain[joint], encoders.offset[joint], angle);
         (encoders.gain[joint], encoders.offset[joint]) = to(now);
@@ -186,7 +186,7 @@ fn read_wrong(
 }
 
 fn widen(finger: Option<&mut FingerState>, joint: usize, to: impl Fn(f64) -> f64) {
-    if let Some(finger) = finger.filter(|_| joint < 3) {
+    if let Some(finger) = finger.filter(|finger| joint < finger.joints.count()) {
         let band = &mut finger.joints.backlash[joint];
         *band = to(*band);
     }

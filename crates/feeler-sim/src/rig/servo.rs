@@ -1,11 +1,11 @@
 //! Drives of the joints: velocity control with a first-order lag, and incremental encoders.
 
 use feeler::check::Checker;
-use glam::{BVec3, DVec3};
+use feeler::hand::{JointVector, MAX_JOINTS};
 use multiversion::multiversion;
 use serde::{Deserialize, Serialize};
 
-/// Drives of a finger's three joints, which are identical.
+/// Drives of a finger's joints, which are identical.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct ServoConfig {
@@ -30,36 +30,41 @@ impl Default for ServoConfig {
     }
 }
 
-/// Ground truth of the motion of a finger's three joints.
+/// Ground truth of the motion of a finger's joints.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Joints {
     /// Motor angles, which the encoders measure (rad).
-    pub position: DVec3,
+    pub position: JointVector,
     /// Joint velocities (rad/s).
-    pub velocity: DVec3,
+    pub velocity: JointVector,
     /// Commanded joint velocities (rad/s).
-    pub command: DVec3,
+    pub command: JointVector,
     /// Link angles (rad); they differ from the motor angles by backlash.
-    pub link: DVec3,
+    pub link: JointVector,
     /// Width of the dead band between motor and link (rad).
-    pub backlash: DVec3,
+    pub backlash: JointVector,
     /// Stalled joints, which ignore their commands.
-    pub stalled: BVec3,
+    pub stalled: [bool; MAX_JOINTS],
     /// Gain and offset of the encoders.
     pub encoders: Encoders,
 }
 
 impl Joints {
+    /// Number of joints.
+    pub fn count(&self) -> usize {
+        self.position.len()
+    }
+
     /// Joints at rest at `position` (rad).
-    pub fn at_rest(position: DVec3) -> Self {
+    pub fn at_rest(position: JointVector) -> Self {
         Self {
             position,
-            velocity: DVec3::ZERO,
-            command: DVec3::ZERO,
+            velocity: JointVector::zeros(position.len()),
+            command: JointVector::zeros(position.len()),
             link: position,
-            backlash: DVec3::ZERO,
-            stalled: BVec3::FALSE,
-            encoders: Encoders::default(),
+            backlash: JointVector::zeros(position.len()),
+            stalled: [false; MAX_JOINTS],
+            encoders: Encoders::exact(position.len()),
         }
     }
 }
@@ -68,24 +73,22 @@ impl Joints {
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Encoders {
     /// Ratio of the measured to the actual rotation.
-    pub gain: DVec3,
+    pub gain: JointVector,
     /// Offset of the measured angle (rad).
-    pub offset: DVec3,
-}
-
-impl Default for Encoders {
-    /// Encoders without errors.
-    fn default() -> Self {
-        Self {
-            gain: DVec3::ONE,
-            offset: DVec3::ZERO,
-        }
-    }
+    pub offset: JointVector,
 }
 
 impl Encoders {
+    /// Encoders of `joints` joints, without errors.
+    pub fn exact(joints: usize) -> Self {
+        Self {
+            gain: JointVector::splat(joints, 1.0),
+            offset: JointVector::zeros(joints),
+        }
+    }
+
     /// Measured angles for the joint angles `position` (rad).
-    pub fn show(&self, position: DVec3) -> DVec3 {
+    pub fn show(&self, position: JointVector) -> JointVector {
         self.gain * position + self.offset
     }
 }
@@ -100,9 +103,9 @@ impl ServoConfig {
     }
 
     /// Joints of these drives at rest at `position` (rad), in the middle of their backlash.
-    pub fn joints(&self, position: DVec3) -> Joints {
+    pub fn joints(&self, position: JointVector) -> Joints {
         Joints {
-            backlash: DVec3::splat(self.backlash),
+            backlash: JointVector::splat(position.len(), self.backlash),
             ..Joints::at_rest(position)
         }
     }
@@ -123,30 +126,44 @@ impl ServoConfig {
         joints: &mut Joints,
         step: f64,
         remaining: f64,
-        (lower, upper): (DVec3, DVec3),
+        (lower, upper): (JointVector, JointVector),
     ) {
-        let command = DVec3::select(joints.stalled, DVec3::ZERO, joints.command);
-        let velocity = DVec3::select(joints.stalled, DVec3::ZERO, joints.velocity);
-        let error = velocity - command;
-        let free = joints.position + step * command + self.lag * (1.0 - remaining) * error;
-        joints.velocity = command + remaining * error;
-        joints.position = free.clamp(lower, upper);
-        let stopped = free.cmpne(joints.position);
-        joints.velocity = DVec3::select(stopped, DVec3::ZERO, joints.velocity);
-        let play = joints.backlash / 2.0;
-        joints.link = joints
-            .link
-            .clamp(joints.position - play, joints.position + play);
+        for joint in 0..joints.count() {
+            let moving = |velocity: f64| match joints.stalled[joint] {
+                true => 0.0,
+                false => velocity,
+            };
+            let command = moving(joints.command[joint]);
+            let error = moving(joints.velocity[joint]) - command;
+            let free =
+                joints.position[joint] + step * command + self.lag * (1.0 - remaining) * error;
+            let position = clamp(free, lower[joint], upper[joint]);
+            let stopped = free != position;
+            joints.position[joint] = position;
+            joints.velocity[joint] = match stopped {
+                true => 0.0,
+                false => command + remaining * error,
+            };
+            let play = joints.backlash[joint] / 2.0;
+            joints.link[joint] = clamp(joints.link[joint], position - play, position + play);
+        }
     }
 
     /// Quantizes the joint angles `position` to encoder counts (rad).
-    pub fn encode(&self, position: DVec3) -> DVec3 {
+    pub fn encode(&self, position: JointVector) -> JointVector {
         to_multiples(position, self.encoder_resolution)
     }
 }
 
+/// Limits `value` to `lower`..`upper`, as [`JointVector::clamp`].
+#[inline(always)]
+fn clamp(value: f64, lower: f64, upper: f64) -> f64 {
+    let raised = if value > lower { value } else { lower };
+    if raised < upper { raised } else { upper }
+}
+
 /// Rounds `values` to multiples of `unit`. (Without AVX, rounding calls the C library.)
 #[multiversion(targets("x86_64+avx2"))]
-fn to_multiples(values: DVec3, unit: f64) -> DVec3 {
-    (values / unit).round() * unit
+fn to_multiples(values: JointVector, unit: f64) -> JointVector {
+    values.map(|value| (value / unit).round() * unit)
 }

@@ -11,7 +11,7 @@ use crate::objects::pose::Pose;
 use crate::random::{Purpose, generator, uniform};
 use crate::rig::servo::ServoConfig;
 use crate::rig::torque_sensor::TorqueSensorConfig;
-use feeler::hand::FingerGeometry;
+use feeler::hand::{FingerGeometry, JointVector};
 use feeler::sensor::fingertip::ElementLayout;
 use glam::{DMat3, DVec3};
 use std::f64::consts::TAU;
@@ -58,11 +58,11 @@ pub struct Finger {
     /// The feelers, one per element.
     pub feelers: Vec<FeelerConfig>,
     /// Encoder readings minus joint angles (rad).
-    pub encoder_offset: DVec3,
+    pub encoder_offset: JointVector,
     /// Parameters of all feelers, if they are identical pure springs.
     pub(crate) springs: Option<FeelerConfig>,
     /// Maximum distance of any point of the dome from the axis of each joint (m).
-    pub(crate) reach: DVec3,
+    pub(crate) reach: JointVector,
 }
 
 impl WorldModel {
@@ -154,13 +154,13 @@ impl Finger {
         let last = l4 + layout.dome_radius;
         Self {
             springs: None,
-            reach: DVec3::new(l2 + l3 + last, l3 + last, last),
+            reach: [l2 + l3 + last, l3 + last, last].into(),
             geometry: geometry.clone(),
             dome_radius: layout.dome_radius,
             normals: elements.iter().map(|e| e.normal()).collect(),
             element_rotations: elements.iter().map(|e| e.rotation).collect(),
             feelers: vec![feeler.clone(); elements.len()],
-            encoder_offset: DVec3::ZERO,
+            encoder_offset: JointVector::zeros(geometry.joint_count()),
         }
     }
 }
@@ -169,7 +169,8 @@ impl Finger {
 fn offset_encoders(fingers: &mut [Finger], most: f64, seed: u64) {
     let mut random = generator(seed, Purpose::EncoderOffset);
     for finger in fingers {
-        finger.encoder_offset = DVec3::from_array([(); 3].map(|()| uniform(&mut random, most)));
+        let offset = &mut finger.encoder_offset;
+        *offset = offset.map(|_| uniform(&mut random, most));
     }
 }
 

@@ -10,7 +10,7 @@ use crate::objects::pose::Pose;
 use crate::random::{Generator, Purpose, generator};
 use crate::rig::rig_faults::RigFaults;
 use crate::rig::torque_sensor::TorqueReading;
-use feeler::hand::FingerGeometry;
+use feeler::hand::{FingerGeometry, JointVector};
 use feeler::sensor::fingertip::ElementLayout;
 use glam::DVec3;
 use std::path::Path;
@@ -25,15 +25,15 @@ pub struct World {
 }
 
 impl World {
-    /// Creates the world of `config` at time 0, with `fingers` and their fingertips at rest at `joints` (rad, one
-    /// triple per finger). Paths in `config` are relative to `folder`.
+    /// Creates the world of `config` at time 0, with `fingers` at rest at the joint angles `joints` (rad, one vector
+    /// per finger). Paths in `config` are relative to `folder`.
     ///
     /// # Errors
     /// If an object or an override is invalid, or if bodies overlap.
     pub fn new(
         config: &SimConfig,
         fingers: &[(FingerGeometry, ElementLayout)],
-        joints: &[DVec3],
+        joints: &[JointVector],
         folder: &Path,
         seed: u64,
     ) -> Result<Self, SimError> {
@@ -98,7 +98,7 @@ impl World {
     }
 
     /// Encoder readings of `finger` (rad).
-    pub fn encoded(&self, finger: usize) -> DVec3 {
+    pub fn encoded(&self, finger: usize) -> JointVector {
         let (own, state) = (&self.model.fingers[finger], &self.state.fingers[finger]);
         let joints = &state.joints;
         let shown = joints.encoders.show(joints.position) + own.encoder_offset;
@@ -114,7 +114,7 @@ impl World {
     }
 
     /// Sets the target joint velocities of the drives of `finger` (rad/s).
-    pub fn command(&mut self, finger: usize, joint_velocity: DVec3) {
+    pub fn command(&mut self, finger: usize, joint_velocity: JointVector) {
         if let Some(finger) = self.state.fingers.get_mut(finger) {
             finger.joints.command = joint_velocity;
         }

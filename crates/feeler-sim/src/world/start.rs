@@ -105,10 +105,18 @@ impl State {
     /// Error for the first quantity that is not finite.
     #[cold]
     fn not_finite(&self, model: &WorldModel) -> SimError {
-        let mut quantities: Vec<(String, DVec3)> = Vec::new();
         for (number, finger) in self.fingers.iter().enumerate() {
             let joints = finger.joints.position;
-            quantities.push((format!("the joint angles of finger {number}"), joints));
+            if !joints.is_finite() {
+                return SimError::NotFinite {
+                    step: self.steps,
+                    quantity: format!("the joint angles of finger {number}"),
+                    value: joints.to_string(),
+                };
+            }
+        }
+        let mut quantities: Vec<(String, DVec3)> = Vec::new();
+        for (number, finger) in self.fingers.iter().enumerate() {
             let position = finger.tip.position;
             quantities.push((format!("the position of fingertip {number}"), position));
             for (element, &force) in finger.forces.iter().enumerate() {

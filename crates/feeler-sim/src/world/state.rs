@@ -6,6 +6,7 @@ use crate::objects::object::Motion;
 use crate::objects::pose::Pose;
 use crate::objects::thread::Turn;
 use crate::rig::servo::Joints;
+use feeler::hand::JointVector;
 use feeler::hand::kinematics::fingertip_pose;
 use glam::{DMat3, DVec3};
 
@@ -110,8 +111,8 @@ impl FingerState {
 }
 
 impl State {
-    /// The world at time 0: fingers at rest at `joints` (rad, one triple per finger), objects at their start poses.
-    pub fn new(model: &WorldModel, joints: &[DVec3]) -> Self {
+    /// The world at time 0: fingers at rest at `joints` (rad, one vector per finger), objects at their start poses.
+    pub fn new(model: &WorldModel, joints: &[JointVector]) -> Self {
         let objects: Vec<_> = model.objects.iter().map(ObjectState::new).collect();
         let fingers = model.fingers.iter().zip(joints).map(|(finger, &theta)| {
             let (position, rotation) = fingertip_pose(&finger.geometry, theta);

@@ -12,6 +12,7 @@ use feeler_lab::experiment::layouts;
 use feeler_lab::experiment::rigs::linked::expected;
 use feeler_link::hand::{Order, stop_to_resume};
 use feeler_link::inboxes::{Inbox, WatchInbox};
+use feeler_link::messages::joints_of_message;
 use feeler_link::messages::message::{HandMode, InstrumentsMessage};
 use feeler_link::transport::{LinkError, Network, Shared, TimeSource, Topic, monotonic};
 use glam::DVec3;
@@ -197,7 +198,7 @@ impl WatchedRig {
 
     fn fingers(&self, heard: &RigMessages) -> Vec<Finger> {
         let layouts = self.layouts.iter().enumerate();
-        let joints = |finger: usize| Some(heard.state?.position.get(finger).copied()?.into());
+        let joints = |finger: usize| heard.state?.position.get(finger).copied();
         layouts
             .map(|(number, layout)| {
                 let (flags, forces, shear_rates) = match heard.finger(number) {
@@ -215,7 +216,7 @@ impl WatchedRig {
                     elements: layout.elements.clone(),
                     forces,
                     shear_rates,
-                    joints: joints(number).unwrap_or(DVec3::NAN).to_array(),
+                    joints: joints_of_message(joints(number).unwrap_or(DVec3::NAN.into())),
                 }
             })
             .collect()

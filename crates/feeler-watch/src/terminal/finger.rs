@@ -74,6 +74,7 @@ fn grasp(finger: &Finger, width: usize) -> Line<'static> {
 
 fn joints(finger: &Finger, narrow: bool) -> Line<'static> {
     let (word, decimals) = if narrow { ("", 0) } else { ("joints ", 1) };
-    let angles = finger.joints.map(|angle| degrees(angle, decimals));
+    let angles = finger.joints.iter().map(|angle| degrees(angle, decimals));
+    let angles: Vec<_> = angles.collect();
     Line::raw(format!(" {word}{} ", angles.join(" ")))
 }

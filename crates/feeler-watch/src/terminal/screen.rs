@@ -188,7 +188,7 @@ impl RunState {
                 elements: layout.elements.clone(),
                 forces: touch.frame.forces.clone(),
                 shear_rates: touch.shear_rate.clone(),
-                joints: joints.position.to_array(),
+                joints: joints.position,
             })
             .collect()
     }

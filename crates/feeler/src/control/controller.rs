@@ -258,7 +258,8 @@ impl Controller {
         for (finger, ((touch, joints), ((geometry, layout), pose))) in
             inputs.zip(fingers).enumerate()
         {
-            check_input(finger, layout.elements.len(), touch, joints)?;
+            let counts = (layout.elements.len(), geometry.joint_count());
+            check_input(finger, counts, touch, joints)?;
             let age = state.stamp - touch.stamp;
             // Also rejects a NaN age, and forces with a stamp in the future.
             if age.is_nan() || age.abs() > limit {

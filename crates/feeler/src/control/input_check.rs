@@ -22,10 +22,11 @@ pub(super) fn check_count(
     }
 }
 
-/// Checks that the input of `finger` has `elements` elements and that all numbers are finite.
+/// Checks that the input of `finger` has `elements` elements and `joint_count` joints, or an empty joint state, and that
+/// all numbers are finite.
 pub(super) fn check_input(
     finger: usize,
-    elements: usize,
+    (elements, joint_count): (usize, usize),
     touch: &TactileReading,
     joints: &JointState,
 ) -> Result<(), StopReason> {
@@ -45,6 +46,15 @@ pub(super) fn check_input(
         let no_force = |element| StopReason::NoForce { finger, element };
         let invalid = touch.frame.first_invalid().map(no_force);
         return Err(invalid.unwrap_or_else(|| not_finite("force")));
+    }
+    for joints in [&joints.position, &joints.velocity] {
+        if joints.len() != joint_count && !joints.is_empty() {
+            return Err(StopReason::JointCount {
+                finger,
+                expected: joint_count,
+                actual: joints.len(),
+            });
+        }
     }
     if !(joints.position.is_finite() && joints.velocity.is_finite()) {
         return Err(not_finite("joint state"));

@@ -13,7 +13,7 @@
 use super::monitor_config::MonitorConfig;
 use super::stop_reason::StopReason;
 use crate::hand::finger::FingerGeometry;
-use glam::DVec3;
+use crate::hand::joint_vector::JointVector;
 use std::f64::consts::FRAC_PI_2;
 
 /// Time over which turns are compared (s): long enough to detect a frozen joint in the slowest search.
@@ -30,12 +30,12 @@ const BEYOND_LIMITS: f64 = FRAC_PI_2;
 /// Minimum and maximum commanded angle of each joint within an interval (rad).
 #[derive(Debug, Clone, Copy, Default)]
 struct Range {
-    low: DVec3,
-    high: DVec3,
+    low: JointVector,
+    high: JointVector,
 }
 
 impl Range {
-    fn at(angle: DVec3) -> Self {
+    fn at(angle: JointVector) -> Self {
         Self {
             low: angle,
             high: angle,
@@ -54,7 +54,7 @@ impl Range {
 #[derive(Debug, Clone, Copy, Default)]
 struct Block {
     begin: f64,
-    position: DVec3,
+    position: JointVector,
     commanded: Range,
 }
 
@@ -62,7 +62,7 @@ struct Block {
 #[derive(Debug, Clone, Copy)]
 struct Reading {
     stamp: f64,
-    position: DVec3,
+    position: JointVector,
 }
 
 /// Compares the commands and readings of one finger's joints over the last seconds. Of a fixed size.
@@ -74,7 +74,7 @@ pub struct JointMonitor {
     most_gap: f64,
     newest: Option<Reading>,
     /// Integral of the commands since the last restart (rad).
-    commanded: DVec3,
+    commanded: JointVector,
     /// Ring buffer of completed blocks: `count` of them, the newest before `next`.
     blocks: [Block; BLOCKS],
     next: usize,
@@ -90,7 +90,7 @@ impl JointMonitor {
             config,
             most_gap,
             newest: None,
-            commanded: DVec3::ZERO,
+            commanded: JointVector::default(),
             blocks: [Block::default(); BLOCKS],
             next: 0,
             count: 0,
@@ -112,13 +112,15 @@ impl JointMonitor {
         &mut self,
         finger: usize,
         geometry: &FingerGeometry,
-        (stamp, position): (f64, DVec3),
-        command: DVec3,
+        (stamp, position): (f64, JointVector),
+        command: JointVector,
     ) -> Result<(), StopReason> {
         let (lower, upper) = (geometry.joint_lower(), geometry.joint_upper());
-        let low = position.cmplt(lower - BEYOND_LIMITS);
-        let high = position.cmpgt(upper + BEYOND_LIMITS);
-        if let Some(joint) = first(low | high) {
+        let (least, most) = (lower - BEYOND_LIMITS, upper + BEYOND_LIMITS);
+        let mut joints = 0..geometry.joint_count();
+        let is_outside =
+            |&joint: &usize| position[joint] < least[joint] || position[joint] > most[joint];
+        if let Some(joint) = joints.find(is_outside) {
             return Err(StopReason::JointOutOfRange {
                 finger,
                 joint,
@@ -152,7 +154,7 @@ impl JointMonitor {
 
     /// Restarts the comparison at `reading`.
     fn begin(&mut self, reading: Reading) {
-        self.commanded = DVec3::ZERO;
+        self.commanded = JointVector::default();
         self.count = 0;
         self.begin_block(reading);
     }
@@ -200,7 +202,7 @@ impl JointMonitor {
         let elapsed = now.stamp - before.stamp;
         let most = self.config.joint_jump * elapsed * geometry.joint_speed_limit();
         let (turn, most) = (now.position - before.position, most + JUMP_NOISE);
-        match first(turn.abs().cmpgt(most)) {
+        match first_above(turn.abs(), most) {
             None => Ok(()),
             Some(joint) => Err(StopReason::JointJump {
                 finger,
@@ -228,7 +230,7 @@ impl JointMonitor {
         let nearest = turn.clamp(low, high);
         let scale = low.abs().max(high.abs());
         let most = SCALE_TOLERANCE * scale + self.config.joint_deviation;
-        match first((turn - nearest).abs().cmpgt(most)) {
+        match first_above((turn - nearest).abs(), most) {
             None => Ok(()),
             Some(joint) => Err(StopReason::JointDeviation {
                 finger,
@@ -241,9 +243,7 @@ impl JointMonitor {
     }
 }
 
-/// First joint of a mask, if any.
-fn first(joints: glam::BVec3) -> Option<usize> {
-    joints
-        .any()
-        .then(|| joints.bitmask().trailing_zeros() as usize)
+/// First joint whose number exceeds that of `most`, if any.
+fn first_above(numbers: JointVector, most: JointVector) -> Option<usize> {
+    (0..numbers.len()).find(|&joint| numbers[joint] > most[joint])
 }

@@ -6,6 +6,7 @@
 
 use crate::check::Checker;
 use crate::hand::finger::FingerGeometry;
+use crate::hand::joint_vector::{JointVector, greater, lesser};
 use crate::hand::resolved_rate::{damping_threshold, resolved_rate};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -49,16 +50,16 @@ pub struct Request {
     /// Position of the dome's centre (m, in W).
     pub position: DVec3,
     /// Joint angles (rad).
-    pub theta: DVec3,
+    pub theta: JointVector,
     /// Joint velocities of the previous command (rad/s).
-    pub previous: DVec3,
+    pub previous: JointVector,
 }
 
 /// Joint velocities of one finger after limiting.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct LimitedCommand {
     /// Joint velocities (rad/s).
-    pub joint_velocity: DVec3,
+    pub joint_velocity: JointVector,
     /// `true` if a limit changed the request.
     pub limited: bool,
     /// Damping of the inverse Jacobian (m/rad), nonzero only near a singularity.
@@ -100,27 +101,28 @@ impl LimitsConfig {
         request: &Request,
         period: f64,
     ) -> Option<LimitedCommand> {
-        let numbers = [
-            request.velocity,
-            request.position,
-            request.theta,
-            request.previous,
-        ];
-        if !numbers.iter().all(|n| n.is_finite()) {
+        let of_fingertip = request.velocity.is_finite() && request.position.is_finite();
+        let of_joints = request.theta.is_finite() && request.previous.is_finite();
+        if !(of_fingertip && of_joints) {
             return None;
         }
         let inside = self.keep_in_workspace(geometry, request, period);
         let slow = inside.clamp_length_max(self.fingertip_speed);
         let rate = resolved_rate(geometry, request.theta, slow);
-        let joint_limits = (geometry.joint_lower(), geometry.joint_upper());
         let braking = Braking {
             deceleration: self.joint_acceleration,
             period,
         };
-        let within = braking.keep_within(request.theta, rate.joint_velocity, joint_limits);
+        let (lower, upper) = (geometry.joint_lower(), geometry.joint_upper());
+        let mut within = rate.joint_velocity;
+        for joint in 0..within.len() {
+            let limits = (lower[joint], upper[joint]);
+            within[joint] = braking.keep_within(request.theta[joint], within[joint], limits);
+        }
         let speed = scale_to(within, geometry.joint_speed_limit());
         // Per joint: a joint that must brake must not wait for another one that may accelerate.
-        let most_change = DVec3::splat(self.joint_acceleration * period);
+        let most_change = self.joint_acceleration * period;
+        let most_change = JointVector::splat(geometry.joint_count(), most_change);
         let change = (speed - request.previous).clamp(-most_change, most_change);
         let joint_velocity = request.previous + change;
         joint_velocity.is_finite().then_some(LimitedCommand {
@@ -141,13 +143,14 @@ impl LimitsConfig {
         request: &Request,
         period: f64,
     ) -> DVec3 {
-        let lower = DVec3::from_array(self.workspace_lower);
-        let upper = DVec3::from_array(self.workspace_upper);
         let braking = Braking {
             deceleration: self.joint_acceleration * damping_threshold(geometry),
             period,
         };
-        braking.keep_within(request.position, request.velocity, (lower, upper))
+        DVec3::from_array([0, 1, 2].map(|axis| {
+            let limits = (self.workspace_lower[axis], self.workspace_upper[axis]);
+            braking.keep_within(request.position[axis], request.velocity[axis], limits)
+        }))
     }
 }
 
@@ -160,17 +163,12 @@ struct Braking {
 }
 
 impl Braking {
-    /// Returns `velocity`, with each component slowed down such that braking ends within `limits`. A component that
-    /// is outside of them may only return.
-    fn keep_within(
-        &self,
-        position: DVec3,
-        velocity: DVec3,
-        (lower, upper): (DVec3, DVec3),
-    ) -> DVec3 {
-        let down = (position - lower).map(|room| self.greatest_speed(room));
-        let up = (upper - position).map(|room| self.greatest_speed(room));
-        velocity.max(-down).min(up)
+    /// Returns `velocity`, slowed down such that braking ends within the limits `lower` and `upper` of `position`. A
+    /// position outside of them may only return.
+    fn keep_within(&self, position: f64, velocity: f64, (lower, upper): (f64, f64)) -> f64 {
+        let down = self.greatest_speed(position - lower);
+        let up = self.greatest_speed(upper - position);
+        lesser(greater(velocity, -down), up)
     }
 
     /// Maximum speed that can be stopped within `room`: either in one period, if the deceleration allows that, or by
@@ -183,8 +181,8 @@ impl Braking {
     }
 }
 
-/// Scales `vector` down, keeping its direction, until no component exceeds that of `most`.
-fn scale_to(vector: DVec3, most: DVec3) -> DVec3 {
+/// Scales `vector` down, keeping its direction, until no joint exceeds that of `most`.
+fn scale_to(vector: JointVector, most: JointVector) -> JointVector {
     let excess = (vector.abs() / most).max_element();
     if excess > 1.0 {
         vector / excess

@@ -5,11 +5,15 @@
 
 use super::plan::Plan;
 use super::sense::FingerReadings;
+use crate::hand::JointVector;
 use glam::DVec3;
 use std::ops::Range;
 
 /// Number of entries other than the elements' forces.
 const BESIDE_FORCES: usize = 21;
+
+/// Number of joints of an observed finger.
+const JOINTS: usize = 3;
 
 /// Error returned when an observation cannot be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -20,6 +24,14 @@ pub enum ObservationError {
         /// Number of elements of the observation.
         expected: usize,
         /// Number of elements of the finger.
+        actual: usize,
+    },
+    /// The finger has more joints than the observation.
+    #[error("expected a finger of {expected} joints, got {actual}")]
+    JointCount {
+        /// Number of joints of the observation.
+        expected: usize,
+        /// Number of joints of the finger.
         actual: usize,
     },
     /// The buffer has a different length than the observation.
@@ -67,8 +79,8 @@ impl ObservationLayout {
             ("slip", "0 or 1", 1),
             ("over", "0 or 1", 1),
             ("grasp_force", "N", 1),
-            ("joint_angles", "rad", 3),
-            ("joint_velocities", "rad/s", 3),
+            ("joint_angles", "rad", JOINTS),
+            ("joint_velocities", "rad/s", JOINTS),
             ("last_action", "m/s, in T", 3),
             ("planned_velocity", "m/s, in T", 3),
             ("towards_object", "unit vector, in T", 3),
@@ -96,7 +108,7 @@ impl ObservationLayout {
     /// fingertip velocity (m/s, in W). Does not allocate.
     ///
     /// # Errors
-    /// If the number of elements differs, or if the length of `observation` differs from [`len`](Self::len).
+    /// If the number of elements or joints differs, or if the length of `observation` differs from [`len`](Self::len).
     pub fn write(
         &self,
         plan: &Plan,
@@ -128,8 +140,8 @@ impl ObservationLayout {
         let beside: [&[f32]; 8] = [
             &[up(flags.touch), up(flags.slip), up(flags.over)],
             &[flags.grasp_force as f32],
-            &vector(sense.joints.position),
-            &vector(sense.joints.velocity),
+            &observed_joints(sense.joints.position)?,
+            &observed_joints(sense.joints.velocity)?,
             &vector(to_fingertip * last_action),
             &vector(to_fingertip * plan.velocity),
             &vector(to_fingertip * plan.towards_object),
@@ -143,6 +155,14 @@ impl ObservationLayout {
         }
         Ok(())
     }
+}
+
+/// Joint quantities of a finger, as in an observation.
+fn observed_joints(joints: JointVector) -> Result<[f32; JOINTS], ObservationError> {
+    let (expected, actual) = (JOINTS, joints.len());
+    let numbers = joints.to_array::<JOINTS>();
+    let numbers = numbers.ok_or(ObservationError::JointCount { expected, actual })?;
+    Ok(numbers.map(|number| number as f32))
 }
 
 #[cfg(test)]
@@ -184,8 +204,8 @@ mod tests {
                 ..FingertipPose::default()
             },
             joints: JointState {
-                position: DVec3::new(1.0, 2.0, 3.0),
-                velocity: DVec3::new(4.0, 5.0, 6.0),
+                position: [1.0, 2.0, 3.0].into(),
+                velocity: [4.0, 5.0, 6.0].into(),
             },
             touch: &touch,
             layout: &layout,

@@ -41,6 +41,16 @@ pub enum StopReason {
         /// Number of elements in the tactile frame.
         actual: usize,
     },
+    /// The joint state of a finger has a different number of joints than the finger.
+    #[error("expected {expected} joints of finger {finger}, got {actual}")]
+    JointCount {
+        /// Index of the finger.
+        finger: usize,
+        /// Number of joints of the finger.
+        expected: usize,
+        /// Number of joints in the joint state.
+        actual: usize,
+    },
     /// A tactile sensor or the hand's encoders could not be read.
     #[error("{what} could not be read")]
     ReadFailed {

@@ -1,5 +1,6 @@
 //! Geometry and joint limits of a finger.
 
+use super::joint_vector::JointVector;
 use crate::math::{rotation_x, rotation_y};
 use glam::{DMat3, DVec3};
 use serde::{Deserialize, Serialize};
@@ -69,9 +70,9 @@ pub struct FingerGeometry {
     base_angles: (f64, f64),
     base_rotation: DMat3,
     links: [f64; 3],
-    joint_lower: DVec3,
-    joint_upper: DVec3,
-    joint_speed_limit: DVec3,
+    joint_lower: JointVector,
+    joint_upper: JointVector,
+    joint_speed_limit: JointVector,
 }
 
 impl FingerGeometry {
@@ -88,9 +89,9 @@ impl FingerGeometry {
             base_angles: (phi1, phi2),
             base_rotation,
             links: config.links,
-            joint_lower: DVec3::from_array(config.joint_lower_deg.map(f64::to_radians)),
-            joint_upper: DVec3::from_array(config.joint_upper_deg.map(f64::to_radians)),
-            joint_speed_limit: DVec3::from_array(config.joint_speed_limit),
+            joint_lower: config.joint_lower_deg.map(f64::to_radians).into(),
+            joint_upper: config.joint_upper_deg.map(f64::to_radians).into(),
+            joint_speed_limit: config.joint_speed_limit.into(),
         })
     }
 
@@ -114,18 +115,23 @@ impl FingerGeometry {
         self.links
     }
 
-    /// Lower limits of the joint angles theta1..theta3 (rad).
-    pub fn joint_lower(&self) -> DVec3 {
+    /// Number of joints.
+    pub fn joint_count(&self) -> usize {
+        self.joint_lower.len()
+    }
+
+    /// Lower limits of the joint angles, theta1 first (rad).
+    pub fn joint_lower(&self) -> JointVector {
         self.joint_lower
     }
 
-    /// Upper limits of the joint angles theta1..theta3 (rad).
-    pub fn joint_upper(&self) -> DVec3 {
+    /// Upper limits of the joint angles, theta1 first (rad).
+    pub fn joint_upper(&self) -> JointVector {
         self.joint_upper
     }
 
-    /// Maximum joint speeds of theta1..theta3 in either direction (rad/s).
-    pub fn joint_speed_limit(&self) -> DVec3 {
+    /// Maximum joint speeds in either direction, that of theta1 first (rad/s).
+    pub fn joint_speed_limit(&self) -> JointVector {
         self.joint_speed_limit
     }
 }
@@ -165,7 +171,7 @@ fn check(config: &FingerConfig) -> Result<(), FingerError> {
     let good = LINK_RANGE.contains(&l4);
     in_range("links[2]", l4, good, "0.001..1 m")?;
 
-    for joint in 0..3 {
+    for joint in 0..config.joint_lower_deg.len() {
         let lower_deg = config.joint_lower_deg[joint];
         let upper_deg = config.joint_upper_deg[joint];
         angle(&format!("joint_lower_deg[{joint}]"), lower_deg)?;
@@ -204,8 +210,8 @@ mod tests {
     #[test]
     fn limits_are_in_radians() {
         let geometry = FingerGeometry::new(&config()).unwrap();
-        assert_eq!(geometry.joint_lower().x, -std::f64::consts::FRAC_PI_4);
-        assert_eq!(geometry.joint_upper().x, std::f64::consts::FRAC_PI_4);
+        assert_eq!(geometry.joint_lower()[0], -std::f64::consts::FRAC_PI_4);
+        assert_eq!(geometry.joint_upper()[0], std::f64::consts::FRAC_PI_4);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Interface between the controller and a simulated, recorded or real hand.
 
-use glam::DVec3;
+use super::joint_vector::JointVector;
 
 /// Maximum number of fingers of a hand.
 pub const MAX_FINGERS: usize = 5;
@@ -8,10 +8,20 @@ pub const MAX_FINGERS: usize = 5;
 /// Encoder readings of one finger.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointState {
-    /// Joint angles theta1..theta3 (rad).
-    pub position: DVec3,
+    /// Joint angles, theta1 first (rad). Empty before the first reading, which counts as zero angles.
+    pub position: JointVector,
     /// Joint velocities (rad/s).
-    pub velocity: DVec3,
+    pub velocity: JointVector,
+}
+
+impl JointState {
+    /// Returns the state of a finger with `joints` joints at zero joint angles, at rest.
+    pub fn zero(joints: usize) -> Self {
+        Self {
+            position: JointVector::zeros(joints),
+            velocity: JointVector::zeros(joints),
+        }
+    }
 }
 
 /// Encoder readings of all fingers at one time.
@@ -40,36 +50,37 @@ impl HandState {
 /// that runs elsewhere.
 ///
 /// ```compile_fail,E0451
-/// use feeler::{glam::DVec3, hand::HandCommand};
-/// let command = HandCommand { joint_velocity: vec![DVec3::ONE] };
+/// use feeler::hand::{HandCommand, JointVector};
+/// let command = HandCommand { joint_velocity: vec![JointVector::splat(3, 1.0)] };
 /// ```
 #[derive(Debug, Clone, PartialEq)]
 pub struct HandCommand {
-    joint_velocity: Vec<DVec3>,
+    joint_velocity: Vec<JointVector>,
 }
 
 impl HandCommand {
     /// Returns the command that stops all `fingers` fingers.
     pub fn stop(fingers: usize) -> Self {
         Self {
-            joint_velocity: vec![DVec3::ZERO; fingers],
+            joint_velocity: vec![JointVector::default(); fingers],
         }
     }
 
-    /// Joint velocities of theta1..theta3 of each finger (rad/s).
-    pub fn joint_velocity(&self) -> &[DVec3] {
+    /// Joint velocities of each finger, that of theta1 first (rad/s). Empty for a finger that stops, which counts as
+    /// zero velocities.
+    pub fn joint_velocity(&self) -> &[JointVector] {
         &self.joint_velocity
     }
 
     /// Turns this command into a stop command for the same number of fingers.
     pub fn set_to_stop(&mut self) {
-        self.joint_velocity.fill(DVec3::ZERO);
+        self.joint_velocity.fill(JointVector::default());
     }
 
     /// Copies the joint velocities (rad/s) of a command that a remote hand program sent and its controller has
     /// already limited. Fingers that are missing from `joint_velocity` stop. For the process that owns the drives.
     /// Does not allocate.
-    pub fn relay(&mut self, joint_velocity: &[DVec3]) {
+    pub fn relay(&mut self, joint_velocity: &[JointVector]) {
         self.set_to_stop();
         for (own, &relayed) in self.joint_velocity.iter_mut().zip(joint_velocity) {
             *own = relayed;
@@ -77,7 +88,7 @@ impl HandCommand {
     }
 
     /// Mutable access to the velocities, for the controller to fill in the limited ones.
-    pub(crate) fn admitted_mut(&mut self) -> &mut [DVec3] {
+    pub(crate) fn admitted_mut(&mut self) -> &mut [JointVector] {
         &mut self.joint_velocity
     }
 }
@@ -91,6 +102,14 @@ pub enum HandError {
         /// Number of fingers of the hand.
         expected: usize,
         /// Number of fingers of the state or command.
+        actual: usize,
+    },
+    /// A finger has more joints than the hand can read or move.
+    #[error("expected at most {expected} joints per finger, got {actual}")]
+    JointCount {
+        /// Maximum number of joints per finger.
+        expected: usize,
+        /// Number of joints in the state or command.
         actual: usize,
     },
     /// The hand has failed.

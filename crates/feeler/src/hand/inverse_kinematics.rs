@@ -8,7 +8,8 @@
 use glam::DVec3;
 
 use super::finger::FingerGeometry;
-use super::kinematics::{Chain, fingertip_pose};
+use super::joint_vector::JointVector;
+use super::kinematics::{Chain, three};
 use super::postures::{JOINT_TOLERANCE, limit_excess, postures, turn_near};
 use super::resolved_rate::{damping, solve_damped};
 
@@ -36,17 +37,23 @@ const HALVINGS: usize = 10;
 pub fn inverse_kinematics(
     geometry: &FingerGeometry,
     target: DVec3,
-    start: DVec3,
-) -> Result<DVec3, KinematicsError> {
+    start: JointVector,
+) -> Result<JointVector, KinematicsError> {
     if !target.is_finite() || !start.is_finite() {
         return Err(KinematicsError::NotFinite { target, start });
     }
+    let theta = solve(geometry, target, three(start))?;
+    Ok(theta.to_array().into())
+}
+
+/// Solves from `start`, which is finite, and otherwise from another posture.
+fn solve(geometry: &FingerGeometry, target: DVec3, start: DVec3) -> Result<DVec3, KinematicsError> {
     let start = turn_near(geometry, start, start);
     let direct = iterate(geometry, target, start);
     if direct.residual <= ITERATION_TOLERANCE {
         let theta = turn_near(geometry, direct.theta, start);
         if limit_excess(geometry, theta) <= JOINT_TOLERANCE {
-            return Ok(theta.clamp(geometry.joint_lower(), geometry.joint_upper()));
+            return Ok(theta.clamp(three(geometry.joint_lower()), three(geometry.joint_upper())));
         }
     }
     restart(geometry, target, start)
@@ -58,7 +65,7 @@ fn restart(
     target: DVec3,
     start: DVec3,
 ) -> Result<DVec3, KinematicsError> {
-    let (lower, upper) = (geometry.joint_lower(), geometry.joint_upper());
+    let (lower, upper) = (three(geometry.joint_lower()), three(geometry.joint_upper()));
     let start = start.clamp(lower, upper);
     // Order by limit violation first (all postures within the limits are equal), then by distance.
     let excess = |theta: &DVec3| limit_excess(geometry, *theta).max(JOINT_TOLERANCE);
@@ -74,13 +81,14 @@ fn restart(
     if limit_excess(geometry, best) > JOINT_TOLERANCE {
         return Err(KinematicsError::OutsideJointLimits {
             target,
-            theta: best,
-            lower,
-            upper,
+            theta: best.to_array().into(),
+            lower: geometry.joint_lower(),
+            upper: geometry.joint_upper(),
         });
     }
     let theta = iterate(geometry, target, best).theta.clamp(lower, upper);
-    let residual = fingertip_pose(geometry, theta).0.distance(target);
+    let position = Chain::at(geometry, theta).position(geometry);
+    let residual = position.distance(target);
     if residual > POSITION_TOLERANCE {
         return Err(KinematicsError::NotConverged { target, residual });
     }
@@ -136,6 +144,7 @@ fn iterate(geometry: &FingerGeometry, target: DVec3, start: DVec3) -> Iterate {
 mod tests {
     use super::*;
     use crate::hand::finger::FingerConfig;
+    use crate::hand::kinematics::fingertip_pose;
     use std::f64::consts::TAU;
 
     /// Returns a finger whose elbow bends one way only, as is common.
@@ -155,8 +164,8 @@ mod tests {
     /// Returns a grid of 7 x 7 x 7 joint angles that spans the joint limits.
     fn grid(geometry: &FingerGeometry) -> impl Iterator<Item = DVec3> {
         let (lower, span) = (
-            geometry.joint_lower(),
-            geometry.joint_upper() - geometry.joint_lower(),
+            three(geometry.joint_lower()),
+            three(geometry.joint_upper() - geometry.joint_lower()),
         );
         (0..343).map(move |i| {
             let share = DVec3::new(f64::from(i % 7), f64::from(i / 7 % 7), f64::from(i / 49)) / 6.0;
@@ -167,9 +176,9 @@ mod tests {
     #[test]
     fn the_iteration_needs_no_restart_in_one_posture() {
         let geometry = geometry();
-        let middle = 0.5 * (geometry.joint_lower() + geometry.joint_upper());
+        let middle = three(0.5 * (geometry.joint_lower() + geometry.joint_upper()));
         for goal in grid(&geometry) {
-            let target = fingertip_pose(&geometry, goal).0;
+            let target = fingertip_pose(&geometry, goal.to_array().into()).0;
             let end = iterate(&geometry, target, middle);
             assert!(
                 end.residual <= ITERATION_TOLERANCE,
@@ -183,14 +192,16 @@ mod tests {
     fn every_posture_reaches_the_target() {
         let geometry = geometry();
         for goal in grid(&geometry) {
-            let target = fingertip_pose(&geometry, goal).0;
+            let target = fingertip_pose(&geometry, goal.to_array().into()).0;
             let mut nearest = f64::INFINITY;
             for theta in postures(&geometry, target, goal)
                 .unwrap()
                 .into_iter()
                 .flatten()
             {
-                let miss = fingertip_pose(&geometry, theta).0.distance(target);
+                let miss = fingertip_pose(&geometry, theta.to_array().into())
+                    .0
+                    .distance(target);
                 // Rounding of lengths below 0.2 m, and of the cosine law.
                 assert!(miss < 1e-15, "{miss:e} m from {target}");
                 nearest = nearest.min(turn_near(&geometry, theta, goal).distance(goal));

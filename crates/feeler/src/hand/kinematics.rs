@@ -3,6 +3,7 @@
 use glam::{DMat3, DVec3};
 
 use super::finger::FingerGeometry;
+use super::joint_vector::JointVector;
 use super::sin_cos::sin_cos;
 
 /// Returns the fingertip pose at joint angles `theta` (theta1..theta3, rad).
@@ -11,8 +12,8 @@ use super::sin_cos::sin_cos;
 /// `R` of eq. (3) transforms vectors from `T` to `W`. Its first column, the x axis of `T`, is the direction of the
 /// last link and the dome's outward axis.
 #[inline(always)]
-pub fn fingertip_pose(geometry: &FingerGeometry, theta: DVec3) -> (DVec3, DMat3) {
-    let chain = Chain::at(geometry, theta);
+pub fn fingertip_pose(geometry: &FingerGeometry, theta: JointVector) -> (DVec3, DMat3) {
+    let chain = Chain::at(geometry, three(theta));
     (chain.position(geometry), chain.rotation)
 }
 
@@ -20,8 +21,14 @@ pub fn fingertip_pose(geometry: &FingerGeometry, theta: DVec3) -> (DVec3, DMat3)
 ///
 /// Column i is the fingertip velocity in `W` per unit velocity of joint i (m/rad). The first column is always
 /// orthogonal to the other two.
-pub fn jacobian(geometry: &FingerGeometry, theta: DVec3) -> DMat3 {
-    Chain::at(geometry, theta).jacobian(geometry)
+pub fn jacobian(geometry: &FingerGeometry, theta: JointVector) -> DMat3 {
+    Chain::at(geometry, three(theta)).jacobian(geometry)
+}
+
+/// Numbers of the three joints of the paper's finger, theta1..theta3.
+#[inline(always)]
+pub(super) fn three(joints: JointVector) -> DVec3 {
+    DVec3::new(joints[0], joints[1], joints[2])
 }
 
 /// Intermediate results at one set of joint angles, shared by the pose and the Jacobian.

@@ -1,5 +1,6 @@
 //! Errors of the inverse kinematics.
 
+use super::joint_vector::JointVector;
 use glam::DVec3;
 
 /// Maximum distance of the fingertip from its target that counts as reached (m).
@@ -14,7 +15,7 @@ pub enum KinematicsError {
         /// Target position of the fingertip in `W` (m).
         target: DVec3,
         /// Initial joint angles (rad).
-        start: DVec3,
+        start: JointVector,
     },
     /// The target is too far or too near for the links, regardless of the joint limits.
     #[error(
@@ -39,11 +40,11 @@ pub enum KinematicsError {
         /// Target position of the fingertip in `W` (m).
         target: DVec3,
         /// Joint angles of the posture with the smallest limit violation (rad).
-        theta: DVec3,
+        theta: JointVector,
         /// Lower limits of the joint angles (rad).
-        lower: DVec3,
+        lower: JointVector,
         /// Upper limits of the joint angles (rad).
-        upper: DVec3,
+        upper: JointVector,
     },
     /// The iteration did not converge although the target is within reach.
     #[error(

@@ -4,6 +4,7 @@
 //! limits is missed.
 
 use super::finger::FingerGeometry;
+use super::kinematics::three;
 use super::kinematics_error::{KinematicsError, POSITION_TOLERANCE};
 use glam::DVec3;
 use std::f64::consts::TAU;
@@ -62,7 +63,7 @@ pub(super) fn postures(
 /// Adds whole turns to each angle of `theta`, so that it is within its joint limits if possible, otherwise as close
 /// to `start` as possible.
 pub(super) fn turn_near(geometry: &FingerGeometry, theta: DVec3, start: DVec3) -> DVec3 {
-    let (lower, upper) = (geometry.joint_lower(), geometry.joint_upper());
+    let (lower, upper) = (three(geometry.joint_lower()), three(geometry.joint_upper()));
     let near = theta + ((start.clamp(lower, upper) - theta) / TAU).round() * TAU;
     let excess = |angle: f64, joint: usize| (lower[joint] - angle).max(angle - upper[joint]);
     DVec3::from_array([0, 1, 2].map(|joint| {
@@ -76,7 +77,7 @@ pub(super) fn turn_near(geometry: &FingerGeometry, theta: DVec3, start: DVec3) -
 
 /// Maximum violation of the joint limits by `theta` (rad), negative if all angles are within their limits.
 pub(super) fn limit_excess(geometry: &FingerGeometry, theta: DVec3) -> f64 {
-    (geometry.joint_lower() - theta)
-        .max(theta - geometry.joint_upper())
+    (three(geometry.joint_lower()) - theta)
+        .max(theta - three(geometry.joint_upper()))
         .max_element()
 }

@@ -14,6 +14,7 @@
 use glam::{DMat3, DVec3};
 
 use super::finger::FingerGeometry;
+use super::joint_vector::JointVector;
 use super::kinematics::jacobian;
 
 /// epsilon as a fraction of the shorter of l3 and l4. With equal links, damping starts within about 13 degrees of a
@@ -23,8 +24,8 @@ const THRESHOLD_SHARE: f64 = 0.1;
 /// Joint velocity for a fingertip velocity, with the damping that was applied.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct ResolvedRate {
-    /// Velocities of theta1..theta3 (rad/s), not limited to the finger's joint speeds.
-    pub joint_velocity: DVec3,
+    /// Joint velocities, that of theta1 first (rad/s), not limited to the finger's joint speeds.
+    pub joint_velocity: JointVector,
     /// lambda (m/rad): 0 if eq. (1) holds exactly, [`damping_threshold`] at a singularity.
     pub damping: f64,
 }
@@ -36,7 +37,7 @@ pub struct ResolvedRate {
 /// largest finite value. A NaN or infinity in an argument makes the result NaN.
 pub fn resolved_rate(
     geometry: &FingerGeometry,
-    theta: DVec3,
+    theta: JointVector,
     fingertip_velocity: DVec3,
 ) -> ResolvedRate {
     let jacobian = jacobian(geometry, theta);
@@ -47,8 +48,9 @@ pub fn resolved_rate(
         .max_element()
         .max(f64::MIN_POSITIVE);
     let unit_solution = solve_damped(&jacobian, fingertip_velocity / magnitude, damping);
+    let joint_velocity = (unit_solution * magnitude).map(|v| v.clamp(f64::MIN, f64::MAX));
     ResolvedRate {
-        joint_velocity: (unit_solution * magnitude).map(|v| v.clamp(f64::MIN, f64::MAX)),
+        joint_velocity: joint_velocity.to_array().into(),
         damping,
     }
 }
@@ -113,7 +115,7 @@ mod tests {
     fn smallest_singular_value_is_that_of_the_svd() {
         let geometry = geometry();
         for i in 0..200 {
-            let theta = DVec3::new(0.1, 0.07, 0.031) * f64::from(i) - 3.0;
+            let theta = JointVector::from([0.1, 0.07, 0.031]) * f64::from(i) - 3.0;
             let j = jacobian(&geometry, theta);
             let svd = nalgebra::Matrix3::from_column_slice(&j.to_cols_array()).svd(false, false);
             // Both lose a few units in the last place of the largest singular value, 0.1 m/rad.
@@ -126,7 +128,7 @@ mod tests {
     fn damping_grows_from_zero_to_the_threshold() {
         let geometry = geometry();
         let at = |theta3| {
-            let theta = DVec3::new(0.3, 0.4, theta3);
+            let theta = [0.3, 0.4, theta3].into();
             resolved_rate(&geometry, theta, DVec3::X).damping
         };
         assert_eq!(at(1.0), 0.0);
@@ -138,7 +140,7 @@ mod tests {
     #[test]
     fn joint_velocity_is_continuous_where_damping_starts() {
         let geometry = geometry();
-        let at = |theta3| resolved_rate(&geometry, DVec3::new(0.3, 0.4, theta3), DVec3::ONE);
+        let at = |theta3| resolved_rate(&geometry, [0.3, 0.4, theta3].into(), DVec3::ONE);
         let (mut undamped, mut damped) = (1.0, 0.0);
         for _ in 0..60 {
             let middle = 0.5 * (undamped + damped);
@@ -157,7 +159,7 @@ mod tests {
     #[test]
     fn nan_is_not_hidden() {
         let velocity = DVec3::new(0.0, f64::NAN, 0.0);
-        let result = resolved_rate(&geometry(), DVec3::new(0.3, 0.4, 0.5), velocity);
+        let result = resolved_rate(&geometry(), [0.3, 0.4, 0.5].into(), velocity);
         assert!(result.joint_velocity.is_nan());
     }
 }

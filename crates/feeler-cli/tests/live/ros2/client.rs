@@ -2,9 +2,8 @@
 
 use super::peers::{Running, Words, pyzeros, script};
 use crate::ports::unused_endpoint;
-use feeler::hand::{Hand, HandCommand, HandState};
+use feeler::hand::{Hand, HandCommand, HandState, JointVector};
 use feeler_ros2::{GraphClock, Node, NodeConfig, NodeName, RosHand, RosHandConfig};
-use glam::DVec3;
 use serde_json::json;
 use std::io::Write;
 use std::process::Stdio;
@@ -69,17 +68,17 @@ fn ros2_control_robot_works_as_a_hand() {
     until("joint states", || hand.read(&mut state).ok());
 
     // The joints follow the commanded velocities.
-    let velocity = DVec3::new(0.5, -1.0, 2.0);
+    let velocity = JointVector::from([0.5, -1.0, 2.0]);
     let mut command = HandCommand::stop(1);
     command.relay(&[velocity]);
     until("the joints move", || {
         // A busy computer makes joint states stale at times.
         hand.command(&command).ok()?;
         hand.read(&mut state).ok()?;
-        (state.joints[0].velocity == velocity && state.joints[0].position.z > 0.1).then_some(())
+        (state.joints[0].velocity == velocity && state.joints[0].position[2] > 0.1).then_some(())
     });
     let ratio = state.joints[0].position / velocity;
-    assert!((ratio - ratio.x).abs().max_element() < 1e-9, "{ratio}");
+    assert!((ratio - ratio[0]).abs().max_element() < 1e-9, "{ratio}");
 
     // Without joint states, reading fails, which stops the control loop.
     orders.write_all(b"silent\n").expect("an order");

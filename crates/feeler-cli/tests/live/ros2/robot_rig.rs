@@ -136,7 +136,7 @@ fn robot(experiment: &Experiment, timing: Timing) -> Value {
     let finger = &experiment.config.hand.finger[0];
     json!({
         "joints": ["first", "second", "third"],
-        "home": home[0].to_array(),
+        "home": home[0].as_slice(),
         "speed": timing.speed,
         "sim_time": timing.sim_time,
         "finger": {

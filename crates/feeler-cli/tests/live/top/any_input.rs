@@ -67,7 +67,7 @@ prop_compose! {
             elements,
             forces,
             shear_rates,
-            joints,
+            joints: joints.into(),
         }
     }
 }

@@ -21,7 +21,7 @@ pub fn finger(number: usize) -> Finger {
         forces: vec![DVec3::ZERO; elements.len()],
         shear_rates: vec![0.0; elements.len()],
         elements,
-        joints: [0.1, 0.5, -0.4],
+        joints: [0.1, 0.5, -0.4].into(),
     }
 }
 

@@ -1,6 +1,7 @@
 //! Faults of drives, joints and surfaces.
 
 use super::bench::{session, step_at, watch};
+use feeler::hand::JointVector;
 use feeler_sim::rig::{Joints, ServoConfig};
 use glam::DVec3;
 
@@ -11,13 +12,13 @@ fn stalled_joint_stops_while_the_others_move() {
     let (_, states) = watch(&mut session, step_at(0.6));
     let position = |time: f64| states[step_at(time)].fingers[1].joints.position;
     let (from, during, until) = (position(0.3), position(0.4), position(0.5));
-    assert_eq!((from.z, from.z), (during.z, until.z));
-    assert!(from.x != during.x || from.y != during.y);
-    assert_ne!(position(0.29).z, from.z);
-    assert_ne!(position(0.55).z, until.z);
+    assert_eq!((from[2], from[2]), (during[2], until[2]));
+    assert!(from[0] != during[0] || from[1] != during[1]);
+    assert_ne!(position(0.29)[2], from[2]);
+    assert_ne!(position(0.55)[2], until[2]);
     // The encoders measure the true angle.
-    let encoded = session.control_loop().state().joints[1].position.z;
-    assert!((encoded - states[step_at(0.59)].fingers[1].joints.position.z).abs() < 1e-4);
+    let encoded = session.control_loop().state().joints[1].position[2];
+    assert!((encoded - states[step_at(0.59)].fingers[1].joints.position[2]).abs() < 1e-4);
 }
 
 /// For each step, the encoder reading of joint 2 of finger 1 and its true angle (rad). The monitor's checks are
@@ -30,9 +31,9 @@ fn shown(fault: &str) -> Vec<(f64, f64)> {
     ];
     let mut session = session(&settings, fault);
     let step = |_| {
-        let truth = session.rig().world().state().fingers[1].joints.position.z;
+        let truth = session.rig().world().state().fingers[1].joints.position[2];
         session.step().expect("a step");
-        (session.control_loop().state().joints[1].position.z, truth)
+        (session.control_loop().state().joints[1].position[2], truth)
     };
     (0..step_at(0.6)).map(step).collect()
 }
@@ -93,19 +94,19 @@ fn backlash_follows_its_hysteresis_loop() {
         encoder_resolution: 1e-5,
         backlash: 0.0,
     };
-    let limits = (DVec3::splat(-10.0), DVec3::splat(10.0));
+    let limits = (JointVector::splat(3, -10.0), JointVector::splat(3, 10.0));
     let (band, swing, step) = (0.02, 0.05, 0.001);
-    let mut joints = Joints::at_rest(DVec3::ZERO);
-    joints.backlash.y = band;
+    let mut joints = Joints::at_rest(JointVector::zeros(3));
+    joints.backlash[1] = band;
     let mut drive = |speed: f64, steps: usize, expected: &dyn Fn(f64) -> f64| {
-        joints.command = DVec3::splat(speed);
+        joints.command = JointVector::splat(3, speed);
         for _ in 0..steps {
             servo.advance(&mut joints, step, 0.0, limits);
-            let motor = joints.position.y;
+            let motor = joints.position[1];
             // Rounding of numbers of about 0.1.
-            assert!((joints.link.y - expected(motor)).abs() < 1e-15, "{motor}");
+            assert!((joints.link[1] - expected(motor)).abs() < 1e-15, "{motor}");
             // The other joints have no backlash.
-            assert_eq!((joints.link.x, joints.link.z), (motor, motor));
+            assert_eq!((joints.link[0], joints.link[2]), (motor, motor));
         }
     };
     let half = band / 2.0;
@@ -128,15 +129,15 @@ fn fingertip_follows_the_link_and_encoder_follows_the_motor() {
         assert_eq!(joints.link, joints.position);
     }
     let end = &states[step_at(0.69)].fingers[0];
-    let lag = end.joints.position.y - end.joints.link.y;
+    let lag = end.joints.position[1] - end.joints.link[1];
     // The approach turns the joint in one direction, so that the link lags by half the band.
     assert!((lag.abs() - 0.002).abs() < 1e-12, "{lag}");
     let geometry = &session.rig().world().model().fingers[0].geometry.clone();
     let by = |theta| feeler::hand::fingertip_pose(geometry, theta).0;
     assert_eq!(end.tip.position, by(end.joints.link));
     assert!(end.tip.position.distance(by(end.joints.position)) > 1e-4);
-    let read = session.control_loop().state().joints[0].position.y;
-    assert!((read - end.joints.position.y).abs() <= 0.5e-5 + 1e-12);
+    let read = session.control_loop().state().joints[0].position[1];
+    assert!((read - end.joints.position[1]).abs() <= 0.5e-5 + 1e-12);
 }
 
 #[test]
@@ -157,7 +158,7 @@ fn configured_backlash_equals_a_permanent_backlash_fault() {
     // The fault of a joint adds to the configured backlash, while it lasts.
     let fault = "{from=0.3, until=0.5, kind.backlash={finger=0, joint=1, angle=0.01}}";
     let (_, states) = watch(&mut session(&loose, fault), step_at(0.7));
-    let bands = [0.2, 0.4, 0.6].map(|time| states[step_at(time)].fingers[0].joints.backlash.y);
+    let bands = [0.2, 0.4, 0.6].map(|time| states[step_at(time)].fingers[0].joints.backlash[1]);
     assert_eq!(bands, [0.004, 0.014, 0.004]);
 }
 

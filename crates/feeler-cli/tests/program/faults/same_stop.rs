@@ -3,7 +3,7 @@
 
 use super::bench::{load, step_at};
 use feeler::control::{ControlLoop, Controller, FlagAnalyzer, StopReason, TactileReading};
-use feeler::hand::HandState;
+use feeler::hand::{HandState, JointState, JointVector};
 use feeler::sensor::forces::{NO_FORCE, SensingChain};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::replay::{Replay, ReplayFrom, recorded_experiment};
@@ -12,13 +12,13 @@ use feeler_lab::experiment::{
 };
 use feeler_link::hand::{RemoteFinger, RemoteHand, RunClock};
 use feeler_link::inboxes::{Expected, HandInbox, Inbox};
-use feeler_link::messages::Echo;
 use feeler_link::messages::message::{
     Heartbeat, MessageHeader, NO_FINGER, PROTOCOL, StateMessage, TactileUpdate,
 };
+use feeler_link::messages::{Echo, joints_to_message};
 use feeler_link::programs::{Rig, RigSpeed, SensorOutput};
 use feeler_link::transport::{LinkError, Outlet, Shared, Topic, header, monotonic};
-use feeler_record::wire::{Message, Vector3, cdr};
+use feeler_record::wire::{Message, cdr};
 use feeler_record::{RecordOptions, Recorder, Recording, RunLog};
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -174,8 +174,9 @@ impl LinkedHand {
             arrived: 0.0,
         };
         let now = header(WORLD, step as u64 + 1, state.stamp).echoing(echo, 0.0);
-        let vectors = |of: fn(&feeler::hand::JointState) -> glam::DVec3| {
-            state.joints.iter().map(|j| Vector3::from(of(j))).collect()
+        let vectors = |of: fn(&JointState) -> JointVector| {
+            let joints = state.joints.iter();
+            joints.map(|j| joints_to_message(of(j)).unwrap()).collect()
         };
         let message = StateMessage {
             header: now,

@@ -122,7 +122,7 @@ impl LiveRows {
         let slipped = at.slipped.iter().chain(iter::repeat(&0.0));
         for (finger, ((touch, joints), slipped)) in fingers.zip(slipped).enumerate() {
             row.finger(FingerRow {
-                joints: joints.position.to_array(),
+                joints: joints.position,
                 elements: self.estimators[finger].element_count(),
                 forces: touch.frame.forces.iter().copied(),
                 flags: &touch.flags,

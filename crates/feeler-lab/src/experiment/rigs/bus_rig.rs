@@ -4,7 +4,7 @@ use super::sim_rig_server::ServedSensing;
 use crate::config::Experiment;
 use crate::experiment::rigs::driven::{DrivenError, drives, emulated_bus};
 use crate::experiment::{fingers_at_home, rig};
-use feeler::hand::{FingerGeometry, Hand, HandCommand, HandError, HandState};
+use feeler::hand::{FingerGeometry, Hand, HandCommand, HandError, HandState, JointVector};
 use feeler::sensor::forces::SensorError;
 use feeler_drives::config::DrivesConfig;
 use feeler_drives::emulator::Emulator;
@@ -12,7 +12,6 @@ use feeler_drives::hand::DriveHand;
 use feeler_drives::{DriveError, RigClock};
 use feeler_link::messages::message::InstrumentsMessage;
 use feeler_link::programs::{Rig, SensorOutput};
-use glam::DVec3;
 
 /// A rig of servos. The motors are powered while it exists.
 pub struct BusRig {
@@ -113,7 +112,8 @@ impl Rig for BusRig {
     /// this is not a fault of the servos.
     fn advance(&mut self, command: &HandCommand) -> Result<(), HandError> {
         let hand = self.hand.as_mut().ok_or_else(without_power)?;
-        let moves = command.joint_velocity().iter().any(|v| *v != DVec3::ZERO);
+        let stopped = JointVector::default();
+        let moves = command.joint_velocity().iter().any(|v| *v != stopped);
         match moves && hand.age() > self.most_age {
             true => hand.command(&self.stop),
             false => hand.command(command),

@@ -3,16 +3,16 @@
 
 use crate::config::Experiment;
 use crate::experiment::{ExperimentError, Session, fingers_at_home};
+use feeler::hand::JointVector;
 use feeler::pace::{FixedRate, PaceError, Schedule};
 use feeler_drives::bus::Bus;
-use feeler_drives::config::{DrivesConfig, JointDriveConfig};
+use feeler_drives::config::{DrivesConfig, FingerDrivesConfig};
 use feeler_drives::emulator::{Emulator, EmulatorConfig, EmulatorError, Lockstep, Motion, Plant};
 use feeler_drives::hand::DriveHand;
 use feeler_drives::registers::COUNTS_PER_TURN;
 use feeler_drives::{DriveError, RigClock};
 use feeler_sim::rig::SimRig;
 use feeler_sim::world::World;
-use glam::DVec3;
 use std::f64::consts::TAU;
 
 /// Minimum reply timeout of emulated servos (s). The emulator is a thread that may be delayed on a busy computer.
@@ -37,7 +37,7 @@ pub enum DrivenError {
 /// The fingers of a simulated world as the plant behind emulated servos.
 struct WorldPlant {
     rig: SimRig,
-    joints: Vec<JointDriveConfig>,
+    fingers: Vec<FingerDrivesConfig>,
     motions: Vec<Motion>,
     /// `true` if the simulation failed and is stopped.
     failed: bool,
@@ -45,11 +45,10 @@ struct WorldPlant {
 
 impl WorldPlant {
     fn new(rig: SimRig, config: &DrivesConfig) -> Self {
-        let joints: Vec<_> = config.joints().cloned().collect();
         let mut plant = Self {
             rig: rig.clone(),
-            motions: vec![Motion::default(); joints.len()],
-            joints,
+            motions: vec![Motion::default(); config.joints().count()],
+            fingers: config.finger.clone(),
             failed: false,
         };
         plant.measure(&rig.world());
@@ -57,13 +56,15 @@ impl WorldPlant {
     }
 
     fn measure(&mut self, world: &World) {
-        for (index, (motion, joint)) in self.motions.iter_mut().zip(&self.joints).enumerate() {
-            let (finger, theta) = (index / 3, index % 3);
-            let Some(state) = world.state().fingers.get(finger) else {
-                continue;
-            };
-            motion.angle = joint.counts(world.encoded(finger)[theta]) * TAU / COUNTS_PER_TURN;
-            motion.velocity = joint.servo_velocity(state.joints.velocity[theta]);
+        let mut motions = self.motions.iter_mut();
+        let states = world.state().fingers.iter();
+        for (finger, (drives, state)) in self.fingers.iter().zip(states).enumerate() {
+            let (angles, velocities) = (world.encoded(finger), state.joints.velocity);
+            let joints = angles.iter().zip(velocities.iter()).zip(&drives.joint);
+            for (((angle, velocity), joint), motion) in joints.zip(motions.by_ref()) {
+                motion.angle = joint.counts(angle) * TAU / COUNTS_PER_TURN;
+                motion.velocity = joint.servo_velocity(velocity);
+            }
         }
     }
 }
@@ -76,12 +77,15 @@ impl Plant for WorldPlant {
         if self.failed || world.state().time + step * (1.0 - EARLY) > now {
             return;
         }
-        for (finger, servos) in self.joints.chunks(3).enumerate() {
-            let goal = |theta: usize| match (servos.get(theta), goals.get(3 * finger + theta)) {
-                (Some(joint), Some(&goal)) => joint.joint_velocity(goal),
-                _ => 0.0,
-            };
-            world.command(finger, DVec3::new(goal(0), goal(1), goal(2)));
+        let mut goals = goals.iter();
+        for (finger, drives) in self.fingers.iter().enumerate() {
+            let mut joints = drives.joint.iter().zip(goals.by_ref());
+            let velocity = JointVector::zeros(drives.joint.len());
+            let velocity = velocity.map(|_| match joints.next() {
+                Some((joint, &goal)) => joint.joint_velocity(goal),
+                None => 0.0,
+            });
+            world.command(finger, velocity);
         }
         while world.state().time + step * (1.0 - EARLY) <= now {
             if world.step().is_err() {

@@ -119,7 +119,7 @@ fn limits_hold_for_arbitrarily_large_actions() {
                 6
             ]
         );
-        let mut before = vec![glam::DVec3::ZERO; 2];
+        let mut before = vec![feeler::hand::JointVector::default(); 2];
         for sign in [1.0, -1.0, -1.0, 1.0] {
             environment.step(&[sign * f64::MAX; 6]).expect("a step");
             assert_eq!(environment.stop_reason(), None);

@@ -87,7 +87,8 @@ fn a_replayed_recording_gives_the_same_commands() {
     for step in 0..steps {
         control_loop.step().unwrap();
         for (finger, record) in recording.fingers.iter().enumerate() {
-            let replayed = control_loop.command().joint_velocity()[finger].to_array();
+            let replayed = control_loop.command().joint_velocity()[finger];
+            let replayed = replayed.to_array::<3>().unwrap();
             let recorded = record.command[step].joint_velocity;
             assert_eq!(
                 replayed.map(f64::to_bits),

@@ -1,12 +1,11 @@
 //! Worlds with free bodies.
 
-use feeler::hand::FingerGeometry;
+use feeler::hand::{FingerGeometry, JointVector};
 use feeler::sensor::fingertip::ElementLayout;
 use feeler_lab::config::Experiment;
 use feeler_sim::objects::{FreeConfig, MotionConfig, ObjectConfig};
 use feeler_sim::shapes::shape::ShapeConfig;
 use feeler_sim::world::{SimConfig, World};
-use glam::DVec3;
 use std::path::Path;
 
 const RIG: &str = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/stiff-feelers.toml");
@@ -64,7 +63,7 @@ pub fn world_with_fingers(sim: &SimConfig, count: usize) -> World {
     let fingers: Vec<_> = (config.hand.finger.iter().take(count))
         .map(|f| (FingerGeometry::new(f).expect("a finger"), layout.clone()))
         .collect();
-    let joints = vec![DVec3::new(0.0, 1.0, -1.0); count];
+    let joints = vec![JointVector::from([0.0, 1.0, -1.0]); count];
     World::new(sim, &fingers, &joints, Path::new(""), 0).expect("a world")
 }
 

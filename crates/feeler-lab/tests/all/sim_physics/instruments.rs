@@ -1,9 +1,8 @@
 //! Drives, encoders and the torque sensor, compared with their textbook formulas.
 
-use feeler::hand::{Hand, HandCommand, HandState};
+use feeler::hand::{Hand, HandCommand, HandState, JointVector};
 use feeler_sim::random::{Purpose, generator};
 use feeler_sim::rig::{Joints, ServoConfig, SimHand, SimRig, TorqueSensorConfig};
-use glam::DVec3;
 
 use super::reference::{commands, experiment, world};
 
@@ -12,12 +11,15 @@ const SERVO: ServoConfig = ServoConfig {
     encoder_resolution: 1e-5,
     backlash: 0.0,
 };
-const FREE: (DVec3, DVec3) = (DVec3::splat(-10.0), DVec3::splat(10.0));
+
+fn free() -> (JointVector, JointVector) {
+    (JointVector::splat(3, -10.0), JointVector::splat(3, 10.0))
+}
 
 #[test]
 fn a_joint_follows_its_command_along_the_exponential() {
-    let start = DVec3::new(0.1, -0.2, 0.3);
-    let command = DVec3::new(0.5, -1.0, 0.0);
+    let start = JointVector::from([0.1, -0.2, 0.3]);
+    let command = JointVector::from([0.5, -1.0, 0.0]);
     for step in [0.001, 0.0007, 0.02] {
         let mut joints = Joints {
             command,
@@ -25,7 +27,7 @@ fn a_joint_follows_its_command_along_the_exponential() {
         };
         let remaining = SERVO.remaining_error(step);
         for n in 1..=200 {
-            SERVO.advance(&mut joints, step, remaining, FREE);
+            SERVO.advance(&mut joints, step, remaining, free());
             let t = step * f64::from(n);
             let rise = 1.0 - (-t / SERVO.lag).exp();
             // v = c (1 - e^(-t/T)), x = x0 + c (t - T (1 - e^(-t/T))) is exact at any step size: only the rounding of
@@ -39,29 +41,29 @@ fn a_joint_follows_its_command_along_the_exponential() {
 
 #[test]
 fn a_joint_stops_at_its_limit_and_can_leave_it() {
-    let mut joints = Joints::at_rest(DVec3::ZERO);
-    let limits = (DVec3::splat(-0.1), DVec3::splat(0.1));
-    let mut run = |command: DVec3| {
-        joints.command = command;
+    let mut joints = Joints::at_rest(JointVector::zeros(3));
+    let limits = (JointVector::splat(3, -0.1), JointVector::splat(3, 0.1));
+    let mut run = |first: f64| {
+        joints.command = [first, 0.0, 0.0].into();
         for _ in 0..200 {
             SERVO.advance(&mut joints, 0.001, SERVO.remaining_error(0.001), limits);
         }
         joints
     };
-    let stopped = run(DVec3::X);
-    assert_eq!((stopped.position.x, stopped.velocity.x), (0.1, 0.0));
-    assert!(run(DVec3::NEG_X).position.x < 0.0);
+    let stopped = run(1.0);
+    assert_eq!((stopped.position[0], stopped.velocity[0]), (0.1, 0.0));
+    assert!(run(-1.0).position[0] < 0.0);
 }
 
 #[test]
 fn a_servo_without_lag_has_its_commanded_velocity_at_once() {
     let servo = ServoConfig { lag: 0.0, ..SERVO };
     let mut joints = Joints {
-        command: DVec3::X,
-        ..Joints::at_rest(DVec3::ZERO)
+        command: [1.0, 0.0, 0.0].into(),
+        ..Joints::at_rest(JointVector::zeros(3))
     };
-    servo.advance(&mut joints, 0.001, servo.remaining_error(0.001), FREE);
-    assert_eq!((joints.position.x, joints.velocity.x), (0.001, 1.0));
+    servo.advance(&mut joints, 0.001, servo.remaining_error(0.001), free());
+    assert_eq!((joints.position[0], joints.velocity[0]), (0.001, 1.0));
 }
 
 #[test]
@@ -70,19 +72,19 @@ fn encoders_round_to_whole_counts_and_velocity_is_their_difference() {
     let start = commands(&experiment).start;
     let mut world = world(&experiment, &start);
     let resolution = world.model().servo.encoder_resolution;
-    world.command(0, DVec3::ZERO);
+    world.command(0, JointVector::zeros(3));
     let mut hand = SimHand::new(SimRig::new(world), 10);
     let mut state = HandState::zero(2);
     let mut before = None;
-    let velocity = vec![DVec3::new(0.0123, -0.0171, 0.0031); 2];
+    let velocity = vec![JointVector::from([0.0123, -0.0171, 0.0031]); 2];
     for _ in 0..20 {
         hand.read(&mut state).expect("a state");
         let now = state.joints[0].position;
         let counts = now / resolution;
         // Angles of a few rad are 1e5 counts: rounding errors are 1e-11 of a count.
-        assert!((counts - counts.round()).abs().max_element() < 1e-9);
+        assert!((counts - counts.map(f64::round)).abs().max_element() < 1e-9);
         if let Some(before) = before {
-            let difference: DVec3 = (now - before) / 0.01;
+            let difference: JointVector = (now - before) / 0.01;
             assert!((state.joints[0].velocity - difference).length() < 1e-12);
         }
         before = Some(now);
@@ -103,7 +105,7 @@ fn encoders_have_a_constant_offset_from_power_up() {
     for seed in 0..runs {
         let seed = format!("seed={seed}");
         let experiment = experiment(&["time_limit=0.05", &seed, &setting]);
-        let mut world = world(&experiment, &[DVec3::new(0.0, 1.0, -1.0); 2]);
+        let mut world = world(&experiment, &[JointVector::from([0.0, 1.0, -1.0]); 2]);
         world.step().expect("a step");
         let mut offsets = Vec::new();
         for (finger, own) in world.model().fingers.iter().enumerate() {
@@ -111,7 +113,7 @@ fn encoders_have_a_constant_offset_from_power_up() {
             let off = read - joints.position;
             // To half a count.
             assert!((off - own.encoder_offset).abs().max_element() <= 0.5e-5 + 1e-12);
-            offsets.extend(off.to_array());
+            offsets.extend(off.iter());
         }
         assert!(offsets.iter().all(|off| off.abs() <= most + 0.5e-5));
         drawn.extend(offsets);

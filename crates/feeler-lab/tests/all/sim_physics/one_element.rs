@@ -1,6 +1,6 @@
 //! A fingertip with a single element on a fixed cap: the contact law within a complete world.
 
-use feeler::hand::{FingerConfig, FingerGeometry, resolved_rate};
+use feeler::hand::{FingerConfig, FingerGeometry, JointVector, resolved_rate};
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, RingConfig};
 use feeler_sim::objects::MotionConfig;
 use feeler_sim::shapes::shape::ShapeConfig;
@@ -55,7 +55,7 @@ fn one_element() -> World {
         joint_speed_limit: [10.0; 3],
     });
     let fingers = [(finger.expect("a finger"), layout)];
-    World::new(&sim, &fingers, &[theta], Path::new(""), 0).expect("a world")
+    World::new(&sim, &fingers, &[theta.to_array().into()], Path::new(""), 0).expect("a world")
 }
 
 /// Centre of the undeformed tip (m, in W).
@@ -158,7 +158,7 @@ fn an_element_at_rest_holds_its_shear_for_ten_seconds() {
             origin + DVec3::Z * (SPEED * STEP * f64::from(n)),
         );
     }
-    world.command(0, DVec3::ZERO);
+    world.command(0, JointVector::default());
     world.step().expect("a step");
     let held = force(&world);
     assert!(held.z > 0.4, "{held}");

@@ -44,7 +44,7 @@ impl OneFeeler {
             grid: None,
         });
         let finger = FingerGeometry::new(&config.hand.finger[0]).expect("a finger");
-        let joints = [DVec3::new(0.0, 1.0, -1.0)];
+        let joints = [[0.0, 1.0, -1.0].into()];
         let fingers = [(finger, layout)];
         let world = World::new(&sim, &fingers, &joints, Path::new(""), 0).expect("a world");
         Self {

@@ -1,11 +1,10 @@
 //! The reference run, and replay of its commands on a world that tests inspect after every step.
 
-use feeler::hand::FingerGeometry;
+use feeler::hand::{FingerGeometry, JointVector};
 use feeler::sensor::fingertip::ElementLayout;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::Session;
 use feeler_sim::world::World;
-use glam::DVec3;
 use std::path::Path;
 
 pub fn experiment(settings: &[&str]) -> Experiment {
@@ -20,9 +19,9 @@ pub fn experiment(settings: &[&str]) -> Experiment {
 /// Joint velocities commanded by the control law in a run, one row per control period.
 pub struct Commands {
     pub period: f64,
-    pub rows: Vec<Vec<DVec3>>,
+    pub rows: Vec<Vec<JointVector>>,
     /// Initial joint angles (rad).
-    pub start: Vec<DVec3>,
+    pub start: Vec<JointVector>,
     /// Stroke of each row, starting at 1.
     pub strokes: Vec<u32>,
 }
@@ -45,13 +44,13 @@ pub fn commands(experiment: &Experiment) -> Commands {
     }
 }
 
-fn joints(world: &World) -> Vec<DVec3> {
+fn joints(world: &World) -> Vec<JointVector> {
     let fingers = world.state().fingers.iter();
     fingers.map(|f| f.joints.position).collect()
 }
 
 /// The world of `experiment` before its first step.
-pub fn world(experiment: &Experiment, start: &[DVec3]) -> World {
+pub fn world(experiment: &Experiment, start: &[JointVector]) -> World {
     let config = &experiment.config;
     let layout = ElementLayout::new(&config.sensor.fingertip.layout);
     let fingers = config.hand.finger.iter();

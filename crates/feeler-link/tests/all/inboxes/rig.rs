@@ -1,11 +1,11 @@
 //! Commands that a rig executes or rejects.
 
 use super::bench::{HAND, NOBODY, SENSE, STALE, command, hear, heartbeat, mode, put, rig};
+use feeler::hand::JointVector;
 use feeler_link::messages::Rejection;
 use feeler_link::messages::message::CommandMessage;
 use feeler_link::transport::Topic;
 use feeler_record::wire::Vector3;
-use glam::DVec3;
 
 /// Result for command 6, a motion, after the change `spoil`. Command 5 has been accepted before.
 fn spoiled(spoil: impl Fn(&mut CommandMessage)) -> Result<(), Rejection> {
@@ -14,7 +14,7 @@ fn spoiled(spoil: impl Fn(&mut CommandMessage)) -> Result<(), Rejection> {
     let mut message = command(6, 0.2);
     spoil(&mut message);
     let taken = put(&mut rig, Topic::Command, &message, 1.01);
-    let obeyed = rig.drive(1.01, STALE).map(|velocity| velocity[0].x);
+    let obeyed = rig.drive(1.01, STALE).map(|velocity| velocity[0][0]);
     assert_eq!(obeyed, Some(if taken.is_ok() { 0.2 } else { 0.1 }));
     taken
 }
@@ -58,7 +58,7 @@ fn stale_motions_are_counted_and_stale_stops_executed() {
     let mut still = command(2, 0.0);
     still.header.stamp = 0.9;
     assert_eq!(put(&mut rig, Topic::Command, &still, 1.0), Ok(()));
-    assert_eq!(rig.drive(1.0, STALE), Some(&[DVec3::ZERO][..]));
+    assert_eq!(rig.drive(1.0, STALE), Some(&[JointVector::default()][..]));
 }
 
 #[test]

@@ -429,7 +429,7 @@ impl Rig {
         let moves = rig
             .inbox
             .drive(now, WATCHDOG)
-            .is_some_and(|v| v[0].x != 0.0);
+            .is_some_and(|v| v[0][0] != 0.0);
         // The hand has been gone for longer than the watchdog's timeout. One more second allows for delayed messages.
         let hand = rig
             .inbox

@@ -2,15 +2,14 @@
 
 use super::rig::{controller, state, touch};
 use feeler::control::{StopReason, TactileReading};
-use feeler::hand::{HandCommand, HandState};
-use glam::DVec3;
+use feeler::hand::{HandCommand, HandState, JointVector};
 
 /// Reason for which the hand stops at this input, and the commanded velocity.
-fn decided(touch: &TactileReading, state: &HandState) -> (Option<StopReason>, DVec3) {
+fn decided(touch: &TactileReading, state: &HandState) -> (Option<StopReason>, JointVector) {
     let mut controller = controller();
     let mut command = HandCommand::stop(1);
     // Makes a command that is left unchanged differ from a stop.
-    command.relay(&[DVec3::ONE]);
+    command.relay(&[JointVector::splat(3, 1.0)]);
     controller.decide(std::slice::from_ref(touch), state, &mut command);
     let stopped = controller.stop_reason().cloned();
     (stopped, command.joint_velocity()[0])
@@ -20,7 +19,7 @@ fn decided(touch: &TactileReading, state: &HandState) -> (Option<StopReason>, DV
 fn a_finger_with_valid_input_moves() {
     let (stopped, velocity) = decided(&touch(1.0), &state());
     assert_eq!(stopped, None);
-    assert!(velocity != DVec3::ZERO);
+    assert!(velocity != JointVector::default());
 }
 
 #[test]
@@ -47,7 +46,7 @@ fn non_finite_input_stops_the_hand_in_every_field() {
             ] {
                 let (stopped, velocity) = decided(&touch, &state);
                 assert_eq!(stopped, Some(reason), "{wrong} along {axis}");
-                assert_eq!(velocity, DVec3::ZERO);
+                assert_eq!(velocity, JointVector::default());
             }
         }
     }

@@ -2,15 +2,14 @@
 
 use super::rig::{controller_with, state, touch};
 use feeler::control::{Controller, MonitorConfig, StopReason};
-use feeler::hand::HandCommand;
-use glam::DVec3;
+use feeler::hand::{HandCommand, JointVector};
 
 const PERIOD: f64 = 0.01;
 
 /// Encoder reading (rad), given the true angle, the initial angle and the step.
-type Encoder = fn(DVec3, DVec3, usize) -> DVec3;
+type Encoder = fn(JointVector, JointVector, usize) -> JointVector;
 
-fn honest(now: DVec3, _: DVec3, _: usize) -> DVec3 {
+fn honest(now: JointVector, _: JointVector, _: usize) -> JointVector {
     now
 }
 
@@ -19,8 +18,8 @@ struct Rig {
     controller: Controller,
     command: HandCommand,
     lag: f64,
-    position: DVec3,
-    velocity: DVec3,
+    position: JointVector,
+    velocity: JointVector,
     step: usize,
     stamp: f64,
 }
@@ -32,7 +31,7 @@ impl Rig {
             command: HandCommand::stop(1),
             lag,
             position: state().joints[0].position,
-            velocity: DVec3::ZERO,
+            velocity: JointVector::default(),
             step: 0,
             stamp: 1.0,
         }
@@ -73,9 +72,9 @@ fn run(encoder: Encoder) -> Option<StopReason> {
 }
 
 /// Encoder resolution of a small drive (rad), and noise of a larger amplitude.
-fn coarse(now: DVec3, _: DVec3, step: usize) -> DVec3 {
+fn coarse(now: JointVector, _: JointVector, step: usize) -> JointVector {
     let noise = if step.is_multiple_of(2) { 5e-4 } else { -5e-4 };
-    ((now + noise) / 1e-3).round() * 1e-3
+    ((now + noise) / 1e-3).map(f64::round) * 1e-3
 }
 
 #[test]
@@ -93,7 +92,13 @@ fn drives_with_lag_and_coarse_encoders_are_accepted() {
 
 #[test]
 fn a_joint_that_does_not_follow_commands_stops_the_hand() {
-    let frozen: Encoder = |now, _, step| if step < 100 { now } else { now.with_x(0.08) };
+    let frozen: Encoder = |now, _, step| {
+        if step < 100 {
+            now
+        } else {
+            JointVector::from([0.08, now[1], now[2]])
+        }
+    };
     let stays: Encoder = |_, start, _| start;
     let half: Encoder = |now, start, _| start + 0.5 * (now - start);
     let reverse: Encoder = |now, start, _| start - (now - start);
@@ -121,7 +126,13 @@ fn a_joint_that_does_not_follow_commands_stops_the_hand() {
 
 #[test]
 fn a_joint_that_jumps_stops_the_hand_at_once() {
-    let jump: Encoder = |now, _, step| if step < 20 { now } else { now + 0.1 * DVec3::Y };
+    let jump: Encoder = |now, _, step| {
+        if step < 20 {
+            now
+        } else {
+            now + JointVector::from([0.0, 0.1, 0.0])
+        }
+    };
     let mut rig = Rig::new(MonitorConfig::default(), 0.0125);
     let reason = rig.run(300, jump);
     assert_eq!(rig.step, 21);
@@ -143,10 +154,10 @@ fn a_joint_that_jumps_stops_the_hand_at_once() {
 fn an_impossible_joint_angle_stops_the_hand() {
     for angle in [1e308, -1e308, 8.0, -8.0] {
         let mut far = state();
-        far.joints[0].position.z = angle;
+        far.joints[0].position[2] = angle;
         let mut rig = Rig::new(MonitorConfig::default(), 0.0);
         let mut command = HandCommand::stop(1);
-        command.relay(&[DVec3::ONE]);
+        command.relay(&[JointVector::splat(3, 1.0)]);
         (rig.controller).decide(&[touch(1.0)], &far, &mut command);
         let reason = rig.controller.stop_reason();
         assert!(
@@ -161,7 +172,7 @@ fn an_impossible_joint_angle_stops_the_hand() {
             ),
             "{reason:?}"
         );
-        assert_eq!(command.joint_velocity(), [DVec3::ZERO]);
+        assert_eq!(command.joint_velocity(), [JointVector::default()]);
     }
 }
 
@@ -175,8 +186,8 @@ fn joint_monitoring_restarts_after_a_stop() {
         by: "a test".into(),
     });
     rig.step(1, honest);
-    rig.position -= DVec3::splat(0.2);
-    rig.velocity = DVec3::ZERO;
+    rig.position -= JointVector::splat(3, 0.2);
+    rig.velocity = JointVector::default();
     rig.step(1, honest);
     rig.controller.resume();
     assert_eq!(rig.run(20, honest), None);
@@ -213,7 +224,10 @@ fn missed_periods_are_not_a_joint_fault() {
 #[test]
 fn joint_checks_can_be_disabled() {
     let stays: Encoder = |_, start, _| start;
-    let jump: Encoder = |now, _, step| now + if step < 20 { 0.0 } else { 0.1 } * DVec3::Y;
+    let jump: Encoder = |now, _, step| {
+        let turn = if step < 20 { 0.0 } else { 0.1 };
+        now + JointVector::from([0.0, turn, 0.0])
+    };
     let monitor = MonitorConfig {
         joint_deviation: 0.0,
         joint_jump: 0.0,

@@ -2,8 +2,8 @@
 
 use super::rig::{control, geometry, home};
 use feeler::control::{LimitedCommand, LimitsConfig, Request};
-use feeler::hand::FingerGeometry;
 use feeler::hand::kinematics::{fingertip_pose, jacobian};
+use feeler::hand::{FingerGeometry, JointVector};
 use glam::DVec3;
 
 const PERIOD: f64 = 0.01;
@@ -11,8 +11,8 @@ const PERIOD: f64 = 0.01;
 struct Finger {
     limits: LimitsConfig,
     geometry: FingerGeometry,
-    theta: DVec3,
-    previous: DVec3,
+    theta: JointVector,
+    previous: JointVector,
 }
 
 impl Finger {
@@ -21,12 +21,18 @@ impl Finger {
             limits: control().limits,
             geometry: geometry(),
             theta: home(),
-            previous: DVec3::ZERO,
+            previous: JointVector::default(),
         }
     }
 
     fn position(&self) -> DVec3 {
         fingertip_pose(&self.geometry, self.theta).0
+    }
+
+    /// Fingertip velocity (m/s) at these joint velocities (rad/s).
+    fn moved_at(&self, joint_velocity: JointVector) -> DVec3 {
+        let joint_velocity = joint_velocity.to_array().expect("three joints");
+        jacobian(&self.geometry, self.theta) * DVec3::from_array(joint_velocity)
     }
 
     fn apply_limits(&self, velocity: DVec3) -> Option<LimitedCommand> {
@@ -54,7 +60,7 @@ fn a_velocity_within_all_limits_is_unchanged() {
     let velocity = DVec3::new(0.002, -0.0015, 0.001);
     let admitted = finger.apply_limits(velocity).expect("finite");
     assert!(!admitted.limited, "{admitted:?}");
-    let back = jacobian(&finger.geometry, finger.theta) * admitted.joint_velocity;
+    let back = finger.moved_at(admitted.joint_velocity);
     assert!((back - velocity).length() < 1e-15);
 }
 
@@ -65,12 +71,12 @@ fn non_finite_velocities_are_rejected() {
         assert_eq!(finger.apply_limits(DVec3::new(0.0, bad, 0.0)), None);
     }
     let bad = Finger {
-        theta: DVec3::NAN,
+        theta: JointVector::splat(3, f64::NAN),
         ..Finger::at_home()
     };
     assert_eq!(bad.apply_limits(DVec3::ZERO), None);
     let bad = Finger {
-        previous: DVec3::INFINITY,
+        previous: JointVector::splat(3, f64::INFINITY),
         ..Finger::at_home()
     };
     assert_eq!(bad.apply_limits(DVec3::ZERO), None);
@@ -82,7 +88,7 @@ fn the_fingertip_speed_limit_preserves_the_direction() {
     finger.limits.joint_acceleration = 1e6;
     let wanted = DVec3::new(0.3, 0.0, -0.4);
     let admitted = finger.apply_limits(wanted).expect("finite");
-    let actual = jacobian(&finger.geometry, finger.theta) * admitted.joint_velocity;
+    let actual = finger.moved_at(admitted.joint_velocity);
     // 50 mm/s along (0.6, 0, -0.8).
     assert!(
         (actual - DVec3::new(0.03, 0.0, -0.04)).length() < 1e-15,
@@ -102,7 +108,7 @@ fn joint_speed_limits_preserve_the_direction() {
     let limit = finger.geometry.joint_speed_limit();
     assert!((speed / limit).max_element() <= 1.0 + 1e-15);
     assert!((speed / limit).max_element() > 1.0 - 1e-15);
-    let actual = jacobian(&finger.geometry, finger.theta) * admitted.joint_velocity;
+    let actual = finger.moved_at(admitted.joint_velocity);
     assert!(actual.cross(wanted).length() < 1e-15, "{actual}");
 }
 
@@ -193,7 +199,7 @@ fn fingers_outside_the_limits_may_return() {
     let mut finger = Finger::at_home();
     finger.limits.workspace_lower = [-0.030, -0.03, 0.07];
     let out = finger.advance(DVec3::NEG_X * 0.01);
-    assert!(out.limited && out.joint_velocity == DVec3::ZERO);
+    assert!(out.limited && out.joint_velocity == JointVector::default());
     for _ in 0..1000 {
         finger.advance(DVec3::X * 0.02);
     }

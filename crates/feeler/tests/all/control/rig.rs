@@ -4,7 +4,9 @@ use feeler::control::task::Task;
 use feeler::control::{
     ControlConfig, Controller, HandReadings, MonitorConfig, Phase, Plan, StopReason, TactileReading,
 };
-use feeler::hand::{FingerConfig, FingerGeometry, HandState, JointState, inverse_kinematics};
+use feeler::hand::{
+    FingerConfig, FingerGeometry, HandState, JointState, JointVector, inverse_kinematics,
+};
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, RingConfig};
 use glam::DVec3;
 
@@ -43,7 +45,7 @@ pub fn geometry() -> FingerGeometry {
 }
 
 /// Initial joint angles of the finger (rad).
-pub fn home() -> DVec3 {
+pub fn home() -> JointVector {
     let geometry = geometry();
     let middle = (geometry.joint_lower() + geometry.joint_upper()) / 2.0;
     inverse_kinematics(&geometry, DVec3::new(-0.038, -0.001, 0.1), middle).expect("home")
@@ -115,7 +117,7 @@ pub fn state() -> HandState {
         stamp: 1.0,
         joints: vec![JointState {
             position: home(),
-            velocity: DVec3::ZERO,
+            velocity: JointVector::default(),
         }],
     }
 }

@@ -2,7 +2,7 @@
 
 use super::rig::{controller, state, touch};
 use feeler::control::{Phase, Plan, StopReason};
-use feeler::hand::HandCommand;
+use feeler::hand::{HandCommand, JointVector};
 use glam::DVec3;
 
 fn stale() -> StopReason {
@@ -54,7 +54,7 @@ fn a_task_is_not_advanced_while_the_hand_is_stopped() {
     assert_eq!(controller.phase(), Phase::Stopped);
     for _ in 0..5 {
         controller.decide(&touches, &state, &mut command);
-        assert_eq!(command.joint_velocity(), [DVec3::ZERO]);
+        assert_eq!(command.joint_velocity(), [JointVector::default()]);
     }
     assert_eq!(controller.task().stroke(), 1);
     controller.resume();
@@ -63,7 +63,7 @@ fn a_task_is_not_advanced_while_the_hand_is_stopped() {
         (controller.task().stroke(), controller.phase()),
         (2, Phase::Move)
     );
-    assert!(command.joint_velocity()[0] != DVec3::ZERO);
+    assert!(command.joint_velocity()[0] != JointVector::default());
 }
 
 /// An agent that requests the law's velocity gets the law's command; any other velocity is limited in the same way.
@@ -78,7 +78,7 @@ fn an_agents_velocity_is_limited_like_the_laws_velocity() {
     let planned = by_agent.plans()[0].velocity;
     by_agent.follow(&[planned], &state, &mut followed);
     assert_eq!(lawful, followed);
-    assert!(lawful.joint_velocity()[0] != DVec3::ZERO);
+    assert!(lawful.joint_velocity()[0] != JointVector::default());
     by_agent.plan(&touches, &state);
     by_agent.follow(&[DVec3::splat(1e300)], &state, &mut followed);
     assert!(by_agent.fingers()[0].admitted.limited);
@@ -94,17 +94,17 @@ fn an_agent_cannot_move_the_hand_without_a_plan_or_while_stopped() {
     let fast = [0.01 * DVec3::Y];
     controller.plan(&touches, &state);
     controller.follow(&fast, &state, &mut command);
-    assert!(command.joint_velocity()[0] != DVec3::ZERO);
+    assert!(command.joint_velocity()[0] != JointVector::default());
     controller.follow(&fast, &state, &mut command);
-    assert_eq!(command.joint_velocity(), [DVec3::ZERO]);
+    assert_eq!(command.joint_velocity(), [JointVector::default()]);
     controller.plan(&touches, &state);
     controller.stop(told());
     controller.follow(&fast, &state, &mut command);
-    assert_eq!(command.joint_velocity(), [DVec3::ZERO]);
+    assert_eq!(command.joint_velocity(), [JointVector::default()]);
     controller.plan(&touches, &state);
     assert_eq!(controller.plans(), [Plan::default()]);
     controller.follow(&fast, &state, &mut command);
-    assert_eq!(command.joint_velocity(), [DVec3::ZERO]);
+    assert_eq!(command.joint_velocity(), [JointVector::default()]);
     for (velocities, reason) in [
         (
             vec![],
@@ -125,7 +125,7 @@ fn an_agent_cannot_move_the_hand_without_a_plan_or_while_stopped() {
         controller.resume();
         controller.plan(&touches, &state);
         controller.follow(&velocities, &state, &mut command);
-        assert_eq!(command.joint_velocity(), [DVec3::ZERO]);
+        assert_eq!(command.joint_velocity(), [JointVector::default()]);
         assert_eq!(controller.stop_reason(), Some(&reason));
     }
 }

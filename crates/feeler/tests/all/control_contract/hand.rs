@@ -1,7 +1,6 @@
 //! A hand that executes commands exactly.
 
-use feeler::hand::{Hand, HandCommand, HandError, HandState, JointState};
-use glam::DVec3;
+use feeler::hand::{Hand, HandCommand, HandError, HandState, JointState, JointVector};
 
 /// A hand that executes commands exactly. It keeps no record and does not allocate.
 pub struct IdealHand {
@@ -12,10 +11,10 @@ pub struct IdealHand {
 
 impl IdealHand {
     /// Creates a hand at rest with the joint angles `home` (rad) that is commanded every `period` (s).
-    pub fn new(home: Vec<DVec3>, period: f64) -> Self {
+    pub fn new(home: Vec<JointVector>, period: f64) -> Self {
         let at_rest = |position| JointState {
             position,
-            velocity: DVec3::ZERO,
+            velocity: JointVector::default(),
         };
         Self {
             stamp: 0.0,

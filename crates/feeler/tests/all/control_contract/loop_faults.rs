@@ -3,9 +3,8 @@
 use super::hand::IdealHand;
 use super::rig::{Analyzers, ELEMENTS, config, controller, hand_at_home, pressed, state};
 use feeler::control::{ControlError, ControlLoop, FlaggedSensor, Phase, StopReason};
-use feeler::hand::{HandCommand, HandState};
+use feeler::hand::{HandCommand, HandState, JointVector};
 use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
-use glam::DVec3;
 
 #[derive(Clone, Copy)]
 enum Fault {
@@ -79,7 +78,7 @@ fn a_failing_sensor_stops_the_hand_and_is_reported() {
     assert!(control_loop.step().is_err());
     let joints = &control_loop.state().joints;
     assert!(
-        joints.iter().all(|j| j.velocity == DVec3::ZERO),
+        joints.iter().all(|j| j.velocity == JointVector::default()),
         "{joints:?}"
     );
 }
@@ -95,7 +94,7 @@ fn stale_forces_stop_both_fingers_within_one_period() {
                 .command()
                 .joint_velocity()
                 .iter()
-                .all(|v| *v != DVec3::ZERO)
+                .all(|v| *v != JointVector::default())
         );
         let (_, after) = run(fault, 25);
         assert_eq!(*after.command(), HandCommand::stop(2));
@@ -118,7 +117,7 @@ fn decide(frames: &[TactileFrame], state: &HandState) -> (Option<StopReason>, Ha
     let mut controller = controller(&config);
     let touches = Analyzers::new(&config).touches(frames);
     let mut command = HandCommand::stop(2);
-    command.relay(&[DVec3::ONE; 2]);
+    command.relay(&[JointVector::splat(3, 1.0); 2]);
     controller.decide(&touches, state, &mut command);
     (controller.stop_reason().cloned(), command)
 }
@@ -147,7 +146,7 @@ fn each_fault_has_a_reason_and_stops_both_fingers() {
     let reason = StopReason::NotFinite { finger: 0, what };
     cases.push((broken, at_home(), reason));
     let mut infinite = at_home();
-    infinite.joints[1].position.z = f64::INFINITY;
+    infinite.joints[1].position[2] = f64::INFINITY;
     cases.push((
         good(),
         infinite,
@@ -253,5 +252,8 @@ fn a_resumed_hand_stops_again_while_the_cause_persists() {
     controller.decide(&analyzers.touches(&good(3)), &at_home(), &mut command);
     assert_eq!(controller.phase(), Phase::Search);
     let velocities = command.joint_velocity();
-    assert!(velocities.iter().all(|v| *v != DVec3::ZERO), "{command:?}");
+    assert!(
+        velocities.iter().all(|v| *v != JointVector::default()),
+        "{command:?}"
+    );
 }

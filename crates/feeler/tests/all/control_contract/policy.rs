@@ -8,7 +8,7 @@ use feeler::control::law::{Law, LawConfig, LawError};
 use feeler::control::{
     FingerFlags, FingerReadings, FingertipPose, ObservationLayout, Plan, TactileReading,
 };
-use feeler::hand::{Hand, HandCommand, JointState};
+use feeler::hand::{Hand, HandCommand, JointState, JointVector};
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, RingConfig};
 use glam::{DMat3, DVec3};
 use rand::{RngExt, SeedableRng};
@@ -91,8 +91,8 @@ fn drawn_touch(random: &mut Pcg64, elements: usize) -> (TactileReading, Fingerti
         rotation: DMat3::from_axis_angle(vector(1.0).normalize(), 2.0),
     };
     let joints = JointState {
-        position: vector(1.5),
-        velocity: vector(1.0),
+        position: vector(1.5).to_array().into(),
+        velocity: vector(1.0).to_array().into(),
     };
     (touch, pose, joints)
 }
@@ -168,8 +168,8 @@ fn a_policy_written_by_python_agrees_with_numpy() {
     let sense = FingerReadings {
         pose: FingertipPose::default(),
         joints: JointState {
-            position: vector(10),
-            velocity: vector(13),
+            position: vector(10).to_array().into(),
+            velocity: vector(13).to_array().into(),
         },
         touch: &touch,
         layout: &ring(2),
@@ -237,8 +237,8 @@ fn finite_inputs_give_finite_velocities() {
             let sense = FingerReadings {
                 pose: FingertipPose::default(),
                 joints: JointState {
-                    position: DVec3::splat(force),
-                    velocity: DVec3::splat(-force),
+                    position: JointVector::splat(3, force),
+                    velocity: JointVector::splat(3, -force),
                 },
                 touch: &touch,
                 layout: &ring(1),

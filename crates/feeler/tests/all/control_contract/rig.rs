@@ -4,10 +4,9 @@ use super::hand::IdealHand;
 use feeler::control::task::TaskConfig;
 use feeler::control::task::screw::ScrewConfig;
 use feeler::control::{ControlConfig, Controller, FlagAnalyzer, TactileReading};
-use feeler::hand::{FingerConfig, FingerGeometry, HandState, inverse_kinematics};
+use feeler::hand::{FingerConfig, FingerGeometry, HandState, JointVector, inverse_kinematics};
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
 use feeler::sensor::forces::TactileFrame;
-use glam::DVec3;
 use serde::Deserialize;
 
 pub const ELEMENTS: usize = 41;
@@ -55,7 +54,7 @@ pub fn screw(config: &mut Config) -> &mut ScrewConfig {
 }
 
 /// Joint angles of each finger at home (rad).
-pub fn home(config: &Config) -> Vec<DVec3> {
+pub fn home(config: &Config) -> Vec<JointVector> {
     let fingers = geometries(config).into_iter().zip(config.task.homes());
     fingers
         .map(|(geometry, home)| {

@@ -5,7 +5,7 @@ use feeler::control::task::TaskConfig;
 use feeler::control::{ControlConfig, ControlLoop, Controller, FlaggedSensor, Phase};
 use feeler::hand::kinematics::fingertip_pose;
 use feeler::hand::{
-    FingerConfig, FingerGeometry, Hand, HandCommand, HandError, HandState, JointState,
+    FingerConfig, FingerGeometry, Hand, HandCommand, HandError, HandState, JointState, JointVector,
     inverse_kinematics,
 };
 use feeler::pace::FreeRunning;
@@ -30,11 +30,11 @@ struct Config {
 }
 
 /// Joint angles (rad) and time (s).
-type Rig = Rc<Cell<(DVec3, f64)>>;
+type Rig = Rc<Cell<(JointVector, f64)>>;
 
 struct Drives {
     rig: Rig,
-    velocity: DVec3,
+    velocity: JointVector,
     period: f64,
 }
 
@@ -163,7 +163,7 @@ fn a_hand_touches_strokes_and_returns_by_its_wrench() {
     let sensor = WrenchSensor::new(eye, chain(), estimator()).unwrap();
     let hand = Drives {
         rig,
-        velocity: DVec3::ZERO,
+        velocity: JointVector::default(),
         period,
     };
     let sensors = vec![FlaggedSensor::new(sensor, thresholds)];
