@@ -25,6 +25,7 @@
 //!
 //! `J` is singular if the finger is straight or folded (`sin(theta3) = 0`), or if its tip is on the axis of joint 1.
 
+pub mod chain;
 pub(crate) mod finger;
 pub(crate) mod interface;
 pub(crate) mod inverse_kinematics;

@@ -1,0 +1,122 @@
+//! Errors of the configuration and the inverse kinematics of a chain.
+
+use super::MAX_JOINTS;
+use crate::hand::kinematics_error::POSITION_TOLERANCE;
+use glam::DVec3;
+
+/// Error returned for an invalid [`ChainConfig`](super::ChainConfig).
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ChainError {
+    /// A value is not finite or out of its range.
+    #[error("{field} = {value}: expected {expected}")]
+    OutOfRange {
+        /// Field of the configuration.
+        field: String,
+        /// The rejected value.
+        value: f64,
+        /// Description of the valid values.
+        expected: &'static str,
+    },
+    /// The upper limit of a joint is not above its lower limit.
+    #[error("joints[{index}].upper = {upper}: expected more than joints[{index}].lower = {lower}")]
+    JointLimits {
+        /// Index of the joint, from 0.
+        index: usize,
+        /// Lower limit of the joint (rad or m).
+        lower: f64,
+        /// Upper limit of the joint (rad or m).
+        upper: f64,
+    },
+    /// A list has too few or too many entries.
+    #[error("expected {expected} {field}, got {count}")]
+    Count {
+        /// Description of the entries.
+        field: &'static str,
+        /// Number of entries.
+        count: usize,
+        /// Description of the valid numbers.
+        expected: &'static str,
+    },
+    /// Neither or both of the tables `dh` and `frames` have rows.
+    #[error("expected rows in either dh or frames, got {dh} in dh and {frames} in frames")]
+    Tables {
+        /// Number of rows of `dh`.
+        dh: usize,
+        /// Number of rows of `frames`.
+        frames: usize,
+    },
+    /// Two joints have the same name, or a joint's name is empty.
+    #[error("joints[{index}].name = \"{name}\": expected a name that no other joint has")]
+    Name {
+        /// Index of the joint, from 0.
+        index: usize,
+        /// The rejected name.
+        name: String,
+    },
+    /// A row refers to a joint that is not listed.
+    #[error("{field} = \"{name}\": expected one of the joints {known}")]
+    UnknownJoint {
+        /// Field of the configuration.
+        field: String,
+        /// The rejected name.
+        name: String,
+        /// Names of the joints.
+        known: String,
+    },
+    /// A moving row has neither or both of `joint` and `mimic`, or a fixed row has one.
+    #[error("{field}: expected {expected}")]
+    Driver {
+        /// Row of the configuration.
+        field: String,
+        /// Description of a valid row.
+        expected: &'static str,
+    },
+    /// A joint does not drive any row.
+    #[error("expected a row that joint \"{name}\" drives, got none")]
+    UnusedJoint {
+        /// Name of the joint.
+        name: String,
+    },
+}
+
+/// Error returned if no joint positions are found for a fingertip position.
+#[derive(Debug, Clone, PartialEq, thiserror::Error)]
+pub enum ChainKinematicsError {
+    /// An argument is NaN or infinite, or a joint is missing.
+    #[error(
+        "expected a finite target and {expected} finite joint positions, got target {target} m and start {start:?}"
+    )]
+    NotFinite {
+        /// Target position of the fingertip in `W` (m).
+        target: DVec3,
+        /// Initial joint positions (rad or m), NaN if missing.
+        start: [f64; MAX_JOINTS],
+        /// Number of joints.
+        expected: usize,
+    },
+    /// The target is too far for the links, regardless of the joint limits.
+    #[error(
+        "fingertip target {target} m is {distance:.6} m from the first joint, expected at most {maximum:.6} m"
+    )]
+    OutOfReach {
+        /// Target position of the fingertip in `W` (m).
+        target: DVec3,
+        /// Distance from the origin of the first moving frame to the target (m).
+        distance: f64,
+        /// Upper bound of the distances that the links can reach (m).
+        maximum: f64,
+    },
+    /// No iteration reached the target within the joint limits. The target may be unreachable.
+    #[error(
+        "expected a fingertip within {POSITION_TOLERANCE:e} m of {target} m and joints within their limits, \
+         ended {residual:e} m away"
+    )]
+    NotConverged {
+        /// Target position of the fingertip in `W` (m).
+        target: DVec3,
+        /// Smallest distance from the target that an iteration reached (m).
+        residual: f64,
+        /// Joint positions at that distance (rad or m), within the limits.
+        joints: [f64; MAX_JOINTS],
+    },
+}
