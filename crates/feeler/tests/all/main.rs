@@ -8,6 +8,7 @@
 
 mod architecture;
 mod calibration;
+mod chain;
 mod control;
 mod control_contract;
 mod hand_kinematics;

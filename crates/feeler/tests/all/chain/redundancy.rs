@@ -1,0 +1,130 @@
+//! Self-motion and joint limits of fingers with more joints than their task needs.
+
+use super::{
+    Joints, fingertip_velocity, planar, random_joints, reference_chain, reference_chains,
+    within_limits,
+};
+use feeler::hand::chain::{Chain, MAX_JOINTS};
+use glam::DVec3;
+use nalgebra::{DVector, Matrix3xX};
+use rand::SeedableRng;
+use rand_pcg::Pcg64Mcg;
+
+#[test]
+fn a_finger_at_rest_stays_at_rest() {
+    let mut rng = Pcg64Mcg::seed_from_u64(4);
+    for chain in reference_chains() {
+        for _ in 0..100 {
+            let joints = random_joints(&mut rng, &chain);
+            let rate = chain.resolved_rate(&joints, DVec3::ZERO);
+            assert_eq!(rate.joint_velocity, [0.0; MAX_JOINTS]);
+        }
+    }
+}
+
+/// Deviation from the middle of the joints' ranges, relative to half of the ranges: sum of squares.
+fn deviation(chain: &Chain, joints: &Joints) -> f64 {
+    let (lower, upper) = (chain.joint_lower(), chain.joint_upper());
+    let relative = |j: usize| (2.0 * joints[j] - lower[j] - upper[j]) / (upper[j] - lower[j]);
+    (0..chain.joint_count()).map(|j| relative(j).powi(2)).sum()
+}
+
+/// Pseudo-inverse without self-motion.
+fn least_norm(chain: &Chain, joints: &Joints, velocity: DVec3) -> Joints {
+    let columns = chain.jacobian(joints);
+    let columns = columns.iter().take(chain.joint_count());
+    let columns: Vec<_> = columns
+        .map(|c| nalgebra::Vector3::from(c.to_array()))
+        .collect();
+    let inverse = Matrix3xX::from_columns(&columns)
+        .pseudo_inverse(1e-9)
+        .unwrap();
+    let rate: DVector<f64> = inverse * nalgebra::Vector3::from(velocity.to_array());
+    let mut rates = [0.0; MAX_JOINTS];
+    rates
+        .iter_mut()
+        .zip(rate.iter())
+        .for_each(|(to, from)| *to = *from);
+    rates
+}
+
+/// Drives the fingertip ten times around a circle of 8 mm at 100 Hz with feedback of the position.
+/// Returns the final deviation, the largest distance from the circle (m), and `true` if the joints kept their limits.
+fn circles(
+    chain: &Chain,
+    start: Joints,
+    rate: impl Fn(&Joints, DVec3) -> Joints,
+) -> (f64, f64, bool) {
+    let mut joints = start;
+    let (centre, rotation) = chain.pose(&joints);
+    let at = |angle: f64| {
+        let offset = rotation.y_axis * angle.sin() + rotation.z_axis * (angle.cos() - 1.0);
+        centre + offset * 0.008
+    };
+    let (mut miss, mut kept) = (0.0_f64, true);
+    for step in 1..=4000 {
+        let angle = f64::from(step) * std::f64::consts::TAU / 400.0;
+        let error = at(angle) - chain.pose(&joints).0;
+        let velocity = rate(&joints, error / 0.01);
+        for (q, v) in joints.iter_mut().zip(velocity) {
+            *q += v * 0.01;
+        }
+        kept &= within_limits(chain, &joints);
+        let (lower, upper) = (chain.joint_lower(), chain.joint_upper());
+        for joint in 0..chain.joint_count() {
+            joints[joint] = joints[joint].clamp(lower[joint], upper[joint]);
+        }
+        miss = miss.max((at(angle) - chain.pose(&joints).0).length());
+    }
+    (deviation(chain, &joints), miss, kept)
+}
+
+#[test]
+fn circles_end_nearer_to_the_middle_of_the_ranges() {
+    for (name, start) in [
+        ("leap", [0.4, 0.2, 1.6, 0.1]),
+        ("allegro", [0.1, 0.3, 1.5, 0.2]),
+    ] {
+        let chain = reference_chain(name);
+        let mut joints = [0.0; MAX_JOINTS];
+        joints[..4].copy_from_slice(&start);
+        let own = |joints: &Joints, v| chain.resolved_rate(joints, v).joint_velocity;
+        let (with, miss, kept) = circles(&chain, joints, own);
+        let (without, ..) = circles(&chain, joints, |joints, v| least_norm(&chain, joints, v));
+        println!(
+            "{name}: deviation {with:.3} with self-motion, {without:.3} without; {miss:e} m off"
+        );
+        assert!(kept, "{name} left its limits");
+        // A step moves the fingertip by 0.13 mm; the curvature of its path over a step is below 1 / (10 mm).
+        assert!(miss < 1e-5, "{name}: {miss} m off the circle");
+        assert!(with < 0.9 * without, "{name}: {with} {without}");
+    }
+}
+
+/// A joint at its limit stops, and the others do the task.
+#[test]
+fn other_joints_replace_one_at_its_limit() {
+    let chain = Chain::new(&planar(4)).unwrap();
+    let mut joints = [0.7, 0.8, 0.6, 2.0, 0.0, 0.0, 0.0];
+    let velocity = DVec3::new(0.05, -0.03, 0.0);
+    let outward = chain.resolved_rate(&joints, velocity);
+    let inward = chain.resolved_rate(&joints, -velocity);
+    let fixed = [outward, inward].map(|rate| rate.fixed[3]);
+    assert_ne!(
+        fixed[0], fixed[1],
+        "one direction moves the last joint outward"
+    );
+    for (rate, velocity) in [(outward, velocity), (inward, -velocity)] {
+        assert!(rate.joint_velocity[3] <= 0.0);
+        let moved = fingertip_velocity(&chain, &joints, &rate.joint_velocity);
+        // Velocities below 0.1 m/s.
+        assert!(moved.abs_diff_eq(velocity, 1e-14), "{moved}");
+    }
+    // With all joints at a limit, those that would move outward are fixed.
+    joints[..4].fill(2.0);
+    for angle in 0..100 {
+        let direction = DVec3::X.rotate_axis(DVec3::Z, f64::from(angle) * 0.063);
+        let rate = chain.resolved_rate(&joints, direction);
+        assert!(rate.joint_velocity.iter().all(|&v| v <= 0.0), "{rate:?}");
+    }
+}
