@@ -9,7 +9,7 @@
 
 use super::error::ChainKinematicsError;
 use super::kinematics::State;
-use super::resolved_rate::Task;
+use super::solve::Task;
 use super::task_rank::gram;
 use super::{Chain, MAX_JOINTS};
 use crate::hand::kinematics_error::POSITION_TOLERANCE;
@@ -119,10 +119,11 @@ impl Chain {
                 columns: &columns,
                 goal: error,
                 pull: [0.0; MAX_JOINTS],
+                bounds: self.outward_stops(&joints),
                 // The damping vanishes even as a singular target is approached.
                 most_damping: error.length(),
             };
-            let step = self.solve_within_limits(&joints, &task).velocity;
+            let step = self.solve_within_bounds(&task).velocity;
             let next = self.nearer(&joints, step, target, error.length());
             let next = next.or_else(|| {
                 let step = gradient(&task);

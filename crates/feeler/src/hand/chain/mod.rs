@@ -1,4 +1,4 @@
-//! Kinematics of a finger of one to seven independent joints, some of which may drive several rows.
+//! Kinematics of a finger of one to seven independent joints, with coupled joints.
 //!
 //! A chain consists of moving frames. Each has a constant transform from the previous frame, and turns about or moves
 //! along its axis by `multiplier * q_j + offset`, where q_j is the position of an independent joint. Rows with the same
@@ -23,6 +23,7 @@ mod error;
 mod inverse_kinematics;
 mod kinematics;
 mod resolved_rate;
+mod solve;
 mod spectrum;
 mod task_rank;
 

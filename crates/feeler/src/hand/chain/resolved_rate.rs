@@ -25,13 +25,14 @@
 //! A direction with singular value `s >= sigma` is amplified by at most `1 / epsilon`, and N does not lengthen z. So
 //! `|q_dot| <= |v| (1 / epsilon + k sqrt(n) / reach)` everywhere, with scaled displacements.
 //!
-//! If a joint at a limit would move outward, the fastest of them is fixed and the rest solved again, so that the other
-//! joints take over its part if possible.
+//! If joint velocities exceed their bounds, the one that exceeds them most is fixed at its bound and the rest solved again
+//! for the remaining fingertip velocity, so that the other joints take over if possible (F. Flacco, A. De Luca and O.
+//! Khatib, "Motion control of redundant robots under joint constraints: saturation in the null space", ICRA 2012).
+//! Without given bounds, a joint at a limit must not move outward.
 
-use super::spectrum::Spectrum;
-use super::task_rank::gram;
+use super::solve::{Bounds, Task};
 use super::{Chain, MAX_JOINTS};
-use glam::{DMat3, DVec3};
+use glam::DVec3;
 
 /// k: speed of the self-motion relative to that of the task.
 const SELF_MOTION: f64 = 0.5;
@@ -46,28 +47,8 @@ pub struct ChainRate {
     pub joint_velocity: [f64; MAX_JOINTS],
     /// lambda (m/rad): 0 away from singularities, [`Chain::damping_threshold`] at a singularity.
     pub damping: f64,
-    /// `true` for each joint that is fixed because it is at a limit and would move outward.
-    pub fixed: [bool; MAX_JOINTS],
-}
-
-/// A linear system to solve for joint velocities, in scaled units.
-pub(super) struct Task<'a> {
-    /// Scaled Jacobian.
-    pub(super) columns: &'a [DVec3; MAX_JOINTS],
-    /// Fingertip velocity or displacement.
-    pub(super) goal: DVec3,
-    /// z of the self-motion.
-    pub(super) pull: [f64; MAX_JOINTS],
-    /// Upper bound of lambda (m/rad).
-    pub(super) most_damping: f64,
-}
-
-/// Solution of a [`Task`].
-pub(super) struct Solution {
-    pub(super) velocity: [f64; MAX_JOINTS],
-    damping: f64,
-    /// Subset of the joints that are not fixed, as in [`TaskRanks`](super::task_rank::TaskRanks).
-    free: usize,
+    /// `true` for each joint whose velocity is at its bound.
+    pub bounded: [bool; MAX_JOINTS],
 }
 
 impl Chain {
@@ -77,16 +58,30 @@ impl Chain {
     }
 
     /// Returns the joint velocity that moves the fingertip at `fingertip_velocity` (in the world `W`, m/s) at `joints`
-    /// (rad or m), eq. (1).
+    /// (rad or m), eq. (1). Joints at a limit do not move outward.
     ///
     /// Finite arguments give a finite result, even at a singularity; a result beyond the range of `f64` saturates at
     /// the largest finite value. A NaN or infinity in an argument makes the result NaN.
     pub fn resolved_rate(&self, joints: &[f64], fingertip_velocity: DVec3) -> ChainRate {
+        self.resolved_rate_within(joints, fingertip_velocity, &self.outward_stops(joints))
+    }
+
+    /// Like [`resolved_rate`](Self::resolved_rate), but within `bounds`, the lowest and highest velocity of each joint
+    /// (rad/s or m/s), regardless of the limits. A highest velocity below 0 or NaN counts as 0, as does a lowest one
+    /// above 0.
+    ///
+    /// With bounds that decrease towards the limits, the other joints take over before a joint has to stop.
+    pub fn resolved_rate_within(
+        &self,
+        joints: &[f64],
+        fingertip_velocity: DVec3,
+        bounds: &[[f64; 2]; MAX_JOINTS],
+    ) -> ChainRate {
         if !self.is_finite(joints) || !fingertip_velocity.is_finite() {
             return ChainRate {
                 joint_velocity: self.each(|_| f64::NAN),
                 damping: f64::NAN,
-                fixed: [false; MAX_JOINTS],
+                bounded: [false; MAX_JOINTS],
             };
         }
         let columns = self.scaled_jacobian(joints);
@@ -96,26 +91,46 @@ impl Chain {
             .max_element()
             .max(f64::MIN_POSITIVE);
         let goal = fingertip_velocity / magnitude;
-        let solution = self.solve_within_limits(
-            joints,
-            &Task {
-                columns: &columns,
-                goal,
-                pull: self.pull(joints, goal.length()),
-                most_damping: f64::INFINITY,
-            },
-        );
+        let mut scaled_bounds = [[0.0; 2]; MAX_JOINTS];
+        for (index, joint) in self.joints.iter().enumerate() {
+            let [lowest, highest] = around_zero(bounds[index]);
+            scaled_bounds[index] = [lowest, highest].map(|bound| bound / joint.scale / magnitude);
+        }
+        let solution = self.solve_within_bounds(&Task {
+            columns: &columns,
+            goal,
+            pull: self.pull(joints, goal.length()),
+            bounds: scaled_bounds,
+            most_damping: f64::INFINITY,
+        });
         let mut rate = ChainRate {
             joint_velocity: [0.0; MAX_JOINTS],
             damping: solution.damping,
-            fixed: [false; MAX_JOINTS],
+            bounded: [false; MAX_JOINTS],
         };
         for (index, joint) in self.joints.iter().enumerate() {
             let velocity = solution.velocity[index] * joint.scale * magnitude;
-            rate.joint_velocity[index] = velocity.clamp(f64::MIN, f64::MAX);
-            rate.fixed[index] = solution.free & (1 << index) == 0;
+            let [lowest, highest] = around_zero(bounds[index]);
+            // Also removes the rounding of bounds that are subnormal in scaled units.
+            rate.joint_velocity[index] = velocity.clamp(lowest, highest);
+            rate.bounded[index] = solution.free & (1 << index) == 0;
         }
         rate
+    }
+
+    /// Bounds that prevent joints at a limit from moving outward.
+    #[inline]
+    pub(super) fn outward_stops(&self, joints: &[f64]) -> Bounds {
+        let mut bounds = [[0.0; 2]; MAX_JOINTS];
+        for ((bounds, joint), &q) in bounds.iter_mut().zip(&self.joints).zip(joints) {
+            if q > joint.lower + LIMIT_TOLERANCE {
+                bounds[0] = f64::NEG_INFINITY;
+            }
+            if q < joint.upper - LIMIT_TOLERANCE {
+                bounds[1] = f64::INFINITY;
+            }
+        }
+        bounds
     }
 
     /// `true` if `joints` has a finite entry per joint.
@@ -143,153 +158,12 @@ impl Chain {
         }
         pull
     }
-
-    /// Solves `task`, and again with each joint fixed that is at a limit and would move outward.
-    #[inline]
-    pub(super) fn solve_within_limits(&self, joints: &[f64], task: &Task) -> Solution {
-        let mut free = (1 << self.joint_count()) - 1;
-        loop {
-            let solution = self.solve(task, free);
-            match self.fastest_outward(joints, &solution.velocity) {
-                // A fixed joint does not move, so each pass fixes another one.
-                Some(joint) => free &= !(1 << joint),
-                None => return solution,
-            }
-        }
-    }
-
-    /// Joint with the highest outward velocity among those at a limit.
-    #[inline]
-    fn fastest_outward(&self, joints: &[f64], velocity: &[f64; MAX_JOINTS]) -> Option<usize> {
-        let (mut fastest, mut speed) = (None, 0.0);
-        for (index, (joint, &q)) in self.joints.iter().zip(joints).enumerate() {
-            let v = velocity[index];
-            let outward = v > 0.0 && q >= joint.upper - LIMIT_TOLERANCE
-                || v < 0.0 && q <= joint.lower + LIMIT_TOLERANCE;
-            if outward && v.abs() > speed {
-                (fastest, speed) = (Some(index), v.abs());
-            }
-        }
-        fastest
-    }
-
-    /// Solves `task` with the joints in `free`.
-    #[inline]
-    fn solve(&self, task: &Task, free: usize) -> Solution {
-        let rank = self.ranks.rank(free);
-        let gram = gram(task.columns, free);
-        if rank == 3 && self.is_regular(&gram) {
-            return regular(task, &gram, free);
-        }
-        self.near_singularity(task, &gram, free, rank)
-    }
-
-    /// `true` only if the smallest singular value exceeds epsilon: the product of the other two eigenvalues of `gram` is
-    /// at most the square of half of their sum.
-    #[inline]
-    fn is_regular(&self, gram: &DMat3) -> bool {
-        let trace = gram.x_axis.x + gram.y_axis.y + gram.z_axis.z;
-        let epsilon = self.damping_threshold;
-        gram.determinant() >= 0.25 * trace * trace * epsilon * epsilon
-    }
-
-    /// Solution from the singular vectors, for any rank.
-    fn near_singularity(&self, task: &Task, gram: &DMat3, free: usize, rank: usize) -> Solution {
-        let spectrum = Spectrum::of(gram);
-        let epsilon = self.damping_threshold;
-        let squared = match rank {
-            0 => 0.0,
-            rank => spectrum.values[rank - 1],
-        };
-        let damping = (epsilon * epsilon - squared).max(0.0).sqrt();
-        let damping = damping.min(task.most_damping);
-        let mut velocity = [0.0; MAX_JOINTS];
-        if free.count_ones() as usize > rank {
-            velocity = null_motion(task, &spectrum, free, rank);
-            let fade = (squared / (epsilon * epsilon)).min(1.0);
-            velocity = velocity.map(|v| v * fade);
-        }
-        let y = spectrum.solve(rank, damping, task.goal);
-        add_transposed(&mut velocity, task.columns, y, free);
-        Solution {
-            velocity,
-            damping,
-            free,
-        }
-    }
 }
 
-/// Undamped solution away from singularities, with three or more free joints.
-#[inline]
-fn regular(task: &Task, gram: &DMat3, free: usize) -> Solution {
-    let mut velocity = [0.0; MAX_JOINTS];
-    if free.count_ones() == 3 {
-        // The inverse loses fewer digits than that of `J J^T`.
-        let (mut square, mut joints) = (DMat3::ZERO, [0; 3]);
-        for (index, joint) in joints_of(free).enumerate().take(3) {
-            *square.col_mut(index) = task.columns[joint];
-            joints[index] = joint;
-        }
-        let solution = square.inverse() * task.goal;
-        for (joint, value) in joints.into_iter().zip(solution.to_array()) {
-            velocity[joint] = value;
-        }
-    } else {
-        let mut goal = task.goal;
-        for joint in joints_of(free) {
-            velocity[joint] = task.pull[joint];
-            goal -= task.columns[joint] * task.pull[joint];
-        }
-        add_transposed(&mut velocity, task.columns, gram.inverse() * goal, free);
-    }
-    Solution {
-        velocity,
-        damping: 0.0,
-        free,
-    }
-}
-
-/// `N z`: the self-motion without its components along the right singular vectors `J^T v / |J^T v|`.
-fn null_motion(task: &Task, spectrum: &Spectrum, free: usize, rank: usize) -> [f64; MAX_JOINTS] {
-    let mut motion = [0.0; MAX_JOINTS];
-    for joint in joints_of(free) {
-        motion[joint] = task.pull[joint];
-    }
-    for vector in spectrum.vectors.iter().take(rank) {
-        let (mut squared, mut along) = (0.0, 0.0);
-        for joint in joints_of(free) {
-            let entry = task.columns[joint].dot(*vector);
-            squared += entry * entry;
-            along += entry * motion[joint];
-        }
-        // A singular value of 0 fades the self-motion out.
-        if squared > 0.0 {
-            add_transposed(
-                &mut motion,
-                task.columns,
-                *vector * (-along / squared),
-                free,
-            );
-        }
-    }
-    motion
-}
-
-/// Adds `J^T y` for the joints in `free`.
-#[inline]
-fn add_transposed(
-    velocity: &mut [f64; MAX_JOINTS],
-    columns: &[DVec3; MAX_JOINTS],
-    y: DVec3,
-    free: usize,
-) {
-    for joint in joints_of(free) {
-        velocity[joint] += columns[joint].dot(y);
-    }
-}
-
-/// Indices of the joints in `free`.
-#[inline]
-fn joints_of(free: usize) -> impl Iterator<Item = usize> {
-    (0..MAX_JOINTS).filter(move |joint| free & (1 << joint) != 0)
+/// Finite bounds that include 0.
+fn around_zero([lowest, highest]: [f64; 2]) -> [f64; 2] {
+    [
+        lowest.min(0.0).max(f64::MIN),
+        highest.max(0.0).min(f64::MAX),
+    ]
 }

@@ -120,6 +120,23 @@ proptest! {
     }
 
     #[test]
+    fn bounds_are_kept(
+        config in chain(),
+        joints in prop::array::uniform7(finite()),
+        velocity in vector(),
+        bounds in prop::array::uniform7((finite(), finite())),
+    ) {
+        let Ok(chain) = Chain::new(&config) else { return Ok(()) };
+        let bounds = bounds.map(|(a, b)| [a.min(b).min(0.0), a.max(b).max(0.0)]);
+        let rate = chain.resolved_rate_within(&joints, velocity, &bounds);
+        for (v, [lowest, highest]) in rate.joint_velocity.into_iter().zip(bounds) {
+            prop_assert!((lowest..=highest).contains(&v), "{} {} {}", v, lowest, highest);
+        }
+        let stopped = chain.resolved_rate_within(&joints, velocity, &[[f64::NAN; 2]; MAX_JOINTS]);
+        prop_assert_eq!(stopped.joint_velocity, [0.0; MAX_JOINTS]);
+    }
+
+    #[test]
     fn solutions_are_within_the_limits(
         config in chain(),
         joints in prop::array::uniform7(finite()),

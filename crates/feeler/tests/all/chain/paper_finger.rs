@@ -130,7 +130,7 @@ fn resolved_rate_is_that_of_the_closed_form() {
             let velocity = DVec3::new(0.02, -0.03, 0.04);
             let expected = resolved_rate(&geometry, theta, velocity);
             let rate = chain.resolved_rate(&theta.to_array(), velocity);
-            assert_eq!(rate.fixed, [false; MAX_JOINTS]);
+            assert_eq!(rate.bounded, [false; MAX_JOINTS]);
             // lambda is the root of a difference, with a rounding error of 1e-16 of the largest singular value squared,
             // 0.13^2; joint velocities are at most 0.06 / 0.005 rad/s, times rounding and the condition number squared.
             let difference = (rate.damping.powi(2) - expected.damping.powi(2)).abs();

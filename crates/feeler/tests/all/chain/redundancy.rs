@@ -1,9 +1,6 @@
 //! Self-motion and joint limits of fingers with more joints than their task needs.
 
-use super::{
-    Joints, fingertip_velocity, planar, random_joints, reference_chain, reference_chains,
-    within_limits,
-};
+use super::{Joints, fingertip_velocity, planar, random_joints, reference_chain, reference_chains};
 use feeler::hand::chain::{Chain, MAX_JOINTS};
 use glam::DVec3;
 use nalgebra::{DVector, Matrix3xX};
@@ -48,6 +45,12 @@ fn least_norm(chain: &Chain, joints: &Joints, velocity: DVec3) -> Joints {
     rates
 }
 
+/// Velocities at which no joint leaves its limits within a period of 10 ms.
+fn bounds(chain: &Chain, joints: &Joints) -> [[f64; 2]; MAX_JOINTS] {
+    let (lower, upper) = (chain.joint_lower(), chain.joint_upper());
+    std::array::from_fn(|j| [lower[j] - joints[j], upper[j] - joints[j]].map(|room| room / 0.01))
+}
+
 /// Drives the fingertip ten times around a circle of 8 mm at 100 Hz with feedback of the position.
 /// Returns the final deviation, the largest distance from the circle (m), and `true` if the joints kept their limits.
 fn circles(
@@ -69,10 +72,12 @@ fn circles(
         for (q, v) in joints.iter_mut().zip(velocity) {
             *q += v * 0.01;
         }
-        kept &= within_limits(chain, &joints);
         let (lower, upper) = (chain.joint_lower(), chain.joint_upper());
         for joint in 0..chain.joint_count() {
-            joints[joint] = joints[joint].clamp(lower[joint], upper[joint]);
+            let clamped = joints[joint].clamp(lower[joint], upper[joint]);
+            // Rounding of angles of a few radians.
+            kept &= (joints[joint] - clamped).abs() < 1e-15;
+            joints[joint] = clamped;
         }
         miss = miss.max((at(angle) - chain.pose(&joints).0).length());
     }
@@ -82,15 +87,19 @@ fn circles(
 #[test]
 fn circles_end_nearer_to_the_middle_of_the_ranges() {
     for (name, start) in [
-        ("leap", [0.4, 0.2, 1.6, 0.1]),
-        ("allegro", [0.1, 0.3, 1.5, 0.2]),
+        ("leap", [0.05, 0.43, 1.29, 0.43, 0.0, 0.0, 0.0]),
+        ("allegro", [-0.13, 0.0, 1.46, 0.07, 0.0, 0.0, 0.0]),
+        ("skewed", [-0.78, 0.11, 0.03, -0.04, -0.57, -0.12, 1.34]),
     ] {
         let chain = reference_chain(name);
-        let mut joints = [0.0; MAX_JOINTS];
-        joints[..4].copy_from_slice(&start);
-        let own = |joints: &Joints, v| chain.resolved_rate(joints, v).joint_velocity;
-        let (with, miss, kept) = circles(&chain, joints, own);
-        let (without, ..) = circles(&chain, joints, |joints, v| least_norm(&chain, joints, v));
+        let own = |joints: &Joints, v| {
+            let bounds = bounds(&chain, joints);
+            chain
+                .resolved_rate_within(joints, v, &bounds)
+                .joint_velocity
+        };
+        let (with, miss, kept) = circles(&chain, start, own);
+        let (without, ..) = circles(&chain, start, |joints, v| least_norm(&chain, joints, v));
         println!(
             "{name}: deviation {with:.3} with self-motion, {without:.3} without; {miss:e} m off"
         );
@@ -109,7 +118,7 @@ fn other_joints_replace_one_at_its_limit() {
     let velocity = DVec3::new(0.05, -0.03, 0.0);
     let outward = chain.resolved_rate(&joints, velocity);
     let inward = chain.resolved_rate(&joints, -velocity);
-    let fixed = [outward, inward].map(|rate| rate.fixed[3]);
+    let fixed = [outward, inward].map(|rate| rate.bounded[3]);
     assert_ne!(
         fixed[0], fixed[1],
         "one direction moves the last joint outward"
@@ -120,11 +129,39 @@ fn other_joints_replace_one_at_its_limit() {
         // Velocities below 0.1 m/s.
         assert!(moved.abs_diff_eq(velocity, 1e-14), "{moved}");
     }
-    // With all joints at a limit, those that would move outward are fixed.
+    // With all joints at a limit, none moves outward.
     joints[..4].fill(2.0);
     for angle in 0..100 {
         let direction = DVec3::X.rotate_axis(DVec3::Z, f64::from(angle) * 0.063);
         let rate = chain.resolved_rate(&joints, direction);
         assert!(rate.joint_velocity.iter().all(|&v| v <= 0.0), "{rate:?}");
     }
+}
+
+/// A joint that is bounded keeps its bound, and the others move the fingertip as requested.
+#[test]
+fn bounded_joints_are_replaced_by_others() {
+    let mut rng = Pcg64Mcg::seed_from_u64(9);
+    let chain = Chain::new(&planar(5)).unwrap();
+    let (mut bounded, mut met) = (0, 0);
+    for _ in 0..500 {
+        let joints = random_joints(&mut rng, &chain);
+        let velocity = DVec3::new(0.03, -0.02, 0.0);
+        let free = chain.resolved_rate(&joints, velocity);
+        let limit = 0.9
+            * free
+                .joint_velocity
+                .iter()
+                .fold(0.0_f64, |most, v| most.max(v.abs()));
+        let rate = chain.resolved_rate_within(&joints, velocity, &[[-limit, limit]; MAX_JOINTS]);
+        // One product and quotient.
+        let most = limit * (1.0 + 1e-15);
+        assert!(rate.joint_velocity.iter().all(|v| v.abs() <= most));
+        bounded += usize::from(rate.bounded.contains(&true));
+        let moved = fingertip_velocity(&chain, &joints, &rate.joint_velocity);
+        met += usize::from(rate.damping == 0.0 && moved.abs_diff_eq(velocity, 1e-12));
+    }
+    assert_eq!(bounded, 500);
+    // Other joints cannot always take over, and some positions are near singularities.
+    assert!(met > 350, "{met}");
 }
