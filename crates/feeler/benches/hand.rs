@@ -147,7 +147,7 @@ fn chain_control_at(bencher: Bencher, joints: [f64; 4]) {
     bencher.bench_local(|| {
         let (chain, joints) = (black_box(&chain), black_box(&joints));
         let rate = chain.resolved_rate(joints, black_box(VELOCITY));
-        (chain.pose(joints), chain.jacobian(joints), rate)
+        (chain.pose_and_jacobian(joints), rate)
     });
 }
 

@@ -97,4 +97,12 @@ impl Chain {
     pub fn jacobian(&self, joints: &[f64]) -> [DVec3; MAX_JOINTS] {
         State::at(self, joints).jacobian(self)
     }
+
+    /// Returns the [`pose`](Self::pose) and the [`jacobian`](Self::jacobian) at `joints` (rad or m), in less time than
+    /// both.
+    #[inline]
+    pub fn pose_and_jacobian(&self, joints: &[f64]) -> (DVec3, DMat3, [DVec3; MAX_JOINTS]) {
+        let state = State::at(self, joints);
+        (state.position(self), state.rotation, state.jacobian(self))
+    }
 }

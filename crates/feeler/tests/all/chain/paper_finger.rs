@@ -1,10 +1,12 @@
 //! The finger of three joints as a chain, compared with its closed form.
 
-use super::{Joints, MAX_JOINTS};
+use super::{Joints, MAX_JOINTS, random_joints};
 use feeler::hand::chain::{Chain, ChainConfig, DhRow, FrameRow, JointConfig};
 use feeler::hand::kinematics::{fingertip_pose, jacobian};
 use feeler::hand::{FingerConfig, FingerGeometry, damping_threshold, resolved_rate};
 use glam::{DMat3, DVec3};
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64Mcg;
 use std::f64::consts::FRAC_PI_2;
 
 fn config() -> FingerConfig {
@@ -160,4 +162,36 @@ fn every_reachable_target_is_reached() {
             assert!(miss.length() <= feeler::hand::POSITION_TOLERANCE);
         }
     }
+}
+
+/// Fingers of random proportions and limits. Many of their targets have several postures, only one within the limits.
+#[test]
+fn targets_of_random_fingers_are_reached() {
+    let mut rng = Pcg64Mcg::seed_from_u64(10);
+    let (mut reached, mut total) = (0, 0);
+    for _ in 0..200 {
+        let mut range = |low: f64, high: f64| rng.random_range(low..high);
+        let config = FingerConfig {
+            base_position: [range(-0.3, 0.3), range(-0.3, 0.3), 0.1],
+            phi1_deg: range(-180.0, 180.0),
+            phi2_deg: range(-180.0, 180.0),
+            links: [range(0.001, 0.1), range(0.02, 0.1), range(0.02, 0.1)],
+            joint_lower_deg: [
+                range(-170.0, -20.0),
+                range(-150.0, -10.0),
+                range(-160.0, 0.0),
+            ],
+            joint_upper_deg: [range(20.0, 170.0), range(10.0, 150.0), range(0.0, 160.0)],
+            joint_speed_limit: [3.0; 3],
+        };
+        let chain = table(&config);
+        for _ in 0..20 {
+            let target = chain.pose(&random_joints(&mut rng, &chain)).0;
+            let start = random_joints(&mut rng, &chain);
+            total += 1;
+            reached += usize::from(chain.inverse_kinematics(target, &start).is_ok());
+        }
+    }
+    println!("{reached} of {total} targets");
+    assert_eq!(reached, total);
 }

@@ -19,6 +19,8 @@ fn pose_and_jacobian_agree_with_pinocchio() {
         for sample in reference.samples {
             let (position, rotation) = assert_no_alloc(|| chain.pose(&sample.joints));
             let jacobian = assert_no_alloc(|| chain.jacobian(&sample.joints));
+            let both = assert_no_alloc(|| chain.pose_and_jacobian(&sample.joints));
+            assert_eq!(both, (position, rotation, jacobian));
             let expected = DMat3::from_cols_array(&sample.rotation);
             let columns = sample.jacobian.chunks_exact(3).map(DVec3::from_slice);
             assert_eq!(columns.len(), chain.joint_count());
