@@ -128,25 +128,27 @@ fn chain_pose(bencher: Bencher) {
 /// Pose, Jacobian and resolved rate, as in each control period.
 #[divan::bench]
 fn chain_control(bencher: Bencher) {
-    chain_control_at(bencher, FOUR_BENT);
+    chain_control_at(bencher, FOUR_BENT, VELOCITY);
 }
 
 #[divan::bench]
 fn chain_control_damped(bencher: Bencher) {
-    chain_control_at(bencher, FOUR_STRAIGHT);
+    chain_control_at(bencher, FOUR_STRAIGHT, VELOCITY);
 }
 
-/// The spreading joint is at its limit.
+/// The spreading joint is at its limit and would move outward.
 #[divan::bench]
 fn chain_control_at_limit(bencher: Bencher) {
-    chain_control_at(bencher, [-0.5, 0.4, 0.7, 0.5]);
+    let joints = [-0.5, 0.4, 0.7, 0.5];
+    assert!(four_joints().resolved_rate(&joints, -VELOCITY).bounded[0]);
+    chain_control_at(bencher, joints, -VELOCITY);
 }
 
-fn chain_control_at(bencher: Bencher, joints: [f64; 4]) {
+fn chain_control_at(bencher: Bencher, joints: [f64; 4], velocity: DVec3) {
     let chain = four_joints();
     bencher.bench_local(|| {
         let (chain, joints) = (black_box(&chain), black_box(&joints));
-        let rate = chain.resolved_rate(joints, black_box(VELOCITY));
+        let rate = chain.resolved_rate(joints, black_box(velocity));
         (chain.pose_and_jacobian(joints), rate)
     });
 }

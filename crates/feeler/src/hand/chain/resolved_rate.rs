@@ -160,10 +160,8 @@ impl Chain {
     }
 }
 
-/// Finite bounds that include 0.
-fn around_zero([lowest, highest]: [f64; 2]) -> [f64; 2] {
-    [
-        lowest.min(0.0).max(f64::MIN),
-        highest.max(0.0).min(f64::MAX),
-    ]
+/// Finite bounds that include 0. NaN counts as 0.
+fn around_zero(bounds: [f64; 2]) -> [f64; 2] {
+    let [lowest, highest] = bounds.map(|bound| if bound.is_nan() { 0.0 } else { bound });
+    [lowest.clamp(f64::MIN, 0.0), highest.clamp(0.0, f64::MAX)]
 }
