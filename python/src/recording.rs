@@ -2,6 +2,7 @@
 
 use crate::errors::refused;
 use crate::interrupt::interruptible;
+use feeler::hand::JointVector;
 use feeler_record::reading::{PictureAt, PictureReader};
 use feeler_record::wire::Vector3;
 use feeler_record::{self as record, FingerStep, NO_ELEMENT, Step, Steps};
@@ -152,6 +153,8 @@ struct Columns {
     fingers: usize,
     /// Maximum number of elements of a finger.
     elements: usize,
+    /// Maximum number of joints of a finger.
+    joints: usize,
     time: Vec<f64>,
     phase: Vec<u8>,
     stroke: Vec<u32>,
@@ -183,7 +186,10 @@ impl Columns {
             .fingers
             .iter()
             .flat_map(|finger| finger.tactile.first());
+        let joints = recording.fingers.iter();
+        let joints = joints.filter_map(|finger| Some(finger.joints.first()?.position.len()));
         let mut columns = Self {
+            joints: joints.max().unwrap_or(3),
             fingers: recording.fingers.len(),
             elements: frames.map(|frame| frame.forces.len()).max().unwrap_or(0),
             ..Self::default()
@@ -234,10 +240,18 @@ impl Columns {
         self.largest_element.push(largest.map_or(-1, i64::from));
         self.grasp_force
             .push(flags.map_or(f64::NAN, |flags| flags.grasp_force));
-        push(&mut self.joint_position, finger.joints.map(|j| j.position));
-        push(&mut self.joint_velocity, finger.joints.map(|j| j.velocity));
+        let padded = |joints: Option<JointVector>| {
+            let known = joints.into_iter().flatten();
+            known.chain(std::iter::repeat(f64::NAN)).take(self.joints)
+        };
+        let joints = finger.joints;
+        self.joint_position
+            .extend(padded(joints.map(|j| j.position)));
+        self.joint_velocity
+            .extend(padded(joints.map(|j| j.velocity)));
         let command = finger.command;
-        push(&mut self.joint_command, command.map(|c| c.joint_velocity));
+        self.joint_command
+            .extend(padded(command.map(|c| c.joint_velocity)));
         push(
             &mut self.fingertip_command,
             command.map(|c| xyz(c.fingertip_velocity)),
@@ -258,7 +272,7 @@ impl Columns {
 
     fn into_dict(self, py: Python<'_>) -> PyResult<Bound<'_, PyDict>> {
         let columns = PyDict::new(py);
-        let (n, f, e) = (self.steps, self.fingers, self.elements);
+        let (n, f, e, j) = (self.steps, self.fingers, self.elements, self.joints);
         put(&columns, "time", self.time, &[n])?;
         put(&columns, "phase", self.phase, &[n])?;
         put(&columns, "stroke", self.stroke, &[n])?;
@@ -269,9 +283,9 @@ impl Columns {
         put(&columns, "over", self.over, &[n, f])?;
         put(&columns, "largest_element", self.largest_element, &[n, f])?;
         put(&columns, "grasp_force", self.grasp_force, &[n, f])?;
-        put(&columns, "joint_position", self.joint_position, &[n, f, 3])?;
-        put(&columns, "joint_velocity", self.joint_velocity, &[n, f, 3])?;
-        put(&columns, "joint_command", self.joint_command, &[n, f, 3])?;
+        put(&columns, "joint_position", self.joint_position, &[n, f, j])?;
+        put(&columns, "joint_velocity", self.joint_velocity, &[n, f, j])?;
+        put(&columns, "joint_command", self.joint_command, &[n, f, j])?;
         put(
             &columns,
             "fingertip_command",

@@ -99,13 +99,13 @@ fn motion_columns(columns: &mut Columns<'_, '_>, finger: usize) {
     columns.list(
         "joint_position",
         "rad",
-        "encoders: theta1 to theta3",
+        "encoders, from the base to the fingertip",
         move |s| Some(s.finger(finger)?.joints?.position),
     );
     columns.list(
         "joint_velocity",
         "rad/s",
-        "encoders: theta1 to theta3",
+        "encoders, from the base to the fingertip",
         move |s| Some(s.finger(finger)?.joints?.velocity),
     );
     columns.list(

@@ -43,14 +43,6 @@ pub enum RecordError {
         /// Index of the finger in the message.
         actual: usize,
     },
-    /// A finger has more joints than a recording can contain.
-    #[error("a recording contains {expected} joints per finger, but a finger has {actual}")]
-    JointCount {
-        /// Maximum number of joints per finger.
-        expected: usize,
-        /// Number of joints of the finger.
-        actual: usize,
-    },
     /// A message belongs to a topic that was not registered when the recording was created.
     #[error("the recording was created without the topic {topic} of a message")]
     NotRegistered {

@@ -13,7 +13,7 @@ pub mod writing;
 
 pub use crate::messages::channels::{
     Cap, Command, Findings, Fingertip, Flags, Joints, Moments, NO_ELEMENT, ObjectPose,
-    RECORDED_JOINTS, RecordingGap, Stamped, Tactile, Task, TorqueSensor, TrueSlip, recorded_joints,
+    RecordingGap, Stamped, Tactile, Task, TorqueSensor, TrueSlip,
 };
 pub use crate::messages::contact::Contact;
 pub use crate::messages::facts::{CapFacts, CarryGoal, RunFacts};

@@ -426,7 +426,7 @@ pub fn ages_of_moves(recording: &Recording) -> Vec<f64> {
         let mut velocities = fingers
             .iter()
             .map(|finger| finger.command[step].joint_velocity);
-        velocities.any(|velocity| velocity != [0.0; 3])
+        velocities.any(|velocity| velocity != [0.0; 3].into())
     });
     let age = |step: usize| {
         let felt = fingers.iter().map(|finger| finger.tactile[step].stamp);

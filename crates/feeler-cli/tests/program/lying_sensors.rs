@@ -26,7 +26,7 @@ fn stopped_at(recording: &Recording) -> f64 {
         let after = finger.command.iter().filter(|c| c.stamp >= stamp);
         assert!(after.clone().count() > 0);
         for command in after {
-            assert_eq!(command.joint_velocity, [0.0; 3]);
+            assert_eq!(command.joint_velocity, [0.0; 3].into());
         }
     }
     stamp

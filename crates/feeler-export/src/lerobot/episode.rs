@@ -2,8 +2,9 @@
 
 use super::feature::{Feature, Values};
 use crate::error::ExportError;
+use feeler::hand::JointVector;
 use feeler_record::messages::joint_names;
-use feeler_record::{FingerStep, Recording, Step, Steps};
+use feeler_record::{FingerRecord, FingerStep, Recording, Step, Steps};
 use serde_json::{Map, Value, json};
 
 /// Maximum relative deviation of the frame rate from a whole number.
@@ -84,17 +85,24 @@ pub(crate) fn features(
     frames: &[Step<'_>],
 ) -> Result<Vec<Feature>, ExportError> {
     let fingers = recording.fingers.len();
+    let counts = joint_counts(recording);
     let names = |suffix: &str| -> Value {
-        let joints = (0..fingers).flat_map(joint_names);
+        let joints = counts.iter().enumerate();
+        let joints = joints.flat_map(|(finger, count)| joint_names(finger, *count));
         joints.map(|joint| format!("{joint}.{suffix}")).collect()
     };
     let taken = Taken { run, frames };
-    let all = |numbers: fn(&FingerStep<'_>) -> Option<[f64; 3]>| {
-        move |step: &Step<'_>| step.fingers.iter().filter_map(numbers).flatten().collect()
+    let all = |numbers: fn(&FingerStep<'_>) -> Option<JointVector>| {
+        move |step: &Step<'_>| {
+            (step.fingers.iter())
+                .filter_map(numbers)
+                .flatten()
+                .collect()
+        }
     };
     let angles = all(|finger| Some(finger.joints?.position));
     let velocities = all(|finger| Some(finger.command?.joint_velocity));
-    let width = vec![3 * fingers];
+    let width = vec![counts.iter().sum()];
     let mut features = vec![
         taken.numbers(
             "observation.state",
@@ -109,6 +117,13 @@ pub(crate) fn features(
         features.extend(touch(&taken, recording, finger)?);
     }
     Ok(features)
+}
+
+/// Number of joints of each finger.
+fn joint_counts(recording: &Recording) -> Vec<usize> {
+    let first = |finger: &FingerRecord| Some(finger.joints.first()?.position.len());
+    let counts = recording.fingers.iter().map(first);
+    counts.map(|count| count.unwrap_or(3)).collect()
 }
 
 /// Tactile features of one finger.

@@ -173,12 +173,14 @@ fn touch(recorder: &mut impl MessageSink, made_up: &MadeUp, (step, finger): (usi
 fn move_finger(recorder: &mut impl MessageSink, (step, finger): (usize, usize), stamp: f64) {
     let joints = Joints {
         stamp,
-        position: [1.0, 2.0, 3.0].map(|joint| joint + 0.001 * step as f64),
-        velocity: [0.1; 3],
+        position: [1.0, 2.0, 3.0]
+            .map(|joint| joint + 0.001 * step as f64)
+            .into(),
+        velocity: [0.1; 3].into(),
     };
     let command = Command {
         stamp,
-        joint_velocity: [0.1, 0.2, 0.3],
+        joint_velocity: [0.1, 0.2, 0.3].into(),
         ..Command::default()
     };
     let fingertip = Fingertip {

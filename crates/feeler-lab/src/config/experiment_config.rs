@@ -5,7 +5,7 @@ use super::ros2::RosConfig;
 use feeler::check::Checker;
 use feeler::control::ControlConfig;
 use feeler::control::task::TaskConfig;
-use feeler::hand::FingerConfig;
+use feeler::hand::{FingerConfig, FingerDescription};
 use feeler::sensor::fingertip::FingertipConfig;
 use feeler::sensor::forces::DriftConfig;
 use feeler_drives::config::DrivesConfig;
@@ -154,20 +154,22 @@ impl SensorConfig {
 #[serde(deny_unknown_fields, default)]
 pub struct HandConfig {
     /// The fingers, in the order of the task's fingers.
-    pub finger: Vec<FingerConfig>,
+    pub finger: Vec<FingerDescription>,
 }
 
 impl Default for HandConfig {
     /// The reference experiment's: two fingers that face each other across a cap on W's z axis.
     fn default() -> Self {
-        let finger = |x: f64, phi1_deg, joint_lower_deg, joint_upper_deg| FingerConfig {
-            base_position: [x, 0.0, 0.0576],
-            phi1_deg,
-            phi2_deg: 0.0,
-            links: [0.030, 0.060, 0.055],
-            joint_lower_deg,
-            joint_upper_deg,
-            joint_speed_limit: [2.0, 2.0, 2.0],
+        let finger = |x: f64, phi1_deg, joint_lower_deg, joint_upper_deg| {
+            FingerDescription::ThreeJoints(FingerConfig {
+                base_position: [x, 0.0, 0.0576],
+                phi1_deg,
+                phi2_deg: 0.0,
+                links: [0.030, 0.060, 0.055],
+                joint_lower_deg,
+                joint_upper_deg,
+                joint_speed_limit: [2.0, 2.0, 2.0],
+            })
         };
         Self {
             finger: vec![

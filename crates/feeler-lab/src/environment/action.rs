@@ -17,7 +17,7 @@ pub enum ActionKind {
     /// other.
     #[default]
     Fingertip,
-    /// Joint velocities theta1 to theta3 (rad/s), converted to a fingertip velocity by the Jacobian before limiting.
+    /// Joint velocities (rad/s or m/s), converted to a fingertip velocity by the Jacobian before limiting.
     Joints,
 }
 
@@ -32,26 +32,39 @@ impl ActionKind {
         kinds.get(index).copied()
     }
 
-    /// Largest magnitude of each number of a finger's action that no limit changes.
-    pub(super) fn bounds(self, finger: &FingerGeometry, limits: &LimitsConfig) -> DVec3 {
+    /// Number of numbers of a finger's action.
+    pub(super) fn width(self, finger: &FingerGeometry) -> usize {
         match self {
-            Self::World | Self::Fingertip => DVec3::splat(limits.fingertip_speed),
-            Self::Joints => of_joints(finger.joint_speed_limit()),
+            Self::World | Self::Fingertip => 3,
+            Self::Joints => finger.joint_count(),
         }
     }
 
-    /// Converts an action of one finger to a fingertip velocity in W (m/s).
+    /// Largest magnitude of each number of a finger's action that no limit changes.
+    pub(super) fn bounds(self, finger: &FingerGeometry, limits: &LimitsConfig) -> JointVector {
+        match self {
+            Self::World | Self::Fingertip => JointVector::splat(3, limits.fingertip_speed),
+            Self::Joints => finger.joint_speed_limit(),
+        }
+    }
+
+    /// Converts the action of one finger to a fingertip velocity in W (m/s).
     pub(super) fn velocity(
         self,
-        action: DVec3,
+        action: &[f64],
         finger: &FingerGeometry,
         sense: &FingerReadings<'_>,
     ) -> DVec3 {
-        let action = action.clamp(DVec3::splat(-MOST), DVec3::splat(MOST));
+        let bounded = |number: &f64| number.clamp(-MOST, MOST);
+        let mut numbers = JointVector::zeros(action.len());
+        for (index, number) in action.iter().enumerate().take(numbers.len()) {
+            numbers[index] = bounded(number);
+        }
+        let vector = DVec3::new(numbers[0], numbers[1], numbers[2]);
         match self {
-            Self::World => action,
-            Self::Fingertip => sense.pose.rotation * action,
-            Self::Joints => jacobian(finger, sense.joints.position) * action,
+            Self::World => vector,
+            Self::Fingertip => sense.pose.rotation * vector,
+            Self::Joints => jacobian(finger, sense.joints.position) * numbers,
         }
     }
 
@@ -61,20 +74,15 @@ impl ActionKind {
         velocity: DVec3,
         finger: &FingerGeometry,
         sense: &FingerReadings<'_>,
-    ) -> DVec3 {
+    ) -> JointVector {
         match self {
-            Self::World => velocity,
-            Self::Fingertip => sense.pose.rotation.transpose() * velocity,
-            Self::Joints => {
-                of_joints(resolved_rate(finger, sense.joints.position, velocity).joint_velocity)
-            }
+            Self::World => velocity.to_array().into(),
+            Self::Fingertip => (sense.pose.rotation.transpose() * velocity)
+                .to_array()
+                .into(),
+            Self::Joints => resolved_rate(finger, sense.joints.position, velocity).joint_velocity,
         }
     }
-}
-
-/// Joint velocities theta1 to theta3 (rad/s), as in an action.
-fn of_joints(velocities: JointVector) -> DVec3 {
-    DVec3::new(velocities[0], velocities[1], velocities[2])
 }
 
 /// Checks that an action consists of `expected` numbers.

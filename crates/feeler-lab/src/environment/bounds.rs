@@ -47,16 +47,13 @@ impl Bounds<'_> {
     fn of_part(&self, part: &str, length: usize) -> Vec<(f64, f64)> {
         let both = |most: f64| (-most, most);
         let joint = |joint: usize| {
-            let finger = &self.config.hand.finger[self.finger];
-            let lower = finger.joint_lower_deg[joint].to_radians();
-            let upper = finger.joint_upper_deg[joint].to_radians();
+            let lower = self.geometry.joint_lower()[joint];
+            let upper = self.geometry.joint_upper()[joint];
             let room = JOINT_NOISE * (upper - lower);
             (lower - room, upper + room)
         };
-        let speed = |joint: usize| {
-            let finger = &self.config.hand.finger[self.finger];
-            both((1.0 + JOINT_NOISE) * finger.joint_speed_limit[joint])
-        };
+        let speeds = self.geometry.joint_speed_limit();
+        let speed = |joint: usize| both((1.0 + JOINT_NOISE) * speeds[joint]);
         match part {
             "forces" => {
                 let [shear, normal] = self.forces();
@@ -94,8 +91,8 @@ impl Bounds<'_> {
     /// results from all joints at their speed limits at full reach, whichever is larger.
     fn fingertip_speed(&self) -> f64 {
         let limit = 3_f64.sqrt() * self.config.control.limits.fingertip_speed;
-        let reach: f64 = self.geometry.links().iter().sum();
-        let speeds = self.config.hand.finger[self.finger].joint_speed_limit;
-        limit.max(reach * speeds.iter().sum::<f64>())
+        let arms = self.geometry.lever_arms(0.0);
+        let longest = arms.max_element();
+        limit.max(longest * self.geometry.joint_speed_limit().iter().sum::<f64>())
     }
 }

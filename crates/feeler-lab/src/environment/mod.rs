@@ -156,7 +156,7 @@ impl Environment {
         Ok(seed)
     }
 
-    /// Executes one control step with `action`: three velocities per finger, as defined by the [`ActionKind`]. The task
+    /// Executes one control step with `action`, the numbers of each finger in turn as defined by the [`ActionKind`]. The task
     /// then plans with the new tactile data, which is the next [observation](Self::observation). Does not allocate.
     ///
     /// # Errors
@@ -171,10 +171,12 @@ impl Environment {
         let control_loop = self.session.control_loop();
         let senses = control_loop.hand_sense().fingers();
         let fingers = control_loop.controller().fingers().iter().zip(senses);
-        let asked = self.velocities.iter_mut().zip(action.chunks_exact(3));
-        for ((velocity, numbers), (finger, sense)) in asked.zip(fingers) {
-            let numbers = DVec3::from_slice(numbers);
-            *velocity = self.action.velocity(numbers, finger.geometry(), &sense);
+        let mut rest = action;
+        for (velocity, (finger, sense)) in self.velocities.iter_mut().zip(fingers) {
+            let geometry = finger.geometry();
+            let (numbers, others) = rest.split_at(self.action.width(geometry));
+            rest = others;
+            *velocity = self.action.velocity(numbers, geometry, &sense);
         }
         self.session.follow(&self.velocities)?;
         self.session.plan()?;
@@ -202,16 +204,18 @@ impl Environment {
         &self.layouts
     }
 
-    /// Length of an action: three numbers per finger.
+    /// Length of an action: three numbers per finger, or one per joint for [`ActionKind::Joints`].
     pub fn action_len(&self) -> usize {
-        3 * self.layouts.len()
+        let fingers = self.controller().fingers().iter();
+        let widths = fingers.map(|finger| self.action.width(finger.geometry()));
+        widths.sum()
     }
 
     /// Returns the largest magnitude of each number of an action that no limit changes (m/s or rad/s).
     pub fn action_bounds(&self) -> Vec<f64> {
         let limits = &self.experiment().config.control.limits;
         let fingers = self.controller().fingers().iter();
-        let bounds = |finger| self.action.bounds(finger, limits).to_array();
+        let bounds = |finger| self.action.bounds(finger, limits);
         fingers
             .flat_map(|finger| bounds(finger.geometry()))
             .collect()
@@ -227,11 +231,11 @@ impl Environment {
         let controller = control_loop.controller();
         let senses = control_loop.hand_sense().fingers();
         let fingers = controller.fingers().iter().zip(controller.plans());
-        for ((numbers, sense), (finger, plan)) in
-            action.chunks_exact_mut(3).zip(senses).zip(fingers)
-        {
-            let own = self.action.action(plan.velocity, finger.geometry(), &sense);
-            numbers.copy_from_slice(&own.to_array());
+        let plans = fingers.zip(senses).flat_map(|((finger, plan), sense)| {
+            (self.action).action(plan.velocity, finger.geometry(), &sense)
+        });
+        for (number, own) in action.iter_mut().zip(plans) {
+            *number = own;
         }
         Ok(())
     }

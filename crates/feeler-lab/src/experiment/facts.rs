@@ -5,7 +5,7 @@ use crate::config::{ExperimentConfig, Sensing};
 use crate::experiment::{ExperimentError, layouts};
 use feeler::control::task::TaskConfig;
 use feeler::control::task::cap_config::Until;
-use feeler::hand::FingerConfig;
+use feeler::hand::FingerDescription;
 use feeler::sensor::fingertip::ElementLayout;
 use feeler_record::{CapFacts, CarryGoal, FingerModel, RunFacts, SensingKind};
 use feeler_sim::objects::{Object, ObjectConfig};
@@ -98,7 +98,7 @@ pub fn simulated_facts(
 /// Returns the models of the fingers.
 fn hand(config: &ExperimentConfig, layouts: &[ElementLayout]) -> Vec<FingerModel> {
     let fingers = config.hand.finger.iter().zip(layouts);
-    let model = |(geometry, layout): (&FingerConfig, &ElementLayout)| {
+    let model = |(geometry, layout): (&FingerDescription, &ElementLayout)| {
         let elements = 0..layout.elements.len();
         FingerModel {
             geometry: geometry.clone(),

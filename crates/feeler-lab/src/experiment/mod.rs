@@ -548,7 +548,7 @@ fn fingers_at(
 fn geometries(config: &ExperimentConfig) -> Result<Vec<FingerGeometry>, ExperimentError> {
     let fingers = config.hand.finger.iter().enumerate();
     let geometry = |(finger, hand)| {
-        FingerGeometry::new(hand).map_err(|source| ExperimentError::Finger { finger, source })
+        FingerGeometry::of(hand).map_err(|source| ExperimentError::Finger { finger, source })
     };
     fingers.map(geometry).collect()
 }

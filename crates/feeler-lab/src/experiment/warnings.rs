@@ -1,6 +1,7 @@
 //! Warnings about valid settings that are probably mistakes.
 
 use crate::config::{Experiment, ExperimentConfig, Sensing};
+use feeler::hand::FingerGeometry;
 use feeler_sim::objects::{MotionConfig, ObjectConfig};
 use feeler_sim::rig::FaultKind;
 use feeler_sim::shapes::{Shape, ShapeConfig};
@@ -89,9 +90,9 @@ pub fn warnings(experiment: &Experiment) -> Vec<Warning> {
 /// Reach of the longest finger from its base (m).
 fn reach(config: &ExperimentConfig) -> f64 {
     let fingers = config.hand.finger.iter().enumerate();
-    let reach = fingers.map(|(finger, links)| {
+    let reach = fingers.filter_map(|(finger, description)| {
         let dome_radius = config.sensor.fingertip(finger).layout.dome_radius;
-        links.links.iter().sum::<f64>() + dome_radius
+        Some(FingerGeometry::of(description).ok()?.reach() + dome_radius)
     });
     reach.fold(0.0, f64::max)
 }

@@ -3,8 +3,8 @@
 //! The fields of a struct are in the order of its schema's lines; both define the wire format. All stamps are run times
 //! in seconds (simulated or real), not wall-clock times.
 
+use super::joint_array;
 use super::names::{FindingName, TaskOutcome};
-use crate::error::RecordError;
 use crate::wire::{Message, Quaternion, Vector3, message, quaternion_schema, vector3_schema};
 use feeler::control::Phase;
 use feeler::hand::JointVector;
@@ -142,28 +142,17 @@ message!(
     "float64[] shear_rate  # N/s, |d(Fx, Fy)/dt| of each element",
 );
 
-/// Number of joints of each finger in a recording, theta1 to theta3.
-pub const RECORDED_JOINTS: usize = 3;
-
-/// Converts joint quantities of one finger to those of a recording; missing ones are 0.
-///
-/// # Errors
-/// [`RecordError::JointCount`] if the finger has more than [`RECORDED_JOINTS`] joints.
-pub fn recorded_joints(joints: JointVector) -> Result<[f64; RECORDED_JOINTS], RecordError> {
-    let (expected, actual) = (RECORDED_JOINTS, joints.len());
-    let count = RecordError::JointCount { expected, actual };
-    joints.to_array().ok_or(count)
-}
-
 /// Encoder readings of one finger.
 #[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
 pub struct Joints {
     /// Time of the reading (s).
     pub stamp: f64,
-    /// Joint angles theta1 to theta3 (rad).
-    pub position: [f64; RECORDED_JOINTS],
-    /// Joint velocities (rad/s).
-    pub velocity: [f64; RECORDED_JOINTS],
+    /// Joint positions (rad or m).
+    #[serde(with = "joint_array")]
+    pub position: JointVector,
+    /// Joint velocities (rad/s or m/s).
+    #[serde(with = "joint_array")]
+    pub velocity: JointVector,
 }
 
 message!(
@@ -180,8 +169,9 @@ message!(
 pub struct Command {
     /// Time of the command (s).
     pub stamp: f64,
-    /// Joint velocities sent to the drives (rad/s).
-    pub joint_velocity: [f64; RECORDED_JOINTS],
+    /// Joint velocities sent to the drives (rad/s or m/s).
+    #[serde(with = "joint_array")]
+    pub joint_velocity: JointVector,
     /// Requested fingertip velocity before limiting, in `W` (m/s).
     pub fingertip_velocity: Vector3,
     /// `true` if a limit changed the request.

@@ -120,6 +120,12 @@ fn screw() -> TaskKind {
 }
 
 impl RunFacts {
+    /// Returns `true` if `finger` has three joints, or its geometry is unknown.
+    pub(crate) fn has_three_joints(&self, finger: usize) -> bool {
+        let model = self.hand.get(finger);
+        model.is_none_or(|model| model.geometry.joint_count() == 3)
+    }
+
     /// Checks the values that reports rely on.
     ///
     /// # Errors

@@ -1,9 +1,11 @@
 //! Messages of a recording and the facts in its header.
 
+pub(crate) mod chain;
 pub(crate) mod channels;
 pub(crate) mod contact;
 pub(crate) mod facts;
 pub(crate) mod image;
+mod joint_array;
 pub(crate) mod model;
 pub(crate) mod names;
 pub(crate) mod run_end;

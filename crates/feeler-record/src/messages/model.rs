@@ -1,11 +1,11 @@
 //! Constants of a rig: the geometry of its fingers and the solids around them.
 
-use super::channels::RECORDED_JOINTS;
 use crate::error::RecordError;
-use feeler::hand::{FingerConfig, FingerGeometry};
+use feeler::hand::chain::Chain;
+use feeler::hand::{FingerDescription, FingerGeometry, Kinematics, ThreeJoints};
 use feeler::math::{rotation_x, rotation_y, rotation_z};
 use feeler::sensor::fingertip::{MAX_ELEMENTS, SensingElement};
-use glam::{DAffine3, DVec3};
+use glam::{DAffine3, DMat3, DVec3, EulerRot};
 use serde::{Deserialize, Serialize};
 use std::f64::consts::FRAC_PI_2;
 
@@ -23,7 +23,7 @@ const MAX_CORNERS: usize = 20_000;
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FingerModel {
     /// Base, links and limits.
-    pub geometry: FingerConfig,
+    pub geometry: FingerDescription,
     /// Radius of the sphere through the unloaded tips of the elements (m).
     pub dome_radius: f64,
     /// Undeformed tip of each element's feeler, in the fingertip frame `T` (m).
@@ -31,8 +31,7 @@ pub struct FingerModel {
 }
 
 /// A frame of a finger, given by its pose in the parent frame: a rotation by `rpy` (rad) about the parent's x, y and z
-/// axes, then a translation by `xyz` (m). If it belongs to a joint, it also rotates about its z axis by the joint's
-/// angle.
+/// axes, then a translation by `xyz` (m). A moving frame also turns about or moves along its z axis by its position.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Frame {
     /// Name of the frame.
@@ -43,8 +42,11 @@ pub struct Frame {
     pub xyz: [f64; 3],
     /// Roll, pitch and yaw (rad).
     pub rpy: [f64; 3],
-    /// Index of its joint, 0 to 2, or `None` if the frame is fixed in its parent.
-    pub joint: Option<usize>,
+    /// Index among the finger's moving frames, whose positions are
+    /// [`FingerGeometry::frame_positions`], or `None` if the frame is fixed in its parent.
+    pub moving: Option<usize>,
+    /// `true` if it moves along its z axis (m), `false` if it turns about it (rad).
+    pub prismatic: bool,
     /// Part drawn in this frame, if any.
     pub part: Option<FingerPart>,
 }
@@ -52,12 +54,12 @@ pub struct Frame {
 /// A drawn part of a finger, in its frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum FingerPart {
-    /// A rod along x that starts at the origin.
+    /// A rod from the origin to a point.
     Link {
         /// Radius (m).
         radius: f64,
-        /// Length (m), greater than 0.
-        length: f64,
+        /// The point (m), not the origin.
+        end: [f64; 3],
     },
     /// A sphere centred at the origin.
     Dome {
@@ -67,11 +69,15 @@ pub enum FingerPart {
 }
 
 impl Frame {
-    /// Pose in the parent frame at the joint angle `angle` (rad).
-    pub fn in_parent(&self, angle: f64) -> DAffine3 {
+    /// Pose in the parent frame at its `position` (rad or m).
+    pub fn in_parent(&self, position: f64) -> DAffine3 {
         let [roll, pitch, yaw] = self.rpy;
-        let turned = rotation_z(yaw) * rotation_y(pitch) * rotation_x(roll) * rotation_z(angle);
-        DAffine3::from_mat3_translation(turned, DVec3::from_array(self.xyz))
+        let rest = rotation_z(yaw) * rotation_y(pitch) * rotation_x(roll);
+        let origin = DVec3::from_array(self.xyz);
+        if self.prismatic {
+            return DAffine3::from_mat3_translation(rest, origin + rest.z_axis * position);
+        }
+        DAffine3::from_mat3_translation(rest * rotation_z(position), origin)
     }
 }
 
@@ -80,58 +86,136 @@ pub fn frame(finger: usize, part: &str) -> String {
     format!("finger_{finger}_{part}")
 }
 
-/// Names of the joints theta1 to theta3 of `finger`, from 0.
-pub fn joint_names(finger: usize) -> [String; RECORDED_JOINTS] {
-    std::array::from_fn(|joint| joint + 1).map(|joint| format!("finger_{finger}_joint_{joint}"))
+/// Names of the joints of the `count` moving frames of `finger`, from 0.
+pub fn joint_names(finger: usize, count: usize) -> impl Iterator<Item = String> {
+    (1..=count).map(move |joint| format!("finger_{finger}_joint_{joint}"))
 }
 
 impl FingerModel {
-    /// The frames of this finger from its base to its dome (the fingertip frame `T`), in the conventions of
-    /// [`feeler::hand::kinematics`]. `finger` is the number used in their names.
+    /// The geometry.
     ///
     /// # Errors
-    /// If a value of its geometry is out of range.
-    pub fn frames(&self, finger: usize) -> Result<[Frame; 5], RecordError> {
-        let geometry = FingerGeometry::new(&self.geometry);
-        let geometry = geometry.map_err(|error| RecordError::Facts {
+    /// If a value is out of range.
+    pub fn geometry(&self) -> Result<FingerGeometry, RecordError> {
+        let geometry = FingerGeometry::of(&self.geometry);
+        geometry.map_err(|error| RecordError::Facts {
             field: "hand",
             expected: "fingers with valid geometry".into(),
             actual: error.to_string(),
-        })?;
-        let (phi1, phi2) = geometry.base_angles();
-        let links = geometry.links();
+        })
+    }
+
+    /// The frames of this finger from its base to its dome (the fingertip frame `T`), in the conventions of
+    /// [`feeler::hand`]. `finger` is the number used in their names.
+    ///
+    /// # Errors
+    /// If a value of its geometry is out of range.
+    pub fn frames(&self, finger: usize) -> Result<Vec<Frame>, RecordError> {
+        let geometry = self.geometry()?;
+        let places = match geometry.kinematics() {
+            Kinematics::ThreeJoints(own) => self.three_joint_places(own),
+            Kinematics::Chain(chain) => self.chain_places(chain),
+        };
+        let mut parent = WORLD_FRAME.to_string();
+        let frames = places.into_iter().map(|place| {
+            let name = frame(finger, &place.name);
+            let parent = std::mem::replace(&mut parent, name.clone());
+            Frame {
+                name,
+                parent,
+                ..place
+            }
+        });
+        Ok(frames.collect())
+    }
+
+    /// Frames with the names of their parts and without parents.
+    fn three_joint_places(&self, finger: &ThreeJoints) -> Vec<Frame> {
+        let (phi1, phi2) = finger.base_angles();
+        let links = finger.links();
         let along_x = |length| [length, 0.0, 0.0];
         // Joint 1 rotates the plane of joints 2 and 3: their axes are perpendicular to its axis.
         let across = [FRAC_PI_2, 0.0, 0.0];
-        let base = (geometry.base_position().to_array(), [phi2, phi1, 0.0]);
-        let radius = LINK_OVER_DOME * self.dome_radius;
-        let link = |joint: usize| {
-            let length = links[joint];
-            (length > 0.0).then_some(FingerPart::Link { radius, length })
-        };
-        let dome = FingerPart::Dome {
-            radius: self.dome_radius,
-        };
+        let base = (finger.base_position().to_array(), [phi2, phi1, 0.0]);
+        let link = |joint: usize| self.link(along_x(links[joint]));
         let places = [
             ("base", base, None, None),
             ("link_1", ([0.0; 3], [0.0; 3]), Some(0), link(0)),
             ("link_2", (along_x(links[0]), across), Some(1), link(1)),
             ("link_3", (along_x(links[1]), [0.0; 3]), Some(2), link(2)),
-            ("dome", (along_x(links[2]), [0.0; 3]), None, Some(dome)),
+            ("dome", (along_x(links[2]), [0.0; 3]), None, self.dome()),
         ];
-        let mut parent = WORLD_FRAME.to_string();
-        Ok(places.map(|(name, (xyz, rpy), joint, part)| {
-            let name = frame(finger, name);
-            let parent = std::mem::replace(&mut parent, name.clone());
-            Frame {
-                name,
-                parent,
-                xyz,
-                rpy,
-                joint,
-                part,
-            }
-        }))
+        let place = |(name, (xyz, rpy), moving, part): (&str, _, _, _)| Frame {
+            name: name.into(),
+            parent: String::new(),
+            xyz,
+            rpy,
+            moving,
+            prismatic: false,
+            part,
+        };
+        places.map(place).into()
+    }
+
+    /// Frames with the names of their parts and without parents: the base, which is not turned, the moving frames and
+    /// the dome.
+    fn chain_places(&self, chain: &Chain) -> Vec<Frame> {
+        let base = Frame {
+            name: "base".into(),
+            parent: String::new(),
+            xyz: chain.base_position().to_array(),
+            rpy: [0.0; 3],
+            moving: None,
+            prismatic: false,
+            part: None,
+        };
+        let (tip, tip_rotation) = chain.tip();
+        let frames: Vec<_> = chain.frames().collect();
+        let ends = frames
+            .iter()
+            .skip(1)
+            .map(|next| next.translation)
+            .chain([tip]);
+        let moving = frames
+            .iter()
+            .zip(ends)
+            .enumerate()
+            .map(|(index, (frame, end))| {
+                let from = if index == 0 {
+                    chain.base_position()
+                } else {
+                    DVec3::ZERO
+                };
+                Frame {
+                    name: format!("link_{}", index + 1),
+                    xyz: (frame.translation - from).to_array(),
+                    rpy: rpy_of(&frame.rotation),
+                    moving: Some(index),
+                    prismatic: frame.prismatic,
+                    part: self.link(end.to_array()),
+                    ..base.clone()
+                }
+            });
+        let dome = Frame {
+            name: "dome".into(),
+            xyz: tip.to_array(),
+            rpy: rpy_of(&tip_rotation),
+            part: self.dome(),
+            ..base.clone()
+        };
+        let moving: Vec<_> = moving.collect();
+        [vec![base], moving, vec![dome]].concat()
+    }
+
+    fn link(&self, end: [f64; 3]) -> Option<FingerPart> {
+        let radius = LINK_OVER_DOME * self.dome_radius;
+        (end != [0.0; 3]).then_some(FingerPart::Link { radius, end })
+    }
+
+    fn dome(&self) -> Option<FingerPart> {
+        Some(FingerPart::Dome {
+            radius: self.dome_radius,
+        })
     }
 
     /// The elements, each with its undeformed tip in `T` (m).
@@ -276,4 +360,10 @@ pub(crate) fn validate_solids(solids: &[Solid]) -> Result<(), RecordError> {
         expected: format!("at most {MAX_SOLIDS} solids with finite sizes"),
         actual: format!("{} solids", solids.len()),
     })
+}
+
+/// Roll, pitch and yaw of a rotation (rad).
+fn rpy_of(rotation: &DMat3) -> [f64; 3] {
+    let (yaw, pitch, roll) = rotation.to_euler(EulerRot::ZYX);
+    [roll, pitch, yaw]
 }

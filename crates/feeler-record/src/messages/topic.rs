@@ -1,5 +1,6 @@
 //! Topics of a recording. Each carries messages of one type.
 
+use super::chain::{ChainCommand, ChainJoints};
 use super::channels::{
     Cap, Command, Findings, Fingertip, Flags, Joints, Moments, ObjectPose, RecordingGap, Stamped,
     Tactile, Task, TorqueSensor, TrueSlip,
@@ -38,6 +39,15 @@ impl<M> RecordedTopic<M> {
         Self {
             name,
             finger: Some(finger),
+            message: PhantomData,
+        }
+    }
+
+    /// The same topic with messages in the wire format of `N`.
+    fn encoded_as<N>(self) -> RecordedTopic<N> {
+        RecordedTopic {
+            name: self.name,
+            finger: self.finger,
             message: PhantomData,
         }
     }
@@ -296,10 +306,18 @@ impl Channel {
             channels.extend([
                 Self::from(topics::tactile(finger)),
                 topics::flags(finger).into(),
-                topics::joints(finger).into(),
-                topics::command(finger).into(),
-                topics::fingertip(finger).into(),
             ]);
+            channels.extend(match facts.has_three_joints(finger) {
+                true => [
+                    Self::from(topics::joints(finger)),
+                    topics::command(finger).into(),
+                ],
+                false => [
+                    Self::from(topics::joints(finger).encoded_as::<ChainJoints>()),
+                    topics::command(finger).encoded_as::<ChainCommand>().into(),
+                ],
+            });
+            channels.push(topics::fingertip(finger).into());
         }
         channels.extend([
             Self::from(topics::TORQUE_SENSOR),

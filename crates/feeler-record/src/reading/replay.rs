@@ -78,8 +78,8 @@ impl Hand for RecordedHand {
             let recorded = recorded.next().ok_or(HandError::Ended { count })?;
             state.stamp = recorded.stamp;
             *joints = JointState {
-                position: recorded.position.into(),
-                velocity: recorded.velocity.into(),
+                position: recorded.position,
+                velocity: recorded.velocity,
             };
         }
         self.count += 1;

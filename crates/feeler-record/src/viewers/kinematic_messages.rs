@@ -2,11 +2,10 @@
 
 use super::urdf::urdf;
 use crate::error::RecordError;
-use crate::messages::channels::recorded_joints;
 use crate::messages::facts::RunFacts;
 use crate::messages::model::{Frame, joint_names};
 use crate::ros::{Header, JointState, TFMessage, Text, Time, TransformStamped};
-use feeler::hand::JointVector;
+use feeler::hand::{FingerGeometry, JointVector};
 
 /// Robot description, joint states and transforms of a hand. Their memory is reused.
 pub struct KinematicMessages {
@@ -20,6 +19,8 @@ pub struct KinematicMessages {
     pub joints: JointState,
     /// Frames of `moving`, each with the index of its finger.
     frames: Vec<(usize, Frame)>,
+    /// Geometry of each finger.
+    geometries: Vec<FingerGeometry>,
 }
 
 impl KinematicMessages {
@@ -37,12 +38,16 @@ impl KinematicMessages {
             moving: TFMessage::default(),
             joints: JointState::default(),
             frames: Vec::new(),
+            geometries: Vec::new(),
         };
         for (finger, model) in facts.hand.iter().enumerate() {
-            messages.joints.name.extend(joint_names(finger));
+            let geometry = model.geometry()?;
+            let names = joint_names(finger, geometry.frame_count());
+            messages.joints.name.extend(names);
+            messages.geometries.push(geometry);
             for frame in model.frames(finger)? {
                 let place = transform(&frame);
-                if frame.joint.is_none() {
+                if frame.moving.is_none() {
                     messages.still.transforms.push(place);
                 } else {
                     messages.moving.transforms.push(place);
@@ -53,35 +58,40 @@ impl KinematicMessages {
         Ok(messages)
     }
 
-    /// Sets the joint angles (rad) and velocities (rad/s) of the fingers, in order.
-    ///
-    /// # Errors
-    /// If a finger has more joints than a recording can contain.
+    /// Sets the joint positions (rad or m) and velocities of the fingers, in order.
     pub fn set_joints(
         &mut self,
         stamp: Time,
         joints: impl Iterator<Item = (JointVector, JointVector)>,
-    ) -> Result<(), RecordError> {
+    ) {
         self.joints.header.stamp = stamp;
         self.joints.position.clear();
         self.joints.velocity.clear();
-        for (position, velocity) in joints {
-            self.joints.position.extend(recorded_joints(position)?);
-            self.joints.velocity.extend(recorded_joints(velocity)?);
+        for (geometry, (position, velocity)) in self.geometries.iter().zip(joints) {
+            self.joints
+                .position
+                .extend(geometry.frame_positions(position));
+            self.joints
+                .velocity
+                .extend(geometry.frame_velocities(velocity));
         }
-        Ok(())
     }
 
-    /// Sets the transforms of moving frames. `angles` returns the joint angles of a finger (rad), or `None` to keep its
-    /// transforms.
-    pub fn set_moving(&mut self, stamp: Time, angles: impl Fn(usize) -> Option<JointVector>) {
+    /// Sets the transforms of moving frames. `joints` returns the joint positions of a finger (rad or m), or `None` to
+    /// keep its transforms.
+    pub fn set_moving(&mut self, stamp: Time, joints: impl Fn(usize) -> Option<JointVector>) {
         for ((finger, frame), place) in self.frames.iter().zip(&mut self.moving.transforms) {
-            let Some(angles) = angles(*finger) else {
+            let (Some(joints), Some(geometry)) = (joints(*finger), self.geometries.get(*finger))
+            else {
                 continue;
             };
-            let angle = frame.joint.map_or(0.0, |joint| angles[joint]);
+            let index = frame.moving.unwrap_or_default();
+            let position = geometry
+                .frame_positions(joints)
+                .nth(index)
+                .unwrap_or_default();
             place.header.stamp = stamp;
-            place.transform = frame.in_parent(angle).into();
+            place.transform = frame.in_parent(position).into();
         }
     }
 

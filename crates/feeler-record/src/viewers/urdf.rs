@@ -10,7 +10,6 @@ use crate::messages::model::{
 };
 use glam::{DQuat, EulerRot};
 use serde::Serialize;
-use std::f64::consts::FRAC_PI_2;
 
 /// Describes the hand `name` and the `solids` around it as URDF.
 ///
@@ -164,30 +163,36 @@ impl Robot {
     /// Adds a finger. Each joint rotates about the z axis of its child link, whose x axis points to the next joint.
     fn add(&mut self, finger: usize, model: &FingerModel) -> Result<(), RecordError> {
         let frames = model.frames(finger)?;
-        let config = &model.geometry;
-        let names = joint_names(finger);
+        let geometry = model.geometry()?;
+        let names: Vec<_> = joint_names(finger, geometry.frame_count()).collect();
+        let limits = geometry.frame_limits();
         for Frame {
             name,
             parent,
             xyz,
             rpy,
-            joint,
+            moving,
+            prismatic,
             part,
         } in frames
         {
             let origin = Pose::new(xyz, rpy);
             let fixed = || format!("{name}_mount");
             self.joint.push(Joint {
-                name: joint.map_or_else(fixed, |joint| names[joint].clone()),
-                kind: if joint.is_some() { "revolute" } else { "fixed" },
+                name: moving.map_or_else(fixed, |index| names[index].clone()),
+                kind: match (moving, prismatic) {
+                    (None, _) => "fixed",
+                    (Some(_), false) => "revolute",
+                    (Some(_), true) => "prismatic",
+                },
                 parent: Of::link(&parent),
                 child: Of::link(&name),
                 origin,
-                axis: joint.map(|_| Axis { xyz: "0 0 1" }),
-                limit: joint.map(|joint| Limit {
-                    lower: config.joint_lower_deg[joint].to_radians(),
-                    upper: config.joint_upper_deg[joint].to_radians(),
-                    velocity: config.joint_speed_limit[joint],
+                axis: moving.map(|_| Axis { xyz: "0 0 1" }),
+                limit: moving.map(|index| Limit {
+                    lower: limits[index].lower,
+                    upper: limits[index].upper,
+                    velocity: limits[index].speed,
                     effort: 0.0,
                 }),
             });
@@ -230,8 +235,13 @@ impl Link {
 impl Visual {
     fn part(part: FingerPart) -> Self {
         match part {
-            FingerPart::Link { radius, length } => {
-                let lying = Pose::new([length / 2.0, 0.0, 0.0], [0.0, FRAC_PI_2, 0.0]);
+            FingerPart::Link { radius, end } => {
+                let [x, y, z] = end;
+                let across = libm::hypot(x, y);
+                // Turns the cylinder's z axis to the end.
+                let lying = [0.0, libm::atan2(across, z), libm::atan2(y, x)];
+                let lying = Pose::new(end.map(|part| part / 2.0), lying);
+                let length = libm::hypot(across, z);
                 Self::new(lying, Shape::Cylinder { radius, length }, LINK)
             }
             FingerPart::Dome { radius } => {

@@ -110,7 +110,7 @@ impl ViewerLog {
             self.write_still(recorder, now, state.stamp)?;
         }
         let joints = state.joints.iter().map(|at| (at.position, at.velocity));
-        self.kinematics.set_joints(now, joints)?;
+        self.kinematics.set_joints(now, joints);
         recorder.write(topics::JOINT_STATES, &self.kinematics.joints)?;
         let due = self
             .drawn

@@ -2,7 +2,7 @@
 
 use crate::error::RecordError;
 use crate::messages::channels::{
-    Command, Findings, Fingertip, Flags, Joints, NO_ELEMENT, Tactile, Task, recorded_joints,
+    Command, Findings, Fingertip, Flags, Joints, NO_ELEMENT, Tactile, Task,
 };
 use crate::messages::facts::RunFacts;
 use crate::messages::image::Image;
@@ -184,19 +184,20 @@ impl<R: MessageSink> RunLog<R> {
         finger: &FingerControl,
         joints: &JointState,
     ) -> Result<(), RecordError> {
+        let count = finger.geometry().joint_count();
         self.recorder.write(
             topics::joints(index),
             &Joints {
                 stamp,
-                position: recorded_joints(joints.position)?,
-                velocity: recorded_joints(joints.velocity)?,
+                position: joints.position.padded(count),
+                velocity: joints.velocity.padded(count),
             },
         )?;
         self.recorder.write(
             topics::command(index),
             &Command {
                 stamp,
-                joint_velocity: recorded_joints(finger.admitted.joint_velocity)?,
+                joint_velocity: finger.admitted.joint_velocity.padded(count),
                 fingertip_velocity: finger.velocity.into(),
                 limited: finger.admitted.limited,
                 damping: finger.admitted.damping,

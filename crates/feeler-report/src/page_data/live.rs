@@ -2,7 +2,7 @@
 
 use super::panels::{Axis, Colour, Panel, Series};
 use super::table::{CONTACT_WIDTH, frame_column, of_finger};
-use feeler_record::{RunFacts, SolidFrame};
+use feeler_record::{FingerModel, RunFacts, SolidFrame};
 use serde::Serialize;
 
 /// Source of a live page's rows.
@@ -36,7 +36,7 @@ impl LiveRig<'_> {
         let mut columns = vec![single("time"), single("phase")];
         for (finger, model) in self.facts.hand.iter().enumerate() {
             let parts = [
-                ("joints", 3),
+                ("joints", frame_count(model)),
                 ("forces", 3 * model.element_tips.len()),
                 ("flags", 1),
                 ("grasp_force", 1),
@@ -86,4 +86,11 @@ impl LiveRig<'_> {
         });
         Panel::over_time(Axis::new(label, unit, 1.0), series.collect())
     }
+}
+
+/// Number of moving frames of a finger; three if its geometry is invalid.
+fn frame_count(model: &FingerModel) -> usize {
+    model
+        .geometry()
+        .map_or(3, |geometry| geometry.frame_count())
 }

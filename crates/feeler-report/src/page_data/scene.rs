@@ -7,7 +7,6 @@ use feeler_record::messages::{FingerPart, Frame as ModelFrame, WORLD_FRAME, fram
 use feeler_record::{FingerModel, Recording, RunFacts, Solid, SolidFrame, SolidShape};
 use glam::{DAffine3, DQuat, DVec3};
 use serde::Serialize;
-use std::f64::consts::FRAC_PI_2;
 
 /// Margin of the home view relative to the dome radius.
 const MARGIN: f64 = 1.2;
@@ -38,6 +37,8 @@ struct Frame {
 struct Joint {
     finger: usize,
     joint: usize,
+    #[serde(skip_serializing_if = "std::ops::Not::not")]
+    prismatic: bool,
 }
 
 #[derive(Debug, Clone, Serialize)]
@@ -152,7 +153,11 @@ impl Frame {
             parent: frame.parent.clone(),
             position: place.translation.to_array(),
             rotation: DQuat::from_mat3(&place.matrix3).to_array(),
-            joint: frame.joint.map(|joint| Joint { finger, joint }),
+            joint: frame.moving.map(|joint| Joint {
+                finger,
+                joint,
+                prismatic: frame.prismatic,
+            }),
         }
     }
 }
@@ -167,18 +172,20 @@ fn element((element, tip): (SensingElement, DVec3)) -> Element {
 impl Shape {
     /// Shape in a frame of a finger, if any.
     fn of_frame(frame: &ModelFrame) -> Option<Self> {
-        let (role, solid, position) = match frame.part? {
-            FingerPart::Link { radius, length } => {
-                let middle = [0.5 * length, 0.0, 0.0];
-                (Role::Link, SolidShape::Cylinder { radius, length }, middle)
+        // A cylinder extends along its own z axis.
+        let (role, solid, end) = match frame.part? {
+            FingerPart::Link { radius, end } => {
+                let end = DVec3::from_array(end);
+                let length = end.length();
+                (Role::Link, SolidShape::Cylinder { radius, length }, end)
             }
-            FingerPart::Dome { radius } => (Role::Dome, SolidShape::Sphere { radius }, [0.0; 3]),
+            FingerPart::Dome { radius } => (Role::Dome, SolidShape::Sphere { radius }, DVec3::ZERO),
         };
+        let along = DQuat::from_rotation_arc(DVec3::Z, end.normalize_or(DVec3::X));
         Some(Self {
             frame: frame.name.clone(),
-            position,
-            // A rod extends along x of its link, a cylinder along its own z axis.
-            rotation: DQuat::from_rotation_y(FRAC_PI_2).to_array(),
+            position: (0.5 * end).to_array(),
+            rotation: along.to_array(),
             role,
             solid,
         })

@@ -146,8 +146,10 @@ impl RunTable {
         let phases = kept.clone().map(|row| data.phase[row] as u8);
         columns.bytes("phase".into(), phases);
         for (number, finger) in data.fingers.iter().enumerate() {
-            let joints = kept.clone().flat_map(|row| finger.joints[row]);
-            columns.f32(of_finger(number, "joints"), 3, joints);
+            let frames = kept
+                .clone()
+                .flat_map(|row| finger.frames[row].iter().copied());
+            columns.f32(of_finger(number, "joints"), finger.frame_count(), frames);
             add_felt(&mut columns, number, finger, kept.clone());
             let elements = data.facts.hand.get(number).into_iter();
             let elements = elements.flat_map(FingerModel::elements);

@@ -3,6 +3,7 @@
 use super::rows::Rows;
 use super::stroke::Stroke;
 use crate::measures::series::maximum;
+use feeler::hand::{FingerGeometry, JointVector};
 use feeler::sensor::fingertip::SensingElement;
 use feeler_record::{
     FingerRecord, Fingertip, Flags, Joints, LatestAt, NO_ELEMENT, Recording, Tactile,
@@ -37,8 +38,10 @@ pub struct FingerColumns {
     pub position: Vec<DVec3>,
     /// Rotation from the fingertip frame `T` to `W`.
     pub rotation: Vec<DQuat>,
-    /// Joint angles (rad); NaN before the first measurement.
-    pub joints: Vec<[f64; 3]>,
+    /// Positions of the moving frames (rad or m); NaN before the first measurement.
+    pub frames: Rows<f64>,
+    /// Geometry, if known.
+    pub geometry: Option<FingerGeometry>,
     /// Undeformed tip of each element's feeler in `T` (m).
     pub tips: Vec<DVec3>,
 }
@@ -66,6 +69,13 @@ impl FingerColumns {
         Some(*self.rotation.get(row)? * force)
     }
 
+    /// Number of moving frames; three if the geometry is unknown.
+    pub fn frame_count(&self) -> usize {
+        self.geometry
+            .as_ref()
+            .map_or(3, FingerGeometry::frame_count)
+    }
+
     /// Reserves capacity for the first rows.
     pub(super) fn reserve(&mut self) {
         self.grasp_force.reserve(ROWS);
@@ -79,7 +89,7 @@ impl FingerColumns {
         self.largest_force.reserve(ROWS);
         self.position.reserve(ROWS);
         self.rotation.reserve(ROWS);
-        self.joints.reserve(ROWS);
+        self.frames.reserve(ROWS, ROWS * self.frame_count());
     }
 
     pub(super) fn push(&mut self, newest: &FingerRow<'_>) {
@@ -108,8 +118,16 @@ impl FingerColumns {
         self.largest_force.push(largest);
         self.position.push(fingertip.position.into());
         self.rotation.push(fingertip.orientation.into());
-        let angles = joints.map_or([f64::NAN; 3], |joints| joints.position);
-        self.joints.push(angles);
+        let count = self
+            .geometry
+            .as_ref()
+            .map_or(3, FingerGeometry::joint_count);
+        let unknown = JointVector::splat(count, f64::NAN);
+        let joints = joints.map_or(unknown, |joints| joints.position);
+        match &self.geometry {
+            Some(geometry) => self.frames.push(geometry.frame_positions(joints)),
+            None => self.frames.push(joints.padded(3).iter()),
+        }
     }
 
     /// Retains only the rows with these ascending indices.
@@ -125,7 +143,7 @@ impl FingerColumns {
         keep(&mut self.largest_force, rows);
         keep(&mut self.position, rows);
         keep(&mut self.rotation, rows);
-        keep(&mut self.joints, rows);
+        self.frames.keep(rows);
     }
 }
 
@@ -143,6 +161,7 @@ pub(super) fn fingers(recording: &Recording) -> Vec<FingerColumns> {
     for (columns, model) in fingers.iter_mut().zip(&recording.facts.hand) {
         let tips = model.element_tips.iter();
         columns.tips = tips.map(|&tip| DVec3::from_array(tip)).collect();
+        columns.geometry = model.geometry().ok();
     }
     fingers
 }

@@ -169,7 +169,7 @@ impl Replay {
             return Ok(());
         };
         let joints = joints.map(|j| (j.position.into(), j.velocity.into()));
-        self.messages.set_joints(stamp, joints)?;
+        self.messages.set_joints(stamp, joints);
         self.publishers.publish_joints(&self.messages)
     }
 

@@ -131,7 +131,7 @@ impl RigNode {
                 self.now = Some(stamp);
                 let joints = state.position.iter().zip(&state.velocity);
                 let joints = joints.map(|(&p, &v)| (joints_of_message(p), joints_of_message(v)));
-                self.messages.set_joints(stamp, joints)?;
+                self.messages.set_joints(stamp, joints);
                 self.publishers.publish_joints(&self.messages)?;
             }
         }

@@ -181,12 +181,7 @@ fn bodies(world: &World) -> Vec<Body<'_>> {
 /// Links of a finger, from its base to its tip, and its dome.
 fn of_finger<'a>(finger: &'a Finger, now: &'a FingerState) -> Vec<Body<'a>> {
     let (geometry, tip) = (&finger.geometry, &now.tip);
-    let [l2, _, l4] = geometry.links();
-    let (sin, cos) = libm::sincos(now.joints.link[0]);
-    let base = geometry.base_rotation();
-    let shoulder = geometry.base_position() + l2 * (base.x_axis * cos + base.y_axis * sin);
-    let wrist = tip.position - l4 * tip.rotation.x_axis;
-    let joints = [geometry.base_position(), shoulder, wrist, tip.position];
+    let joints = geometry.skeleton(now.joints.link, (tip.position, tip.rotation));
     let link = |ends: &[DVec3]| Body {
         shape: SharedShape::capsule(ends[0], ends[1], LINK_RADIUS),
         pose: LibraryPose::IDENTITY,

@@ -150,11 +150,9 @@ impl Finger {
 
     fn new(geometry: &FingerGeometry, layout: &ElementLayout, feeler: &FeelerConfig) -> Self {
         let elements = &layout.elements;
-        let [l2, l3, l4] = geometry.links();
-        let last = l4 + layout.dome_radius;
         Self {
             springs: None,
-            reach: [l2 + l3 + last, l3 + last, last].into(),
+            reach: geometry.lever_arms(layout.dome_radius),
             geometry: geometry.clone(),
             dome_radius: layout.dome_radius,
             normals: elements.iter().map(|e| e.normal()).collect(),

@@ -87,14 +87,16 @@ fn fill(moment: &mut Moment, rows: &mut LiveRows, watched: &WatchedRig) {
     let phase = snapshot.task.map(|task| f64::from(u8::from(task.phase)));
     row.push(phase.unwrap_or(UNKNOWN));
     for (number, finger) in snapshot.fingers.iter().enumerate() {
+        let contact = rows.contact(number, &finger.forces);
         row.finger(FingerRow {
+            geometry: rows.geometry(number),
             joints: finger.joints,
             elements: finger.elements.len(),
             forces: finger.forces.iter().copied(),
             flags: &finger.flags,
             slips: false,
             shear_rates: &finger.shear_rates,
-            contact: rows.contact(number, &finger.forces),
+            contact,
         });
     }
     row.push(snapshot.torque.map_or(UNKNOWN, |torque| torque.newest));

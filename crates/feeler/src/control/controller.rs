@@ -13,7 +13,7 @@ use super::stuck_sensor::StuckSensorDetector;
 use super::touch::TactileReading;
 use crate::control::law::{FingerLaws, HandLaw, Law, LawError};
 use crate::control::task::{Task, TaskConfig};
-use crate::hand::finger::FingerGeometry;
+use crate::hand::geometry::FingerGeometry;
 use crate::hand::kinematics::fingertip_pose;
 use crate::hand::{HandCommand, HandState};
 use crate::sensor::fingertip::layout::ElementLayout;

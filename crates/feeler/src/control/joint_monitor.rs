@@ -12,7 +12,7 @@
 
 use super::monitor_config::MonitorConfig;
 use super::stop_reason::StopReason;
-use crate::hand::finger::FingerGeometry;
+use crate::hand::geometry::FingerGeometry;
 use crate::hand::joint_vector::JointVector;
 use std::f64::consts::FRAC_PI_2;
 

@@ -5,9 +5,9 @@
 //! limit.
 
 use crate::check::Checker;
-use crate::hand::finger::FingerGeometry;
-use crate::hand::joint_vector::{JointVector, greater, lesser};
-use crate::hand::resolved_rate::{damping_threshold, resolved_rate};
+use crate::hand::geometry::FingerGeometry;
+use crate::hand::joint_vector::{JointVector, MAX_JOINTS, greater, lesser};
+use crate::hand::kinematics::{damping_threshold, resolved_rate_within};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -108,16 +108,15 @@ impl LimitsConfig {
         }
         let inside = self.keep_in_workspace(geometry, request, period);
         let slow = inside.clamp_length_max(self.fingertip_speed);
-        let rate = resolved_rate(geometry, request.theta, slow);
         let braking = Braking {
             deceleration: self.joint_acceleration,
             period,
         };
-        let (lower, upper) = (geometry.joint_lower(), geometry.joint_upper());
+        let bounds = braking.joint_bounds(geometry, request.theta);
+        let rate = resolved_rate_within(geometry, request.theta, slow, Some(&bounds));
         let mut within = rate.joint_velocity;
-        for joint in 0..within.len() {
-            let limits = (lower[joint], upper[joint]);
-            within[joint] = braking.keep_within(request.theta[joint], within[joint], limits);
+        for (joint, [lowest, highest]) in bounds.into_iter().enumerate().take(within.len()) {
+            within[joint] = lesser(greater(within[joint], lowest), highest);
         }
         let speed = scale_to(within, geometry.joint_speed_limit());
         // Per joint: a joint that must brake must not wait for another one that may accelerate.
@@ -169,6 +168,22 @@ impl Braking {
         let down = self.greatest_speed(position - lower);
         let up = self.greatest_speed(upper - position);
         lesser(greater(velocity, -down), up)
+    }
+
+    /// Lowest and highest velocity of each joint at the positions `theta`, such that braking ends within its limits.
+    fn joint_bounds(
+        &self,
+        geometry: &FingerGeometry,
+        theta: JointVector,
+    ) -> [[f64; 2]; MAX_JOINTS] {
+        let (lower, upper) = (geometry.joint_lower(), geometry.joint_upper());
+        let mut bounds = [[0.0; 2]; MAX_JOINTS];
+        for (joint, bounds) in bounds.iter_mut().enumerate().take(theta.len()) {
+            let down = self.greatest_speed(theta[joint] - lower[joint]);
+            let up = self.greatest_speed(upper[joint] - theta[joint]);
+            *bounds = [-down, up];
+        }
+        bounds
     }
 
     /// Maximum speed that can be stopped within `room`: either in one period, if the deceleration allows that, or by

@@ -1,8 +1,6 @@
-//! Geometry and joint limits of a finger.
+//! Configuration of a finger with the paper's three joints.
 
-use super::joint_vector::JointVector;
-use crate::math::{rotation_x, rotation_y};
-use glam::{DMat3, DVec3};
+use super::chain::ChainError;
 use serde::{Deserialize, Serialize};
 
 /// Accepted range of link lengths (m). The first link may also be 0.
@@ -61,82 +59,13 @@ pub enum FingerError {
         /// Upper limit of the joint (degrees).
         upper_deg: f64,
     },
+    /// The chain is invalid.
+    #[error(transparent)]
+    Chain(#[from] ChainError),
 }
 
-/// A checked [`FingerConfig`], with angles in radians and the base rotation precomputed.
-#[derive(Debug, Clone, PartialEq)]
-pub struct FingerGeometry {
-    base_position: DVec3,
-    base_angles: (f64, f64),
-    base_rotation: DMat3,
-    links: [f64; 3],
-    joint_lower: JointVector,
-    joint_upper: JointVector,
-    joint_speed_limit: JointVector,
-}
-
-impl FingerGeometry {
-    /// Checks `config` and precomputes the base rotation.
-    ///
-    /// # Errors
-    /// If a value is not finite or outside of the range that its field documents.
-    pub fn new(config: &FingerConfig) -> Result<Self, FingerError> {
-        check(config)?;
-        let (phi1, phi2) = (config.phi1_deg.to_radians(), config.phi2_deg.to_radians());
-        let base_rotation = rotation_y(phi1) * rotation_x(phi2);
-        Ok(Self {
-            base_position: DVec3::from_array(config.base_position),
-            base_angles: (phi1, phi2),
-            base_rotation,
-            links: config.links,
-            joint_lower: config.joint_lower_deg.map(f64::to_radians).into(),
-            joint_upper: config.joint_upper_deg.map(f64::to_radians).into(),
-            joint_speed_limit: config.joint_speed_limit.into(),
-        })
-    }
-
-    /// Origin of the finger base `B` in the world `W` (m).
-    pub fn base_position(&self) -> DVec3 {
-        self.base_position
-    }
-
-    /// Rotation of the finger base, `Ry(phi1) Rx(phi2)`. It transforms vectors from `B` to `W`.
-    pub fn base_rotation(&self) -> DMat3 {
-        self.base_rotation
-    }
-
-    /// Angles phi1 and phi2 of the finger base (rad).
-    pub fn base_angles(&self) -> (f64, f64) {
-        self.base_angles
-    }
-
-    /// Link lengths l2, l3 and l4 (m).
-    pub fn links(&self) -> [f64; 3] {
-        self.links
-    }
-
-    /// Number of joints.
-    pub fn joint_count(&self) -> usize {
-        self.joint_lower.len()
-    }
-
-    /// Lower limits of the joint angles, theta1 first (rad).
-    pub fn joint_lower(&self) -> JointVector {
-        self.joint_lower
-    }
-
-    /// Upper limits of the joint angles, theta1 first (rad).
-    pub fn joint_upper(&self) -> JointVector {
-        self.joint_upper
-    }
-
-    /// Maximum joint speeds in either direction, that of theta1 first (rad/s).
-    pub fn joint_speed_limit(&self) -> JointVector {
-        self.joint_speed_limit
-    }
-}
-
-fn check(config: &FingerConfig) -> Result<(), FingerError> {
+/// Checks that every value of `config` is finite and within the range that its field documents.
+pub(super) fn check(config: &FingerConfig) -> Result<(), FingerError> {
     let in_range = |field: &str, value, good: bool, expected| {
         if good {
             return Ok(());
@@ -208,26 +137,19 @@ mod tests {
     }
 
     #[test]
-    fn limits_are_in_radians() {
-        let geometry = FingerGeometry::new(&config()).unwrap();
-        assert_eq!(geometry.joint_lower()[0], -std::f64::consts::FRAC_PI_4);
-        assert_eq!(geometry.joint_upper()[0], std::f64::consts::FRAC_PI_4);
-    }
-
-    #[test]
     fn bad_values_are_named() {
         let mut bad = config();
         bad.links[2] = -0.055;
-        let message = FingerGeometry::new(&bad).unwrap_err().to_string();
+        let message = check(&bad).unwrap_err().to_string();
         assert_eq!(message, "links[2] = -0.055: expected 0.001..1 m");
 
         let mut bad = config();
         bad.phi1_deg = f64::NAN;
-        assert!(FingerGeometry::new(&bad).is_err());
+        assert!(check(&bad).is_err());
 
         let mut bad = config();
         bad.joint_upper_deg[1] = -30.0;
-        let message = FingerGeometry::new(&bad).unwrap_err().to_string();
+        let message = check(&bad).unwrap_err().to_string();
         assert_eq!(
             message,
             "joint_upper_deg[1] = -30: expected more than joint_lower_deg[1] = -30"

@@ -56,6 +56,24 @@ impl JointVector {
         Some(vector)
     }
 
+    /// Returns the first `len` of `values`.
+    #[inline]
+    pub(super) fn first(values: [f64; MAX_JOINTS], len: usize) -> Self {
+        let mut vector = Self::zeros(len);
+        for (own, value) in vector.values[..vector.len as usize].iter_mut().zip(values) {
+            *own = value;
+        }
+        vector
+    }
+
+    /// Appends zeros until there are at least `len` numbers, at most [`MAX_JOINTS`].
+    #[inline]
+    #[must_use]
+    pub fn padded(mut self, len: usize) -> Self {
+        self.len = self.len.max(len.min(MAX_JOINTS) as u8);
+        self
+    }
+
     /// Number of joints.
     #[inline(always)]
     pub const fn len(&self) -> usize {
@@ -206,6 +224,16 @@ impl<const N: usize> From<[f64; N]> for JointVector {
 }
 
 /// Equality of all numbers; missing ones are 0.
+/// Iterates over the numbers, one per joint.
+impl IntoIterator for JointVector {
+    type Item = f64;
+    type IntoIter = std::iter::Take<std::array::IntoIter<f64, MAX_JOINTS>>;
+
+    fn into_iter(self) -> Self::IntoIter {
+        self.values.into_iter().take(self.len())
+    }
+}
+
 impl PartialEq for JointVector {
     #[inline]
     fn eq(&self, other: &Self) -> bool {

@@ -1,95 +1,157 @@
-//! Forward kinematics and Jacobian of a finger, eqs. (2) and (3).
+//! Pose, Jacobian, resolved rate and inverse kinematics of a finger, eqs. (1) to (3) and (10).
 
+use super::geometry::{FingerGeometry, Kinematics};
+use super::joint_vector::{JointVector, MAX_JOINTS};
+use super::kinematics_error::KinematicsError;
 use glam::{DMat3, DVec3};
+use std::ops::Mul;
 
-use super::finger::FingerGeometry;
-use super::joint_vector::JointVector;
-use super::sin_cos::sin_cos;
-
-/// Returns the fingertip pose at joint angles `theta` (theta1..theta3, rad).
+/// Returns the fingertip pose at the joint positions `theta` (rad or m).
 ///
 /// The position `r` is the dome's centre, the origin of the fingertip frame `T`, in the world `W` (m). The rotation
-/// `R` of eq. (3) transforms vectors from `T` to `W`. Its first column, the x axis of `T`, is the direction of the
-/// last link and the dome's outward axis.
+/// `R` of eq. (3) transforms vectors from `T` to `W`. Its first column, the x axis of `T`, is the dome's outward axis.
 #[inline(always)]
 pub fn fingertip_pose(geometry: &FingerGeometry, theta: JointVector) -> (DVec3, DMat3) {
-    let chain = Chain::at(geometry, three(theta));
-    (chain.position(geometry), chain.rotation)
+    match geometry.kinematics() {
+        Kinematics::ThreeJoints(finger) => finger.pose(three(theta)),
+        Kinematics::Chain(chain) => chain.pose(theta.as_slice()),
+    }
 }
 
-/// Returns the Jacobian of eq. (2) at joint angles `theta` (rad): `r_dot = J theta_dot`.
+/// Jacobian of a finger: its column i is the fingertip velocity in `W` per unit velocity of joint i (m/rad or m/m).
 ///
-/// Column i is the fingertip velocity in `W` per unit velocity of joint i (m/rad). The first column is always
-/// orthogonal to the other two.
-pub fn jacobian(geometry: &FingerGeometry, theta: JointVector) -> DMat3 {
-    Chain::at(geometry, three(theta)).jacobian(geometry)
+/// Multiplied by joint velocities (rad/s or m/s), it gives the fingertip velocity (m/s).
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct Jacobian {
+    columns: [DVec3; MAX_JOINTS],
+    joints: usize,
 }
 
-/// Numbers of the three joints of the paper's finger, theta1..theta3.
-#[inline(always)]
-pub(super) fn three(joints: JointVector) -> DVec3 {
-    DVec3::new(joints[0], joints[1], joints[2])
+impl Jacobian {
+    /// The columns, one per joint.
+    pub fn columns(&self) -> &[DVec3] {
+        &self.columns[..self.joints]
+    }
 }
 
-/// Intermediate results at one set of joint angles, shared by the pose and the Jacobian.
-pub(super) struct Chain {
-    /// Column 1 of the matrix a of eq. (3): horizontal direction of the finger's plane, in `W`.
-    radial: DVec3,
-    /// Column 3 of a: axis of joint 1 and second direction of the finger's plane, in `W`.
-    axial: DVec3,
-    /// Distance of the fingertip from the axis of joint 1 along `radial`, `l2 + l3 c2 + l4 c23` (m).
-    radius: f64,
-    /// Distance of the fingertip from the base along `axial`, `l3 s2 + l4 s23` (m).
-    height: f64,
-    sin_theta3: f64,
-    cos_theta3: f64,
-    /// R of eq. (3).
-    rotation: DMat3,
+impl Mul<JointVector> for Jacobian {
+    type Output = DVec3;
+
+    fn mul(self, joint_velocity: JointVector) -> DVec3 {
+        let columns = self.columns().iter().zip(joint_velocity.iter());
+        let sum = columns.map(|(column, velocity)| *column * velocity);
+        sum.reduce(|sum, velocity| sum + velocity)
+            .unwrap_or(DVec3::ZERO)
+    }
 }
 
-impl Chain {
-    #[inline(always)]
-    pub(super) fn at(geometry: &FingerGeometry, theta: DVec3) -> Self {
-        let (sines, cosines) = sin_cos(theta);
-        let ([s1, s2, s3], [c1, c2, c3]) = (sines.to_array(), cosines.to_array());
-        // The sum formulas avoid an overflow of theta2 + theta3.
-        let (s23, c23) = (s2 * c3 + c2 * s3, c2 * c3 - s2 * s3);
-        let [l2, l3, l4] = geometry.links();
+/// Returns the Jacobian of eq. (2) at the joint positions `theta` (rad or m): `r_dot = J theta_dot`.
+pub fn jacobian(geometry: &FingerGeometry, theta: JointVector) -> Jacobian {
+    let mut columns = [DVec3::ZERO; MAX_JOINTS];
+    match geometry.kinematics() {
+        Kinematics::ThreeJoints(finger) => {
+            let own = finger.jacobian(three(theta));
+            columns[..3].copy_from_slice(&[own.x_axis, own.y_axis, own.z_axis]);
+        }
+        Kinematics::Chain(chain) => columns = chain.jacobian(theta.as_slice()),
+    }
+    Jacobian {
+        columns,
+        joints: geometry.joint_count(),
+    }
+}
 
-        // The columns of a = Ry(phi1) Rx(phi2) Rz(theta1).
-        let base = geometry.base_rotation();
-        let radial = base.x_axis * c1 + base.y_axis * s1;
-        let sideways = base.y_axis * c1 - base.x_axis * s1;
-        let axial = base.z_axis;
+/// Joint velocity for a fingertip velocity, with the damping that was applied.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct ResolvedRate {
+    /// Joint velocities (rad/s or m/s), not limited to the finger's joint speeds.
+    pub joint_velocity: JointVector,
+    /// lambda (m/rad): 0 if eq. (1) holds exactly, [`damping_threshold`] at a singularity.
+    pub damping: f64,
+}
 
-        Self {
-            radial,
-            axial,
-            radius: l2 + l3 * c2 + l4 * c23,
-            height: l3 * s2 + l4 * s23,
-            sin_theta3: s3,
-            cos_theta3: c3,
-            rotation: DMat3::from_cols(
-                radial * c23 + axial * s23,
-                axial * c23 - radial * s23,
-                -sideways,
-            ),
+/// Returns the joint velocity that moves the fingertip at `fingertip_velocity` (in the world `W`, m/s) at the joint
+/// positions `theta` (rad or m), eq. (1).
+///
+/// Near a singularity it is damped. Chains with redundant joints turn them towards the middle of their ranges while the
+/// fingertip moves; see [`Chain::resolved_rate`](super::chain::Chain::resolved_rate).
+///
+/// Finite arguments give a finite result, even at a singularity; a result beyond the range of `f64` saturates at the
+/// largest finite value. A NaN or infinity in an argument makes the result NaN.
+pub fn resolved_rate(
+    geometry: &FingerGeometry,
+    theta: JointVector,
+    fingertip_velocity: DVec3,
+) -> ResolvedRate {
+    resolved_rate_within(geometry, theta, fingertip_velocity, None)
+}
+
+/// Like [`resolved_rate`], but the joints of a chain stay within `bounds`, the lowest and highest velocity of each joint
+/// (rad/s or m/s), and others take over. The result for the paper's finger may exceed them.
+pub(crate) fn resolved_rate_within(
+    geometry: &FingerGeometry,
+    theta: JointVector,
+    fingertip_velocity: DVec3,
+    bounds: Option<&[[f64; 2]; MAX_JOINTS]>,
+) -> ResolvedRate {
+    match geometry.kinematics() {
+        Kinematics::ThreeJoints(finger) => {
+            let (velocity, damping) = finger.resolved_rate(three(theta), fingertip_velocity);
+            ResolvedRate {
+                joint_velocity: velocity.to_array().into(),
+                damping,
+            }
+        }
+        Kinematics::Chain(chain) => {
+            let joints = theta.as_slice();
+            let rate = match bounds {
+                None => chain.resolved_rate(joints, fingertip_velocity),
+                Some(bounds) => chain.resolved_rate_within(joints, fingertip_velocity, bounds),
+            };
+            ResolvedRate {
+                joint_velocity: JointVector::first(rate.joint_velocity, chain.joint_count()),
+                damping: rate.damping,
+            }
         }
     }
+}
 
-    /// Fingertip position in `W` (m).
-    pub(super) fn position(&self, geometry: &FingerGeometry) -> DVec3 {
-        geometry.base_position() + self.radial * self.radius + self.axial * self.height
+/// Threshold epsilon (m/rad): damping starts when the smallest singular value of the Jacobian falls below it.
+pub fn damping_threshold(geometry: &FingerGeometry) -> f64 {
+    match geometry.kinematics() {
+        Kinematics::ThreeJoints(finger) => finger.damping_threshold(),
+        Kinematics::Chain(chain) => chain.damping_threshold(),
     }
+}
 
-    /// Jacobian of eq. (2) (m/rad).
-    pub(super) fn jacobian(&self, geometry: &FingerGeometry) -> DMat3 {
-        let [_, l3, l4] = geometry.links();
-        let r = &self.rotation;
-        DMat3::from_cols(
-            -r.z_axis * self.radius,
-            (r.x_axis * self.sin_theta3 + r.y_axis * self.cos_theta3) * l3 + r.y_axis * l4,
-            r.y_axis * l4,
-        )
+/// Returns joint positions (rad or m, within the joint limits) that bring the fingertip within
+/// [`POSITION_TOLERANCE`](super::POSITION_TOLERANCE) of `target` (in the world `W`, m), eq. (10).
+///
+/// The iteration starts at `start` (rad or m), normally the current joint positions. They may be outside of the joint
+/// limits.
+///
+/// # Errors
+/// If `target` is out of reach, if no solution is within the joint limits, or if an argument is not finite.
+pub fn inverse_kinematics(
+    geometry: &FingerGeometry,
+    target: DVec3,
+    start: JointVector,
+) -> Result<JointVector, KinematicsError> {
+    match geometry.kinematics() {
+        Kinematics::ThreeJoints(finger) => {
+            let theta = finger.inverse_kinematics(target, three(start))?;
+            Ok(theta.to_array().into())
+        }
+        Kinematics::Chain(chain) => {
+            let start = start.padded(chain.joint_count());
+            let found = chain.inverse_kinematics(target, start.as_slice())?;
+            Ok(JointVector::first(found, chain.joint_count()))
+        }
     }
+}
+
+/// Positions of the three joints of the paper's finger, theta1..theta3.
+#[inline(always)]
+fn three(joints: JointVector) -> DVec3 {
+    DVec3::new(joints[0], joints[1], joints[2])
 }

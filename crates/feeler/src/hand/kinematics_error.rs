@@ -1,5 +1,6 @@
 //! Errors of the inverse kinematics.
 
+use super::chain::ChainKinematicsError;
 use super::joint_vector::JointVector;
 use glam::DVec3;
 
@@ -56,4 +57,7 @@ pub enum KinematicsError {
         /// Final distance from the target (m).
         residual: f64,
     },
+    /// No joint positions of a chain are found.
+    #[error(transparent)]
+    Chain(#[from] ChainKinematicsError),
 }

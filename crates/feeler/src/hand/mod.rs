@@ -26,22 +26,27 @@
 //! `J` is singular if the finger is straight or folded (`sin(theta3) = 0`), or if its tip is on the axis of joint 1.
 
 pub mod chain;
+pub(crate) mod description;
 pub(crate) mod finger;
+pub(crate) mod geometry;
 pub(crate) mod interface;
-pub(crate) mod inverse_kinematics;
 pub(crate) mod joint_vector;
 pub mod kinematics;
 pub(crate) mod kinematics_error;
-pub(crate) mod postures;
-pub(crate) mod resolved_rate;
 pub(crate) mod sin_cos;
+pub(crate) mod three_joints;
 
-pub use finger::{FingerConfig, FingerError, FingerGeometry};
-pub use inverse_kinematics::{KinematicsError, POSITION_TOLERANCE, inverse_kinematics};
+pub use description::FingerDescription;
+pub use finger::{FingerConfig, FingerError};
+pub use geometry::{FingerGeometry, FrameLimits, Kinematics};
 pub use joint_vector::{JointVector, MAX_JOINTS};
-pub use kinematics::{fingertip_pose, jacobian};
-pub use resolved_rate::{damping_threshold, resolved_rate};
+pub use kinematics::{
+    Jacobian, ResolvedRate, damping_threshold, fingertip_pose, inverse_kinematics, jacobian,
+    resolved_rate,
+};
+pub use kinematics_error::{KinematicsError, POSITION_TOLERANCE};
 pub use sin_cos::sin_cos_of;
+pub use three_joints::ThreeJoints;
 
 pub use interface::{
     Hand, HandCommand, HandError, HandState, JointState, MAX_FINGERS, check_finger_count,

@@ -124,7 +124,7 @@ fn jacobian_is_the_derivative_of_the_position() {
             let (forward, _) = fingertip_pose(&geometry, theta + step);
             let (backward, _) = fingertip_pose(&geometry, theta - step);
             let column = (forward - backward) / (2.0 * STEP);
-            let difference = (column - jacobian.col(joint)).abs().max_element();
+            let difference = (column - jacobian.columns()[joint]).abs().max_element();
             assert!(difference < BOUND, "joint {joint} {theta}: {difference:e}");
         }
     }
@@ -280,7 +280,8 @@ fn resolved_rate_is_the_inverse_jacobian_away_from_singularities() {
             continue;
         }
         undamped += 1;
-        let j = Matrix3::from_column_slice(&jacobian(&geometry, theta).to_cols_array());
+        let jacobian = jacobian(&geometry, theta);
+        let j = Matrix3::from_fn(|row, column| jacobian.columns()[column][row]);
         let expected = j.lu().solve(&Vector3::from(velocity)).unwrap();
         let expected = JointVector::from([expected.x, expected.y, expected.z]);
         // Rounding of 1e-16 times a condition number below 200 (reach 0.3 m over 2 mm), and a factor of 10 for the
@@ -337,7 +338,8 @@ proptest! {
         let theta = JointVector::from([theta1, theta2, theta3]);
         let (position, rotation) = fingertip_pose(&geometry, theta);
         prop_assert!(position.is_finite() && rotation.is_finite());
-        prop_assert!(jacobian(&geometry, theta).is_finite());
+        let jacobian = jacobian(&geometry, theta);
+        prop_assert!(jacobian.columns().iter().all(|column| column.is_finite()));
         let rate = resolved_rate(&geometry, theta, DVec3::from_array(velocity));
         prop_assert!(rate.joint_velocity.is_finite() && rate.damping.is_finite());
     }
@@ -351,7 +353,7 @@ proptest! {
     ) {
         let geometry = cap_finger();
         let target = if near {
-            geometry.base_position() + DVec3::from_array(scale)
+            DVec3::from_array([-0.144, 0.0, 0.06]) + DVec3::from_array(scale)
         } else {
             DVec3::from_array(target)
         };

@@ -81,7 +81,7 @@ fn replay_uses_recorded_stamps_and_the_given_domain_and_namespace() {
         let found = joints
             .clone()
             .find(|joints| json!(nanoseconds(joints.stamp)) == *stamp);
-        found.map(|joints| joints.position.to_vec())
+        found.map(|joints| joints.position.as_slice().to_vec())
     };
     let first = nanoseconds(recording.fingers[0].joints[0].stamp);
     let joints = said(&heard["joints"]);

@@ -133,7 +133,8 @@ fn robot(experiment: &Experiment, timing: Timing) -> Value {
     let elements: Vec<_> = (0..layout.elements.len())
         .map(|n| layout.tip(n).to_array())
         .collect();
-    let finger = &experiment.config.hand.finger[0];
+    let finger = experiment.config.hand.finger[0].three_joints();
+    let finger = finger.expect("three joints");
     json!({
         "joints": ["first", "second", "third"],
         "home": home[0].as_slice(),

@@ -45,8 +45,9 @@ fn rows_equal_the_recording() {
                 .iter()
                 .find(|joints| (joints.stamp - time).abs() < 1e-9);
             let place = place(&data, &format!("finger/{finger}/joints"));
-            let recorded = joints.expect("joints").position.map(|angle| angle as f32);
-            assert_eq!(numbers[place..place + 3], recorded, "at {time}");
+            let recorded = joints.expect("joints").position;
+            let recorded: Vec<_> = recorded.iter().map(|angle| angle as f32).collect();
+            assert_eq!(numbers[place..place + 3], recorded[..], "at {time}");
             let flags = record
                 .flags
                 .iter()

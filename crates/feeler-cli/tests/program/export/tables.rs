@@ -41,7 +41,9 @@ fn data_frames_contain_the_recorded_data() {
         .collect();
     assert_eq!(found["slip"], json!(slips));
     let commands = one.fingers[0].command.iter();
-    let action: Vec<_> = commands.map(|command| command.joint_velocity).collect();
+    let action: Vec<_> = commands
+        .map(|command| command.joint_velocity.as_slice())
+        .collect();
     assert_eq!(found["action"], json!(action));
     let forces: Vec<Vec<[f64; 3]>> = (one.fingers[1].tactile.iter())
         .map(|frame| frame.forces.iter().map(|f| [f.x, f.y, f.z]).collect())

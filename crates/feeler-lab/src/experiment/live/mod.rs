@@ -4,9 +4,10 @@ mod row;
 
 pub use row::{FingerRow, Row};
 
-use super::{ExperimentError, Instruments, SimulatedLoop, run_facts};
+use super::{ExperimentError, Instruments, SimulatedLoop, geometries, run_facts};
 use crate::config::ExperimentConfig;
 use feeler::control::{Controller, Phase};
+use feeler::hand::FingerGeometry;
 use feeler::sensor::contact::{Contact, ContactEstimator};
 use feeler_record::{RunFacts, SolidFrame};
 use feeler_report::measures::TRUE_SLIP;
@@ -57,6 +58,8 @@ pub fn write_state(
 pub struct LiveRows {
     facts: RunFacts,
     homes: Vec<[f64; 3]>,
+    /// Geometry of each finger.
+    geometries: Vec<FingerGeometry>,
     /// Estimates the contact of each fingertip.
     estimators: Vec<ContactEstimator>,
     /// `true` if rows contain the pose of a cap.
@@ -78,6 +81,7 @@ impl LiveRows {
         let mut solids = facts.solids.iter();
         Ok(Self {
             homes: config.task.homes(),
+            geometries: geometries(config)?,
             estimators: estimators.collect(),
             cap: config.cap().is_some(),
             object: solids.any(|solid| solid.frame == SolidFrame::Object),
@@ -107,6 +111,11 @@ impl LiveRows {
         self.estimators.get_mut(finger)?.estimate(forces)
     }
 
+    /// Geometry of `finger`.
+    pub fn geometry(&self, finger: usize) -> &FingerGeometry {
+        &self.geometries[finger]
+    }
+
     /// Writes the row of the latest step of `control_loop`, with the readings `at` its beginning, into `numbers`. What
     /// exceeds the capacity is omitted.
     pub fn write(
@@ -121,14 +130,16 @@ impl LiveRows {
         let fingers = control_loop.touches().iter().zip(&state.joints);
         let slipped = at.slipped.iter().chain(iter::repeat(&0.0));
         for (finger, ((touch, joints), slipped)) in fingers.zip(slipped).enumerate() {
+            let contact = self.contact(finger, &touch.frame.forces);
             row.finger(FingerRow {
+                geometry: &self.geometries[finger],
                 joints: joints.position,
                 elements: self.estimators[finger].element_count(),
                 forces: touch.frame.forces.iter().copied(),
                 flags: &touch.flags,
                 slips: *slipped > TRUE_SLIP,
                 shear_rates: &touch.shear_rate,
-                contact: self.contact(finger, &touch.frame.forces),
+                contact,
             });
         }
         row.push(at.torque.torque);

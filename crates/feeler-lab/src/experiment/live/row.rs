@@ -1,22 +1,21 @@
 //! Writes one row of a live page in the order of its columns, without the time.
 
 use feeler::control::FingerFlags;
-use feeler::hand::JointVector;
+use feeler::hand::{FingerGeometry, JointVector};
 use feeler::math::quaternion_z;
 use feeler::sensor::contact::Contact;
 use feeler_report::page_data::{contact_values, flag_bits};
 use glam::{DQuat, DVec3};
 use std::iter;
 
-/// Number of joints of each finger of a page.
-const PAGE_JOINTS: usize = 3;
-
 /// Writer of a row's numbers into preallocated memory; what does not fit is omitted.
 pub struct Row<'a>(&'a mut Vec<f32>);
 
 /// Values of one finger in a row.
 pub struct FingerRow<'a, F> {
-    /// Joint angles (rad).
+    /// Geometry of the finger.
+    pub geometry: &'a FingerGeometry,
+    /// Joint positions (rad or m).
     pub joints: JointVector,
     /// Number of elements of the fingertip.
     pub elements: usize,
@@ -53,7 +52,7 @@ impl<'a> Row<'a> {
     /// Appends the columns of the next finger.
     pub fn finger(&mut self, finger: FingerRow<'_, impl Iterator<Item = DVec3>>) {
         let FingerRow { flags, .. } = finger;
-        self.extend(page_joints(finger.joints));
+        self.extend(finger.geometry.frame_positions(finger.joints));
         let forces = finger.forces.chain(iter::repeat(DVec3::NAN));
         self.extend(forces.take(finger.elements).flat_map(|f| f.to_array()));
         let bits = flag_bits([flags.touch, flags.slip, flags.over, finger.slips]);
@@ -77,10 +76,4 @@ impl<'a> Row<'a> {
         self.extend(position.to_array());
         self.extend(rotation.to_array());
     }
-}
-
-/// Joint angles of one finger (rad), as in the columns of a page; missing ones are 0. NaN if the finger has more joints
-/// than the page.
-fn page_joints(joints: JointVector) -> [f64; PAGE_JOINTS] {
-    joints.to_array().unwrap_or([f64::NAN; PAGE_JOINTS])
 }

@@ -89,8 +89,8 @@ pub fn of_command(expected: &Command, actual: &Command) -> Option<FieldDifferenc
     let (was, is) = (expected.fingertip_velocity, actual.fingertip_velocity);
     numbers(
         "joint_velocity",
-        &expected.joint_velocity,
-        &actual.joint_velocity,
+        expected.joint_velocity.as_slice(),
+        actual.joint_velocity.as_slice(),
     )
     .or_else(|| vector("fingertip_velocity", was, is))
     .or_else(|| value("limited", expected.limited, actual.limited))

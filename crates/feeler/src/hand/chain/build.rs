@@ -181,6 +181,7 @@ fn finish(config: &ChainConfig, builder: Builder) -> Result<Chain, ChainError> {
         });
     }
     let mut chain = Chain {
+        base_position: DVec3::from_array(config.base_position),
         origin: first.translation,
         rotation: first.rotation,
         segments,

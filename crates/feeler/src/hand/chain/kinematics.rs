@@ -105,4 +105,13 @@ impl Chain {
         let state = State::at(self, joints);
         (state.position(self), state.rotation, state.jacobian(self))
     }
+
+    /// Origins in `W` (m) of the base, of the moving frames and of the fingertip at `joints` (rad or m).
+    pub(in crate::hand) fn skeleton(&self, joints: &[f64]) -> Vec<DVec3> {
+        let state = State::at(self, joints);
+        let origins = state.origins.iter().take(self.segments.len());
+        let origins = origins.map(|origin| self.origin + *origin);
+        let base = std::iter::once(self.base_position);
+        base.chain(origins).chain([state.position(self)]).collect()
+    }
 }

@@ -31,11 +31,10 @@ pub use config::{ChainConfig, DhRow, FrameRow, JointConfig, MimicConfig, RowType
 pub use error::{ChainError, ChainKinematicsError};
 pub use resolved_rate::ChainRate;
 
+use super::joint_vector::JointVector;
+pub use super::joint_vector::MAX_JOINTS;
 use glam::{DMat3, DVec3};
 use task_rank::TaskRanks;
-
-/// Maximum number of independent joints of a chain.
-pub const MAX_JOINTS: usize = 7;
 
 /// Maximum number of moving frames of a chain.
 pub const MAX_FRAMES: usize = 16;
@@ -43,6 +42,8 @@ pub const MAX_FRAMES: usize = 16;
 /// A checked [`ChainConfig`] with precomputed transforms.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Chain {
+    /// Origin of the finger base, in `W` (m).
+    base_position: DVec3,
     /// Origin of the first moving frame at position 0, in `W` (m).
     origin: DVec3,
     /// Rotation of the first moving frame at position 0.
@@ -75,6 +76,24 @@ struct Joint {
     speed: f64,
     /// Position units per scaled unit: 1 for an angle, the chain's reach for a displacement.
     scale: f64,
+}
+
+/// A moving frame of a chain, for drawing.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct MovingFrame {
+    /// Origin in the previous moving frame, or in `W` for the first (m), at the position 0.
+    pub translation: DVec3,
+    /// Rotation from this frame to the previous one, or to `W`, at the position 0. The frame turns about or moves along
+    /// its z axis.
+    pub rotation: DMat3,
+    /// `true` if it moves along z (m), `false` if it turns about z (rad).
+    pub prismatic: bool,
+    /// Index of the independent joint.
+    pub joint: usize,
+    /// Ratio of its position to that of the joint.
+    pub multiplier: f64,
+    /// Its position at the joint position 0 (rad or m).
+    pub offset: f64,
 }
 
 impl Joint {
@@ -130,6 +149,53 @@ impl Chain {
     /// Upper bound of the distance from the first moving frame's origin to the fingertip within the joint limits (m).
     pub fn reach(&self) -> f64 {
         self.reach
+    }
+
+    /// Upper bounds of the speed of any point within `radius` (m) of the fingertip, per unit speed of each joint (m/rad
+    /// or m/m).
+    pub(super) fn lever_arms(&self, radius: f64) -> JointVector {
+        let mut arms = JointVector::zeros(self.joint_count());
+        let mut arm = radius;
+        for segment in self.segments.iter().rev() {
+            arm += segment.translation.length();
+            let factor = segment.multiplier.abs();
+            arms[segment.joint] += factor * if segment.prismatic { 1.0 } else { arm };
+            if segment.prismatic {
+                let joint = &self.joints[segment.joint];
+                let travel = |q: f64| (segment.multiplier * q + segment.offset).abs();
+                arm += travel(joint.lower).max(travel(joint.upper));
+            }
+        }
+        arms
+    }
+
+    /// Origin of the finger base in the world `W` (m).
+    pub fn base_position(&self) -> DVec3 {
+        self.base_position
+    }
+
+    /// The moving frames, from the base to the fingertip.
+    pub fn frames(&self) -> impl Iterator<Item = MovingFrame> + '_ {
+        let first = (self.origin, self.rotation);
+        let poses = self.segments.iter().map(|s| (s.translation, s.rotation));
+        let poses = std::iter::once(first).chain(poses);
+        let frames = self.segments.iter().zip(poses);
+        frames.map(|(segment, (translation, rotation))| MovingFrame {
+            translation,
+            rotation,
+            prismatic: segment.prismatic,
+            joint: segment.joint,
+            multiplier: segment.multiplier,
+            offset: segment.offset,
+        })
+    }
+
+    /// Pose of the fingertip frame `T` in the last moving frame: origin (m), and rotation from `T` to that frame.
+    pub fn tip(&self) -> (DVec3, DMat3) {
+        let last = self.segments.last();
+        last.map_or((DVec3::ZERO, DMat3::IDENTITY), |s| {
+            (s.translation, s.rotation)
+        })
     }
 
     fn each(&self, value: impl Fn(&Joint) -> f64) -> [f64; MAX_JOINTS] {

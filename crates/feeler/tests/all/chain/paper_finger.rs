@@ -3,8 +3,8 @@
 use super::{Joints, MAX_JOINTS, random_joints};
 use feeler::hand::chain::{Chain, ChainConfig, DhRow, FrameRow, JointConfig};
 use feeler::hand::kinematics::{fingertip_pose, jacobian};
-use feeler::hand::{FingerConfig, FingerGeometry, damping_threshold, resolved_rate};
-use glam::{DMat3, DVec3};
+use feeler::hand::{FingerConfig, FingerGeometry, JointVector, damping_threshold, resolved_rate};
+use glam::DVec3;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64Mcg;
 use std::f64::consts::FRAC_PI_2;
@@ -88,17 +88,14 @@ fn frames(config: &FingerConfig) -> Chain {
 }
 
 /// Grid of 11 x 11 x 11 joint angles strictly within the limits, with straight fingers.
-fn grid(geometry: &FingerGeometry) -> impl Iterator<Item = DVec3> {
+fn grid(geometry: &FingerGeometry) -> impl Iterator<Item = JointVector> {
     let (lower, upper) = (geometry.joint_lower(), geometry.joint_upper());
     (0..1331).map(move |i| {
-        let share = DVec3::new(
-            f64::from(i % 11),
-            f64::from(i / 11 % 11),
-            f64::from(i / 121),
-        );
-        let mut theta = lower + (upper - lower) * (share + 0.5) / 11.0;
+        let share = [i % 11, i / 11 % 11, i / 121].map(|step| (f64::from(step) + 0.5) / 11.0);
+        let mut theta =
+            lower + (upper - lower).zip_with(share.into(), |range, share| range * share);
         if i / 121 == 7 {
-            theta.z = 0.0;
+            theta[2] = 0.0;
         }
         theta
     })
@@ -110,14 +107,16 @@ fn pose_and_jacobian_are_those_of_the_closed_form() {
     let geometry = FingerGeometry::new(&config).unwrap();
     for chain in [table(&config), frames(&config)] {
         for theta in grid(&geometry) {
-            let (position, rotation) = chain.pose(&theta.to_array());
+            let (position, rotation) = chain.pose(theta.as_slice());
             let (expected, expected_rotation) = fingertip_pose(&geometry, theta);
             // Lengths below 0.2 m and six rotations.
             assert!(position.abs_diff_eq(expected, 1e-15), "{theta}");
             assert!(rotation.abs_diff_eq(expected_rotation, 1e-14), "{theta}");
-            let [a, b, c, ..] = chain.jacobian(&theta.to_array());
-            let columns = DMat3::from_cols(a, b, c);
-            assert!(columns.abs_diff_eq(jacobian(&geometry, theta), 1e-15));
+            let [a, b, c, ..] = chain.jacobian(theta.as_slice());
+            let expected = jacobian(&geometry, theta);
+            for (column, expected) in [a, b, c].into_iter().zip(expected.columns()) {
+                assert!(column.abs_diff_eq(*expected, 1e-15), "{theta}");
+            }
         }
     }
 }
@@ -131,13 +130,13 @@ fn resolved_rate_is_that_of_the_closed_form() {
         for theta in grid(&geometry) {
             let velocity = DVec3::new(0.02, -0.03, 0.04);
             let expected = resolved_rate(&geometry, theta, velocity);
-            let rate = chain.resolved_rate(&theta.to_array(), velocity);
+            let rate = chain.resolved_rate(theta.as_slice(), velocity);
             assert_eq!(rate.bounded, [false; MAX_JOINTS]);
             // lambda is the root of a difference, with a rounding error of 1e-16 of the largest singular value squared,
             // 0.13^2; joint velocities are at most 0.06 / 0.005 rad/s, times rounding and the condition number squared.
             let difference = (rate.damping.powi(2) - expected.damping.powi(2)).abs();
             assert!(difference < 1e-17, "{theta}: {difference:e}");
-            let own = DVec3::from_slice(&rate.joint_velocity);
+            let own = JointVector::from(rate.joint_velocity);
             worst = worst.max((own - expected.joint_velocity).length());
             damped += usize::from(expected.damping > 0.0);
         }
@@ -157,8 +156,8 @@ fn every_reachable_target_is_reached() {
         for (index, theta) in thetas.iter().enumerate() {
             let target = fingertip_pose(&geometry, *theta).0;
             let start = thetas[index * 7 % thetas.len()];
-            let found: Joints = chain.inverse_kinematics(target, &start.to_array()).unwrap();
-            let miss = fingertip_pose(&geometry, DVec3::from_slice(&found)).0 - target;
+            let found: Joints = chain.inverse_kinematics(target, start.as_slice()).unwrap();
+            let miss = fingertip_pose(&geometry, found.into()).0 - target;
             assert!(miss.length() <= feeler::hand::POSITION_TOLERANCE);
         }
     }

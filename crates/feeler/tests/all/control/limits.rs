@@ -31,8 +31,7 @@ impl Finger {
 
     /// Fingertip velocity (m/s) at these joint velocities (rad/s).
     fn moved_at(&self, joint_velocity: JointVector) -> DVec3 {
-        let joint_velocity = joint_velocity.to_array().expect("three joints");
-        jacobian(&self.geometry, self.theta) * DVec3::from_array(joint_velocity)
+        jacobian(&self.geometry, self.theta) * joint_velocity
     }
 
     fn apply_limits(&self, velocity: DVec3) -> Option<LimitedCommand> {

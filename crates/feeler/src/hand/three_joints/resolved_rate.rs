@@ -13,57 +13,42 @@
 
 use glam::{DMat3, DVec3};
 
-use super::finger::FingerGeometry;
-use super::joint_vector::JointVector;
-use super::kinematics::jacobian;
+use super::ThreeJoints;
 
 /// epsilon as a fraction of the shorter of l3 and l4. With equal links, damping starts within about 13 degrees of a
 /// straight finger, or if the tip is within a tenth of a link of the axis of joint 1.
 const THRESHOLD_SHARE: f64 = 0.1;
 
-/// Joint velocity for a fingertip velocity, with the damping that was applied.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub struct ResolvedRate {
-    /// Joint velocities, that of theta1 first (rad/s), not limited to the finger's joint speeds.
-    pub joint_velocity: JointVector,
-    /// lambda (m/rad): 0 if eq. (1) holds exactly, [`damping_threshold`] at a singularity.
-    pub damping: f64,
-}
+impl ThreeJoints {
+    /// Returns the joint velocity (rad/s) that moves the fingertip at `fingertip_velocity` (in the world `W`, m/s) at
+    /// joint angles `theta` (rad), eq. (1), and the damping lambda (m/rad).
+    pub(in crate::hand) fn resolved_rate(
+        &self,
+        theta: DVec3,
+        fingertip_velocity: DVec3,
+    ) -> (DVec3, f64) {
+        let jacobian = self.jacobian(theta);
+        let damping = damping(self, &jacobian);
+        // Solved for a velocity of magnitude 1, so that no intermediate product can overflow.
+        let magnitude = fingertip_velocity
+            .abs()
+            .max_element()
+            .max(f64::MIN_POSITIVE);
+        let unit_solution = solve_damped(&jacobian, fingertip_velocity / magnitude, damping);
+        let velocity = (unit_solution * magnitude).map(|v| v.clamp(f64::MIN, f64::MAX));
+        (velocity, damping)
+    }
 
-/// Returns the joint velocity that moves the fingertip at `fingertip_velocity` (in the world `W`, m/s) at joint
-/// angles `theta` (rad), eq. (1).
-///
-/// Finite arguments give a finite result, even at a singularity; a result beyond the range of `f64` saturates at the
-/// largest finite value. A NaN or infinity in an argument makes the result NaN.
-pub fn resolved_rate(
-    geometry: &FingerGeometry,
-    theta: JointVector,
-    fingertip_velocity: DVec3,
-) -> ResolvedRate {
-    let jacobian = jacobian(geometry, theta);
-    let damping = damping(geometry, &jacobian);
-    // Solved for a velocity of magnitude 1, so that no intermediate product can overflow.
-    let magnitude = fingertip_velocity
-        .abs()
-        .max_element()
-        .max(f64::MIN_POSITIVE);
-    let unit_solution = solve_damped(&jacobian, fingertip_velocity / magnitude, damping);
-    let joint_velocity = (unit_solution * magnitude).map(|v| v.clamp(f64::MIN, f64::MAX));
-    ResolvedRate {
-        joint_velocity: joint_velocity.to_array().into(),
-        damping,
+    /// Threshold epsilon (m/rad): damping starts when the smallest singular value of the Jacobian falls below it.
+    pub(in crate::hand) fn damping_threshold(&self) -> f64 {
+        let [_, l3, l4] = self.links;
+        THRESHOLD_SHARE * l3.min(l4)
     }
 }
 
-/// Threshold epsilon (m/rad): damping starts when the smallest singular value of the Jacobian falls below it.
-pub fn damping_threshold(geometry: &FingerGeometry) -> f64 {
-    let [_, l3, l4] = geometry.links();
-    THRESHOLD_SHARE * l3.min(l4)
-}
-
 /// Damping lambda for `jacobian` (m/rad).
-pub(super) fn damping(geometry: &FingerGeometry, jacobian: &DMat3) -> f64 {
-    let threshold = damping_threshold(geometry);
+pub(super) fn damping(finger: &ThreeJoints, jacobian: &DMat3) -> f64 {
+    let threshold = finger.damping_threshold();
     let sigma = smallest_singular_value(jacobian);
     (threshold * threshold - sigma * sigma).max(0.0).sqrt()
 }
@@ -98,8 +83,8 @@ mod tests {
     use super::*;
     use crate::hand::finger::FingerConfig;
 
-    fn geometry() -> FingerGeometry {
-        FingerGeometry::new(&FingerConfig {
+    fn geometry() -> ThreeJoints {
+        ThreeJoints::new(&FingerConfig {
             base_position: [-0.144, 0.0, 0.06],
             phi1_deg: 30.0,
             phi2_deg: -20.0,
@@ -108,15 +93,14 @@ mod tests {
             joint_upper_deg: [180.0; 3],
             joint_speed_limit: [3.0; 3],
         })
-        .unwrap()
     }
 
     #[test]
     fn smallest_singular_value_is_that_of_the_svd() {
         let geometry = geometry();
         for i in 0..200 {
-            let theta = JointVector::from([0.1, 0.07, 0.031]) * f64::from(i) - 3.0;
-            let j = jacobian(&geometry, theta);
+            let theta = DVec3::new(0.1, 0.07, 0.031) * f64::from(i) - 3.0;
+            let j = geometry.jacobian(theta);
             let svd = nalgebra::Matrix3::from_column_slice(&j.to_cols_array()).svd(false, false);
             // Both lose a few units in the last place of the largest singular value, 0.1 m/rad.
             let difference = smallest_singular_value(&j) - svd.singular_values.min();
@@ -128,29 +112,29 @@ mod tests {
     fn damping_grows_from_zero_to_the_threshold() {
         let geometry = geometry();
         let at = |theta3| {
-            let theta = [0.3, 0.4, theta3].into();
-            resolved_rate(&geometry, theta, DVec3::X).damping
+            let theta = DVec3::new(0.3, 0.4, theta3);
+            geometry.resolved_rate(theta, DVec3::X).1
         };
         assert_eq!(at(1.0), 0.0);
         assert_eq!(at(-0.3), 0.0);
         assert!(at(0.1) > 0.0 && at(0.1) < at(0.05));
-        assert_eq!(at(0.0), damping_threshold(&geometry));
+        assert_eq!(at(0.0), geometry.damping_threshold());
     }
 
     #[test]
     fn joint_velocity_is_continuous_where_damping_starts() {
         let geometry = geometry();
-        let at = |theta3| resolved_rate(&geometry, [0.3, 0.4, theta3].into(), DVec3::ONE);
+        let at = |theta3| geometry.resolved_rate(DVec3::new(0.3, 0.4, theta3), DVec3::ONE);
         let (mut undamped, mut damped) = (1.0, 0.0);
         for _ in 0..60 {
             let middle = 0.5 * (undamped + damped);
-            if at(middle).damping == 0.0 {
+            if at(middle).1 == 0.0 {
                 undamped = middle;
             } else {
                 damped = middle;
             }
         }
-        let jump = (at(undamped).joint_velocity - at(damped).joint_velocity).length();
+        let jump = (at(undamped).0 - at(damped).0).length();
         // The two angles are adjacent floating-point numbers. The damped and undamped solver differ by rounding:
         // 1e-16 times the squared condition number (about 500) times the joint velocity (about 200 rad/s).
         assert!(jump < 1e-9, "{jump:e}");
@@ -159,7 +143,7 @@ mod tests {
     #[test]
     fn nan_is_not_hidden() {
         let velocity = DVec3::new(0.0, f64::NAN, 0.0);
-        let result = resolved_rate(&geometry(), [0.3, 0.4, 0.5].into(), velocity);
-        assert!(result.joint_velocity.is_nan());
+        let (result, _) = geometry().resolved_rate(DVec3::new(0.3, 0.4, 0.5), velocity);
+        assert!(result.is_nan());
     }
 }

@@ -3,9 +3,8 @@
 //! The iteration of eq. (10) finds a single posture. The cosine law gives all postures, so that none within the
 //! limits is missed.
 
-use super::finger::FingerGeometry;
-use super::kinematics::three;
-use super::kinematics_error::{KinematicsError, POSITION_TOLERANCE};
+use super::ThreeJoints;
+use crate::hand::kinematics_error::{KinematicsError, POSITION_TOLERANCE};
 use glam::DVec3;
 use std::f64::consts::TAU;
 
@@ -19,13 +18,13 @@ pub(super) const JOINT_TOLERANCE: f64 = 1e-11;
 ///
 /// An angle that does not matter (for a target on the axis of joint 1 or 2) is taken from `start`.
 pub(super) fn postures(
-    geometry: &FingerGeometry,
+    finger: &ThreeJoints,
     target: DVec3,
     start: DVec3,
 ) -> Result<[Option<DVec3>; 4], KinematicsError> {
-    let [l2, l3, l4] = geometry.links();
+    let [l2, l3, l4] = finger.links;
     let (minimum, maximum) = ((l3 - l4).abs(), l3 + l4);
-    let in_base = geometry.base_rotation().transpose() * (target - geometry.base_position());
+    let in_base = finger.base_rotation.transpose() * (target - finger.base_position);
     let radius = in_base.truncate().length();
     let distance = |side: f64| libm::hypot(side * radius - l2, in_base.z);
     let posture = |side: f64, elbow: f64| {
@@ -62,8 +61,8 @@ pub(super) fn postures(
 
 /// Adds whole turns to each angle of `theta`, so that it is within its joint limits if possible, otherwise as close
 /// to `start` as possible.
-pub(super) fn turn_near(geometry: &FingerGeometry, theta: DVec3, start: DVec3) -> DVec3 {
-    let (lower, upper) = (three(geometry.joint_lower()), three(geometry.joint_upper()));
+pub(super) fn turn_near(finger: &ThreeJoints, theta: DVec3, start: DVec3) -> DVec3 {
+    let (lower, upper) = (finger.lower, finger.upper);
     let near = theta + ((start.clamp(lower, upper) - theta) / TAU).round() * TAU;
     let excess = |angle: f64, joint: usize| (lower[joint] - angle).max(angle - upper[joint]);
     DVec3::from_array([0, 1, 2].map(|joint| {
@@ -76,8 +75,8 @@ pub(super) fn turn_near(geometry: &FingerGeometry, theta: DVec3, start: DVec3) -
 }
 
 /// Maximum violation of the joint limits by `theta` (rad), negative if all angles are within their limits.
-pub(super) fn limit_excess(geometry: &FingerGeometry, theta: DVec3) -> f64 {
-    (three(geometry.joint_lower()) - theta)
-        .max(theta - three(geometry.joint_upper()))
+pub(super) fn limit_excess(finger: &ThreeJoints, theta: DVec3) -> f64 {
+    (finger.lower - theta)
+        .max(theta - finger.upper)
         .max_element()
 }

@@ -7,13 +7,11 @@
 
 use glam::DVec3;
 
-use super::finger::FingerGeometry;
-use super::joint_vector::JointVector;
-use super::kinematics::{Chain, three};
+use super::ThreeJoints;
+use super::kinematics::Posture;
 use super::postures::{JOINT_TOLERANCE, limit_excess, postures, turn_near};
 use super::resolved_rate::{damping, solve_damped};
-
-pub use super::kinematics_error::{KinematicsError, POSITION_TOLERANCE};
+use crate::hand::kinematics_error::{KinematicsError, POSITION_TOLERANCE};
 
 /// Residual at which the iteration stops (m). The rest of the tolerance is left for clamping to the joint limits.
 const ITERATION_TOLERANCE: f64 = 0.5 * POSITION_TOLERANCE;
@@ -27,67 +25,55 @@ const STEPS: usize = 40;
 /// Maximum number of times that a step is halved if it does not reduce the distance to the target.
 const HALVINGS: usize = 10;
 
-/// Returns joint angles theta1..theta3 (rad, within the joint limits) that bring the fingertip within
-/// [`POSITION_TOLERANCE`] of `target` (in the world `W`, m), eq. (10).
-///
-/// The iteration starts at `start` (rad), normally the current joint angles. They may be outside of the joint limits.
-///
-/// # Errors
-/// If `target` is out of reach, if all its postures violate the joint limits, or if an argument is not finite.
-pub fn inverse_kinematics(
-    geometry: &FingerGeometry,
-    target: DVec3,
-    start: JointVector,
-) -> Result<JointVector, KinematicsError> {
-    if !target.is_finite() || !start.is_finite() {
-        return Err(KinematicsError::NotFinite { target, start });
-    }
-    let theta = solve(geometry, target, three(start))?;
-    Ok(theta.to_array().into())
-}
-
-/// Solves from `start`, which is finite, and otherwise from another posture.
-fn solve(geometry: &FingerGeometry, target: DVec3, start: DVec3) -> Result<DVec3, KinematicsError> {
-    let start = turn_near(geometry, start, start);
-    let direct = iterate(geometry, target, start);
-    if direct.residual <= ITERATION_TOLERANCE {
-        let theta = turn_near(geometry, direct.theta, start);
-        if limit_excess(geometry, theta) <= JOINT_TOLERANCE {
-            return Ok(theta.clamp(three(geometry.joint_lower()), three(geometry.joint_upper())));
+impl ThreeJoints {
+    /// Returns joint angles theta1..theta3 (rad, within the joint limits) that bring the fingertip within
+    /// [`POSITION_TOLERANCE`] of `target` (in the world `W`, m), eq. (10), from the joint angles `start`.
+    pub(in crate::hand) fn inverse_kinematics(
+        &self,
+        target: DVec3,
+        start: DVec3,
+    ) -> Result<DVec3, KinematicsError> {
+        if !target.is_finite() || !start.is_finite() {
+            let start = start.to_array().into();
+            return Err(KinematicsError::NotFinite { target, start });
         }
+        let start = turn_near(self, start, start);
+        let direct = iterate(self, target, start);
+        if direct.residual <= ITERATION_TOLERANCE {
+            let theta = turn_near(self, direct.theta, start);
+            if limit_excess(self, theta) <= JOINT_TOLERANCE {
+                return Ok(theta.clamp(self.lower, self.upper));
+            }
+        }
+        restart(self, target, start)
     }
-    restart(geometry, target, start)
 }
 
 /// Solves from the posture within the joint limits that is nearest to `start`.
-fn restart(
-    geometry: &FingerGeometry,
-    target: DVec3,
-    start: DVec3,
-) -> Result<DVec3, KinematicsError> {
-    let (lower, upper) = (three(geometry.joint_lower()), three(geometry.joint_upper()));
+fn restart(finger: &ThreeJoints, target: DVec3, start: DVec3) -> Result<DVec3, KinematicsError> {
+    let (lower, upper) = (finger.lower, finger.upper);
     let start = start.clamp(lower, upper);
     // Order by limit violation first (all postures within the limits are equal), then by distance.
-    let excess = |theta: &DVec3| limit_excess(geometry, *theta).max(JOINT_TOLERANCE);
-    let best = postures(geometry, target, start)?
+    let excess = |theta: &DVec3| limit_excess(finger, *theta).max(JOINT_TOLERANCE);
+    let best = postures(finger, target, start)?
         .into_iter()
         .flatten()
-        .map(|theta| turn_near(geometry, theta, start))
+        .map(|theta| turn_near(finger, theta, start))
         .min_by(|a, b| {
             let nearer = a.distance(start).total_cmp(&b.distance(start));
             excess(a).total_cmp(&excess(b)).then(nearer)
         })
         .unwrap_or(start);
-    if limit_excess(geometry, best) > JOINT_TOLERANCE {
+    if limit_excess(finger, best) > JOINT_TOLERANCE {
         return Err(KinematicsError::OutsideJointLimits {
             target,
             theta: best.to_array().into(),
-            lower: geometry.joint_lower(),
-            upper: geometry.joint_upper(),
+            lower: lower.to_array().into(),
+            upper: upper.to_array().into(),
         });
     }
-    let theta = iterate(geometry, target, best).theta.clamp(lower, upper);
-    let position = Chain::at(geometry, theta).position(geometry);
+    let theta = iterate(finger, target, best).theta.clamp(lower, upper);
+    let position = Posture::at(finger, theta).position(finger);
     let residual = position.distance(target);
     if residual > POSITION_TOLERANCE {
         return Err(KinematicsError::NotConverged { target, residual });
@@ -107,25 +93,25 @@ struct Iterate {
 ///
 /// Near a singularity the step is damped. The damping never exceeds the residual, so it vanishes even as a singular
 /// target is approached.
-fn iterate(geometry: &FingerGeometry, target: DVec3, start: DVec3) -> Iterate {
+fn iterate(finger: &ThreeJoints, target: DVec3, start: DVec3) -> Iterate {
     let mut theta = start;
-    let mut chain = Chain::at(geometry, theta);
-    let mut error = target - chain.position(geometry);
+    let mut posture = Posture::at(finger, theta);
+    let mut error = target - posture.position(finger);
     for _ in 0..STEPS {
         if error.length() <= ITERATION_TOLERANCE {
             break;
         }
-        let jacobian = chain.jacobian(geometry);
-        let damping = damping(geometry, &jacobian).min(error.length());
+        let jacobian = posture.jacobian(finger);
+        let damping = damping(finger, &jacobian).min(error.length());
         let mut step = solve_damped(&jacobian, error, damping);
         step *= (STEP_LIMIT / step.abs().max_element()).min(1.0);
         let mut nearer = false;
         for _ in 0..HALVINGS {
-            let next = Chain::at(geometry, theta + step);
-            let next_error = target - next.position(geometry);
+            let next = Posture::at(finger, theta + step);
+            let next_error = target - next.position(finger);
             nearer = next_error.length() < error.length();
             if nearer {
-                (theta, chain, error) = (theta + step, next, next_error);
+                (theta, posture, error) = (theta + step, next, next_error);
                 break;
             }
             step *= 0.5;
@@ -144,12 +130,11 @@ fn iterate(geometry: &FingerGeometry, target: DVec3, start: DVec3) -> Iterate {
 mod tests {
     use super::*;
     use crate::hand::finger::FingerConfig;
-    use crate::hand::kinematics::fingertip_pose;
     use std::f64::consts::TAU;
 
     /// Returns a finger whose elbow bends one way only, as is common.
-    fn geometry() -> FingerGeometry {
-        FingerGeometry::new(&FingerConfig {
+    fn geometry() -> ThreeJoints {
+        ThreeJoints::new(&FingerConfig {
             base_position: [-0.144, 0.0, 0.06],
             phi1_deg: 0.0,
             phi2_deg: 0.0,
@@ -158,15 +143,11 @@ mod tests {
             joint_upper_deg: [60.0, 90.0, -15.0],
             joint_speed_limit: [3.0; 3],
         })
-        .unwrap()
     }
 
     /// Returns a grid of 7 x 7 x 7 joint angles that spans the joint limits.
-    fn grid(geometry: &FingerGeometry) -> impl Iterator<Item = DVec3> {
-        let (lower, span) = (
-            three(geometry.joint_lower()),
-            three(geometry.joint_upper() - geometry.joint_lower()),
-        );
+    fn grid(geometry: &ThreeJoints) -> impl Iterator<Item = DVec3> {
+        let (lower, span) = (geometry.lower, geometry.upper - geometry.lower);
         (0..343).map(move |i| {
             let share = DVec3::new(f64::from(i % 7), f64::from(i / 7 % 7), f64::from(i / 49)) / 6.0;
             lower + span * share
@@ -176,9 +157,9 @@ mod tests {
     #[test]
     fn the_iteration_needs_no_restart_in_one_posture() {
         let geometry = geometry();
-        let middle = three(0.5 * (geometry.joint_lower() + geometry.joint_upper()));
+        let middle = 0.5 * (geometry.lower + geometry.upper);
         for goal in grid(&geometry) {
-            let target = fingertip_pose(&geometry, goal.to_array().into()).0;
+            let target = geometry.pose(goal).0;
             let end = iterate(&geometry, target, middle);
             assert!(
                 end.residual <= ITERATION_TOLERANCE,
@@ -192,16 +173,14 @@ mod tests {
     fn every_posture_reaches_the_target() {
         let geometry = geometry();
         for goal in grid(&geometry) {
-            let target = fingertip_pose(&geometry, goal.to_array().into()).0;
+            let target = geometry.pose(goal).0;
             let mut nearest = f64::INFINITY;
             for theta in postures(&geometry, target, goal)
                 .unwrap()
                 .into_iter()
                 .flatten()
             {
-                let miss = fingertip_pose(&geometry, theta.to_array().into())
-                    .0
-                    .distance(target);
+                let miss = geometry.pose(theta).0.distance(target);
                 // Rounding of lengths below 0.2 m, and of the cosine law.
                 assert!(miss < 1e-15, "{miss:e} m from {target}");
                 nearest = nearest.min(turn_near(&geometry, theta, goal).distance(goal));

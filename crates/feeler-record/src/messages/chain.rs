@@ -1,0 +1,125 @@
+//! Wire format of [`Joints`] and [`Command`] for fingers that do not have three joints.
+
+use super::channels::{Command, Joints, Stamped};
+use super::topic::RecordedMessage;
+use crate::reading::recording::{PictureAt, Recording};
+use crate::wire::{Vector3, cdr};
+use crate::{message, vector3_schema};
+use feeler::hand::{JointVector, MAX_JOINTS};
+use serde::{Deserialize, Serialize};
+
+/// Encoder readings of one finger with any number of joints.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct ChainJoints {
+    /// Time of the reading (s).
+    pub stamp: f64,
+    /// Joint positions (rad or m).
+    pub position: Vec<f64>,
+    /// Joint velocities (rad/s or m/s).
+    pub velocity: Vec<f64>,
+}
+
+message!(
+    ChainJoints,
+    "ChainJoints",
+    "# Encoders of one finger with any number of joints",
+    "float64 stamp  # s",
+    "float64[] position  # rad or m",
+    "float64[] velocity  # rad/s or m/s",
+);
+
+/// Command to the drives of one finger with any number of joints.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct ChainCommand {
+    /// Time of the command (s).
+    pub stamp: f64,
+    /// Joint velocities sent to the drives (rad/s or m/s).
+    pub joint_velocity: Vec<f64>,
+    /// Requested fingertip velocity before limiting, in `W` (m/s).
+    pub fingertip_velocity: Vector3,
+    /// `true` if a limit changed the request.
+    pub limited: bool,
+    /// Damping of the inverse kinematics near a singularity; otherwise 0.
+    pub damping: f64,
+}
+
+message!(
+    ChainCommand,
+    "ChainCommand",
+    "# Command to the drives of one finger with any number of joints",
+    "float64 stamp  # s",
+    "float64[] joint_velocity  # rad/s or m/s, as sent",
+    "geometry_msgs/Vector3 fingertip_velocity  # m/s in the world frame, as requested",
+    "bool limited  # a limit changed the request",
+    "float64 damping  # of the inverse near a singularity; 0 away from it",
+    vector3_schema!(),
+);
+
+impl Stamped for ChainJoints {
+    fn stamp(&self) -> f64 {
+        self.stamp
+    }
+}
+
+impl Stamped for ChainCommand {
+    fn stamp(&self) -> f64 {
+        self.stamp
+    }
+}
+
+/// Converts recorded numbers of joints.
+fn joints(values: &[f64]) -> Result<JointVector, String> {
+    let known = JointVector::from_slice(values);
+    known.ok_or_else(|| format!("expected at most {MAX_JOINTS} joints, got {}", values.len()))
+}
+
+/// Decodes a message with a finite stamp.
+fn decoded<M: RecordedMessage + crate::wire::Message>(bytes: &[u8]) -> Result<M, String> {
+    let message: M = cdr::decode(bytes).map_err(|e| e.to_string())?;
+    match message.stamp().is_finite() {
+        true => Ok(message),
+        false => Err(format!("expected a finite stamp, got {}", message.stamp())),
+    }
+}
+
+impl RecordedMessage for ChainJoints {
+    fn read_into(
+        recording: &mut Recording,
+        finger: Option<usize>,
+        bytes: &[u8],
+        _: PictureAt,
+    ) -> Result<(), String> {
+        let message: Self = decoded(bytes)?;
+        let read = Joints {
+            stamp: message.stamp,
+            position: joints(&message.position)?,
+            velocity: joints(&message.velocity)?,
+        };
+        if let Some(list) = Joints::list(recording, finger) {
+            list.push(read);
+        }
+        Ok(())
+    }
+}
+
+impl RecordedMessage for ChainCommand {
+    fn read_into(
+        recording: &mut Recording,
+        finger: Option<usize>,
+        bytes: &[u8],
+        _: PictureAt,
+    ) -> Result<(), String> {
+        let message: Self = decoded(bytes)?;
+        let read = Command {
+            stamp: message.stamp,
+            joint_velocity: joints(&message.joint_velocity)?,
+            fingertip_velocity: message.fingertip_velocity,
+            limited: message.limited,
+            damping: message.damping,
+        };
+        if let Some(list) = Command::list(recording, finger) {
+            list.push(read);
+        }
+        Ok(())
+    }
+}
