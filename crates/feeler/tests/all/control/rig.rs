@@ -117,7 +117,7 @@ pub fn state() -> HandState {
         stamp: 1.0,
         joints: vec![JointState {
             position: home(),
-            velocity: JointVector::default(),
+            velocity: JointVector::zeros(3),
         }],
     }
 }

@@ -14,7 +14,7 @@ impl IdealHand {
     pub fn new(home: Vec<JointVector>, period: f64) -> Self {
         let at_rest = |position| JointState {
             position,
-            velocity: JointVector::default(),
+            velocity: JointVector::zeros(3),
         };
         Self {
             stamp: 0.0,
