@@ -128,6 +128,7 @@ impl ServoConfig {
         remaining: f64,
         (lower, upper): (JointVector, JointVector),
     ) {
+        let lag = self.lag * (1.0 - remaining);
         for joint in 0..joints.count() {
             let moving = |velocity: f64| match joints.stalled[joint] {
                 true => 0.0,
@@ -135,8 +136,7 @@ impl ServoConfig {
             };
             let command = moving(joints.command[joint]);
             let error = moving(joints.velocity[joint]) - command;
-            let free =
-                joints.position[joint] + step * command + self.lag * (1.0 - remaining) * error;
+            let free = joints.position[joint] + step * command + lag * error;
             let position = clamp(free, lower[joint], upper[joint]);
             let stopped = free != position;
             joints.position[joint] = position;

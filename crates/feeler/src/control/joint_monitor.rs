@@ -116,11 +116,11 @@ impl JointMonitor {
         command: JointVector,
     ) -> Result<(), StopReason> {
         let (lower, upper) = (geometry.joint_lower(), geometry.joint_upper());
-        let (least, most) = (lower - BEYOND_LIMITS, upper + BEYOND_LIMITS);
-        let mut joints = 0..geometry.joint_count();
-        let is_outside =
-            |&joint: &usize| position[joint] < least[joint] || position[joint] > most[joint];
-        if let Some(joint) = joints.find(is_outside) {
+        let is_outside = |&joint: &usize| {
+            position[joint] < lower[joint] - BEYOND_LIMITS
+                || position[joint] > upper[joint] + BEYOND_LIMITS
+        };
+        if let Some(joint) = (0..geometry.joint_count()).find(is_outside) {
             return Err(StopReason::JointOutOfRange {
                 finger,
                 joint,
@@ -200,18 +200,24 @@ impl JointMonitor {
             return Ok(());
         }
         let elapsed = now.stamp - before.stamp;
-        let most = self.config.joint_jump * elapsed * geometry.joint_speed_limit();
-        let (turn, most) = (now.position - before.position, most + JUMP_NOISE);
-        match first_above(turn.abs(), most) {
-            None => Ok(()),
-            Some(joint) => Err(StopReason::JointJump {
-                finger,
-                joint,
-                turn: turn[joint],
-                elapsed,
-                limit: most[joint],
-            }),
+        let (speeds, factor) = (
+            geometry.joint_speed_limit(),
+            self.config.joint_jump * elapsed,
+        );
+        for joint in 0..geometry.joint_count() {
+            let turn = now.position[joint] - before.position[joint];
+            let limit = factor * speeds[joint] + JUMP_NOISE;
+            if turn.abs() > limit {
+                return Err(StopReason::JointJump {
+                    finger,
+                    joint,
+                    turn,
+                    elapsed,
+                    limit,
+                });
+            }
         }
+        Ok(())
     }
 
     /// Checks that no joint's turn deviates from the commands, measured from the oldest block with a known history of

@@ -108,6 +108,13 @@ impl JointVector {
     /// Applies `f` to the number of each joint.
     #[inline(always)]
     pub fn map(mut self, mut f: impl FnMut(f64) -> f64) -> Self {
+        if self.len == 3 {
+            // The usual number, unrolled.
+            for value in &mut self.values[..3] {
+                *value = f(*value);
+            }
+            return self;
+        }
         let len = self.len();
         for value in &mut self.values[..len] {
             *value = f(*value);
@@ -119,6 +126,13 @@ impl JointVector {
     #[inline(always)]
     pub fn zip_with(mut self, other: Self, mut f: impl FnMut(f64, f64) -> f64) -> Self {
         self.len = self.len.max(other.len);
+        if self.len == 3 {
+            // The usual number, unrolled.
+            for (value, other) in self.values[..3].iter_mut().zip(&other.values) {
+                *value = f(*value, *other);
+            }
+            return self;
+        }
         let len = self.len();
         for (value, other) in self.values[..len].iter_mut().zip(&other.values) {
             *value = f(*value, *other);
@@ -171,8 +185,10 @@ impl JointVector {
     /// Sum of the products of both numbers of each joint.
     #[inline]
     pub fn dot(self, other: Self) -> f64 {
-        let products = self * other;
-        products.iter().reduce(|sum, v| sum + v).unwrap_or(0.0)
+        let joints = 1..self.len().max(other.len());
+        joints.fold(self[0] * other[0], |sum, joint| {
+            sum + self[joint] * other[joint]
+        })
     }
 
     /// Euclidean norm. (The number of joints is [`len`](Self::len).)

@@ -1,4 +1,4 @@
-//! Input that is NaN or infinite stops the hand, in any field.
+//! Input that is NaN or infinite, in any field, or of another number of joints stops the hand.
 
 use super::rig::{controller, state, touch};
 use feeler::control::{StopReason, TactileReading};
@@ -82,5 +82,25 @@ fn a_force_above_the_limit_of_an_element_stops_the_hand() {
             limit: 4.0,
         });
         assert_eq!(stopped, expected);
+    }
+}
+
+#[test]
+fn another_number_of_joints_stops_the_hand() {
+    for actual in [1, 2, 4, 7] {
+        let (mut angles, mut speeds) = (state(), state());
+        angles.joints[0].position = JointVector::zeros(actual);
+        speeds.joints[0].velocity = JointVector::zeros(actual);
+        for state in [angles, speeds] {
+            let (stopped, velocity) = decided(&touch(1.0), &state);
+            let (finger, expected) = (0, 3);
+            let reason = StopReason::JointCount {
+                finger,
+                expected,
+                actual,
+            };
+            assert_eq!(stopped, Some(reason));
+            assert_eq!(velocity, JointVector::default());
+        }
     }
 }
