@@ -121,8 +121,8 @@ impl LimitsConfig {
         let speed = scale_to(within, geometry.joint_speed_limit());
         // Per joint: a joint that must brake must not wait for another one that may accelerate.
         let most_change = self.joint_acceleration * period;
-        let most_change = JointVector::splat(geometry.joint_count(), most_change);
-        let change = (speed - request.previous).clamp(-most_change, most_change);
+        let change = speed - request.previous;
+        let change = change.map(|v| lesser(greater(v, -most_change), most_change));
         let joint_velocity = request.previous + change;
         joint_velocity.is_finite().then_some(LimitedCommand {
             joint_velocity,

@@ -77,7 +77,9 @@ impl JointVector {
     /// Number of joints.
     #[inline(always)]
     pub const fn len(&self) -> usize {
-        self.len as usize
+        // The compiler then knows the bound, and omits checks of indices.
+        let len = self.len as usize;
+        if len < MAX_JOINTS { len } else { MAX_JOINTS }
     }
 
     /// `true` for the length 0.
