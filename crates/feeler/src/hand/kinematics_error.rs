@@ -35,17 +35,17 @@ pub enum KinematicsError {
     },
     /// Every posture that reaches the target violates a joint limit.
     #[error(
-        "fingertip target {target} m needs joint angles {theta} rad, the limits are {lower}..{upper} rad"
+        "fingertip target {target} m needs joint angles {theta} rad, the limits are {}..{} rad",
+        limits.0,
+        limits.1
     )]
     OutsideJointLimits {
         /// Target position of the fingertip in `W` (m).
         target: DVec3,
         /// Joint angles of the posture with the smallest limit violation (rad).
         theta: JointVector,
-        /// Lower limits of the joint angles (rad).
-        lower: JointVector,
-        /// Upper limits of the joint angles (rad).
-        upper: JointVector,
+        /// Lower and upper limits of the joint angles (rad).
+        limits: Box<(JointVector, JointVector)>,
     },
     /// The iteration did not converge although the target is within reach.
     #[error(

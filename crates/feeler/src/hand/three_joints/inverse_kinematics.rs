@@ -68,8 +68,7 @@ fn restart(finger: &ThreeJoints, target: DVec3, start: DVec3) -> Result<DVec3, K
         return Err(KinematicsError::OutsideJointLimits {
             target,
             theta: best.to_array().into(),
-            lower: lower.to_array().into(),
-            upper: upper.to_array().into(),
+            limits: Box::new((lower.to_array().into(), upper.to_array().into())),
         });
     }
     let theta = iterate(finger, target, best).theta.clamp(lower, upper);
