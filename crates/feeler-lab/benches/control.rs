@@ -75,7 +75,7 @@ fn decide_in_contact(bencher: Bencher, config: &ExperimentConfig) {
     config.control.monitor.joint_deviation = 0.0;
     let layout = ElementLayout::new(&config.sensor.fingertip.layout);
     let fingers: Vec<_> = (config.hand.finger.iter())
-        .map(|finger| FingerGeometry::new(finger).expect("a finger"))
+        .map(|finger| FingerGeometry::of(finger).expect("a finger"))
         .collect();
     let layouts = vec![layout; fingers.len()];
     let controller = Controller::new(config.control.clone(), &config.task, &fingers, &layouts);

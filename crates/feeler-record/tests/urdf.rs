@@ -1,7 +1,7 @@
 //! Checks that fingertip poses in the URDF, parsed by another library, match the kinematics.
 
 use feeler::hand::kinematics::fingertip_pose;
-use feeler::hand::{FingerConfig, FingerGeometry};
+use feeler::hand::{FingerConfig, FingerDescription, FingerGeometry, JointVector};
 use feeler_record::messages::{FingerModel, frame, joint_names};
 use feeler_record::viewers::urdf;
 use feeler_record::{Solid, SolidFrame, SolidShape};
@@ -24,12 +24,12 @@ fn finger(base_position: [f64; 3], (phi1_deg, phi2_deg): (f64, f64), l2: f64) ->
     }
 }
 
-fn built(config: &FingerConfig) -> FingerGeometry {
-    FingerGeometry::new(config).unwrap()
+fn built(description: &FingerDescription) -> FingerGeometry {
+    FingerGeometry::of(description).unwrap()
 }
 
-fn parse(fingers: &[FingerConfig], solids: &[Solid]) -> Robot {
-    let model = |geometry: &FingerConfig| FingerModel {
+fn parse(fingers: &[FingerDescription], solids: &[Solid]) -> Robot {
+    let model = |geometry: &FingerDescription| FingerModel {
         geometry: geometry.clone(),
         dome_radius: DOME,
         element_tips: Vec::new(),
@@ -49,11 +49,13 @@ fn pose(robot: &Robot, link: &str, angle: &impl Fn(&str) -> f64) -> DAffine3 {
     let turned =
         DMat3::from_rotation_z(yaw) * DMat3::from_rotation_y(pitch) * DMat3::from_rotation_x(roll);
     let origin = DAffine3::from_mat3_translation(turned, DVec3::from(*joint.origin.xyz));
-    let turn = match joint.joint_type {
-        JointType::Fixed => DQuat::IDENTITY,
-        _ => DQuat::from_axis_angle(DVec3::from(*joint.axis.xyz), angle(&joint.name)),
+    let axis = DVec3::from(*joint.axis.xyz);
+    let moved = match joint.joint_type {
+        JointType::Fixed => DAffine3::IDENTITY,
+        JointType::Prismatic => DAffine3::from_translation(axis * angle(&joint.name)),
+        _ => DAffine3::from_quat(DQuat::from_axis_angle(axis, angle(&joint.name))),
     };
-    pose(robot, &joint.parent.link, angle) * origin * DAffine3::from_quat(turn)
+    pose(robot, &joint.parent.link, angle) * origin * moved
 }
 
 proptest! {
@@ -65,9 +67,9 @@ proptest! {
         l2 in prop_oneof![Just(0.0), 0.001..0.1],
         theta in prop::array::uniform3(-3.0..3.0),
     ) {
-        let fingers = [finger([0.0; 3], (0.0, 0.0), 0.03), finger(base, phi, l2)];
+        let fingers = [finger([0.0; 3], (0.0, 0.0), 0.03), finger(base, phi, l2)].map(Into::into);
         let robot = parse(&fingers, &[]);
-        let names = joint_names(1);
+        let names: Vec<_> = joint_names(1, 3).collect();
         let angle = |joint: &str| {
             let index = names.iter().position(|name| name == joint);
             index.map_or(0.0, |index| theta[index])
@@ -80,13 +82,73 @@ proptest! {
     }
 }
 
+/// A finger with a sliding base, and a last joint that bends with the one before.
+const COUPLED: &str = r#"{
+    "base_position": [0.1, -0.2, 0.3],
+    "base_rpy": [0.4, -0.5, 0.6],
+    "joints": [
+        { "name": "slide", "lower": -0.02, "upper": 0.03, "speed": 0.1 },
+        { "name": "bend", "lower": -0.5, "upper": 1.5, "speed": 2.0 }
+    ],
+    "frames": [
+        { "type": "prismatic", "joint": "slide", "xyz": [0.01, 0.02, 0.0], "axis": [0.0, 1.0, 1.0] },
+        { "joint": "bend", "xyz": [0.0, 0.0, 0.04], "rpy": [0.3, 0.0, 0.2], "axis": [0.0, -1.0, 0.0] },
+        { "mimic": { "joint": "bend", "multiplier": -0.8, "offset": 0.1 }, "xyz": [0.05, 0.0, 0.01] }
+    ],
+    "tip_position": [0.03, 0.01, 0.0],
+    "tip_rpy": [0.0, 0.2, 0.0]
+}"#;
+
+proptest! {
+    /// Up to rounding errors of lengths below 1 m.
+    #[test]
+    fn fingertip_poses_of_chains_match_the_kinematics(slide in -0.02..0.03, bend in -0.5..1.5) {
+        let fingers = [serde_json::from_str(COUPLED).unwrap()];
+        let (robot, geometry) = (parse(&fingers, &[]), built(&fingers[0]));
+        let joints = JointVector::from([slide, bend]);
+        let positions: Vec<_> = geometry.frame_positions(joints).collect();
+        prop_assert_eq!(&positions, &[slide, bend, -0.8 * bend + 0.1]);
+        let names: Vec<_> = joint_names(0, 3).collect();
+        let position = |joint: &str| {
+            let index = names.iter().position(|name| name == joint);
+            index.map_or(0.0, |index| positions[index])
+        };
+        let drawn = pose(&robot, &frame(0, "dome"), &position);
+        let (position, rotation) = fingertip_pose(&geometry, joints);
+        prop_assert!((drawn.translation - position).length() < 1e-12);
+        let off = drawn.matrix3 - rotation;
+        prop_assert!(off.to_cols_array().iter().all(|entry| entry.abs() < 1e-12));
+    }
+}
+
+#[test]
+fn coupled_frames_have_the_limits_of_their_joint() {
+    let robot = parse(&[serde_json::from_str(COUPLED).unwrap()], &[]);
+    let joints = robot
+        .joints
+        .iter()
+        .filter(|j| j.joint_type != JointType::Fixed);
+    let limits = joints.map(|joint| [joint.limit.lower, joint.limit.upper, joint.limit.velocity]);
+    let expected = [[-0.02, 0.03, 0.1], [-0.5, 1.5, 2.0], [-1.1, 0.5, 1.6]];
+    for (limits, expected) in limits.zip(expected) {
+        for (limit, expected) in limits.into_iter().zip(expected) {
+            assert!(
+                (limit - expected).abs() < 1e-12,
+                "{limit} instead of {expected}"
+            );
+        }
+    }
+    let dome = robot.links.iter().find(|link| link.name == "finger_0_dome");
+    assert_eq!(dome.unwrap().visual.len(), 1);
+}
+
 #[test]
 fn limits_and_lengths_match_the_experiment() {
-    let fingers = [finger([0.0; 3], (0.0, 0.0), 0.0)];
+    let fingers = [finger([0.0; 3], (0.0, 0.0), 0.0).into()];
     let (robot, finger) = (parse(&fingers, &[]), built(&fingers[0]));
     assert_eq!(robot.name, "two & a half <fingers>");
-    for (index, name) in joint_names(0).iter().enumerate() {
-        let joint = robot.joints.iter().find(|joint| joint.name == *name);
+    for (index, name) in joint_names(0, 3).enumerate() {
+        let joint = robot.joints.iter().find(|joint| joint.name == name);
         let joint = joint.expect("the joint");
         assert_eq!(joint.joint_type, JointType::Revolute);
         assert_eq!(joint.limit.lower, finger.joint_lower()[index]);

@@ -157,7 +157,9 @@ fn around(experiment: &Experiment, count: usize) -> Result<Vec<String>, AnyError
     let TaskConfig::Screw(screw) = &experiment.config.task else {
         return Err("expected an experiment with [task.screw]".into());
     };
-    let (base, path) = (&experiment.config.hand.finger[0], &screw.finger[0]);
+    let base = experiment.config.hand.finger[0].three_joints();
+    let base = base.ok_or("expected a finger with three joints")?;
+    let path = &screw.finger[0];
     let (mut fingers, mut paths) = (Vec::new(), Vec::new());
     for finger in 0..count {
         let angle = TAU * finger as f64 / count as f64;

@@ -1,6 +1,6 @@
 //! A synthetic but plausible run: two fingers close a cap in four strokes.
 
-use feeler::hand::FingerConfig;
+use feeler::hand::{FingerConfig, FingerDescription};
 use feeler_record::wire::{Quaternion, Vector3};
 use feeler_record::{
     Cap, Command, Digest, FindingName, Findings, FingerModel, Fingertip, Flags, Joints,
@@ -67,7 +67,7 @@ pub fn facts() -> RunFacts {
 fn finger_model(side: f64) -> FingerModel {
     let tip = |element| (DOME_RADIUS * normal(element, side)).to_array();
     FingerModel {
-        geometry: FingerConfig {
+        geometry: FingerDescription::ThreeJoints(FingerConfig {
             base_position: [side * 0.1, 0.0, 0.1],
             phi1_deg: 0.0,
             phi2_deg: 0.0,
@@ -75,7 +75,7 @@ fn finger_model(side: f64) -> FingerModel {
             joint_lower_deg: [-90.0; 3],
             joint_upper_deg: [90.0; 3],
             joint_speed_limit: [2.0; 3],
-        },
+        }),
         dome_radius: DOME_RADIUS,
         element_tips: (0..ELEMENTS).map(tip).collect(),
     }
@@ -344,15 +344,15 @@ impl MadeUp {
             topics::joints(finger),
             &Joints {
                 stamp,
-                position: [0.1, travel, press],
-                velocity: [0.0, 0.1, -0.1],
+                position: [0.1, travel, press].into(),
+                velocity: [0.0, 0.1, -0.1].into(),
             },
         )?;
         recorder.write(
             topics::command(finger),
             &Command {
                 stamp,
-                joint_velocity: [0.0, 0.1, -0.1],
+                joint_velocity: [0.0, 0.1, -0.1].into(),
                 fingertip_velocity: DVec3::new(0.0, 0.01, 0.0).into(),
                 limited: press < self.last_press,
                 damping: 0.0,

@@ -123,3 +123,52 @@ impl RecordedMessage for ChainCommand {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn encoded<M: crate::wire::Message>(message: &M) -> Vec<u8> {
+        let mut bytes = Vec::new();
+        cdr::encode(message, &mut bytes).unwrap();
+        bytes
+    }
+
+    fn joints(position: JointVector) -> Joints {
+        Joints {
+            stamp: 0.5,
+            position,
+            velocity: -1.0 * position,
+        }
+    }
+
+    #[test]
+    fn three_joints_are_an_array_and_others_a_list() {
+        let three = encoded(&joints([0.1, -0.2, 0.3].into()));
+        // The header of CDR, a stamp and six numbers.
+        assert_eq!(three.len(), 4 + 7 * 8);
+        assert_eq!(
+            cdr::decode::<Joints>(&three).unwrap(),
+            joints([0.1, -0.2, 0.3].into())
+        );
+        for count in [1, 2, 4, 7] {
+            let own = joints(JointVector::splat(count, 0.25));
+            let bytes = encoded(&own);
+            let listed = ChainJoints {
+                stamp: 0.5,
+                position: vec![0.25; count],
+                velocity: vec![-0.25; count],
+            };
+            assert_eq!(bytes, encoded(&listed));
+        }
+    }
+
+    #[test]
+    fn too_many_joints_are_refused() {
+        assert!(
+            super::joints(&[0.0; 8])
+                .unwrap_err()
+                .contains("at most 7 joints, got 8")
+        );
+    }
+}

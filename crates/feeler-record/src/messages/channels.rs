@@ -435,16 +435,4 @@ mod tests {
             assert_eq!(nanoseconds(stamp), None, "{stamp}");
         }
     }
-
-    #[test]
-    fn more_joints_than_a_recording_contains_are_refused() {
-        let joints = JointVector::from([0.1, -0.2, 0.3]);
-        assert_eq!(recorded_joints(joints).unwrap(), [0.1, -0.2, 0.3]);
-        assert_eq!(recorded_joints(JointVector::default()).unwrap(), [0.0; 3]);
-        let error = recorded_joints(JointVector::zeros(7)).unwrap_err();
-        assert_eq!(
-            error.to_string(),
-            "a recording contains 3 joints per finger, but a finger has 7"
-        );
-    }
 }

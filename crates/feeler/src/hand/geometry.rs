@@ -87,21 +87,25 @@ impl FingerGeometry {
     }
 
     /// Number of joints.
+    #[inline]
     pub fn joint_count(&self) -> usize {
         self.joint_lower.len()
     }
 
     /// Lower limits of the joint positions (rad or m).
+    #[inline]
     pub fn joint_lower(&self) -> JointVector {
         self.joint_lower
     }
 
     /// Upper limits of the joint positions (rad or m).
+    #[inline]
     pub fn joint_upper(&self) -> JointVector {
         self.joint_upper
     }
 
     /// Maximum joint speeds in either direction (rad/s or m/s).
+    #[inline]
     pub fn joint_speed_limit(&self) -> JointVector {
         self.joint_speed_limit
     }

@@ -202,7 +202,7 @@ fn peaks_of_a_long_run_are_kept_in_its_columns() {
         let place = whole.time.binary_search_by(|t| t.total_cmp(time));
         let place = place.expect("the same row");
         assert_eq!(data.fingers[1].forces[row], whole.fingers[1].forces[place]);
-        assert_eq!(data.fingers[1].joints[row], whole.fingers[1].joints[place]);
+        assert_eq!(data.fingers[1].frames[row], whole.fingers[1].frames[place]);
     }
 }
 

@@ -93,7 +93,8 @@ fn the_rows_of_a_page_equal_those_of_the_recording() {
         assert_eq!(page.row("frame/cap", row)[..3], centre);
         for (number, finger) in recording.fingers.iter().enumerate() {
             let column = |name: &str| page.row(&format!("finger/{number}/{name}"), row);
-            assert_eq!(column("joints"), finger.joints[row].position.map(single));
+            let position = finger.joints[row].position.map(single);
+            assert_eq!(column("joints"), position.as_slice());
             assert_eq!(
                 column("grasp_force"),
                 [single(finger.flags[row].grasp_force)]

@@ -55,7 +55,8 @@ fn a_recording_reads_back_as_written() {
         recording.fingers[1].flags[150].shear_rate.len(),
         support::ELEMENTS
     );
-    assert_eq!(recording.fingers[1].joints[95].velocity, [0.0, 0.1, -0.1]);
+    let velocity = recording.fingers[1].joints[95].velocity;
+    assert_eq!(velocity.as_slice(), [0.0, 0.1, -0.1]);
 }
 
 #[test]

@@ -88,8 +88,8 @@ fn a_replayed_recording_gives_the_same_commands() {
         control_loop.step().unwrap();
         for (finger, record) in recording.fingers.iter().enumerate() {
             let replayed = control_loop.command().joint_velocity()[finger];
-            let replayed = replayed.to_array::<3>().unwrap();
             let recorded = record.command[step].joint_velocity;
+            let [replayed, recorded] = [replayed, recorded].map(|v| v.to_array::<3>().unwrap());
             assert_eq!(
                 replayed.map(f64::to_bits),
                 recorded.map(f64::to_bits),

@@ -27,7 +27,8 @@ fn data(rates: &[f64], torque: f64) -> RunData {
         largest_force: vec![1.0; ROWS],
         position: vec![DVec3::ZERO; ROWS],
         rotation: vec![DQuat::IDENTITY; ROWS],
-        joints: vec![[0.0; 3]; ROWS],
+        frames: (0..ROWS).map(|_| [0.0; 3]).collect(),
+        geometry: None,
         tips: vec![DVec3::X],
     };
     RunData {

@@ -61,7 +61,7 @@ pub fn world_with_fingers(sim: &SimConfig, count: usize) -> World {
     let config = &experiment.config;
     let layout = ElementLayout::new(&config.sensor.fingertip.layout);
     let fingers: Vec<_> = (config.hand.finger.iter().take(count))
-        .map(|f| (FingerGeometry::new(f).expect("a finger"), layout.clone()))
+        .map(|f| (FingerGeometry::of(f).expect("a finger"), layout.clone()))
         .collect();
     let joints = vec![JointVector::from([0.0, 1.0, -1.0]); count];
     World::new(sim, &fingers, &joints, Path::new(""), 0).expect("a world")

@@ -43,7 +43,7 @@ impl OneFeeler {
             }],
             grid: None,
         });
-        let finger = FingerGeometry::new(&config.hand.finger[0]).expect("a finger");
+        let finger = FingerGeometry::of(&config.hand.finger[0]).expect("a finger");
         let joints = [[0.0, 1.0, -1.0].into()];
         let fingers = [(finger, layout)];
         let world = World::new(&sim, &fingers, &joints, Path::new(""), 0).expect("a world");

@@ -55,7 +55,7 @@ pub fn world(experiment: &Experiment, start: &[JointVector]) -> World {
     let layout = ElementLayout::new(&config.sensor.fingertip.layout);
     let fingers = config.hand.finger.iter();
     let fingers: Vec<_> = fingers
-        .map(|f| (FingerGeometry::new(f).expect("a finger"), layout.clone()))
+        .map(|f| (FingerGeometry::of(f).expect("a finger"), layout.clone()))
         .collect();
     World::new(
         config.simulation().expect("a simulated world"),
