@@ -51,6 +51,14 @@ pub enum ConfigError {
         /// Cause of the failure, which contains the path of the file.
         source: Box<ConfigError>,
     },
+    /// A finger cannot be read from its URDF file.
+    #[error("{key}: {message}")]
+    Urdf {
+        /// Key of the finger.
+        key: String,
+        /// Expected and actual content.
+        message: String,
+    },
     /// The text is not valid TOML, or a key is unknown, missing or of the wrong type.
     #[error("{origin}: {message}")]
     Syntax {

@@ -7,6 +7,7 @@ use super::error::ConfigError;
 use super::experiment_config::ExperimentConfig;
 use super::missing::missing;
 use super::settings::{put, with_defaults};
+use super::urdf::resolve;
 use super::words::in_words;
 use crate::sweep::plan::plausible::plausible_hand;
 use feeler::sensor::fingertip::{FingertipConfig, sha256};
@@ -72,6 +73,8 @@ impl Experiment {
         let mut document: DocumentMut = text
             .parse()
             .map_err(|e: toml_edit::TomlError| syntax(e.to_string()))?;
+        let resolved = resolve(&mut document, folder.as_deref())?.then(|| document.to_string());
+        let text = resolved.as_deref().unwrap_or(text);
         let full = with_defaults(text, settings);
         for setting in settings {
             put(&mut document, full.as_ref(), setting)?;

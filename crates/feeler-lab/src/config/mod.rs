@@ -17,6 +17,7 @@ mod policy;
 mod ros2;
 mod settings;
 mod stand_in;
+mod urdf;
 mod words;
 
 pub use built_in::{BUILT_IN, BuiltIn};

@@ -1,0 +1,375 @@
+//! Reads a finger from a URDF file, the robot description format of ROS.
+//!
+//! A finger with the key `urdf` is replaced by the chain of joints from `base` (default: the root link) to the link `tip`
+//! before the experiment is parsed, so that recordings contain the whole geometry.
+
+use super::error::ConfigError;
+use super::load::read;
+use feeler::hand::chain::{FrameRow, JointConfig, MimicConfig, RowType};
+use roxmltree::{Document, Node};
+use serde::Serialize;
+use std::path::Path;
+use toml_edit::{DocumentMut, Item, TableLike, Value};
+
+/// Position limit of a joint without limits (rad), and speed of one without a maximum (rad/s).
+const UNLIMITED: f64 = std::f64::consts::TAU;
+const UNKNOWN_SPEED: f64 = 1.0;
+
+/// Independent joints and frames of a finger.
+#[derive(Debug, Default, Serialize)]
+struct Finger {
+    joints: Vec<JointConfig>,
+    frames: Vec<FrameRow>,
+}
+
+/// Replaces the key `urdf` of each finger in `document` by the chain in that file, whose name is relative to `folder`.
+/// Returns `true` if there was one.
+///
+/// # Errors
+/// If a file cannot be read, is not URDF, or has no chain to the fingertip.
+pub(super) fn resolve(
+    document: &mut DocumentMut,
+    folder: Option<&Path>,
+) -> Result<bool, ConfigError> {
+    let hand = document.get_mut("hand");
+    let fingers: Vec<&mut dyn TableLike> = match hand.and_then(|hand| hand.get_mut("finger")) {
+        Some(Item::ArrayOfTables(tables)) => tables
+            .iter_mut()
+            .map(|table| table as &mut dyn TableLike)
+            .collect(),
+        Some(Item::Value(Value::Array(values))) => {
+            let tables = values.iter_mut().filter_map(Value::as_inline_table_mut);
+            tables.map(|table| table as &mut dyn TableLike).collect()
+        }
+        _ => Vec::new(),
+    };
+    let mut any = false;
+    for (index, finger) in fingers.into_iter().enumerate() {
+        any |= resolve_finger(index, finger, folder)?;
+    }
+    Ok(any)
+}
+
+fn resolve_finger(
+    index: usize,
+    finger: &mut dyn TableLike,
+    folder: Option<&Path>,
+) -> Result<bool, ConfigError> {
+    let refused = |message: String| ConfigError::Urdf {
+        key: format!("hand.finger[{index}]"),
+        message,
+    };
+    if !finger.contains_key("urdf") {
+        return Ok(false);
+    }
+    let mut take = |name: &str| match finger.remove(name) {
+        None => Ok(None),
+        Some(item) => match item.as_str() {
+            Some(text) => Ok(Some(text.to_string())),
+            None => Err(refused(format!(
+                "{name}: expected text, got {}",
+                item.type_name()
+            ))),
+        },
+    };
+    let (file, base, tip) = (take("urdf")?, take("base")?, take("tip")?);
+    let tip =
+        tip.ok_or_else(|| refused("expected tip, the name of the fingertip's link".into()))?;
+    let path = folder
+        .unwrap_or(Path::new(""))
+        .join(file.unwrap_or_default());
+    let text = read(&path, "a robot description (URDF)")?;
+    let chain = chain(&text, base.as_deref(), &tip);
+    let chain = chain.map_err(|message| refused(format!("{}: {message}", path.display())))?;
+    for (name, value) in [
+        ("joints", toml(&chain.joints)),
+        ("frames", toml(&chain.frames)),
+    ] {
+        if finger.contains_key(name) {
+            return Err(refused(format!("expected either urdf or {name}, got both")));
+        }
+        finger.insert(name, Item::Value(value));
+    }
+    Ok(true)
+}
+
+/// Converts a list of tables.
+fn toml(list: &impl Serialize) -> Value {
+    // Every value has a TOML equivalent.
+    let text = toml::Value::try_from(list).map(|value| value.to_string());
+    let value = text.ok().and_then(|text| text.parse().ok());
+    value.unwrap_or_else(|| Value::Array(Default::default()))
+}
+
+/// Returns the chain of joints from the link `base` to the link `tip`.
+fn chain(text: &str, base: Option<&str>, tip: &str) -> Result<Finger, String> {
+    let document = Document::parse(text).map_err(|error| error.to_string())?;
+    let robot = document.root_element();
+    if robot.tag_name().name() != "robot" {
+        return Err(format!(
+            "expected <robot>, got <{}>",
+            robot.tag_name().name()
+        ));
+    }
+    let joints: Vec<_> = robot
+        .children()
+        .filter(|node| node.has_tag_name("joint"))
+        .collect();
+    let mut path = Vec::new();
+    let mut link = tip.to_string();
+    while base != Some(link.as_str()) {
+        let Some(joint) = joints
+            .iter()
+            .find(|joint| end(joint, "child") == Some(&link))
+        else {
+            match base {
+                None => break,
+                Some(base) => {
+                    return Err(format!(
+                        "expected a chain from link {base:?} to {tip:?}, it ends at {link:?}"
+                    ));
+                }
+            }
+        };
+        path.push(*joint);
+        link = required(end(joint, "parent"), joint, "parent link")?.to_string();
+        if path.len() > joints.len() {
+            return Err(format!("the joints above link {tip:?} form a circle"));
+        }
+    }
+    if path.is_empty() {
+        let links = robot.children().filter(|node| node.has_tag_name("link"));
+        let links: Vec<_> = links.filter_map(|link| link.attribute("name")).collect();
+        return Err(format!(
+            "no joint leads to link {tip:?}; expected one of {}",
+            links.join(", ")
+        ));
+    }
+    let mut finger = Finger::default();
+    for joint in path.into_iter().rev() {
+        let row = row(&joint, &joints, &mut finger.joints)?;
+        finger.frames.push(row);
+    }
+    Ok(finger)
+}
+
+/// Name of the link at an `end` of a joint, `parent` or `child`.
+fn end<'a>(joint: &Node<'a, '_>, end: &str) -> Option<&'a str> {
+    child(joint, end)?.attribute("link")
+}
+
+fn child<'a, 'i>(node: &Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
+    node.children().find(|child| child.has_tag_name(name))
+}
+
+/// Names a joint in messages.
+fn name_of<'a>(joint: &Node<'a, '_>) -> &'a str {
+    joint.attribute("name").unwrap_or("without a name")
+}
+
+fn required<T>(value: Option<T>, joint: &Node, what: &str) -> Result<T, String> {
+    value.ok_or_else(|| format!("joint {:?}: expected a {what}", name_of(joint)))
+}
+
+/// Converts a joint. An independent one is added to `known`.
+fn row(joint: &Node, all: &[Node], known: &mut Vec<JointConfig>) -> Result<FrameRow, String> {
+    let name = name_of(joint);
+    let origin = child(joint, "origin");
+    let kind = joint.attribute("type").unwrap_or_default();
+    let mut row = FrameRow {
+        xyz: vector(origin, "xyz", joint)?.unwrap_or_default(),
+        rpy: vector(origin, "rpy", joint)?.unwrap_or_default(),
+        row_type: match kind {
+            "fixed" => RowType::Fixed,
+            "revolute" | "continuous" => RowType::Revolute,
+            "prismatic" => RowType::Prismatic,
+            _ => {
+                return Err(format!(
+                    "joint {name:?}: expected fixed, revolute, continuous or prismatic, got {kind:?}"
+                ));
+            }
+        },
+        ..FrameRow::default()
+    };
+    if row.row_type == RowType::Fixed {
+        return Ok(row);
+    }
+    if let Some(axis) = vector(child(joint, "axis"), "xyz", joint)? {
+        row.axis = axis;
+    }
+    match child(joint, "mimic") {
+        None => row.joint = Some(add(joint, known)?),
+        Some(mimic) => {
+            let master = mimic.attribute("joint").unwrap_or_default();
+            // The master may be in another part of the robot.
+            let driver = all
+                .iter()
+                .find(|joint| joint.attribute("name") == Some(master));
+            let driver = required(driver, joint, "mimic of a joint of this robot")?;
+            row.mimic = Some(MimicConfig {
+                joint: add(driver, known)?,
+                multiplier: number(mimic, "multiplier", joint)?.unwrap_or(1.0),
+                offset: number(mimic, "offset", joint)?.unwrap_or(0.0),
+            });
+        }
+    }
+    Ok(row)
+}
+
+/// Adds an independent joint unless it is known. Returns its name.
+fn add(joint: &Node, known: &mut Vec<JointConfig>) -> Result<String, String> {
+    let name = required(joint.attribute("name"), joint, "name")?.to_string();
+    if known.iter().any(|other| other.name == name) {
+        return Ok(name);
+    }
+    let (lower, upper) = match joint.attribute("type") {
+        Some("continuous") => (-UNLIMITED, UNLIMITED),
+        _ => {
+            let expected = "<limit lower=\"...\" upper=\"...\">";
+            let lower = required(limit(joint, "lower")?, joint, expected)?;
+            (lower, required(limit(joint, "upper")?, joint, expected)?)
+        }
+    };
+    let speed = limit(joint, "velocity")?.filter(|speed| *speed > 0.0);
+    known.push(JointConfig {
+        name: name.clone(),
+        lower,
+        upper,
+        speed: speed.unwrap_or(UNKNOWN_SPEED),
+    });
+    Ok(name)
+}
+
+/// Returns a limit of a joint, if it is given.
+fn limit(joint: &Node, key: &str) -> Result<Option<f64>, String> {
+    match child(joint, "limit") {
+        Some(limit) => number(limit, key, joint),
+        None => Ok(None),
+    }
+}
+
+/// Returns three numbers of an attribute, if there is one.
+fn vector(node: Option<Node>, key: &str, joint: &Node) -> Result<Option<[f64; 3]>, String> {
+    let Some(text) = node.and_then(|node| node.attribute(key)) else {
+        return Ok(None);
+    };
+    let numbers: Result<Vec<f64>, _> = text.split_whitespace().map(str::parse).collect();
+    let three = numbers
+        .ok()
+        .and_then(|numbers| <[f64; 3]>::try_from(numbers).ok());
+    required(
+        three,
+        joint,
+        &format!("{key} of three numbers, got {text:?}"),
+    )
+    .map(Some)
+}
+
+/// Returns the number of an attribute, if there is one.
+fn number(node: Node, key: &str, joint: &Node) -> Result<Option<f64>, String> {
+    let Some(text) = node.attribute(key) else {
+        return Ok(None);
+    };
+    let number = text.trim().parse().ok();
+    required(number, joint, &format!("number in {key}, got {text:?}")).map(Some)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use feeler::hand::FingerGeometry;
+    use feeler::hand::chain::ChainConfig;
+    use feeler::hand::{JointVector, fingertip_pose};
+    use glam::DVec3;
+
+    /// A palm with a finger of two joints and a coupled one, and a wheel.
+    const ROBOT: &str = r#"<?xml version="1.0"?>
+        <robot name="r">
+          <link name="palm"/><link name="one"/><link name="two"/><link name="three"/><link name="tip"/><link name="hub"/>
+          <joint name="bend" type="revolute"><parent link="palm"/><child link="one"/>
+            <origin xyz="0.1 0 0"/><axis xyz="0 0 1"/><limit lower="-0.5" upper="1.5" velocity="2" effort="1"/></joint>
+          <joint name="pull" type="prismatic"><parent link="one"/><child link="two"/>
+            <origin xyz="0.05 0 0" rpy="0 0 0"/><limit lower="0" upper="0.02" velocity="0.1" effort="1"/></joint>
+          <joint name="follow" type="revolute"><parent link="two"/><child link="three"/>
+            <axis xyz="0 0 1"/><mimic joint="bend" multiplier="0.5" offset="0.1"/></joint>
+          <joint name="end" type="fixed"><parent link="three"/><child link="tip"/><origin xyz="0.03 0 0"/></joint>
+          <joint name="wheel" type="continuous"><parent link="palm"/><child link="hub"/><axis xyz="0 1 0"/></joint>
+        </robot>"#;
+
+    fn geometry(chain: Finger) -> FingerGeometry {
+        let config = ChainConfig {
+            joints: chain.joints,
+            frames: chain.frames,
+            ..toml::from_str("base_position = [0.0, 0.0, 0.0]\njoints = []").unwrap()
+        };
+        FingerGeometry::chain(&config).unwrap()
+    }
+
+    #[test]
+    fn a_chain_ends_at_the_tip_link() {
+        let geometry = geometry(chain(ROBOT, None, "tip").unwrap());
+        assert_eq!(geometry.joint_count(), 2);
+        assert_eq!(geometry.joint_lower().as_slice(), [-0.5, 0.0]);
+        assert_eq!(geometry.joint_speed_limit().as_slice(), [2.0, 0.1]);
+        let (bend, pull) = (0.4_f64, 0.01);
+        let (position, _) = fingertip_pose(&geometry, JointVector::from([bend, pull]));
+        let along = |angle: f64| DVec3::new(angle.cos(), angle.sin(), 0.0);
+        let expected =
+            DVec3::X * 0.1 + along(bend) * (0.05 + pull) + along(1.5 * bend + 0.1) * 0.03;
+        assert!(position.abs_diff_eq(expected, 1e-15), "{position}");
+    }
+
+    #[test]
+    fn a_chain_may_start_below_the_root() {
+        let finger = chain(ROBOT, Some("one"), "two").unwrap();
+        let names: Vec<_> = finger
+            .joints
+            .iter()
+            .map(|joint| joint.name.as_str())
+            .collect();
+        assert_eq!((names, finger.frames.len()), (vec!["pull"], 1));
+        let wheel = chain(ROBOT, None, "hub").unwrap();
+        assert_eq!(
+            [wheel.joints[0].lower, wheel.joints[0].upper],
+            [-UNLIMITED, UNLIMITED]
+        );
+    }
+
+    #[test]
+    fn what_is_not_a_finger_is_refused() {
+        let refused = |text: &str, base, tip: &str, words: &str| {
+            let error = chain(text, base, tip).unwrap_err();
+            assert!(error.contains(words), "{error}");
+        };
+        refused("<robot", None, "tip", "1:");
+        refused("<a/>", None, "tip", "expected <robot>, got <a>");
+        refused(ROBOT, None, "thumb", "expected one of palm, one, two");
+        refused(ROBOT, Some("hub"), "tip", "it ends at \"palm\"");
+        refused(
+            &ROBOT.replace("0.1 0 0", "0.1 x 0"),
+            None,
+            "tip",
+            "\"bend\": expected a xyz of three numbers",
+        );
+        refused(
+            &ROBOT.replace("prismatic", "floating"),
+            None,
+            "tip",
+            "got \"floating\"",
+        );
+        refused(
+            &ROBOT.replace("joint=\"bend\"", "joint=\"no\""),
+            None,
+            "tip",
+            "mimic of a joint",
+        );
+        refused(
+            &ROBOT.replace("lower=\"-0.5\"", ""),
+            None,
+            "tip",
+            "expected <limit",
+        );
+        let circle = ROBOT.replace("<parent link=\"palm\"/>", "<parent link=\"tip\"/>");
+        refused(&circle, None, "tip", "circle");
+    }
+}
