@@ -41,7 +41,7 @@ export interface RunTable {
  * Column names (all except `time` are optional):
  * - `time` (f64): time in s, strictly increasing
  * - `phase` (u8): phase number
- * - `finger/N/joints`, width 3: joint angles in rad
+ * - `finger/N/joints`, a number per moving frame of the finger: angle in rad or displacement in m
  * - `finger/N/forces`, width 3 per element: x, y, z in the element's frame in N; x and y are the tangential force on
  *   the feeler by the object, z is compression, positive when pressed
  * - `finger/N/flags` (u8): bit 0 TOUCH, bit 1 SLIP, bit 2 OVER, bit 3 true slip (simulated runs only)
@@ -80,14 +80,17 @@ export type Vector = [number, number, number];
 /** Quaternion x, y, z, w. */
 export type Quaternion = [number, number, number, number];
 
-/** A frame, relative to its parent: this pose, followed by a rotation about z by the angle of the joint, if any. */
+/** A frame, relative to its parent: this pose, followed by a rotation about z, or a motion along z, of the joint, if any. */
 export interface Frame {
   name: string;
   parent: string;
   position: Vector;
   rotation: Quaternion;
-  /** Finger and joint (0 to 2) of `finger/N/joints`. A column `frame/NAME` replaces both pose and joint. */
-  joint?: { finger: number; joint: number };
+  /**
+   * Finger and place in `finger/N/joints`; a prismatic joint moves along z. A column `frame/NAME` replaces both pose and
+   * joint.
+   */
+  joint?: { finger: number; joint: number; prismatic?: boolean };
 }
 
 /** A solid that is fixed in a frame. Lengths are in m. */

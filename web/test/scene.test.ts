@@ -25,6 +25,27 @@ test("frames moved by joints agree with the finger's kinematics", async () => {
   });
 });
 
+test("a prismatic joint moves its frame along z", async () => {
+  const run = simulate(1);
+  const packed = runTable(run, 2, elements().length);
+  const slide = { finger: 0, joint: 1, prismatic: true };
+  const frames = [
+    {
+      name: "rail",
+      parent: "world",
+      position: [1, 2, 3],
+      rotation: [0, Math.SQRT1_2, 0, Math.SQRT1_2],
+      joint: slide,
+    },
+  ];
+  const tree = new FrameTree({ ...scene(), frames } as never, readTable(packed, await inflate(packed.data)));
+  tree.moveTo(200);
+  // The frame's z axis is x of the world.
+  const expected = new Vector3(1 + (run.rows[200]?.joints[0]?.[1] ?? 0), 2, 3);
+  const got = new Vector3().setFromMatrixPosition(tree.world("rail"));
+  assert.ok(got.distanceTo(expected) < 1e-6, `${got.toArray()} for ${expected.toArray()}`);
+});
+
 test("a frame with a recorded pose has that pose", async () => {
   const run = simulate(1);
   const packed = runTable(run, 2, elements().length);

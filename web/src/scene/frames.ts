@@ -13,7 +13,7 @@ interface Node {
   /** Pose in the parent with the joint at zero. */
   rest: Matrix4;
   world: Matrix4;
-  joint: { angles: Column; index: number } | undefined;
+  joint: { positions: Column; index: number; slides: boolean } | undefined;
   pose: Column | undefined;
 }
 
@@ -21,7 +21,7 @@ interface Node {
 export class FrameTree {
   readonly #nodes: Node[] = [];
   readonly #byName = new Map<string, Node>();
-  readonly #turn = new Matrix4();
+  readonly #motion = new Matrix4();
   readonly #position = new Vector3();
   readonly #rotation = new Quaternion();
   readonly #world = new Matrix4();
@@ -47,7 +47,7 @@ export class FrameTree {
 
   moveTo(row: number): void {
     for (const node of this.#nodes) {
-      if (!this.#pose(node, row)) this.#turned(node, row);
+      if (!this.#pose(node, row)) this.#moved(node, row);
       if (node.parent) node.world.premultiply(node.parent.world);
     }
   }
@@ -55,12 +55,12 @@ export class FrameTree {
   #add(frame: Frame, table: Table): void {
     const { name, parent, position, rotation, joint } = frame;
     const rest = new Matrix4().compose(new Vector3(...position), new Quaternion(...rotation), UNIT);
-    const angles = joint && table.column(`finger/${joint.finger}/joints`);
+    const positions = joint && table.column(`finger/${joint.finger}/joints`);
     const node: Node = {
       parent: this.#byName.get(parent),
       rest,
       world: new Matrix4(),
-      joint: angles && { angles, index: joint.joint },
+      joint: positions && { positions, index: joint.joint, slides: joint.prismatic ?? false },
       pose: table.column(`frame/${name}`),
     };
     this.#nodes.push(node);
@@ -78,9 +78,11 @@ export class FrameTree {
     return true;
   }
 
-  #turned({ rest, world, joint }: Node, row: number): void {
+  #moved({ rest, world, joint }: Node, row: number): void {
     world.copy(rest);
-    const angle = joint?.angles.at(row, joint.index) ?? 0;
-    if (Number.isFinite(angle)) world.multiply(this.#turn.makeRotationZ(angle));
+    const position = joint?.positions.at(row, joint.index) ?? 0;
+    if (!Number.isFinite(position)) return;
+    if (joint?.slides) world.multiply(this.#motion.makeTranslation(0, 0, position));
+    else world.multiply(this.#motion.makeRotationZ(position));
   }
 }
