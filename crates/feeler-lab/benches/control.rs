@@ -107,6 +107,32 @@ fn decide_in_contact(bencher: Bencher, config: &ExperimentConfig) {
     assert_eq!(controller.stop_reason(), None);
 }
 
+/// One decision for two fingers with four joints each, in contact, with flags.
+#[divan::bench(args = ["allegro", "leap"])]
+fn decide_with_four_joints(bencher: Bencher, hand: &str) {
+    let file = format!(
+        "{}/../../docs/hands/{hand}-finger.urdf",
+        env!("CARGO_MANIFEST_DIR")
+    );
+    let ([x, y, z], [one, other]) = match hand {
+        "allegro" => (
+            [-0.0955, -0.0435, 0.0063],
+            [[0.0873, -0.5992, 0.0], [0.0873, -0.5992, 3.1416]],
+        ),
+        _ => (
+            [-0.1303, -0.0082, 0.0096],
+            [[3.1416, -0.6561, 3.1416], [3.1416, -0.6561, 0.0]],
+        ),
+    };
+    let finger = |base: [f64; 3], rpy: [f64; 3]| {
+        format!("{{urdf={file:?}, tip=\"tip\", base_position={base:?}, base_rpy={rpy:?}}}")
+    };
+    let fingers = [finger([x, y, z], one), finger([-x, -y, z], other)].join(",");
+    let settings = [format!("hand.finger=[{fingers}]")];
+    let experiment = Experiment::load("cap-until-closed", &settings);
+    decide_in_contact(bencher, &experiment.expect("the hand").config);
+}
+
 /// Velocities of two fingers under each control law, while they keep their grasp.
 #[divan::bench(args = laws())]
 fn law_in_contact(bencher: Bencher, name: &str) {

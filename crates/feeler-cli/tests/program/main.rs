@@ -10,6 +10,7 @@ mod calibrate_wrench;
 mod cameras;
 mod cap;
 mod carry;
+mod chains;
 mod check_objects;
 mod cli;
 mod compare;

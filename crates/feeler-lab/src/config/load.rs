@@ -79,6 +79,7 @@ impl Experiment {
         for setting in settings {
             put(&mut document, full.as_ref(), setting)?;
         }
+        resolve(&mut document, folder.as_deref())?;
         let toml = document.to_string();
         let config: ExperimentConfig = match toml::from_str(&toml) {
             Ok(config) => config,

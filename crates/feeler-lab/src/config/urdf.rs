@@ -23,7 +23,7 @@ struct Finger {
 }
 
 /// Replaces the key `urdf` of each finger in `document` by the chain in that file, whose name is relative to `folder`.
-/// Returns `true` if there was one.
+/// Returns `true` if any finger had this key.
 ///
 /// # Errors
 /// If a file cannot be read, is not URDF, or has no chain to the fingertip.
@@ -248,7 +248,7 @@ fn limit(joint: &Node, key: &str) -> Result<Option<f64>, String> {
     }
 }
 
-/// Returns three numbers of an attribute, if there is one.
+/// Returns three numbers of an attribute, or `None` without it.
 fn vector(node: Option<Node>, key: &str, joint: &Node) -> Result<Option<[f64; 3]>, String> {
     let Some(text) = node.and_then(|node| node.attribute(key)) else {
         return Ok(None);
@@ -265,7 +265,7 @@ fn vector(node: Option<Node>, key: &str, joint: &Node) -> Result<Option<[f64; 3]
     .map(Some)
 }
 
-/// Returns the number of an attribute, if there is one.
+/// Returns the number of an attribute, or `None` without it.
 fn number(node: Node, key: &str, joint: &Node) -> Result<Option<f64>, String> {
     let Some(text) = node.attribute(key) else {
         return Ok(None);

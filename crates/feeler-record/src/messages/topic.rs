@@ -43,7 +43,7 @@ impl<M> RecordedTopic<M> {
         }
     }
 
-    /// The same topic with messages in the wire format of `N`.
+    /// This topic, with messages in the wire format of `N`.
     fn encoded_as<N>(self) -> RecordedTopic<N> {
         RecordedTopic {
             name: self.name,
