@@ -6,7 +6,7 @@
 
 use crate::check::Checker;
 use crate::hand::geometry::FingerGeometry;
-use crate::hand::joint_vector::{JointVector, MAX_JOINTS, greater, lesser};
+use crate::hand::joint_vector::{JointVector, greater, lesser};
 use crate::hand::kinematics::{damping_threshold, resolved_rate_within};
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
@@ -112,23 +112,68 @@ impl LimitsConfig {
             deceleration: self.joint_acceleration,
             period,
         };
-        let bounds = braking.joint_bounds(geometry, request.theta);
+        let (lower, upper) = (geometry.joint_lower(), geometry.joint_upper());
+        let bounds = |joint: usize| {
+            let theta = request.theta[joint];
+            [
+                -braking.greatest_speed(theta - lower[joint]),
+                braking.greatest_speed(upper[joint] - theta),
+            ]
+        };
         let rate = resolved_rate_within(geometry, request.theta, slow, Some(&bounds));
-        let mut within = rate.joint_velocity;
-        for (joint, [lowest, highest]) in bounds.into_iter().enumerate().take(within.len()) {
-            within[joint] = lesser(greater(within[joint], lowest), highest);
-        }
-        let speed = scale_to(within, geometry.joint_speed_limit());
-        // Per joint: a joint that must brake must not wait for another one that may accelerate.
-        let most_change = self.joint_acceleration * period;
-        let change = speed - request.previous;
-        let change = change.map(|v| lesser(greater(v, -most_change), most_change));
-        let joint_velocity = request.previous + change;
+        let joint_velocity = match geometry.joint_count() {
+            // A constant, so that the loops are unrolled.
+            3 => self.limit_joints(3, geometry, &rate.joint_velocity, request, period, bounds),
+            count => self.limit_joints(
+                count,
+                geometry,
+                &rate.joint_velocity,
+                request,
+                period,
+                bounds,
+            ),
+        };
         joint_velocity.is_finite().then_some(LimitedCommand {
             joint_velocity,
             limited: slow != request.velocity || joint_velocity != rate.joint_velocity,
             damping: rate.damping,
         })
+    }
+
+    /// Limits the velocities of the first `count` joints to `bounds` of each joint, scales them to the joint speed limits
+    /// and limits their change.
+    #[inline(always)]
+    fn limit_joints(
+        &self,
+        count: usize,
+        geometry: &FingerGeometry,
+        velocity: &JointVector,
+        request: &Request,
+        period: f64,
+        bounds: impl Fn(usize) -> [f64; 2],
+    ) -> JointVector {
+        let most = geometry.joint_speed_limit();
+        let mut within = JointVector::zeros(count);
+        let mut excess = 1.0;
+        for joint in 0..count {
+            let [lowest, highest] = bounds(joint);
+            within[joint] = lesser(greater(velocity[joint], lowest), highest);
+            excess = greater(within[joint].abs() / most[joint], excess);
+        }
+        // Per joint: a joint that must brake must not wait for another one that may accelerate.
+        let most_change = self.joint_acceleration * period;
+        for joint in 0..count {
+            // Scaled down, keeping the direction.
+            let speed = if excess > 1.0 {
+                within[joint] / excess
+            } else {
+                within[joint]
+            };
+            let previous = request.previous[joint];
+            let change = lesser(greater(speed - previous, -most_change), most_change);
+            within[joint] = previous + change;
+        }
+        within
     }
 
     /// Returns the velocity, slowed down near the boundary of the workspace.
@@ -170,22 +215,6 @@ impl Braking {
         lesser(greater(velocity, -down), up)
     }
 
-    /// Lowest and highest velocity of each joint at the positions `theta`, such that braking ends within its limits.
-    fn joint_bounds(
-        &self,
-        geometry: &FingerGeometry,
-        theta: JointVector,
-    ) -> [[f64; 2]; MAX_JOINTS] {
-        let (lower, upper) = (geometry.joint_lower(), geometry.joint_upper());
-        let mut bounds = [[0.0; 2]; MAX_JOINTS];
-        for (joint, bounds) in bounds.iter_mut().enumerate().take(theta.len()) {
-            let down = self.greatest_speed(theta[joint] - lower[joint]);
-            let up = self.greatest_speed(upper[joint] - theta[joint]);
-            *bounds = [-down, up];
-        }
-        bounds
-    }
-
     /// Maximum speed that can be stopped within `room`: either in one period, if the deceleration allows that, or by
     /// `bT` each period, which from speed v covers at most `(v + bT/2)² / 2b`.
     fn greatest_speed(&self, room: f64) -> f64 {
@@ -193,15 +222,5 @@ impl Braking {
         let at_once = (room / self.period).min(most_change);
         let in_steps = (2.0 * self.deceleration * room).sqrt() - 0.5 * most_change;
         at_once.max(in_steps)
-    }
-}
-
-/// Scales `vector` down, keeping its direction, until no joint exceeds that of `most`.
-fn scale_to(vector: JointVector, most: JointVector) -> JointVector {
-    let excess = (vector.abs() / most).max_element();
-    if excess > 1.0 {
-        vector / excess
-    } else {
-        vector
     }
 }

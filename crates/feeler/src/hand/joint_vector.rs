@@ -241,7 +241,6 @@ impl<const N: usize> From<[f64; N]> for JointVector {
     }
 }
 
-/// Equality of all numbers; missing ones are 0.
 /// Iterates over the numbers, one per joint.
 impl IntoIterator for JointVector {
     type Item = f64;
@@ -252,6 +251,7 @@ impl IntoIterator for JointVector {
     }
 }
 
+/// Equality of all numbers; missing ones are 0.
 impl PartialEq for JointVector {
     #[inline]
     fn eq(&self, other: &Self) -> bool {

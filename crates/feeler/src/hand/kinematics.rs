@@ -86,13 +86,13 @@ pub fn resolved_rate(
     resolved_rate_within(geometry, theta, fingertip_velocity, None)
 }
 
-/// Like [`resolved_rate`], but the joints of a chain stay within `bounds`, the lowest and highest velocity of each joint
-/// (rad/s or m/s), and others take over. The result for the paper's finger may exceed them.
+/// Like [`resolved_rate`], but the joints of a chain stay within `bounds`, which returns the lowest and highest velocity of
+/// a joint (rad/s or m/s), and others take over. The result for the paper's finger may exceed them.
 pub(crate) fn resolved_rate_within(
     geometry: &FingerGeometry,
     theta: JointVector,
     fingertip_velocity: DVec3,
-    bounds: Option<&[[f64; 2]; MAX_JOINTS]>,
+    bounds: Option<&dyn Fn(usize) -> [f64; 2]>,
 ) -> ResolvedRate {
     match geometry.kinematics() {
         Kinematics::ThreeJoints(finger) => {
@@ -106,7 +106,12 @@ pub(crate) fn resolved_rate_within(
             let joints = theta.as_slice();
             let rate = match bounds {
                 None => chain.resolved_rate(joints, fingertip_velocity),
-                Some(bounds) => chain.resolved_rate_within(joints, fingertip_velocity, bounds),
+                Some(bounds) => {
+                    let mut all = [[0.0; 2]; MAX_JOINTS];
+                    let own = all.iter_mut().enumerate().take(chain.joint_count());
+                    own.for_each(|(joint, own)| *own = bounds(joint));
+                    chain.resolved_rate_within(joints, fingertip_velocity, &all)
+                }
             };
             ResolvedRate {
                 joint_velocity: JointVector::first(rate.joint_velocity, chain.joint_count()),
