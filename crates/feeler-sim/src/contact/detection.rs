@@ -78,11 +78,17 @@ pub(crate) fn moves(objects: &[ObjectState]) -> u64 {
 }
 
 impl FingerState {
-    /// Returns `true` if no feeler can make contact after the joints have turned by another `turn` (rad) and objects
-    /// have moved `moves` times in total. The fingertip's exact pose is then irrelevant.
-    pub(crate) fn stays_free(&mut self, finger: &Finger, turn: JointVector, moves: u64) -> bool {
+    /// Returns `true` if no feeler can make contact after the links have moved from the joint positions `before` (rad or
+    /// m), and objects `moves` times in total. The fingertip's exact pose is then irrelevant.
+    pub(crate) fn stays_free(&mut self, finger: &Finger, before: &JointVector, moves: u64) -> bool {
+        let link = &self.joints.link;
+        let moved = |joint: usize| finger.reach[joint] * (link[joint] - before[joint]).abs();
+        let moved = match link.len() {
+            3 => moved(0) + moved(1) + moved(2),
+            count => (0..count).map(moved).sum(),
+        };
         let watch = &mut self.watch;
-        watch.unseen += finger.reach.dot(turn.abs());
+        watch.unseen += moved;
         // `false` if the distance is NaN.
         watch.travelled + watch.unseen < watch.soonest
             && watch.moves == moves

@@ -121,31 +121,50 @@ impl ServoConfig {
 
     /// Moves `joints` over `step` seconds; exact for a constant command. `remaining` is [`Self::remaining_error`] of
     /// that step. Joints stop instantly at the limits `lower` and `upper` (rad).
+    #[inline]
     pub fn advance(
         &self,
         joints: &mut Joints,
         step: f64,
         remaining: f64,
-        (lower, upper): (JointVector, JointVector),
+        limits: (JointVector, JointVector),
+    ) {
+        match joints.count() {
+            // A constant, so that the loop is unrolled.
+            3 => self.advance_joints(3, joints, (step, remaining), &limits),
+            count => self.advance_joints(count, joints, (step, remaining), &limits),
+        }
+    }
+
+    #[inline(always)]
+    fn advance_joints(
+        &self,
+        count: usize,
+        joints: &mut Joints,
+        (step, remaining): (f64, f64),
+        (lower, upper): &(JointVector, JointVector),
     ) {
         let lag = self.lag * (1.0 - remaining);
-        for joint in 0..joints.count() {
+        let [positions, velocities, links] =
+            [&mut joints.position, &mut joints.velocity, &mut joints.link]
+                .map(|vector| &mut vector.as_mut_slice()[..count]);
+        for joint in 0..count {
             let moving = |velocity: f64| match joints.stalled[joint] {
                 true => 0.0,
                 false => velocity,
             };
             let command = moving(joints.command[joint]);
-            let error = moving(joints.velocity[joint]) - command;
-            let free = joints.position[joint] + step * command + lag * error;
+            let error = moving(velocities[joint]) - command;
+            let free = positions[joint] + step * command + lag * error;
             let position = clamp(free, lower[joint], upper[joint]);
             let stopped = free != position;
-            joints.position[joint] = position;
-            joints.velocity[joint] = match stopped {
+            positions[joint] = position;
+            velocities[joint] = match stopped {
                 true => 0.0,
                 false => command + remaining * error,
             };
             let play = joints.backlash[joint] / 2.0;
-            joints.link[joint] = clamp(joints.link[joint], position - play, position + play);
+            links[joint] = clamp(links[joint], position - play, position + play);
         }
     }
 

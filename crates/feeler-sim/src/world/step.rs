@@ -31,8 +31,7 @@ pub(crate) fn step(
     for (finger, own) in model.fingers.iter().zip(&mut *fingers) {
         let before = own.joints.link;
         move_joints(model, finger, own);
-        let turn = own.joints.link - before;
-        own.is_left = own.stays_free(finger, turn, moves) && !is_seen && bodies.is_none();
+        own.is_left = own.stays_free(finger, &before, moves) && !is_seen && bodies.is_none();
     }
     place_fingertips(model, fingers);
     for (finger, own) in model.fingers.iter().zip(fingers) {

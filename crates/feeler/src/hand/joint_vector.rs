@@ -94,6 +94,13 @@ impl JointVector {
         &self.values[..self.len()]
     }
 
+    /// The numbers, one per joint.
+    #[inline(always)]
+    pub fn as_mut_slice(&mut self) -> &mut [f64] {
+        let len = self.len();
+        &mut self.values[..len]
+    }
+
     /// Iterates over the numbers, one per joint.
     #[inline(always)]
     pub fn iter(&self) -> impl DoubleEndedIterator<Item = f64> + ExactSizeIterator {
