@@ -2,6 +2,7 @@
 
 use crate::bus::BusError;
 use feeler::check::{Problem, joined};
+use feeler::hand::FingerGeometry;
 use std::fmt;
 
 /// A joint and the id of its servo.
@@ -189,12 +190,35 @@ pub enum DriveError {
     },
     /// The hand has no such joint.
     #[error(
-        "finger {finger} and joint {joint}: expected a finger of the hand (from 0) and theta1 to theta3"
+        "finger {finger} and joint {joint}: expected a finger of the hand (from 0) and {}", thetas(*joints)
     )]
     NoJoint {
         /// Finger, from 0.
         finger: usize,
         /// Joint, from 1.
         joint: usize,
+        /// Number of joints of the finger, or of the first one if there is no such finger.
+        joints: usize,
     },
+}
+
+impl DriveError {
+    /// Returns the error for the joint with the index `joint` (from 0) of `finger`, which a hand with these `fingers`
+    /// does not have.
+    pub fn no_joint(finger: usize, joint: usize, fingers: &[FingerGeometry]) -> Self {
+        let known = fingers.get(finger).or_else(|| fingers.first());
+        Self::NoJoint {
+            finger,
+            joint: joint + 1,
+            joints: known.map_or(0, FingerGeometry::joint_count),
+        }
+    }
+}
+
+/// Names of the joints of a finger with this number of joints, for messages.
+pub(crate) fn thetas(joints: usize) -> String {
+    match joints {
+        0 | 1 => "theta1".into(),
+        joints => format!("theta1 to theta{joints}"),
+    }
 }

@@ -64,7 +64,9 @@ pub fn home(arguments: &HomeArguments, out: &mut dyn Write) -> Result<Outcome, C
 
 /// Returns the hand's present joint angles (rad): `said` (deg), or those of the task's home posture if empty.
 fn posture(rig: &ServoRig, said: &[f64]) -> Result<Vec<f64>, CommandError> {
-    let joints: usize = rig.fingers.iter().map(FingerGeometry::joint_count).sum();
+    let joints = rig.fingers.iter().map(FingerGeometry::joint_count);
+    let usual = joints.clone().all(|joints| joints == 3);
+    let joints: usize = joints.sum();
     if said.is_empty() {
         let (_, home) = fingers_at_home(&rig.experiment.config)?;
         return Ok(home
@@ -74,7 +76,15 @@ fn posture(rig: &ServoRig, said: &[f64]) -> Result<Vec<f64>, CommandError> {
             .collect());
     }
     if said.len() != joints || !said.iter().all(|angle| angle.abs() <= 360.0) {
-        return Err(format!("--at: expected {joints} angles from -360 to 360 deg, three per finger, separated by commas").into());
+        let each = if usual {
+            "three per finger"
+        } else {
+            "one per joint"
+        };
+        return Err(format!(
+            "--at: expected {joints} angles from -360 to 360 deg, {each}, separated by commas"
+        )
+        .into());
     }
     Ok(said.iter().map(|angle| angle.to_radians()).collect())
 }

@@ -2,7 +2,7 @@
 
 use super::JogArguments;
 use crate::{CommandError, Outcome};
-use feeler::hand::{Hand, HandState};
+use feeler::hand::{FingerGeometry, Hand, HandState};
 use feeler::pace::{FixedRate, Schedule};
 use feeler_console::watch_for_interrupt;
 use feeler_drives::hand::{DriveHand, JOG_SPEED};
@@ -33,9 +33,9 @@ pub fn jog(arguments: &JogArguments, out: &mut dyn Write) -> Result<Outcome, Com
         )
         .into());
     }
-    if finger >= rig.fingers.len() {
-        let joint = joint + 1;
-        return Err(DriveError::NoJoint { finger, joint }.into());
+    let joints = rig.fingers.get(finger).map(FingerGeometry::joint_count);
+    if joints.is_none_or(|joints| joint >= joints) {
+        return Err(DriveError::no_joint(finger, joint, &rig.fingers).into());
     }
     if arguments.rig.dry_run {
         return plan(&rig, arguments, out);

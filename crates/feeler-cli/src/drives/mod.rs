@@ -162,8 +162,8 @@ struct JogArguments {
     /// Index of the finger, from 0.
     #[arg(long)]
     finger: usize,
-    /// Joint to turn: 1 for theta1, 2 for theta2, 3 for theta3.
-    #[arg(long, value_parser = clap::value_parser!(u8).range(1..=3))]
+    /// Joint to turn, counted from the base: 1 for theta1, 2 for theta2 and so on.
+    #[arg(long, value_parser = clap::value_parser!(u8).range(1..=7))]
     joint: u8,
     /// Angle to turn by (deg), at most 10 in either direction.
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]

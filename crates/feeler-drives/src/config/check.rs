@@ -1,6 +1,7 @@
 //! Range checks of the table `[drives]`.
 
 use super::{DrivesConfig, JointDriveConfig};
+use crate::error::thetas;
 use crate::packet::Protocol;
 use crate::registers::{MODELS, WATCHDOG_UNIT};
 use feeler::check::Checker;
@@ -9,8 +10,10 @@ use feeler::check::Checker;
 const LONGEST_WATCHDOG: f64 = 127.0 * WATCHDOG_UNIT;
 
 impl DrivesConfig {
-    /// Checks that every value of the table `key` is in its range, for a hand with `fingers` fingers.
-    pub fn check(&self, key: &str, fingers: usize, checker: &mut Checker) {
+    /// Checks that every value of the table `key` is in its range. `prismatic` has an entry per joint of each finger of
+    /// the hand: `true` if the joint is prismatic, which a servo cannot drive.
+    pub fn check(&self, key: &str, prismatic: &[Vec<bool>], checker: &mut Checker) {
+        let fingers = prismatic.len();
         let field = |field: &str| format!("{key}.{field}");
         let port = &self.port;
         checker.require(
@@ -44,7 +47,7 @@ impl DrivesConfig {
             actual == fingers,
             &format!("as many fingers as hand.finger ({fingers})"),
         );
-        self.check_joints(key, checker);
+        self.check_joints(key, prismatic, checker);
     }
 
     fn check_protocol(&self, key: &str, checker: &mut Checker) {
@@ -66,20 +69,29 @@ impl DrivesConfig {
         }
     }
 
-    fn check_joints(&self, key: &str, checker: &mut Checker) {
+    fn check_joints(&self, key: &str, prismatic: &[Vec<bool>], checker: &mut Checker) {
         let mut seen = Vec::new();
         for (finger, drives) in self.finger.iter().enumerate() {
             let key = format!("{key}.finger[{finger}].joint");
             let actual = drives.joint.len();
+            let prismatic = prismatic.get(finger).map_or(&[false; 3][..], Vec::as_slice);
+            let expected = prismatic.len();
+            let plural = if expected == 1 { "" } else { "s" };
             checker.require(
                 &key,
                 format!("{actual} joints"),
-                actual == 3,
-                "3 joints, theta1 to theta3",
+                actual == expected,
+                &format!("{expected} joint{plural}, {}", thetas(expected)),
             );
             for (index, joint) in drives.joint.iter().enumerate() {
                 let key = format!("{key}[{index}]");
                 joint.check(&key, self.protocol, checker);
+                checker.require(
+                    &key,
+                    "a servo on a prismatic joint".into(),
+                    prismatic.get(index) != Some(&true),
+                    "a revolute joint of hand.finger: positions of servos are angles",
+                );
                 checker.require(
                     &format!("{key}.id"),
                     joint.id.to_string(),

@@ -51,7 +51,7 @@ pub struct DrivesConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FingerDrivesConfig {
-    /// Servos of theta1, theta2, theta3.
+    /// Servos of the finger's joints, from the base to the fingertip.
     pub joint: Vec<JointDriveConfig>,
 }
 
@@ -148,7 +148,8 @@ impl JointDriveConfig {
 
 impl DrivesConfig {
     /// Configuration for the emulator, for a hand without a table `[drives]`: ids from 1, 4 Mbaud, gear ratio 5.
-    pub fn emulated(fingers: usize) -> Self {
+    /// `joint_counts` are the numbers of joints of the fingers.
+    pub fn emulated(joint_counts: &[usize]) -> Self {
         let joint = |id: usize| JointDriveConfig {
             id: id as u8,
             model: "XL330-M077".into(),
@@ -157,8 +158,9 @@ impl DrivesConfig {
             gear_ratio: 5.0,
             current_limit: None,
         };
-        let finger = |finger: usize| FingerDrivesConfig {
-            joint: (1..=3).map(|theta| joint(3 * finger + theta)).collect(),
+        let mut ids = 1..;
+        let finger = |&joints: &usize| FingerDrivesConfig {
+            joint: ids.by_ref().take(joints).map(joint).collect(),
         };
         Self {
             port: "emulated".into(),
@@ -172,7 +174,7 @@ impl DrivesConfig {
             temperature_limit_celsius: seventy(),
             voltage_range: usual_voltage(),
             limit_tolerance: three_degrees(),
-            finger: (0..fingers).map(finger).collect(),
+            finger: joint_counts.iter().map(finger).collect(),
         }
     }
 

@@ -7,18 +7,17 @@ use crate::servo::Servo;
 use crate::setup::{
     apply, blame, changes, check_fast_sync_read, check_model, named_joints, read, set,
 };
-use feeler::hand::FingerGeometry;
 
 impl DriveHand {
     /// Configures the servos, with their torque off.
-    pub(super) fn set_up(&mut self, fingers: &[FingerGeometry]) -> Result<(), DriveError> {
+    pub(super) fn set_up(&mut self) -> Result<(), DriveError> {
         let registers = Registers::of(self.config.protocol);
         for (joint, drive) in named_joints(&self.config) {
             let model = check_model(&mut self.bus, joint, drive)?;
             if self.config.fast_sync_read {
                 check_fast_sync_read(&mut self.bus, joint, model)?;
             }
-            let Some(geometry) = fingers.get(joint.finger) else {
+            let Some(geometry) = self.fingers.get(joint.finger) else {
                 continue;
             };
             let servo = Servo::new(joint, drive, model, geometry);

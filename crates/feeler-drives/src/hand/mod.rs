@@ -27,7 +27,7 @@ pub struct DriveHand {
     clock: RigClock,
     /// Maximum age of the joint angles that a command is based on, s.
     most_age: f64,
-    fingers: usize,
+    fingers: Vec<FingerGeometry>,
     servos: Vec<Servo>,
     ids: Vec<u8>,
     /// Time at which the latest joint angles arrived, s of the clock.
@@ -74,7 +74,7 @@ impl DriveHand {
             clock: bus.clock().clone(),
             bus,
             most_age,
-            fingers: fingers.len(),
+            fingers: fingers.to_vec(),
             servos: Vec::new(),
             ids: config.joints().map(|joint| joint.id).collect(),
             stamp: 0.0,
@@ -83,7 +83,7 @@ impl DriveHand {
             fault: None,
             config: config.clone(),
         };
-        hand.set_up(fingers)?;
+        hand.set_up()?;
         hand.arm()?;
         Ok(hand)
     }
@@ -128,8 +128,7 @@ impl DriveHand {
         }
         let is_asked = |servo: &Servo| (servo.name.finger, servo.name.joint) == (finger, joint);
         let Some(index) = self.servos.iter().position(is_asked) else {
-            let joint = joint + 1;
-            return Err(DriveError::NoJoint { finger, joint });
+            return Err(DriveError::no_joint(finger, joint, &self.fingers));
         };
         if velocity.is_nan() || velocity.abs() > JOG_SPEED {
             return Err(DriveError::Command {
@@ -211,7 +210,8 @@ impl DriveHand {
 /// Checks that the values of `config` are in their ranges, for a hand with these `fingers`.
 fn check(config: &DrivesConfig, fingers: &[FingerGeometry]) -> Result<(), DriveError> {
     let mut checker = Checker::default();
-    config.check("drives", fingers.len(), &mut checker);
+    let prismatic: Vec<_> = fingers.iter().map(FingerGeometry::is_prismatic).collect();
+    config.check("drives", &prismatic, &mut checker);
     checker.finish().map_err(DriveError::Config)
 }
 
@@ -223,12 +223,12 @@ impl Drop for DriveHand {
 
 impl Hand for DriveHand {
     fn finger_count(&self) -> usize {
-        self.fingers
+        self.fingers.len()
     }
 
     /// The stamp is the time at which the responses had arrived.
     fn read(&mut self, state: &mut HandState) -> Result<(), HandError> {
-        check_finger_count(self.fingers, state.joints.len())?;
+        check_finger_count(self.fingers.len(), state.joints.len())?;
         if let Some(fault) = &self.fault {
             return Err(HandError::Failed(fault.clone()));
         }
@@ -246,7 +246,7 @@ impl Hand for DriveHand {
     }
 
     fn command(&mut self, command: &HandCommand) -> Result<(), HandError> {
-        check_finger_count(self.fingers, command.joint_velocity().len())?;
+        check_finger_count(self.fingers.len(), command.joint_velocity().len())?;
         if let Some(fault) = &self.fault {
             let fault = fault.clone();
             self.stop_motors();

@@ -3,6 +3,7 @@
 //! They run with an allocator that aborts if a control period allocates.
 
 mod allocation;
+mod any_joints;
 mod hand;
 mod packets;
 #[cfg(target_os = "linux")]

@@ -3,7 +3,7 @@
 use super::experiment_config::ExperimentConfig;
 use feeler::check::{Checker, Problem, Requirement};
 use feeler::control::task::TaskConfig;
-use feeler::hand::MAX_FINGERS;
+use feeler::hand::{FingerDescription, MAX_FINGERS};
 use feeler_sim::shapes::ShapeConfig;
 use feeler_sim::world::SimConfig;
 
@@ -37,7 +37,9 @@ fn checked(config: &ExperimentConfig) -> Checker {
     check_fingers(config, &mut checker);
     config.control.check(&config.task, &mut checker);
     if let Some(drives) = &config.drives {
-        drives.check("drives", config.hand.finger.len(), &mut checker);
+        let fingers = config.hand.finger.iter();
+        let prismatic: Vec<_> = fingers.map(FingerDescription::is_prismatic).collect();
+        drives.check("drives", &prismatic, &mut checker);
     }
     if let Some(ros2) = &config.ros2 {
         let fingers = 0..config.hand.finger.len();

@@ -42,6 +42,14 @@ impl FingerDescription {
             Self::Chain(config) => config.joints.len(),
         }
     }
+
+    /// `true` for each joint whose position is a displacement (m), `false` for an angle (rad).
+    pub fn is_prismatic(&self) -> Vec<bool> {
+        match self {
+            Self::ThreeJoints(_) => vec![false; self.joint_count()],
+            Self::Chain(config) => config.is_prismatic(),
+        }
+    }
 }
 
 impl From<FingerConfig> for FingerDescription {

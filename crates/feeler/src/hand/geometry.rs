@@ -110,6 +110,14 @@ impl FingerGeometry {
         self.joint_speed_limit
     }
 
+    /// `true` for each joint whose position is a displacement (m), `false` for an angle (rad).
+    pub fn is_prismatic(&self) -> Vec<bool> {
+        match &self.kinematics {
+            Kinematics::ThreeJoints(_) => vec![false; self.joint_count()],
+            Kinematics::Chain(chain) => chain.is_prismatic()[..chain.joint_count()].to_vec(),
+        }
+    }
+
     /// Upper bound of the distance from the first joint to the fingertip (m).
     pub fn reach(&self) -> f64 {
         match &self.kinematics {

@@ -3,7 +3,7 @@
 
 use crate::config::Experiment;
 use crate::experiment::{ExperimentError, Session, fingers_at_home};
-use feeler::hand::JointVector;
+use feeler::hand::{FingerDescription, JointVector};
 use feeler::pace::{FixedRate, PaceError, Schedule};
 use feeler_drives::bus::Bus;
 use feeler_drives::config::{DrivesConfig, FingerDrivesConfig};
@@ -105,9 +105,12 @@ impl Plant for WorldPlant {
 /// Returns the servos to be emulated for `experiment`: those of its table `[drives]`, or defaults for its hand.
 pub fn drives(experiment: &Experiment) -> DrivesConfig {
     let config = &experiment.config;
-    let fingers = config.hand.finger.len();
     let own = config.drives.clone();
-    let own = own.unwrap_or_else(|| DrivesConfig::emulated(fingers));
+    let own = own.unwrap_or_else(|| {
+        let fingers = config.hand.finger.iter();
+        let joint_counts: Vec<_> = fingers.map(FingerDescription::joint_count).collect();
+        DrivesConfig::emulated(&joint_counts)
+    });
     DrivesConfig {
         reply_timeout: own.reply_timeout.max(EMULATED_REPLY_TIMEOUT),
         ..own

@@ -54,6 +54,26 @@ pub struct ChainConfig {
     pub damping_threshold: Option<f64>,
 }
 
+impl ChainConfig {
+    /// `true` for each joint that drives only prismatic rows, so that its position is a displacement (m).
+    pub(in crate::hand) fn is_prismatic(&self) -> Vec<bool> {
+        let dh = self.dh.iter();
+        let dh = dh.map(|row| (row.row_type, &row.joint, &row.mimic));
+        let frames = self.frames.iter();
+        let frames = frames.map(|row| (row.row_type, &row.joint, &row.mimic));
+        let rows: Vec<_> = dh.chain(frames).collect();
+        let of_joint = |joint: &JointConfig| {
+            let driven = rows.iter().filter(|(_, own, mimic)| {
+                let mimicked = mimic.as_ref().map(|mimic| &mimic.joint);
+                own.as_ref().or(mimicked) == Some(&joint.name)
+            });
+            let mut types = driven.map(|(row_type, ..)| *row_type);
+            types.all(|row_type| row_type == RowType::Prismatic)
+        };
+        self.joints.iter().map(of_joint).collect()
+    }
+}
+
 /// An independent joint. Its position is an angle (rad) if it drives a revolute row, else a displacement (m).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
