@@ -25,11 +25,11 @@ use feeler_drives::packet::{
 use feeler_lab::config::Experiment;
 use feeler_link::hand::{RigSpeed, RunClock};
 use feeler_link::inboxes::{Expected, HandInbox, Inbox, MAX_PEERS, RigInbox, SenseInbox};
-use feeler_link::messages::Echo;
 use feeler_link::messages::message::{
     Heartbeat, MessageHeader, NO_FINGER, PROTOCOL, ResumeMessage, StateMessage, StopMessage,
     TactileUpdate,
 };
+use feeler_link::messages::{Echo, JointCounts};
 use feeler_link::stop_server::wire::parse as parse_datagram;
 use feeler_link::transport::{Place, Topic, header};
 use feeler_record::wire::{Message, Vector3, cdr};
@@ -348,13 +348,23 @@ pub fn link(bytes: &[u8]) -> bool {
     let clock = RunClock::new(RigSpeed::Times(1.0), 0.01, 3.5);
     let mut hand = HandInbox::new(&[2], clock, expected.clone());
     let mut rig = RigInbox::new((1, 2), 0.045, expected.clone());
+    let longer = Expected {
+        joints: JointCounts::new([5]),
+        ..expected.clone()
+    };
+    let mut longer = RigInbox::new((1, 2), 0.045, longer);
     let mut sense = SenseInbox::new((0, 2), (3, 2), expected);
     // A stop to resume.
     hand.holds.order(1, "operator");
     let (mut now, mut bytes, mut sound) = (0.0, bytes, false);
     let topics = Topic::all(0);
     for (place, introduction) in introductions() {
-        for inbox in [&mut hand as &mut dyn Inbox, &mut rig, &mut sense] {
+        for inbox in [
+            &mut hand as &mut dyn Inbox,
+            &mut rig,
+            &mut longer,
+            &mut sense,
+        ] {
             let taken = inbox.take(Topic::Heartbeat(place), &introduction, now);
             taken.expect("a heartbeat of a program that agrees");
         }
@@ -368,14 +378,22 @@ pub fn link(bytes: &[u8]) -> bool {
         let step = hand.sent.newest() + 1;
         hand.sent.sent(step, now);
         fill_in_token(&hand, &mut message);
-        for inbox in [&mut hand as &mut dyn Inbox, &mut rig, &mut sense] {
+        for inbox in [
+            &mut hand as &mut dyn Inbox,
+            &mut rig,
+            &mut longer,
+            &mut sense,
+        ] {
             sound |= inbox.take(topic, &message, now).is_ok();
             assert!(inbox.peers().all().len() <= MAX_PEERS);
         }
         check_hand(&mut hand, now);
-        rig.time = now;
-        let drive = rig.drive(now, 0.045).unwrap_or_default();
-        assert!(drive.iter().all(|velocity| velocity.is_finite()));
+        for (rig, joints) in [(&mut rig, 3), (&mut longer, 5)] {
+            rig.time = now;
+            let drive = rig.drive(now, 0.045).unwrap_or_default();
+            let sound = |velocity: &JointVector| velocity.len() == joints && velocity.is_finite();
+            assert!(drive.iter().all(sound));
+        }
         let _ = sense.take_next().map(|exposed| exposed.header());
         let _ = sense.echo_at(now);
     }

@@ -7,7 +7,6 @@ use feeler_lab::config::Experiment;
 use feeler_lab::experiment::fingers_at_home;
 use feeler_lab::experiment::rigs::linked::{expected, hand_program};
 use feeler_link::inboxes::{Beacon, RigInbox, listen};
-use feeler_link::messages::joints_to_message;
 use feeler_link::messages::message::{
     Heartbeat, MessageHeader, NO_ELEMENT, NO_FINGER, StateMessage, TactileUpdate,
 };
@@ -133,7 +132,7 @@ struct Sensors {
     world: u64,
     fingers: Vec<u64>,
     elements: usize,
-    /// Joint angles of each finger in the home posture (rad).
+    /// Joint positions of all fingers in the home posture, as in a message.
     home: Vec<Vector3>,
     /// Control period in the rig's time (s).
     period: f64,
@@ -174,10 +173,9 @@ impl Sensors {
         listen(&*network, &topics, &inbox, &clock, &of_world)?;
         let config = &experiment.config;
         let (_, home) = fingers_at_home(config)?;
-        let home = home.into_iter().map(joints_to_message);
         Ok(Self {
             network,
-            home: home.collect::<Result<_, _>>()?,
+            home: expected.joints.to_message(home)?,
             inbox,
             clock,
             world,
@@ -191,8 +189,8 @@ impl Sensors {
     /// Sends a set of updates in each period.
     fn send(&self, rate: u32, stop: &AtomicBool) -> Result<Outcome, CommandError> {
         let mut pace = FixedRate::new(1.0 / f64::from(rate))?;
-        let (elements, fingers) = (self.elements, self.fingers.len());
-        let still = vec![Vector3::default(); fingers];
+        let elements = self.elements;
+        let still = vec![Vector3::default(); self.home.len()];
         for sequence in 1.. {
             if stop.load(Ordering::Relaxed) || pace.wait_interruptible(stop).is_none() {
                 break;

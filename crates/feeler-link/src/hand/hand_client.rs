@@ -4,6 +4,7 @@ use crate::hand::order::Order;
 use crate::inboxes::beacon::Beacon;
 use crate::inboxes::inbox::listen;
 use crate::inboxes::watch_inbox::WatchInbox;
+use crate::messages::joints::JointCounts;
 use crate::messages::message::{HandMode, Heartbeat, NO_FINGER, ProgramKind};
 use crate::transport::endpoints::LinkError;
 use crate::transport::network::Network;
@@ -40,7 +41,7 @@ impl HandClient {
             ..Heartbeat::default()
         };
         let beacon = Arc::new(Beacon::start(network.clone(), heartbeat)?);
-        let inbox = Shared::new(WatchInbox::new(&[], Vec::new()));
+        let inbox = Shared::new(WatchInbox::new(&[], Vec::new(), JointCounts::default()));
         let topics: Vec<Topic> = Topic::heartbeats().chain([Topic::Mode]).collect();
         listen(&*network, &topics, &inbox, &monotonic(), &beacon)?;
         Ok(Self {

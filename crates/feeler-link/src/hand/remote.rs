@@ -2,7 +2,7 @@
 
 use super::holds::ActiveStop;
 use crate::inboxes::hand_inbox::HandInbox;
-use crate::messages::joints::{joints_of_message, joints_to_message};
+use crate::inboxes::inbox::Inbox;
 use crate::messages::message::{CommandMessage, HandMode, MessageHeader, StopInForce};
 use crate::transport::outlet::{Outlet, TimeSource, header, send};
 use crate::transport::shared::Shared;
@@ -107,22 +107,21 @@ impl Hand for RemoteHand {
             return Ok(());
         };
         state.stamp = inbox.state().time;
-        let read = newest.position.iter().zip(&newest.velocity);
-        for (joints, (&position, &velocity)) in state.joints.iter_mut().zip(read) {
-            joints.position = joints_of_message(position);
-            joints.velocity = joints_of_message(velocity);
+        let counts = inbox.peers().joints();
+        let positions = counts.of_message(&newest.position);
+        let read = positions.zip(counts.of_message(&newest.velocity));
+        for (joints, (position, velocity)) in state.joints.iter_mut().zip(read) {
+            (joints.position, joints.velocity) = (position, velocity);
         }
         Ok(())
     }
 
     fn command(&mut self, command: &HandCommand) -> Result<(), HandError> {
         check_finger_count(self.fingers, command.joint_velocity().len())?;
-        let velocities = command.joint_velocity().iter();
-        let joint_velocity = velocities
-            .map(|&velocity| joints_to_message(velocity))
-            .collect::<Result<_, _>>()?;
         let message = {
             let mut inbox = self.inbox.lock();
+            let velocities = command.joint_velocity().iter().copied();
+            let joint_velocity = inbox.peers().joints().to_message(velocities)?;
             let (time, clock) = (inbox.state().time, &inbox.state().clock);
             let fingers = (0..self.fingers).map(|finger| inbox.time_of(finger));
             // The rig checks the age of the data on its own clock.

@@ -191,7 +191,7 @@ impl HandInbox {
 
     fn take_state(&mut self, state: StateMessage, now: f64) -> Result<(), Rejection> {
         let header = state.header;
-        check_state(self.fingers.len(), &state)?;
+        check_state(self.fingers.len(), self.peers.joints(), &state)?;
         self.peers
             .check(header.instance, &ProgramKind::World, NO_FINGER)?;
         let inbox = &mut self.state;

@@ -1,6 +1,7 @@
 //! Known programs, and whether they are accepted.
 
 use crate::messages::decode::read_heartbeat;
+use crate::messages::joints::JointCounts;
 use crate::messages::message::{Heartbeat, MessageHeader, NO_FINGER, PROTOCOL, ProgramKind};
 use crate::messages::mismatch::{Mismatch, short};
 use crate::messages::plausible::check_protocol;
@@ -24,6 +25,8 @@ pub struct Expected {
     pub experiment: String,
     /// SHA-256 of each finger's fingertip.
     pub fingertips: Vec<String>,
+    /// Number of joints of each finger. Follows from the experiment.
+    pub joints: JointCounts,
     /// Speed of the rig as in [`Heartbeat::speed`], or `None` to accept any speed.
     pub speed: Option<f64>,
 }
@@ -87,6 +90,11 @@ impl Peers {
             expected,
             peers: Vec::new(),
         }
+    }
+
+    /// Returns the number of joints of each finger.
+    pub fn joints(&self) -> &JointCounts {
+        &self.expected.joints
     }
 
     /// Returns all known programs in order of appearance, including silent ones.

@@ -5,7 +5,6 @@ use super::peers::{Expected, Peers};
 use crate::hand::own_stop::RigStop;
 use crate::messages::decode::read;
 use crate::messages::freshness::Echo;
-use crate::messages::joints::joints_of_message;
 use crate::messages::message::{CommandMessage, HandMode, MessageHeader};
 use crate::messages::plausible::check_velocities;
 use crate::messages::rejection::{Rejection, Rejections};
@@ -99,13 +98,13 @@ impl RigInbox {
 
     fn take_command(&mut self, command: CommandMessage, now: f64) -> Result<(), Rejection> {
         let header = command.header;
-        check_velocities(self.fingers, &command.joint_velocity)?;
+        check_velocities(self.fingers, self.peers.joints(), &command.joint_velocity)?;
         self.peers.check_hand(header)?;
         let number = header.number();
         self.commands.missing(number, now)?;
         // Even a command that is too old, or for a previous rig, proves that the hand is present.
         let step = self.take_step(header, command.token, now);
-        let joint_velocity = command.joint_velocity.into_iter().map(joints_of_message);
+        let joint_velocity = self.peers.joints().of_message(&command.joint_velocity);
         let joint_velocity: Vec<JointVector> = joint_velocity.collect();
         if joint_velocity.iter().any(|v| *v != JointVector::default()) {
             step?;

@@ -6,6 +6,7 @@ use super::hand_inbox::flags;
 use super::inbox::Inbox;
 use super::peers::{Expected, Peers};
 use crate::messages::decode::read;
+use crate::messages::joints::JointCounts;
 use crate::messages::message::{
     HandMode, Heartbeat, NO_FINGER, ProgramKind, StateMessage, TactileUpdate,
 };
@@ -63,11 +64,13 @@ impl Inbox for WatchInbox {
 }
 
 impl WatchInbox {
-    /// Creates an empty inbox for a rig with the given number of elements and fingertip hash (SHA-256) of each finger.
-    pub fn new(elements: &[usize], fingertips: Vec<String>) -> Self {
+    /// Creates an empty inbox for a rig with the given number of elements, fingertip hash (SHA-256) and number of joints
+    /// of each finger.
+    pub fn new(elements: &[usize], fingertips: Vec<String>, joints: JointCounts) -> Self {
         let expected = Expected {
             experiment: String::new(),
             fingertips,
+            joints,
             speed: None,
         };
         Self {
@@ -146,7 +149,7 @@ impl WatchInbox {
     }
 
     fn take_state(&mut self, state: StateMessage, now: f64) -> Result<(), Rejection> {
-        check_state(self.fingers.len(), &state)?;
+        check_state(self.fingers.len(), self.peers.joints(), &state)?;
         self.peers
             .check(state.header.instance, &ProgramKind::World, NO_FINGER)?;
         let missed = self.states.accept(state.header.number(), now)?;
@@ -206,7 +209,7 @@ mod tests {
 
     #[test]
     fn the_experiment_of_the_hand_is_adopted() {
-        let mut inbox = WatchInbox::new(&[], Vec::new());
+        let mut inbox = WatchInbox::new(&[], Vec::new(), JointCounts::default());
         let mut hear = |program, instance, experiment, sequence| {
             let (topic, heard) = heartbeat(program, instance, experiment, sequence);
             inbox.take(topic, &heard, 0.1).expect("accepted");
@@ -222,7 +225,7 @@ mod tests {
 
     #[test]
     fn losses_are_counted_and_unknown_senders_and_duplicates_are_rejected() {
-        let mut inbox = WatchInbox::new(&[], Vec::new());
+        let mut inbox = WatchInbox::new(&[], Vec::new(), JointCounts::default());
         let (topic, world) = heartbeat("world", 1, "ours", 1);
         inbox.take(topic, &world, 0.1).expect("accepted");
         let mut take = |instance, sequence| {

@@ -1,42 +1,173 @@
 //! Conversion of joint quantities from and to messages.
 
-use feeler::hand::{HandError, JointVector};
+use super::rejection::Rejection;
+use feeler::hand::{HandError, JointVector, MAX_JOINTS};
 use feeler_record::wire::Vector3;
 
-/// Number of joints of each finger in a message.
-const JOINTS: usize = 3;
+/// Number of joint quantities in a vector of a message.
+const PER_VECTOR: usize = 3;
 
-/// Converts joint quantities of one finger to those of a message; missing ones are 0.
+/// Number of joints of each finger, which defines the layout of joint quantities in messages: those of a finger fill
+/// one vector per three joints, and unused components are 0.
 ///
-/// # Errors
-/// [`HandError::JointCount`] if the finger has more joints than a message can contain.
-pub fn joints_to_message(joints: JointVector) -> Result<Vector3, HandError> {
-    let (expected, actual) = (JOINTS, joints.len());
-    let error = HandError::JointCount { expected, actual };
-    let [x, y, z] = joints.to_array::<JOINTS>().ok_or(error)?;
-    Ok(Vector3 { x, y, z })
+/// All programs of a rig take it from their experiment.
+#[derive(Debug, Clone, PartialEq, Eq, Default)]
+pub struct JointCounts(Vec<usize>);
+
+impl JointCounts {
+    /// Creates the layout for fingers with these numbers of joints. Fingers beyond have three.
+    pub fn new(joints: impl IntoIterator<Item = usize>) -> Self {
+        let joints = joints.into_iter();
+        Self(joints.map(|count| count.min(MAX_JOINTS)).collect())
+    }
+
+    /// Returns the number of joints of `finger`.
+    pub fn of_finger(&self, finger: usize) -> usize {
+        self.0.get(finger).copied().unwrap_or(PER_VECTOR)
+    }
+
+    /// Returns the number of vectors of all fingers of a hand with this number of fingers.
+    pub fn vectors(&self, fingers: usize) -> usize {
+        let vectors = |finger| self.of_finger(finger).div_ceil(PER_VECTOR);
+        (0..fingers).map(vectors).sum()
+    }
+
+    /// Converts joint quantities of all fingers to those of a message; missing ones are 0.
+    ///
+    /// # Errors
+    /// [`HandError::JointCount`] if a finger has more joints than expected.
+    pub fn to_message(
+        &self,
+        fingers: impl IntoIterator<Item = JointVector>,
+    ) -> Result<Vec<Vector3>, HandError> {
+        let mut vectors = Vec::new();
+        for (finger, joints) in fingers.into_iter().enumerate() {
+            let (expected, actual) = (self.of_finger(finger), joints.len());
+            if actual > expected {
+                return Err(HandError::JointCount { expected, actual });
+            }
+            let padded = joints.padded(expected);
+            let chunks = padded.as_slice().chunks(PER_VECTOR);
+            vectors.extend(chunks.map(|chunk| {
+                let component = |index: usize| chunk.get(index).copied().unwrap_or_default();
+                Vector3 {
+                    x: component(0),
+                    y: component(1),
+                    z: component(2),
+                }
+            }));
+        }
+        Ok(vectors)
+    }
+
+    /// Converts joint quantities in a message to those of each finger. A finger whose vectors are missing ends the
+    /// iteration.
+    pub fn of_message<'a>(
+        &'a self,
+        vectors: &'a [Vector3],
+    ) -> impl Iterator<Item = JointVector> + Clone + 'a {
+        self.split(vectors).map(|(joints, vectors)| {
+            let mut quantities = JointVector::zeros(joints);
+            for (joint, value) in numbers(vectors).take(joints).enumerate() {
+                quantities[joint] = value;
+            }
+            quantities
+        })
+    }
+
+    /// Checks that `vectors` are those of a hand with this number of fingers, and that unused components are 0.
+    pub(crate) fn check(&self, fingers: usize, vectors: &[Vector3]) -> Result<(), Rejection> {
+        let mut unused = self
+            .split(vectors)
+            .flat_map(|(joints, vectors)| numbers(vectors).skip(joints));
+        let is_whole = vectors.len() == self.vectors(fingers) && unused.all(|value| value == 0.0);
+        is_whole.then_some(()).ok_or(Rejection::Size)
+    }
+
+    /// Splits `vectors` into the number of joints and the vectors of each finger, as far as there are vectors.
+    fn split<'a>(
+        &'a self,
+        mut vectors: &'a [Vector3],
+    ) -> impl Iterator<Item = (usize, &'a [Vector3])> + Clone {
+        (0..).map_while(move |finger| {
+            if vectors.is_empty() {
+                return None;
+            }
+            let joints = self.of_finger(finger);
+            let (own, others) = vectors.split_at_checked(joints.div_ceil(PER_VECTOR))?;
+            vectors = others;
+            Some((joints, own))
+        })
+    }
 }
 
-/// Converts joint quantities of one finger in a message.
-pub fn joints_of_message(joints: Vector3) -> JointVector {
-    JointVector::from([joints.x, joints.y, joints.z])
+fn numbers(vectors: &[Vector3]) -> impl Iterator<Item = f64> {
+    vectors
+        .iter()
+        .flat_map(|vector| [vector.x, vector.y, vector.z])
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use proptest::prelude::*;
 
     #[test]
     fn three_joints_keep_their_numbers_and_more_are_refused() {
+        let usual = JointCounts::default();
         let joints = JointVector::from([0.1, -0.2, f64::INFINITY]);
-        let message = joints_to_message(joints).unwrap();
-        assert_eq!(joints_of_message(message), joints);
-        let stopped = joints_to_message(JointVector::default()).unwrap();
-        assert_eq!((stopped.x, stopped.y, stopped.z), (0.0, 0.0, 0.0));
-        let error = joints_to_message(JointVector::zeros(4)).unwrap_err();
+        let message = usual.to_message([joints, JointVector::default()]);
+        let message = message.unwrap();
+        assert!(usual.of_message(&message).eq([joints, [0.0; 3].into()]));
+        let expected = [[0.1, -0.2, f64::INFINITY], [0.0; 3]];
+        assert_eq!(message, expected.map(|[x, y, z]| Vector3 { x, y, z }));
+        assert_eq!(usual.vectors(2), 2);
+        let error = usual.to_message([JointVector::zeros(4)]).unwrap_err();
         assert_eq!(
             error.to_string(),
             "expected at most 3 joints per finger, got 4"
         );
+    }
+
+    #[test]
+    fn unused_components_and_missing_vectors_are_rejected() {
+        let counts = JointCounts::new([4, 1]);
+        let vector = |x, y, z| Vector3 { x, y, z };
+        let mut message = vec![
+            vector(1.0, 2.0, 3.0),
+            vector(4.0, 0.0, 0.0),
+            vector(5.0, 0.0, 0.0),
+        ];
+        assert_eq!(counts.check(2, &message), Ok(()));
+        assert!(
+            counts
+                .of_message(&message)
+                .eq([[1.0, 2.0, 3.0, 4.0].into(), JointVector::from([5.0])])
+        );
+        for unused in [1e-300, f64::NAN] {
+            message[1].z = unused;
+            assert_eq!(counts.check(2, &message), Err(Rejection::Size));
+        }
+        message[1].z = 0.0;
+        for length in [0, 1, 2] {
+            let cut = &message[..length];
+            assert_eq!(counts.check(2, cut), Err(Rejection::Size));
+            assert_eq!(counts.of_message(cut).count(), length / 2);
+        }
+        message.push(vector(0.0, 0.0, 0.0));
+        assert_eq!(counts.check(2, &message), Err(Rejection::Size));
+    }
+
+    proptest! {
+        #[test]
+        fn every_hand_is_restored(hand in prop::collection::vec(prop::collection::vec(-9.0..9.0, 1..=MAX_JOINTS), 1..=5)) {
+            let counts = JointCounts::new(hand.iter().map(Vec::len));
+            let joints: Vec<_> = hand.iter().filter_map(|j| JointVector::from_slice(j)).collect();
+            let message = counts.to_message(joints.iter().copied()).unwrap();
+            prop_assert_eq!(counts.check(hand.len(), &message), Ok(()));
+            let lengths = counts.of_message(&message).map(|joints| joints.len());
+            prop_assert!(lengths.eq(hand.iter().map(Vec::len)));
+            prop_assert!(counts.of_message(&message).eq(joints));
+        }
     }
 }

@@ -206,7 +206,8 @@ message!(
         token: u64,
         /// Sequence number of the HandState that the command is based on.
         state_sequence: u64,
-        /// Velocities of joints theta1..theta3 of each finger (rad/s).
+        /// Velocities of joints theta1..theta3 of each finger (rad/s, or m/s of a prismatic joint). A finger with another
+        /// number of joints has one vector per three joints; the rest of its last vector is 0.
         joint_velocity: Vec<Vector3>,
     }
     with [header_text, vector3_text]
@@ -246,9 +247,10 @@ message!(
     StateMessage = "HandState" {
         /// Sender, stamp and echo.
         header: MessageHeader,
-        /// Joint angles theta1..theta3 of each finger (rad).
+        /// Joint angles theta1..theta3 of each finger (rad, or m of a prismatic joint). A finger with another number of
+        /// joints has one vector per three joints; the rest of its last vector is 0.
         position: Vec<Vector3>,
-        /// Joint velocities of each finger (rad/s).
+        /// Joint velocities of each finger (rad/s or m/s), laid out like position.
         velocity: Vec<Vector3>,
         /// Instruments: empty or one entry.
         instruments: Vec<InstrumentsMessage>,

@@ -15,7 +15,7 @@ pub(crate) mod sequence;
 pub(crate) mod tactile;
 
 pub use freshness::{Echo, SentSteps};
-pub use joints::{joints_of_message, joints_to_message};
+pub use joints::JointCounts;
 pub use message::{HandMode, StopInForce};
 pub use mismatch::Mismatch;
 pub use rejection::Rejection;

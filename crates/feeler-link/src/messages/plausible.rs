@@ -3,14 +3,15 @@
 //! The bounds are far beyond the range of any hand of this size. They reject values that laws, tasks and recordings
 //! cannot handle.
 
+use super::joints::JointCounts;
 use super::message::{PROTOCOL, StateMessage, TactileUpdate};
 use super::rejection::Rejection;
 use feeler_record::wire::Vector3;
 use glam::{DQuat, DVec3};
 
-/// Maximum joint angle (rad).
+/// Maximum joint position (rad or m).
 const MAX_ANGLE: f64 = 100.0;
-/// Maximum joint velocity (rad/s).
+/// Maximum joint velocity (rad/s or m/s).
 const MAX_JOINT_VELOCITY: f64 = 1000.0;
 /// Maximum force on an element or a finger (N).
 const MAX_FORCE: f64 = 1e4;
@@ -48,11 +49,16 @@ pub(crate) fn check_update(
     check(update.shear_rate.iter().copied(), MAX_SHEAR_RATE)
 }
 
-/// Checks version, sizes and values of a state of a hand with the given number of fingers.
-pub(crate) fn check_state(fingers: usize, state: &StateMessage) -> Result<(), Rejection> {
+/// Checks version, sizes and values of a state of a hand with the given number of fingers and joints.
+pub(crate) fn check_state(
+    fingers: usize,
+    joints: &JointCounts,
+    state: &StateMessage,
+) -> Result<(), Rejection> {
     check_protocol(state.header.protocol)?;
-    let joints = [state.position.len(), state.velocity.len()];
-    if joints != [fingers; 2] || state.instruments.len() > 1 {
+    joints.check(fingers, &state.position)?;
+    joints.check(fingers, &state.velocity)?;
+    if state.instruments.len() > 1 {
         return Err(Rejection::Size);
     }
     check(state.position.iter().map(greatest), MAX_ANGLE)?;
@@ -79,11 +85,13 @@ pub(crate) fn check_state(fingers: usize, state: &StateMessage) -> Result<(), Re
     Ok(())
 }
 
-/// Checks number and values of commanded joint velocities (rad/s).
-pub(crate) fn check_velocities(fingers: usize, velocities: &[Vector3]) -> Result<(), Rejection> {
-    if velocities.len() != fingers {
-        return Err(Rejection::Size);
-    }
+/// Checks number and values of commanded joint velocities (rad/s or m/s).
+pub(crate) fn check_velocities(
+    fingers: usize,
+    joints: &JointCounts,
+    velocities: &[Vector3],
+) -> Result<(), Rejection> {
+    joints.check(fingers, velocities)?;
     check(velocities.iter().map(greatest), MAX_JOINT_VELOCITY)
 }
 

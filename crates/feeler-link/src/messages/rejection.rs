@@ -21,7 +21,7 @@ pub enum Rejection {
     /// From a refused program, or one that does not send such messages.
     #[error("from unknown senders")]
     Stranger,
-    /// The number of fingers, elements or pixels does not match the experiment.
+    /// The number of fingers, joints, elements or pixels does not match the experiment.
     #[error("of another size")]
     Size,
     /// Contains a number that is not finite.

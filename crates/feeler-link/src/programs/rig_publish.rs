@@ -6,7 +6,7 @@ use super::rig_config::{Rig, SensorOutput};
 use super::rig_reading::{Exposed, Reading};
 use crate::hand::run_clock::RigSpeed;
 use crate::messages::freshness::Echo;
-use crate::messages::joints::joints_to_message;
+use crate::messages::joints::JointCounts;
 use crate::messages::message::{
     DirectForces, InstrumentsMessage, MessageHeader, PictureMessage, StateMessage,
 };
@@ -29,7 +29,12 @@ impl<R: Rig> RigProgram<R> {
         let taken = self.taken();
         let header = header(self.node.instance, self.sequence, self.state.stamp);
         let header = header.echoing(taken.0, taken.1);
-        let state = state_message(header, &self.state, instruments)?;
+        let state = state_message(
+            header,
+            &self.state,
+            &self.config.expected.joints,
+            instruments,
+        )?;
         self.send(Reading::State(state))?;
         for finger in 0..self.rig.finger_count() {
             self.expose(finger, taken)?;
@@ -137,15 +142,15 @@ fn picture_message(header: MessageHeader, finger: usize, frame: &Frame) -> Pictu
 fn state_message(
     header: MessageHeader,
     state: &HandState,
+    counts: &JointCounts,
     instruments: Option<InstrumentsMessage>,
 ) -> Result<StateMessage, HandError> {
-    let (positions, velocities) = (state.joints.iter(), state.joints.iter());
-    let positions = positions.map(|joints| joints_to_message(joints.position));
-    let velocities = velocities.map(|joints| joints_to_message(joints.velocity));
+    let positions = state.joints.iter().map(|joints| joints.position);
+    let velocities = state.joints.iter().map(|joints| joints.velocity);
     Ok(StateMessage {
         header,
-        position: positions.collect::<Result<_, _>>()?,
-        velocity: velocities.collect::<Result<_, _>>()?,
+        position: counts.to_message(positions)?,
+        velocity: counts.to_message(velocities)?,
         instruments: instruments.into_iter().collect(),
     })
 }

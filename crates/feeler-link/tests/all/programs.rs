@@ -10,6 +10,7 @@ use feeler::pace::FreeRunning;
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
 use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
 use feeler_link::inboxes::{Expected, Exposed, read};
+use feeler_link::messages::JointCounts;
 use feeler_link::messages::message::{
     HandMode, Heartbeat, InstrumentsMessage, MessageHeader, NO_FINGER, PROTOCOL, ProgramKind,
     ResumeMessage, StopMessage, TactileUpdate,
@@ -242,6 +243,7 @@ fn expected() -> Expected {
     Expected {
         experiment: "toy".into(),
         fingertips: vec!["tip".into()],
+        joints: JointCounts::default(),
         speed: None,
     }
 }

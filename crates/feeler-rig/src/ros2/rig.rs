@@ -8,7 +8,6 @@ use crate::session::RigSession;
 use feeler_console::{CommandError, Outcome, watch_for_interrupt};
 use feeler_lab::experiment::run_facts;
 use feeler_link::hand::HandClient;
-use feeler_link::messages::joints_of_message;
 use feeler_link::messages::message::MessageHeader;
 use feeler_link::security::Right;
 use feeler_record::ros::Time;
@@ -129,8 +128,7 @@ impl RigNode {
                 .of(state.header.clock, state.header.stamp, arrived)
             {
                 self.now = Some(stamp);
-                let joints = state.position.iter().zip(&state.velocity);
-                let joints = joints.map(|(&p, &v)| (joints_of_message(p), joints_of_message(v)));
+                let joints = heard.positions().zip(heard.velocities());
                 self.messages.set_joints(stamp, joints);
                 self.publishers.publish_joints(&self.messages)?;
             }

@@ -3,6 +3,7 @@
 use super::programs::warnings;
 use crate::snapshot::{Fault, UNKNOWN};
 use feeler::control::FingerFlags;
+use feeler::hand::JointVector;
 use feeler_link::inboxes::{Inbox, WatchInbox};
 use feeler_link::messages::message::{
     HandMode, InstrumentsMessage, NO_FINGER, ProgramKind, StateMessage, TactileUpdate,
@@ -47,6 +48,18 @@ impl<'a> RigMessages<'a> {
                 self.now,
             )
         })
+    }
+
+    /// Returns the joint positions (rad or m) of each finger. Empty before the first state.
+    pub fn positions(&self) -> impl Iterator<Item = JointVector> + Clone {
+        let positions = self.state.map_or(&[][..], |state| &state.position);
+        self.inbox.peers().joints().of_message(positions)
+    }
+
+    /// Returns the joint velocities (rad/s or m/s) of each finger. Empty before the first state.
+    pub fn velocities(&self) -> impl Iterator<Item = JointVector> + Clone {
+        let velocities = self.state.map_or(&[][..], |state| &state.velocity);
+        self.inbox.peers().joints().of_message(velocities)
     }
 
     /// Returns the readings of the rig's instruments.

@@ -122,9 +122,8 @@ mod tests {
     #[test]
     fn silent_refused_and_absent_programs_are_distinguished() {
         let mut peers = Peers::new(Expected {
-            speed: None,
             experiment: "ours".into(),
-            fingertips: Vec::new(),
+            ..Expected::default()
         });
         hear(&mut peers, "hand", 1, "ours", 0.0);
         hear(&mut peers, "world", 2, "another", 3.0);

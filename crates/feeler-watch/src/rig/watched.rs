@@ -5,6 +5,7 @@ use super::programs::programs;
 use crate::history::History;
 use crate::snapshot::{Fault, Finger, Snapshot, TaskState, TimeBase, Torque, UNKNOWN};
 use feeler::control::Phase;
+use feeler::hand::JointVector;
 use feeler::sensor::fingertip::ElementLayout;
 use feeler_console::CommandError;
 use feeler_lab::config::{Experiment, ExperimentConfig};
@@ -12,10 +13,8 @@ use feeler_lab::experiment::layouts;
 use feeler_lab::experiment::rigs::linked::expected;
 use feeler_link::hand::{Order, stop_to_resume};
 use feeler_link::inboxes::{Inbox, WatchInbox};
-use feeler_link::messages::joints_of_message;
 use feeler_link::messages::message::{HandMode, InstrumentsMessage};
 use feeler_link::transport::{LinkError, Network, Shared, TimeSource, Topic, monotonic};
-use glam::DVec3;
 use std::sync::Arc;
 use std::thread;
 use std::time::Duration;
@@ -52,7 +51,8 @@ impl WatchedRig {
     ) -> Result<Self, CommandError> {
         let layouts = layouts(&experiment.config)?;
         let elements: Vec<_> = layouts.iter().map(|layout| layout.elements.len()).collect();
-        let inbox = WatchInbox::new(&elements, expected(experiment)?.fingertips);
+        let expected = expected(experiment)?;
+        let inbox = WatchInbox::new(&elements, expected.fingertips, expected.joints);
         let (topics, inbox, clock) = (inbox.topics(), Shared::new(inbox), monotonic());
         for topic in topics {
             let (inbox, clock) = (inbox.clone(), clock.clone());
@@ -198,7 +198,7 @@ impl WatchedRig {
 
     fn fingers(&self, heard: &RigMessages) -> Vec<Finger> {
         let layouts = self.layouts.iter().enumerate();
-        let joints = |finger: usize| heard.state?.position.get(finger).copied();
+        let mut joints = heard.positions();
         layouts
             .map(|(number, layout)| {
                 let (flags, forces, shear_rates) = match heard.finger(number) {
@@ -216,7 +216,10 @@ impl WatchedRig {
                     elements: layout.elements.clone(),
                     forces,
                     shear_rates,
-                    joints: joints_of_message(joints(number).unwrap_or(DVec3::NAN.into())),
+                    joints: joints.next().unwrap_or_else(|| {
+                        let count = heard.inbox.peers().joints().of_finger(number);
+                        JointVector::splat(count, UNKNOWN)
+                    }),
                 }
             })
             .collect()

@@ -15,7 +15,7 @@ use feeler_link::inboxes::{Expected, HandInbox, Inbox};
 use feeler_link::messages::message::{
     Heartbeat, MessageHeader, NO_FINGER, PROTOCOL, StateMessage, TactileUpdate,
 };
-use feeler_link::messages::{Echo, joints_to_message};
+use feeler_link::messages::{Echo, JointCounts};
 use feeler_link::programs::{Rig, RigSpeed, SensorOutput};
 use feeler_link::transport::{LinkError, Outlet, Shared, Topic, header, monotonic};
 use feeler_record::wire::{Message, cdr};
@@ -108,6 +108,7 @@ impl LinkedHand {
         let expected = Expected {
             experiment: "same".into(),
             fingertips: vec!["tip".into(); fingers],
+            joints: JointCounts::default(),
             speed: None,
         };
         let period = config.control.period;
@@ -175,8 +176,8 @@ impl LinkedHand {
         };
         let now = header(WORLD, step as u64 + 1, state.stamp).echoing(echo, 0.0);
         let vectors = |of: fn(&JointState) -> JointVector| {
-            let joints = state.joints.iter();
-            joints.map(|j| joints_to_message(of(j)).unwrap()).collect()
+            let joints = state.joints.iter().map(of);
+            JointCounts::default().to_message(joints).unwrap()
         };
         let message = StateMessage {
             header: now,

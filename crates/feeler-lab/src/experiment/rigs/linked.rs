@@ -2,8 +2,10 @@
 
 use crate::config::Experiment;
 use crate::experiment::{ExperimentError, controller, fingers_at_home, layouts};
+use feeler::hand::FingerDescription;
 use feeler::sensor::fingertip::CalibrationTarget;
 use feeler_link::inboxes::Expected;
+use feeler_link::messages::JointCounts;
 use feeler_link::programs::{HandConfig, HandProgram, ProgramError, RigConfig, RigSpeed};
 use feeler_link::transport::Network;
 use std::sync::Arc;
@@ -39,6 +41,13 @@ pub fn expected(experiment: &Experiment) -> Result<Expected, ExperimentError> {
         fingertips: (0..config.hand.finger.len())
             .map(hash)
             .collect::<Result<_, _>>()?,
+        joints: JointCounts::new(
+            config
+                .hand
+                .finger
+                .iter()
+                .map(FingerDescription::joint_count),
+        ),
         speed: None,
     })
 }

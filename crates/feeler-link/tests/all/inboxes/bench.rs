@@ -6,7 +6,7 @@ use feeler_link::messages::message::{
     CommandMessage, HandMode, Heartbeat, MessageHeader, NO_ELEMENT, NO_FINGER, PROTOCOL,
     StateMessage, TactileUpdate,
 };
-use feeler_link::messages::{Echo, Rejection, SentSteps};
+use feeler_link::messages::{Echo, JointCounts, Rejection, SentSteps};
 use feeler_link::transport::{Topic, encode, header};
 use feeler_record::wire::{Message, Vector3};
 
@@ -27,6 +27,7 @@ pub fn expected() -> Expected {
     Expected {
         experiment: "ours".into(),
         fingertips: vec!["tip".into()],
+        joints: JointCounts::default(),
         speed: Some(1.0),
     }
 }
@@ -70,8 +71,17 @@ fn introduce(inbox: &mut dyn Inbox, programs: &[(&str, u64)]) {
 
 /// Inbox of a hand with one finger, in real time, which has sent steps 1 to 100 every 10 ms until 1 s.
 pub fn hand() -> HandInbox {
+    hand_with(JointCounts::default())
+}
+
+/// Like [`hand`], but with these numbers of joints.
+pub fn hand_with(joints: JointCounts) -> HandInbox {
     let clock = RunClock::new(RigSpeed::Times(1.0), 0.01, 3.5);
-    let mut inbox = HandInbox::new(&[ELEMENTS], clock, expected());
+    let expected = Expected {
+        joints,
+        ..expected()
+    };
+    let mut inbox = HandInbox::new(&[ELEMENTS], clock, expected);
     introduce(&mut inbox, &[("world", WORLD), ("sense", SENSE)]);
     for step in 1..=100 {
         inbox.sent.sent(step, 0.01 * step as f64);
@@ -81,7 +91,16 @@ pub fn hand() -> HandInbox {
 
 /// Inbox of a rig with one finger.
 pub fn rig() -> RigInbox {
-    let mut inbox = RigInbox::new((1, WORLD), STALE + 0.01, expected());
+    rig_with(JointCounts::default())
+}
+
+/// Like [`rig`], but with these numbers of joints.
+pub fn rig_with(joints: JointCounts) -> RigInbox {
+    let expected = Expected {
+        joints,
+        ..expected()
+    };
+    let mut inbox = RigInbox::new((1, WORLD), STALE + 0.01, expected);
     introduce(&mut inbox, &[("hand", HAND), ("sense", SENSE)]);
     inbox.time = 1.0;
     inbox

@@ -4,5 +4,6 @@
 mod bench;
 mod hand;
 mod heartbeats;
+mod joints;
 mod rig;
 mod sense;

@@ -3,6 +3,7 @@
 use super::periods::{Channel, Fate, Happening, Period};
 use feeler_link::hand::{Permission, RigSpeed, RunClock};
 use feeler_link::inboxes::{Expected, HandInbox, Inbox, RigInbox, SenseInbox};
+use feeler_link::messages::JointCounts;
 use feeler_link::messages::message::{
     CommandMessage, HandMode, Heartbeat, MessageHeader, NO_ELEMENT, NO_FINGER, PROTOCOL,
     ResumeMessage, StateMessage, StopMessage, TactileUpdate,
@@ -86,6 +87,7 @@ fn expected() -> Expected {
     Expected {
         experiment: "model".into(),
         fingertips: vec!["tip".into()],
+        joints: JointCounts::default(),
         speed: None,
     }
 }
