@@ -321,8 +321,11 @@ fn tell(session: &Session, goal: &dyn Goal, seen: &Seen<'_>, info: &mut [f64]) {
 
 /// Returns the layout of each finger's observation in `session`.
 fn observation_layouts(session: &Session) -> Vec<ObservationLayout> {
-    let elements = session.layouts().iter().map(|layout| layout.elements.len());
-    elements
-        .map(|elements| ObservationLayout { elements })
-        .collect()
+    let fingers = session.control_loop().controller().fingers().iter();
+    let fingers = fingers.zip(session.layouts());
+    let layouts = fingers.map(|(control, layout)| ObservationLayout {
+        elements: layout.elements.len(),
+        joints: control.geometry().joint_count(),
+    });
+    layouts.collect()
 }

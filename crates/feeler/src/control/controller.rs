@@ -62,7 +62,7 @@ impl Controller {
     /// Creates a controller for a hand with the given `fingers` and the element layout of each.
     ///
     /// # Errors
-    /// If the law is a policy that has not been loaded, or was made for other fingertips.
+    /// If the law is a policy that has not been loaded, or was made for other fingertips or numbers of joints.
     pub fn new(
         config: ControlConfig,
         task: &TaskConfig,
@@ -82,6 +82,7 @@ impl Controller {
         fingers: &[FingerGeometry],
         layouts: &[ElementLayout],
     ) -> Result<Self, LawError> {
+        config.law.check_joints(fingers)?;
         let most_gap = config.stale_periods.max(1.5) * config.period;
         let finger = |(geometry, layout): (&FingerGeometry, &ElementLayout)| {
             let elements = layout.elements.len();

@@ -5,15 +5,12 @@
 
 use super::plan::Plan;
 use super::sense::FingerReadings;
-use crate::hand::JointVector;
+use crate::hand::{JointVector, MAX_JOINTS};
 use glam::DVec3;
 use std::ops::Range;
 
-/// Number of entries other than the elements' forces.
-const BESIDE_FORCES: usize = 21;
-
-/// Number of joints of an observed finger.
-const JOINTS: usize = 3;
+/// Number of entries other than the elements' forces and the joints' positions and velocities.
+const OTHERS: usize = 15;
 
 /// Error returned when an observation cannot be written.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, thiserror::Error)]
@@ -49,6 +46,8 @@ pub enum ObservationError {
 pub struct ObservationLayout {
     /// Number of elements of the finger.
     pub elements: usize,
+    /// Number of joints of the finger, at most [`MAX_JOINTS`].
+    pub joints: usize,
 }
 
 /// A part of an observation.
@@ -66,10 +65,14 @@ impl ObservationLayout {
     /// Length of the observation.
     #[expect(clippy::len_without_is_empty, reason = "no observation is empty")]
     pub fn len(&self) -> usize {
-        3 * self.elements + BESIDE_FORCES
+        3 * self.elements + 2 * self.joint_count() + OTHERS
     }
 
-    /// Parts of an observation, in order.
+    fn joint_count(&self) -> usize {
+        self.joints.min(MAX_JOINTS)
+    }
+
+    /// Parts of an observation, in order. Of a prismatic joint, the position is in m and the velocity in m/s.
     pub fn parts(&self) -> [ObservationPart; 12] {
         let mut end = 0;
         [
@@ -79,8 +82,8 @@ impl ObservationLayout {
             ("slip", "0 or 1", 1),
             ("over", "0 or 1", 1),
             ("grasp_force", "N", 1),
-            ("joint_angles", "rad", JOINTS),
-            ("joint_velocities", "rad/s", JOINTS),
+            ("joint_angles", "rad", self.joint_count()),
+            ("joint_velocities", "rad/s", self.joint_count()),
             ("last_action", "m/s, in T", 3),
             ("planned_velocity", "m/s, in T", 3),
             ("towards_object", "unit vector, in T", 3),
@@ -108,7 +111,7 @@ impl ObservationLayout {
     /// fingertip velocity (m/s, in W). Does not allocate.
     ///
     /// # Errors
-    /// If the number of elements or joints differs, or if the length of `observation` differs from [`len`](Self::len).
+    /// If the number of elements differs, if the finger has more joints (missing ones are 0), or if the length of `observation` differs from [`len`](Self::len).
     pub fn write(
         &self,
         plan: &Plan,
@@ -140,8 +143,8 @@ impl ObservationLayout {
         let beside: [&[f32]; 8] = [
             &[up(flags.touch), up(flags.slip), up(flags.over)],
             &[flags.grasp_force as f32],
-            &observed_joints(sense.joints.position)?,
-            &observed_joints(sense.joints.velocity)?,
+            &self.observed_joints(sense.joints.position)?[..self.joint_count()],
+            &self.observed_joints(sense.joints.velocity)?[..self.joint_count()],
             &vector(to_fingertip * last_action),
             &vector(to_fingertip * plan.velocity),
             &vector(to_fingertip * plan.towards_object),
@@ -155,14 +158,14 @@ impl ObservationLayout {
         }
         Ok(())
     }
-}
 
-/// Joint quantities of a finger, as in an observation.
-fn observed_joints(joints: JointVector) -> Result<[f32; JOINTS], ObservationError> {
-    let (expected, actual) = (JOINTS, joints.len());
-    let numbers = joints.to_array::<JOINTS>();
-    let numbers = numbers.ok_or(ObservationError::JointCount { expected, actual })?;
-    Ok(numbers.map(|number| number as f32))
+    /// Joint quantities of a finger, as in an observation; those of missing joints are 0.
+    fn observed_joints(&self, joints: JointVector) -> Result<[f32; MAX_JOINTS], ObservationError> {
+        let (expected, actual) = (self.joint_count(), joints.len());
+        let error = ObservationError::JointCount { expected, actual };
+        let numbers = joints.to_array().filter(|_| actual <= expected);
+        Ok(numbers.ok_or(error)?.map(|number| number as f32))
+    }
 }
 
 #[cfg(test)]
@@ -216,7 +219,10 @@ mod tests {
             reflex: false,
             keep_grasp: true,
         };
-        let observed = ObservationLayout { elements: 2 };
+        let observed = ObservationLayout {
+            elements: 2,
+            joints: 3,
+        };
         let mut numbers = vec![f32::NAN; observed.len()];
         let last = DVec3::new(8.0, 9.0, 10.0);
         observed
@@ -245,12 +251,57 @@ mod tests {
         let error = observed.write(&plan, &sense, last, &mut short);
         let (expected, actual) = (27, 26);
         assert_eq!(error, Err(ObservationError::Length { expected, actual }));
-        let other = ObservationLayout { elements: 3 };
+        let other = ObservationLayout {
+            elements: 3,
+            ..observed
+        };
         let error = other.write(&plan, &sense, last, &mut short);
         let (expected, actual) = (3, 2);
         assert_eq!(
             error,
             Err(ObservationError::ElementCount { expected, actual })
         );
+    }
+
+    #[test]
+    fn each_joint_has_a_number() {
+        let layout = layout();
+        let touch = TactileReading::none(2);
+        for joints in 1..=MAX_JOINTS {
+            let numbers: Vec<_> = (1..=joints).map(|joint| joint as f64).collect();
+            let position = JointVector::from_slice(&numbers).expect("few joints");
+            let sense = FingerReadings {
+                pose: FingertipPose::default(),
+                joints: JointState {
+                    position,
+                    velocity: -position,
+                },
+                touch: &touch,
+                layout: &layout,
+            };
+            let observed = ObservationLayout {
+                elements: 2,
+                joints,
+            };
+            assert_eq!(observed.len(), 21 + 2 * joints);
+            let mut numbers = vec![f32::NAN; observed.len()];
+            let write = |observed: &ObservationLayout, numbers: &mut [f32]| {
+                observed.write(&Plan::default(), &sense, DVec3::ZERO, numbers)
+            };
+            write(&observed, &mut numbers).expect("the buffer fits");
+            assert!(numbers.iter().all(|number| number.is_finite()));
+            let range = observed.range("joint_angles").expect("a part");
+            assert!(numbers[range].iter().map(|&n| f64::from(n)).eq(position));
+            let range = observed.range("joint_velocities").expect("a part");
+            assert!(numbers[range].iter().map(|&n| f64::from(n)).eq(-position));
+            let fewer = ObservationLayout {
+                elements: 2,
+                joints: joints - 1,
+            };
+            let error = write(&fewer, &mut numbers[2..]);
+            let (expected, actual) = (joints - 1, joints);
+            let count = ObservationError::JointCount { expected, actual };
+            assert_eq!(error, Err(count));
+        }
     }
 }

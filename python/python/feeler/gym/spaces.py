@@ -43,13 +43,17 @@ class Spaces:
         lengths = {stop - start for finger in self.parts for name, _, start, stop in finger if name == "forces"}
         if len(lengths) > 1:
             raise ValueError('observation = "dict": expected fingers with the same number of elements; use "flat"')
+        joints = {stop - start for finger in self.parts for name, _, start, stop in finger if name == "joint_angles"}
+        if len(joints) > 1:
+            raise ValueError('observation = "dict": expected fingers with the same number of joints; use "flat"')
         low, high = self._parts(self._low), self._parts(self._high)
         return spaces.Dict({name: spaces.Box(low[name], high[name], dtype=np.float32) for name in low})
 
     def _shape(self, name: str, length: int) -> tuple[int, ...]:
         if name == "forces":
             return (self.fingers, length // 3, 3)
-        return (self.fingers, length) if length > 1 else (self.fingers,)
+        is_vector = length > 1 or name in ("joint_angles", "joint_velocities")
+        return (self.fingers, length) if is_vector else (self.fingers,)
 
     def observe(self, flat: NDArray[np.float32]) -> Observation:
         """Converts flat observations [..., L] to the kind of this space: unchanged, or split by name [..., F, ...]."""

@@ -10,6 +10,7 @@ use super::tri_axial::{Reflex, TriAxialLaw};
 use super::{FingerLaws, HandLaw, Law};
 use crate::check::Checker;
 use crate::control::flags::FlagThresholds;
+use crate::hand::FingerGeometry;
 use crate::sensor::fingertip::layout::ElementLayout;
 use serde::de::value::MapAccessDeserializer;
 use serde::de::{Error, MapAccess, Visitor};
@@ -33,6 +34,16 @@ pub enum LawError {
         /// Number of elements of the finger.
         expected: usize,
         /// Number of elements that the policy requires.
+        actual: usize,
+    },
+    /// The policy was made for fingers with another number of joints.
+    #[error("expected a policy for fingers of {expected} joints, got {file:?} for {actual}")]
+    Joints {
+        /// Path of the policy's file.
+        file: String,
+        /// Number of joints of the finger.
+        expected: usize,
+        /// Number of joints that the policy requires.
         actual: usize,
     },
 }
@@ -166,6 +177,29 @@ impl LawConfig {
             .map(finger_law)
             .collect::<Result<Option<_>, _>>()?;
         Ok(Box::new(FingerLaws::new(laws.unwrap_or_default())))
+    }
+
+    /// Checks that a policy was made for the number of joints of each of the `fingers`. Other laws suit all fingers.
+    ///
+    /// # Errors
+    /// [`LawError::Joints`] if it was not.
+    pub fn check_joints(&self, fingers: &[FingerGeometry]) -> Result<(), LawError> {
+        let Self::Policy(PolicyConfig {
+            file,
+            model: Some(model),
+        }) = self
+        else {
+            return Ok(());
+        };
+        let joints = fingers.iter().map(FingerGeometry::joint_count);
+        match joints.into_iter().find(|&joints| joints != model.joints()) {
+            None => Ok(()),
+            Some(expected) => Err(LawError::Joints {
+                file: file.clone(),
+                expected,
+                actual: model.joints(),
+            }),
+        }
     }
 
     /// Creates the law for one finger of `elements` elements, in its initial state. Elements touch above

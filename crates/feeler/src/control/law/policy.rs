@@ -32,7 +32,7 @@ pub struct PolicyConfig {
 /// Content of a policy file.
 #[derive(Debug, Clone, PartialEq)]
 pub struct PolicyModel {
-    elements: usize,
+    layout: ObservationLayout,
     residual_speed: f64,
     network: Network,
 }
@@ -45,12 +45,13 @@ impl PolicyModel {
     /// | `format` | [`FORMAT`] |
     /// | `activation` | `tanh` or `relu`, between two layers |
     /// | `elements` | number of elements E of the fingertips that the policy was made for |
+    /// | `joints` | number of joints of the fingers; optional, 3 if missing |
     /// | `residual_speed` | maximum speed that each component of the output adds to the plan's velocity (m/s) |
     /// | `description` | any text; optional |
     ///
     /// | tensor (F32, C order) | shape |
     /// |---|---|
-    /// | `input.mean`, `input.scale` | `[N]`, N numbers of an [`ObservationLayout`] of E elements |
+    /// | `input.mean`, `input.scale` | `[N]`, N numbers of an [`ObservationLayout`] of E elements and these joints |
     /// | `layer0.weight`, `layer0.bias` | `[outputs, N]`, `[outputs]` |
     /// | `layer1.weight`, … up to seven more | `[outputs, outputs of the previous layer]`; the last has 3 outputs |
     ///
@@ -63,7 +64,12 @@ impl PolicyModel {
 
     /// Number of elements of the fingertips that the policy was made for.
     pub fn elements(&self) -> usize {
-        self.elements
+        self.layout.elements
+    }
+
+    /// Number of joints of the fingers that the policy was made for.
+    pub fn joints(&self) -> usize {
+        self.layout.joints
     }
 }
 
@@ -91,14 +97,13 @@ impl Policy {
 
     /// Velocity that the network adds to the plan's (m/s, in W).
     fn residual(&mut self, plan: &Plan, finger: &FingerReadings<'_>) -> DVec3 {
-        let elements = self.model.elements;
-        let layout = ObservationLayout { elements };
+        let layout = self.model.layout;
         let inputs = self.scratch.inputs_mut();
         if layout
             .write(plan, finger, self.last_action, inputs)
             .is_err()
         {
-            // The number of elements differs: NaN makes the controller stop the hand.
+            // The number of elements or joints differs: NaN makes the controller stop the hand.
             return DVec3::NAN;
         }
         let outputs = self.model.network.evaluate(&mut self.scratch);

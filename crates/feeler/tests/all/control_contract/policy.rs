@@ -1,12 +1,14 @@
 //! A learned policy as a control law, compared with plain loops in double precision and with numpy.
 
 use super::policy_file::PolicyFile;
-use super::rig::{Analyzers, ELEMENTS, config, controller, hand_at_home, layout, pressed, state};
+use super::rig::{
+    Analyzers, ELEMENTS, config, controller, geometries, hand_at_home, layout, pressed, state,
+};
 use assert_no_alloc::assert_no_alloc;
 use feeler::control::law::policy::{Policy, PolicyConfig, PolicyModel};
 use feeler::control::law::{Law, LawConfig, LawError};
 use feeler::control::{
-    FingerFlags, FingerReadings, FingertipPose, ObservationLayout, Plan, TactileReading,
+    Controller, FingerFlags, FingerReadings, FingertipPose, ObservationLayout, Plan, TactileReading,
 };
 use feeler::hand::{Hand, HandCommand, JointState, JointVector};
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig, RingConfig};
@@ -123,7 +125,10 @@ fn policy_velocity_agrees_with_plain_loops_in_double_precision() {
                     reflex: step % 3 > 0,
                     keep_grasp: step % 2 > 0,
                 };
-                let observed = ObservationLayout { elements };
+                let observed = ObservationLayout {
+                    elements,
+                    joints: 3,
+                };
                 let mut numbers = vec![0.0; observed.len()];
                 let written = observed.write(&plan, &sense, last_action, &mut numbers);
                 written.expect("an observation");
@@ -289,4 +294,45 @@ fn a_policy_requires_its_number_of_elements() {
         ..Plan::default()
     };
     assert!(policy.velocity(&plan, &sense).is_nan());
+}
+
+#[test]
+fn a_policy_requires_its_number_of_joints() {
+    // As many inputs as for 43 elements and three joints.
+    let file = PolicyFile::zero(43, &[]);
+    let file = saying(saying(file, "elements", "41"), "joints", "6");
+    assert_eq!((model(&file).elements(), model(&file).joints()), (41, 6));
+    let mut config = config();
+    config.control.law = policy_config(&file);
+    let layouts = vec![layout(); config.finger.len()];
+    let made = Controller::new(
+        config.control.clone(),
+        &config.task,
+        &geometries(&config),
+        &layouts,
+    );
+    let (expected, actual) = (3, 6);
+    let wrong = LawError::Joints {
+        file: "a.safetensors".into(),
+        expected,
+        actual,
+    };
+    assert_eq!(made.err(), Some(wrong));
+    let touch = TactileReading::none(ELEMENTS);
+    let plan = Plan {
+        reflex: true,
+        ..Plan::default()
+    };
+    let mut policy = Policy::new(model(&file));
+    for joints in 0..=7 {
+        let sense = FingerReadings {
+            pose: FingertipPose::default(),
+            joints: JointState::zero(joints),
+            touch: &touch,
+            layout: &layout(),
+        };
+        // More joints than the policy's make the controller stop the hand.
+        let velocity = policy.velocity(&plan, &sense);
+        assert_eq!(velocity.is_nan(), joints > 6, "{joints}");
+    }
 }

@@ -58,6 +58,13 @@ fn invalid_metadata_are_named() {
             &["metadata elements: expected", "got \"two\""],
         ),
         (
+            "joints",
+            "0",
+            &["metadata joints: expected", "from 1 to 7, got \"0\""],
+        ),
+        ("joints", "8", &["from 1 to 7, got \"8\""]),
+        ("joints", "4", &["input.mean: expected F32 of shape [29]"]),
+        (
             "elements",
             "3",
             &[

@@ -3,6 +3,7 @@
 use super::PolicyModel;
 use super::network::{Activation, LARGEST, Layer, Network};
 use crate::control::observation::ObservationLayout;
+use crate::hand::MAX_JOINTS;
 use crate::sensor::fingertip::layout::MAX_ELEMENTS;
 use safetensors::SafeTensors;
 use safetensors::tensor::{Dtype, Metadata, SafeTensorError};
@@ -15,6 +16,8 @@ pub const MAX_BYTES: usize = 40 << 20;
 const MAX_LAYERS: usize = 8;
 /// Maximum number of outputs of a layer.
 const MAX_WIDTH: usize = 1024;
+/// Number of joints of a finger, if the metadata have no entry `joints`.
+const USUAL_JOINTS: usize = 3;
 /// Components of a velocity.
 const OUTPUTS: usize = 3;
 /// Minimum scale of an input.
@@ -22,10 +25,11 @@ const SMALLEST_SCALE: f32 = 1e-6;
 /// Maximum speed that a network may add to the plan's (m/s).
 const MAX_RESIDUAL_SPEED: f64 = 1.0;
 /// Valid keys of the metadata.
-const KEYS: [&str; 5] = [
+const KEYS: [&str; 6] = [
     "format",
     "activation",
     "elements",
+    "joints",
     "residual_speed",
     "description",
 ];
@@ -92,9 +96,19 @@ pub(super) fn read(bytes: &[u8]) -> Result<PolicyModel, PolicyError> {
         let speed: f64 = text.parse().ok()?;
         (0.0..=MAX_RESIDUAL_SPEED).contains(&speed).then_some(speed)
     })?;
-    let network = file.network(activation, ObservationLayout { elements }.len())?;
+    let joints = match file.has("joints") {
+        false => USUAL_JOINTS,
+        true => {
+            let joints = format!("a number of joints from 1 to {MAX_JOINTS}");
+            file.parsed("joints", &joints, |text| {
+                text.parse().ok().filter(|j| (1..=MAX_JOINTS).contains(j))
+            })?
+        }
+    };
+    let layout = ObservationLayout { elements, joints };
+    let network = file.network(activation, layout.len())?;
     Ok(PolicyModel {
-        elements,
+        layout,
         residual_speed,
         network,
     })
@@ -126,6 +140,12 @@ impl<'a> File<'a> {
                 actual: "an unknown entry".into(),
             }),
         }
+    }
+
+    /// `true` if the metadata has an entry `key`.
+    fn has(&self, key: &str) -> bool {
+        let metadata = self.header.metadata().as_ref();
+        metadata.is_some_and(|metadata| metadata.contains_key(key))
     }
 
     /// Parses an entry of the metadata by `parse`.
