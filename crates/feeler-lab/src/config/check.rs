@@ -54,7 +54,9 @@ fn checked(config: &ExperimentConfig) -> Checker {
         let fingertips: Vec<_> = fingers
             .map(|finger| config.sensor.fingertip(finger))
             .collect();
-        sim.check(&fingertips, config.control.period, &mut checker);
+        let fingers = config.hand.finger.iter();
+        let joints: Vec<_> = fingers.map(FingerDescription::joint_count).collect();
+        sim.check(&fingertips, &joints, config.control.period, &mut checker);
     }
     checker
 }

@@ -10,14 +10,16 @@ use std::collections::BTreeMap;
 const MAX_LATE_PERIODS: f64 = 1000.0;
 /// Maximum gain of a faulty encoder.
 const MAX_GAIN: f64 = 1e3;
-/// Number of joints of a finger.
-const JOINTS: usize = 3;
+/// Number of joints that a fault on a missing finger may name.
+const USUAL_JOINTS: usize = 3;
 
 /// Parts of an experiment that faults can affect.
 #[derive(Debug, Clone, Copy)]
 pub struct FaultTargets<'a> {
     /// Fingertip of each finger.
     pub fingertips: &'a [&'a FingertipConfig],
+    /// Number of joints of each finger.
+    pub joints: &'a [usize],
     /// Control period (s).
     pub period: f64,
     /// Objects by name.
@@ -88,19 +90,31 @@ impl FaultKind {
                 let most = (MAX_LATE_PERIODS * targets.period).min(10.0);
                 checker.between(&format!("{key}.delay"), delay, 0.0, most);
             }
-            &Self::ServoStall { joint, .. } | &Self::JointFreeze { joint, .. } => {
-                index_below(&format!("{key}.joint"), joint, JOINTS, "joints", checker);
+            &Self::ServoStall { finger, joint } | &Self::JointFreeze { finger, joint } => {
+                targets.require_joint(key, finger, joint, checker);
             }
-            &Self::Backlash { joint, angle, .. } => {
-                index_below(&format!("{key}.joint"), joint, JOINTS, "joints", checker);
+            &Self::Backlash {
+                finger,
+                joint,
+                angle,
+            } => {
+                targets.require_joint(key, finger, joint, checker);
                 checker.between(&format!("{key}.angle"), angle, 0.0, 1.0);
             }
-            &Self::JointGain { joint, gain, .. } => {
-                index_below(&format!("{key}.joint"), joint, JOINTS, "joints", checker);
+            &Self::JointGain {
+                finger,
+                joint,
+                gain,
+            } => {
+                targets.require_joint(key, finger, joint, checker);
                 checker.between(&format!("{key}.gain"), gain, -MAX_GAIN, MAX_GAIN);
             }
-            &Self::JointJump { joint, angle, .. } => {
-                index_below(&format!("{key}.joint"), joint, JOINTS, "joints", checker);
+            &Self::JointJump {
+                finger,
+                joint,
+                angle,
+            } => {
+                targets.require_joint(key, finger, joint, checker);
                 let good = angle.is_finite();
                 checker.require(&format!("{key}.angle"), angle.to_string(), good, "a number");
             }
@@ -146,6 +160,12 @@ impl FaultKind {
 }
 
 impl FaultTargets<'_> {
+    /// Checks that `finger` has the joint with the index `joint`.
+    fn require_joint(&self, key: &str, finger: usize, joint: usize, checker: &mut Checker) {
+        let joints = self.joints.get(finger).copied().unwrap_or(USUAL_JOINTS);
+        index_below(&format!("{key}.joint"), joint, joints, "joints", checker);
+    }
+
     /// Checks that `object` is the name of an object that satisfies `fit`.
     fn require_object(
         &self,
@@ -177,4 +197,37 @@ fn index_below(key: &str, index: usize, count: usize, what: &str, checker: &mut 
             count.saturating_sub(1)
         ),
     );
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_fault_affects_a_joint_of_its_finger() {
+        let objects = BTreeMap::new();
+        let fingertip = FingertipConfig::default();
+        let targets = FaultTargets {
+            fingertips: &[&fingertip; 3],
+            joints: &[3, 4, 7],
+            period: 0.01,
+            objects: &objects,
+        };
+        for (finger, joints) in [3, 4, 7].into_iter().enumerate() {
+            for joint in 0..=8 {
+                let mut checker = Checker::default();
+                let fault = FaultKind::ServoStall { finger, joint };
+                fault.check("fault", &targets, &mut checker);
+                let problems = checker.problems();
+                assert_eq!(problems.is_empty(), joint < joints, "{finger}, {joint}");
+                if let Some(problem) = problems.first() {
+                    let most = joints - 1;
+                    let expected = format!(
+                        "fault.joint = {joint}: expected 0 to {most}: there are {joints} joints, counted from 0"
+                    );
+                    assert_eq!(problem.to_string(), expected);
+                }
+            }
+        }
+    }
 }

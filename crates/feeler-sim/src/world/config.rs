@@ -118,9 +118,15 @@ impl SimConfig {
         objects.find_map(|(name, object)| Some((name.as_str(), object, object.thread()?)))
     }
 
-    /// Checks that every value is in its range, for a hand with `fingertips`, one per finger, and a control period of
-    /// `period` seconds. Messages use the keys of an experiment file, below `sim`.
-    pub fn check(&self, fingertips: &[&FingertipConfig], period: f64, checker: &mut Checker) {
+    /// Checks that every value is in its range, for a hand with `fingertips` and a number of `joints`, one each per
+    /// finger, and a control period of `period` seconds. Messages use the keys of an experiment file, below `sim`.
+    pub fn check(
+        &self,
+        fingertips: &[&FingertipConfig],
+        joints: &[usize],
+        period: f64,
+        checker: &mut Checker,
+    ) {
         checker.between("sim.step", self.step, 1e-6, 0.1);
         checker.vector("sim.gravity", self.gravity);
         if let Some(frame_period) = self.frame_period {
@@ -148,11 +154,17 @@ impl SimConfig {
         self.variation.check("sim.variation", checker);
         self.direct_sensing.check("sim.direct_sensing", checker);
         self.check_optics(checker);
-        self.check_faults(fingertips, period, checker);
+        self.check_faults(fingertips, joints, period, checker);
         self.check_period(period, checker);
     }
 
-    fn check_faults(&self, fingertips: &[&FingertipConfig], period: f64, checker: &mut Checker) {
+    fn check_faults(
+        &self,
+        fingertips: &[&FingertipConfig],
+        joints: &[usize],
+        period: f64,
+        checker: &mut Checker,
+    ) {
         checker.require(
             "sim.fault",
             format!("{} faults", self.fault.len()),
@@ -161,6 +173,7 @@ impl SimConfig {
         );
         let targets = FaultTargets {
             fingertips,
+            joints,
             period,
             objects: &self.object,
         };
