@@ -477,7 +477,7 @@ pub fn ros2(bytes: &[u8]) -> bool {
     let parameters = Parameters::new("they are fixed");
     match kind {
         b'j' => cdr::decode(bytes).is_ok_and(|message| {
-            let names = ["a", "b", "c"].map(String::from);
+            let names = ["a", "b", "c"].map(String::from).to_vec();
             let mut reader = JointReader::new(vec![names]).expect("a finger");
             reader.read(&message, &mut HandState::zero(1)).is_ok()
         }),

@@ -1,13 +1,10 @@
 //! Reads the joints of a hand from `sensor_msgs/JointState` by name.
 
-use feeler::hand::{HandState, JointState as FingerJoints, MAX_FINGERS};
+use feeler::hand::{HandState, JointState as FingerJoints, MAX_FINGERS, MAX_JOINTS};
 use feeler_record::ros::JointState;
 
-/// Number of joints of each finger of a robot.
-pub(crate) const JOINTS: usize = 3;
-
-/// Names of the joints `theta1` to `theta3` of each finger.
-pub type JointNames = Vec<[String; JOINTS]>;
+/// Names of the joints of each finger, from the base to the fingertip.
+pub type JointNames = Vec<Vec<String>>;
 
 /// Error when reading joints.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
@@ -15,6 +12,14 @@ pub enum JointError {
     /// The number of fingers is 0 or too large.
     #[error("expected joint names of 1 to {MAX_FINGERS} fingers, got {0}")]
     Fingers(usize),
+    /// The number of joints of a finger is 0 or too large.
+    #[error("expected 1 to {MAX_JOINTS} joint names of finger {finger}, got {actual}")]
+    Joints {
+        /// Index of the finger.
+        finger: usize,
+        /// Number of joint names.
+        actual: usize,
+    },
     /// The message does not contain a joint.
     #[error("expected the joint state of {0}, found none")]
     Missing(String),
@@ -42,15 +47,27 @@ impl JointReader {
     /// Creates a reader for joints with these names.
     ///
     /// # Errors
-    /// If the number of fingers is not 1 to [`MAX_FINGERS`].
+    /// If the number of fingers is not 1 to [`MAX_FINGERS`], or the number of joints of a finger is not 1 to
+    /// [`MAX_JOINTS`].
     pub fn new(names: JointNames) -> Result<Self, JointError> {
-        match names.len() {
-            1..=MAX_FINGERS => Ok(Self {
-                places: vec![0; JOINTS * names.len()],
-                names,
-            }),
-            other => Err(JointError::Fingers(other)),
+        if !(1..=MAX_FINGERS).contains(&names.len()) {
+            return Err(JointError::Fingers(names.len()));
         }
+        for (finger, joints) in names.iter().enumerate() {
+            let actual = joints.len();
+            if !(1..=MAX_JOINTS).contains(&actual) {
+                return Err(JointError::Joints { finger, actual });
+            }
+        }
+        Ok(Self {
+            places: vec![0; names.iter().map(Vec::len).sum()],
+            names,
+        })
+    }
+
+    /// Number of joints of each finger.
+    pub fn joint_counts(&self) -> Vec<usize> {
+        self.names.iter().map(Vec::len).collect()
     }
 
     /// Number of fingers.
@@ -71,10 +88,12 @@ impl JointReader {
                 *place = found.ok_or_else(|| JointError::Missing(name.clone()))?;
             }
         }
-        let joints = self.names.iter().zip(&mut state.joints);
-        for ((names, joint), places) in joints.zip(self.places.chunks_exact(JOINTS)) {
-            *joint = FingerJoints::zero(JOINTS);
-            for (index, (name, &place)) in names.iter().zip(places).enumerate() {
+        let mut places = &self.places[..];
+        for (names, joint) in self.names.iter().zip(&mut state.joints) {
+            let (own, others) = places.split_at(names.len());
+            places = others;
+            *joint = FingerJoints::zero(names.len());
+            for (index, (name, &place)) in names.iter().zip(own).enumerate() {
                 let value = |quantity, values: &[f64]| {
                     let value = values.get(place).copied();
                     let wrong = || JointError::Value {
@@ -106,7 +125,7 @@ mod tests {
     }
 
     fn reader() -> JointReader {
-        JointReader::new(vec![["a", "b", "c"].map(String::from)]).unwrap()
+        JointReader::new(vec![["a", "b", "c"].map(String::from).to_vec()]).unwrap()
     }
 
     #[test]
@@ -153,5 +172,25 @@ mod tests {
             JointReader::new(vec![]).unwrap_err(),
             JointError::Fingers(0)
         );
+    }
+
+    #[test]
+    fn fingers_have_one_to_seven_joints() {
+        let names = |joints: &[&str]| joints.iter().map(|name| name.to_string()).collect();
+        let reader = JointReader::new(vec![names(&["a"]), names(&["c", "b"])]);
+        let (mut reader, mut state) = (reader.unwrap(), HandState::zero(2));
+        assert_eq!(reader.joint_counts(), [1, 2]);
+        reader.read(&message(), &mut state).unwrap();
+        let [first, second] = &state.joints[..] else {
+            panic!("two fingers");
+        };
+        assert_eq!(first.position.as_slice(), [1.0]);
+        assert_eq!(second.position.as_slice(), [3.0, 2.0]);
+        assert_eq!(second.velocity.as_slice(), [30.0, 20.0]);
+        for actual in [0, 8] {
+            let refused = JointReader::new(vec![names(&["a"]), vec!["b".into(); actual]]);
+            let finger = 1;
+            assert_eq!(refused.unwrap_err(), JointError::Joints { finger, actual });
+        }
     }
 }

@@ -2,7 +2,7 @@
 //! `forward_command_controller`.
 
 use crate::freshness::{Freshness, GraphClock, StaleError, lock, seconds};
-use crate::joint_reader::{JOINTS, JointError, JointNames, JointReader};
+use crate::joint_reader::{JointError, JointNames, JointReader};
 use crate::node::{Node, Subscription};
 use crate::node_error::NodeError;
 use crate::qos::Qos;
@@ -16,7 +16,7 @@ use std::time::{Duration, Instant};
 /// Joints and topics of a robot.
 #[derive(Debug, Clone, PartialEq)]
 pub struct RosHandConfig {
-    /// Names of the joints `theta1` to `theta3` of each finger, in the controller's order.
+    /// Names of the joints of each finger, from the base to the fingertip, in the controller's order.
     pub joints: JointNames,
     /// Topic of the joint states, such as `/joint_states`.
     pub joint_states: String,
@@ -40,7 +40,8 @@ pub struct RosHand {
     newest: Arc<Mutex<Newest>>,
     freshness: Arc<Freshness>,
     commands: VelocitySender,
-    fingers: usize,
+    /// Number of joints of each finger.
+    joints: Vec<usize>,
     _subscription: Subscription,
 }
 
@@ -98,10 +99,10 @@ impl RosHand {
         clock: GraphClock,
     ) -> Result<Self, RosHandError> {
         let reader = JointReader::new(config.joints)?;
-        let fingers = reader.finger_count();
+        let joints = reader.joint_counts();
         let newest = Arc::new(Mutex::new(Newest {
             reader,
-            state: HandState::zero(fingers),
+            state: HandState::zero(joints.len()),
             arrived: None,
             error: None,
         }));
@@ -121,9 +122,9 @@ impl RosHand {
         Ok(Self {
             newest,
             freshness,
-            commands: VelocitySender::start(commands, JOINTS * fingers, most)
+            commands: VelocitySender::start(commands, joints.iter().sum(), most)
                 .map_err(NodeError::from)?,
-            fingers,
+            joints,
             _subscription: subscription,
         })
     }
@@ -155,11 +156,11 @@ impl RosHand {
 
 impl Hand for RosHand {
     fn finger_count(&self) -> usize {
-        self.fingers
+        self.joints.len()
     }
 
     fn read(&mut self, state: &mut HandState) -> Result<(), HandError> {
-        check_finger_count(self.fingers, state.joints.len())?;
+        check_finger_count(self.joints.len(), state.joints.len())?;
         let newest = lock(&self.newest);
         self.age(&newest)?;
         state.stamp = newest.state.stamp;
@@ -169,9 +170,12 @@ impl Hand for RosHand {
 
     fn command(&mut self, command: &HandCommand) -> Result<(), HandError> {
         let velocities = command.joint_velocity();
-        check_finger_count(self.fingers, velocities.len())?;
-        for velocity in velocities {
-            joint_numbers(velocity)?;
+        check_finger_count(self.joints.len(), velocities.len())?;
+        for (&expected, velocity) in self.joints.iter().zip(velocities) {
+            let actual = velocity.len();
+            if actual > expected {
+                return Err(HandError::JointCount { expected, actual });
+            }
         }
         let stopped = JointVector::default();
         let moves = velocities.iter().any(|velocity| *velocity != stopped);
@@ -181,20 +185,12 @@ impl Hand for RosHand {
         };
         // Stale joint states stop the robot.
         let scale = if expiry.is_ok() { 1.0 } else { 0.0 };
-        let numbers = velocities.iter().flat_map(joint_numbers).flatten();
+        // Missing velocities are 0.
+        let fingers = self.joints.iter().zip(velocities);
+        let numbers = fingers.flat_map(|(&joints, velocity)| velocity.padded(joints));
         let values = numbers.map(|velocity| scale * velocity);
         let until = *expiry.as_ref().unwrap_or(&Instant::now());
         let given = self.commands.give(values, until);
         expiry.map(drop).and(given.map_err(HandError::Failed))
     }
-}
-
-/// Joint velocities of one finger (rad/s), as in a message to the controller; missing ones are 0.
-///
-/// # Errors
-/// If the finger has more joints than the robot's fingers.
-fn joint_numbers(velocities: &JointVector) -> Result<[f64; JOINTS], HandError> {
-    let (expected, actual) = (JOINTS, velocities.len());
-    let error = HandError::JointCount { expected, actual };
-    velocities.to_array().ok_or(error)
 }

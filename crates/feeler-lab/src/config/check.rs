@@ -42,11 +42,14 @@ fn checked(config: &ExperimentConfig) -> Checker {
         drives.check("drives", &prismatic, &mut checker);
     }
     if let Some(ros2) = &config.ros2 {
-        let fingers = 0..config.hand.finger.len();
-        let elements: Vec<_> = fingers
-            .map(|finger| config.sensor.fingertip(finger).layout.element_count())
+        let fingers = config.hand.finger.iter().enumerate();
+        let fingers: Vec<_> = fingers
+            .map(|(finger, description)| {
+                let elements = config.sensor.fingertip(finger).layout.element_count();
+                (elements, description.joint_count())
+            })
             .collect();
-        ros2.check("ros2", &elements, &mut checker);
+        ros2.check("ros2", &fingers, &mut checker);
     }
     if let Some(sim) = &config.sim {
         check_within_reach(config, sim, &mut checker);

@@ -15,7 +15,7 @@ pub struct RosConfig {
     /// Topic of the joint states (`sensor_msgs/JointState`).
     #[serde(default = "joint_states")]
     pub joint_states: String,
-    /// Topic of velocity commands (`std_msgs/Float64MultiArray`, rad/s) for a `forward_command_controller` whose
+    /// Topic of velocity commands (`std_msgs/Float64MultiArray`, rad/s, or m/s of a prismatic joint) for a `forward_command_controller` whose
     /// joints are in the order of this table.
     #[serde(default = "commands")]
     pub commands: String,
@@ -27,8 +27,8 @@ pub struct RosConfig {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct RosFingerConfig {
-    /// Names of the joints theta1, theta2, theta3.
-    pub joints: [String; 3],
+    /// Names of the joints, from the base to the fingertip.
+    pub joints: Vec<String>,
     /// Topic of a `sensor_msgs/PointCloud2` with one point per element of the fingertip.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub cloud: Option<String>,
@@ -46,20 +46,28 @@ fn commands() -> String {
 }
 
 impl RosConfig {
-    /// Requires every value of the table `key` to be in range. `elements` is the number of elements of each finger.
-    pub fn check(&self, key: &str, elements: &[usize], checker: &mut Checker) {
+    /// Requires every value of the table `key` to be in range. `fingers` are the numbers of elements and joints of each
+    /// finger.
+    pub fn check(&self, key: &str, fingers: &[(usize, usize)], checker: &mut Checker) {
         name(&format!("{key}.joint_states"), &self.joint_states, checker);
         name(&format!("{key}.commands"), &self.commands, checker);
-        let (actual, fingers) = (self.finger.len(), elements.len());
+        let (actual, expected) = (self.finger.len(), fingers.len());
         checker.require(
             &format!("{key}.finger"),
             format!("{actual} fingers"),
-            actual == fingers,
-            &format!("as many fingers as hand.finger ({fingers})"),
+            actual == expected,
+            &format!("as many fingers as hand.finger ({expected})"),
         );
-        let mut joints = BTreeSet::new();
-        for (number, (finger, &elements)) in self.finger.iter().zip(elements).enumerate() {
+        let mut names = BTreeSet::new();
+        for (number, (finger, &(elements, joints))) in self.finger.iter().zip(fingers).enumerate() {
             let key = format!("{key}.finger[{number}]");
+            let actual = finger.joints.len();
+            checker.require(
+                &format!("{key}.joints"),
+                format!("{actual} names"),
+                actual == joints,
+                &format!("as many names as joints of hand.finger[{number}] ({joints})"),
+            );
             for joint in &finger.joints {
                 let field = format!("{key}.joints");
                 name(&field, joint, checker);
@@ -67,7 +75,7 @@ impl RosConfig {
                 checker.require(
                     &field,
                     value,
-                    joints.insert(joint),
+                    names.insert(joint),
                     "a different name for each joint",
                 );
             }

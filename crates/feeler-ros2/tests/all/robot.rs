@@ -80,7 +80,7 @@ fn hand_and_robot(most_age: f64) -> (RosHand, Robot, Node) {
     })
     .expect("a node");
     let config = RosHandConfig {
-        joints: vec![NAMES.map(String::from)],
+        joints: vec![NAMES.map(String::from).to_vec()],
         joint_states: "/joint_states".into(),
         commands: "/commands".into(),
         most_age,

@@ -38,7 +38,7 @@ fn ros2_control_robot_works_as_a_hand() {
     })
     .expect("a node");
     let config = RosHandConfig {
-        joints: vec![["first", "second", "third"].map(String::from)],
+        joints: vec![["first", "second", "third"].map(String::from).to_vec()],
         joint_states: "/joint_states".into(),
         commands: "/forward_velocity_controller/commands".into(),
         most_age: MAX_AGE,
