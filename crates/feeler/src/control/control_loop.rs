@@ -4,7 +4,7 @@ use super::controller::Controller;
 use super::sense::HandReadings;
 use super::stop_reason::StopReason;
 use super::touch::{TactileReading, TactileSource};
-use crate::hand::{Hand, HandCommand, HandError, HandState};
+use crate::hand::{Hand, HandCommand, HandError, HandState, JointState};
 use crate::pace::{Schedule, Tick};
 use crate::sensor::forces::reading::SensorError;
 use glam::DVec3;
@@ -71,10 +71,15 @@ impl<S: TactileSource, H: Hand> ControlLoop<S, H> {
     /// Creates a loop from `hand`, one sensor per finger and a controller.
     pub fn new(sensors: Vec<S>, hand: H, controller: Controller) -> Self {
         let fingers = hand.finger_count();
+        // Before the first reading, all joints of each finger are at 0.
+        let mut state = HandState::zero(fingers);
+        for (joints, finger) in state.joints.iter_mut().zip(controller.fingers()) {
+            *joints = JointState::zero(finger.geometry().joint_count());
+        }
         let nothing = |s: &S| TactileReading::none(s.element_count());
         Self {
             touches: sensors.iter().map(nothing).collect(),
-            state: HandState::zero(fingers),
+            state,
             command: HandCommand::stop(fingers),
             sensors,
             hand,
