@@ -168,7 +168,7 @@ impl Replay {
         let Some(stamp) = stamp.filter(|_| joints.clone().count() == step.fingers.len()) else {
             return Ok(());
         };
-        let joints = joints.map(|j| (j.position.into(), j.velocity.into()));
+        let joints = joints.map(|j| (j.position, j.velocity));
         self.messages.set_joints(stamp, joints);
         self.publishers.publish_joints(&self.messages)
     }
