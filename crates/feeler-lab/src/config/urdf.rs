@@ -8,11 +8,13 @@ use super::load::read;
 use feeler::hand::chain::{FrameRow, JointConfig, MimicConfig, RowType};
 use roxmltree::{Document, Node};
 use serde::Serialize;
+use std::collections::BTreeSet;
 use std::path::Path;
 use toml_edit::{DocumentMut, Item, TableLike, Value};
 
-/// Position limit of a joint without limits (rad), and speed of one without a maximum (rad/s).
+/// Limits of a continuous joint: plus and minus this (rad).
 const UNLIMITED: f64 = std::f64::consts::TAU;
+/// Speed of a joint without a maximum (rad/s or m/s).
 const UNKNOWN_SPEED: f64 = 1.0;
 
 /// Independent joints and frames of a finger.
@@ -22,7 +24,8 @@ struct Finger {
     frames: Vec<FrameRow>,
 }
 
-/// Replaces the key `urdf` of each finger in `document` by the chain in that file, whose name is relative to `folder`.
+/// Replaces the key `urdf` of each finger in `document` by `joints` and `frames` of the chain in that file. Paths are
+/// relative to `folder`.
 /// Returns `true` if any finger had this key.
 ///
 /// # Errors
@@ -115,6 +118,13 @@ fn chain(text: &str, base: Option<&str>, tip: &str) -> Result<Finger, String> {
         .children()
         .filter(|node| node.has_tag_name("joint"))
         .collect();
+    unique(&joints, "name", |joint| joint.attribute("name"))?;
+    unique(&joints, "child link", |joint| end(joint, "child"))?;
+    if base == Some(tip) {
+        return Err(format!(
+            "expected another link as base, got the tip {tip:?}"
+        ));
+    }
     let mut path = Vec::new();
     let mut link = tip.to_string();
     while base != Some(link.as_str()) {
@@ -134,7 +144,7 @@ fn chain(text: &str, base: Option<&str>, tip: &str) -> Result<Finger, String> {
         path.push(*joint);
         link = required(end(joint, "parent"), joint, "parent link")?.to_string();
         if path.len() > joints.len() {
-            return Err(format!("the joints above link {tip:?} form a circle"));
+            return Err(format!("the joints above link {tip:?} form a loop"));
         }
     }
     if path.is_empty() {
@@ -151,6 +161,25 @@ fn chain(text: &str, base: Option<&str>, tip: &str) -> Result<Finger, String> {
         finger.frames.push(row);
     }
     Ok(finger)
+}
+
+/// Checks that no two joints have the same value.
+fn unique<'a, 'i>(
+    joints: &'a [Node<'a, 'i>],
+    what: &str,
+    value: impl Fn(&'a Node<'a, 'i>) -> Option<&'a str>,
+) -> Result<(), String> {
+    let mut known = BTreeSet::new();
+    match joints
+        .iter()
+        .filter_map(value)
+        .find(|value| !known.insert(*value))
+    {
+        None => Ok(()),
+        Some(value) => Err(format!(
+            "expected a different {what} for each joint, got {value:?} twice"
+        )),
+    }
 }
 
 /// Name of the link at an `end` of a joint, `parent` or `child`.
@@ -200,20 +229,51 @@ fn row(joint: &Node, all: &[Node], known: &mut Vec<JointConfig>) -> Result<Frame
     match child(joint, "mimic") {
         None => row.joint = Some(add(joint, known)?),
         Some(mimic) => {
-            let master = mimic.attribute("joint").unwrap_or_default();
-            // The master may be in another part of the robot.
-            let driver = all
-                .iter()
-                .find(|joint| joint.attribute("name") == Some(master));
-            let driver = required(driver, joint, "mimic of a joint of this robot")?;
+            let (driver, multiplier, offset) = followed(joint, &mimic, all)?;
             row.mimic = Some(MimicConfig {
-                joint: add(driver, known)?,
-                multiplier: number(mimic, "multiplier", joint)?.unwrap_or(1.0),
-                offset: number(mimic, "offset", joint)?.unwrap_or(0.0),
+                joint: add(&driver, known)?,
+                multiplier,
+                offset,
             });
         }
     }
     Ok(row)
+}
+
+/// The independent joint that a joint follows, directly or through other joints, with the ratio of both and the offset.
+fn followed<'a, 'i>(
+    joint: &Node,
+    mimic: &Node,
+    all: &[Node<'a, 'i>],
+) -> Result<(Node<'a, 'i>, f64, f64), String> {
+    let (mut ratio, mut offset) = (1.0, 0.0);
+    let (mut follower, mut mimic) = (*joint, *mimic);
+    for _ in 0..=all.len() {
+        let name = mimic.attribute("joint").unwrap_or_default();
+        let driver = all
+            .iter()
+            .find(|joint| joint.attribute("name") == Some(name));
+        let driver = driver.ok_or_else(|| {
+            let follower = name_of(&follower);
+            format!("joint {follower:?}: expected the name of a joint of this robot in <mimic joint=\"...\">, got {name:?}")
+        })?;
+        offset += ratio * number(mimic, "offset", &follower)?.unwrap_or(0.0);
+        ratio *= number(mimic, "multiplier", &follower)?.unwrap_or(1.0);
+        match child(driver, "mimic") {
+            Some(next) => (follower, mimic) = (*driver, next),
+            None if driver.attribute("type") == Some("fixed") => {
+                return Err(format!(
+                    "joint {:?} follows {name:?}: expected a joint that moves, got a fixed one",
+                    name_of(&follower)
+                ));
+            }
+            None => return Ok((*driver, ratio, offset)),
+        }
+    }
+    Err(format!(
+        "joint {:?}: its <mimic> leads back to itself",
+        name_of(joint)
+    ))
 }
 
 /// Adds an independent joint unless it is known. Returns its name.
@@ -230,7 +290,12 @@ fn add(joint: &Node, known: &mut Vec<JointConfig>) -> Result<String, String> {
             (lower, required(limit(joint, "upper")?, joint, expected)?)
         }
     };
-    let speed = limit(joint, "velocity")?.filter(|speed| *speed > 0.0);
+    let speed = limit(joint, "velocity")?.filter(|speed| *speed != 0.0);
+    if let Some(speed) = speed.filter(|speed| speed.is_nan() || *speed < 0.0) {
+        return Err(format!(
+            "joint {name:?}: expected a velocity above 0, got {speed}"
+        ));
+    }
     known.push(JointConfig {
         name: name.clone(),
         lower,
@@ -320,6 +385,20 @@ mod tests {
     }
 
     #[test]
+    fn a_joint_may_follow_a_follower() {
+        // `pull` follows `follow`, which follows `bend`.
+        let follower = "<mimic joint=\"follow\" multiplier=\"0.02\" offset=\"0.001\"/></joint>\n          <joint name=\"follow\"";
+        let robot = ROBOT.replace("</joint>\n          <joint name=\"follow\"", follower);
+        let geometry = geometry(chain(&robot, None, "tip").unwrap());
+        assert_eq!(geometry.joint_count(), 1);
+        let positions: Vec<_> = geometry.frame_positions(JointVector::from([0.4])).collect();
+        let expected = [0.4, 0.02 * (0.5 * 0.4 + 0.1) + 0.001, 0.5 * 0.4 + 0.1];
+        for (position, expected) in positions.iter().zip(expected) {
+            assert!((position - expected).abs() < 1e-15, "{positions:?}");
+        }
+    }
+
+    #[test]
     fn a_chain_may_start_below_the_root() {
         let finger = chain(ROBOT, Some("one"), "two").unwrap();
         let names: Vec<_> = finger
@@ -341,7 +420,7 @@ mod tests {
             let error = chain(text, base, tip).unwrap_err();
             assert!(error.contains(words), "{error}");
         };
-        refused("<robot", None, "tip", "1:");
+        refused("<robot", None, "tip", "root node");
         refused("<a/>", None, "tip", "expected <robot>, got <a>");
         refused(ROBOT, None, "thumb", "expected one of palm, one, two");
         refused(ROBOT, Some("hub"), "tip", "it ends at \"palm\"");
@@ -361,7 +440,7 @@ mod tests {
             &ROBOT.replace("joint=\"bend\"", "joint=\"no\""),
             None,
             "tip",
-            "mimic of a joint",
+            "got \"no\"",
         );
         refused(
             &ROBOT.replace("lower=\"-0.5\"", ""),
@@ -369,7 +448,20 @@ mod tests {
             "tip",
             "expected <limit",
         );
+        let twice = ROBOT.replace("name=\"pull\"", "name=\"bend\"");
+        refused(&twice, None, "tip", "got \"bend\" twice");
+        refused(ROBOT, Some("tip"), "tip", "another link as base");
+        let own = ROBOT.replace("mimic joint=\"bend\"", "mimic joint=\"follow\"");
+        refused(&own, None, "tip", "leads back to itself");
+        let fixed = ROBOT.replace("mimic joint=\"bend\"", "mimic joint=\"end\"");
+        refused(&fixed, None, "tip", "got a fixed one");
+        refused(
+            &ROBOT.replace("velocity=\"2\"", "velocity=\"nan\""),
+            None,
+            "tip",
+            "above 0, got NaN",
+        );
         let circle = ROBOT.replace("<parent link=\"palm\"/>", "<parent link=\"tip\"/>");
-        refused(&circle, None, "tip", "circle");
+        refused(&circle, None, "tip", "loop");
     }
 }

@@ -64,7 +64,7 @@ pub enum ExperimentError {
     #[error(transparent)]
     Config(#[from] ConfigError),
     /// A finger is invalid.
-    #[error("hand.finger[{finger}].{source}")]
+    #[error("hand.finger[{finger}]{}{source}", separator(source))]
     Finger {
         /// Index of the finger.
         finger: usize,
@@ -467,6 +467,14 @@ fn control(experiment: &Experiment) -> Result<ControlConfig, ConfigError> {
         control.monitor.frozen_frames = 0;
     }
     Ok(control)
+}
+
+/// Separator between a finger and its problem, which names a field of the paper's finger first.
+fn separator(problem: &FingerError) -> &'static str {
+    match problem {
+        FingerError::Chain(_) => ": ",
+        _ => ".",
+    }
 }
 
 /// Returns the element layout of each fingertip.

@@ -22,9 +22,10 @@ const WINDOW: f64 = 2.0;
 const BLOCKS: usize = 64;
 /// Relative tolerance of the measured turn: the scale error of a velocity loop.
 const SCALE_TOLERANCE: f64 = 0.2;
-/// Tolerance for encoder noise between two readings (rad), in addition to the maximum turn.
+/// Tolerance for encoder noise between two readings (rad, or times the reach of a prismatic joint), in addition to the
+/// maximum turn.
 const JUMP_NOISE: f64 = 0.005;
-/// Tolerance beyond the joint limits (rad), for wrong encoder zeros and limits that are set too narrow.
+/// Tolerance beyond the joint limits (rad, or times the reach), for wrong encoder zeros and limits that are set too narrow.
 const BEYOND_LIMITS: f64 = FRAC_PI_2;
 
 /// Minimum and maximum commanded angle of each joint within an interval (rad).
@@ -116,9 +117,10 @@ impl JointMonitor {
         command: JointVector,
     ) -> Result<(), StopReason> {
         let (lower, upper) = (geometry.joint_lower(), geometry.joint_upper());
+        let scale = geometry.joint_scale();
         let is_outside = |&joint: &usize| {
-            position[joint] < lower[joint] - BEYOND_LIMITS
-                || position[joint] > upper[joint] + BEYOND_LIMITS
+            let tolerance = BEYOND_LIMITS * scale[joint];
+            position[joint] < lower[joint] - tolerance || position[joint] > upper[joint] + tolerance
         };
         if let Some(joint) = (0..geometry.joint_count()).find(is_outside) {
             return Err(StopReason::JointOutOfRange {
@@ -149,7 +151,7 @@ impl JointMonitor {
             return Ok(());
         }
         self.end_block(reading);
-        self.check_deviation(finger, reading)
+        self.check_deviation(finger, reading, scale)
     }
 
     /// Restarts the comparison at `reading`.
@@ -206,7 +208,7 @@ impl JointMonitor {
         );
         for joint in 0..geometry.joint_count() {
             let turn = now.position[joint] - before.position[joint];
-            let limit = factor * speeds[joint] + JUMP_NOISE;
+            let limit = factor * speeds[joint] + JUMP_NOISE * geometry.joint_scale()[joint];
             if turn.abs() > limit {
                 return Err(StopReason::JointJump {
                     finger,
@@ -222,7 +224,12 @@ impl JointMonitor {
 
     /// Checks that no joint's turn deviates from the commands, measured from the oldest block with a known history of
     /// one lag.
-    fn check_deviation(&self, finger: usize, now: Reading) -> Result<(), StopReason> {
+    fn check_deviation(
+        &self,
+        finger: usize,
+        now: Reading,
+        joint_scale: JointVector,
+    ) -> Result<(), StopReason> {
         let lag = (self.config.servo_lag / self.block_length())
             .ceil()
             .max(1.0) as usize;
@@ -235,7 +242,7 @@ impl JointMonitor {
         let turn = now.position - since.position;
         let nearest = turn.clamp(low, high);
         let scale = low.abs().max(high.abs());
-        let most = SCALE_TOLERANCE * scale + self.config.joint_deviation;
+        let most = SCALE_TOLERANCE * scale + self.config.joint_deviation * joint_scale;
         match first_above((turn - nearest).abs(), most) {
             None => Ok(()),
             Some(joint) => Err(StopReason::JointDeviation {

@@ -16,6 +16,7 @@ pub struct FingerGeometry {
     joint_lower: JointVector,
     joint_upper: JointVector,
     joint_speed_limit: JointVector,
+    joint_scale: JointVector,
 }
 
 /// Kinematics of a finger.
@@ -50,6 +51,7 @@ impl FingerGeometry {
             joint_lower: config.joint_lower_deg.map(f64::to_radians).into(),
             joint_upper: config.joint_upper_deg.map(f64::to_radians).into(),
             joint_speed_limit: config.joint_speed_limit.into(),
+            joint_scale: [1.0; 3].into(),
         })
     }
 
@@ -65,14 +67,18 @@ impl FingerGeometry {
             joint_lower: of_joints(chain.joint_lower()),
             joint_upper: of_joints(chain.joint_upper()),
             joint_speed_limit: of_joints(chain.joint_speed_limit()),
+            joint_scale: of_joints(chain.is_prismatic().map(|slides| match slides {
+                true => chain.reach(),
+                false => 1.0,
+            })),
             kinematics: Kinematics::Chain(Box::new(chain)),
         })
     }
 
-    /// Checks a description, and precomputes the transforms.
+    /// Checks `description` and precomputes the transforms.
     ///
     /// # Errors
-    /// As [`new`](Self::new) and [`chain`](Self::chain).
+    /// If [`new`](Self::new) or [`chain`](Self::chain) returns an error.
     pub fn of(description: &FingerDescription) -> Result<Self, FingerError> {
         match description {
             FingerDescription::ThreeJoints(config) => Self::new(config),
@@ -116,6 +122,12 @@ impl FingerGeometry {
             Kinematics::ThreeJoints(_) => vec![false; self.joint_count()],
             Kinematics::Chain(chain) => chain.is_prismatic()[..chain.joint_count()].to_vec(),
         }
+    }
+
+    /// Displacement of each joint to which tolerances of one radian apply: 1 rad, or the reach (m) of a prismatic joint.
+    #[inline]
+    pub fn joint_scale(&self) -> JointVector {
+        self.joint_scale
     }
 
     /// Upper bound of the distance from the first joint to the fingertip (m).
@@ -182,8 +194,8 @@ impl FingerGeometry {
         moved.zip(still).map(|(moved, still)| moved - still)
     }
 
-    /// Points in `W` (m) from the base to the fingertip between which links are drawn, at the joint positions `joints`
-    /// (rad or m) and the fingertip pose `tip` there.
+    /// Endpoints of the drawn links in `W` (m), from the base to the fingertip, at the joint positions `joints` (rad or m).
+    /// `tip` is the fingertip pose at `joints`.
     pub fn skeleton(&self, joints: JointVector, tip: (DVec3, DMat3)) -> Vec<DVec3> {
         match &self.kinematics {
             Kinematics::ThreeJoints(finger) => finger.skeleton(joints[0], tip).into(),

@@ -14,7 +14,7 @@ use std::ops::Mul;
 pub fn fingertip_pose(geometry: &FingerGeometry, theta: JointVector) -> (DVec3, DMat3) {
     match geometry.kinematics() {
         Kinematics::ThreeJoints(finger) => finger.pose(three(theta)),
-        Kinematics::Chain(chain) => chain.pose(theta.as_slice()),
+        Kinematics::Chain(chain) => chain.pose(theta.padded(chain.joint_count()).as_slice()),
     }
 }
 
@@ -53,7 +53,9 @@ pub fn jacobian(geometry: &FingerGeometry, theta: JointVector) -> Jacobian {
             let own = finger.jacobian(three(theta));
             columns[..3].copy_from_slice(&[own.x_axis, own.y_axis, own.z_axis]);
         }
-        Kinematics::Chain(chain) => columns = chain.jacobian(theta.as_slice()),
+        Kinematics::Chain(chain) => {
+            columns = chain.jacobian(theta.padded(chain.joint_count()).as_slice());
+        }
     }
     Jacobian {
         columns,
@@ -103,6 +105,7 @@ pub(crate) fn resolved_rate_within(
             }
         }
         Kinematics::Chain(chain) => {
+            let theta = theta.padded(chain.joint_count());
             let joints = theta.as_slice();
             let rate = match bounds {
                 None => chain.resolved_rate(joints, fingertip_velocity),

@@ -162,10 +162,11 @@ fn finish(config: &ChainConfig, builder: Builder) -> Result<Chain, ChainError> {
     let expected = "1e-6 of the reach to the reach";
     require("damping_threshold", damping_threshold, good, expected)?;
 
+    let is_prismatic = config.is_prismatic();
     let mut joints = Vec::new();
     for (index, joint) in config.joints.iter().enumerate() {
-        let mut driven = segments.iter().filter(|s| s.joint == index).peekable();
-        if driven.peek().is_none() {
+        let driven = segments.iter().filter(move |s| s.joint == index);
+        if driven.clone().next().is_none() {
             let name = joint.name.clone();
             return Err(ChainError::UnusedJoint { name });
         }
@@ -173,11 +174,8 @@ fn finish(config: &ChainConfig, builder: Builder) -> Result<Chain, ChainError> {
             lower: joint.lower,
             upper: joint.upper,
             speed: joint.speed,
-            scale: if driven.all(|s| s.prismatic) {
-                reach
-            } else {
-                1.0
-            },
+            scale: scale(driven, reach),
+            prismatic: is_prismatic[index],
         });
     }
     let mut chain = Chain {
@@ -196,6 +194,16 @@ fn finish(config: &ChainConfig, builder: Builder) -> Result<Chain, ChainError> {
     let field = "number of directions in which the fingertip moves";
     require(field, rank as f64, rank > 0, expected)?;
     Ok(chain)
+}
+
+/// Position units of a joint per scaled unit, for the rows that it drives: 1 for a joint that turns any, otherwise the
+/// displacement of the joint that moves its fastest row by the reach.
+fn scale<'a>(driven: impl Iterator<Item = &'a Segment> + Clone, reach: f64) -> f64 {
+    if driven.clone().any(|segment| !segment.prismatic) {
+        return 1.0;
+    }
+    let fastest = driven.map(|segment| segment.multiplier.abs());
+    reach / fastest.fold(f64::MIN_POSITIVE, f64::max)
 }
 
 /// Sum of the links' lengths and of the largest displacements (m).

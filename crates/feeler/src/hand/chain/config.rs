@@ -48,27 +48,24 @@ pub struct ChainConfig {
     /// axis.
     #[serde(default)]
     pub tip_rpy: [f64; 3],
-    /// Threshold epsilon of the smallest singular value, below which resolved rate control is damped (m/rad): 1e-6 of the
-    /// chain's reach to the reach. The default is 0.04 of the reach.
+    /// Resolved rate control is damped if the smallest singular value is below this threshold epsilon (m/rad): 1e-6 to 1
+    /// times the chain's reach. Default: 0.04 times the reach.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub damping_threshold: Option<f64>,
 }
 
 impl ChainConfig {
-    /// `true` for each joint that drives only prismatic rows, so that its position is a displacement (m).
+    /// `true` for each joint that is the `joint` of a prismatic row, so that its position is a displacement (m). An angle may
+    /// drive prismatic rows by `mimic`, for example a rack.
     pub(in crate::hand) fn is_prismatic(&self) -> Vec<bool> {
-        let dh = self.dh.iter();
-        let dh = dh.map(|row| (row.row_type, &row.joint, &row.mimic));
-        let frames = self.frames.iter();
-        let frames = frames.map(|row| (row.row_type, &row.joint, &row.mimic));
+        let dh = self.dh.iter().map(|row| (row.row_type, &row.joint));
+        let frames = self.frames.iter().map(|row| (row.row_type, &row.joint));
         let rows: Vec<_> = dh.chain(frames).collect();
         let of_joint = |joint: &JointConfig| {
-            let driven = rows.iter().filter(|(_, own, mimic)| {
-                let mimicked = mimic.as_ref().map(|mimic| &mimic.joint);
-                own.as_ref().or(mimicked) == Some(&joint.name)
-            });
-            let mut types = driven.map(|(row_type, ..)| *row_type);
-            types.all(|row_type| row_type == RowType::Prismatic)
+            let mut own = rows.iter();
+            own.any(|(row_type, own)| {
+                *row_type == RowType::Prismatic && own.as_ref() == Some(&joint.name)
+            })
         };
         self.joints.iter().map(of_joint).collect()
     }
@@ -107,8 +104,8 @@ pub enum RowType {
 pub struct MimicConfig {
     /// Name of the independent joint.
     pub joint: String,
-    /// Ratio of the row's position to the joint's, within -100..100, not 0. For a prismatic row that follows an angle
-    /// it is in m/rad.
+    /// Change of the row's position per change of the joint's position, within -100..100, not 0 (m/rad or rad/m if their
+    /// units differ).
     #[serde(default = "one")]
     pub multiplier: f64,
     /// Position of the row at joint position 0 (rad or m), within -10..10.

@@ -179,7 +179,7 @@ impl Chain {
         clamped
     }
 
-    /// Distance of two sets of joint positions, in scaled units.
+    /// Distance between two sets of joint positions, in scaled units.
     fn distance(&self, a: &[f64; MAX_JOINTS], b: &[f64; MAX_JOINTS]) -> f64 {
         let differences = a.iter().zip(b).zip(&self.joints);
         let squares = differences.map(|((a, b), joint)| {
@@ -190,7 +190,7 @@ impl Chain {
     }
 }
 
-/// Step along the gradient of the distance, short enough to be nearer for a linear chain.
+/// Gradient-descent step on the distance, short enough to reduce it if the fingertip position were linear in the joints.
 fn gradient(task: &Task) -> [f64; MAX_JOINTS] {
     let matrix = gram(task.columns, usize::MAX);
     let trace = matrix.x_axis.x + matrix.y_axis.y + matrix.z_axis.z;

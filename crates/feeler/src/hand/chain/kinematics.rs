@@ -98,8 +98,8 @@ impl Chain {
         State::at(self, joints).jacobian(self)
     }
 
-    /// Returns the [`pose`](Self::pose) and the [`jacobian`](Self::jacobian) at `joints` (rad or m), in less time than
-    /// both.
+    /// Returns the [`pose`](Self::pose) and the [`jacobian`](Self::jacobian) at `joints` (rad or m), faster than by two
+    /// calls.
     #[inline]
     pub fn pose_and_jacobian(&self, joints: &[f64]) -> (DVec3, DMat3, [DVec3; MAX_JOINTS]) {
         let state = State::at(self, joints);

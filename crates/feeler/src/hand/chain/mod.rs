@@ -1,10 +1,10 @@
 //! Kinematics of a finger of one to seven independent joints, with coupled joints.
 //!
 //! A chain consists of moving frames. Each has a constant transform from the previous frame, and turns about or moves
-//! along its axis by `multiplier * q_j + offset`, where q_j is the position of an independent joint. Rows with the same
+//! along its axis by `multiplier * q_j + offset`, where q_j is the position of an independent joint. Frames with the same
 //! joint are coupled, for example by a tendon. After the last frame a constant transform leads to the fingertip frame
-//! `T`: its origin is the dome's centre, its x axis the dome's outward axis. So a parallel gripper is a chain with one
-//! prismatic joint. Positions q are in rad or m, fingertip positions in the world `W` (m).
+//! `T`: its origin is the dome's centre, its x axis the dome's outward axis. Each finger of a parallel gripper, for
+//! example, is a chain with one prismatic joint. Positions q are in rad or m, fingertip positions in the world `W` (m).
 //!
 //! With unit axis z_i and origin o_i of the moving frame i, multiplier m_i, and fingertip position r, column j of the
 //! Jacobian is the sum over the frames that joint j drives:
@@ -74,8 +74,10 @@ struct Joint {
     lower: f64,
     upper: f64,
     speed: f64,
-    /// Position units per scaled unit: 1 for an angle, the chain's reach for a displacement.
+    /// Position units per scaled unit.
     scale: f64,
+    /// `true` if the position is a displacement (m), `false` for an angle (rad).
+    prismatic: bool,
 }
 
 /// A moving frame of a chain, for drawing.
@@ -90,7 +92,7 @@ pub struct MovingFrame {
     pub prismatic: bool,
     /// Index of the independent joint.
     pub joint: usize,
-    /// Ratio of its position to that of the joint.
+    /// Change of its position per change of the joint's position (m/rad or rad/m if their units differ).
     pub multiplier: f64,
     /// Its position at the joint position 0 (rad or m).
     pub offset: f64,
@@ -139,9 +141,8 @@ impl Chain {
     /// `true` for each joint whose position is a displacement (m), `false` for an angle (rad).
     pub fn is_prismatic(&self) -> [bool; MAX_JOINTS] {
         let mut prismatic = [false; MAX_JOINTS];
-        for (index, value) in prismatic.iter_mut().enumerate().take(self.joint_count()) {
-            let mut driven = self.segments.iter().filter(|s| s.joint == index);
-            *value = driven.all(|segment| segment.prismatic);
+        for (value, joint) in prismatic.iter_mut().zip(&self.joints) {
+            *value = joint.prismatic;
         }
         prismatic
     }

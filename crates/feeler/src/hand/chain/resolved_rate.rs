@@ -13,10 +13,10 @@
 //!
 //! in the span of the first r singular vectors. The first term is the damped least-squares solution (Y. Nakamura and
 //! H. Hanafusa, "Inverse kinematic solutions with singularity robustness for robot manipulator control", ASME J. Dyn.
-//! Sys. Meas. Control 108, 1986). It is the nearest possible fingertip velocity if the joints cannot move in all
+//! Sys. Meas. Control 108, 1986). It gives the nearest possible fingertip velocity if the joints cannot move in all
 //! directions, for example if there are fewer than three.
 //!
-//! The second term is the projected gradient of `sum d_j^2` (A. Liegeois, "Automatic supervisory control of the
+//! The second term is the projected negative gradient of `sum d_j^2` (A. Liegeois, "Automatic supervisory control of the
 //! configuration and behavior of multibody mechanisms", IEEE Trans. Syst. Man Cybern. 7, 1977). h_j is half of the range
 //! of joint j, h the smallest one, and N projects on the joint velocities that do not move the fingertip. As z is
 //! proportional to the speed |v|, a finger at rest stays at rest: self-motion would roll the fingertip on the object.
@@ -53,7 +53,8 @@ pub struct ChainRate {
 }
 
 impl Chain {
-    /// Threshold epsilon (m/rad): damping starts when the smallest singular value of the Jacobian falls below it.
+    /// Threshold epsilon (m/rad): damping starts when the smallest singular value that is not 0 in all postures falls below
+    /// it, with displacements scaled by the reach.
     pub fn damping_threshold(&self) -> f64 {
         self.damping_threshold
     }
@@ -68,8 +69,8 @@ impl Chain {
     }
 
     /// Like [`resolved_rate`](Self::resolved_rate), but within `bounds`, the lowest and highest velocity of each joint
-    /// (rad/s or m/s), regardless of the limits. A highest velocity below 0 or NaN counts as 0, as does a lowest one
-    /// above 0.
+    /// (rad/s or m/s), regardless of the limits. A lowest velocity above 0, a highest one below 0 and NaN
+    /// count as 0.
     ///
     /// With bounds that decrease towards the limits, the other joints take over before a joint has to stop.
     pub fn resolved_rate_within(

@@ -16,9 +16,9 @@ pub(super) struct Task<'a> {
     pub(super) columns: &'a [DVec3; MAX_JOINTS],
     /// Fingertip velocity or displacement.
     pub(super) goal: DVec3,
-    /// z of the self-motion.
+    /// Desired self-motion z; its projection N z is added.
     pub(super) pull: [f64; MAX_JOINTS],
-    /// Lowest and highest velocity of each joint, at most and at least 0.
+    /// Lowest (at most 0) and highest (at least 0) velocity of each joint.
     pub(super) bounds: Bounds,
     /// Upper bound of lambda (m/rad).
     pub(super) most_damping: f64,
@@ -34,7 +34,7 @@ pub(super) struct Solution {
 }
 
 impl Chain {
-    /// Solves `task`, and again with each joint at its bound that would exceed it.
+    /// Solves `task`. While a joint exceeds its bound, fixes the worst one at its bound and solves for the others.
     #[inline]
     pub(super) fn solve_within_bounds(&self, task: &Task) -> Solution {
         let mut free = (1 << self.joint_count()) - 1;
