@@ -22,7 +22,7 @@ pub struct Arguments {
     calibration: PathBuf,
     /// Table of presses with measured forces, in the format of `feeler calibrate --wrench`. Five presses are enough for
     /// one component. With --live: new folder for the images and their table.
-    #[arg(value_name = "FORCES.csv")]
+    #[arg(value_name = "FORCES.csv|FOLDER")]
     presses: PathBuf,
     /// Guide through presses of the fingertip on a force sensor, under this camera.
     ///
@@ -35,7 +35,7 @@ pub struct Arguments {
         conflicts_with = "taxels"
     )]
     live: Option<PathBuf>,
-    /// Number of presses of --live.
+    /// Number of presses to guide through with --live (3 to 100).
     #[arg(long = "presses", value_name = "NUMBER", default_value_t = 5, requires = "live", value_parser = clap::value_parser!(u32).range(3..=100))]
     press_count: u32,
     /// Axes of the force sensor that are x, y and z of the fingertip, z pointing outward, e.g. z,x,-y [default: x,y,z]

@@ -61,10 +61,10 @@ impl AxesArguments {
     }
 }
 
-/// Returns the axes of a force sensor.
+/// Returns `axes` if they are right-handed.
 ///
 /// # Errors
-/// If they are left-handed.
+/// If `axes` are left-handed.
 pub fn right_handed(axes: ForceAxes) -> Result<ForceAxes, CommandError> {
     match axes.is_rotation() {
         true => Ok(axes),

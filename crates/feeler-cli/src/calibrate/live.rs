@@ -43,7 +43,7 @@ impl RigArguments {
     /// Returns the options of a guided procedure with the camera `live`, and with forces in `axes`.
     ///
     /// # Errors
-    /// Without a force sensor.
+    /// If no force sensor is given.
     pub fn options<'a>(
         &'a self,
         live: &'a Path,

@@ -244,7 +244,7 @@ fn live_loads_make_the_same_calibration_as_their_table() {
     let refused = |more: &[&str], words: &[&str]| {
         run(&folder, &[&arguments, more].concat()).refused(words);
     };
-    refused(&[sensor], &["same", "presses already", "new folder"]);
+    refused(&[sensor], &["same", "one with presses", "new folder"]);
     refused(&[sensor, "-o=same.toml"], &["same.toml", "exists already"]);
     refused(&[], &["--force-sensor"]);
     refused(

@@ -16,7 +16,7 @@ pub struct SlipEvent {
 
 impl SlipEvent {
     /// Returns the start of the alarm that reports this slip: the one that is active at the onset, otherwise the first
-    /// that starts until the end.
+    /// that starts by `end`.
     ///
     /// An alarm is active while the score is above `threshold`; a frame without a score changes nothing. `frames` are
     /// times (s) and scores in chronological order.
@@ -40,7 +40,8 @@ impl SlipEvent {
     }
 }
 
-/// Evaluates the alarms that report slips. Returns `None` without slips.
+/// Summarizes delays and lead times of `slips`, each with the start of its alarm (s; `None` if missed). Returns `None` if
+/// `slips` is empty.
 pub fn timing(slips: &[(SlipEvent, Option<f64>)]) -> Option<GraspTiming> {
     let alarms = (slips.iter()).filter_map(|(slip, alarm)| Some((slip, (*alarm)?)));
     let late = alarms.clone().filter(|(slip, alarm)| *alarm >= slip.onset);

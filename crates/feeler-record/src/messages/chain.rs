@@ -39,7 +39,7 @@ pub struct ChainCommand {
     pub fingertip_velocity: Vector3,
     /// `true` if a limit changed the request.
     pub limited: bool,
-    /// Damping of the inverse kinematics near a singularity; otherwise 0.
+    /// Damping of the inverse kinematics near a singularity (m/rad); otherwise 0.
     pub damping: f64,
 }
 

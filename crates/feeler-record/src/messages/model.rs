@@ -22,7 +22,7 @@ const MAX_CORNERS: usize = 20_000;
 /// Geometry of a finger.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 pub struct FingerModel {
-    /// Base, links and limits.
+    /// Kinematics and limits.
     pub geometry: FingerDescription,
     /// Radius of the sphere through the unloaded tips of the elements (m).
     pub dome_radius: f64,
@@ -81,18 +81,19 @@ impl Frame {
     }
 }
 
-/// Name of the frame of a `part` of `finger`, from 0. Parts are `base`, `link_1` to `link_3` and `dome`.
+/// Name of the frame of a `part` of `finger`, from 0. Parts are `base`, `link_1` and so on, one per
+/// moving frame, and `dome`.
 pub fn frame(finger: usize, part: &str) -> String {
     format!("finger_{finger}_{part}")
 }
 
-/// Names of the joints of the `count` moving frames of `finger`, from 0.
+/// Names of the joints of the `count` moving frames of `finger`; fingers count from 0, joints from 1.
 pub fn joint_names(finger: usize, count: usize) -> impl Iterator<Item = String> {
     (1..=count).map(move |joint| format!("finger_{finger}_joint_{joint}"))
 }
 
 impl FingerModel {
-    /// The geometry.
+    /// Returns the checked geometry with precomputed transforms.
     ///
     /// # Errors
     /// If a value is out of range.

@@ -103,7 +103,7 @@ impl KinematicMessages {
     }
 }
 
-/// Returns the transform of `frame` to its parent at joint angle 0.
+/// Returns the transform of `frame` to its parent at position 0.
 fn transform(frame: &Frame) -> TransformStamped {
     TransformStamped {
         header: Header::of(frame.parent.as_str()),

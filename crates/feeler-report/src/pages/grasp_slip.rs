@@ -250,9 +250,9 @@ pub fn grasp_slip_page(page: &GraspSlipPage) -> String {
             (detectors_table(TIMING_COLUMNS, page.detectors.iter().filter_map(|d| Some((d, d.timing.as_ref()?.fields())))))
             p.note {
                 "The delay is the time from the onset of slip to the alarm, the lead time that from the alarm to the loss of the object: medians, "
-                "with quartiles in brackets. Early: an alarm was active before the onset. Onset and loss are taken from labels of frames, or from the "
-                "images: the loss is the first image of the final state, the onset the end of the last rest before. Thresholds were chosen on all "
-                "other groups."
+                "with quartiles in brackets. Early: an alarm that started before the onset was still active at it; these slips are not in the delay "
+                "and lead time. Labels of frames give only the onset; images give both: the loss is the first image of the final state, the "
+                "onset the end of the last rest before. Thresholds were chosen on all other groups."
             }
         }
         @for (detector, known) in page.detectors.iter().filter_map(|d| Some((d, d.probability.as_ref()?))) {

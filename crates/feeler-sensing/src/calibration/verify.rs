@@ -23,7 +23,7 @@ pub struct VerifyOptions<'a> {
     pub calibration: PathBuf,
     /// Table of measured forces, or the folder for live presses.
     pub presses: PathBuf,
-    /// Camera and force sensor, and the number of presses, to guide the operator through.
+    /// Camera, force sensor and number of presses of a guided session; `None` to read `presses`.
     pub live: Option<(GuideOptions<'a>, u32)>,
     /// Layout of the taxel array, if the sensor is one.
     pub taxels: TaxelOptions,
@@ -53,7 +53,7 @@ pub fn verify(options: &VerifyOptions<'_>, out: &mut dyn Write) -> Result<Outcom
     let text = fs::read_to_string(path).map_err(|e| named(&e))?;
     if TaxelCalibration::is_kind(&text) {
         if options.live.is_some() {
-            return Err(named(&"expected the calibration of a camera with --live").into());
+            return Err(named(&"--live requires the calibration of a camera's sensor, got one of a taxel array; pass a table of presses instead").into());
         }
         let forces = ForcesFile::read(&options.presses)?;
         let calibration = TaxelCalibration::from_toml(&text).map_err(|e| named(&e))?;
@@ -118,7 +118,7 @@ fn full_scale(calibration: &WrenchCalibration) -> Result<f64, CommandError> {
     let largest = ends.fold(0.0, f64::max);
     match largest > 0.0 {
         true => Ok(largest),
-        false => Err("--live: expected a calibration of forces, got one without".into()),
+        false => Err("--live: expected a calibration with force components, got none".into()),
     }
 }
 

@@ -377,8 +377,8 @@ impl Collected {
         }
     }
 
-    /// Returns the slips with a known onset, each with the time of the detector's alarm (s) at the threshold of its
-    /// verdicts. The times are also stored with the scores of whole recordings.
+    /// Returns all slips with a known onset, each with the start of the detector's alarm (s) at its cross-validated
+    /// threshold. Also stores both with the scores of whole recordings.
     pub fn alarms(&mut self, detector: usize) -> Vec<(SlipEvent, Option<f64>)> {
         let mut alarms = Vec::new();
         for sequence in &self.sequences {

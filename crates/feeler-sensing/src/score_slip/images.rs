@@ -20,7 +20,7 @@ pub struct Sequence {
     pub group: usize,
     /// Time (s) and content of each image.
     pub images: Vec<(f64, CoarseImage)>,
-    /// Indices of its scores.
+    /// Its entries in the list of [`Scored`].
     pub scored: Range<usize>,
     /// Times of its frames (s), with or without images.
     pub stamps: Vec<f64>,

@@ -1,4 +1,4 @@
-//! Onset and loss of slips, determined from images or from labels of frames.
+//! Onset of slips from labels of frames, or onset and loss from images.
 
 use feeler::control::grasp_slip::CoarseImage;
 use feeler_lab::grasps::SlipEvent;
@@ -8,18 +8,18 @@ use std::collections::BTreeMap;
 const STATE: f64 = 0.5;
 /// Interval over which motion is measured (s).
 const INTERVAL: f64 = 0.2;
-/// Distance of images (grey levels) below which they show the same state, unless noise is larger.
+/// Distance of images (gray levels) below which they show the same state, unless noise is larger.
 const SAME: f64 = 1.0;
 
 /// Determines the slip in the images of a grasp whose object is lost in the end. Times are in s.
 ///
-/// With d(t) the distance of an image from the final one, and c(t) that from the image 0.2 s before:
+/// With d(t) the distance of an image from the final one, and c(t) that from the newest image at least 0.2 s older:
 ///
-/// - The object is **gone** at the first image after which d stays below the larger of 1 grey level and three times the
-///   maximum of d in the last 0.5 s. There must be at least 0.5 s of images before and after, and contact in the 0.5 s
-///   before.
-/// - The **onset** is the end of the last rest before: the last image with c below the larger of 1 grey level and twice
-///   the lower quartile of c.
+/// - The object is **gone** at the first image from which on d stays at or below the larger of 1 gray level and three times
+///   the maximum of d in the last 0.5 s. There must be at least 0.5 s of images before and after, and contact (d above
+///   the limit) in at least half of the images of the 0.5 s before.
+/// - The **onset** is the first image after the last rest before the loss. An image is at rest if c is at most the larger
+///   of 1 gray level and twice the lower quartile of c. Without rest, it is the first image for which c is known.
 ///
 /// Returns `None` if the images do not show the loss. They show any motion of the imprint, also that of an object that
 /// is shaken before it slides.
@@ -74,8 +74,9 @@ fn changes(images: &[&(f64, CoarseImage)]) -> Vec<(usize, f64)> {
     changes.collect()
 }
 
-/// Returns the slips in labels of frames: each starts at a labelled frame with slip after one without, and ends at the
-/// next without. `stamps` are the times of all frames (s).
+/// Returns the slips in labels of frames. Each starts at the first labelled frame with slip after one without, and ends at
+/// the last labelled frame with slip before the next one without. The loss is unknown. `stamps` are the times of all
+/// frames (s).
 pub fn slips_in_labels(labels: &BTreeMap<usize, bool>, stamps: &[f64]) -> Vec<SlipEvent> {
     let known = labels
         .iter()

@@ -21,7 +21,7 @@ pub struct Scored {
     pub verdicts_by_others: [Option<Verdict>; DETECTORS.len()],
     /// Slip of a whole recording, if its onset is known.
     pub event: Option<SlipEvent>,
-    /// Times of the alarms that report it (s).
+    /// Times of the alarms that report it (s), in the order of [`DETECTORS`].
     pub alarms: [Option<f64>; DETECTORS.len()],
 }
 

@@ -140,8 +140,8 @@ impl LimitsConfig {
         })
     }
 
-    /// Limits the velocities of the first `count` joints to `bounds` of each joint, scales them to the joint speed limits
-    /// and limits their change.
+    /// Clamps `velocity` of the first `count` joints to `bounds`, scales it down to the speed limits, and limits its change
+    /// per period.
     #[inline(always)]
     fn limit_joints(
         &self,

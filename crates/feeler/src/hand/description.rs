@@ -111,7 +111,7 @@ impl Keys {
             ("joint_upper_deg", self.joint_upper_deg.is_some()),
             ("joint_speed_limit", self.joint_speed_limit.is_some()),
         ];
-        only(&foreign, "a finger without joints")?;
+        only(&foreign, "without the key `joints`")?;
         Ok(ChainConfig {
             base_position: required(self.base_position, "base_position")?,
             base_rpy: self.base_rpy.unwrap_or_default(),
@@ -133,7 +133,7 @@ impl Keys {
             ("tip_rpy", self.tip_rpy.is_some()),
             ("damping_threshold", self.damping_threshold.is_some()),
         ];
-        only(&foreign, "a finger with joints")?;
+        only(&foreign, "with the key `joints`")?;
         Ok(FingerConfig {
             base_position: required(self.base_position, "base_position")?,
             phi1_deg: required(self.phi1_deg, "phi1_deg")?,
@@ -151,9 +151,9 @@ fn required<T, E: Error>(value: Option<T>, key: &'static str) -> Result<T, E> {
 }
 
 /// Rejects keys that belong to the other kind of finger.
-fn only<E: Error>(foreign: &[(&str, bool)], kind: &str) -> Result<(), E> {
+fn only<E: Error>(foreign: &[(&str, bool)], place: &str) -> Result<(), E> {
     match foreign.iter().find(|(_, given)| *given) {
-        Some((key, _)) => Err(E::custom(format!("`{key}`: expected only in {kind}"))),
+        Some((key, _)) => Err(E::custom(format!("`{key}`: expected only {place}"))),
         None => Ok(()),
     }
 }

@@ -8,14 +8,14 @@ pub const MAX_FINGERS: usize = 5;
 /// Encoder readings of one finger.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
 pub struct JointState {
-    /// Joint angles, theta1 first (rad). Empty before the first reading, which counts as zero angles.
+    /// Joint positions (rad or m), from the base to the fingertip. Empty, which counts as zeros, before the first reading.
     pub position: JointVector,
-    /// Joint velocities (rad/s).
+    /// Joint velocities (rad/s or m/s).
     pub velocity: JointVector,
 }
 
 impl JointState {
-    /// Returns the state of a finger with `joints` joints at zero joint angles, at rest.
+    /// Returns the state of a finger with `joints` joints at joint positions 0, at rest.
     pub fn zero(joints: usize) -> Self {
         Self {
             position: JointVector::zeros(joints),
@@ -34,7 +34,7 @@ pub struct HandState {
 }
 
 impl HandState {
-    /// Returns the state of `fingers` fingers at zero joint angles, at rest, at time 0.
+    /// Returns the state of `fingers` fingers with empty joint vectors, which count as 0, at time 0.
     pub fn zero(fingers: usize) -> Self {
         Self {
             stamp: 0.0,
@@ -66,7 +66,7 @@ impl HandCommand {
         }
     }
 
-    /// Joint velocities of each finger, that of theta1 first (rad/s). Empty for a finger that stops, which counts as
+    /// Joint velocities of each finger, from the base to the fingertip (rad/s or m/s). Empty for a finger that stops, which counts as
     /// zero velocities.
     pub fn joint_velocity(&self) -> &[JointVector] {
         &self.joint_velocity

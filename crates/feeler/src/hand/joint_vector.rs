@@ -7,7 +7,7 @@ use std::fmt::{self, Debug, Display, Formatter};
 /// Maximum number of joints of a finger.
 pub const MAX_JOINTS: usize = 7;
 
-/// One number per joint of a finger, such as joint angles (rad) or joint velocities (rad/s), in the order of the
+/// One number per joint of a finger, such as joint positions (rad or m) or velocities (rad/s or m/s), in the order of the
 /// joints from the base to the fingertip. Does not allocate.
 ///
 /// Missing numbers count as 0: the default, of length 0, equals zeros of any length. The result of an operation on two

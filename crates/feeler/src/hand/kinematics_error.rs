@@ -7,7 +7,7 @@ use glam::DVec3;
 /// Maximum distance of the fingertip from its target that counts as reached (m).
 pub const POSITION_TOLERANCE: f64 = 1e-9;
 
-/// Error returned if no joint angles are found for a fingertip position.
+/// Error returned if no joint positions are found for a fingertip position.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum KinematicsError {
     /// An argument is NaN or infinite.

@@ -1,6 +1,7 @@
 //! Finger geometry, kinematics and the interface to the drives.
 //!
-//! A finger has three joints (paper, section III). Joint 1 turns the finger's plane about the z axis of the base `B`.
+//! A finger has one to seven joints. [`chain`] describes any arrangement. The paper's finger (section III) has three, for
+//! which the equations are in closed form. Joint 1 turns the finger's plane about the z axis of the base `B`.
 //! Joints 2 and 3 move links l3 and l4 in that plane, starting at a distance l2 from the axis of joint 1. Angles are
 //! in rad, lengths in m; positions and velocities of the fingertip are in the world `W`.
 //!

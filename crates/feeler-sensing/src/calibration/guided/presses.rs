@@ -26,7 +26,7 @@ impl Presses {
         let (kept, has_rows) = Folder::open(path, FORCES, "picture,f_x,f_y,f_z,recording,time")?;
         if has_rows {
             let path = path.display();
-            return Err(format!("{path}: contains presses already; expected a new folder").into());
+            return Err(format!("{path}: expected a new folder, got one with presses").into());
         }
         Ok(Self {
             kept,
@@ -101,6 +101,6 @@ impl Work for Presses {
 
     fn missing(&self) -> Option<String> {
         let missing = self.live.missing();
-        (missing > 0).then(|| format!("{missing} more presses are needed"))
+        (missing > 0).then(|| format!("presses still missing: {missing}"))
     }
 }
