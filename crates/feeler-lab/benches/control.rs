@@ -12,6 +12,7 @@ use feeler::sensor::fingertip::ElementLayout;
 use feeler::sensor::forces::TactileFrame;
 use feeler_lab::config::{Experiment, ExperimentConfig};
 use glam::{DMat3, DVec2, DVec3};
+use std::f64::consts::PI;
 
 #[path = "../../feeler/tests/support/policy_file.rs"]
 mod policy_file;
@@ -117,11 +118,11 @@ fn decide_with_four_joints(bencher: Bencher, hand: &str) {
     let ([x, y, z], [one, other]) = match hand {
         "allegro" => (
             [-0.0955, -0.0435, 0.0063],
-            [[0.0873, -0.5992, 0.0], [0.0873, -0.5992, 3.1416]],
+            [[0.0873, -0.5992, 0.0], [0.0873, -0.5992, PI]],
         ),
         _ => (
             [-0.1303, -0.0082, 0.0096],
-            [[3.1416, -0.6561, 3.1416], [3.1416, -0.6561, 0.0]],
+            [[PI, -0.6561, PI], [PI, -0.6561, 0.0]],
         ),
     };
     let finger = |base: [f64; 3], rpy: [f64; 3]| {

@@ -4,6 +4,7 @@ use crate::program::{folder, run, summary};
 use feeler::hand::JointVector;
 use feeler_record::Recording;
 use serde_json::json;
+use std::f64::consts::{FRAC_PI_2, PI};
 use std::fs;
 use std::path::Path;
 
@@ -24,13 +25,13 @@ fn urdf_hand(name: &str, base: [f64; 3], rpy: [[f64; 3]; 2]) -> String {
 
 /// Two fingers like those of an Allegro Hand, whose middle posture points at the cap.
 fn allegro() -> String {
-    let rpy = [[0.0873, -0.5992, 0.0], [0.0873, -0.5992, 3.1416]];
+    let rpy = [[0.0873, -0.5992, 0.0], [0.0873, -0.5992, PI]];
     urdf_hand("allegro", [-0.0955, -0.0435, 0.0063], rpy)
 }
 
 /// Two fingers like those of a LEAP Hand, whose middle posture points at the cap.
 fn leap() -> String {
-    let rpy = [[3.1416, -0.6561, 3.1416], [3.1416, -0.6561, 0.0]];
+    let rpy = [[PI, -0.6561, PI], [PI, -0.6561, 0.0]];
     urdf_hand("leap", [-0.1303, -0.0082, 0.0096], rpy)
 }
 
@@ -114,7 +115,7 @@ fn the_papers_finger_as_a_table_closes_the_cap_alike() {
         )
     };
     let left = finger(-0.1655, 0.0, [[-30.0, 120.0], [-150.0, 0.0]]);
-    let right = finger(0.1655, std::f64::consts::PI, [[-120.0, 30.0], [0.0, 150.0]]);
+    let right = finger(0.1655, PI, [[-120.0, 30.0], [0.0, 150.0]]);
     run_directly(&folder, "closed-form", "cap-closing", &[]);
     let table = format!("--set=hand.finger=[{left}, {right}]");
     run_directly(&folder, "table", "cap-closing", &[&table]);
@@ -126,6 +127,52 @@ fn the_papers_finger_as_a_table_closes_the_cap_alike() {
             let apart = one.position.distance(other.position);
             assert!(apart < 1e-12, "{apart} rad at {} s", one.stamp);
         }
+    }
+}
+
+/// Three sliding joints along x, y and z; the one along x is driven by a rack of 20 mm/rad.
+fn gantry() -> String {
+    let joint = |name: &str, range: f64, speed: f64| {
+        format!("{{ name = \"{name}\", lower = -{range}, upper = {range}, speed = {speed} }}")
+    };
+    let joints = [
+        joint("rack", 6.0, 5.0),
+        joint("y", 0.12, 0.1),
+        joint("z", 0.12, 0.1),
+    ]
+    .join(", ");
+    let rack = "mimic = { joint = \"rack\", multiplier = 0.02 }";
+    format!(
+        "--set=hand.finger=[{{ base_position = [0.0, 0.0, 0.1], tip_rpy = [0.0, {quarter_turn}, 0.0], joints = [{joints}], frames = [\
+         {{ type = \"prismatic\", {rack}, axis = [1.0, 0.0, 0.0] }},\
+         {{ type = \"prismatic\", joint = \"y\", axis = [0.0, 1.0, 0.0] }},\
+         {{ type = \"prismatic\", joint = \"z\", axis = [0.0, 0.0, 1.0] }}] }}]",
+        quarter_turn = FRAC_PI_2,
+    )
+}
+
+/// A gantry traces an outline, and stops if one of its drives stalls: tolerances in radians do not apply to metres.
+#[test]
+fn prismatic_joints_trace_an_outline_and_are_monitored() {
+    let folder = folder("chains-gantry");
+    run_directly(&folder, "traced", "contour", &[&gantry()]);
+    let result = summary(&folder.join("traced"));
+    assert_eq!(result["success"]["met"], json!(true), "{result}");
+    for joint in 0..3 {
+        let name = format!("stalled-{joint}");
+        let fault = format!(
+            "--set=sim.fault=[{{ kind = {{ servo_stall = {{ finger = 0, joint = {joint} }} }}, from = 3.0 }}]"
+        );
+        let arguments = ["run", "contour", "--sensing=direct", "--out", &name];
+        run(&folder, &[&arguments[..], &[&gantry(), &fault]].concat());
+        let result = summary(&folder.join(&name));
+        let reason = result["reason"].as_str().unwrap_or_default();
+        // The joint along z hardly moves on this object.
+        assert_eq!(
+            reason.contains(&format!("joint {joint} of")),
+            joint < 2,
+            "{reason}"
+        );
     }
 }
 

@@ -446,7 +446,7 @@ mod tests {
             &ROBOT.replace("lower=\"-0.5\"", ""),
             None,
             "tip",
-            "expected <limit",
+            "expected a <limit",
         );
         let twice = ROBOT.replace("name=\"pull\"", "name=\"bend\"");
         refused(&twice, None, "tip", "got \"bend\" twice");

@@ -71,7 +71,8 @@ impl ChainConfig {
     }
 }
 
-/// An independent joint. Its position is an angle (rad) if it drives a revolute row, else a displacement (m).
+/// An independent joint. Its position is a displacement (m) if it is the `joint` of a prismatic row, otherwise an angle
+/// (rad).
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct JointConfig {

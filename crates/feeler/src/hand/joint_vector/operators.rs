@@ -5,7 +5,7 @@ use std::ops::{
     Add, AddAssign, Div, DivAssign, Index, IndexMut, Mul, MulAssign, Neg, Sub, SubAssign,
 };
 
-/// The number of a joint, or 0 if it is missing. Panics from [`MAX_JOINTS`] on.
+/// The number of a joint, or 0 if it is missing. Panics from [`MAX_JOINTS`](super::MAX_JOINTS) on.
 impl Index<usize> for JointVector {
     type Output = f64;
 
