@@ -92,12 +92,12 @@ class FingerSense:
     @property
     def joint_position(self, /) -> Incomplete:
         """
-        Joint angles [3], rad.
+        Joint positions, one per joint [J], rad, or m of a prismatic joint.
         """
     @property
     def joint_velocity(self, /) -> Incomplete:
         """
-        Joint velocities [3], rad/s.
+        Joint velocities, one per joint [J], rad/s, or m/s of a prismatic joint.
         """
     @property
     def largest_element(self, /) -> int | None:
