@@ -23,8 +23,8 @@ class TactileEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
     the simulated world's true state, which observations never contain; the book's page *Learning* describes them.
 
     Observations are flat (float32 [L], the fingers one after the other) or a dictionary of float32 arrays for F fingers of E
-    elements and J joints: ``forces`` [F, E, 3] (N, in E_i), ``touch``, ``slip``, ``over`` [F] (0 or 1), ``grasp_force`` [F] (N),
-    ``joint_angles`` [F, J] (rad), ``joint_velocities`` [F, J] (rad/s), ``last_action`` [F, 3] (m/s), ``planned_velocity``
+    elements and J joints: ``forces`` [F, E, 3] (N, in E_i), ``touch``, ``slip``, ``over`` [F] (0 or 1), ``grasp_force`` [F]
+    (N), ``joint_angles`` [F, J] (rad), ``joint_velocities`` [F, J] (rad/s), ``last_action`` [F, 3] (m/s), ``planned_velocity``
     [F, 3] (m/s), ``towards_object`` [F, 3], ``reflex``, ``keep_grasp`` [F] (1 if the plan requests it, otherwise 0).
     Velocities and directions are in the fingertip's frame T.
 
