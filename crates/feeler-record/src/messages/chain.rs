@@ -1,9 +1,9 @@
 //! Wire format of [`Joints`] and [`Command`] for fingers that do not have three joints.
 
 use super::channels::{Command, Joints, Stamped};
-use super::topic::RecordedMessage;
+use super::topic::{RecordedMessage, decode_stamped};
 use crate::reading::recording::{PictureAt, Recording};
-use crate::wire::{Vector3, cdr};
+use crate::wire::Vector3;
 use crate::{message, vector3_schema};
 use feeler::hand::{JointVector, MAX_JOINTS};
 use serde::{Deserialize, Serialize};
@@ -73,60 +73,58 @@ fn joints(values: &[f64]) -> Result<JointVector, String> {
     known.ok_or_else(|| format!("expected at most {MAX_JOINTS} joints, got {}", values.len()))
 }
 
-/// Decodes a message with a finite stamp.
-fn decoded<M: RecordedMessage + crate::wire::Message>(bytes: &[u8]) -> Result<M, String> {
-    let message: M = cdr::decode(bytes).map_err(|e| e.to_string())?;
-    match message.stamp().is_finite() {
-        true => Ok(message),
-        false => Err(format!("expected a finite stamp, got {}", message.stamp())),
-    }
-}
+impl TryFrom<ChainJoints> for Joints {
+    type Error = String;
 
-impl RecordedMessage for ChainJoints {
-    fn read_into(
-        recording: &mut Recording,
-        finger: Option<usize>,
-        bytes: &[u8],
-        _: PictureAt,
-    ) -> Result<(), String> {
-        let message: Self = decoded(bytes)?;
-        let read = Joints {
+    fn try_from(message: ChainJoints) -> Result<Self, String> {
+        Ok(Self {
             stamp: message.stamp,
             position: joints(&message.position)?,
             velocity: joints(&message.velocity)?,
-        };
-        if let Some(list) = Joints::list(recording, finger) {
-            list.push(read);
-        }
-        Ok(())
+        })
     }
 }
 
-impl RecordedMessage for ChainCommand {
-    fn read_into(
-        recording: &mut Recording,
-        finger: Option<usize>,
-        bytes: &[u8],
-        _: PictureAt,
-    ) -> Result<(), String> {
-        let message: Self = decoded(bytes)?;
-        let read = Command {
+impl TryFrom<ChainCommand> for Command {
+    type Error = String;
+
+    fn try_from(message: ChainCommand) -> Result<Self, String> {
+        Ok(Self {
             stamp: message.stamp,
             joint_velocity: joints(&message.joint_velocity)?,
             fingertip_velocity: message.fingertip_velocity,
             limited: message.limited,
             damping: message.damping,
-        };
-        if let Some(list) = Command::list(recording, finger) {
-            list.push(read);
-        }
-        Ok(())
+        })
     }
 }
+
+/// Implements [`RecordedMessage`] for wire formats, whose messages are stored as another type.
+macro_rules! stored_as {
+    ($($wire:ident as $stored:ident),+) => {
+        $(impl RecordedMessage for $wire {
+            fn read_into(
+                recording: &mut Recording,
+                finger: Option<usize>,
+                bytes: &[u8],
+                _: PictureAt,
+            ) -> Result<(), String> {
+                let message = $stored::try_from(decode_stamped::<Self>(bytes)?)?;
+                if let Some(list) = $stored::list(recording, finger) {
+                    list.push(message);
+                }
+                Ok(())
+            }
+        })+
+    };
+}
+
+stored_as!(ChainJoints as Joints, ChainCommand as Command);
 
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::wire::cdr;
 
     fn encoded<M: crate::wire::Message>(message: &M) -> Vec<u8> {
         let mut bytes = Vec::new();

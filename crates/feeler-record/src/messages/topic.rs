@@ -191,15 +191,20 @@ pub trait RecordedMessage: Stamped + Clone + Any {
         at: PictureAt,
     ) -> Result<(), String> {
         let _ = at;
-        let message: Self = cdr::decode(bytes).map_err(|e| e.to_string())?;
-        let stamp = message.stamp();
-        if !stamp.is_finite() {
-            return Err(format!("expected a finite stamp, got {stamp}"));
-        }
+        let message: Self = decode_stamped(bytes)?;
         if let Some(list) = Self::list(recording, finger) {
             list.push(message);
         }
         Ok(())
+    }
+}
+
+/// Decodes a message, whose stamp must be finite.
+pub(super) fn decode_stamped<M: Stamped>(bytes: &[u8]) -> Result<M, String> {
+    let message: M = cdr::decode(bytes).map_err(|e| e.to_string())?;
+    match message.stamp() {
+        stamp if stamp.is_finite() => Ok(message),
+        stamp => Err(format!("expected a finite stamp, got {stamp}")),
     }
 }
 

@@ -113,13 +113,7 @@ impl LimitsConfig {
             period,
         };
         let (lower, upper) = (geometry.joint_lower(), geometry.joint_upper());
-        let bounds = |joint: usize| {
-            let theta = request.theta[joint];
-            [
-                -braking.greatest_speed(theta - lower[joint]),
-                braking.greatest_speed(upper[joint] - theta),
-            ]
-        };
+        let bounds = |joint| braking.bounds(request.theta[joint], (lower[joint], upper[joint]));
         let rate = resolved_rate_within(geometry, request.theta, slow, Some(&bounds));
         let joint_velocity = match geometry.joint_count() {
             // A constant, so that the loops are unrolled.
@@ -156,8 +150,7 @@ impl LimitsConfig {
         let mut within = JointVector::zeros(count);
         let mut excess = 1.0;
         for joint in 0..count {
-            let [lowest, highest] = bounds(joint);
-            within[joint] = lesser(greater(velocity[joint], lowest), highest);
+            within[joint] = clamp(velocity[joint], bounds(joint));
             excess = greater(within[joint].abs() / most[joint], excess);
         }
         // Per joint: a joint that must brake must not wait for another one that may accelerate.
@@ -170,7 +163,7 @@ impl LimitsConfig {
                 within[joint]
             };
             let previous = request.previous[joint];
-            let change = lesser(greater(speed - previous, -most_change), most_change);
+            let change = clamp(speed - previous, [-most_change, most_change]);
             within[joint] = previous + change;
         }
         within
@@ -193,9 +186,16 @@ impl LimitsConfig {
         };
         DVec3::from_array([0, 1, 2].map(|axis| {
             let limits = (self.workspace_lower[axis], self.workspace_upper[axis]);
-            braking.keep_within(request.position[axis], request.velocity[axis], limits)
+            let bounds = braking.bounds(request.position[axis], limits);
+            clamp(request.velocity[axis], bounds)
         }))
     }
+}
+
+/// Limits `value` to `lowest`..`highest`. NaN becomes `lowest`.
+#[inline(always)]
+fn clamp(value: f64, [lowest, highest]: [f64; 2]) -> f64 {
+    lesser(greater(value, lowest), highest)
 }
 
 /// Stopping distance of a quantity that is commanded once per period.
@@ -207,12 +207,12 @@ struct Braking {
 }
 
 impl Braking {
-    /// Returns `velocity`, slowed down such that braking ends within the limits `lower` and `upper` of `position`. A
-    /// position outside of them may only return.
-    fn keep_within(&self, position: f64, velocity: f64, (lower, upper): (f64, f64)) -> f64 {
+    /// Lowest and highest velocity such that braking ends within the limits `lower` and `upper` of `position`. Outside of
+    /// them, only motion back towards them is allowed.
+    #[inline(always)]
+    fn bounds(&self, position: f64, (lower, upper): (f64, f64)) -> [f64; 2] {
         let down = self.greatest_speed(position - lower);
-        let up = self.greatest_speed(upper - position);
-        lesser(greater(velocity, -down), up)
+        [-down, self.greatest_speed(upper - position)]
     }
 
     /// Maximum speed that can be stopped within `room`: either in one period, if the deceleration allows that, or by

@@ -19,14 +19,6 @@ pub enum FingerDescription {
 }
 
 impl FingerDescription {
-    /// Origin of the finger base in the world `W` (m).
-    pub fn base_position(&self) -> [f64; 3] {
-        match self {
-            Self::ThreeJoints(config) => config.base_position,
-            Self::Chain(config) => config.base_position,
-        }
-    }
-
     /// The paper's three joints, or `None` for a chain.
     pub fn three_joints(&self) -> Option<&FingerConfig> {
         match self {

@@ -155,22 +155,17 @@ impl FingerGeometry {
     pub fn frame_count(&self) -> usize {
         match &self.kinematics {
             Kinematics::ThreeJoints(_) => self.joint_count(),
-            Kinematics::Chain(chain) => chain.frames().count(),
+            Kinematics::Chain(chain) => chain.frame_count(),
         }
     }
 
     /// Positions of the moving frames (rad or m) at the joint positions `joints`, from the base to the fingertip.
     pub fn frame_positions(&self, joints: JointVector) -> impl Iterator<Item = f64> + '_ {
-        let chain = match &self.kinematics {
-            Kinematics::ThreeJoints(_) => None,
-            Kinematics::Chain(chain) => Some(chain),
-        };
-        (0..self.frame_count()).map(
-            move |index| match chain.and_then(|c| c.frames().nth(index)) {
-                None => joints[index],
-                Some(frame) => frame.multiplier * joints[frame.joint] + frame.offset,
-            },
-        )
+        let joints = joints.padded(self.joint_count());
+        (0..self.frame_count()).map(move |index| match &self.kinematics {
+            Kinematics::ThreeJoints(_) => joints[index],
+            Kinematics::Chain(chain) => chain.frame_position(index, joints.as_slice()),
+        })
     }
 
     /// Limits of the moving frames, from the base to the fingertip.
@@ -189,9 +184,10 @@ impl FingerGeometry {
 
     /// Velocities of the moving frames (rad/s or m/s) at the joint velocities `velocities`.
     pub fn frame_velocities(&self, velocities: JointVector) -> impl Iterator<Item = f64> + '_ {
-        let still = self.frame_positions(JointVector::zeros(self.joint_count()));
-        let moved = self.frame_positions(velocities);
-        moved.zip(still).map(|(moved, still)| moved - still)
+        (0..self.frame_count()).map(move |index| match &self.kinematics {
+            Kinematics::ThreeJoints(_) => velocities[index],
+            Kinematics::Chain(chain) => chain.frame_velocity(index, &velocities),
+        })
     }
 
     /// Endpoints of the drawn links in `W` (m), from the base to the fingertip, at the joint positions `joints` (rad or m).

@@ -1,6 +1,7 @@
 //! Forward kinematics and Jacobian of a chain.
 
 use super::{Chain, MAX_FRAMES, MAX_JOINTS, Segment};
+use crate::hand::joint_vector::JointVector;
 use crate::hand::sin_cos::sin_cos_of;
 use glam::{DMat3, DVec3};
 
@@ -104,6 +105,17 @@ impl Chain {
     pub fn pose_and_jacobian(&self, joints: &[f64]) -> (DVec3, DMat3, [DVec3; MAX_JOINTS]) {
         let state = State::at(self, joints);
         (state.position(self), state.rotation, state.jacobian(self))
+    }
+
+    /// Position of the moving frame `index` (rad or m) at `joints` (rad or m).
+    pub(in crate::hand) fn frame_position(&self, index: usize, joints: &[f64]) -> f64 {
+        position_of(&self.segments[index], joints)
+    }
+
+    /// Velocity of the moving frame `index` (rad/s or m/s) at the joint velocities `velocities`.
+    pub(in crate::hand) fn frame_velocity(&self, index: usize, velocities: &JointVector) -> f64 {
+        let segment = &self.segments[index];
+        segment.multiplier * velocities[segment.joint]
     }
 
     /// Origins in `W` (m) of the base, of the moving frames and of the fingertip at `joints` (rad or m).

@@ -175,6 +175,11 @@ impl Chain {
         self.base_position
     }
 
+    /// Number of moving frames, at most [`MAX_FRAMES`].
+    pub(super) fn frame_count(&self) -> usize {
+        self.segments.len()
+    }
+
     /// The moving frames, from the base to the fingertip.
     pub fn frames(&self) -> impl Iterator<Item = MovingFrame> + '_ {
         let first = (self.origin, self.rotation);
