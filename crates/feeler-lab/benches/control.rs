@@ -12,11 +12,13 @@ use feeler::sensor::fingertip::ElementLayout;
 use feeler::sensor::forces::TactileFrame;
 use feeler_lab::config::{Experiment, ExperimentConfig};
 use glam::{DMat3, DVec2, DVec3};
-use std::f64::consts::PI;
 
 #[path = "../../feeler/tests/support/policy_file.rs"]
 mod policy_file;
 use policy_file::PolicyFile;
+
+#[path = "../tests/support/urdf_hands.rs"]
+mod urdf_hands;
 
 const ELEMENTS: usize = 41;
 
@@ -111,26 +113,11 @@ fn decide_in_contact(bencher: Bencher, config: &ExperimentConfig) {
 /// One decision for two fingers with four joints each, in contact, with flags.
 #[divan::bench(args = ["allegro", "leap"])]
 fn decide_with_four_joints(bencher: Bencher, hand: &str) {
-    let file = format!(
-        "{}/../../docs/hands/{hand}-finger.urdf",
-        env!("CARGO_MANIFEST_DIR")
-    );
-    let ([x, y, z], [one, other]) = match hand {
-        "allegro" => (
-            [-0.0955, -0.0435, 0.0063],
-            [[0.0873, -0.5992, 0.0], [0.0873, -0.5992, PI]],
-        ),
-        _ => (
-            [-0.1303, -0.0082, 0.0096],
-            [[PI, -0.6561, PI], [PI, -0.6561, 0.0]],
-        ),
+    let setting = match hand {
+        "allegro" => urdf_hands::allegro(),
+        _ => urdf_hands::leap(),
     };
-    let finger = |base: [f64; 3], rpy: [f64; 3]| {
-        format!("{{urdf={file:?}, tip=\"tip\", base_position={base:?}, base_rpy={rpy:?}}}")
-    };
-    let fingers = [finger([x, y, z], one), finger([-x, -y, z], other)].join(",");
-    let settings = [format!("hand.finger=[{fingers}]")];
-    let experiment = Experiment::load("cap-until-closed", &settings);
+    let experiment = Experiment::load("cap-until-closed", &[setting]);
     decide_in_contact(bencher, &experiment.expect("the hand").config);
 }
 

@@ -8,31 +8,17 @@ use std::f64::consts::{FRAC_PI_2, PI};
 use std::fs;
 use std::path::Path;
 
-/// Setting for two fingers of the file docs/hands/`name`-finger.urdf, at `base` (m) with orientation `rpy` (rad) and
-/// opposite to it.
-fn urdf_hand(name: &str, base: [f64; 3], rpy: [[f64; 3]; 2]) -> String {
-    let file = Path::new(env!("CARGO_MANIFEST_DIR")).join("../../docs/hands");
-    let file = file.join(format!("{name}-finger.urdf"));
-    let [x, y, z] = base;
-    let finger = |[x, y, z]: [f64; 3], rpy: [f64; 3]| {
-        format!(
-            "{{ urdf = {file:?}, tip = \"tip\", base_position = [{x}, {y}, {z}], base_rpy = {rpy:?} }}"
-        )
-    };
-    let (one, other) = (finger([x, y, z], rpy[0]), finger([-x, -y, z], rpy[1]));
-    format!("--set=hand.finger=[{one}, {other}]")
-}
+#[path = "../../../feeler-lab/tests/support/urdf_hands.rs"]
+mod urdf_hands;
 
-/// Two fingers like those of an Allegro Hand, whose middle posture points at the cap.
+/// Argument for two fingers like those of an Allegro Hand.
 fn allegro() -> String {
-    let rpy = [[0.0873, -0.5992, 0.0], [0.0873, -0.5992, PI]];
-    urdf_hand("allegro", [-0.0955, -0.0435, 0.0063], rpy)
+    format!("--set={}", urdf_hands::allegro())
 }
 
-/// Two fingers like those of a LEAP Hand, whose middle posture points at the cap.
+/// Argument for two fingers like those of a LEAP Hand.
 fn leap() -> String {
-    let rpy = [[PI, -0.6561, PI], [PI, -0.6561, 0.0]];
-    urdf_hand("leap", [-0.1303, -0.0082, 0.0096], rpy)
+    format!("--set={}", urdf_hands::leap())
 }
 
 fn run_directly(folder: &Path, out: &str, experiment: &str, settings: &[&str]) {

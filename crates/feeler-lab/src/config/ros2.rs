@@ -15,7 +15,7 @@ pub struct RosConfig {
     /// Topic of the joint states (`sensor_msgs/JointState`).
     #[serde(default = "joint_states")]
     pub joint_states: String,
-    /// Topic of velocity commands (`std_msgs/Float64MultiArray`, rad/s, or m/s of a prismatic joint) for a `forward_command_controller` whose
+    /// Topic of velocity commands (`std_msgs/Float64MultiArray`, rad/s or m/s) for a `forward_command_controller` whose
     /// joints are in the order of this table.
     #[serde(default = "commands")]
     pub commands: String,

@@ -320,11 +320,7 @@ impl Collected {
             .collect();
         let mut sequence = Sequence {
             group,
-            images: stamps
-                .iter()
-                .copied()
-                .zip(read.images.iter().cloned())
-                .collect(),
+            images: read.images.clone(),
             scored: first..self.scored.len(),
             scores: trace.frames,
             slips: Vec::new(),

@@ -18,12 +18,12 @@ const LEFT_OUT: f64 = 0.24;
 pub struct Sequence {
     /// Group of the recording.
     pub group: usize,
-    /// Time (s) and content of each image.
-    pub images: Vec<(f64, CoarseImage)>,
     /// Its entries in the list of [`Scored`].
     pub scored: Range<usize>,
-    /// Times of its frames (s), with or without images.
+    /// Times of its frames (s).
     pub stamps: Vec<f64>,
+    /// Image of each frame; empty for tables.
+    pub images: Vec<CoarseImage>,
     /// Scores of its frames in the order of [`DETECTORS`].
     pub scores: Vec<[Option<f64>; DETECTORS.len()]>,
     /// Its slips with a known onset.
@@ -31,17 +31,17 @@ pub struct Sequence {
 }
 
 impl Sequence {
-    /// Images without the first ones, which may be of the previous recording.
-    pub fn valid(&self) -> impl Iterator<Item = &(f64, CoarseImage)> {
-        let start = self.images.first().map_or(0.0, |image| image.0);
-        let valid = move |image: &&(f64, CoarseImage)| image.0 - start >= LEFT_OUT;
-        self.images.iter().filter(valid)
+    /// Times (s) and images without the first ones, which may be of the previous recording.
+    pub fn valid(&self) -> impl Iterator<Item = (f64, &CoarseImage)> {
+        let start = self.stamps.first().copied().unwrap_or(0.0);
+        let images = self.stamps.iter().copied().zip(&self.images);
+        images.filter(move |(stamp, _)| stamp - start >= LEFT_OUT)
     }
 
     fn sparse(&self) -> impl Iterator<Item = &CoarseImage> {
         let mut next = f64::NEG_INFINITY;
         self.valid().filter_map(move |(stamp, image)| {
-            let is_due = *stamp >= next;
+            let is_due = stamp >= next;
             next = if is_due {
                 stamp + INTERVAL - 1e-6
             } else {
@@ -80,7 +80,7 @@ fn image_losses(own: &Sequence, all: &[Sequence], more: &[Sequence]) -> Vec<Opti
     let mut scores = vec![None; own.images.len() - own.valid().count()];
     let (mut loss, mut before, mut last) = (ImageLoss::default(), None, 0);
     for (stamp, image) in own.valid() {
-        let interval = stamp - before.replace(*stamp).unwrap_or(*stamp);
+        let interval = stamp - before.replace(stamp).unwrap_or(stamp);
         let distance = nearest(image, &others, &mut last).unwrap_or(f64::NAN);
         scores.push(loss.update(interval, distance));
     }

@@ -24,7 +24,7 @@ const SAME: f64 = 1.0;
 /// Returns `None` if the images do not show the loss. They show any motion of the imprint, also that of an object that
 /// is shaken before it slides.
 pub fn slip_in_images<'a>(
-    images: impl Iterator<Item = &'a (f64, CoarseImage)>,
+    images: impl Iterator<Item = (f64, &'a CoarseImage)>,
 ) -> Option<SlipEvent> {
     let images: Vec<_> = images.collect();
     let (end, last) = *images.last()?;
@@ -56,12 +56,12 @@ pub fn slip_in_images<'a>(
     Some(SlipEvent {
         onset: images[onset].0,
         loss: Some(loss),
-        end: *end,
+        end,
     })
 }
 
 /// Distance of each image from the newest one that is at least [`INTERVAL`] older, with the image's index.
-fn changes(images: &[&(f64, CoarseImage)]) -> Vec<(usize, f64)> {
+fn changes(images: &[(f64, &CoarseImage)]) -> Vec<(usize, f64)> {
     let mut before = 0;
     let changes = images.iter().enumerate();
     let changes = changes.filter_map(|(index, (stamp, image))| {
@@ -69,7 +69,7 @@ fn changes(images: &[&(f64, CoarseImage)]) -> Vec<(usize, f64)> {
         while is_old(before + 1) && before + 1 < index {
             before += 1;
         }
-        is_old(before).then(|| (index, image.distance(&images[before].1)))
+        is_old(before).then(|| (index, image.distance(images[before].1)))
     });
     changes.collect()
 }
@@ -107,6 +107,10 @@ mod tests {
         })
     }
 
+    fn in_images(images: &[(f64, CoarseImage)]) -> Option<SlipEvent> {
+        slip_in_images(images.iter().map(|(stamp, image)| (*stamp, image)))
+    }
+
     /// Images at 10 Hz: untouched, held from 1 s, in motion from 3 s, gone from 4 s, until 6 s.
     fn grasp() -> Vec<(f64, CoarseImage)> {
         let images = (0..60).map(|index| {
@@ -122,7 +126,7 @@ mod tests {
 
     #[test]
     fn onset_and_loss_are_those_of_the_images() {
-        let slip = slip_in_images(grasp().iter()).unwrap();
+        let slip = in_images(&grasp()).unwrap();
         // The first image in motion is 2 of 40 columns away from rest, above one grey level after 0.2 s.
         assert!((3.0..=3.2).contains(&slip.onset), "{slip:?}");
         assert_eq!((slip.loss, slip.end), (Some(4.0), 5.9));
@@ -131,16 +135,12 @@ mod tests {
     #[test]
     fn images_without_a_visible_loss_have_no_onset() {
         let all = grasp();
-        assert_eq!(slip_in_images([].iter()), None);
-        assert_eq!(slip_in_images(all[..1].iter()), None);
-        assert_eq!(slip_in_images(all[..35].iter()), None);
-        assert_eq!(slip_in_images(all[40..].iter()), None);
-        assert_eq!(
-            slip_in_images(all[..42].iter()),
-            None,
-            "too short afterwards"
-        );
-        assert_eq!(slip_in_images(all[37..].iter()), None, "too short before");
+        assert_eq!(in_images(&[]), None);
+        assert_eq!(in_images(&all[..1]), None);
+        assert_eq!(in_images(&all[..35]), None);
+        assert_eq!(in_images(&all[40..]), None);
+        assert_eq!(in_images(&all[..42]), None, "too short afterwards");
+        assert_eq!(in_images(&all[37..]), None, "too short before");
     }
 
     #[test]

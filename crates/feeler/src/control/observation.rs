@@ -111,7 +111,8 @@ impl ObservationLayout {
     /// fingertip velocity (m/s, in W). Does not allocate.
     ///
     /// # Errors
-    /// If the number of elements differs, if the finger has more joints (missing ones are 0), or if the length of `observation` differs from [`len`](Self::len).
+    /// If the number of elements differs, if the finger has more joints (missing ones are 0), or if the length of
+    /// `observation` differs from [`len`](Self::len).
     pub fn write(
         &self,
         plan: &Plan,

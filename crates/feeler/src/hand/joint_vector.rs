@@ -155,13 +155,13 @@ impl JointVector {
         self.map(f64::abs)
     }
 
-    /// Smaller number of each joint; that of `other` if one of them is NaN.
+    /// Element-wise minimum; takes the number of `other` if one of the two is NaN.
     #[inline]
     pub fn min(self, other: Self) -> Self {
         self.zip_with(other, lesser)
     }
 
-    /// Larger number of each joint; that of `other` if one of them is NaN.
+    /// Element-wise maximum; takes the number of `other` if one of the two is NaN.
     #[inline]
     pub fn max(self, other: Self) -> Self {
         self.zip_with(other, greater)
@@ -191,7 +191,7 @@ impl JointVector {
             .unwrap_or(0.0)
     }
 
-    /// Sum of the products of both numbers of each joint.
+    /// Dot product.
     #[inline]
     pub fn dot(self, other: Self) -> f64 {
         let joints = 1..self.len().max(other.len());

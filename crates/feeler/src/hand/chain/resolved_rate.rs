@@ -1,9 +1,9 @@
 //! Resolved motion rate control of a chain: eq. (1) for any number of joints, damped near singularities, with
 //! redundant joints turned towards the middle of their ranges.
 //!
-//! Displacements are scaled by the chain's reach, so that all columns of `J` are in m/rad. r is the number of directions
-//! in which the joints can move the fingertip, at most 3, and sigma the r-th singular value of `J`. The joint velocity
-//! is
+//! Joints that only move frames along their axes are scaled, so that all columns of `J` are in m/rad: one unit moves the
+//! fastest frame by the chain's reach. r is the number of directions in which the joints can move the fingertip, at most
+//! 3, and sigma the r-th singular value of `J`. The joint velocity is
 //!
 //! ```text
 //! q_dot = J^T (J J^T + lambda^2 I)^-1 v + min(1, sigma^2 / epsilon^2) N z
@@ -23,7 +23,7 @@
 //! The factor fades the self-motion out at singularities, where N is discontinuous.
 //!
 //! A direction with singular value `s >= sigma` is amplified by at most `1 / epsilon`, and N does not lengthen z. So
-//! `|q_dot| <= |v| (1 / epsilon + k sqrt(n) / reach)` everywhere, with scaled displacements, also if joints are stopped at
+//! `|q_dot| <= |v| (1 / epsilon + k sqrt(n) / reach)` everywhere, in scaled units, also if joints are stopped at
 //! their limits. With other bounds, v includes the fingertip velocity of the joints at their bounds.
 //!
 //! If joint velocities exceed their bounds, the one that exceeds them most is fixed at its bound and the rest solved again
@@ -54,7 +54,7 @@ pub struct ChainRate {
 
 impl Chain {
     /// Threshold epsilon (m/rad): damping starts when the smallest singular value that is not 0 in all postures falls below
-    /// it, with displacements scaled by the reach.
+    /// it, in scaled units.
     pub fn damping_threshold(&self) -> f64 {
         self.damping_threshold
     }
@@ -141,7 +141,7 @@ impl Chain {
         own.is_some_and(|own| own.iter().all(|q| q.is_finite()))
     }
 
-    /// z of the self-motion for a fingertip `speed` (m/s), in scaled units.
+    /// Desired self-motion z while the fingertip moves at `speed` (m/s), in scaled units.
     fn pull(&self, joints: &[f64], speed: f64) -> [f64; MAX_JOINTS] {
         let mut pull = [0.0; MAX_JOINTS];
         if self.joint_count() == 1 {

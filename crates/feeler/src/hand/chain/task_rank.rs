@@ -89,7 +89,7 @@ impl Chain {
         values
     }
 
-    /// Jacobian whose columns of displacements are multiplied by the reach, so that all are in m/rad.
+    /// Jacobian for joint positions in scaled units, whose columns are all in m/rad.
     #[inline]
     pub(super) fn scaled_jacobian(&self, joints: &[f64]) -> [DVec3; MAX_JOINTS] {
         self.scaled(self.jacobian(joints))
