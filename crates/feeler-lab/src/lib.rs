@@ -5,6 +5,7 @@ pub mod config;
 pub mod environment;
 pub mod experiment;
 pub mod grasps;
+pub mod grips;
 pub mod identify;
 pub mod sensor;
 pub mod sweep;

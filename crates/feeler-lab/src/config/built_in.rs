@@ -20,7 +20,7 @@ macro_rules! built_in {
 }
 
 /// All built-in experiments.
-pub const BUILT_IN: [BuiltIn; 14] = built_in![
+pub const BUILT_IN: [BuiltIn; 15] = built_in![
     "cap-closing",
     "any-hand",
     "cap-opening",
@@ -34,5 +34,6 @@ pub const BUILT_IN: [BuiltIn; 14] = built_in![
     "slide-box",
     "slide-box-two",
     "lift",
+    "grip",
     "bench-rig",
 ];

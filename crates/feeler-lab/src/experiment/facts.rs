@@ -36,7 +36,7 @@ fn facts_with(config: &ExperimentConfig, layouts: &[ElementLayout]) -> RunFacts 
             fingers.map(|path| (path.approach, path.stroke)).collect()
         }
         // The directions of these tasks are not known in advance.
-        TaskConfig::Contour(_) | TaskConfig::Carry(_) => Vec::new(),
+        TaskConfig::Contour(_) | TaskConfig::Carry(_) | TaskConfig::Grip(_) => Vec::new(),
     };
     let unit = |direction| DVec3::from_array(direction).normalize_or_zero().to_array();
     RunFacts {

@@ -13,6 +13,8 @@ text_enum! {
         Contour = "contour",
         /// Slides or lifts an object along a path.
         Carry = "carry",
+        /// Holds an object while an arm carries it.
+        Grip = "grip",
         /// Slides over a flat specimen and measures its friction.
         FrictionScan = "friction_scan",
         /// Touches, presses, shears and slides on an object to identify hand and object.
@@ -49,6 +51,8 @@ text_enum! {
         Undecided = "undecided",
         /// The object reached the end of its path.
         Carried = "carried",
+        /// The object was put down and let go.
+        PutDown = "put down",
         /// The object slipped out of the fingers.
         Lost = "lost",
         /// The object does not follow the fingers.
@@ -77,6 +81,8 @@ text_enum! {
         Turned = "turned_rad",
         /// Force with which the fingers press (N).
         Pressing = "pressing_n",
+        /// Force that a finger carries by friction (N).
+        Load = "load_n",
         /// Coefficient of friction.
         Friction = "friction",
         /// Latest point of the outline along x, in `W` (m).

@@ -23,7 +23,7 @@ pub fn is_papers_hand(facts: &RunFacts) -> bool {
 pub fn has_papers_claims(facts: &RunFacts) -> bool {
     let is_another = matches!(
         facts.task,
-        TaskKind::Carry | TaskKind::Contour | TaskKind::FrictionScan
+        TaskKind::Carry | TaskKind::Contour | TaskKind::FrictionScan | TaskKind::Grip
     );
     !is_another && facts.cap.is_none()
 }

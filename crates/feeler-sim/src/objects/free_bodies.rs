@@ -36,6 +36,8 @@ pub struct FreeBodies {
     free: Vec<Option<FreeBody>>,
     /// Objects that turn, with which free bodies collide.
     turning: Vec<(usize, RigidBodyHandle)>,
+    /// Fixed objects that the hand's arm moves past the hand.
+    passing: Vec<(usize, RigidBodyHandle)>,
 }
 
 struct FreeBody {
@@ -75,23 +77,26 @@ impl FreeBodies {
             world,
             free: Vec::new(),
             turning: Vec::new(),
+            passing: Vec::new(),
         });
         for (index, object) in model.objects.iter().enumerate() {
-            let free = bodies.add(index, object);
+            let free = bodies.add(index, object, !model.arm.is_empty());
             bodies.free.push(free);
         }
         Some(bodies)
     }
 
-    fn add(&mut self, index: usize, object: &Object) -> Option<FreeBody> {
+    /// Adds an object. Fixed objects move with the arm if `has_arm`.
+    fn add(&mut self, index: usize, object: &Object, has_arm: bool) -> Option<FreeBody> {
         let (shape, within) = collider(object);
         let place = LibraryPose::from_translation(object.offset) * within;
         let collider = ColliderBuilder::new(shape).position(place).density(0.0);
         let start = to_library(&object.start);
         let Motion::Free(config) = &object.motion else {
-            let (body, turns) = match object.motion {
-                Motion::Turns(_) => (RigidBodyBuilder::kinematic_position_based(), true),
-                _ => (RigidBodyBuilder::fixed(), false),
+            let turns = matches!(object.motion, Motion::Turns(_));
+            let body = match turns || has_arm {
+                true => RigidBodyBuilder::kinematic_position_based(),
+                false => RigidBodyBuilder::fixed(),
             };
             // The coefficient of the pair equals the free body's.
             let collider = collider
@@ -100,6 +105,8 @@ impl FreeBodies {
             let (handle, _) = self.world.insert(body.pose(start), collider);
             if turns {
                 self.turning.push((index, handle));
+            } else if has_arm {
+                self.passing.push((index, handle));
             }
             return None;
         };
@@ -182,6 +189,16 @@ impl FreeBodies {
         body.reset_torques(false);
         body.add_force(force, true);
         body.add_torque(torque + lever.cross(force), true);
+    }
+
+    /// Sets the motion relative to the arm for the next [`advance`](Self::advance): fixed objects move to their poses in
+    /// `objects`, and free bodies feel the acceleration `gravity` (m/s², in W).
+    pub fn carry(&mut self, objects: &[ObjectState], gravity: DVec3) {
+        self.world.gravity = gravity;
+        for &(index, handle) in &self.passing {
+            let pose = to_library(&objects[index].pose);
+            self.world.bodies[handle].set_next_kinematic_position(pose);
+        }
     }
 
     /// Integrates the bodies over `duration` (s).

@@ -144,6 +144,16 @@ pub enum FaultKind {
         #[serde(default)]
         over: f64,
     },
+    /// An external force at the origin of a free object, as if somebody pulled at it.
+    Pull {
+        /// Name of the object.
+        object: String,
+        /// Force on the object (N, in W).
+        force: [f64; 3],
+        /// Duration of the rise (s); the force rises linearly.
+        #[serde(default)]
+        over: f64,
+    },
 }
 
 impl FaultKind {
@@ -161,7 +171,7 @@ impl FaultKind {
             | Self::JointGain { finger, .. }
             | Self::JointJump { finger, .. }
             | Self::SwappedSensors { finger, .. } => Some(finger),
-            Self::FrictionDrop { .. } | Self::MassChange { .. } => None,
+            Self::FrictionDrop { .. } | Self::MassChange { .. } | Self::Pull { .. } => None,
         }
     }
 }

@@ -133,8 +133,16 @@ impl FaultKind {
             Self::MassChange { object, mass, over } => {
                 checker.positive(&format!("{key}.mass"), *mass);
                 checker.not_negative(&format!("{key}.over"), *over);
-                let free = |object: &ObjectConfig| matches!(object.motion, MotionConfig::Free(_));
-                targets.require_object(key, object, "a free object", free, checker);
+                targets.require_free_object(key, object, checker);
+            }
+            Self::Pull {
+                object,
+                force,
+                over,
+            } => {
+                checker.vector(&format!("{key}.force"), *force);
+                checker.not_negative(&format!("{key}.over"), *over);
+                targets.require_free_object(key, object, checker);
             }
         }
     }
@@ -155,6 +163,7 @@ impl FaultKind {
             Self::SwappedSensors { .. } => "swapped_sensors",
             Self::FrictionDrop { .. } => "friction_drop",
             Self::MassChange { .. } => "mass_change",
+            Self::Pull { .. } => "pull",
         }
     }
 }
@@ -164,6 +173,12 @@ impl FaultTargets<'_> {
     fn require_joint(&self, key: &str, finger: usize, joint: usize, checker: &mut Checker) {
         let joints = self.joints.get(finger).copied().unwrap_or(USUAL_JOINTS);
         index_below(&format!("{key}.joint"), joint, joints, "joints", checker);
+    }
+
+    /// Checks that `object` is the name of a free object.
+    fn require_free_object(&self, key: &str, object: &str, checker: &mut Checker) {
+        let free = |object: &ObjectConfig| matches!(object.motion, MotionConfig::Free(_));
+        self.require_object(key, object, "a free object", free, checker);
     }
 
     /// Checks that `object` is the name of an object that satisfies `fit`.

@@ -1,8 +1,9 @@
-//! Injected faults of the rig: drives, encoders, friction and masses.
+//! Injected faults of the rig: drives, encoders, friction, masses and external forces.
 
 use super::fault::{FaultConfig, FaultKind};
 use crate::world::model::WorldModel;
 use crate::world::state::{FingerState, State};
+use glam::DVec3;
 
 /// Applies faults of the rig to its state in every step. Ignores faults of tactile sensors.
 pub struct RigFaults {
@@ -22,26 +23,37 @@ enum Part {
     Jump(usize, usize, f64),
     Friction(Vec<usize>, f64),
     Mass(usize, MassChange),
+    /// External force on an object at its maximum (N, in W), and its rise from 0 to 1.
+    Pull(usize, DVec3, Ramp),
+}
+
+/// Linear change from 0 to 1.
+struct Ramp {
+    /// Start and duration of the change (s).
+    from: f64,
+    over: f64,
 }
 
 /// Linear change of a mass.
 struct MassChange {
-    /// Start and duration of the change (s).
-    from: f64,
-    over: f64,
+    ramp: Ramp,
     /// Mass before and after the change (kg).
     before: f64,
     after: f64,
 }
 
+impl Ramp {
+    fn at(&self, time: f64) -> f64 {
+        match self.over > 0.0 {
+            true => ((time - self.from) / self.over).clamp(0.0, 1.0),
+            false => 1.0,
+        }
+    }
+}
+
 impl MassChange {
     fn at(&self, time: f64) -> f64 {
-        let share = if self.over > 0.0 {
-            ((time - self.from) / self.over).clamp(0.0, 1.0)
-        } else {
-            1.0
-        };
-        self.before + share * (self.after - self.before)
+        self.before + self.ramp.at(time) * (self.after - self.before)
     }
 }
 
@@ -80,12 +92,23 @@ impl RigFaults {
             } => {
                 let index = model.object(object)?;
                 let change = MassChange {
-                    from: fault.from,
-                    over,
+                    ramp: Ramp {
+                        from: fault.from,
+                        over,
+                    },
                     before: model.objects[index].mass()?,
                     after: mass,
                 };
                 Some(Part::Mass(index, change))
+            }
+            FaultKind::Pull {
+                ref object,
+                force,
+                over,
+            } => {
+                let from = fault.from;
+                let ramp = Ramp { from, over };
+                Some(Part::Pull(model.object(object)?, force.into(), ramp))
             }
             _ => None,
         };
@@ -128,6 +151,7 @@ impl Part {
                 }
             }
             Self::Mass(object, change) => state.objects[*object].mass = change.before,
+            Self::Pull(object, ..) => state.objects[*object].pull = DVec3::ZERO,
         }
     }
 
@@ -162,6 +186,9 @@ impl Part {
                 }
             }
             Self::Mass(object, change) => state.objects[*object].mass = change.at(state.time),
+            Self::Pull(object, force, ramp) => {
+                state.objects[*object].pull += ramp.at(state.time) * *force;
+            }
         }
     }
 }

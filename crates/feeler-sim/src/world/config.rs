@@ -3,10 +3,11 @@
 use crate::bench::element::ElementConfig;
 use crate::contact::feeler_config::FeelerConfig;
 use crate::objects::holder::HolderConfig;
-use crate::objects::object::ObjectConfig;
+use crate::objects::object::{MotionConfig, ObjectConfig};
 use crate::objects::thread::ThreadConfig;
 use crate::optics::config::OpticsConfig;
 use crate::optics::error::OpticsError;
+use crate::rig::arm::{self, ArmMotion};
 use crate::rig::fault::FaultConfig;
 use crate::rig::fault_check::FaultTargets;
 use crate::rig::servo::ServoConfig;
@@ -71,6 +72,9 @@ pub struct SimConfig {
     /// Gravitational acceleration of free bodies in W (m/s²).
     #[serde(default = "earth")]
     pub gravity: [f64; 3],
+    /// Motions of the arm that carries the hand; by default the hand's base is at rest.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub arm: Vec<ArmMotion>,
     /// Parameters of the feelers.
     #[serde(default)]
     pub feeler: FeelerConfig,
@@ -132,6 +136,10 @@ impl SimConfig {
         if let Some(frame_period) = self.frame_period {
             checker.between("sim.frame_period", frame_period, self.step, 1.0);
         }
+        let turns = |object: &ObjectConfig| {
+            matches!(object.motion, MotionConfig::Hinge(_) | MotionConfig::Thread(_))
+        };
+        arm::check(&self.arm, self.object.values().any(turns), checker);
         self.servo.check("sim.servo", checker);
         self.feeler.check("sim.feeler", checker);
         for (index, exception) in self.element.iter().enumerate() {

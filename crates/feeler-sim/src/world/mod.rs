@@ -9,5 +9,6 @@ pub(crate) mod step;
 
 pub use crate::contact::contacts::Contact;
 pub use config::{DirectSensingConfig, SimConfig, VariationConfig};
+pub use model::WorldModel;
 pub use simulation::World;
 pub use state::{FingerState, State};

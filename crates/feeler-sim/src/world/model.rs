@@ -9,6 +9,7 @@ use crate::objects::holder::PlaySpring;
 use crate::objects::object::Object;
 use crate::objects::pose::Pose;
 use crate::random::{Purpose, generator, uniform};
+use crate::rig::arm::ArmMotion;
 use crate::rig::servo::ServoConfig;
 use crate::rig::torque_sensor::TorqueSensorConfig;
 use feeler::hand::{FingerGeometry, JointVector};
@@ -23,6 +24,8 @@ pub struct WorldModel {
     pub step: f64,
     /// Gravitational acceleration of free bodies in W (m/s²).
     pub gravity: DVec3,
+    /// Motions of the arm that carries the hand.
+    pub arm: Vec<ArmMotion>,
     /// The objects.
     pub objects: Vec<Object>,
     /// The torque sensor.
@@ -112,6 +115,7 @@ impl WorldModel {
             relaxes: feelers().any(|feeler| feeler.relaxation.is_some()),
             step: config.step,
             gravity: config.gravity.into(),
+            arm: config.arm,
             objects,
             servo_remaining_error: config.servo.remaining_error(config.step),
             torque_low_pass_gain: config.torque_sensor.low_pass_gain(config.step),

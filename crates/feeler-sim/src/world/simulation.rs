@@ -22,7 +22,12 @@ pub struct World {
     bodies: Option<Box<FreeBodies>>,
     faults: RigFaults,
     torque_noise: Generator,
+    /// Called after every step.
+    observer: Option<Observer>,
 }
+
+/// Function that is called with the model and the state after every step.
+type Observer = Box<dyn FnMut(&WorldModel, &State) + Send>;
 
 impl World {
     /// Creates the world of `config` at time 0, with `fingers` at rest at the joint angles `joints` (rad, one vector
@@ -44,6 +49,7 @@ impl World {
             bodies: FreeBodies::new(&model),
             faults: RigFaults::new(&config.fault, &model),
             torque_noise: generator(seed, Purpose::TorqueNoise),
+            observer: None,
             state,
             model,
         })
@@ -67,10 +73,20 @@ impl World {
         for left in (0..steps).rev() {
             self.faults.apply(&mut self.state);
             let bodies = self.bodies.as_deref_mut();
-            step(&self.model, &mut self.state, bodies, left == 0);
+            let is_seen = left == 0 || self.observer.is_some();
+            step(&self.model, &mut self.state, bodies, is_seen);
+            if let Some(observer) = &mut self.observer {
+                observer(&self.model, &self.state);
+            }
         }
         // Non-finite values persist.
         self.state.check_finite(&self.model)
+    }
+
+    /// Calls `observer` after every step, also after those within [`advance`](Self::advance), with ground truth that is finer
+    /// than the control period. Replaces an earlier observer.
+    pub fn observe(&mut self, observer: impl FnMut(&WorldModel, &State) + Send + 'static) {
+        self.observer = Some(Box::new(observer));
     }
 
     /// Constant part of the world.

@@ -41,6 +41,8 @@ pub struct ObjectState {
     pub angular_velocity: DVec3,
     /// External force on a free body (N) and its torque about the object's origin (N·m), both in W.
     pub outside: (DVec3, DVec3),
+    /// Force of pulls at the origin of a free body (N, in W).
+    pub pull: DVec3,
     /// Mass of a free body (kg); 0 for other objects.
     pub mass: f64,
     /// Factor on the friction coefficients of feelers on the object.
@@ -175,6 +177,7 @@ impl ObjectState {
             velocity: DVec3::ZERO,
             angular_velocity: DVec3::ZERO,
             outside: (DVec3::ZERO, DVec3::ZERO),
+            pull: DVec3::ZERO,
             mass: object.mass().unwrap_or(0.0),
             friction_factor: 1.0,
             moves: 0,

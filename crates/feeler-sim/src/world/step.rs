@@ -9,6 +9,7 @@ use crate::contact::settle::{remember_tips, settle};
 use crate::objects::free_bodies::FreeBodies;
 use crate::objects::object::Motion;
 use crate::objects::pose::Pose;
+use crate::rig::arm::{acceleration, displacement};
 use feeler::hand::kinematics::fingertip_pose;
 use glam::DVec3;
 use multiversion::multiversion;
@@ -97,12 +98,33 @@ fn move_bodies(model: &WorldModel, state: &mut State, bodies: &mut FreeBodies) {
                 settle(model, state, index, Overload::Steady, since);
                 remember_tips(model, state, index);
                 let (force, torque) = wrench(model, state, index);
-                let (outside_force, outside_torque) = state.objects[index].outside;
-                bodies.push(index, force + outside_force, torque + outside_torque);
+                let own = &state.objects[index];
+                let (outside_force, outside_torque) = own.outside;
+                let force = force + outside_force + own.pull;
+                bodies.push(index, force, torque + outside_torque);
             }
+        }
+        if !model.arm.is_empty() {
+            let time = state.time + f64::from(part as u32 + 1) * duration;
+            pass(model, state, time);
+            bodies.carry(&state.objects, model.gravity - acceleration(&model.arm, time));
         }
         bodies.advance(duration);
         bodies.read(&mut state.objects);
+    }
+}
+
+/// Moves the fixed objects to where they are relative to the hand at `time` (s), which its arm moves.
+fn pass(model: &WorldModel, state: &mut State, time: f64) {
+    let passed = displacement(&model.arm, time);
+    for (object, own) in model.objects.iter().zip(&mut state.objects) {
+        if matches!(object.motion, Motion::Fixed) {
+            let position = object.start.position - passed;
+            own.move_to(Pose {
+                position,
+                ..object.start
+            });
+        }
     }
 }
 

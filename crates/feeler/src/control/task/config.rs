@@ -6,6 +6,7 @@ use super::cap_config::Until;
 use super::carry::{Carry, CarryConfig};
 use super::contour::{Contour, ContourConfig};
 use super::friction_scan::{FrictionScan, FrictionScanConfig};
+use super::grip::{Grip, GripConfig};
 use super::probe::{Probe, ProbeConfig};
 use super::screw::{ScrewConfig, ScrewTask};
 use crate::check::Checker;
@@ -23,6 +24,8 @@ pub enum TaskConfig {
     Contour(ContourConfig),
     /// Slides or lifts an object along a path.
     Carry(CarryConfig),
+    /// Grips an object, holds it while an arm carries it, and lets go when it is put down.
+    Grip(GripConfig),
     /// Slides over a flat specimen and measures its friction.
     FrictionScan(FrictionScanConfig),
     /// Touches, presses, shears and slides at three places, to identify hand and object.
@@ -39,6 +42,7 @@ impl TaskConfig {
             },
             Self::Contour(config) => Box::new(Contour::new(config)),
             Self::Carry(config) => Box::new(Carry::new(config)),
+            Self::Grip(config) => Box::new(Grip::new(config)),
             Self::FrictionScan(config) => Box::new(FrictionScan::new(config)),
             Self::Probe(config) => Box::new(Probe::new(config)),
         }
@@ -50,6 +54,7 @@ impl TaskConfig {
             Self::Screw(_) => "screw",
             Self::Contour(_) => "contour",
             Self::Carry(_) => "carry",
+            Self::Grip(_) => "grip",
             Self::FrictionScan(_) => "friction_scan",
             Self::Probe(_) => "probe",
         }
@@ -61,6 +66,7 @@ impl TaskConfig {
             Self::Screw(config) => config.finger.iter().map(|path| path.home).collect(),
             Self::Contour(config) => vec![config.home],
             Self::Carry(config) => config.finger.iter().map(|finger| finger.home).collect(),
+            Self::Grip(config) => config.finger.iter().map(|finger| finger.home).collect(),
             Self::FrictionScan(config) => vec![config.home],
             Self::Probe(config) => config.finger.iter().map(|path| path.home).collect(),
         }
@@ -70,7 +76,7 @@ impl TaskConfig {
     pub fn strokes(&self) -> u32 {
         match self {
             Self::Screw(config) => config.strokes,
-            Self::Contour(_) | Self::Carry(_) => 1,
+            Self::Contour(_) | Self::Carry(_) | Self::Grip(_) => 1,
             Self::FrictionScan(config) => config.strokes,
             Self::Probe(_) => Probe::PLACES,
         }
@@ -103,6 +109,10 @@ impl TaskConfig {
                 contour.check(&key, checker);
                 self.check_homes(&key, limits, checker);
             }
+            Self::Grip(grip) => {
+                grip.check(&key, checker);
+                self.check_homes(&key, limits, checker);
+            }
             Self::Carry(carry) => {
                 carry.check(&key, checker);
                 self.check_homes(&key, limits, checker);
@@ -131,6 +141,7 @@ impl TaskConfig {
             Self::Probe(config) => config.press_force,
             Self::Contour(config) => config.contact_force,
             Self::Carry(config) => config.grip_force,
+            Self::Grip(config) => config.grip_force,
         }
     }
 }
@@ -143,6 +154,7 @@ struct Tasks {
     screw: Option<ScrewConfig>,
     contour: Option<ContourConfig>,
     carry: Option<CarryConfig>,
+    grip: Option<GripConfig>,
     friction_scan: Option<FrictionScanConfig>,
     probe: Option<ProbeConfig>,
 }
@@ -155,6 +167,7 @@ impl TryFrom<Tasks> for TaskConfig {
             tasks.screw.map(Self::Screw),
             tasks.contour.map(Self::Contour),
             tasks.carry.map(Self::Carry),
+            tasks.grip.map(Self::Grip),
             tasks.friction_scan.map(Self::FrictionScan),
             tasks.probe.map(Self::Probe),
         ];

@@ -22,6 +22,7 @@ pub mod carry;
 mod config;
 pub mod contour;
 pub mod friction_scan;
+pub mod grip;
 mod homing;
 pub mod probe;
 mod resistance_curve;

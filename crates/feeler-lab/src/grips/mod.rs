@@ -1,0 +1,77 @@
+//! Trials of a gripper with unknown objects: does it hold them, with how little force, and how fast does it answer slip?
+
+mod meter;
+mod object;
+
+pub use meter::GripMeter;
+pub use object::GripObject;
+
+use crate::config::Experiment;
+use crate::experiment::{ExperimentError, Pictures, Session};
+use feeler::control::task::TaskConfig;
+use feeler::control::task::grip::GripLaw;
+use std::sync::{Arc, Mutex, PoisonError};
+
+/// Share of the lift that an object must have risen to count as lifted.
+const LIFTED: f64 = 0.08;
+
+/// Result of a trial.
+#[derive(Debug, Clone)]
+pub struct GripTrial {
+    /// The object.
+    pub object: GripObject,
+    /// Ground truth.
+    pub meter: GripMeter,
+    /// Outcome of the task, or `None` if it did not end.
+    pub outcome: Option<&'static str>,
+}
+
+impl GripTrial {
+    /// Runs the gripper of `experiment` under `law` with the object of `seed`.
+    ///
+    /// # Errors
+    /// If the experiment cannot be set up, or a step fails.
+    pub fn run(experiment: &Experiment, law: GripLaw, seed: u64) -> Result<Self, ExperimentError> {
+        let (experiment, object) = Self::prepared(experiment, law, seed);
+        let mut session = Session::drawing(&experiment, Pictures::Sensed)?;
+        let meter = Arc::new(Mutex::new(GripMeter::new(&object, session.layouts().len())));
+        let own = meter.clone();
+        session.rig().world().observe(move |model, state| {
+            let mut meter = own.lock().unwrap_or_else(PoisonError::into_inner);
+            meter.observe(model, state);
+        });
+        while !session.finished() {
+            session.step()?;
+        }
+        let meter = meter.lock().unwrap_or_else(PoisonError::into_inner).clone();
+        Ok(Self {
+            object,
+            meter,
+            outcome: session.control_loop().controller().task().outcome(),
+        })
+    }
+
+    /// Returns the gripper of `experiment` under `law` with the object of `seed`, and the object.
+    pub fn prepared(experiment: &Experiment, law: GripLaw, seed: u64) -> (Experiment, GripObject) {
+        let object = GripObject::draw(seed);
+        let mut experiment = experiment.clone();
+        object.place(&mut experiment.config);
+        // TOML integers are signed.
+        experiment.config.seed = seed >> 1;
+        if let TaskConfig::Grip(grip) = &mut experiment.config.task {
+            grip.law = law;
+            grip.known_friction = object.friction * object.kinetic;
+        }
+        (experiment, object)
+    }
+
+    /// `true` if the object was not lifted, slid out of the grip, or was let go in the air.
+    pub fn dropped(&self) -> bool {
+        self.meter.dropped || self.meter.highest < LIFTED
+    }
+
+    /// `true` if a finger pressed harder than the object bears.
+    pub fn crushed(&self) -> bool {
+        self.meter.peak > self.object.crush_force(self.meter.peak_least)
+    }
+}

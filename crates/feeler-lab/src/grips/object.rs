@@ -1,0 +1,226 @@
+//! Random unknown objects for a gripper, and what happens to them while an arm carries it.
+
+use crate::config::ExperimentConfig;
+use feeler_sim::contact::Friction;
+use feeler_sim::objects::{FreeConfig, MotionConfig, ObjectConfig};
+use feeler_sim::rig::{ArmMotion, ArmMotionKind, FaultConfig, FaultKind};
+use feeler_sim::shapes::ShapeConfig;
+use feeler_sim::world::SimConfig;
+use rand::{RngExt, SeedableRng};
+use rand_pcg::Pcg64;
+use std::f64::consts::TAU;
+
+/// Gravitational acceleration (m/s²).
+pub(super) const GRAVITY: f64 = 9.81;
+/// Names of the object and of the table in the simulated world.
+pub(super) const OBJECT: &str = "object";
+pub(super) const TABLE: &str = "table";
+/// Depth of a box along y, and height of all objects (m).
+const DEPTH: f64 = 0.030;
+pub(super) const HEIGHT: f64 = 0.060;
+/// Height of the lift (m), and how much further the arm goes down again: objects that have slid stand higher.
+const LIFT: f64 = 0.1;
+const FURTHER: f64 = 0.002;
+/// Times at which the arm lifts, shakes and lowers the gripper, and at which somebody tugs at the object and fills it (s).
+const LIFT_AT: f64 = 3.0;
+const SHAKE: [f64; 2] = [4.0, 5.5];
+const TUG: [f64; 2] = [5.8, 6.2];
+const FILL: [f64; 2] = [6.5, 7.5];
+const LOWER: [f64; 2] = [8.0, 8.8];
+/// Force that every object bears (N).
+const SURE: f64 = 1.5;
+
+/// An object and what happens to it. Forces and accelerations are in the plane across the grip, at an angle from W's y to
+/// its z.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GripObject {
+    /// `true` for an upright cylinder, `false` for a box.
+    pub is_round: bool,
+    /// Width along the grip (m).
+    pub width: f64,
+    /// Position of its centre relative to the middle of the gripper (m).
+    pub offset: [f64; 3],
+    /// Mass when it is taken and when it is full (kg).
+    pub mass: [f64; 2],
+    /// Static friction coefficient, and the kinetic one relative to it.
+    pub friction: f64,
+    /// Kinetic relative to static friction.
+    pub kinetic: f64,
+    /// Stiffness relative to the gel's, or `None` if it is rigid.
+    pub softness: Option<f64>,
+    /// Grip that crushes it, relative to the least that holds it, less [`SURE`].
+    pub strength: f64,
+    /// Duration of the lift (s).
+    pub lift_time: f64,
+    /// Maximum acceleration of the shake (m/s²), its frequency (Hz) and angle (rad).
+    pub shake: [f64; 3],
+    /// Force of the tug relative to the weight, its rise time (s) and angle (rad).
+    pub tug: [f64; 3],
+}
+
+impl GripObject {
+    /// Draws the object with this `seed`.
+    pub fn draw(seed: u64) -> Self {
+        let mut random = Pcg64::seed_from_u64(seed);
+        let mut between = |low: f64, high: f64| low + (high - low) * random.random::<f64>();
+        let full = libm::exp(between(libm::log(0.02), libm::log(0.5)));
+        Self {
+            is_round: between(0.0, 1.0) < 0.5,
+            width: between(0.016, 0.040),
+            offset: [
+                between(-0.003, 0.003),
+                between(-0.002, 0.002),
+                between(-0.006, 0.0),
+            ],
+            mass: [(full * between(0.4, 1.0)).max(0.02), full],
+            friction: between(0.2, 1.2),
+            kinetic: between(0.85, 1.0),
+            softness: (between(0.0, 1.0) < 0.5).then(|| between(0.3, 3.0)),
+            strength: between(1.6, 4.0),
+            lift_time: between(0.6, 1.0),
+            shake: [between(1.0, 5.0), between(1.0, 4.0), between(0.0, TAU)],
+            tug: [between(0.2, 0.8), between(0.02, 0.1), between(0.0, TAU)],
+        }
+    }
+
+    /// Grip of a finger that crushes the object (N), where `least` is the largest grip that it needs to be held.
+    pub fn crush_force(&self, least: f64) -> f64 {
+        SURE + self.strength * least
+    }
+
+    /// Puts the object, its table, the arm's motion and the disturbances into the experiment `config` of a gripper.
+    pub fn place(&self, config: &mut ExperimentConfig) {
+        let Some(sim) = &mut config.sim else {
+            return;
+        };
+        let middle = config.task.homes().iter().fold([0.0; 3], |sum, home| {
+            [sum[0] + home[0] / 2.0, sum[1] + home[1] / 2.0, sum[2] + home[2] / 2.0]
+        });
+        let position = [0, 1, 2].map(|axis| middle[axis] + self.offset[axis]);
+        sim.object = [
+            (OBJECT.to_string(), self.object(position)),
+            (TABLE.to_string(), table(position)),
+        ]
+        .into();
+        sim.arm = self.arm();
+        sim.fault = self.disturbances();
+        self.soften(sim);
+        config.time_limit = LOWER[1] + 2.0;
+    }
+
+    fn object(&self, position: [f64; 3]) -> ObjectConfig {
+        let shape = match self.is_round {
+            true => ShapeConfig::Cylinder {
+                radius: self.width / 2.0,
+                height: HEIGHT,
+            },
+            false => ShapeConfig::Box {
+                size: [self.width, DEPTH, HEIGHT],
+            },
+        };
+        ObjectConfig {
+            shape,
+            motion: MotionConfig::Free(FreeConfig {
+                density: 1000.0,
+                mass: Some(self.mass[0]),
+                inertia: None,
+                friction: 0.4,
+            }),
+            position,
+            orientation_deg: [0.0; 3],
+            offset: [0.0; 3],
+            friction: Some(Friction {
+                static_friction: self.friction,
+                kinetic_friction: self.kinetic * self.friction,
+                stribeck_speed: 0.0,
+            }),
+        }
+    }
+
+    fn arm(&self) -> Vec<ArmMotion> {
+        let travel = |from: f64, until: f64, by: f64| ArmMotion {
+            from,
+            until,
+            kind: ArmMotionKind::Travel { by: [0.0, 0.0, by] },
+        };
+        let [acceleration, frequency, angle] = self.shake;
+        let size = acceleration / (TAU * frequency).powi(2);
+        let amplitude = across(size, angle);
+        vec![
+            travel(LIFT_AT, LIFT_AT + self.lift_time, LIFT),
+            ArmMotion {
+                from: SHAKE[0],
+                until: SHAKE[1],
+                kind: ArmMotionKind::Shake {
+                    amplitude,
+                    frequency,
+                },
+            },
+            travel(LOWER[0], LOWER[1], -LIFT - FURTHER),
+        ]
+    }
+
+    fn disturbances(&self) -> Vec<FaultConfig> {
+        let [share, rise, angle] = self.tug;
+        let object = OBJECT.to_string();
+        let pull = FaultKind::Pull {
+            object: object.clone(),
+            force: across(share * self.mass[0] * GRAVITY, angle),
+            over: rise,
+        };
+        let fill = FaultKind::MassChange {
+            object,
+            mass: self.mass[1],
+            over: FILL[1] - FILL[0],
+        };
+        vec![
+            FaultConfig {
+                kind: pull,
+                from: TUG[0],
+                until: Some(TUG[1]),
+            },
+            FaultConfig {
+                kind: fill,
+                from: FILL[0],
+                until: None,
+            },
+        ]
+    }
+
+    /// A soft object is an elastic layer in series with the gel.
+    fn soften(&self, sim: &mut SimConfig) {
+        if let Some(softness) = self.softness {
+            let share = softness / (1.0 + softness);
+            sim.feeler.normal_stiffness *= share;
+            sim.feeler.shear_stiffness *= share;
+            sim.feeler.normal_damping *= share;
+            sim.feeler.shear_damping *= share;
+        }
+    }
+}
+
+/// Vector of this `size` across the grip, at `angle` (rad) from y to z.
+fn across(size: f64, angle: f64) -> [f64; 3] {
+    [0.0, size * libm::cos(angle), size * libm::sin(angle)]
+}
+
+/// The table on which an object at `position` stands.
+fn table(position: [f64; 3]) -> ObjectConfig {
+    let thickness = 0.02;
+    let [x, y, z] = position;
+    ObjectConfig {
+        shape: ShapeConfig::Box {
+            size: [0.1, 0.1, thickness],
+        },
+        motion: MotionConfig::Fixed,
+        position: [x, y, z - (HEIGHT + thickness) / 2.0],
+        orientation_deg: [0.0; 3],
+        offset: [0.0; 3],
+        friction: None,
+    }
+}
+
+/// Time from which a held object is away from the table (s), and the end of the arm's descent (s).
+pub(super) fn carried() -> [f64; 2] {
+    [LIFT_AT, LOWER[1]]
+}

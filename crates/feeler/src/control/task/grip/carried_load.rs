@@ -1,0 +1,77 @@
+//! Load of an object while it is carried: since when, and whether it still weighs on the fingers.
+
+use super::partial_slip::share;
+use glam::DVec3;
+
+/// Time constant of the present load (s).
+const PRESENT: f64 = 0.02;
+/// Duration for which the shear changes by closing (s).
+const SETTLING: f64 = 0.2;
+/// Time constant of the shear that remains from closing, before the object is lifted (s).
+const CLOSING: f64 = 0.3;
+/// Time constant of the mean load while the object is carried (s).
+const MEAN: f64 = 0.2;
+
+/// Mean load of a finger over time.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct CarriedLoad {
+    /// Change of the shear that counts as a load (N).
+    threshold: f64,
+    /// Present load, and the shear that remains from closing (N, in W).
+    present: DVec3,
+    closing: DVec3,
+    /// Mean load while the object is carried (N, in W).
+    mean: DVec3,
+    /// Time of the first load (s), or `None` before.
+    since: Option<f64>,
+    /// Time of the first update (s), or `None` before.
+    start: Option<f64>,
+}
+
+impl CarriedLoad {
+    /// Starts without a load. A change of the shear of a finger above `threshold` (N) is a load.
+    pub fn new(threshold: f64) -> Self {
+        Self {
+            threshold,
+            present: DVec3::ZERO,
+            closing: DVec3::ZERO,
+            mean: DVec3::ZERO,
+            since: None,
+            start: None,
+        }
+    }
+
+    /// Updates the load with the mean `shear` of the fingers (N, in W) at `stamp` (s), `interval` (s) after the previous
+    /// one.
+    pub fn feel(&mut self, shear: DVec3, stamp: f64, interval: f64) {
+        let start = *self.start.get_or_insert(stamp);
+        self.present += share(interval, PRESENT) * (shear - self.present);
+        if stamp - start < SETTLING {
+            (self.present, self.closing) = (shear, shear);
+        } else if self.since.is_none() {
+            self.closing += share(interval, CLOSING) * (shear - self.closing);
+            if self.present.distance(self.closing) > self.threshold {
+                self.since = Some(stamp);
+                // The shear from closing may point anywhere.
+                self.mean = self.present - self.closing;
+            }
+        } else if !self.is_below(0.5) {
+            self.mean += share(interval, MEAN) * (self.present - self.mean);
+        }
+    }
+
+    /// Returns `true` if the object has been carried for `duration` at `stamp` (both in s).
+    pub fn is_for(&self, duration: f64, stamp: f64) -> bool {
+        self.since.is_some_and(|since| stamp - since > duration)
+    }
+
+    /// Returns `true` if the load was carried and is now below a `share` of its mean.
+    pub fn is_below(&self, share: f64) -> bool {
+        self.since.is_some() && self.present.dot(self.mean) < share * self.mean.length_squared()
+    }
+
+    /// Returns `true` if the load was carried and now points the other way: the object is supported from below.
+    pub fn is_supported(&self) -> bool {
+        self.is_below(0.0)
+    }
+}

@@ -1,0 +1,277 @@
+//! Configuration of the grip task.
+
+use crate::check::Checker;
+use crate::control::feeler_shape::FeelerShape;
+use crate::control::task::carry::CarryFinger;
+use serde::{Deserialize, Serialize};
+
+/// Parameters of the grip task.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct GripConfig {
+    /// How the grip force follows load and slip.
+    #[serde(default)]
+    pub law: GripLaw,
+    /// Grip force with which the fingers take the object (N): pressing force of a finger.
+    pub grip_force: f64,
+    /// Minimum grip force once the load has been felt (N).
+    #[serde(default = "default::least_force")]
+    pub least_force: f64,
+    /// Duration from the first load during which the grip force does not fall below `grip_force` (s).
+    #[serde(default = "default::load_up_time")]
+    pub load_up_time: f64,
+    /// Maximum grip force (N), whatever the law requests.
+    pub max_force: f64,
+    /// Force above which an element counts as touching (N).
+    #[serde(default = "default::touch_force")]
+    pub touch_force: f64,
+    /// Speed of each finger before touch (m/s).
+    #[serde(default = "default::search_speed")]
+    pub search_speed: f64,
+    /// Maximum travel from home without touch (m). A finger that exceeds it stops the task.
+    pub search_limit: f64,
+    /// Bandwidth of the force control (1/s): closing speed times contact stiffness, per missing force. It should not
+    /// exceed a third of the inverse delay from force to motion.
+    #[serde(default = "default::bandwidth")]
+    pub bandwidth: f64,
+    /// Maximum speed of each finger in contact (m/s).
+    #[serde(default = "default::press_speed")]
+    pub press_speed: f64,
+    /// Initial estimate of the contact stiffness (N/m): change of the grip force per closing distance of each finger.
+    #[serde(default = "default::stiffness")]
+    pub stiffness: f64,
+    /// Share of the carried load below which the object counts as put down.
+    #[serde(default = "default::put_down_share")]
+    pub put_down_share: f64,
+    /// Duration for which the load must be that low (s); longer than the dips of a shaken load.
+    #[serde(default = "default::put_down_time")]
+    pub put_down_time: f64,
+    /// Minimum load of a finger that counts as carried (N).
+    #[serde(default = "default::carried_load")]
+    pub carried_load: f64,
+    /// Duration without touch of a finger after which the object counts as lost (s).
+    #[serde(default = "default::lost_time")]
+    pub lost_time: f64,
+    /// Speed of release (m/s).
+    #[serde(default = "default::return_speed")]
+    pub return_speed: f64,
+    /// Maximum distance from home at which a finger counts as home (m).
+    #[serde(default = "default::home_tolerance")]
+    pub home_tolerance: f64,
+    /// Start position and closing direction of each finger.
+    pub finger: Vec<CarryFinger>,
+    /// Parameters of the law `partial-slip`.
+    #[serde(default)]
+    pub partial_slip: PartialSlipConfig,
+    /// Parameters of the laws `reflex`, `missing-shear` and `drag`.
+    #[serde(default)]
+    pub slip_reflex: SlipReflexConfig,
+    /// Friction coefficient that the law `known-friction` uses.
+    #[serde(default = "default::known_friction")]
+    pub known_friction: f64,
+    /// Grip force of the law `fixed` (N).
+    #[serde(default = "default::fixed_force")]
+    pub fixed_force: f64,
+}
+
+defaults! {
+    least_force: f64 = 0.1,
+    load_up_time: f64 = 0.2,
+    touch_force: f64 = 0.02,
+    search_speed: f64 = 0.02,
+    bandwidth: f64 = 20.0,
+    press_speed: f64 = 0.03,
+    stiffness: f64 = 2000.0,
+    put_down_share: f64 = 0.1,
+    put_down_time: f64 = 0.15,
+    carried_load: f64 = 0.06,
+    lost_time: f64 = 0.2,
+    return_speed: f64 = 0.04,
+    home_tolerance: f64 = 0.0005,
+    known_friction: f64 = 0.5,
+    fixed_force: f64 = 20.0,
+}
+
+/// How the grip force follows load and slip.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum GripLaw {
+    /// The grip is the load divided by the friction that the partially slipping edge of the contact shows.
+    #[default]
+    PartialSlip,
+    /// The paper's reflex: the fingers close at a constant speed while SLIP is raised.
+    Reflex,
+    /// The reflex with slip detected from missing shear.
+    MissingShear,
+    /// The reflex with slip detected from drag.
+    Drag,
+    /// The grip is the load divided by a friction coefficient that is known in advance.
+    KnownFriction,
+    /// A constant grip.
+    Fixed,
+}
+
+impl GripLaw {
+    /// All laws.
+    pub const ALL: [Self; 6] = [
+        Self::PartialSlip,
+        Self::Reflex,
+        Self::MissingShear,
+        Self::Drag,
+        Self::KnownFriction,
+        Self::Fixed,
+    ];
+
+    /// Name, as in an experiment file.
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::PartialSlip => "partial-slip",
+            Self::Reflex => "reflex",
+            Self::MissingShear => "missing-shear",
+            Self::Drag => "drag",
+            Self::KnownFriction => "known-friction",
+            Self::Fixed => "fixed",
+        }
+    }
+}
+
+/// Parameters of the law `partial-slip`; see [`PartialSlip`](super::partial_slip::PartialSlip).
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct PartialSlipConfig {
+    /// Share of the friction limit that the load may use.
+    pub utilisation: f64,
+    /// Share of the pressing force on each group of elements whose ratio of shear to pressing force is compared.
+    pub group_share: f64,
+    /// Share of the friction limit from which the contact may slip as a whole.
+    pub slip_from: f64,
+    /// Factor on the grip when it slips as a whole.
+    pub slip_gain: f64,
+    /// Friction coefficient that is assumed before the load shows a larger one.
+    pub least_friction: f64,
+    /// Pressing force above which an element is used to estimate friction (N).
+    pub least_pressing: f64,
+    /// Time constant of the mean force of an element (s).
+    pub filter_time: f64,
+    /// Time constant with which the friction estimate rises (s).
+    pub friction_time: f64,
+    /// Time constant with which a past load is forgotten (s).
+    pub load_time: f64,
+}
+
+impl Default for PartialSlipConfig {
+    fn default() -> Self {
+        Self {
+            utilisation: 0.85,
+            group_share: 0.2,
+            slip_from: 0.88,
+            slip_gain: 2.5,
+            least_friction: 0.1,
+            least_pressing: 0.02,
+            filter_time: 0.03,
+            friction_time: 0.06,
+            load_time: 0.1,
+        }
+    }
+}
+
+/// Parameters of the laws that close the fingers while they detect slip.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields, default)]
+pub struct SlipReflexConfig {
+    /// Speed at which each finger closes while slip is detected (m/s); the paper's v_r.
+    pub speed: f64,
+    /// Missing shear of an element from which it slips (N), for `missing-shear`.
+    pub missing_shear: f64,
+    /// Stiffness and tip radius of the feelers, for `missing-shear`.
+    pub feeler: FeelerShape,
+    /// Drag from which the object slips (N), for `drag`.
+    pub drag: f64,
+}
+
+impl Default for SlipReflexConfig {
+    fn default() -> Self {
+        Self {
+            speed: 0.003,
+            missing_shear: 0.0098,
+            feeler: FeelerShape::default(),
+            drag: 0.02,
+        }
+    }
+}
+
+impl GripConfig {
+    /// Requires every value of the table `key` to be in its range.
+    pub fn check(&self, key: &str, checker: &mut Checker) {
+        let positive = [
+            ("touch_force", self.touch_force),
+            ("least_force", self.least_force),
+            ("load_up_time", self.load_up_time),
+            ("search_speed", self.search_speed),
+            ("search_limit", self.search_limit),
+            ("bandwidth", self.bandwidth),
+            ("press_speed", self.press_speed),
+            ("stiffness", self.stiffness),
+            ("put_down_time", self.put_down_time),
+            ("carried_load", self.carried_load),
+            ("lost_time", self.lost_time),
+            ("return_speed", self.return_speed),
+            ("home_tolerance", self.home_tolerance),
+            ("known_friction", self.known_friction),
+            ("fixed_force", self.fixed_force),
+        ];
+        checker.all_positive(key, &positive);
+        let share = self.put_down_share;
+        checker.between(&format!("{key}.put_down_share"), share, 0.0, 0.9);
+        let grip_force = ("grip_force", self.grip_force);
+        checker.more_than(key, grip_force, ("touch_force", self.touch_force));
+        checker.more_than(key, ("max_force", self.max_force), grip_force);
+        let fingers = self.finger.len();
+        checker.require(
+            &format!("{key}.finger"),
+            format!("{fingers} fingers"),
+            fingers >= 2,
+            "at least 2 fingers that press against each other",
+        );
+        for (index, finger) in self.finger.iter().enumerate() {
+            checker.vector(&format!("{key}.finger[{index}].home"), finger.home);
+            checker.direction(&format!("{key}.finger[{index}].approach"), finger.approach);
+        }
+        self.partial_slip.check(&format!("{key}.partial_slip"), checker);
+        self.slip_reflex.check(&format!("{key}.slip_reflex"), checker);
+    }
+}
+
+impl PartialSlipConfig {
+    fn check(&self, key: &str, checker: &mut Checker) {
+        let shares = [
+            ("utilisation", self.utilisation),
+            ("group_share", self.group_share),
+            ("slip_from", self.slip_from),
+        ];
+        for (field, share) in shares {
+            checker.between(&format!("{key}.{field}"), share, 0.01, 1.0);
+        }
+        let positive = [
+            ("least_friction", self.least_friction),
+            ("least_pressing", self.least_pressing),
+            ("filter_time", self.filter_time),
+            ("friction_time", self.friction_time),
+            ("load_time", self.load_time),
+        ];
+        checker.all_positive(key, &positive);
+        checker.between(&format!("{key}.slip_gain"), self.slip_gain, 1.0, 10.0);
+    }
+}
+
+impl SlipReflexConfig {
+    fn check(&self, key: &str, checker: &mut Checker) {
+        let positive = [
+            ("speed", self.speed),
+            ("missing_shear", self.missing_shear),
+            ("drag", self.drag),
+        ];
+        checker.all_positive(key, &positive);
+        self.feeler.check(&format!("{key}.feeler"), checker);
+    }
+}

@@ -1,0 +1,47 @@
+//! Force control of a gripper: closing speed from the missing grip force and the contact's stiffness, which is measured.
+
+/// Closing distance after which a measurement has lost half of its weight, squared (m²).
+const MEMORY: f64 = 4e-8;
+/// Range of plausible stiffness (N/m).
+const PLAUSIBLE: (f64, f64) = (100.0, 1e5);
+
+/// Closing speed and stiffness estimate.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct ForceControl {
+    /// Sums of squared changes of the closing distance (m²) and of their products with changes of the grip force (N m).
+    squares: f64,
+    products: f64,
+    /// Previous closing distance (m) and grip force (N).
+    previous: Option<(f64, f64)>,
+}
+
+impl ForceControl {
+    /// Starts with an assumed `stiffness` (N/m): change of the grip force per closing distance of each finger.
+    pub fn new(stiffness: f64) -> Self {
+        Self {
+            squares: 0.1 * MEMORY,
+            products: 0.1 * MEMORY * stiffness,
+            previous: None,
+        }
+    }
+
+    /// Updates the stiffness with the mean closing distance of the fingers (m) and the grip force (N): a least-squares
+    /// slope that forgets with the distance.
+    pub fn feel(&mut self, closed: f64, grip: f64) {
+        if let Some((from, force)) = self.previous.replace((closed, grip)) {
+            let change = closed - from;
+            self.squares += change * change;
+            self.products += change * (grip - force);
+            if self.squares > MEMORY {
+                self.squares *= 0.5;
+                self.products *= 0.5;
+            }
+        }
+    }
+
+    /// Closing speed of each finger (m/s) that changes the grip force by `bandwidth` (1/s) times the `missing` force (N).
+    pub fn speed(&self, missing: f64, bandwidth: f64) -> f64 {
+        let stiffness = (self.products / self.squares).clamp(PLAUSIBLE.0, PLAUSIBLE.1);
+        bandwidth * missing / stiffness
+    }
+}

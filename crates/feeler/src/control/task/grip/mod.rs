@@ -1,0 +1,302 @@
+//! The grip task: a gripper takes an object, holds it with little force while it is carried, and lets go when it is put
+//! down.
+//!
+//! All fingers close and open at the same speed, like those of a parallel gripper with one motor. The task does not move
+//! the object: an arm does, and the task does not know how. It feels the load by the shear of the fingertips, and takes
+//! a load that vanishes for a while as a sign that the object stands on something.
+
+mod config;
+mod carried_load;
+mod contact_load;
+mod force_control;
+mod partial_slip;
+mod slip_signal;
+
+pub use config::{GripConfig, GripLaw, PartialSlipConfig, SlipReflexConfig};
+
+use super::carry::CarryFinger;
+use super::homing::homeward;
+use super::search::check_search;
+use super::{Finding, Task};
+use crate::control::phase::Phase;
+use crate::control::plan::Plan;
+use crate::control::sense::{FingertipPose, HandReadings};
+use crate::control::stop_reason::StopReason;
+use crate::hand::MAX_FINGERS;
+use carried_load::CarriedLoad;
+use contact_load::FingerLoad;
+use force_control::ForceControl;
+use glam::DVec3;
+use partial_slip::{PartialSlip, share};
+use slip_signal::SlipSignal;
+
+/// Speed after the first touch, relative to the search speed.
+const SLOW: f64 = 0.3;
+/// Distance by which each finger leaves the object before it returns (m).
+const CLEARANCE: f64 = 0.002;
+
+/// Opposing finger.
+#[derive(Debug, Clone, Copy, Default)]
+struct Jaw {
+    home: DVec3,
+    approach: DVec3,
+    load: FingerLoad,
+    /// Time of the last touch (s).
+    touched: f64,
+    /// Position at which it let go (m, in W).
+    let_go: DVec3,
+}
+
+/// State machine of the task.
+#[derive(Debug, Clone)]
+pub struct Grip {
+    config: GripConfig,
+    jaws: Vec<Jaw>,
+    partial_slip: PartialSlip,
+    /// Slip signal of the law, if it uses one.
+    signal: Option<SlipSignal>,
+    control: ForceControl,
+    /// Closing speed of each finger in contact (m/s).
+    speed: f64,
+    carried: CarriedLoad,
+    /// Time since when the load has been low, or `None` if it is not (s).
+    low_since: Option<f64>,
+    phase: Phase,
+    /// Time of the previous step (s), and sequence numbers of its frames.
+    previous: Option<f64>,
+    frames: [u64; MAX_FINGERS],
+    findings: [Finding; 3],
+    outcome: Option<&'static str>,
+}
+
+impl Grip {
+    /// Creates the task in its initial state.
+    pub fn new(config: &GripConfig) -> Self {
+        let jaw = |finger: &CarryFinger| Jaw {
+            home: finger.home.into(),
+            approach: DVec3::from_array(finger.approach).normalize_or_zero(),
+            ..Jaw::default()
+        };
+        let jaws: Vec<_> = config.finger.iter().take(MAX_FINGERS).map(jaw).collect();
+        Self {
+            partial_slip: PartialSlip::new(config.partial_slip, jaws.len()),
+            jaws,
+            signal: SlipSignal::new(config),
+            control: ForceControl::new(config.stiffness),
+            speed: 0.0,
+            carried: CarriedLoad::new(config.carried_load),
+            low_since: None,
+            phase: Phase::Search,
+            previous: None,
+            frames: [0; MAX_FINGERS],
+            findings: ["pressing_n", "load_n", "friction"].map(Finding::unknown),
+            outcome: None,
+            config: config.clone(),
+        }
+    }
+
+    /// Mean pressing force of a finger (N).
+    fn grip(&self) -> f64 {
+        self.mean(|jaw| jaw.load.pressing)
+    }
+
+    /// Mean load of a finger (N).
+    fn load(&self) -> f64 {
+        self.mean(|jaw| if std::env::var("NT").is_ok() { jaw.load.shear.length() } else {jaw.load.equivalent})
+    }
+
+    /// Mean load of a finger as a vector (N, in W); forces of the fingers on each other cancel.
+    fn load_vector(&self) -> DVec3 {
+        let sum: DVec3 = self.jaws.iter().map(|jaw| jaw.load.shear).sum();
+        sum / self.jaws.len().max(1) as f64
+    }
+
+    fn mean(&self, of: impl Fn(&Jaw) -> f64) -> f64 {
+        self.jaws.iter().map(of).sum::<f64>() / self.jaws.len().max(1) as f64
+    }
+
+    /// Updates the load of each finger. Returns `true` if there are new frames.
+    fn feel(&mut self, hand: &HandReadings<'_>, interval: f64) -> bool {
+        let mut new = self.previous.is_none();
+        let jaws = self.jaws.iter_mut().zip(&mut self.frames);
+        for (index, ((jaw, frame), finger)) in jaws.zip(hand.fingers()).enumerate() {
+            let sequence = finger.touch.frame.sequence;
+            new |= std::mem::replace(frame, sequence) != sequence;
+            jaw.load = FingerLoad::new(&finger, jaw.approach, self.config.touch_force);
+            if jaw.load.touches {
+                jaw.touched = hand.stamp;
+            }
+            if self.phase == Phase::Move && new {
+                let load = (jaw.approach, &jaw.load);
+                self.partial_slip.feel(index, &finger, load, interval);
+            }
+        }
+        new
+    }
+
+    /// Holds the object: chooses the closing speed, and decides whether the object is lost or put down.
+    fn hold(&mut self, hand: &HandReadings<'_>, interval: f64, new: bool) {
+        if new {
+            self.partial_slip.learn(interval);
+        }
+        self.carried.feel(self.load_vector(), hand.stamp, interval);
+        // Shear against the carried load is no load: something supports the object from below.
+        let load = if self.carried.is_supported() { 0.0 } else { self.load() };
+        self.partial_slip.load(load, interval);
+        let closed = |(jaw, pose): (&Jaw, &FingertipPose)| (pose.position - jaw.home).dot(jaw.approach);
+        let distances = self.jaws.iter().zip(hand.poses).map(closed);
+        let distance = distances.sum::<f64>() / self.jaws.len().max(1) as f64;
+        self.control.feel(distance, self.grip());
+        if new {
+            let slips = match &mut self.signal {
+                Some(signal) => signal.slips(hand, interval),
+                None => false,
+            };
+            self.speed = self.closing_speed(hand, slips);
+        }
+        let lost = |jaw: &Jaw| hand.stamp - jaw.touched > self.config.lost_time;
+        if self.jaws.iter().any(lost) {
+            self.let_go(hand, "lost");
+        } else if self.is_put_down(hand.stamp) {
+            self.let_go(hand, "put down");
+        }
+    }
+
+    /// Closing speed of each finger for the law's grip force (m/s).
+    fn closing_speed(&self, hand: &HandReadings<'_>, slips: bool) -> f64 {
+        let config = &self.config;
+        let (grip, estimate) = (self.grip(), &self.partial_slip);
+        let load = if self.carried.is_supported() { 0.0 } else { self.load() };
+        let least = match self.carried.is_for(config.load_up_time, hand.stamp) {
+            true => config.least_force,
+            false => config.grip_force,
+        };
+        let most = config.max_force;
+        let requested = match config.law {
+            GripLaw::PartialSlip => estimate.required(grip, load),
+            GripLaw::KnownFriction => {
+                estimate.required_at([config.known_friction; 2], grip, load)
+            }
+            GripLaw::Fixed => config.fixed_force,
+            // These laws never open: at least the present grip.
+            GripLaw::Reflex | GripLaw::MissingShear | GripLaw::Drag => grip,
+        };
+        let missing = requested.clamp(least, most) - grip;
+        let mut speed = self.control.speed(missing, config.bandwidth);
+        if slips {
+            speed += config.slip_reflex.speed;
+        }
+        // While an element is over its limit, the fingers do not close further.
+        let over = hand.fingers().any(|finger| finger.flags().over) || grip >= most;
+        let fastest = if over { 0.0 } else { config.press_speed };
+        speed.clamp(-config.press_speed, fastest)
+    }
+
+    /// Returns `true` if the load that was carried has been low for a while.
+    fn is_put_down(&mut self, stamp: f64) -> bool {
+        if !self.carried.is_below(self.config.put_down_share) {
+            self.low_since = None;
+            return false;
+        }
+        let since = *self.low_since.get_or_insert(stamp);
+        let held = self.jaws.iter().all(|jaw| jaw.load.touches);
+        held && stamp - since >= self.config.put_down_time
+    }
+
+    fn let_go(&mut self, hand: &HandReadings<'_>, outcome: &'static str) {
+        for (jaw, pose) in self.jaws.iter_mut().zip(hand.poses) {
+            jaw.let_go = pose.position;
+        }
+        self.outcome = Some(outcome);
+        self.phase = Phase::Release;
+    }
+
+    fn all(&self, hand: &HandReadings<'_>, done: impl Fn(&Jaw, DVec3) -> bool) -> bool {
+        let mut jaws = self.jaws.iter().zip(hand.poses);
+        jaws.all(|(jaw, pose)| done(jaw, pose.position))
+    }
+
+    /// Closes until all fingers press with the minimum grip force.
+    fn search(&mut self, hand: &HandReadings<'_>) -> Result<(), StopReason> {
+        let config = &self.config;
+        if self.jaws.iter().all(|jaw| jaw.load.pressing >= config.grip_force) {
+            self.phase = Phase::Move;
+            return Ok(());
+        }
+        for (index, (jaw, pose)) in self.jaws.iter().zip(hand.poses).enumerate() {
+            let travel = (pose.position - jaw.home).dot(jaw.approach);
+            check_search(index, travel, config.search_limit)?;
+        }
+        let touched = self.jaws.iter().any(|jaw| jaw.load.touches);
+        self.speed = config.search_speed * if touched { SLOW } else { 1.0 };
+        Ok(())
+    }
+}
+
+impl Task for Grip {
+    fn advance(&mut self, hand: &HandReadings<'_>) -> Result<(), StopReason> {
+        let interval = self.previous.map_or(0.0, |previous| hand.stamp - previous);
+        let new = self.feel(hand, interval);
+        match self.phase {
+            Phase::Search => self.search(hand)?,
+            Phase::Move => self.hold(hand, interval, new),
+            Phase::Release => {
+                let clear = |jaw: &Jaw, position: DVec3| {
+                    (position - jaw.let_go).dot(jaw.approach) <= -CLEARANCE
+                };
+                if self.all(hand, clear) {
+                    self.phase = Phase::Return;
+                }
+            }
+            Phase::Return => {
+                let tolerance = self.config.home_tolerance;
+                if self.all(hand, |jaw, position| jaw.home.distance(position) <= tolerance) {
+                    self.phase = Phase::Done;
+                }
+            }
+            Phase::Done | Phase::Stopped => {}
+        }
+        let friction = self.partial_slip.friction();
+        let values = [self.grip(), self.load(), friction];
+        for (finding, value) in self.findings.iter_mut().zip(values) {
+            finding.value = value;
+        }
+        self.previous = Some(hand.stamp);
+        Ok(())
+    }
+
+    fn plan(&self, finger: usize, hand: &HandReadings<'_>) -> Plan {
+        let (Some(jaw), Some(pose)) = (self.jaws.get(finger), hand.poses.get(finger)) else {
+            return Plan::default();
+        };
+        let config = &self.config;
+        let velocity = match self.phase {
+            Phase::Search | Phase::Move => self.speed * jaw.approach,
+            Phase::Release => -config.return_speed * jaw.approach,
+            Phase::Return => homeward(jaw.home - pose.position, config.return_speed),
+            Phase::Done | Phase::Stopped => DVec3::ZERO,
+        };
+        Plan {
+            velocity,
+            towards_object: jaw.approach,
+            reflex: false,
+            keep_grasp: false,
+        }
+    }
+
+    fn phase(&self) -> Phase {
+        self.phase
+    }
+
+    fn findings(&self) -> &[Finding] {
+        &self.findings
+    }
+
+    fn outcome(&self) -> Option<&'static str> {
+        self.outcome
+    }
+
+    fn failed(&self) -> bool {
+        self.outcome.is_some_and(|outcome| outcome != "put down")
+    }
+}

@@ -1,0 +1,158 @@
+//! Friction from partial slip: the edge of a contact slips before its middle.
+//!
+//! On a fingertip that bulges towards the object, elements at the edge of the contact are pressed less than those in its
+//! middle, but sheared by the same displacement. As the load rises, elements slip one after the other, from the edge
+//! inwards, and the object moves only when the last one slips. An element that slips shows the friction coefficient as
+//! its ratio of shear to pressing force; one that sticks has a lower ratio. So the friction is known while the object is
+//! still held, without any model of the fingertip.
+
+use super::config::PartialSlipConfig;
+use super::contact_load::{ElementLoad, FingerLoad, element_load};
+use crate::control::sense::FingerReadings;
+use crate::sensor::fingertip::MAX_ELEMENTS;
+use glam::DVec3;
+
+/// Load below which the direction of the load is unknown (N).
+const LEAST_LOAD: f64 = 0.05;
+/// Grip below which the utilisation of the friction is unknown (N).
+const LEAST_GRIP: f64 = 0.03;
+
+/// Estimates friction and load of a grasp, and the grip that they require.
+#[derive(Debug, Clone)]
+pub struct PartialSlip {
+    config: PartialSlipConfig,
+    /// Present and filtered force of each element of each finger.
+    elements: Vec<Vec<(ElementLoad, ElementLoad)>>,
+    /// Elements of one finger that are pressed: pressing force, and shear along the load (N).
+    pressed: Vec<(f64, f64)>,
+    /// Friction coefficient: the largest ratio at the edge so far, less noise.
+    friction: f64,
+    /// The largest of the friction and the present ratio at the edge.
+    edge: f64,
+    /// Sums of the present and of the filtered ratios at the edges of the fingers felt in this step, and their number.
+    edges: [f64; 2],
+    felt: usize,
+    /// Largest recent load of a finger (N).
+    load: f64,
+}
+
+impl PartialSlip {
+    /// Creates the estimator for a number of `fingers`.
+    pub fn new(config: PartialSlipConfig, fingers: usize) -> Self {
+        Self {
+            config,
+            elements: vec![vec![Default::default(); MAX_ELEMENTS]; fingers],
+            pressed: Vec::with_capacity(MAX_ELEMENTS),
+            friction: config.least_friction,
+            edge: config.least_friction,
+            edges: [0.0; 2],
+            felt: 0,
+            load: 0.0,
+        }
+    }
+
+    /// Estimated friction coefficient; a lower bound while no element has slipped.
+    pub fn friction(&self) -> f64 {
+        self.friction
+    }
+
+    /// Adds the readings of finger `index`, `interval` (s) after the previous ones. `finger` closes along `approach`;
+    /// `load` is its total load.
+    pub fn feel(
+        &mut self,
+        index: usize,
+        finger: &FingerReadings<'_>,
+        (approach, load): (DVec3, &FingerLoad),
+        interval: f64,
+    ) {
+        let Some(elements) = self.elements.get_mut(index) else {
+            return;
+        };
+        let new = share(interval, self.config.filter_time);
+        let count = finger.touch.frame.forces.len().min(MAX_ELEMENTS);
+        let elements = &mut elements[..count];
+        for (element, (now, mean)) in elements.iter_mut().enumerate() {
+            *now = element_load(finger, element, approach);
+            mean.pressing += new * (now.pressing - mean.pressing);
+            mean.shear += new * (now.shear - mean.shear);
+        }
+        if load.shear.length() < LEAST_LOAD {
+            return;
+        }
+        let along = load.shear.normalize();
+        for (sum, is_mean) in self.edges.iter_mut().zip([false, true]) {
+            self.pressed.clear();
+            for (now, mean) in &*elements {
+                let own = if is_mean { mean } else { now };
+                if own.pressing > self.config.least_pressing {
+                    self.pressed.push((own.pressing, own.shear.dot(along)));
+                }
+            }
+            *sum += edge_ratio(&mut self.pressed, self.config.group_share).unwrap_or(f64::NAN);
+        }
+        self.felt += 1;
+    }
+
+    /// Updates the friction after all fingers have been felt, `interval` (s) after the previous update. On a tilted object
+    /// the ratios of opposing fingers deviate in opposite directions, so their mean counts.
+    pub fn learn(&mut self, interval: f64) {
+        let felt = std::mem::take(&mut self.felt);
+        let [now, mean] = std::mem::take(&mut self.edges).map(|sum| sum / felt.max(1) as f64);
+        let known = felt == self.elements.len();
+        if known && mean > self.friction {
+            self.friction += share(interval, self.config.friction_time) * (mean - self.friction);
+        }
+        self.edge = if known { self.friction.max(now) } else { self.friction };
+    }
+
+    /// Updates the `load` of a finger (N), `interval` (s) after the previous one.
+    pub fn load(&mut self, load: f64, interval: f64) {
+        let forgotten = share(interval, self.config.load_time);
+        self.load = load.max(self.load + forgotten * (load - self.load));
+    }
+
+    /// Grip force that the load requires (N). The fingers press with `grip` and bear `shear` at present (N).
+    pub fn required(&self, grip: f64, shear: f64) -> f64 {
+        self.required_at([self.friction, self.edge], grip, shear)
+    }
+
+    /// Like [`required`](Self::required), at a known `friction`.
+    ///
+    /// A contact that slips as a whole bears no more than its friction, so the load is unknown: the grip is multiplied.
+    pub fn required_at(&self, [friction, edge]: [f64; 2], grip: f64, shear: f64) -> f64 {
+        let config = &self.config;
+        let required = self.load / (config.utilisation * friction);
+        let used = shear / (edge * grip.max(LEAST_GRIP));
+        let slip = ((used - config.slip_from) / (1.0 - config.slip_from)).clamp(0.0, 1.0);
+        required.max((1.0 + slip * (config.slip_gain - 1.0)) * grip * f64::from(u8::from(slip > 0.0)))
+    }
+}
+
+/// Weight of a new value in an exponential mean after `interval` (s).
+pub(super) fn share(interval: f64, time_constant: f64) -> f64 {
+    match interval > 0.0 {
+        true => -libm::expm1(-interval / time_constant),
+        false => 0.0,
+    }
+}
+
+/// Largest ratio of shear to pressing force of the groups of elements that are pressed alike. Each group bears the share
+/// `group_share` of the pressing force. Sorts `pressed`.
+///
+/// Single elements would not do: noise and the curvature of the object raise the ratio of some of them and lower that of
+/// others that are pressed alike. Neither would the least pressed group: elements that have just touched bear no shear.
+fn edge_ratio(pressed: &mut [(f64, f64)], group_share: f64) -> Option<f64> {
+    pressed.sort_unstable_by(|a, b| a.0.total_cmp(&b.0));
+    let enough = group_share * pressed.iter().map(|element| element.0).sum::<f64>();
+    let (mut pressing, mut shear) = (0.0, 0.0);
+    let mut largest = None;
+    for own in pressed {
+        pressing += own.0;
+        shear += own.1;
+        if pressing >= enough {
+            largest = Some(largest.map_or(shear / pressing, |other: f64| other.max(shear / pressing)));
+            (pressing, shear) = (0.0, 0.0);
+        }
+    }
+    largest
+}

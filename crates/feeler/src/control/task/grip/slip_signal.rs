@@ -1,0 +1,66 @@
+//! Slip signals of the laws that close the fingers while they detect slip.
+
+use super::config::{GripConfig, GripLaw};
+use crate::control::grasp_slip::{GraspDrag, GraspDragConfig};
+use crate::control::sense::HandReadings;
+use crate::control::slip_detector::SlipDetector;
+use crate::sensor::fingertip::MAX_ELEMENTS;
+
+/// Detects slip, by the law's method.
+#[derive(Debug, Clone)]
+pub(super) enum SlipSignal {
+    /// The paper's SLIP flag.
+    Flag,
+    /// Missing shear of an element above this force (N), by one detector per finger.
+    MissingShear(f64, Vec<SlipDetector>),
+    /// Drag above this force (N), by one detector per finger.
+    Drag(f64, Vec<GraspDrag>),
+}
+
+impl SlipSignal {
+    /// Creates the signal of the configured law. `None` if the law uses none.
+    pub fn new(config: &GripConfig) -> Option<Self> {
+        let (own, fingers) = (&config.slip_reflex, config.finger.len());
+        match config.law {
+            GripLaw::Reflex => Some(Self::Flag),
+            GripLaw::MissingShear => {
+                let (feeler, touch_force) = (own.feeler, config.touch_force);
+                let detector =
+                    SlipDetector::for_movable_object(feeler, touch_force, MAX_ELEMENTS);
+                Some(Self::MissingShear(own.missing_shear, vec![detector; fingers]))
+            }
+            GripLaw::Drag => {
+                // Forces in newtons.
+                let detector = GraspDrag::new(MAX_ELEMENTS, 1.0, GraspDragConfig::default());
+                let detectors = detector.map_or_else(|_| Vec::new(), |d| vec![d; fingers]);
+                Some(Self::Drag(own.drag, detectors))
+            }
+            GripLaw::PartialSlip | GripLaw::KnownFriction | GripLaw::Fixed => None,
+        }
+    }
+
+    /// Returns whether the object slips, from the readings `interval` (s) after the previous ones. Must be called once
+    /// per frame.
+    pub fn slips(&mut self, hand: &HandReadings<'_>, interval: f64) -> bool {
+        match self {
+            Self::Flag => hand.fingers().any(|finger| finger.flags().slip),
+            Self::MissingShear(threshold, detectors) => {
+                let mut slips = false;
+                for (finger, detector) in hand.fingers().zip(detectors) {
+                    let missing = detector.detect(&finger);
+                    slips |= missing.iter().any(|missing| missing > threshold);
+                }
+                slips
+            }
+            Self::Drag(threshold, detectors) => {
+                let mut slips = false;
+                for (finger, detector) in hand.fingers().zip(detectors) {
+                    let forces = finger.touch.frame.forces.iter().copied();
+                    let drag = detector.update(interval, forces);
+                    slips |= drag.is_some_and(|drag| drag > *threshold);
+                }
+                slips
+            }
+        }
+    }
+}
