@@ -66,7 +66,7 @@ pub enum DriveError {
     },
     /// A servo's velocity limit is below the joint's speed limit.
     #[error(
-        "{joint} is limited to {actual:.2} rad/s: expected at least {expected:.2} rad/s, joint_speed_limit times gear_ratio"
+        "{joint} is limited to {actual:.2} rad/s: expected at least {expected:.2} rad/s, joint_speed_limit times gear_ratio, or times 2 pi / travel_per_turn"
     )]
     VelocityLimit {
         /// The joint.
@@ -143,26 +143,30 @@ pub enum DriveError {
         actual: i64,
     },
     /// A joint is beyond its limits.
-    #[error("{joint} is at {angle:.4} rad: expected {lower:.4} to {upper:.4} rad")]
+    #[error("{joint} is at {angle:.4} {unit}: expected {lower:.4} to {upper:.4} {unit}")]
     BeyondLimits {
         /// The joint.
         joint: JointName,
-        /// Joint angle, rad.
+        /// Joint angle, rad, or displacement, m.
         angle: f64,
-        /// Lower limit, rad.
+        /// Lower limit.
         lower: f64,
-        /// Upper limit, rad.
+        /// Upper limit.
         upper: f64,
+        /// Unit: `rad` or `m`.
+        unit: &'static str,
     },
-    /// A joint appears to turn faster than possible.
-    #[error("{joint} turns at {velocity:.2} rad/s: expected at most {limit:.2} rad/s")]
+    /// A joint appears to move faster than possible.
+    #[error("{joint} moves at {velocity:.2} {unit}/s: expected at most {limit:.2} {unit}/s")]
     TooFast {
         /// The joint.
         joint: JointName,
-        /// Measured velocity, rad/s.
+        /// Measured velocity, rad/s or m/s.
         velocity: f64,
-        /// Maximum plausible velocity, rad/s.
+        /// Maximum plausible velocity.
         limit: f64,
+        /// Unit: `rad` or `m`.
+        unit: &'static str,
     },
     /// The joint angles that a command is based on are too old.
     #[error("the joint angles for the command are {age:.4} s old: expected at most {limit:.4} s")]
@@ -173,14 +177,18 @@ pub enum DriveError {
         limit: f64,
     },
     /// A command exceeds a joint's speed limit.
-    #[error("{joint} was commanded to turn at {velocity} rad/s: expected at most {limit:.2} rad/s")]
+    #[error(
+        "{joint} was commanded to move at {velocity} {unit}/s: expected at most {limit:.2} {unit}/s"
+    )]
     Command {
         /// The joint.
         joint: JointName,
-        /// Commanded velocity, rad/s.
+        /// Commanded velocity, rad/s or m/s.
         velocity: f64,
-        /// Speed limit, rad/s.
+        /// Speed limit.
         limit: f64,
+        /// Unit: `rad` or `m`.
+        unit: &'static str,
     },
     /// The hand remains stopped after a fault.
     #[error("the hand was stopped by a fault and remains stopped until it is restarted: {fault}")]

@@ -11,13 +11,15 @@ pub(crate) struct Servo {
     pub name: JointName,
     drive: JointDriveConfig,
     model: &'static Model,
-    /// Limits of the joint angle, rad, and of its speed, rad/s.
+    /// Limits of the joint's position (rad or m) and of its speed (rad/s or m/s).
     lower: f64,
     upper: f64,
     speed: f64,
+    /// Displacement to which a tolerance of one radian applies: 1 rad, or the reach (m) for a prismatic joint.
+    scale: f64,
     /// Last position, counts, unwrapped over turns.
     counts: Option<i64>,
-    /// Last angle (rad) and velocity (rad/s) of the joint.
+    /// Last position (rad or m) and velocity (rad/s or m/s) of the joint.
     pub angle: f64,
     pub velocity: f64,
     /// Goal velocity, in the model's unit.
@@ -41,6 +43,7 @@ impl Servo {
             lower: geometry.joint_lower()[name.joint],
             upper: geometry.joint_upper()[name.joint],
             speed: geometry.joint_speed_limit()[name.joint],
+            scale: geometry.joint_scale()[name.joint],
             counts: None,
             angle: 0.0,
             velocity: 0.0,
@@ -49,9 +52,19 @@ impl Servo {
         }
     }
 
+    /// Maximum speed of a jogged joint, rad/s or m/s.
+    pub fn jog_speed(&self) -> f64 {
+        self.drive.jog_speed()
+    }
+
+    /// Unit of the joint's position.
+    pub fn unit(&self) -> &'static str {
+        self.drive.unit()
+    }
+
     /// Checks that a velocity limit, in the servo's unit, is sufficient for the joint.
     pub fn allow(&self, limit: i64) -> Result<(), DriveError> {
-        let expected = self.speed * self.drive.gear_ratio;
+        let expected = self.speed * self.drive.transmission();
         let actual = limit as f64 * self.model.velocity_unit;
         match actual >= expected {
             true => Ok(()),
@@ -88,8 +101,9 @@ impl Servo {
         self.velocity = self.drive.joint_velocity(units * self.model.velocity_unit);
     }
 
-    /// Checks that the joint is within its limits plus `tolerance` (rad) and not faster than `faster` times its limit.
+    /// Checks that the joint is within its limits plus `tolerance` (rad, or times the reach) and not faster than `faster` times its limit.
     pub fn check(&self, tolerance: f64, faster: f64) -> Result<(), DriveError> {
+        let tolerance = tolerance * self.scale;
         let (lower, upper) = (self.lower - tolerance, self.upper + tolerance);
         if !(lower..=upper).contains(&self.angle) {
             return Err(DriveError::BeyondLimits {
@@ -97,6 +111,7 @@ impl Servo {
                 angle: self.angle,
                 lower: self.lower,
                 upper: self.upper,
+                unit: self.unit(),
             });
         }
         let limit = faster * self.speed;
@@ -105,12 +120,13 @@ impl Servo {
                 joint: self.name,
                 velocity: self.velocity,
                 limit,
+                unit: self.unit(),
             });
         }
         Ok(())
     }
 
-    /// Sets the goal for the joint's `velocity`, rad/s. Since a servo's unit of velocity is coarse, the rounding error
+    /// Sets the goal for the joint's `velocity`, rad/s or m/s. Since a servo's unit of velocity is coarse, the rounding error
     /// of one goal is added to the next, so that the mean is exact. The goal for zero velocity is 0.
     pub fn command(&mut self, velocity: f64) -> Result<(), DriveError> {
         if velocity.is_nan() || velocity.abs() > self.speed * (1.0 + 1e-9) {
@@ -118,6 +134,7 @@ impl Servo {
                 joint: self.name,
                 velocity,
                 limit: self.speed,
+                unit: self.unit(),
             });
         }
         if velocity == 0.0 {

@@ -195,7 +195,7 @@ pub fn read_counts(bus: &mut Bus, joint: JointName) -> Result<i64, DriveError> {
     read(bus, joint, register)
 }
 
-/// Reads the angle of a `joint` (rad) and checks that it is within the limits (rad).
+/// Reads the position of a `joint` (rad or m) and checks that it is within its limits.
 ///
 /// # Errors
 /// If the servo does not answer correctly, or if the joint is beyond its limits.
@@ -222,6 +222,7 @@ pub fn read_angle(
             angle,
             lower,
             upper,
+            unit: drive.unit(),
         }),
     }
 }

@@ -100,11 +100,12 @@ pub fn check_servos(
         }
         match checked {
             Ok((angle, changes)) => {
+                let (unit, size) = display_unit(drive);
                 writeln!(
                     out,
-                    "{joint}: {}, ok, at {:.2} deg",
+                    "{joint}: {}, ok, at {:.2} {unit}",
                     drive.model,
-                    angle.to_degrees()
+                    angle / size
                 )?;
                 planned.extend(changes);
             }
@@ -124,7 +125,16 @@ pub fn check_servos(
     Ok(Outcome::Done)
 }
 
-/// Checks one servo; returns the joint's angle (rad) and the required setting changes.
+/// Returns the unit in which the joint of `drive` is displayed, with its size: degrees (rad), or mm (m) of a prismatic
+/// joint.
+pub fn display_unit(drive: &JointDriveConfig) -> (&'static str, f64) {
+    match drive.travel_per_turn {
+        None => ("deg", 1f64.to_radians()),
+        Some(_) => ("mm", 1e-3),
+    }
+}
+
+/// Checks one servo; returns the joint's position (rad or m) and the required setting changes.
 fn check_servo(
     bus: &mut Bus,
     config: &DrivesConfig,

@@ -34,7 +34,7 @@ enum Command {
     Check(RigArguments),
     /// Compute the homing offsets from the present posture. Writes nothing to the servos.
     Home(HomeArguments),
-    /// Turn one joint slowly by a small angle, then disable torque.
+    /// Move one joint slowly by a small angle or distance, then disable torque.
     Jog(JogArguments),
 }
 
@@ -136,7 +136,7 @@ pub(super) struct RigArguments {
 struct HomeArguments {
     #[command(flatten)]
     rig: RigArguments,
-    /// Present joint angles, finger by finger (deg) [default: the task's home posture]
+    /// Present joint angles (deg; mm of prismatic joints), finger by finger [default: the task's home posture]
     #[arg(
         long,
         value_name = "DEG,DEG,...",
@@ -165,10 +165,10 @@ struct JogArguments {
     /// Joint to turn, counted from the base: 1 for theta1, 2 for theta2 and so on.
     #[arg(long, value_parser = clap::value_parser!(u8).range(1..=7))]
     joint: u8,
-    /// Angle to turn by (deg), at most 10 in either direction.
+    /// Angle to turn by (deg; mm of a prismatic joint), at most 10 in either direction.
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     by: f64,
-    /// Speed (deg/s), at most 10.
+    /// Speed (deg/s; mm/s of a prismatic joint), at most 10.
     #[arg(long, value_name = "DEG_PER_S", default_value = "3")]
     speed: f64,
 }

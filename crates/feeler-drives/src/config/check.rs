@@ -11,7 +11,7 @@ const LONGEST_WATCHDOG: f64 = 127.0 * WATCHDOG_UNIT;
 
 impl DrivesConfig {
     /// Checks that every value of the table `key` is in its range. `prismatic` has an entry per joint of each finger of
-    /// the hand: `true` if the joint is prismatic, which a servo cannot drive.
+    /// the hand: `true` if the joint is prismatic.
     pub fn check(&self, key: &str, prismatic: &[Vec<bool>], checker: &mut Checker) {
         let fingers = prismatic.len();
         let field = |field: &str| format!("{key}.{field}");
@@ -86,12 +86,7 @@ impl DrivesConfig {
             for (index, joint) in drives.joint.iter().enumerate() {
                 let key = format!("{key}[{index}]");
                 joint.check(&key, self.protocol, checker);
-                checker.require(
-                    &key,
-                    "a servo on a prismatic joint".into(),
-                    prismatic.get(index) != Some(&true),
-                    "a revolute joint of hand.finger: positions of servos are angles",
-                );
+                joint.check_transmission(&key, prismatic.get(index) == Some(&true), checker);
                 checker.require(
                     &format!("{key}.id"),
                     joint.id.to_string(),
@@ -128,9 +123,39 @@ impl JointDriveConfig {
             self.direction.abs() == 1,
             "1 or -1",
         );
-        checker.between(&field("gear_ratio"), self.gear_ratio, 0.01, 1000.0);
         if let Some(limit) = self.current_limit {
             checker.between(&field("current_limit"), limit, 0.01, 10.0);
+        }
+    }
+
+    /// Checks that the keys between horn and joint are those of the kind of joint.
+    fn check_transmission(&self, key: &str, is_prismatic: bool, checker: &mut Checker) {
+        let field = |field: &str| format!("{key}.{field}");
+        if !is_prismatic {
+            checker.between(&field("gear_ratio"), self.gear_ratio, 0.01, 1000.0);
+        }
+        match self.travel_per_turn {
+            None => checker.require(
+                key,
+                "a servo without travel_per_turn".into(),
+                !is_prismatic,
+                "travel_per_turn in m, as the joint is prismatic",
+            ),
+            Some(travel) if is_prismatic => {
+                checker.between(&field("travel_per_turn"), travel, 1e-4, 1.0);
+                checker.require(
+                    &field("gear_ratio"),
+                    self.gear_ratio.to_string(),
+                    self.gear_ratio == 1.0,
+                    "1 beside travel_per_turn, which includes any gear",
+                );
+            }
+            Some(travel) => checker.require(
+                &field("travel_per_turn"),
+                travel.to_string(),
+                false,
+                "none, as the joint is revolute; use gear_ratio",
+            ),
         }
     }
 }

@@ -5,7 +5,7 @@ mod readings;
 
 use crate::bus::{Bus, BusError};
 use crate::clock::RigClock;
-use crate::config::DrivesConfig;
+use crate::config::{DrivesConfig, JointDriveConfig};
 use crate::error::{DriveError, JointName};
 use crate::registers::Registers;
 use crate::servo::Servo;
@@ -15,9 +15,6 @@ use feeler::hand::{
     FingerGeometry, Hand, HandCommand, HandError, HandState, JointState, JointVector,
     check_finger_count,
 };
-
-/// Maximum speed of a jogged joint, rad/s.
-pub const JOG_SPEED: f64 = 0.2;
 
 /// A hand whose joints are moved by servos in velocity mode. Torque is on while it exists. A fault of one servo or of
 /// the bus stops all motors until [`restart`](Self::restart).
@@ -110,14 +107,14 @@ impl DriveHand {
         self.clock.now() - self.stamp
     }
 
-    /// Latest angle of each joint, rad.
+    /// Latest position of each joint, rad or m.
     pub fn angles(&self) -> impl Iterator<Item = (JointName, f64)> {
         self.servos.iter().map(|servo| (servo.name, servo.angle))
     }
 
-    /// Turns one joint at `velocity`, rad/s, at most [`JOG_SPEED`], until the next command; all others stand still.
-    /// Also checks the health of its servo if due. Intended for setting up a rig; use [`Hand::command`] to control a
-    /// hand.
+    /// Moves one joint at `velocity` (rad/s or m/s), at most its [`jog_speed`](JointDriveConfig::jog_speed), until the
+    /// next command; all others stand still. Also checks the health of its servo if due. Intended for setting up a rig;
+    /// use [`Hand::command`] to control a hand.
     ///
     /// # Errors
     /// If a fault has stopped the hand, if there is no such joint, or if `velocity` is too high. Also as
@@ -130,15 +127,17 @@ impl DriveHand {
         let Some(index) = self.servos.iter().position(is_asked) else {
             return Err(DriveError::no_joint(finger, joint, &self.fingers));
         };
-        if velocity.is_nan() || velocity.abs() > JOG_SPEED {
+        let servo = &self.servos[index];
+        let (moved, limit, unit) = (servo.name, servo.jog_speed(), servo.unit());
+        if velocity.is_nan() || velocity.abs() > limit {
             return Err(DriveError::Command {
-                joint: self.servos[index].name,
+                joint: moved,
                 velocity,
-                limit: JOG_SPEED,
+                limit,
+                unit,
             });
         }
-        let turned = self.servos[index].name;
-        let sent = self.send(|other| if other == turned { velocity } else { 0.0 });
+        let sent = self.send(|other| if other == moved { velocity } else { 0.0 });
         let done = sent.and_then(|()| self.check_health_if_due(index));
         if let Err(error) = &done {
             self.fail(error);
@@ -146,7 +145,7 @@ impl DriveHand {
         done
     }
 
-    /// Sends each joint its `velocity`, rad/s, unless the joint angles are too old.
+    /// Sends each joint its `velocity`, rad/s or m/s, unless the joint angles are too old.
     fn send(&mut self, velocity: impl Fn(JointName) -> f64) -> Result<(), DriveError> {
         let moving = self.servos.iter().any(|servo| velocity(servo.name) != 0.0);
         let age = self.age();

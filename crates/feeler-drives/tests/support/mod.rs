@@ -36,7 +36,7 @@ pub fn finger() -> FingerGeometry {
 
 /// Configuration of servos with `protocol` and different offsets, directions and gear ratios.
 pub fn config(protocol: Protocol, fingers: usize) -> DrivesConfig {
-    let mut config = DrivesConfig::emulated(&vec![3; fingers]);
+    let mut config = DrivesConfig::emulated(&vec![vec![false; 3]; fingers]);
     config.protocol = protocol;
     config.reply_timeout = 0.004;
     if protocol == Protocol::Feetech {

@@ -108,8 +108,8 @@ pub fn drives(experiment: &Experiment) -> DrivesConfig {
     let own = config.drives.clone();
     let own = own.unwrap_or_else(|| {
         let fingers = config.hand.finger.iter();
-        let joint_counts: Vec<_> = fingers.map(FingerDescription::joint_count).collect();
-        DrivesConfig::emulated(&joint_counts)
+        let prismatic: Vec<_> = fingers.map(FingerDescription::is_prismatic).collect();
+        DrivesConfig::emulated(&prismatic)
     });
     DrivesConfig {
         reply_timeout: own.reply_timeout.max(EMULATED_REPLY_TIMEOUT),
