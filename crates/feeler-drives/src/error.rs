@@ -156,6 +156,44 @@ pub enum DriveError {
         /// Unit: `rad` or `m`.
         unit: &'static str,
     },
+    /// A servo restarted in another turn.
+    #[error(
+        "{joint} is at {angle:.4} {unit}, more than half a turn of the servo from its last position {before:.4} {unit}: it restarted in another turn, or was moved; home the hand again, then restart the program"
+    )]
+    TurnLost {
+        /// The joint.
+        joint: JointName,
+        /// Position before the restart, rad or m.
+        before: f64,
+        /// Position now.
+        angle: f64,
+        /// Unit: `rad` or `m`.
+        unit: &'static str,
+    },
+    /// The range of a joint crosses the position at which its servo wraps.
+    #[error(
+        "{joint} has positions from {lower} to {upper} counts: expected a range within one turn (0 to 4095) for position mode; set the servo's position correction (address {address}) so that the middle of the range is near 2048, then home the hand again"
+    )]
+    Wraps {
+        /// The joint.
+        joint: JointName,
+        /// Minimum position of the joint's range, counts.
+        lower: i64,
+        /// Maximum position of the joint's range, counts.
+        upper: i64,
+        /// Address of the position correction.
+        address: u16,
+    },
+    /// The adapter delivers responses late.
+    #[error(
+        "the adapter delivers responses after {latency:.4} s, so joint angles are older than they appear: expected at most {limit:.4} s; set its latency timer to 1 ms (docs/your-rig.md#1-permissions)"
+    )]
+    SlowAdapter {
+        /// Time from the end of a response on the bus to its delivery, s.
+        latency: f64,
+        /// Maximum time, s.
+        limit: f64,
+    },
     /// A joint appears to move faster than possible.
     #[error("{joint} moves at {velocity:.2} {unit}/s: expected at most {limit:.2} {unit}/s")]
     TooFast {

@@ -12,7 +12,7 @@ use feeler_rig::{ServoRig, all_changes, display_unit, print_changes};
 use std::io::Write;
 
 /// Maximum angle of a jog (deg, or mm of a prismatic joint).
-const MOST: f64 = 10.0;
+pub(super) const MOST: f64 = 10.0;
 /// Time (s) that a joint may take in addition to the time computed from its speed.
 const GRACE: f64 = 1.0;
 
@@ -45,7 +45,10 @@ pub fn jog(arguments: &JogArguments, out: &mut dyn Write) -> Result<Outcome, Com
 }
 
 /// The servo of the joint with these indices, or `None` if the hand has no such joint.
-fn joint_drive(rig: &ServoRig, (finger, joint): (usize, usize)) -> Option<&JointDriveConfig> {
+pub(super) fn joint_drive(
+    rig: &ServoRig,
+    (finger, joint): (usize, usize),
+) -> Option<&JointDriveConfig> {
     rig.config.finger.get(finger)?.joint.get(joint)
 }
 
@@ -56,7 +59,7 @@ fn plan(
     unit: &str,
     out: &mut dyn Write,
 ) -> Result<Outcome, CommandError> {
-    let planned = all_changes(&mut rig.open()?, &rig.config)?;
+    let planned = all_changes(&mut rig.open()?, &rig.config, &rig.fingers)?;
     print_changes(&planned, out)?;
     let JogArguments { by, speed, .. } = arguments;
     let (finger, joint) = (arguments.finger, arguments.joint);

@@ -1,16 +1,13 @@
 //! The table `[drives]` of an experiment file.
 
 mod check;
+mod joint;
+
+pub use joint::{JOG_SPEED, JointDriveConfig, PRISMATIC_JOG_SPEED, TorqueCalibration};
 
 use crate::packet::Protocol;
-use crate::registers::{COUNTS_PER_TURN, Model, WATCHDOG_UNIT};
+use crate::registers::{DriveMode, WATCHDOG_UNIT};
 use serde::{Deserialize, Serialize};
-use std::f64::consts::TAU;
-
-/// Maximum speed of a jogged revolute joint, rad/s.
-pub const JOG_SPEED: f64 = 0.2;
-/// Maximum speed of a jogged prismatic joint, m/s.
-pub const PRISMATIC_JOG_SPEED: f64 = 0.01;
 
 /// Servos of the hand, and their bus.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -60,33 +57,6 @@ pub struct FingerDrivesConfig {
     pub joint: Vec<JointDriveConfig>,
 }
 
-/// The servo of one joint. Joint angle = `direction` * servo angle / `gear_ratio` + `homing_offset`. Displacement of a
-/// prismatic joint = `direction` * turns of the servo * `travel_per_turn` + `homing_offset`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct JointDriveConfig {
-    /// Id on the bus.
-    pub id: u8,
-    /// Servo model, e.g. `XL330-M288`.
-    pub model: String,
-    /// Joint angle (rad) or displacement (m) at servo position 0; determined by `feeler drives home`.
-    #[serde(default)]
-    pub homing_offset: f64,
-    /// 1, or -1 if the joint's position decreases when the servo's position increases.
-    #[serde(default = "forward")]
-    pub direction: i8,
-    /// Turns of the servo's horn per turn of the joint; 1 for a prismatic joint.
-    #[serde(default = "one")]
-    pub gear_ratio: f64,
-    /// Travel of a prismatic joint per turn of the servo's horn, m: the lead of a screw, or the circumference of a
-    /// pinion's pitch circle. `None` for a revolute joint.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub travel_per_turn: Option<f64>,
-    /// Maximum current, A; if `None`, the servo's own setting.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub current_limit: Option<f64>,
-}
-
 fn a_megabaud() -> u32 {
     1_000_000
 }
@@ -115,71 +85,6 @@ fn three_degrees() -> f64 {
     0.05
 }
 
-fn forward() -> i8 {
-    1
-}
-
-fn one() -> f64 {
-    1.0
-}
-
-impl JointDriveConfig {
-    /// Converts the servo's position in counts to the joint's position, rad or m.
-    pub fn angle(&self, counts: f64) -> f64 {
-        self.turn(counts) + self.homing_offset
-    }
-
-    /// Converts a change of the servo's position in counts to a change of the joint's position, rad or m.
-    pub fn turn(&self, counts: f64) -> f64 {
-        f64::from(self.direction) * counts * TAU / COUNTS_PER_TURN / self.transmission()
-    }
-
-    /// Converts the joint's position (rad or m) to the servo's position in counts.
-    pub fn counts(&self, angle: f64) -> f64 {
-        let turn = angle - self.homing_offset;
-        f64::from(self.direction) * turn * COUNTS_PER_TURN / TAU * self.transmission()
-    }
-
-    /// Converts the joint's velocity (rad/s or m/s) to the servo's velocity, rad/s.
-    pub fn servo_velocity(&self, velocity: f64) -> f64 {
-        f64::from(self.direction) * velocity * self.transmission()
-    }
-
-    /// Converts the servo's velocity (rad/s) to the joint's velocity, rad/s or m/s.
-    pub fn joint_velocity(&self, velocity: f64) -> f64 {
-        f64::from(self.direction) * velocity / self.transmission()
-    }
-
-    /// Rotation of the servo's horn (rad) per rad or m of the joint's motion.
-    pub fn transmission(&self) -> f64 {
-        match self.travel_per_turn {
-            None => self.gear_ratio,
-            Some(travel) => TAU / travel,
-        }
-    }
-
-    /// Unit of the joint's position: `rad`, or `m` for a prismatic joint.
-    pub fn unit(&self) -> &'static str {
-        match self.travel_per_turn {
-            None => "rad",
-            Some(_) => "m",
-        }
-    }
-
-    /// Maximum speed of the joint when jogged: [`JOG_SPEED`], or [`PRISMATIC_JOG_SPEED`] for a prismatic joint.
-    pub fn jog_speed(&self) -> f64 {
-        match self.travel_per_turn {
-            None => JOG_SPEED,
-            Some(_) => PRISMATIC_JOG_SPEED,
-        }
-    }
-
-    /// The model of the servo, or `None` if it is unknown.
-    pub fn known_model(&self) -> Option<&'static Model> {
-        Model::named(&self.model)
-    }
-}
-
 impl DrivesConfig {
     /// Configuration for the emulator, for a hand without a table `[drives]`: ids from 1, 4 Mbaud, gear ratio 5, and
     /// 40 mm of travel per turn. `prismatic` has an entry per joint of each finger: `true` if the joint is prismatic.
@@ -187,11 +92,15 @@ impl DrivesConfig {
         let joint = |(&slides, id): (&bool, u8)| JointDriveConfig {
             id,
             model: "XL330-M077".into(),
+            mode: DriveMode::Velocity,
             homing_offset: 0.0,
             direction: 1,
             gear_ratio: if slides { 1.0 } else { 5.0 },
             travel_per_turn: slides.then_some(0.04),
+            leash: None,
             current_limit: None,
+            torque_limit: None,
+            torque: None,
         };
         let mut ids = 1..;
         let finger = |joints: &Vec<bool>| FingerDrivesConfig {
@@ -216,6 +125,14 @@ impl DrivesConfig {
     /// All servos, finger by finger, joint by joint.
     pub fn joints(&self) -> impl Iterator<Item = &JointDriveConfig> {
         self.finger.iter().flat_map(|finger| &finger.joint)
+    }
+
+    /// Returns `true` if the currents of the servos are read in every period: a joint has a calibration of its torque, or
+    /// a limited current.
+    pub fn reads_current(&self) -> bool {
+        let is_limited = |mode| mode == DriveMode::CurrentLimitedPosition;
+        self.joints()
+            .any(|joint| joint.torque.is_some() || is_limited(joint.mode))
     }
 
     /// Bus watchdog in the servos' unit of 20 ms, rounded up.

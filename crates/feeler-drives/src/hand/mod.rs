@@ -1,22 +1,24 @@
 //! Implementation of feeler's hand by the servos of a bus.
 
 mod arm;
+mod latency;
 mod readings;
 
 use crate::bus::{Bus, BusError};
 use crate::clock::RigClock;
-use crate::config::{DrivesConfig, JointDriveConfig};
+use crate::config::DrivesConfig;
 use crate::error::{DriveError, JointName};
-use crate::registers::Registers;
+use crate::registers::{GoalKind, Registers};
 use crate::servo::Servo;
 use crate::setup::blame;
+use crate::torque::TorqueEstimate;
 use feeler::check::Checker;
 use feeler::hand::{
     FingerGeometry, Hand, HandCommand, HandError, HandState, JointState, JointVector,
     check_finger_count,
 };
 
-/// A hand whose joints are moved by servos in velocity mode. Torque is on while it exists. A fault of one servo or of
+/// A hand whose joints are moved by servos, each in its [`DriveMode`](crate::registers::DriveMode). Torque is on while it exists. A fault of one servo or of
 /// the bus stops all motors until [`restart`](Self::restart).
 pub struct DriveHand {
     bus: Bus,
@@ -27,8 +29,12 @@ pub struct DriveHand {
     fingers: Vec<FingerGeometry>,
     servos: Vec<Servo>,
     ids: Vec<u8>,
+    /// Part of the control table read in every period.
+    motion: (u16, usize),
     /// Time at which the latest joint angles arrived, s of the clock.
     stamp: f64,
+    /// Stamp of the joint angles of the last command, s of the clock.
+    commanded: f64,
     /// Time of the last health check, s of the clock.
     asked: f64,
     /// Index of the servo whose health is checked next.
@@ -74,27 +80,48 @@ impl DriveHand {
             fingers: fingers.to_vec(),
             servos: Vec::new(),
             ids: config.joints().map(|joint| joint.id).collect(),
+            motion: match config.reads_current() {
+                true => Registers::of(config.protocol).motion_and_current,
+                false => Registers::of(config.protocol).motion,
+            },
             stamp: 0.0,
+            commanded: 0.0,
             asked: 0.0,
             next_asked: 0,
             fault: None,
             config: config.clone(),
         };
-        hand.set_up()?;
-        hand.arm()?;
+        let opened = hand.set_up().and_then(|()| hand.arm());
+        opened.map_err(|error| hand.blame_adapter(error))?;
+        hand.check_latency()?;
         Ok(hand)
     }
 
-    /// Restarts a hand that was stopped by a fault: sets the watchdogs and switches torque on. Call it only after the
-    /// cause of the fault was found.
+    /// Restarts a hand that was stopped by a fault: restarts servos that an overload has switched off, sets the watchdogs
+    /// and switches torque on. Call it only after the cause of the fault was found.
     ///
     /// # Errors
-    /// If a servo is faulty; the hand then remains stopped.
+    /// If a servo is faulty, or is in another turn than before; the hand then remains stopped.
     pub fn restart(&mut self) -> Result<(), DriveError> {
+        let before: Vec<_> = self.angles().map(|(_, angle)| angle).collect();
         self.power_off();
+        self.restart_overloaded()?;
+        self.servos.iter_mut().for_each(Servo::reset);
+        self.read_servos()?;
+        self.check_turns(&before)?;
         self.arm()?;
         self.fault = None;
         Ok(())
+    }
+
+    /// Checks that each joint is within half a turn of its servo of `before`, its position (rad or m) before the servos
+    /// may have restarted. With a gear, a servo that restarts in another turn measures another joint angle.
+    ///
+    /// # Errors
+    /// Returns [`DriveError::TurnLost`] for the first joint that is not.
+    pub fn check_turns(&self, before: &[f64]) -> Result<(), DriveError> {
+        let mut joints = self.servos.iter().zip(before);
+        joints.try_for_each(|(servo, &before)| servo.check_turn(before))
     }
 
     /// Message of the fault that stopped the hand, or `None` if it is running.
@@ -112,7 +139,24 @@ impl DriveHand {
         self.servos.iter().map(|servo| (servo.name, servo.angle))
     }
 
-    /// Moves one joint at `velocity` (rad/s or m/s), at most its [`jog_speed`](JointDriveConfig::jog_speed), until the
+    /// Torque of each joint by the latest current of its motor; `None` for a joint without a calibration.
+    pub fn torques(&self) -> impl Iterator<Item = (JointName, Option<TorqueEstimate>)> {
+        let servos = self.servos.iter();
+        servos.map(|servo| (servo.name, servo.torque()))
+    }
+
+    /// Reads currents in every period from now on, even if [`DrivesConfig::reads_current`] is `false`.
+    pub fn read_currents(&mut self) {
+        self.motion = Registers::of(self.config.protocol).motion_and_current;
+    }
+
+    /// Latest current of each motor, A, positive if it increases the joint's position; 0 if currents are not read.
+    pub fn currents(&self) -> impl Iterator<Item = (JointName, f64)> {
+        self.servos.iter().map(|servo| (servo.name, servo.current))
+    }
+
+    /// Moves one joint at `velocity` (rad/s or m/s), at most its
+    /// [`jog_speed`](crate::config::JointDriveConfig::jog_speed), until the
     /// next command; all others stand still. Also checks the health of its servo if due. Intended for setting up a rig;
     /// use [`Hand::command`] to control a hand.
     ///
@@ -153,12 +197,26 @@ impl DriveHand {
             let limit = self.most_age;
             return Err(DriveError::Stale { age, limit });
         }
+        // Time comes from the data: goals do not advance without new joint angles.
+        let elapsed = (self.stamp - self.commanded).clamp(0.0, self.most_age);
+        self.commanded = self.stamp;
         for servo in &mut self.servos {
-            servo.command(velocity(servo.name))?;
+            servo.command(velocity(servo.name), elapsed)?;
         }
-        let goals = self.servos.iter().map(|servo| (servo.name.id, servo.goal));
-        let register = Registers::of(self.config.protocol).goal_velocity;
-        Ok(self.bus.sync_write(register, goals)?)
+        Ok(self.write_goals()?)
+    }
+
+    /// Writes the goals of all servos, one packet per kind of goal.
+    fn write_goals(&mut self) -> Result<(), BusError> {
+        let registers = Registers::of(self.config.protocol);
+        for kind in GoalKind::ALL {
+            let servos = self.servos.iter().filter(|servo| servo.kind() == kind);
+            let mut goals = servos.map(|servo| (servo.name.id, servo.goal)).peekable();
+            if goals.peek().is_some() {
+                self.bus.sync_write(registers.goal(kind), goals)?;
+            }
+        }
+        Ok(())
     }
 
     /// Commands the joints, then checks the health of the next servo if due.
@@ -176,13 +234,9 @@ impl DriveHand {
     }
 
     fn stop_motors(&mut self) {
-        for servo in &mut self.servos {
-            servo.reset();
-        }
-        let register = Registers::of(self.config.protocol).goal_velocity;
-        let stop = self.ids.iter().map(|&id| (id, 0));
+        self.servos.iter_mut().for_each(Servo::stop);
         // If the bus fails, the servos' watchdogs stop the motors.
-        let _ = self.bus.sync_write(register, stop);
+        let _ = self.write_goals();
     }
 
     fn power_off(&mut self) {
