@@ -68,9 +68,10 @@ fn check(arguments: &IdentifyArguments, unit: &str, most: f64) -> Result<(), Com
         return Err(format!("--by {by}: expected above 0, at most {MOST} {unit}").into());
     }
     if !(speed > 0.0 && speed <= most) {
-        return Err(
-            format!("--speed {speed}: expected a speed above 0, at most {most:.1} {unit}/s").into(),
-        );
+        return Err(format!(
+            "--speed {speed}: expected a speed above 0, at most {most:.1} {unit}/s"
+        )
+        .into());
     }
     match arguments.loads.iter().all(|load| load.is_finite()) {
         true => Ok(()),

@@ -204,9 +204,11 @@ fn modes_are_checked_and_planned() {
         assert!(checked.contains(line), "no {line:?} in {checked}");
     }
     let without_limit = "drives.finger.0.joint.1.mode=current-limited-position";
-    check(&[without_limit]).refused(&["joint[1].mode", "current_limit, or torque_limit and torque"]);
+    check(&[without_limit])
+        .refused(&["joint[1].mode", "current_limit, or torque_limit and torque"]);
     check(&["drives.finger.0.joint.0.mode=current"]).refused(&["current-limited-position"]);
-    check(&["drives.finger.0.joint.0.leash=0.1"]).refused(&["leash = 0.1", "none in velocity mode"]);
+    check(&["drives.finger.0.joint.0.leash=0.1"])
+        .refused(&["leash = 0.1", "none in velocity mode"]);
     check(&["drives.finger.0.joint.0.torque_limit=0.1"]).refused(&["identify-current"]);
 }
 
@@ -217,14 +219,40 @@ fn torque_is_identified_by_sweeps_under_known_loads() {
     with_patient_drives(&folder);
     let mut bus = Bus::start(&folder, &["my.toml", "--fault", "-"]);
     let identify = [
-        "drives", "identify-current", "my.toml", "--port", &bus.port, "--finger", "0", "--joint", "2",
-        "--by", "1", "--speed", "2", "--sweeps", "3", "--output", "identified.toml", "--set",
+        "drives",
+        "identify-current",
+        "my.toml",
+        "--port",
+        &bus.port,
+        "--finger",
+        "0",
+        "--joint",
+        "2",
+        "--by",
+        "1",
+        "--speed",
+        "2",
+        "--sweeps",
+        "3",
+        "--output",
+        "identified.toml",
+        "--set",
         "control.stale_periods=100",
     ];
-    let planned = run(&folder, &[&identify[..], &["--loads", "0,0.1", "--dry-run"]].concat()).done();
-    assert!(planned.contains("sweep theta2 of finger 0 by 1 deg to either side"), "{planned}");
-    run(&folder, &[&identify[..], &["--loads", "0,0.1", "--by", "11"]].concat())
-        .refused(&["--by"]);
+    let planned = run(
+        &folder,
+        &[&identify[..], &["--loads", "0,0.1", "--dry-run"]].concat(),
+    )
+    .done();
+    assert!(
+        planned.contains("sweep theta2 of finger 0 by 1 deg to either side"),
+        "{planned}"
+    );
+    run(
+        &folder,
+        &[&identify[..], &["--loads", "0,0.1", "--by", "11"]].concat(),
+    )
+    .refused(&["--by"]);
 
     let mut command = feeler(&folder, &identify);
     let mut child = command
@@ -239,7 +267,11 @@ fn torque_is_identified_by_sweeps_under_known_loads() {
     for line in BufReader::new(child.stdout.take().expect("its output")).lines() {
         let line = line.expect("a line");
         if let Some(rest) = line.strip_prefix("apply a load of ") {
-            let load: f64 = rest.split(' ').next().and_then(|load| load.parse().ok()).expect(rest);
+            let load: f64 = rest
+                .split(' ')
+                .next()
+                .and_then(|load| load.parse().ok())
+                .expect(rest);
             // The servo turns in the other direction than the joint.
             writeln!(loads, "load=2:{}", -load / 5.0).expect("a fault");
             writeln!(enter).expect("Enter");
@@ -255,11 +287,22 @@ fn torque_is_identified_by_sweeps_under_known_loads() {
     let value = |key: &str| torque[key].as_float().expect("a number");
     let constant = 5.0 * 0.215 / 1.47;
     assert!((value("constant") / constant - 1.0).abs() < 0.02, "{said}");
-    assert!((value("friction") / (0.02 * 0.215 * 5.0) - 1.0).abs() < 0.1, "{said}");
+    assert!(
+        (value("friction") / (0.02 * 0.215 * 5.0) - 1.0).abs() < 0.1,
+        "{said}"
+    );
     assert!(value("constant_error") < 0.02 * constant, "{said}");
     // The file is used.
     let check = ["drives", "check", "identified.toml", "--port", &bus.port];
-    run(&folder, &[&check[..], &["--set", "drives.finger.0.joint.1.torque_limit=0.2"]].concat()).done();
+    run(
+        &folder,
+        &[
+            &check[..],
+            &["--set", "drives.finger.0.joint.1.torque_limit=0.2"],
+        ]
+        .concat(),
+    )
+    .done();
 }
 
 /// Dry runs open no port and write no file.
@@ -458,7 +501,9 @@ fn lerobot_works_with_the_emulated_servos() {
     let operate = |kind: &str| -> Value {
         let bus = Bus::start(&folder, &["--protocol", kind, "--servos", "3"]);
         let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/drives_lerobot.py");
-        let output = Command::new(&python).args([script, kind, &bus.port]).output();
+        let output = Command::new(&python)
+            .args([script, kind, &bus.port])
+            .output();
         let said = Ended::of(output.expect("Python")).done();
         serde_json::from_str(&said).expect("JSON")
     };
@@ -485,6 +530,8 @@ fn lerobot() -> Option<String> {
     if probe.is_ok_and(|output| output.status.success()) {
         return Some(python);
     }
-    crate::skip::skipped(&format!("{python} has no packages lerobot, dynamixel-sdk and feetech-servo-sdk"));
+    crate::skip::skipped(&format!(
+        "{python} has no packages lerobot, dynamixel-sdk and feetech-servo-sdk"
+    ));
     None
 }

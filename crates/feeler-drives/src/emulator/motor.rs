@@ -97,7 +97,9 @@ impl Motor {
             Some(Wish::Position { rest, fastest }) => {
                 self.towards(rest, fastest, motion.velocity, (load, most))
             }
-            Some(Wish::Current(current)) => self.with_torque(self.torque(current), load),
+            Some(Wish::Current(current)) => {
+                self.with_torque(self.torque(current.clamp(-most, most)), load)
+            }
         };
         self.current = (torque * self.stall_current / self.stall_torque).clamp(-most, most);
         self.greatest_current = self.greatest_current.max(self.current.abs());

@@ -1,6 +1,7 @@
 //! Implementation of feeler's hand by the servos of a bus.
 
 mod arm;
+mod control;
 mod latency;
 mod readings;
 
@@ -8,18 +9,15 @@ use crate::bus::{Bus, BusError};
 use crate::clock::RigClock;
 use crate::config::DrivesConfig;
 use crate::error::{DriveError, JointName};
-use crate::registers::{GoalKind, Registers};
+use crate::registers::Registers;
 use crate::servo::Servo;
 use crate::setup::blame;
 use crate::torque::TorqueEstimate;
 use feeler::check::Checker;
-use feeler::hand::{
-    FingerGeometry, Hand, HandCommand, HandError, HandState, JointState, JointVector,
-    check_finger_count,
-};
+use feeler::hand::FingerGeometry;
 
-/// A hand whose joints are moved by servos, each in its [`DriveMode`](crate::registers::DriveMode). Torque is on while it exists. A fault of one servo or of
-/// the bus stops all motors until [`restart`](Self::restart).
+/// A hand whose joints are moved by servos, each in its [`DriveMode`](crate::registers::DriveMode). Torque is on while it
+/// exists. A fault of one servo or of the bus stops all motors until [`restart`](Self::restart).
 pub struct DriveHand {
     bus: Bus,
     config: DrivesConfig,
@@ -155,90 +153,6 @@ impl DriveHand {
         self.servos.iter().map(|servo| (servo.name, servo.current))
     }
 
-    /// Moves one joint at `velocity` (rad/s or m/s), at most its
-    /// [`jog_speed`](crate::config::JointDriveConfig::jog_speed), until the
-    /// next command; all others stand still. Also checks the health of its servo if due. Intended for setting up a rig;
-    /// use [`Hand::command`] to control a hand.
-    ///
-    /// # Errors
-    /// If a fault has stopped the hand, if there is no such joint, or if `velocity` is too high. Also as
-    /// [`Hand::command`], in which case all motors are stopped.
-    pub fn jog(&mut self, finger: usize, joint: usize, velocity: f64) -> Result<(), DriveError> {
-        if let Some(fault) = self.fault.clone() {
-            return Err(DriveError::Stopped { fault });
-        }
-        let is_asked = |servo: &Servo| (servo.name.finger, servo.name.joint) == (finger, joint);
-        let Some(index) = self.servos.iter().position(is_asked) else {
-            return Err(DriveError::no_joint(finger, joint, &self.fingers));
-        };
-        let servo = &self.servos[index];
-        let (moved, limit, unit) = (servo.name, servo.jog_speed(), servo.unit());
-        if velocity.is_nan() || velocity.abs() > limit {
-            return Err(DriveError::Command {
-                joint: moved,
-                velocity,
-                limit,
-                unit,
-            });
-        }
-        let sent = self.send(|other| if other == moved { velocity } else { 0.0 });
-        let done = sent.and_then(|()| self.check_health_if_due(index));
-        if let Err(error) = &done {
-            self.fail(error);
-        }
-        done
-    }
-
-    /// Sends each joint its `velocity`, rad/s or m/s, unless the joint angles are too old.
-    fn send(&mut self, velocity: impl Fn(JointName) -> f64) -> Result<(), DriveError> {
-        let moving = self.servos.iter().any(|servo| velocity(servo.name) != 0.0);
-        let age = self.age();
-        if moving && age > self.most_age {
-            let limit = self.most_age;
-            return Err(DriveError::Stale { age, limit });
-        }
-        // Time comes from the data: goals do not advance without new joint angles.
-        let elapsed = (self.stamp - self.commanded).clamp(0.0, self.most_age);
-        self.commanded = self.stamp;
-        for servo in &mut self.servos {
-            servo.command(velocity(servo.name), elapsed)?;
-        }
-        Ok(self.write_goals()?)
-    }
-
-    /// Writes the goals of all servos, one packet per kind of goal.
-    fn write_goals(&mut self) -> Result<(), BusError> {
-        let registers = Registers::of(self.config.protocol);
-        for kind in GoalKind::ALL {
-            let servos = self.servos.iter().filter(|servo| servo.kind() == kind);
-            let mut goals = servos.map(|servo| (servo.name.id, servo.goal)).peekable();
-            if goals.peek().is_some() {
-                self.bus.sync_write(registers.goal(kind), goals)?;
-            }
-        }
-        Ok(())
-    }
-
-    /// Commands the joints, then checks the health of the next servo if due.
-    fn drive(&mut self, velocity: &[JointVector]) -> Result<(), DriveError> {
-        let at = |name: JointName| velocity.get(name.finger).map_or(0.0, |v| v[name.joint]);
-        self.send(at)?;
-        self.check_health_if_due(self.next_asked)
-    }
-
-    /// Stops all motors if the bus still works, and keeps them stopped.
-    fn fail(&mut self, error: &DriveError) -> HandError {
-        self.stop_motors();
-        let fault = self.fault.get_or_insert_with(|| error.to_string());
-        HandError::Failed(fault.clone())
-    }
-
-    fn stop_motors(&mut self) {
-        self.servos.iter_mut().for_each(Servo::stop);
-        // If the bus fails, the servos' watchdogs stop the motors.
-        let _ = self.write_goals();
-    }
-
     fn power_off(&mut self) {
         self.stop_motors();
         let register = Registers::of(self.config.protocol).torque;
@@ -271,41 +185,5 @@ fn check(config: &DrivesConfig, fingers: &[FingerGeometry]) -> Result<(), DriveE
 impl Drop for DriveHand {
     fn drop(&mut self) {
         self.power_off();
-    }
-}
-
-impl Hand for DriveHand {
-    fn finger_count(&self) -> usize {
-        self.fingers.len()
-    }
-
-    /// The stamp is the time at which the responses had arrived.
-    fn read(&mut self, state: &mut HandState) -> Result<(), HandError> {
-        check_finger_count(self.fingers.len(), state.joints.len())?;
-        if let Some(fault) = &self.fault {
-            return Err(HandError::Failed(fault.clone()));
-        }
-        self.read_motion().map_err(|error| self.fail(&error))?;
-        state.stamp = self.stamp;
-        for (joints, drives) in state.joints.iter_mut().zip(&self.config.finger) {
-            *joints = JointState::zero(drives.joint.len());
-        }
-        for servo in &self.servos {
-            let joints = &mut state.joints[servo.name.finger];
-            joints.position[servo.name.joint] = servo.angle;
-            joints.velocity[servo.name.joint] = servo.velocity;
-        }
-        Ok(())
-    }
-
-    fn command(&mut self, command: &HandCommand) -> Result<(), HandError> {
-        check_finger_count(self.fingers.len(), command.joint_velocity().len())?;
-        if let Some(fault) = &self.fault {
-            let fault = fault.clone();
-            self.stop_motors();
-            return Err(HandError::Failed(fault));
-        }
-        self.drive(command.joint_velocity())
-            .map_err(|error| self.fail(&error))
     }
 }

@@ -6,6 +6,7 @@ mod allocation;
 mod any_joints;
 mod faults;
 mod hand;
+mod hostile_master;
 mod modes;
 mod packets;
 mod positions;

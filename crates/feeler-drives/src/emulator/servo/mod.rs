@@ -1,18 +1,17 @@
 //! Emulated servo: its control table, measured values and faults.
 
 mod access;
+mod faults;
 mod motion;
 
 use super::motor::{Motor, Wish};
 use super::plant::Motion;
 use crate::packet::Protocol;
-use crate::registers::{COUNTS_PER_TURN, Model, Register, Registers, WATCHDOG_UNIT};
+use crate::registers::{COUNTS_PER_TURN, Model, Register, Registers};
 use std::f64::consts::TAU;
 
 /// Size of a control table, bytes.
 const TABLE: usize = 256;
-/// Time for which a restarted servo is silent, s.
-const RESTART: f64 = 0.3;
 /// Ambient temperature, degrees Celsius.
 const AMBIENT: f64 = 25.0;
 /// Temperature rise at maximum velocity, degrees Celsius.
@@ -200,59 +199,6 @@ impl EmulatedServo {
         }
     }
 
-    /// Restarts the count of turns, so that the position without the homing offset is within a turn.
-    fn forget_turns(&mut self) {
-        let registers = self.registers();
-        let turn = COUNTS_PER_TURN as i64;
-        let position = self.get(registers.position) - self.get(registers.homing_offset);
-        let forgotten = position.div_euclid(turn) * turn;
-        self.jump -= forgotten;
-        let reported = self.get(registers.position) - forgotten;
-        self.put(registers.position, reported);
-    }
-
-    /// Restarts at `now`, s.
-    pub(super) fn reboot(&mut self, now: f64) {
-        let registers = self.registers();
-        let first_of_ram = match self.model.protocol {
-            Protocol::Dynamixel => 64,
-            Protocol::Feetech => 40,
-        };
-        let lock = registers.lock;
-        let position = self.get(registers.position);
-        self.table[first_of_ram..].fill(0);
-        if let Some(lock) = lock {
-            self.put(lock, 1);
-        }
-        self.put(registers.position, position);
-        if self.model.protocol == Protocol::Dynamixel {
-            self.forget_turns();
-        }
-        self.reset_goals();
-        self.motor.restart();
-        self.silent_until = now + RESTART;
-    }
-
-    /// Stops answering for good.
-    pub(super) fn silence(&mut self) {
-        self.silent_until = f64::INFINITY;
-    }
-
-    pub(super) fn overheat(&mut self) {
-        self.temperature = 95.0;
-    }
-
-    pub(super) fn lower_supply(&mut self) {
-        self.supply = 31;
-    }
-
-    /// Reports faults, on which a real servo switches its torque off.
-    pub(super) fn break_down(&mut self, faults: u8) {
-        let registers = self.registers();
-        self.put(registers.fault, faults.into());
-        self.put(registers.torque, 0);
-    }
-
     /// Updates the measured values at `now` (s), `step` after the previous update, for the `motion` of the horn. Stops
     /// the motor if the watchdog has expired.
     pub(super) fn measure(&mut self, (now, step): (f64, f64), motion: Motion, noise: f64) {
@@ -272,25 +218,5 @@ impl EmulatedServo {
         self.temperature += (warm - self.temperature) * (1.0 - (-step / THERMAL_LAG).exp());
         self.put(registers.temperature, self.temperature.round() as i64);
         self.put(registers.voltage, self.supply);
-    }
-
-    /// Stops the motor where it stands if the watchdog has expired at `now`, s.
-    fn watch(&mut self, now: f64) {
-        let registers = self.registers();
-        let Some(register) = registers.watchdog else {
-            return;
-        };
-        let counts = self.get(register);
-        if counts <= 0 || now - self.heard <= counts as f64 * WATCHDOG_UNIT {
-            return;
-        }
-        self.put(register, -1);
-        let (mode, limit) = (self.get(registers.mode), registers.goal_current);
-        let before = limit.map_or(0, |goal| self.get(goal));
-        self.reset_goals();
-        if let (Some(goal), mode::CURRENT_LIMITED) = (limit, mode) {
-            // The place is held with the current that was allowed.
-            self.put(goal, before);
-        }
     }
 }

@@ -19,11 +19,11 @@ impl EmulatedServo {
             (Protocol::Dynamixel, mode::CURRENT) => limit.min(stall_current),
             (Protocol::Dynamixel, mode::CURRENT_LIMITED) => {
                 let goal = registers.goal_current.map_or(0, |goal| self.get(goal));
-                (goal.abs() as f64 * unit).min(limit)
+                (goal.abs() as f64 * unit).min(limit).min(stall_current)
             }
             (Protocol::Feetech, 0) => {
                 let share = registers.output_limit.map_or(1000, |limit| self.get(limit));
-                stall_current * share as f64 / 1000.0
+                stall_current * share.min(1000) as f64 / 1000.0
             }
             _ => stall_current,
         }
