@@ -11,9 +11,8 @@ use feeler::hand::{
 
 impl DriveHand {
     /// Moves one joint at `velocity` (rad/s or m/s), at most its
-    /// [`jog_speed`](crate::config::JointDriveConfig::jog_speed), until the
-    /// next command; all others stand still. Also checks the health of its servo if due. Intended for setting up a rig;
-    /// use [`Hand::command`] to control a hand.
+    /// [`jog_speed`](crate::config::JointDriveConfig::jog_speed), until the next command; all others stand still. Also
+    /// checks the health of its servo if due. Intended for setting up a rig; use [`Hand::command`] to control a hand.
     ///
     /// # Errors
     /// If a fault has stopped the hand, if there is no such joint, or if `velocity` is too high. Also as
@@ -65,7 +64,8 @@ impl DriveHand {
     fn write_goals(&mut self) -> Result<(), BusError> {
         let registers = Registers::of(self.config.protocol);
         for kind in GoalKind::ALL {
-            let servos = self.servos.iter().filter(|servo| servo.kind() == kind);
+            let servos = self.servos.iter();
+            let servos = servos.filter(|servo| servo.kind() == kind && servo.has_goal());
             let mut goals = servos.map(|servo| (servo.name.id, servo.goal)).peekable();
             if goals.peek().is_some() {
                 self.bus.sync_write(registers.goal(kind), goals)?;

@@ -21,8 +21,8 @@ impl LeashedGoal {
         self.position = measured;
     }
 
-    /// Advances by `velocity` over `elapsed` seconds, the time between the latest two measurements, the latest of which is
-    /// `measured`. Does not pass a limit of the joint, but may start beyond it. Zero velocity holds the goal.
+    /// Advances by `velocity` for a joint that was measured at `measured`, `elapsed` seconds after the previous measurement.
+    /// Does not pass a limit of the joint, but may start beyond it. Zero velocity holds the goal.
     pub fn advance(&mut self, velocity: f64, elapsed: f64, measured: f64) {
         if velocity == 0.0 {
             return;

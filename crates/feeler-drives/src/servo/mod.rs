@@ -48,6 +48,8 @@ pub(crate) struct Servo {
     follower: Follower,
     /// Value of the goal register.
     pub goal: i64,
+    /// `true` after the goal was set to the measured position.
+    held: bool,
 }
 
 impl Servo {
@@ -75,7 +77,13 @@ impl Servo {
             current: 0.0,
             follower: Follower::new(drive, range, limits.speed, leash),
             goal: 0,
+            held: false,
         }
+    }
+
+    /// Returns `true` if the goal may be written: a goal position only after the joint was measured.
+    pub fn has_goal(&self) -> bool {
+        self.held || self.kind() == GoalKind::Velocity
     }
 
     /// Kind of the goal.
@@ -116,6 +124,7 @@ impl Servo {
     /// Discards the last command and position.
     pub fn reset(&mut self) {
         self.counts = None;
+        self.held = false;
         self.stop();
     }
 
@@ -206,6 +215,7 @@ impl Servo {
     /// Sets the goal that holds the joint at its latest measured position.
     pub fn hold(&mut self) {
         self.follower.hold(self.angle);
+        self.held = true;
         self.stop();
     }
 
