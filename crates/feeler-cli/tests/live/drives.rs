@@ -401,7 +401,7 @@ fn all_claims_pass_over_the_emulated_bus() {
     }
 }
 
-/// The hand of `bench-rig` turns the cap in each position mode. At 0.03 A, of which 0.029 A move the gears, it presses with
+/// The hand of `bench-rig` turns the cap in each position mode. At 0.03 A, since the gears take 0.029 A, it presses with
 /// a fraction of the force, and the hand stops because the joints do not follow.
 #[test]
 fn position_modes_turn_the_cap_and_a_limited_current_limits_the_force() {
