@@ -88,6 +88,7 @@ def dynamixel(path, baud_rate):
     assert read.fastSyncRead() == sdk.COMM_SUCCESS
     said["fast"] = [signed(read.getData(servo, 128, 4), 32) for servo in (1, 2, 3)]
     said["turned"] = signed(read.getData(2, 132, 4), 32) - start
+    said["modes"] = dynamixel_positions(sdk, packets, port, good)
     # The bus watchdog stops the motor, and rejects goals until it is cleared.
     good(packets.write1ByteTxRx(port, 1, 98, 5))
     time.sleep(0.4)
@@ -101,6 +102,69 @@ def dynamixel(path, baud_rate):
     said["torque"] = good(packets.read1ByteTxRx(port, 2, 64))
     port.closePort()
     return said
+
+
+def dynamixel_positions(sdk, packets, port, good):
+    """Moves servos 1 and 3 in each position mode; returns whether they arrive, and errors of refused goals."""
+    said = {}
+    for mode, distance in ((4, 5000), (5, -600), (3, -300)):
+        goals = {}
+        write = sdk.GroupSyncWrite(port, packets, 116, 4)
+        for servo in (1, 3):
+            good(packets.write1ByteTxRx(port, servo, 64, 0))
+            good(packets.write1ByteTxRx(port, servo, 11, mode))
+            if mode == 5:
+                good(packets.write2ByteTxRx(port, servo, 102, 300))
+            good(packets.write1ByteTxRx(port, servo, 64, 1))
+            goals[servo] = signed(good(packets.read4ByteTxRx(port, servo, 132)), 32) + distance
+            goal = goals[servo].to_bytes(4, "little", signed=True)
+            assert write.addParam(servo, list(goal))
+        assert write.txPacket() == sdk.COMM_SUCCESS
+        time.sleep(2.0)
+        read = sdk.GroupSyncRead(port, packets, 126, 10)
+        for servo in goals:
+            assert read.addParam(servo)
+        assert read.txRxPacket() == sdk.COMM_SUCCESS
+        errors = [signed(read.getData(servo, 132, 4), 32) - goal for servo, goal in goals.items()]
+        said[f"arrived_{mode}"] = all(abs(error) < 16 for error in errors)
+        currents = [abs(signed(read.getData(servo, 126, 2), 16)) for servo in goals]
+        said[f"current_{mode}"] = all(current <= 300 for current in currents)
+    # A goal beyond the turn in mode 3, and a current above the limit.
+    refused = [
+        packets.write4ByteTxRx(port, 1, 116, 5000),
+        packets.write2ByteTxRx(port, 1, 102, 2000),
+    ]
+    said["refused"] = [error for _, error in refused]
+    for servo in (1, 3):
+        good(packets.write1ByteTxRx(port, servo, 64, 0))
+        good(packets.write1ByteTxRx(port, servo, 11, 1))
+        good(packets.write1ByteTxRx(port, servo, 64, 1))
+    return said
+
+
+def feetech_positions(sdk, packets, port, good):
+    """Moves servos in position mode with half of their output; returns their final positions."""
+    write = sdk.GroupSyncWrite(port, packets, 42, 2)
+    goals = {1: 1000, 2: 3000, 3: 2048}
+    for servo, goal in goals.items():
+        good(packets.write1ByteTxRx(port, servo, 40, 0))
+        good(packets.write1ByteTxRx(port, servo, 55, 0))
+        good(packets.write1ByteTxRx(port, servo, 33, 0))
+        # An offset of sign and magnitude: -100 counts.
+        good(packets.write2ByteTxRx(port, servo, 31, sdk.SCS_TOSCS(-100, 11)))
+        good(packets.write1ByteTxRx(port, servo, 55, 1))
+        good(packets.write2ByteTxRx(port, servo, 46, 0))
+        good(packets.write2ByteTxRx(port, servo, 48, 500))
+        good(packets.write1ByteTxRx(port, servo, 40, 1))
+        assert write.addParam(servo, [sdk.SCS_LOBYTE(goal), sdk.SCS_HIBYTE(goal)])
+    assert write.txPacket() == sdk.COMM_SUCCESS
+    time.sleep(3.0)
+    positions = {servo: good(packets.read2ByteTxRx(port, servo, 56)) for servo in goals}
+    offsets = {servo: good(packets.read2ByteTxRx(port, servo, 31)) for servo in goals}
+    return {
+        "arrived": all(abs(positions[servo] - goal) < 16 for servo, goal in goals.items()),
+        "offset": sdk.SCS_TOHOST(offsets[1], 11),
+    }
 
 
 def feetech(path, baud_rate):
@@ -134,6 +198,7 @@ def feetech(path, baud_rate):
     ]
     said["voltage"] = read.getData(1, 62, 1)
     said["temperature"] = read.getData(1, 63, 1)
+    said["positions"] = feetech_positions(sdk, packets, port, good)
     port.closePort()
     return said
 

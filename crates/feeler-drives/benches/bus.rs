@@ -1,4 +1,5 @@
-//! Measures the delay from the stamp of joint angles to the command on the emulated bus at 4 Mbaud.
+//! Measures the delay from the stamp of joint angles to the command on the emulated bus at 4 Mbaud, and the time that a
+//! control period of six servos occupies the bus at 1 Mbaud in each mode.
 //!
 //! Not a divan benchmark, because a second thread is involved. Prints percentiles for two and three fingers.
 
@@ -8,6 +9,47 @@ mod support;
 
 #[cfg(not(target_os = "linux"))]
 fn main() {}
+
+/// Prints the longest time from the request of joint angles to the last byte of the command, with the health check, at
+/// 1 Mbaud. In lockstep, so the computer takes no time.
+#[cfg(target_os = "linux")]
+fn print_periods() {
+    use feeler_drives::packet::Protocol;
+    use feeler_drives::packet::instruction::SYNC_WRITE;
+    use feeler_drives::registers::DriveMode;
+
+    for protocol in [Protocol::Dynamixel, Protocol::Feetech] {
+        for mode in DriveMode::ALL {
+            for fast in [true, false] {
+                let mut config = support::config_in(protocol, mode, 2);
+                config.baud_rate = 1_000_000;
+                config.fast_sync_read &= fast;
+                if fast && !config.fast_sync_read {
+                    continue;
+                }
+                let mut rig = support::Rig::of(config).unwrap_or_else(|error| panic!("{error}"));
+                let mut longest: f64 = 0.0;
+                for _ in 0..100 {
+                    let begin = rig.now();
+                    rig.period(0.05).expect("a period");
+                    let bus = rig.emulator.servos();
+                    let written = bus.log().entries().filter(|e| e.instruction == SYNC_WRITE);
+                    let end = written.last().map_or(0.0, |entry| entry.time);
+                    drop(bus);
+                    longest = longest
+                        .max(end - begin)
+                        .max(rig.now() - support::PERIOD - begin);
+                }
+                println!(
+                    "{protocol:?}, {}, {} sync read: six servos at 1 Mbaud, at most {:.3} ms per period",
+                    mode.name(),
+                    if fast { "fast" } else { "plain" },
+                    longest * 1e3,
+                );
+            }
+        }
+    }
+}
 
 #[cfg(target_os = "linux")]
 fn main() {
@@ -19,6 +61,7 @@ fn main() {
     use feeler_drives::packet::Protocol;
     use feeler_drives::packet::instruction::SYNC_WRITE;
 
+    print_periods();
     for (fingers, rate) in [(2, 100.0), (2, 500.0), (3, 100.0), (3, 500.0)] {
         let mut config = support::config(Protocol::Dynamixel, fingers);
         config.reply_timeout = 0.5;

@@ -66,7 +66,7 @@ pub enum DriveError {
     },
     /// A servo's velocity limit is below the joint's speed limit.
     #[error(
-        "{joint} is limited to {actual:.2} rad/s: expected at least {expected:.2} rad/s, joint_speed_limit times gear_ratio"
+        "{joint} is limited to {actual:.2} rad/s: expected at least {expected:.2} rad/s, joint_speed_limit times gear_ratio, or times 2 pi / travel_per_turn"
     )]
     VelocityLimit {
         /// The joint.
@@ -143,26 +143,68 @@ pub enum DriveError {
         actual: i64,
     },
     /// A joint is beyond its limits.
-    #[error("{joint} is at {angle:.4} rad: expected {lower:.4} to {upper:.4} rad")]
+    #[error("{joint} is at {angle:.4} {unit}: expected {lower:.4} to {upper:.4} {unit}")]
     BeyondLimits {
         /// The joint.
         joint: JointName,
-        /// Joint angle, rad.
+        /// Joint angle, rad, or displacement, m.
         angle: f64,
-        /// Lower limit, rad.
+        /// Lower limit.
         lower: f64,
-        /// Upper limit, rad.
+        /// Upper limit.
         upper: f64,
+        /// Unit: `rad` or `m`.
+        unit: &'static str,
     },
-    /// A joint appears to turn faster than possible.
-    #[error("{joint} turns at {velocity:.2} rad/s: expected at most {limit:.2} rad/s")]
+    /// A servo restarted in another turn.
+    #[error(
+        "{joint} is at {angle:.4} {unit}, more than half a turn of the servo from its last position {before:.4} {unit}: it restarted in another turn, or was moved; home the hand again, then restart the program"
+    )]
+    TurnLost {
+        /// The joint.
+        joint: JointName,
+        /// Position before the restart, rad or m.
+        before: f64,
+        /// Position now.
+        angle: f64,
+        /// Unit: `rad` or `m`.
+        unit: &'static str,
+    },
+    /// The range of a joint crosses the position at which its servo wraps.
+    #[error(
+        "{joint} has positions from {lower} to {upper} counts: expected a range within one turn (0 to 4095) for position mode; set the servo's position correction (address {address}) so that the middle of the range is near 2048, then home the hand again"
+    )]
+    Wraps {
+        /// The joint.
+        joint: JointName,
+        /// Minimum position of the joint's range, counts.
+        lower: i64,
+        /// Maximum position of the joint's range, counts.
+        upper: i64,
+        /// Address of the position correction.
+        address: u16,
+    },
+    /// The adapter delivers responses late.
+    #[error(
+        "the adapter delivers responses after {latency:.4} s, so joint angles are older than they appear: expected at most {limit:.4} s; set its latency timer to 1 ms (docs/your-rig.md#1-permissions)"
+    )]
+    SlowAdapter {
+        /// Time from the end of a response on the bus to its delivery, s.
+        latency: f64,
+        /// Maximum time, s.
+        limit: f64,
+    },
+    /// A joint appears to move faster than possible.
+    #[error("{joint} moves at {velocity:.2} {unit}/s: expected at most {limit:.2} {unit}/s")]
     TooFast {
         /// The joint.
         joint: JointName,
-        /// Measured velocity, rad/s.
+        /// Measured velocity, rad/s or m/s.
         velocity: f64,
-        /// Maximum plausible velocity, rad/s.
+        /// Maximum plausible velocity.
         limit: f64,
+        /// Unit: `rad` or `m`.
+        unit: &'static str,
     },
     /// The joint angles that a command is based on are too old.
     #[error("the joint angles for the command are {age:.4} s old: expected at most {limit:.4} s")]
@@ -173,14 +215,18 @@ pub enum DriveError {
         limit: f64,
     },
     /// A command exceeds a joint's speed limit.
-    #[error("{joint} was commanded to turn at {velocity} rad/s: expected at most {limit:.2} rad/s")]
+    #[error(
+        "{joint} was commanded to move at {velocity} {unit}/s: expected at most {limit:.2} {unit}/s"
+    )]
     Command {
         /// The joint.
         joint: JointName,
-        /// Commanded velocity, rad/s.
+        /// Commanded velocity, rad/s or m/s.
         velocity: f64,
-        /// Speed limit, rad/s.
+        /// Speed limit.
         limit: f64,
+        /// Unit: `rad` or `m`.
+        unit: &'static str,
     },
     /// The hand remains stopped after a fault.
     #[error("the hand was stopped by a fault and remains stopped until it is restarted: {fault}")]

@@ -5,6 +5,9 @@ use crate::error::{DriveError, JointName};
 use crate::packet::Protocol;
 use crate::registers::{Register, Registers};
 
+/// Fault bit of an overload, of both protocols.
+pub(crate) const OVERLOAD: u8 = 0x20;
+
 /// Health reported by a servo.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Health {
@@ -46,6 +49,7 @@ impl Health {
     }
 
     /// Decodes the health from the bytes of [`Registers::motion`]; meaningful only if [`Registers::motion_has_health`].
+    /// `bytes` may contain further registers.
     pub fn in_motion(registers: &Registers, bytes: &[u8]) -> Self {
         let at = |register: Register| register.in_part(registers.motion.0, bytes);
         Self::of(

@@ -16,6 +16,7 @@ pub mod registers;
 pub(crate) mod serial;
 pub(crate) mod servo;
 pub mod setup;
+pub mod torque;
 
 pub use clock::RigClock;
 pub use error::{DriveError, JointName};

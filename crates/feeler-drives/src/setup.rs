@@ -5,7 +5,9 @@ use crate::config::{DrivesConfig, JointDriveConfig};
 use crate::error::{DriveError, JointName};
 use crate::health::Health;
 use crate::packet::Protocol;
-use crate::registers::{COUNTS_PER_TURN, Model, Register, Registers, VELOCITY_MODE};
+use crate::registers::{COUNTS_PER_TURN, DriveMode, Model, Register, Registers};
+use crate::servo::JointLimits;
+use feeler::hand::FingerGeometry;
 
 /// A value of a servo that must be changed.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
@@ -94,21 +96,31 @@ pub fn check_fast_sync_read(
     }
 }
 
-/// Returns the required changes to the EEPROM of the servo of `joint`. Writes nothing.
+/// Returns the required changes to the EEPROM of the servo of `joint`, which moves the finger `geometry`. Writes nothing.
 ///
 /// # Errors
-/// If the servo does not answer correctly, or if its model differs from `drive`.
+/// If the servo does not answer correctly, if its model differs from `drive`, or if it cannot reach the joint's range.
 pub fn changes(
     bus: &mut Bus,
     joint: JointName,
     drive: &JointDriveConfig,
+    geometry: &FingerGeometry,
 ) -> Result<Vec<Change>, DriveError> {
     let model = check_model(bus, joint, drive)?;
-    let registers = Registers::of(bus.protocol());
+    let protocol = bus.protocol();
+    let registers = Registers::of(protocol);
+    let mode = drive.mode.number(protocol);
     let mut wanted = vec![
         ("Return Delay Time", registers.return_delay, 0),
-        ("Operating Mode", registers.mode, VELOCITY_MODE),
+        ("Operating Mode", registers.mode, mode),
     ];
+    if protocol == Protocol::Feetech && drive.mode != DriveMode::Velocity {
+        // The servo itself keeps a corrupted goal, which its weak checksum may not detect, within the joint's range.
+        let (lower, upper) = counts_within_turn(joint, drive, geometry)?;
+        let [minimum, maximum] = registers.position_limits;
+        wanted.push(("Min Position Limit", minimum, lower));
+        wanted.push(("Max Position Limit", maximum, upper));
+    }
     if let Some(limit) = drive.current_limit {
         let counts = (limit / model.current_unit).round() as i64;
         wanted.push(("Current Limit", registers.current_limit, counts));
@@ -127,6 +139,28 @@ pub fn changes(
         }
     }
     Ok(changes)
+}
+
+/// Returns the range of the servo of `joint` in counts, if it is within one turn.
+fn counts_within_turn(
+    joint: JointName,
+    drive: &JointDriveConfig,
+    geometry: &FingerGeometry,
+) -> Result<(i64, i64), DriveError> {
+    let limits = JointLimits::of(joint, geometry);
+    let ends = [limits.lower, limits.upper].map(|end| drive.counts(end).round() as i64);
+    let (lower, upper) = (ends[0].min(ends[1]), ends[0].max(ends[1]));
+    let turn = COUNTS_PER_TURN as i64;
+    let turns = lower.div_euclid(turn);
+    match upper.div_euclid(turn) == turns {
+        true => Ok((lower - turns * turn, upper - turns * turn)),
+        false => Err(DriveError::Wraps {
+            joint,
+            lower,
+            upper,
+            address: Registers::of(Protocol::Feetech).homing_offset.address,
+        }),
+    }
 }
 
 /// Applies changes to one servo, whose torque must be off.
@@ -195,7 +229,7 @@ pub fn read_counts(bus: &mut Bus, joint: JointName) -> Result<i64, DriveError> {
     read(bus, joint, register)
 }
 
-/// Reads the angle of a `joint` (rad) and checks that it is within the limits (rad).
+/// Reads the position of a `joint` (rad or m) and checks that it is within its limits.
 ///
 /// # Errors
 /// If the servo does not answer correctly, or if the joint is beyond its limits.
@@ -222,6 +256,7 @@ pub fn read_angle(
             angle,
             lower,
             upper,
+            unit: drive.unit(),
         }),
     }
 }

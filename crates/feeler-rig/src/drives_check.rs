@@ -4,6 +4,7 @@ use feeler::hand::FingerGeometry;
 use feeler_console::{CommandError, Outcome};
 use feeler_drives::bus::Bus;
 use feeler_drives::config::{DrivesConfig, JointDriveConfig};
+use feeler_drives::registers::DriveMode;
 use feeler_drives::setup::{
     Change, changes, check_fast_sync_read, check_model, named_joints, read_angle, read_health,
 };
@@ -100,11 +101,13 @@ pub fn check_servos(
         }
         match checked {
             Ok((angle, changes)) => {
+                let (unit, size) = display_unit(drive);
                 writeln!(
                     out,
-                    "{joint}: {}, ok, at {:.2} deg",
+                    "{joint}: {}{}, ok, at {:.2} {unit}",
                     drive.model,
-                    angle.to_degrees()
+                    mode(drive),
+                    angle / size
                 )?;
                 planned.extend(changes);
             }
@@ -124,20 +127,40 @@ pub fn check_servos(
     Ok(Outcome::Done)
 }
 
-/// Checks one servo; returns the joint's angle (rad) and the required setting changes.
+/// Describes the mode of `drive`; empty in velocity mode.
+fn mode(drive: &JointDriveConfig) -> String {
+    match (drive.mode, drive.most_current()) {
+        (DriveMode::Velocity, _) => String::new(),
+        (DriveMode::CurrentLimitedPosition, Some(most)) => {
+            format!(" in {} mode, at most {most} A", drive.mode.name())
+        }
+        (mode, _) => format!(" in {} mode", mode.name()),
+    }
+}
+
+/// Returns the unit in which the joint of `drive` is displayed, with its size: degrees (rad), or mm (m) of a prismatic
+/// joint.
+pub fn display_unit(drive: &JointDriveConfig) -> (&'static str, f64) {
+    match drive.travel_per_turn {
+        None => ("deg", 1f64.to_radians()),
+        Some(_) => ("mm", 1e-3),
+    }
+}
+
+/// Checks one servo; returns the joint's position (rad or m) and the required setting changes.
 fn check_servo(
     bus: &mut Bus,
     config: &DrivesConfig,
     fingers: &[FingerGeometry],
     (joint, drive): (JointName, &JointDriveConfig),
 ) -> Result<(f64, Vec<Change>), DriveError> {
-    let changes = changes(bus, joint, drive)?;
+    let finger = &fingers[joint.finger];
+    let changes = changes(bus, joint, drive, finger)?;
     if config.fast_sync_read {
         let model = check_model(bus, joint, drive)?;
         check_fast_sync_read(bus, joint, model)?;
     }
     read_health(bus, joint)?.check(config.protocol, joint, &config.health_limits())?;
-    let finger = &fingers[joint.finger];
     let limits = (
         finger.joint_lower()[joint.joint],
         finger.joint_upper()[joint.joint],
@@ -146,14 +169,21 @@ fn check_servo(
     Ok((angle, changes))
 }
 
-/// Returns the register changes that a program makes on `bus` before it enables the torque of the servos of `config`.
+/// Returns the register changes that a program makes on `bus` before it enables the torque of the servos of `config`,
+/// which move these `fingers`.
 ///
 /// # Errors
-/// If a servo does not answer or is of another model.
-pub fn all_changes(bus: &mut Bus, config: &DrivesConfig) -> Result<Vec<Change>, DriveError> {
+/// If a servo does not answer, is of another model, or cannot reach the range of its joint.
+pub fn all_changes(
+    bus: &mut Bus,
+    config: &DrivesConfig,
+    fingers: &[FingerGeometry],
+) -> Result<Vec<Change>, DriveError> {
     let mut planned = Vec::new();
     for (joint, drive) in named_joints(config) {
-        planned.extend(changes(bus, joint, drive)?);
+        if let Some(finger) = fingers.get(joint.finger) {
+            planned.extend(changes(bus, joint, drive, finger)?);
+        }
     }
     Ok(planned)
 }

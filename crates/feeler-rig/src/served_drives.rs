@@ -12,7 +12,7 @@ use feeler_drives::setup::named_joints;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::rigs::driven::{drives, emulated_bus};
 use feeler_lab::experiment::rigs::linked::rig_config;
-use feeler_lab::experiment::{BusRig, world};
+use feeler_lab::experiment::{BusRig, fingers_at_home, world};
 use feeler_link::programs::{RigConfig, RigProgram, RigSpeed};
 use feeler_link::security::Right;
 use feeler_sim::rig::SimRig;
@@ -132,7 +132,8 @@ fn plan(
     };
     let how = (config.protocol, config.baud_rate);
     let mut bus = Bus::open(&config.port, how, config.reply_timeout, clock)?;
-    print_changes(&all_changes(&mut bus, &config)?, out)?;
+    let (fingers, _) = fingers_at_home(&experiment.config)?;
+    print_changes(&all_changes(&mut bus, &config, &fingers)?, out)?;
     let (count, watchdog) = (named_joints(&config).count(), config.bus_watchdog);
     writeln!(
         out,

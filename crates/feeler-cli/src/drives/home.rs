@@ -6,7 +6,7 @@ use feeler::hand::FingerGeometry;
 use feeler_console::Outputs;
 use feeler_drives::setup::{check_model, named_joints, read_counts};
 use feeler_lab::experiment::fingers_at_home;
-use feeler_rig::ServoRig;
+use feeler_rig::{ServoRig, display_unit};
 use std::io::Write;
 use std::path::Path;
 
@@ -23,11 +23,12 @@ pub fn home(arguments: &HomeArguments, out: &mut dyn Write) -> Result<Outcome, C
         .map(|path| outputs.create(path, "--output"))
         .transpose()?;
     if arguments.rig.dry_run {
-        for ((joint, _), angle) in named_joints(&rig.config).zip(&angles) {
-            let degrees = angle.to_degrees();
+        for ((joint, drive), angle) in named_joints(&rig.config).zip(&angles) {
+            let (unit, size) = display_unit(drive);
             writeln!(
                 out,
-                "would read the position of {joint} as {degrees:.3} deg; writes nothing to it"
+                "would read the position of {joint} as {:.3} {unit}; writes nothing to it",
+                angle / size
             )?;
         }
         return Ok(Outcome::Done);
@@ -42,10 +43,11 @@ pub fn home(arguments: &HomeArguments, out: &mut dyn Write) -> Result<Outcome, C
             "drives.finger.{}.joint.{}.homing_offset",
             joint.finger, joint.joint
         );
+        let (unit, size) = display_unit(drive);
         writeln!(
             out,
-            "{joint}: {counts} counts are {:.3} deg: homing_offset = {offset:.6}",
-            angle.to_degrees()
+            "{joint}: {counts} counts are {:.3} {unit}: homing_offset = {offset:.6}",
+            angle / size
         )?;
         settings.push(format!("{key}={offset}"));
     }
@@ -62,7 +64,8 @@ pub fn home(arguments: &HomeArguments, out: &mut dyn Write) -> Result<Outcome, C
     Ok(Outcome::Done)
 }
 
-/// Returns the hand's present joint angles (rad): `said` (deg), or those of the task's home posture if empty.
+/// Returns the hand's present joint positions (rad or m): `said` (deg or mm), or those of the task's home posture if
+/// empty.
 fn posture(rig: &ServoRig, said: &[f64]) -> Result<Vec<f64>, CommandError> {
     let joints = rig.fingers.iter().map(FingerGeometry::joint_count);
     let usual = joints.clone().all(|joints| joints == 3);
@@ -82,9 +85,10 @@ fn posture(rig: &ServoRig, said: &[f64]) -> Result<Vec<f64>, CommandError> {
             "one per joint"
         };
         return Err(format!(
-            "--at: expected {joints} angles from -360 to 360 deg, {each}, separated by commas"
+            "--at: expected {joints} angles from -360 to 360 deg (mm of prismatic joints), {each}, separated by commas"
         )
         .into());
     }
-    Ok(said.iter().map(|angle| angle.to_radians()).collect())
+    let sizes = rig.config.joints().map(|drive| display_unit(drive).1);
+    Ok(said.iter().zip(sizes).map(|(at, size)| at * size).collect())
 }

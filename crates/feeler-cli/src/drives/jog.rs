@@ -2,60 +2,70 @@
 
 use super::JogArguments;
 use crate::{CommandError, Outcome};
-use feeler::hand::{FingerGeometry, Hand, HandState};
+use feeler::hand::{Hand, HandState};
 use feeler::pace::{FixedRate, Schedule};
 use feeler_console::watch_for_interrupt;
-use feeler_drives::hand::{DriveHand, JOG_SPEED};
+use feeler_drives::config::JointDriveConfig;
+use feeler_drives::hand::DriveHand;
 use feeler_drives::{DriveError, RigClock};
-use feeler_rig::{ServoRig, all_changes, print_changes};
+use feeler_rig::{ServoRig, all_changes, display_unit, print_changes};
 use std::io::Write;
 
-/// Maximum angle of a jog (deg).
-const MOST: f64 = 10.0;
+/// Maximum angle of a jog (deg, or mm of a prismatic joint).
+pub(super) const MOST: f64 = 10.0;
 /// Time (s) that a joint may take in addition to the time computed from its speed.
 const GRACE: f64 = 1.0;
 
 pub fn jog(arguments: &JogArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let rig = arguments.rig.load()?;
     let (finger, joint) = (arguments.finger, usize::from(arguments.joint) - 1);
+    let Some(drive) = joint_drive(&rig, (finger, joint)) else {
+        return Err(DriveError::no_joint(finger, joint, &rig.fingers).into());
+    };
+    let (unit, size) = display_unit(drive);
     if arguments.by.is_nan() || arguments.by.abs() > MOST {
         return Err(format!(
-            "--by {}: expected at most {MOST} deg in either direction",
+            "--by {}: expected at most {MOST} {unit} in either direction",
             arguments.by
         )
         .into());
     }
-    let most = JOG_SPEED.to_degrees();
+    let most = drive.jog_speed() / size;
     if !(arguments.speed > 0.0 && arguments.speed <= most) {
         return Err(format!(
-            "--speed {}: expected a speed above 0, at most {most:.1} deg/s",
+            "--speed {}: expected a speed above 0, at most {most:.1} {unit}/s",
             arguments.speed
         )
         .into());
     }
-    let joints = rig.fingers.get(finger).map(FingerGeometry::joint_count);
-    if joints.is_none_or(|joints| joint >= joints) {
-        return Err(DriveError::no_joint(finger, joint, &rig.fingers).into());
-    }
     if arguments.rig.dry_run {
-        return plan(&rig, arguments, out);
+        return plan(&rig, arguments, unit, out);
     }
     turn(&rig, arguments, (finger, joint), out)
+}
+
+/// The servo of the joint with these indices, or `None` if the hand has no such joint.
+pub(super) fn joint_drive(
+    rig: &ServoRig,
+    (finger, joint): (usize, usize),
+) -> Option<&JointDriveConfig> {
+    rig.config.finger.get(finger)?.joint.get(joint)
 }
 
 /// Prints the planned writes without executing them.
 fn plan(
     rig: &ServoRig,
     arguments: &JogArguments,
+    unit: &str,
     out: &mut dyn Write,
 ) -> Result<Outcome, CommandError> {
-    let planned = all_changes(&mut rig.open()?, &rig.config)?;
+    let planned = all_changes(&mut rig.open()?, &rig.config, &rig.fingers)?;
     print_changes(&planned, out)?;
     let JogArguments { by, speed, .. } = arguments;
     let (finger, joint) = (arguments.finger, arguments.joint);
     writeln!(
         out,
-        "would enable torque of all servos, turn theta{joint} of finger {finger} by {by} deg at {speed} deg/s, and disable torque; nothing was written"
+        "would enable torque of all servos, turn theta{joint} of finger {finger} by {by} {unit} at {speed} {unit}/s, and disable torque; nothing was written"
     )?;
     Ok(Outcome::Done)
 }
@@ -74,14 +84,15 @@ fn turn(
     let mut state = HandState::zero(rig.fingers.len());
     hand.read(&mut state)?;
     let begin = state.joints[finger].position[joint];
-    let (by, speed) = (arguments.by.to_radians(), arguments.speed.to_radians());
+    let (unit, size) = joint_drive(rig, (finger, joint)).map_or(("deg", 1.0), display_unit);
+    let (by, speed) = (arguments.by * size, arguments.speed * size);
     let geometry = &rig.fingers[finger];
     let limits = geometry.joint_lower()[joint]..=geometry.joint_upper()[joint];
     if !limits.contains(&(begin + by)) {
-        let (from, to) = (begin.to_degrees(), (begin + by).to_degrees());
-        let (lower, upper) = (limits.start().to_degrees(), limits.end().to_degrees());
+        let (from, to) = (begin / size, (begin + by) / size);
+        let (lower, upper) = (limits.start() / size, limits.end() / size);
         return Err(format!(
-            "--by {}: expected a target from {lower:.1} to {upper:.1} deg, got {to:.1} deg (starting at {from:.1} deg)",
+            "--by {}: expected a target from {lower:.1} to {upper:.1} {unit}, got {to:.1} {unit} (starting at {from:.1} {unit})",
             arguments.by
         )
         .into());
@@ -101,7 +112,7 @@ fn turn(
     hand.jog(finger, joint, 0.0)?;
     hand.read(&mut state)?;
     let end = state.joints[finger].position[joint];
-    let (from, to) = (begin.to_degrees(), end.to_degrees());
+    let (from, to) = (begin / size, end / size);
     let in_time = left > 0.0;
     let why = match in_time {
         true => String::new(),
@@ -109,7 +120,7 @@ fn turn(
     };
     writeln!(
         out,
-        "theta{} of finger {finger}: from {from:.2} to {to:.2} deg{why}",
+        "theta{} of finger {finger}: from {from:.2} to {to:.2} {unit}{why}",
         joint + 1
     )?;
     Ok(match in_time && end != begin {

@@ -8,6 +8,8 @@ mod emulate;
 #[cfg(feature = "drives")]
 mod home;
 #[cfg(feature = "drives")]
+mod identify_current;
+#[cfg(feature = "drives")]
 mod jog;
 #[cfg(feature = "drives")]
 mod scan;
@@ -34,7 +36,9 @@ enum Command {
     Check(RigArguments),
     /// Compute the homing offsets from the present posture. Writes nothing to the servos.
     Home(HomeArguments),
-    /// Turn one joint slowly by a small angle, then disable torque.
+    /// Identify the torque of a joint by its motor's current, from slow sweeps under known loads.
+    IdentifyCurrent(IdentifyArguments),
+    /// Move one joint slowly by a small angle or distance, then disable torque.
     Jog(JogArguments),
 }
 
@@ -136,7 +140,7 @@ pub(super) struct RigArguments {
 struct HomeArguments {
     #[command(flatten)]
     rig: RigArguments,
-    /// Present joint angles, finger by finger (deg) [default: the task's home posture]
+    /// Present joint angles (deg; mm of prismatic joints), finger by finger [default: the task's home posture]
     #[arg(
         long,
         value_name = "DEG,DEG,...",
@@ -165,12 +169,54 @@ struct JogArguments {
     /// Joint to turn, counted from the base: 1 for theta1, 2 for theta2 and so on.
     #[arg(long, value_parser = clap::value_parser!(u8).range(1..=7))]
     joint: u8,
-    /// Angle to turn by (deg), at most 10 in either direction.
+    /// Angle to turn by (deg; mm of a prismatic joint), at most 10 in either direction.
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     by: f64,
-    /// Speed (deg/s), at most 10.
+    /// Speed (deg/s; mm/s of a prismatic joint), at most 10.
     #[arg(long, value_name = "DEG_PER_S", default_value = "3")]
     speed: f64,
+}
+
+#[derive(Debug, clap::Args)]
+#[cfg_attr(
+    not(feature = "drives"),
+    allow(dead_code, reason = "this program has no servos")
+)]
+struct IdentifyArguments {
+    #[command(flatten)]
+    rig: RigArguments,
+    /// Index of the finger, from 0.
+    #[arg(long)]
+    finger: usize,
+    /// Joint to sweep, counted from the base: 1 for theta1, 2 for theta2 and so on.
+    #[arg(long, value_parser = clap::value_parser!(u8).range(1..=7))]
+    joint: u8,
+    /// Torques of the loads against positive motion of the joint (N m; N for a prismatic joint), e.g. 0,0.03,0.06.
+    ///
+    /// Before each load, the command waits for Enter. A weight on a thread over a pulley on the joint's axis exerts a
+    /// constant torque, and so does one on a horizontal link, if the sweep is small.
+    #[arg(
+        long,
+        value_name = "TORQUE,TORQUE,...",
+        value_delimiter = ',',
+        allow_negative_numbers = true,
+        required = true
+    )]
+    loads: Vec<f64>,
+    /// Sweep to either side (deg; mm of a prismatic joint), at most 10.
+    #[arg(long, value_name = "DEG", default_value = "4")]
+    by: f64,
+    /// Speed (deg/s; mm/s of a prismatic joint), at most 10.
+    #[arg(long, value_name = "DEG_PER_S", default_value = "6")]
+    speed: f64,
+    /// Number of sweeps in each direction, per load.
+    #[arg(long, value_name = "COUNT", default_value = "3", value_parser = clap::value_parser!(u8).range(2..=50))]
+    sweeps: u8,
+    /// Write the experiment with the calibration to this file.
+    #[arg(short, long, value_name = "FILE")]
+    output: Option<PathBuf>,
+    #[command(flatten)]
+    overwrite: Overwrite,
 }
 
 #[cfg(feature = "drives")]
@@ -197,6 +243,7 @@ pub fn drives(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
             feeler_rig::check_servos(&arguments.load()?, arguments.dry_run, out)
         }
         Command::Home(arguments) => home::home(arguments, out),
+        Command::IdentifyCurrent(arguments) => identify_current::identify(arguments, out),
         Command::Jog(arguments) => jog::jog(arguments, out),
     }
 }

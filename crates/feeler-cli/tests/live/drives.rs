@@ -2,13 +2,14 @@
 //!
 //! One test runs the vendors' own SDKs on the emulated bus. It requires `pip install dynamixel-sdk==4.1.0
 //! feetech-servo-sdk==1.0.0` in the Python named by `FEELER_PYTHON` (default `python3`). Without them the test reports
-//! that it is skipped, or fails if `FEELER_REQUIRE_ALL` is set.
+//! that it is skipped, or fails if `FEELER_REQUIRE_ALL` is set. Another one runs LeRobot's motor classes in the Python named
+//! by `FEELER_LEROBOT_PYTHON`; they require `lerobot==0.6.1` without its dependencies, and the packages in `.ci/fetch`.
 
 #![cfg(target_os = "linux")]
 
 use crate::program::{Ended, experiment, feeler, folder, run, summary};
 use serde_json::Value;
-use std::io::{BufRead, BufReader};
+use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, Command, Stdio};
 
@@ -23,6 +24,7 @@ impl Bus {
         let mut command = feeler(folder, &["drives", "emulate"]);
         let mut child = command
             .args(arguments)
+            .stdin(Stdio::piped())
             .stdout(Stdio::piped())
             .spawn()
             .expect("the program");
@@ -181,6 +183,128 @@ fn servos_are_found_checked_homed_and_turned() {
     assert!((to - from + 2.0).abs() < 0.7, "{turned}");
 }
 
+#[test]
+fn modes_are_checked_and_planned() {
+    let folder = folder("drives-modes");
+    with_patient_drives(&folder);
+    let bus = Bus::start(&folder, &["my.toml"]);
+    let check = |settings: &[&str]| {
+        let mut arguments = vec!["drives", "check", "my.toml", "--port", &bus.port];
+        arguments.extend(settings.iter().flat_map(|setting| ["--set", setting]));
+        run(&folder, &arguments)
+    };
+    let limited = "drives.finger.0.joint.0.mode=current-limited-position";
+    let checked = check(&[limited, "drives.finger.1.joint.2.mode=position"]).done();
+    for line in [
+        "servo 1 (theta1 of finger 0): XL330-M077 in current-limited-position mode, at most 0.65 A, ok, at ",
+        "servo 6 (theta3 of finger 1): XL330-M077 in position mode, ok, at ",
+        "servo 1 (theta1 of finger 0): a run will set Operating Mode (address 11) from 3 to 5",
+        "servo 6 (theta3 of finger 1): a run will set Operating Mode (address 11) from 3 to 4",
+    ] {
+        assert!(checked.contains(line), "no {line:?} in {checked}");
+    }
+    let without_limit = "drives.finger.0.joint.1.mode=current-limited-position";
+    check(&[without_limit])
+        .refused(&["joint[1].mode", "current_limit, or torque_limit and torque"]);
+    check(&["drives.finger.0.joint.0.mode=current"]).refused(&["current-limited-position"]);
+    check(&["drives.finger.0.joint.0.leash=0.1"])
+        .refused(&["leash = 0.1", "none in velocity mode"]);
+    check(&["drives.finger.0.joint.0.torque_limit=0.1"]).refused(&["identify-current"]);
+}
+
+/// The torque constant of the emulated motors is 0.215 N m / 1.47 A, their friction 2 % of 0.215 N m, and the gear ratio 5.
+#[test]
+fn torque_is_identified_by_sweeps_under_known_loads() {
+    let folder = folder("drives-identify");
+    with_patient_drives(&folder);
+    let mut bus = Bus::start(&folder, &["my.toml", "--fault", "-"]);
+    let identify = [
+        "drives",
+        "identify-current",
+        "my.toml",
+        "--port",
+        &bus.port,
+        "--finger",
+        "0",
+        "--joint",
+        "2",
+        "--by",
+        "1",
+        "--speed",
+        "2",
+        "--sweeps",
+        "3",
+        "--output",
+        "identified.toml",
+        "--set",
+        "control.stale_periods=100",
+    ];
+    let planned = run(
+        &folder,
+        &[&identify[..], &["--loads", "0,0.1", "--dry-run"]].concat(),
+    )
+    .done();
+    assert!(
+        planned.contains("sweep theta2 of finger 0 by 1 deg to either side"),
+        "{planned}"
+    );
+    run(
+        &folder,
+        &[&identify[..], &["--loads", "0,0.1", "--by", "11"]].concat(),
+    )
+    .refused(&["--by"]);
+
+    let mut command = feeler(&folder, &identify);
+    let mut child = command
+        .args(["--loads", "0,0.1,0.2"])
+        .stdin(Stdio::piped())
+        .stdout(Stdio::piped())
+        .spawn()
+        .expect("the program");
+    let mut enter = child.stdin.take().expect("its input");
+    let loads = bus.child.stdin.as_mut().expect("the input of the bus");
+    let mut said = String::new();
+    for line in BufReader::new(child.stdout.take().expect("its output")).lines() {
+        let line = line.expect("a line");
+        if let Some(rest) = line.strip_prefix("apply a load of ") {
+            let load: f64 = rest
+                .split(' ')
+                .next()
+                .and_then(|load| load.parse().ok())
+                .expect(rest);
+            // The servo turns in the other direction than the joint.
+            writeln!(loads, "load=2:{}", -load / 5.0).expect("a fault");
+            writeln!(enter).expect("Enter");
+        }
+        said.push_str(&line);
+        said.push('\n');
+    }
+    assert!(child.wait().expect("its status").success(), "{said}");
+    assert_eq!(said.matches("direction +").count(), 9, "{said}");
+    let text = std::fs::read_to_string(folder.join("identified.toml")).expect("the file");
+    let text: toml::Table = text.parse().expect("TOML");
+    let torque = &text["drives"]["finger"][0]["joint"][1]["torque"];
+    let value = |key: &str| torque[key].as_float().expect("a number");
+    let constant = 5.0 * 0.215 / 1.47;
+    assert!((value("constant") / constant - 1.0).abs() < 0.02, "{said}");
+    assert!(
+        (value("friction") / (0.02 * 0.215 * 5.0) - 1.0).abs() < 0.1,
+        "{said}"
+    );
+    assert!(value("constant_error") < 0.02 * constant, "{said}");
+    // The file is used.
+    let check = ["drives", "check", "identified.toml", "--port", &bus.port];
+    run(
+        &folder,
+        &[
+            &check[..],
+            &["--set", "drives.finger.0.joint.1.torque_limit=0.2"],
+        ]
+        .concat(),
+    )
+    .done();
+}
+
 /// Dry runs open no port and write no file.
 #[test]
 fn dry_runs_have_no_effect_and_invalid_arguments_are_refused() {
@@ -277,6 +401,36 @@ fn all_claims_pass_over_the_emulated_bus() {
     }
 }
 
+/// The hand of `bench-rig` turns the cap in each position mode. At 0.03 A, since the gears take 0.029 A, it presses with
+/// a fraction of the force, and the hand stops because the joints do not follow.
+#[test]
+fn position_modes_turn_the_cap_and_a_limited_current_limits_the_force() {
+    let folder = folder("drives-position");
+    let turn = |mode: &str, limit: f64| {
+        let mut settings = Vec::new();
+        for (finger, joint) in (0..2).flat_map(|finger| (0..3).map(move |joint| (finger, joint))) {
+            let key = format!("drives.finger.{finger}.joint.{joint}");
+            settings.push(format!("{key}.mode={mode}"));
+            settings.push(format!("{key}.current_limit={limit}"));
+        }
+        let out = format!("{mode}-{limit}");
+        let mut arguments = vec!["run", "bench-rig", "--sensing", "direct", "--out", &out];
+        arguments.extend(["--drives", "emulated", "--speed", "max"]);
+        arguments.extend(settings.iter().flat_map(|setting| ["--set", setting]));
+        let ended = run(&folder, &arguments);
+        (ended.status, summary(&folder.join(&out)))
+    };
+    let peak = |summary: &Value| summary["peak_element_force"].as_f64().expect("a force");
+    for mode in ["position", "current-limited-position"] {
+        let (status, summary) = turn(mode, 0.6);
+        assert_eq!(status, Some(0), "{mode}: {summary:#?}");
+        assert!(peak(&summary) > 0.2, "{mode}: {summary:#?}");
+    }
+    let (status, summary) = turn("current-limited-position", 0.03);
+    assert_eq!(status, Some(1), "{summary:#?}");
+    assert!(peak(&summary) < 0.08, "{summary:#?}");
+}
+
 #[test]
 fn runs_over_the_emulated_bus_are_reproducible() {
     let folder = folder("drives-twice");
@@ -352,9 +506,62 @@ fn vendor_sdks_work_with_the_emulated_servos() {
         serde_json::json!([1, 255, 0, 4, true, 0])
     );
 
+    // Extended position, current-based position and position within a turn. Both refusals are limit errors.
+    let modes = serde_json::json!({
+        "arrived_4": true, "arrived_5": true, "arrived_3": true,
+        "current_4": true, "current_5": true, "current_3": true, "refused": [6, 6],
+    });
+    assert_eq!(said["modes"], modes);
+
     let said = master(&folder, "feetech").expect("the SDKs are installed");
     let expected = serde_json::json!({
         "model": 777, "missing": true, "mode": 1, "velocities": [500, -500, 0], "voltage": 50, "temperature": 25,
+        "positions": { "arrived": true, "offset": -100 },
     });
     assert_eq!(said, expected);
+}
+
+/// LeRobot's motor classes find, calibrate and move the emulated servos.
+#[test]
+fn lerobot_works_with_the_emulated_servos() {
+    let folder = folder("drives-lerobot");
+    let Some(python) = lerobot() else {
+        return;
+    };
+    let operate = |kind: &str| -> Value {
+        let bus = Bus::start(&folder, &["--protocol", kind, "--servos", "3"]);
+        let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/drives_lerobot.py");
+        let output = Command::new(&python)
+            .args([script, kind, &bus.port])
+            .output();
+        let said = Ended::of(output.expect("Python")).done();
+        serde_json::from_str(&said).expect("JSON")
+    };
+    let expected = serde_json::json!({
+        "found": { "1": 1200, "2": 1200, "3": 1200 },
+        "middle": true, "calibrated": true, "read_calibration": true, "extended": true, "limited": true, "currents": true,
+        "Hardware_Error_Status": 0, "Present_Temperature": 25, "Present_Input_Voltage": 50,
+    });
+    assert_eq!(operate("dynamixel"), expected);
+    let expected = serde_json::json!({
+        "found": { "1": 777, "2": 777, "3": 777 },
+        "middle": true, "calibrated": true, "read_calibration": true, "position": true, "returned": true,
+        "Status": 0, "Present_Temperature": 25, "Present_Voltage": 50, "Torque_Limit": 500,
+    });
+    assert_eq!(operate("feetech"), expected);
+}
+
+/// Python with LeRobot's motor classes, or `None` if it is not installed.
+fn lerobot() -> Option<String> {
+    let python = std::env::var("FEELER_LEROBOT_PYTHON").unwrap_or_else(|_| "python3".into());
+    let probe = Command::new(&python)
+        .args(["-c", "import importlib.metadata as m; m.version('lerobot'); import dynamixel_sdk, scservo_sdk"])
+        .output();
+    if probe.is_ok_and(|output| output.status.success()) {
+        return Some(python);
+    }
+    crate::skip::skipped(&format!(
+        "{python} has no packages lerobot, dynamixel-sdk and feetech-servo-sdk"
+    ));
+    None
 }

@@ -47,6 +47,8 @@ impl Bus {
                 return Err(unexpected(passed_over));
             }
         };
+        let waited = self.clock.now() - (deadline.at - self.timeout);
+        self.latency.add(waited.max(0.0));
         if is_refused {
             let what = "a reading";
             return Err(BusError::Refused { id, what, error });

@@ -2,6 +2,7 @@
 
 mod error;
 mod exchange;
+mod latency;
 
 pub use error::BusError;
 
@@ -13,6 +14,7 @@ use crate::packet::{BROADCAST, Decoder, LONGEST, Protocol, Sender, complete_bloc
 use crate::port::Port;
 use crate::registers::Register;
 use crate::serial::SerialPort;
+use latency::Latency;
 
 /// Bits per byte on the wire: start, 8 data, stop.
 pub(crate) const BITS_PER_BYTE: f64 = 10.0;
@@ -29,6 +31,7 @@ pub struct Bus {
     parameters: Vec<u8>,
     sent: Vec<u8>,
     decoder: Decoder,
+    latency: Latency,
 }
 
 impl Bus {
@@ -68,7 +71,33 @@ impl Bus {
             parameters: Vec::with_capacity(LONGEST),
             sent: Vec::with_capacity(2 * LONGEST),
             decoder: Decoder::new(protocol, Sender::Servo),
+            latency: Latency::default(),
         }
+    }
+
+    /// Sets the time allowed for a response in addition to its transmission time, s. Returns the previous one.
+    pub(crate) fn set_timeout(&mut self, timeout: f64) -> f64 {
+        std::mem::replace(&mut self.timeout, timeout)
+    }
+
+    /// Median delay of recent responses in addition to their transmission, s; 0 before the first.
+    pub(crate) fn usual_latency(&self) -> f64 {
+        self.latency.median()
+    }
+
+    /// Discards the delays measured so far.
+    pub(crate) fn forget_latency(&mut self) {
+        self.latency = Latency::default();
+    }
+
+    /// Waits for `time` (s of the clock) and discards received bytes.
+    pub(crate) fn wait(&mut self, time: f64) -> Result<(), BusError> {
+        let until = self.clock.now() + time;
+        let mut discarded = [0; 64];
+        while self.clock.now() < until {
+            self.port.receive(&mut discarded, until)?;
+        }
+        Ok(())
     }
 
     /// Clock of the rig.

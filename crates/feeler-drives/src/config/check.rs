@@ -3,15 +3,14 @@
 use super::{DrivesConfig, JointDriveConfig};
 use crate::error::thetas;
 use crate::packet::Protocol;
-use crate::registers::{MODELS, WATCHDOG_UNIT};
+use crate::registers::{DriveMode, MODELS, WATCHDOG_UNIT};
 use feeler::check::Checker;
 
 /// Maximum bus watchdog of a Dynamixel, s.
 const LONGEST_WATCHDOG: f64 = 127.0 * WATCHDOG_UNIT;
-
 impl DrivesConfig {
     /// Checks that every value of the table `key` is in its range. `prismatic` has an entry per joint of each finger of
-    /// the hand: `true` if the joint is prismatic, which a servo cannot drive.
+    /// the hand: `true` if the joint is prismatic.
     pub fn check(&self, key: &str, prismatic: &[Vec<bool>], checker: &mut Checker) {
         let fingers = prismatic.len();
         let field = |field: &str| format!("{key}.{field}");
@@ -86,12 +85,8 @@ impl DrivesConfig {
             for (index, joint) in drives.joint.iter().enumerate() {
                 let key = format!("{key}[{index}]");
                 joint.check(&key, self.protocol, checker);
-                checker.require(
-                    &key,
-                    "a servo on a prismatic joint".into(),
-                    prismatic.get(index) != Some(&true),
-                    "a revolute joint of hand.finger: positions of servos are angles",
-                );
+                joint.check_mode(&key, checker);
+                joint.check_transmission(&key, prismatic.get(index) == Some(&true), checker);
                 checker.require(
                     &format!("{key}.id"),
                     joint.id.to_string(),
@@ -128,9 +123,79 @@ impl JointDriveConfig {
             self.direction.abs() == 1,
             "1 or -1",
         );
-        checker.between(&field("gear_ratio"), self.gear_ratio, 0.01, 1000.0);
         if let Some(limit) = self.current_limit {
             checker.between(&field("current_limit"), limit, 0.01, 10.0);
+        }
+    }
+
+    /// Checks that the mode has the keys that it requires.
+    fn check_mode(&self, key: &str, checker: &mut Checker) {
+        let field = |field: &str| format!("{key}.{field}");
+        let (mode, name) = (self.mode, self.mode.name());
+        if let Some(leash) = self.leash {
+            checker.between(&field("leash"), leash, 1e-5, 1.0);
+            let expected = "none in velocity mode";
+            checker.require(
+                &field("leash"),
+                leash.to_string(),
+                mode != DriveMode::Velocity,
+                expected,
+            );
+        }
+        checker.require(
+            &field("mode"),
+            format!("{name:?}"),
+            mode != DriveMode::CurrentLimitedPosition || self.most_current().is_some(),
+            "current_limit, or torque_limit and torque, beside this mode",
+        );
+        if let Some(limit) = self.torque_limit {
+            checker.between(&field("torque_limit"), limit, 1e-3, 1000.0);
+            let has_torque = self.torque.is_some();
+            let expected = "torque beside torque_limit; see `feeler drives identify-current`";
+            checker.require(
+                &field("torque_limit"),
+                limit.to_string(),
+                has_torque,
+                expected,
+            );
+        }
+        if let Some(torque) = self.torque {
+            let field = |name: &str| field(&format!("torque.{name}"));
+            checker.between(&field("constant"), torque.constant, 1e-3, 1e4);
+            checker.between(&field("constant_error"), torque.constant_error, 0.0, 1e4);
+            checker.between(&field("friction"), torque.friction, 0.0, 1e3);
+            checker.between(&field("friction_error"), torque.friction_error, 0.0, 1e3);
+        }
+    }
+
+    /// Checks that the keys between horn and joint are those of the kind of joint.
+    fn check_transmission(&self, key: &str, is_prismatic: bool, checker: &mut Checker) {
+        let field = |field: &str| format!("{key}.{field}");
+        if !is_prismatic {
+            checker.between(&field("gear_ratio"), self.gear_ratio, 0.01, 1000.0);
+        }
+        match self.travel_per_turn {
+            None => checker.require(
+                key,
+                "a servo without travel_per_turn".into(),
+                !is_prismatic,
+                "travel_per_turn in m, as the joint is prismatic",
+            ),
+            Some(travel) if is_prismatic => {
+                checker.between(&field("travel_per_turn"), travel, 1e-4, 1.0);
+                checker.require(
+                    &field("gear_ratio"),
+                    self.gear_ratio.to_string(),
+                    self.gear_ratio == 1.0,
+                    "1 beside travel_per_turn, which includes any gear",
+                );
+            }
+            Some(travel) => checker.require(
+                &field("travel_per_turn"),
+                travel.to_string(),
+                false,
+                "none, as the joint is revolute; use gear_ratio",
+            ),
         }
     }
 }

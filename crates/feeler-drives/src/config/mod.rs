@@ -1,11 +1,13 @@
 //! The table `[drives]` of an experiment file.
 
 mod check;
+mod joint;
+
+pub use joint::{JOG_SPEED, JointDriveConfig, PRISMATIC_JOG_SPEED, TorqueCalibration};
 
 use crate::packet::Protocol;
-use crate::registers::{COUNTS_PER_TURN, Model, WATCHDOG_UNIT};
+use crate::registers::{DriveMode, WATCHDOG_UNIT};
 use serde::{Deserialize, Serialize};
-use std::f64::consts::TAU;
 
 /// Servos of the hand, and their bus.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
@@ -39,7 +41,7 @@ pub struct DrivesConfig {
     /// Minimum and maximum supply voltage, V; a voltage outside stops the hand.
     #[serde(default = "usual_voltage")]
     pub voltage_range: [f64; 2],
-    /// Angle beyond a joint limit that stops the hand, rad.
+    /// Angle beyond a joint limit that stops the hand, rad; multiplied by the finger's reach (m) for a prismatic joint.
     #[serde(default = "three_degrees")]
     pub limit_tolerance: f64,
     /// Servos of each finger, in the order of `hand.finger`.
@@ -53,28 +55,6 @@ pub struct DrivesConfig {
 pub struct FingerDrivesConfig {
     /// Servos of the finger's joints, from the base to the fingertip.
     pub joint: Vec<JointDriveConfig>,
-}
-
-/// The servo of one joint. Joint angle = `direction` * servo angle / `gear_ratio` + `homing_offset`.
-#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct JointDriveConfig {
-    /// Id on the bus.
-    pub id: u8,
-    /// Servo model, e.g. `XL330-M288`.
-    pub model: String,
-    /// Joint angle at servo position 0, rad; determined by `feeler drives home`.
-    #[serde(default)]
-    pub homing_offset: f64,
-    /// 1, or -1 if the joint angle decreases when the servo's position increases.
-    #[serde(default = "forward")]
-    pub direction: i8,
-    /// Turns of the servo's horn per turn of the joint.
-    #[serde(default = "one")]
-    pub gear_ratio: f64,
-    /// Maximum current, A; if `None`, the servo's own setting.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub current_limit: Option<f64>,
 }
 
 fn a_megabaud() -> u32 {
@@ -105,62 +85,26 @@ fn three_degrees() -> f64 {
     0.05
 }
 
-fn forward() -> i8 {
-    1
-}
-
-fn one() -> f64 {
-    1.0
-}
-
-impl JointDriveConfig {
-    /// Converts the servo's position in counts to the joint angle, rad.
-    pub fn angle(&self, counts: f64) -> f64 {
-        self.turn(counts) + self.homing_offset
-    }
-
-    /// Converts a change of the servo's position in counts to a change of the joint angle, rad.
-    pub fn turn(&self, counts: f64) -> f64 {
-        f64::from(self.direction) * counts * TAU / COUNTS_PER_TURN / self.gear_ratio
-    }
-
-    /// Converts the joint angle (rad) to the servo's position in counts.
-    pub fn counts(&self, angle: f64) -> f64 {
-        let turn = angle - self.homing_offset;
-        f64::from(self.direction) * turn * COUNTS_PER_TURN / TAU * self.gear_ratio
-    }
-
-    /// Converts the joint velocity to the servo's velocity, rad/s.
-    pub fn servo_velocity(&self, velocity: f64) -> f64 {
-        f64::from(self.direction) * velocity * self.gear_ratio
-    }
-
-    /// Converts the servo's velocity to the joint velocity, rad/s.
-    pub fn joint_velocity(&self, velocity: f64) -> f64 {
-        f64::from(self.direction) * velocity / self.gear_ratio
-    }
-
-    /// The model of the servo, or `None` if it is unknown.
-    pub fn known_model(&self) -> Option<&'static Model> {
-        Model::named(&self.model)
-    }
-}
-
 impl DrivesConfig {
-    /// Configuration for the emulator, for a hand without a table `[drives]`: ids from 1, 4 Mbaud, gear ratio 5.
-    /// `joint_counts` are the numbers of joints of the fingers.
-    pub fn emulated(joint_counts: &[usize]) -> Self {
-        let joint = |id: usize| JointDriveConfig {
-            id: id as u8,
+    /// Configuration for the emulator, for a hand without a table `[drives]`: ids from 1, 4 Mbaud, gear ratio 5, and
+    /// 40 mm of travel per turn. `prismatic` has an entry per joint of each finger: `true` if the joint is prismatic.
+    pub fn emulated(prismatic: &[Vec<bool>]) -> Self {
+        let joint = |(&slides, id): (&bool, u8)| JointDriveConfig {
+            id,
             model: "XL330-M077".into(),
+            mode: DriveMode::Velocity,
             homing_offset: 0.0,
             direction: 1,
-            gear_ratio: 5.0,
+            gear_ratio: if slides { 1.0 } else { 5.0 },
+            travel_per_turn: slides.then_some(0.04),
+            leash: None,
             current_limit: None,
+            torque_limit: None,
+            torque: None,
         };
         let mut ids = 1..;
-        let finger = |&joints: &usize| FingerDrivesConfig {
-            joint: ids.by_ref().take(joints).map(joint).collect(),
+        let finger = |joints: &Vec<bool>| FingerDrivesConfig {
+            joint: joints.iter().zip(ids.by_ref()).map(joint).collect(),
         };
         Self {
             port: "emulated".into(),
@@ -174,13 +118,21 @@ impl DrivesConfig {
             temperature_limit_celsius: seventy(),
             voltage_range: usual_voltage(),
             limit_tolerance: three_degrees(),
-            finger: joint_counts.iter().map(finger).collect(),
+            finger: prismatic.iter().map(finger).collect(),
         }
     }
 
     /// All servos, finger by finger, joint by joint.
     pub fn joints(&self) -> impl Iterator<Item = &JointDriveConfig> {
         self.finger.iter().flat_map(|finger| &finger.joint)
+    }
+
+    /// Returns `true` if the currents of the servos are read in every period: a joint has a calibration of its torque, or
+    /// a limited current.
+    pub fn reads_current(&self) -> bool {
+        let is_limited = |mode| mode == DriveMode::CurrentLimitedPosition;
+        self.joints()
+            .any(|joint| joint.torque.is_some() || is_limited(joint.mode))
     }
 
     /// Bus watchdog in the servos' unit of 20 ms, rounded up.

@@ -35,6 +35,8 @@ pub struct EmulatedBus {
     output: Vec<u8>,
     wire: Wire,
     late: f64,
+    /// Interval at which the adapter delivers responses, s; 0 if it delivers them at once.
+    latency: f64,
     echo: bool,
     connected: bool,
 }
@@ -74,6 +76,7 @@ impl EmulatedBus {
                 random: Pcg64::seed_from_u64(config.seed ^ 0xB05),
             },
             late: 0.0,
+            latency: 0.0,
             echo: false,
             connected: true,
         }
@@ -100,6 +103,7 @@ impl EmulatedBus {
             BusFault::FlipBytes(share) => self.wire.flipped = share,
             BusFault::LoseBytes(share) => self.wire.lost = share,
             BusFault::Late(late) => self.late = late,
+            BusFault::Latency(latency) => self.latency = latency,
             BusFault::Echo => self.echo = true,
             BusFault::CablePulled => self.connected = false,
             of_a_servo => self.servos.inject(of_a_servo, self.time),
@@ -193,8 +197,13 @@ impl EmulatedBus {
         for answer in self.servos.execute(packet, due) {
             let begin = self.answered.max(due) + answer.delay + self.late;
             self.answered = begin + answer.bytes.len() as f64 * self.byte;
+            // The adapter sends the bytes that it has collected when its timer expires.
+            let due = match self.latency {
+                0.0 => self.answered,
+                latency => (self.answered / latency).ceil() * latency,
+            };
             self.leaving.push_back(Leaving {
-                due: self.answered,
+                due,
                 bytes: answer.bytes,
                 id: answer.id,
             });

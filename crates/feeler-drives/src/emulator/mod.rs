@@ -11,6 +11,7 @@ mod fault;
 mod instructions;
 mod lockstep;
 mod log;
+mod motor;
 mod plant;
 mod servo;
 mod servos;
@@ -21,7 +22,7 @@ pub use bus::EmulatedBus;
 pub use fault::BusFault;
 pub use lockstep::Lockstep;
 pub use log::{LogEntry, PacketLog};
-pub use plant::{LagPlant, Motion, Plant};
+pub use plant::{LagPlant, LoadedPlant, Motion, Plant};
 pub use servo::EmulatedServo;
 pub use servos::EmulatorConfig;
 #[cfg(target_os = "linux")]

@@ -16,6 +16,41 @@ pub trait Plant: Send {
 
     /// Current motion of the servo with index `servo`.
     fn motion(&self, servo: usize) -> Motion;
+
+    /// Current torque of the mechanism on the horn of the servo with index `servo`, against positive motion, N m. Zero
+    /// by default.
+    fn load(&self, servo: usize) -> f64 {
+        let _ = servo;
+        0.0
+    }
+}
+
+/// A plant with loads that depend on its motion, such as obstacles and weights.
+#[derive(Debug, Clone)]
+pub struct LoadedPlant<P, F> {
+    plant: P,
+    load: F,
+}
+
+impl<P: Plant, F: Fn(usize, Motion) -> f64 + Send> LoadedPlant<P, F> {
+    /// Adds loads to `plant`: the torque of `load` on the horn of the servo with this index, against positive motion, N m.
+    pub fn new(plant: P, load: F) -> Self {
+        Self { plant, load }
+    }
+}
+
+impl<P: Plant, F: Fn(usize, Motion) -> f64 + Send> Plant for LoadedPlant<P, F> {
+    fn advance(&mut self, now: f64, goals: &[f64]) {
+        self.plant.advance(now, goals);
+    }
+
+    fn motion(&self, servo: usize) -> Motion {
+        self.plant.motion(servo)
+    }
+
+    fn load(&self, servo: usize) -> f64 {
+        self.plant.load(servo) + (self.load)(servo, self.plant.motion(servo))
+    }
 }
 
 /// Unloaded servos with a first-order lag.

@@ -73,8 +73,9 @@ impl Servos {
         if step <= 0.0 {
             return;
         }
-        for (goal, servo) in self.goals.iter_mut().zip(&self.servos) {
-            *goal = servo.goal();
+        let servos = self.servos.iter_mut().enumerate();
+        for (goal, (index, servo)) in self.goals.iter_mut().zip(servos) {
+            *goal = servo.drive(step, self.plant.motion(index), self.plant.load(index));
         }
         self.plant.advance(now, &self.goals);
         for (index, servo) in self.servos.iter_mut().enumerate() {
@@ -97,13 +98,15 @@ impl Servos {
             BusFault::Reboot(id) => each(id, &|servo| servo.reboot(now)),
             BusFault::Overheat(id) => each(id, &EmulatedServo::overheat),
             BusFault::Undervoltage(id) => each(id, &EmulatedServo::lower_supply),
-            BusFault::Hardware(id) => each(id, &EmulatedServo::break_down),
+            BusFault::Hardware(id, faults) => each(id, &|servo| servo.break_down(faults)),
+            BusFault::Load(id, torque) => each(id, &|servo| servo.load = torque),
             BusFault::Jump(id) => each(id, &|servo| servo.jump += 8192),
             BusFault::FlipBytes(_)
             | BusFault::LoseBytes(_)
             | BusFault::Echo
             | BusFault::CablePulled
-            | BusFault::Late(_) => {}
+            | BusFault::Late(_)
+            | BusFault::Latency(_) => {}
         }
     }
 }

@@ -1,12 +1,20 @@
 //! Configures the servos of a hand and switches their torque on.
 
 use super::DriveHand;
+use crate::bus::Bus;
 use crate::error::DriveError;
-use crate::registers::Registers;
+use crate::health::OVERLOAD;
+use crate::packet::Protocol;
+use crate::registers::{DriveMode, GoalKind, Registers};
 use crate::servo::Servo;
 use crate::setup::{
     apply, blame, changes, check_fast_sync_read, check_model, named_joints, read, set,
 };
+
+/// Time after which a restarted servo must answer, s.
+const RESTART: f64 = 1.0;
+/// Time between attempts to reach a restarted servo, s.
+const RETRY: f64 = 0.05;
 
 impl DriveHand {
     /// Configures the servos, with their torque off.
@@ -20,21 +28,21 @@ impl DriveHand {
             let Some(geometry) = self.fingers.get(joint.finger) else {
                 continue;
             };
-            let servo = Servo::new(joint, drive, model, geometry);
+            let servo = Servo::new(joint, drive, model, geometry, self.most_age);
             if let Some(limit) = registers.velocity_limit {
                 servo.allow(read(&mut self.bus, joint, limit)?)?;
             }
             self.bus
                 .write(joint.id, registers.torque, 0)
                 .map_err(blame(joint))?;
-            let changes = changes(&mut self.bus, joint, drive)?;
+            let changes = changes(&mut self.bus, joint, drive, geometry)?;
             apply(&mut self.bus, &changes)?;
             self.servos.push(servo);
         }
         Ok(())
     }
 
-    /// Switches torque on, each servo after its watchdog is set.
+    /// Switches torque on, each servo after its goal holds the joint and its watchdog is set.
     pub(super) fn arm(&mut self) -> Result<(), DriveError> {
         let registers = Registers::of(self.config.protocol);
         let watchdog = self.config.watchdog_counts();
@@ -47,14 +55,17 @@ impl DriveHand {
                     .write(joint.id, register, 0)
                     .map_err(blame(joint))?;
             }
-            set(
-                &mut self.bus,
-                joint,
-                ("Goal Velocity", registers.goal_velocity),
-                0,
-            )?;
+            if servo.kind() == GoalKind::Velocity {
+                let goal = ("Goal Velocity", registers.goal_velocity);
+                set(&mut self.bus, joint, goal, 0)?;
+            }
         }
         self.read_motion()?;
+        for servo in &mut self.servos {
+            servo.hold();
+            hold(&mut self.bus, servo)?;
+        }
+        self.commanded = self.stamp;
         for index in 0..self.servos.len() {
             self.check_health(index, false)?;
         }
@@ -68,4 +79,62 @@ impl DriveHand {
         (self.asked, self.next_asked) = (self.clock.now(), 0);
         Ok(())
     }
+
+    /// Restarts Dynamixel servos that an overload has switched off: they accept no torque before. Their EEPROM keeps its
+    /// values. Servos with other faults remain off. Call it only after the cause of the overload was removed.
+    ///
+    /// # Errors
+    /// If a servo does not answer, or not within a second after its restart.
+    pub fn restart_overloaded(&mut self) -> Result<(), DriveError> {
+        if self.config.protocol != Protocol::Dynamixel {
+            return Ok(());
+        }
+        let fault = Registers::of(Protocol::Dynamixel).fault;
+        for servo in &self.servos {
+            let joint = servo.name;
+            if read(&mut self.bus, joint, fault)? != i64::from(OVERLOAD) {
+                continue;
+            }
+            self.bus.reboot(joint.id).map_err(blame(joint))?;
+            let until = self.clock.now() + RESTART;
+            loop {
+                self.bus.wait(RETRY)?;
+                match self.bus.ping(joint.id) {
+                    Ok(()) => break,
+                    Err(_) if self.clock.now() < until => {}
+                    Err(error) => return Err(blame(joint)(error)),
+                }
+            }
+        }
+        Ok(())
+    }
+}
+
+/// Writes the goal that holds the joint of `servo`, and the limits of its motion. Velocity goals are already 0.
+fn hold(bus: &mut Bus, servo: &Servo) -> Result<(), DriveError> {
+    let registers = Registers::of(servo.model.protocol);
+    let joint = servo.name;
+    if servo.kind() == GoalKind::Velocity {
+        return Ok(());
+    }
+    let acceleration = ("Profile Acceleration", registers.profile_acceleration);
+    set(bus, joint, acceleration, 0)?;
+    let velocity = ("Profile Velocity", registers.profile_velocity);
+    set(bus, joint, velocity, servo.profile_velocity())?;
+    if let (DriveMode::CurrentLimitedPosition, Some(most)) =
+        (servo.drive.mode, servo.drive.most_current())
+    {
+        // Rounded down, so that the limit is never exceeded.
+        if let Some(register) = registers.goal_current {
+            let counts = (most / servo.model.current_unit) as i64;
+            set(bus, joint, ("Goal Current", register), counts)?;
+        }
+        if let Some(register) = registers.output_limit {
+            let (_, stall_current) = servo.model.stall;
+            let share = (1000.0 * most / stall_current).min(1000.0) as i64;
+            set(bus, joint, ("Torque Limit", register), share)?;
+        }
+    }
+    let goal = ("Goal Position", registers.goal_position);
+    set(bus, joint, goal, servo.goal)
 }

@@ -1,6 +1,8 @@
 //! Implementation of feeler's hand by the servos of a bus.
 
 mod arm;
+mod control;
+mod latency;
 mod readings;
 
 use crate::bus::{Bus, BusError};
@@ -10,17 +12,12 @@ use crate::error::{DriveError, JointName};
 use crate::registers::Registers;
 use crate::servo::Servo;
 use crate::setup::blame;
+use crate::torque::TorqueEstimate;
 use feeler::check::Checker;
-use feeler::hand::{
-    FingerGeometry, Hand, HandCommand, HandError, HandState, JointState, JointVector,
-    check_finger_count,
-};
+use feeler::hand::FingerGeometry;
 
-/// Maximum speed of a jogged joint, rad/s.
-pub const JOG_SPEED: f64 = 0.2;
-
-/// A hand whose joints are moved by servos in velocity mode. Torque is on while it exists. A fault of one servo or of
-/// the bus stops all motors until [`restart`](Self::restart).
+/// A hand whose joints are moved by servos, each in its [`DriveMode`](crate::registers::DriveMode). Torque is on while it
+/// exists. A fault of one servo or of the bus stops all motors until [`restart`](Self::restart).
 pub struct DriveHand {
     bus: Bus,
     config: DrivesConfig,
@@ -30,8 +27,12 @@ pub struct DriveHand {
     fingers: Vec<FingerGeometry>,
     servos: Vec<Servo>,
     ids: Vec<u8>,
+    /// Part of the control table read in every period.
+    motion: (u16, usize),
     /// Time at which the latest joint angles arrived, s of the clock.
     stamp: f64,
+    /// Stamp of the joint angles of the last command, s of the clock.
+    commanded: f64,
     /// Time of the last health check, s of the clock.
     asked: f64,
     /// Index of the servo whose health is checked next.
@@ -77,27 +78,48 @@ impl DriveHand {
             fingers: fingers.to_vec(),
             servos: Vec::new(),
             ids: config.joints().map(|joint| joint.id).collect(),
+            motion: match config.reads_current() {
+                true => Registers::of(config.protocol).motion_and_current,
+                false => Registers::of(config.protocol).motion,
+            },
             stamp: 0.0,
+            commanded: 0.0,
             asked: 0.0,
             next_asked: 0,
             fault: None,
             config: config.clone(),
         };
-        hand.set_up()?;
-        hand.arm()?;
+        let opened = hand.set_up().and_then(|()| hand.arm());
+        opened.map_err(|error| hand.blame_adapter(error))?;
+        hand.check_latency()?;
         Ok(hand)
     }
 
-    /// Restarts a hand that was stopped by a fault: sets the watchdogs and switches torque on. Call it only after the
-    /// cause of the fault was found.
+    /// Restarts a hand that was stopped by a fault: restarts servos that an overload has switched off, sets the watchdogs
+    /// and switches torque on. Call it only after the cause of the fault was found.
     ///
     /// # Errors
-    /// If a servo is faulty; the hand then remains stopped.
+    /// If a servo is faulty, or is in another turn than before; the hand then remains stopped.
     pub fn restart(&mut self) -> Result<(), DriveError> {
+        let before: Vec<_> = self.angles().map(|(_, angle)| angle).collect();
         self.power_off();
+        self.restart_overloaded()?;
+        self.servos.iter_mut().for_each(Servo::reset);
+        self.read_servos()?;
+        self.check_turns(&before)?;
         self.arm()?;
         self.fault = None;
         Ok(())
+    }
+
+    /// Checks that each joint is within half a turn of its servo of `before`, its position (rad or m) before the servos
+    /// may have restarted. With a gear, a servo that restarts in another turn measures another joint angle.
+    ///
+    /// # Errors
+    /// Returns [`DriveError::TurnLost`] for the first joint that is not.
+    pub fn check_turns(&self, before: &[f64]) -> Result<(), DriveError> {
+        let mut joints = self.servos.iter().zip(before);
+        joints.try_for_each(|(servo, &before)| servo.check_turn(before))
     }
 
     /// Message of the fault that stopped the hand, or `None` if it is running.
@@ -110,80 +132,25 @@ impl DriveHand {
         self.clock.now() - self.stamp
     }
 
-    /// Latest angle of each joint, rad.
+    /// Latest position of each joint, rad or m.
     pub fn angles(&self) -> impl Iterator<Item = (JointName, f64)> {
         self.servos.iter().map(|servo| (servo.name, servo.angle))
     }
 
-    /// Turns one joint at `velocity`, rad/s, at most [`JOG_SPEED`], until the next command; all others stand still.
-    /// Also checks the health of its servo if due. Intended for setting up a rig; use [`Hand::command`] to control a
-    /// hand.
-    ///
-    /// # Errors
-    /// If a fault has stopped the hand, if there is no such joint, or if `velocity` is too high. Also as
-    /// [`Hand::command`], in which case all motors are stopped.
-    pub fn jog(&mut self, finger: usize, joint: usize, velocity: f64) -> Result<(), DriveError> {
-        if let Some(fault) = self.fault.clone() {
-            return Err(DriveError::Stopped { fault });
-        }
-        let is_asked = |servo: &Servo| (servo.name.finger, servo.name.joint) == (finger, joint);
-        let Some(index) = self.servos.iter().position(is_asked) else {
-            return Err(DriveError::no_joint(finger, joint, &self.fingers));
-        };
-        if velocity.is_nan() || velocity.abs() > JOG_SPEED {
-            return Err(DriveError::Command {
-                joint: self.servos[index].name,
-                velocity,
-                limit: JOG_SPEED,
-            });
-        }
-        let turned = self.servos[index].name;
-        let sent = self.send(|other| if other == turned { velocity } else { 0.0 });
-        let done = sent.and_then(|()| self.check_health_if_due(index));
-        if let Err(error) = &done {
-            self.fail(error);
-        }
-        done
+    /// Torque of each joint by the latest current of its motor; `None` for a joint without a calibration.
+    pub fn torques(&self) -> impl Iterator<Item = (JointName, Option<TorqueEstimate>)> {
+        let servos = self.servos.iter();
+        servos.map(|servo| (servo.name, servo.torque()))
     }
 
-    /// Sends each joint its `velocity`, rad/s, unless the joint angles are too old.
-    fn send(&mut self, velocity: impl Fn(JointName) -> f64) -> Result<(), DriveError> {
-        let moving = self.servos.iter().any(|servo| velocity(servo.name) != 0.0);
-        let age = self.age();
-        if moving && age > self.most_age {
-            let limit = self.most_age;
-            return Err(DriveError::Stale { age, limit });
-        }
-        for servo in &mut self.servos {
-            servo.command(velocity(servo.name))?;
-        }
-        let goals = self.servos.iter().map(|servo| (servo.name.id, servo.goal));
-        let register = Registers::of(self.config.protocol).goal_velocity;
-        Ok(self.bus.sync_write(register, goals)?)
+    /// Reads currents in every period from now on, even if [`DrivesConfig::reads_current`] is `false`.
+    pub fn read_currents(&mut self) {
+        self.motion = Registers::of(self.config.protocol).motion_and_current;
     }
 
-    /// Commands the joints, then checks the health of the next servo if due.
-    fn drive(&mut self, velocity: &[JointVector]) -> Result<(), DriveError> {
-        let at = |name: JointName| velocity.get(name.finger).map_or(0.0, |v| v[name.joint]);
-        self.send(at)?;
-        self.check_health_if_due(self.next_asked)
-    }
-
-    /// Stops all motors if the bus still works, and keeps them stopped.
-    fn fail(&mut self, error: &DriveError) -> HandError {
-        self.stop_motors();
-        let fault = self.fault.get_or_insert_with(|| error.to_string());
-        HandError::Failed(fault.clone())
-    }
-
-    fn stop_motors(&mut self) {
-        for servo in &mut self.servos {
-            servo.reset();
-        }
-        let register = Registers::of(self.config.protocol).goal_velocity;
-        let stop = self.ids.iter().map(|&id| (id, 0));
-        // If the bus fails, the servos' watchdogs stop the motors.
-        let _ = self.bus.sync_write(register, stop);
+    /// Latest current of each motor, A, positive if it increases the joint's position; 0 if currents are not read.
+    pub fn currents(&self) -> impl Iterator<Item = (JointName, f64)> {
+        self.servos.iter().map(|servo| (servo.name, servo.current))
     }
 
     fn power_off(&mut self) {
@@ -218,41 +185,5 @@ fn check(config: &DrivesConfig, fingers: &[FingerGeometry]) -> Result<(), DriveE
 impl Drop for DriveHand {
     fn drop(&mut self) {
         self.power_off();
-    }
-}
-
-impl Hand for DriveHand {
-    fn finger_count(&self) -> usize {
-        self.fingers.len()
-    }
-
-    /// The stamp is the time at which the responses had arrived.
-    fn read(&mut self, state: &mut HandState) -> Result<(), HandError> {
-        check_finger_count(self.fingers.len(), state.joints.len())?;
-        if let Some(fault) = &self.fault {
-            return Err(HandError::Failed(fault.clone()));
-        }
-        self.read_motion().map_err(|error| self.fail(&error))?;
-        state.stamp = self.stamp;
-        for (joints, drives) in state.joints.iter_mut().zip(&self.config.finger) {
-            *joints = JointState::zero(drives.joint.len());
-        }
-        for servo in &self.servos {
-            let joints = &mut state.joints[servo.name.finger];
-            joints.position[servo.name.joint] = servo.angle;
-            joints.velocity[servo.name.joint] = servo.velocity;
-        }
-        Ok(())
-    }
-
-    fn command(&mut self, command: &HandCommand) -> Result<(), HandError> {
-        check_finger_count(self.fingers.len(), command.joint_velocity().len())?;
-        if let Some(fault) = &self.fault {
-            let fault = fault.clone();
-            self.stop_motors();
-            return Err(HandError::Failed(fault));
-        }
-        self.drive(command.joint_velocity())
-            .map_err(|error| self.fail(&error))
     }
 }

@@ -17,36 +17,46 @@ const VOLTAGE_TO_TEMPERATURE: (u16, usize) = (144, 3);
 impl DriveHand {
     /// Reads position and velocity of all joints, and checks them.
     pub(super) fn read_motion(&mut self) -> Result<(), DriveError> {
+        self.read_servos()?;
+        let tolerance = self.config.limit_tolerance;
+        self.servos
+            .iter()
+            .try_for_each(|servo| servo.check(tolerance, SPEED_TOLERANCE))
+    }
+
+    /// Reads position and velocity of all joints, and checks the health reported with them.
+    pub(super) fn read_servos(&mut self) -> Result<(), DriveError> {
         let registers = Registers::of(self.config.protocol);
         let (ids, fast) = (&self.ids, self.config.fast_sync_read);
         let servos = &mut self.servos;
         let mut first_bad = None;
         let limits = self.config.health_limits();
         let protocol = self.config.protocol;
-        let read = self
-            .bus
-            .sync_read(registers.motion, ids, fast, |index, error, bytes| {
-                let Some(servo) = servos.get_mut(index) else {
-                    return;
-                };
-                let wraps = protocol == Protocol::Feetech;
-                servo.read(registers, bytes, wraps.then_some(COUNTS_PER_TURN as i64));
-                let health = Health::in_motion(registers, bytes);
-                let ill = registers.motion_has_health
-                    && health.check(protocol, servo.name, &limits).is_err();
-                if first_bad.is_none() && (error != 0 || ill) {
-                    first_bad = Some((index, error, health));
-                }
-            });
+        let part = self.motion;
+        let read = self.bus.sync_read(part, ids, fast, |index, error, bytes| {
+            let Some(servo) = servos.get_mut(index) else {
+                return;
+            };
+            let wraps = protocol == Protocol::Feetech;
+            servo.read(
+                registers,
+                part.0,
+                bytes,
+                wraps.then_some(COUNTS_PER_TURN as i64),
+            );
+            let health = Health::in_motion(registers, bytes);
+            let ill =
+                registers.motion_has_health && health.check(protocol, servo.name, &limits).is_err();
+            if first_bad.is_none() && (error != 0 || ill) {
+                first_bad = Some((index, error, health));
+            }
+        });
         read.map_err(|source| self.blame_by_id(source))?;
         self.stamp = self.clock.now();
-        if let Some((index, error, health)) = first_bad {
-            self.explain(index, error, health)?;
+        match first_bad {
+            Some((index, error, health)) => self.explain(index, error, health),
+            None => Ok(()),
         }
-        let tolerance = self.config.limit_tolerance;
-        self.servos
-            .iter()
-            .try_for_each(|servo| servo.check(tolerance, SPEED_TOLERANCE))
     }
 
     /// Returns the error for a servo that reported a fault in its response.

@@ -4,8 +4,10 @@
 //! Feetech: memory table of the STS and SMS series.
 
 mod models;
+mod modes;
 
 pub use models::{MODELS, Model};
+pub use modes::{DriveMode, GoalKind};
 
 use crate::packet::Protocol;
 
@@ -80,8 +82,14 @@ pub struct Registers {
     pub firmware: Option<Register>,
     /// Delay before a response, in 2 us.
     pub return_delay: Register,
-    /// Operating mode; [`VELOCITY_MODE`] follows a velocity.
+    /// Operating mode; see [`DriveMode::number`].
     pub mode: Register,
+    /// Offset of the position, counts. Dynamixel adds it to the encoder's position, Feetech subtracts it.
+    pub homing_offset: Register,
+    /// Minimum and maximum goal position within a turn, counts.
+    pub position_limits: [Register; 2],
+    /// Faults that switch torque off (Dynamixel).
+    pub shutdown: Option<Register>,
     /// EEPROM lock, 1 if locked (Feetech).
     pub lock: Option<Register>,
     /// Maximum current, in the model's unit.
@@ -96,6 +104,18 @@ pub struct Registers {
     pub watchdog: Option<Register>,
     /// Goal velocity, in the model's unit.
     pub goal_velocity: Register,
+    /// Goal position, counts.
+    pub goal_position: Register,
+    /// Goal current, in the model's unit; in current-limited position mode the maximum current (Dynamixel).
+    pub goal_current: Option<Register>,
+    /// Maximum share of the motor's voltage in position mode, 0.1 % (Feetech).
+    pub output_limit: Option<Register>,
+    /// Acceleration of a motion to a goal position; 0 is the maximum.
+    pub profile_acceleration: Register,
+    /// Velocity of a motion to a goal position, in the model's unit; 0 is the maximum.
+    pub profile_velocity: Register,
+    /// Current, in the model's unit.
+    pub current: Register,
     /// Velocity, in the model's unit.
     pub velocity: Register,
     /// Position, counts.
@@ -106,6 +126,8 @@ pub struct Registers {
     pub temperature: Register,
     /// Part read in every period: first address and number of bytes.
     pub motion: (u16, usize),
+    /// Part read in every period if the current is required.
+    pub motion_and_current: (u16, usize),
     /// `true` if `motion` also contains voltage, temperature and fault.
     pub motion_has_health: bool,
 }
@@ -115,6 +137,12 @@ const DYNAMIXEL: Registers = Registers {
     firmware: Some(register(6, 1, Sign::Unsigned)),
     return_delay: register(9, 1, Sign::Unsigned),
     mode: register(11, 1, Sign::Unsigned),
+    homing_offset: register(20, 4, Sign::Two),
+    position_limits: [
+        register(52, 4, Sign::Unsigned),
+        register(48, 4, Sign::Unsigned),
+    ],
+    shutdown: Some(register(63, 1, Sign::Unsigned)),
     lock: None,
     current_limit: register(38, 2, Sign::Unsigned),
     velocity_limit: Some(register(44, 4, Sign::Unsigned)),
@@ -122,11 +150,18 @@ const DYNAMIXEL: Registers = Registers {
     fault: register(70, 1, Sign::Unsigned),
     watchdog: Some(register(98, 1, Sign::Two)),
     goal_velocity: register(104, 4, Sign::Two),
+    goal_position: register(116, 4, Sign::Two),
+    goal_current: Some(register(102, 2, Sign::Two)),
+    output_limit: None,
+    profile_acceleration: register(108, 4, Sign::Unsigned),
+    profile_velocity: register(112, 4, Sign::Unsigned),
+    current: register(126, 2, Sign::Two),
     velocity: register(128, 4, Sign::Two),
     position: register(132, 4, Sign::Two),
     voltage: register(144, 2, Sign::Unsigned),
     temperature: register(146, 1, Sign::Unsigned),
     motion: (128, 8),
+    motion_and_current: (126, 10),
     motion_has_health: false,
 };
 
@@ -135,6 +170,12 @@ const FEETECH: Registers = Registers {
     firmware: None,
     return_delay: register(7, 1, Sign::Unsigned),
     mode: register(33, 1, Sign::Unsigned),
+    homing_offset: register(31, 2, Sign::Bit(11)),
+    position_limits: [
+        register(9, 2, Sign::Unsigned),
+        register(11, 2, Sign::Unsigned),
+    ],
+    shutdown: None,
     lock: Some(register(55, 1, Sign::Unsigned)),
     current_limit: register(28, 2, Sign::Unsigned),
     velocity_limit: None,
@@ -142,11 +183,18 @@ const FEETECH: Registers = Registers {
     fault: register(65, 1, Sign::Unsigned),
     watchdog: None,
     goal_velocity: register(46, 2, Sign::Bit(15)),
+    goal_position: register(42, 2, Sign::Bit(15)),
+    goal_current: None,
+    output_limit: Some(register(48, 2, Sign::Unsigned)),
+    profile_acceleration: register(41, 1, Sign::Unsigned),
+    profile_velocity: register(46, 2, Sign::Bit(15)),
+    current: register(69, 2, Sign::Bit(15)),
     velocity: register(58, 2, Sign::Bit(15)),
     position: register(56, 2, Sign::Bit(15)),
     voltage: register(62, 1, Sign::Unsigned),
     temperature: register(63, 1, Sign::Unsigned),
     motion: (56, 10),
+    motion_and_current: (56, 15),
     motion_has_health: true,
 };
 
@@ -160,8 +208,6 @@ impl Registers {
     }
 }
 
-/// Operating mode in which a motor follows a velocity, for both protocols.
-pub const VELOCITY_MODE: i64 = 1;
 /// Unit of a Dynamixel's bus watchdog, s.
 pub const WATCHDOG_UNIT: f64 = 0.02;
 /// Position counts per turn, for all known models.
@@ -185,5 +231,17 @@ mod tests {
         there_and_back(DYNAMIXEL.position, 166, &[0xA6, 0, 0, 0]);
         there_and_back(FEETECH.goal_velocity, -2, &[0x02, 0x80]);
         there_and_back(FEETECH.goal_velocity, 1000, &[0xE8, 0x03]);
+        there_and_back(DYNAMIXEL.homing_offset, -4096, &[0x00, 0xF0, 0xFF, 0xFF]);
+        there_and_back(DYNAMIXEL.current, -1, &[0xFF, 0xFF]);
+        there_and_back(FEETECH.homing_offset, -2047, &[0xFF, 0x0F]);
+        there_and_back(FEETECH.homing_offset, 2047, &[0xFF, 0x07]);
+        there_and_back(FEETECH.current, -300, &[0x2C, 0x81]);
+    }
+
+    /// Sign and magnitude have two zeros.
+    #[test]
+    fn negative_zero_is_zero() {
+        assert_eq!(FEETECH.homing_offset.decode(&[0x00, 0x08]), 0);
+        assert_eq!(FEETECH.position.decode(&[0x00, 0x80]), 0);
     }
 }

@@ -1,6 +1,6 @@
 //! Known servo models.
 //!
-//! Model numbers, units and default velocity limits are from the e-Manual's page of each model, e.g.
+//! Model numbers, units, default velocity limits and stall torques are from the e-Manual's page of each model, e.g.
 //! <https://emanual.robotis.com/docs/en/dxl/x/xc330-m288/>. Firmware versions for fast sync reads are from its page on
 //! the protocol, <https://emanual.robotis.com/docs/en/dxl/protocol2/#fast-sync-read-0x8a>.
 
@@ -23,6 +23,8 @@ pub struct Model {
     pub current_unit: f64,
     /// Default velocity limit in units of velocity; used by the emulator.
     pub velocity_limit: i64,
+    /// Torque of the stalled motor at its nominal voltage, N m, and its current, A.
+    pub stall: (f64, f64),
     /// First firmware with fast sync reads, or `None` if not supported.
     pub fast_sync_firmware: Option<i64>,
 }
@@ -31,7 +33,7 @@ pub struct Model {
 const X_SERIES: f64 = 0.229 * TAU / 60.0;
 
 /// A servo of the X330 series: current in mA, fast sync reads from firmware 46.
-const fn x330(name: &'static str, number: i64, limit: i64) -> Model {
+const fn x330(name: &'static str, number: i64, limit: i64, stall: (f64, f64)) -> Model {
     Model {
         name,
         number,
@@ -39,29 +41,30 @@ const fn x330(name: &'static str, number: i64, limit: i64) -> Model {
         velocity_unit: X_SERIES,
         current_unit: 0.001,
         velocity_limit: limit,
+        stall,
         fast_sync_firmware: Some(46),
     }
 }
 
 /// A servo of the XM430 series: fast sync reads from firmware 45.
-const fn xm430(name: &'static str, number: i64, limit: i64) -> Model {
+const fn xm430(name: &'static str, number: i64, limit: i64, stall: (f64, f64)) -> Model {
     Model {
         current_unit: 0.00269,
         fast_sync_firmware: Some(45),
-        ..x330(name, number, limit)
+        ..x330(name, number, limit, stall)
     }
 }
 
 /// All known models.
 pub const MODELS: &[Model] = &[
-    x330("XL330-M077", 1190, 1620),
-    x330("XL330-M288", 1200, 445),
-    x330("XC330-T181", 1210, 510),
-    x330("XC330-T288", 1220, 320),
-    x330("XC330-M181", 1230, 545),
-    x330("XC330-M288", 1240, 350),
-    xm430("XM430-W350", 1020, 200),
-    xm430("XM430-W210", 1030, 330),
+    x330("XL330-M077", 1190, 1620, (0.215, 1.47)),
+    x330("XL330-M288", 1200, 445, (0.52, 1.47)),
+    x330("XC330-T181", 1210, 510, (0.76, 0.80)),
+    x330("XC330-T288", 1220, 320, (0.92, 0.80)),
+    x330("XC330-M181", 1230, 545, (0.60, 1.80)),
+    x330("XC330-M288", 1240, 350, (0.93, 1.80)),
+    xm430("XM430-W350", 1020, 200, (4.1, 2.3)),
+    xm430("XM430-W210", 1030, 330, (3.0, 2.3)),
     Model {
         name: "STS3215",
         number: 777,
@@ -70,6 +73,8 @@ pub const MODELS: &[Model] = &[
         velocity_unit: TAU / COUNTS_PER_TURN,
         current_unit: 0.0065,
         velocity_limit: 3400,
+        // 30 kg cm at 12 V; the current is the largest value that its register for the limit accepts, 500.
+        stall: (2.94, 3.25),
         fast_sync_firmware: None,
     },
 ];
@@ -78,6 +83,12 @@ impl Model {
     /// Returns the model called `name`, or `None` if unknown.
     pub fn named(name: &str) -> Option<&'static Self> {
         MODELS.iter().find(|model| model.name == name)
+    }
+
+    /// Torque of the motor per current, N m/A, from its stall torque.
+    pub fn torque_constant(&self) -> f64 {
+        let (torque, current) = self.stall;
+        torque / current
     }
 
     /// Returns the model with this `protocol` and model `number`, or `None` if unknown.

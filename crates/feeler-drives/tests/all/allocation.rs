@@ -2,7 +2,7 @@
 
 #![cfg(target_os = "linux")]
 
-use crate::support::{MAX_AGE, PERIOD, bus, config, finger};
+use crate::support::{MAX_AGE, PERIOD, bus, config_in, finger};
 use assert_no_alloc::{assert_no_alloc, permit_alloc};
 use feeler::hand::{Hand, HandCommand, HandState, JointVector};
 use feeler_drives::Port;
@@ -11,6 +11,7 @@ use feeler_drives::emulator::Lockstep;
 use feeler_drives::hand::DriveHand;
 use feeler_drives::packet::Protocol;
 use feeler_drives::packet::instruction::READ;
+use feeler_drives::registers::DriveMode;
 use std::io;
 
 /// Port of an emulated bus. The emulator may allocate, because real servos are not part of this process.
@@ -34,8 +35,9 @@ impl Port for Elsewhere {
 #[test]
 fn a_period_does_not_allocate() {
     for protocol in [Protocol::Dynamixel, Protocol::Feetech] {
-        for fast in [true, false] {
-            let mut config = config(protocol, 2);
+        let modes = DriveMode::ALL.into_iter();
+        for (fast, mode) in modes.flat_map(|mode| [(true, mode), (false, mode)]) {
+            let mut config = config_in(protocol, mode, 2);
             config.health_interval = 0.001;
             config.fast_sync_read &= fast;
             let bus = bus(&config);

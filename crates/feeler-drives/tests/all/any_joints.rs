@@ -7,10 +7,11 @@ use feeler::hand::chain::ChainConfig;
 use feeler::hand::{FingerGeometry, Hand, HandCommand, HandState, JointVector};
 use feeler_drives::DriveError;
 use feeler_drives::bus::Bus;
-use feeler_drives::config::DrivesConfig;
+use feeler_drives::config::{DrivesConfig, JointDriveConfig};
 use feeler_drives::emulator::{EmulatorConfig, LagPlant, Lockstep};
 use feeler_drives::hand::DriveHand;
-use feeler_drives::registers::COUNTS_PER_TURN;
+use feeler_drives::packet::Protocol;
+use feeler_drives::registers::{COUNTS_PER_TURN, Registers};
 use std::f64::consts::TAU;
 use std::fmt::Write as _;
 
@@ -19,10 +20,13 @@ fn finger(joints: usize, slides: bool) -> FingerGeometry {
     let (mut limits, mut rows) = (String::new(), String::new());
     for joint in 0..joints {
         let sliding = slides && joint + 1 == joints;
-        let kind = if sliding { "prismatic" } else { "revolute" };
+        let (kind, speed) = match sliding {
+            true => ("prismatic", 0.1),
+            false => ("revolute", 2.0),
+        };
         writeln!(
             limits,
-            "{{ name = \"j{joint}\", lower = -1.0, upper = 1.5, speed = 2.0 }},"
+            "{{ name = \"j{joint}\", lower = -1.0, upper = 1.5, speed = {speed} }},"
         )
         .unwrap();
         writeln!(
@@ -55,11 +59,17 @@ fn open(
     Ok((DriveHand::on(master, config, fingers, MAX_AGE)?, bus))
 }
 
+/// Servos for fingers with these numbers of revolute joints.
+fn revolute(joints: &[usize]) -> DrivesConfig {
+    let prismatic: Vec<_> = joints.iter().map(|&joints| vec![false; joints]).collect();
+    DrivesConfig::emulated(&prismatic)
+}
+
 #[test]
 fn a_finger_has_as_many_servos_as_joints() {
     let counts = [1, 4, 7];
     let fingers = counts.map(|joints| finger(joints, false));
-    let config = DrivesConfig::emulated(&counts);
+    let config = revolute(&counts);
     assert!(config.joints().map(|joint| joint.id).eq(1..=12));
     let (mut hand, bus) = open(&config, &fingers).unwrap_or_else(|error| panic!("{error}"));
     let mut state = HandState::zero(3);
@@ -105,10 +115,78 @@ fn a_finger_has_as_many_servos_as_joints() {
     hand.jog(2, 6, 0.1).unwrap();
 }
 
+/// Two jaws of a parallel gripper, one of them with a rack on the other side of its pinion.
 #[test]
-fn other_numbers_of_servos_and_prismatic_joints_are_refused() {
+fn a_servo_moves_a_prismatic_joint_by_its_travel_per_turn() {
+    let jaws = [finger(1, true), finger(1, true)];
+    let mut config = DrivesConfig::emulated(&[vec![true], vec![true]]);
+    config.finger[1].joint[0].direction = -1;
+    config.finger[1].joint[0].travel_per_turn = Some(0.1);
+    let (mut hand, bus) = open(&config, &jaws).unwrap_or_else(|error| panic!("{error}"));
+    let mut state = HandState::zero(2);
+    hand.read(&mut state).unwrap();
+    let begin = [0, 1].map(|jaw| state.joints[jaw].position[0]);
+    assert!((begin[1] - 0.01).abs() < 2e-5, "{begin:?}");
+    let counts = |servo: usize| {
+        let bus = bus.servos();
+        bus.servos()[servo].get(Registers::of(Protocol::Dynamixel).position)
+    };
+    let before = [counts(0), counts(1)];
+    let mut command = HandCommand::stop(2);
+    command.relay(&[JointVector::splat(1, 0.02); 2]);
+    for _ in 0..50 {
+        hand.read(&mut state).unwrap();
+        hand.command(&command).unwrap();
+        bus.wait(0.01);
+    }
+    command.relay(&[JointVector::splat(1, 0.0); 2]);
+    hand.command(&command).unwrap();
+    bus.wait(0.05);
+    hand.read(&mut state).unwrap();
+    for (jaw, (travel, sign)) in [(0.04, 1.0), (0.1, -1.0)].into_iter().enumerate() {
+        let moved = state.joints[jaw].position[0] - begin[jaw];
+        assert!((moved - 0.01).abs() < 5e-4, "{jaw}: {moved} m");
+        let turns = (counts(jaw) - before[jaw]) as f64 / COUNTS_PER_TURN;
+        // To within the noise of the encoder, a count.
+        assert!(
+            (turns - sign * moved / travel).abs() < 1e-3,
+            "{jaw}: {turns} turns for {moved} m"
+        );
+    }
+    hand.jog(0, 0, 0.005).unwrap();
+    let refused = hand.jog(0, 0, 0.1).unwrap_err().to_string();
+    assert!(
+        refused.contains("0.1 m/s: expected at most 0.01 m/s"),
+        "{refused}"
+    );
+}
+
+#[test]
+fn keys_of_another_kind_of_joint_are_refused() {
+    let refused = |slides: bool, change: &dyn Fn(&mut JointDriveConfig)| {
+        let mut config = DrivesConfig::emulated(&[vec![slides]]);
+        change(&mut config.finger[0].joint[0]);
+        let error = open(&config, &[finger(1, slides)]).err();
+        error.expect("an error").to_string()
+    };
+    assert_eq!(
+        refused(true, &|joint| joint.travel_per_turn = None),
+        "drives.finger[0].joint[0] = a servo without travel_per_turn: expected travel_per_turn in m, as the joint is prismatic"
+    );
+    assert_eq!(
+        refused(true, &|joint| joint.gear_ratio = 2.0),
+        "drives.finger[0].joint[0].gear_ratio = 2: expected 1 beside travel_per_turn, which includes any gear"
+    );
+    assert_eq!(
+        refused(false, &|joint| joint.travel_per_turn = Some(0.04)),
+        "drives.finger[0].joint[0].travel_per_turn = 0.04: expected none, as the joint is revolute; use gear_ratio"
+    );
+}
+
+#[test]
+fn other_numbers_of_servos_are_refused() {
     let refused = |servos: usize, finger: FingerGeometry| {
-        let error = open(&DrivesConfig::emulated(&[servos]), &[finger]).err();
+        let error = open(&revolute(&[servos]), &[finger]).err();
         error.expect("an error").to_string()
     };
     assert_eq!(
@@ -122,10 +200,5 @@ fn other_numbers_of_servos_and_prismatic_joints_are_refused() {
     assert_eq!(
         refused(4, crate::support::finger()),
         "drives.finger[0].joint = 4 joints: expected 3 joints, theta1 to theta3"
-    );
-    assert_eq!(
-        refused(2, finger(2, true)),
-        "drives.finger[0].joint[1] = a servo on a prismatic joint: expected a revolute joint of hand.finger: positions of \
-         servos are angles"
     );
 }

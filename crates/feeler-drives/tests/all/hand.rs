@@ -186,7 +186,7 @@ fn a_failed_servo_stops_the_hand() {
         );
         stops(
             protocol,
-            BusFault::Hardware(6),
+            BusFault::Hardware(6, 0x20),
             &["servo 6 (theta3 of finger 1)", "overload"],
         );
     }

@@ -4,8 +4,12 @@
 
 mod allocation;
 mod any_joints;
+mod faults;
 mod hand;
+mod hostile_master;
+mod modes;
 mod packets;
+mod positions;
 #[cfg(target_os = "linux")]
 #[path = "../support/mod.rs"]
 mod support;

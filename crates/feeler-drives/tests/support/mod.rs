@@ -13,7 +13,7 @@ use feeler_drives::emulator::{EmulatedBus, EmulatorConfig, LagPlant, Lockstep};
 use feeler_drives::hand::DriveHand;
 use feeler_drives::packet::Protocol;
 use feeler_drives::packet::instruction::SYNC_WRITE;
-use feeler_drives::registers::{COUNTS_PER_TURN, Registers};
+use feeler_drives::registers::{COUNTS_PER_TURN, DriveMode, Register, Registers};
 use std::f64::consts::TAU;
 
 /// Maximum age of the joint angles of a command (s).
@@ -36,7 +36,7 @@ pub fn finger() -> FingerGeometry {
 
 /// Configuration of servos with `protocol` and different offsets, directions and gear ratios.
 pub fn config(protocol: Protocol, fingers: usize) -> DrivesConfig {
-    let mut config = DrivesConfig::emulated(&vec![3; fingers]);
+    let mut config = DrivesConfig::emulated(&vec![vec![false; 3]; fingers]);
     config.protocol = protocol;
     config.reply_timeout = 0.004;
     if protocol == Protocol::Feetech {
@@ -54,6 +54,28 @@ pub fn config(protocol: Protocol, fingers: usize) -> DrivesConfig {
         joint.current_limit = Some(0.65);
         if protocol == Protocol::Feetech {
             (joint.model, joint.gear_ratio) = ("STS3215".into(), 1.0);
+        }
+    }
+    config
+}
+
+/// Limit of the current in current-limited position mode (A).
+pub const CURRENT_LIMIT: f64 = 0.3;
+
+/// Like [`config`], but with all joints in `mode`.
+pub fn config_in(protocol: Protocol, mode: DriveMode, fingers: usize) -> DrivesConfig {
+    let mut config = config(protocol, fingers);
+    let middle = (finger().joint_lower() + finger().joint_upper()) / 2.0;
+    let joints = config.finger.iter_mut().flat_map(|f| &mut f.joint);
+    for (index, joint) in joints.enumerate() {
+        joint.mode = mode;
+        if mode == DriveMode::CurrentLimitedPosition {
+            joint.current_limit = Some(CURRENT_LIMIT);
+        }
+        if protocol == Protocol::Feetech && mode != DriveMode::Velocity {
+            // The middle of the range is at 2048 counts, far from the wrap.
+            let half_turn = f64::from(joint.direction) * TAU / 2.0;
+            joint.homing_offset = middle[index % 3] - half_turn;
         }
     }
     config
@@ -102,6 +124,11 @@ impl Rig {
 
     pub fn of(config: DrivesConfig) -> Result<Self, DriveError> {
         let emulator = bus(&config);
+        Self::on(emulator, config)
+    }
+
+    /// Hand with `config` on `emulator`.
+    pub fn on(emulator: Lockstep, config: DrivesConfig) -> Result<Self, DriveError> {
         let count = config.finger.len();
         Ok(Self {
             hand: hand_on(&emulator, &config)?,
@@ -138,10 +165,53 @@ impl Rig {
         bus.servos().iter().map(|servo| servo.goal()).collect()
     }
 
+    /// Values of `register` of all servos.
+    pub fn get(&self, register: Register) -> Vec<i64> {
+        let bus = self.emulator.servos();
+        let servos = bus.servos().iter();
+        servos.map(|servo| servo.get(register)).collect()
+    }
+
+    /// Positions of all joints by their servos (rad), not unwrapped.
+    pub fn positions(&self) -> Vec<f64> {
+        let position = Registers::of(self.config.protocol).position;
+        let counts = self.get(position).into_iter();
+        let joints = counts.zip(self.config.joints());
+        joints
+            .map(|(counts, joint)| joint.angle(counts as f64))
+            .collect()
+    }
+
     /// Waits until the bus has executed all instructions.
     pub fn settle(&self) {
         self.emulator.wait(0.02);
     }
+}
+
+/// Time of each command on the bus that changes a goal position, and age of the latest response at that time (s).
+pub fn ages_of_goal_positions(bus: &EmulatedBus, protocol: Protocol) -> Vec<(f64, f64)> {
+    let goal = Registers::of(protocol).goal_position;
+    let (data, stride) = match protocol {
+        Protocol::Dynamixel => (4, 5),
+        Protocol::Feetech => (2, 3),
+    };
+    let mut newest = f64::NEG_INFINITY;
+    let mut before = Vec::new();
+    let mut ages = Vec::new();
+    for entry in bus.log().entries() {
+        if entry.instruction == 0 {
+            newest = entry.time;
+        } else if entry.instruction == SYNC_WRITE && u16::from(entry.parameters[0]) == goal.address
+        {
+            let goals = entry.parameters[data..].chunks(stride);
+            let goals: Vec<_> = goals.map(|servo| goal.decode(&servo[1..])).collect();
+            if !before.is_empty() && goals != before {
+                ages.push((entry.time, entry.time - newest));
+            }
+            before = goals;
+        }
+    }
+    ages
 }
 
 /// Time of each motion command on the bus, and age of the latest response at that time (s).

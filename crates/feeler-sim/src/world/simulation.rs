@@ -164,6 +164,15 @@ impl World {
         wrench(&self.model, &self.state, object)
     }
 
+    /// Total force of the feelers of `finger` on objects, in W (N).
+    pub fn contact_force(&self, finger: usize) -> DVec3 {
+        let state = self.state.fingers.get(finger);
+        state.map_or(DVec3::ZERO, |state| {
+            let touching = state.contacts.elements();
+            touching.map(|element| state.forces[element]).sum()
+        })
+    }
+
     /// True compressions `F_z` of the feelers of `finger` that are in contact (N), in no particular order.
     pub fn compressions(&self, finger: usize) -> impl Iterator<Item = f64> + use<'_> {
         let fingers = self.model.fingers.iter().zip(&self.state.fingers);

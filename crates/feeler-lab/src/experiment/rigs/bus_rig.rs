@@ -21,6 +21,8 @@ pub struct BusRig {
     clock: RigClock,
     /// `None` if the bus was closed and could not be reopened.
     hand: Option<DriveHand>,
+    /// Position of each joint before the bus was closed, rad or m.
+    positions: Vec<f64>,
     stop: HandCommand,
     time: f64,
     /// Simulated sensors of the world behind emulated servos.
@@ -46,6 +48,7 @@ impl BusRig {
             most_age: control.stale_periods * control.period,
             clock,
             hand: None,
+            positions: Vec::new(),
             time: 0.0,
             sensing: None,
         };
@@ -120,11 +123,19 @@ impl Rig for BusRig {
         }
     }
 
-    /// Releases the servos and reopens the bus, in case the cable was pulled or a servo was replaced.
+    /// Releases the servos and reopens the bus, in case the cable was pulled or a servo was replaced. Servos that an
+    /// overload has switched off are restarted.
     fn restart(&mut self) -> Result<(), HandError> {
-        self.hand = None;
-        let hand = self.open_hand();
-        self.hand = Some(hand.map_err(|error| HandError::Failed(error.to_string()))?);
+        if let Some(mut hand) = self.hand.take() {
+            // If the bus has failed, opening it reports the cause.
+            let _ = hand.restart_overloaded();
+            self.positions = hand.angles().map(|(_, position)| position).collect();
+        }
+        let reopened = self.open_hand().and_then(|hand| {
+            hand.check_turns(&self.positions)?;
+            Ok(hand)
+        });
+        self.hand = Some(reopened.map_err(|error| HandError::Failed(error.to_string()))?);
         Ok(())
     }
 }

@@ -3,7 +3,7 @@
 
 use crate::config::Experiment;
 use crate::experiment::{ExperimentError, Session, fingers_at_home};
-use feeler::hand::{FingerDescription, JointVector};
+use feeler::hand::{FingerDescription, JointVector, jacobian};
 use feeler::pace::{FixedRate, PaceError, Schedule};
 use feeler_drives::bus::Bus;
 use feeler_drives::config::{DrivesConfig, FingerDrivesConfig};
@@ -39,6 +39,8 @@ struct WorldPlant {
     rig: SimRig,
     fingers: Vec<FingerDrivesConfig>,
     motions: Vec<Motion>,
+    /// Torque of the contact forces on each servo's horn, against positive motion, N m.
+    loads: Vec<f64>,
     /// `true` if the simulation failed and is stopped.
     failed: bool,
 }
@@ -48,6 +50,7 @@ impl WorldPlant {
         let mut plant = Self {
             rig: rig.clone(),
             motions: vec![Motion::default(); config.joints().count()],
+            loads: vec![0.0; config.joints().count()],
             fingers: config.finger.clone(),
             failed: false,
         };
@@ -56,14 +59,23 @@ impl WorldPlant {
     }
 
     fn measure(&mut self, world: &World) {
-        let mut motions = self.motions.iter_mut();
+        let mut motions = self.motions.iter_mut().zip(&mut self.loads);
         let states = world.state().fingers.iter();
         for (finger, (drives, state)) in self.fingers.iter().zip(states).enumerate() {
             let (angles, velocities) = (world.encoded(finger), state.joints.velocity);
+            // The moment of the forces about the dome's centre is neglected.
+            let force = world.contact_force(finger);
+            let geometry = &world.model().fingers[finger].geometry;
+            let columns = jacobian(geometry, state.joints.position);
             let joints = angles.iter().zip(velocities.iter()).zip(&drives.joint);
-            for (((angle, velocity), joint), motion) in joints.zip(motions.by_ref()) {
+            let joints = joints.zip(columns.columns());
+            for ((((angle, velocity), joint), column), (motion, load)) in
+                joints.zip(motions.by_ref())
+            {
                 motion.angle = joint.counts(angle) * TAU / COUNTS_PER_TURN;
                 motion.velocity = joint.servo_velocity(velocity);
+                // The object's reaction against the force that the finger exerts on it.
+                *load = f64::from(joint.direction) * column.dot(force) / joint.transmission();
             }
         }
     }
@@ -100,6 +112,10 @@ impl Plant for WorldPlant {
     fn motion(&self, servo: usize) -> Motion {
         self.motions.get(servo).copied().unwrap_or_default()
     }
+
+    fn load(&self, servo: usize) -> f64 {
+        self.loads.get(servo).copied().unwrap_or_default()
+    }
 }
 
 /// Returns the servos to be emulated for `experiment`: those of its table `[drives]`, or defaults for its hand.
@@ -108,8 +124,8 @@ pub fn drives(experiment: &Experiment) -> DrivesConfig {
     let own = config.drives.clone();
     let own = own.unwrap_or_else(|| {
         let fingers = config.hand.finger.iter();
-        let joint_counts: Vec<_> = fingers.map(FingerDescription::joint_count).collect();
-        DrivesConfig::emulated(&joint_counts)
+        let prismatic: Vec<_> = fingers.map(FingerDescription::is_prismatic).collect();
+        DrivesConfig::emulated(&prismatic)
     });
     DrivesConfig {
         reply_timeout: own.reply_timeout.max(EMULATED_REPLY_TIMEOUT),

@@ -1,14 +1,17 @@
-//! Emulated servo: its control table and access rules.
+//! Emulated servo: its control table, measured values and faults.
 
+mod access;
+mod faults;
+mod motion;
+
+use super::motor::{Motor, Wish};
 use super::plant::Motion;
 use crate::packet::Protocol;
-use crate::registers::{COUNTS_PER_TURN, Model, Register, Registers, VELOCITY_MODE, WATCHDOG_UNIT};
+use crate::registers::{COUNTS_PER_TURN, Model, Register, Registers};
 use std::f64::consts::TAU;
 
 /// Size of a control table, bytes.
 const TABLE: usize = 256;
-/// Time for which a restarted servo is silent, s.
-const RESTART: f64 = 0.3;
 /// Ambient temperature, degrees Celsius.
 const AMBIENT: f64 = 25.0;
 /// Temperature rise at maximum velocity, degrees Celsius.
@@ -17,6 +20,14 @@ const HEATING: f64 = 20.0;
 const THERMAL_LAG: f64 = 60.0;
 /// Supply voltage, 0.1 V.
 const SUPPLY: i64 = 50;
+/// Maximum homing offset in the mode within a turn, counts; others are ignored.
+const QUARTER_TURN: f64 = 1024.0;
+/// Operating modes of Dynamixel servos that differ from the others in their rules.
+mod mode {
+    pub const CURRENT: i64 = 0;
+    pub const WITHIN_A_TURN: i64 = 3;
+    pub const CURRENT_LIMITED: i64 = 5;
+}
 /// Error numbers of responses (Dynamixel protocol 2.0).
 pub(super) mod error {
     pub const INSTRUCTION: u8 = 2;
@@ -40,8 +51,11 @@ pub struct EmulatedServo {
     silent_until: f64,
     temperature: f64,
     supply: i64,
-    /// Encoder offset, counts.
+    /// Offset of the encoder's position, counts: turns that a restart has forgotten, and jumps.
     pub(super) jump: i64,
+    /// External torque on the horn, N m, in addition to the plant's.
+    pub(super) load: f64,
+    motor: Motor,
 }
 
 impl EmulatedServo {
@@ -56,10 +70,17 @@ impl EmulatedServo {
             temperature: AMBIENT,
             supply: SUPPLY,
             jump: 0,
+            load: 0.0,
+            motor: Motor::new(model),
         };
         let registers = servo.registers();
         servo.put(registers.model, model.number);
         servo.put(registers.current_limit, 500);
+        servo.put(registers.position_limits[1], COUNTS_PER_TURN as i64 - 1);
+        if let Some(shutdown) = registers.shutdown {
+            // Overload, electrical shock, overheating.
+            servo.put(shutdown, 0x34);
+        }
         match model.protocol {
             Protocol::Dynamixel => {
                 // Firmware, id, return delay of 500 us, position mode.
@@ -78,6 +99,7 @@ impl EmulatedServo {
                 servo.table[55] = 1;
             }
         }
+        servo.reset_goals();
         servo
     }
 
@@ -106,14 +128,15 @@ impl EmulatedServo {
 
     /// Goal velocity of the motor, rad/s; 0 without torque or in another mode.
     pub fn goal(&self) -> f64 {
-        let registers = self.registers();
-        let on = self.get(registers.torque) != 0 && self.get(registers.mode) == VELOCITY_MODE;
-        let units = if on {
-            self.get(registers.goal_velocity)
-        } else {
-            0
-        };
-        units as f64 * self.model.velocity_unit
+        match self.wish(0.0) {
+            Some(Wish::Velocity(velocity)) => velocity,
+            _ => 0.0,
+        }
+    }
+
+    /// Greatest current of the motor so far, A.
+    pub fn greatest_current(&self) -> f64 {
+        self.motor.greatest_current
     }
 
     /// Returns `true` if the servo receives and answers at `now`, s.
@@ -146,99 +169,48 @@ impl EmulatedServo {
         self.table.get(address..address.checked_add(length)?)
     }
 
-    /// Writes `bytes` to the control table from `address`. Returns an error number, or 0.
-    pub(super) fn write(&mut self, address: usize, bytes: &[u8]) -> u8 {
+    /// Position that the servo reports for the encoder's position in `counts`: with its offsets, and within a turn if its
+    /// positions wrap.
+    fn reported(&self, counts: f64) -> f64 {
         let registers = self.registers();
-        let Some(end) = address.checked_add(bytes.len()).filter(|&end| end <= TABLE) else {
-            return error::ACCESS;
-        };
-        let part = address..end;
-        let is = |register: Register| part.start == usize::from(register.address);
-        let torque = self.get(registers.torque) != 0;
+        let offset = self.get(registers.homing_offset) as f64;
+        let counts = counts + self.jump as f64;
+        let within_a_turn = self.get(registers.mode) == mode::WITHIN_A_TURN;
         match self.model.protocol {
-            Protocol::Dynamixel if address < 7 || end > 120 => return error::ACCESS,
-            Protocol::Dynamixel if address < 64 && torque => return error::ACCESS,
-            Protocol::Feetech if address < 5 || end > 56 => return error::ACCESS,
-            // A real servo loses values written to its locked EEPROM on restart; here they are ignored.
-            Protocol::Feetech if address < 40 && self.table[55] != 0 => return 0,
-            _ => {}
+            Protocol::Dynamixel if within_a_turn && offset.abs() > QUARTER_TURN => counts,
+            Protocol::Dynamixel => counts + offset,
+            Protocol::Feetech => (counts - offset).rem_euclid(COUNTS_PER_TURN),
         }
-        if is(registers.goal_velocity) {
-            let register = registers.goal_velocity;
-            if bytes.len() < register.length {
-                return error::LENGTH;
-            }
-            if registers
-                .watchdog
-                .is_some_and(|watchdog| self.get(watchdog) < 0)
-            {
-                return error::RANGE;
-            }
-            let limit = registers
-                .velocity_limit
-                .map_or(self.model.velocity_limit, |l| self.get(l));
-            if register.decode(bytes).abs() > limit {
-                return error::LIMIT;
-            }
-        }
-        self.table[part].copy_from_slice(bytes);
-        0
     }
 
-    /// Restarts at `now`, s.
-    pub(super) fn reboot(&mut self, now: f64) {
+    /// Sets the goals after switching on or a change of the mode.
+    fn reset_goals(&mut self) {
         let registers = self.registers();
-        let first_of_ram = match self.model.protocol {
-            Protocol::Dynamixel => 64,
-            Protocol::Feetech => 40,
-        };
-        let lock = registers.lock;
-        self.table[first_of_ram..].fill(0);
-        if let Some(lock) = lock {
-            self.put(lock, 1);
+        self.put(registers.goal_velocity, 0);
+        let position = self.get(registers.position);
+        self.put(registers.goal_position, position);
+        if let Some(goal) = registers.goal_current {
+            let limit = self.get(registers.current_limit);
+            let is_limited = self.get(registers.mode) == mode::CURRENT_LIMITED;
+            self.put(goal, if is_limited { limit } else { 0 });
         }
-        self.silent_until = now + RESTART;
-    }
-
-    /// Stops answering for good.
-    pub(super) fn silence(&mut self) {
-        self.silent_until = f64::INFINITY;
-    }
-
-    pub(super) fn overheat(&mut self) {
-        self.temperature = 95.0;
-    }
-
-    pub(super) fn lower_supply(&mut self) {
-        self.supply = 31;
-    }
-
-    /// Reports an overload, on which a real servo switches its torque off.
-    pub(super) fn break_down(&mut self) {
-        let registers = self.registers();
-        self.put(registers.fault, 0x20);
-        self.put(registers.torque, 0);
+        if let Some(limit) = registers.output_limit {
+            self.put(limit, 1000);
+        }
     }
 
     /// Updates the measured values at `now` (s), `step` after the previous update, for the `motion` of the horn. Stops
     /// the motor if the watchdog has expired.
     pub(super) fn measure(&mut self, (now, step): (f64, f64), motion: Motion, noise: f64) {
         let registers = self.registers();
-        if let Some(register) = registers.watchdog {
-            let counts = self.get(register);
-            if counts > 0 && now - self.heard > counts as f64 * WATCHDOG_UNIT {
-                self.put(register, -1);
-                self.put(registers.goal_velocity, 0);
-            }
-        }
-        let counts = (motion.angle * COUNTS_PER_TURN / TAU + noise).round() as i64 + self.jump;
-        let counts = match self.model.protocol {
-            Protocol::Dynamixel => counts,
-            Protocol::Feetech => counts.rem_euclid(COUNTS_PER_TURN as i64),
-        };
+        self.watch(now);
+        let counts = (motion.angle * COUNTS_PER_TURN / TAU + noise).round();
+        let counts = self.reported(counts) as i64;
         self.put(registers.position, counts);
         let units = (motion.velocity / self.model.velocity_unit).round() as i64;
         self.put(registers.velocity, units);
+        let current = (self.motor.current / self.model.current_unit).round() as i64;
+        self.put(registers.current, current);
         let load = (units as f64 / self.model.velocity_limit as f64)
             .abs()
             .min(1.0);

@@ -1,0 +1,278 @@
+//! The `feeler drives identify-current` subcommand.
+
+use super::IdentifyArguments;
+use super::jog::{MOST, joint_drive};
+use crate::{CommandError, Outcome};
+use feeler::hand::{Hand, HandState};
+use feeler::pace::{FixedRate, Schedule};
+use feeler_console::{Outputs, watch_for_interrupt};
+use feeler_drives::config::TorqueCalibration;
+use feeler_drives::hand::DriveHand;
+use feeler_drives::torque::{TorqueSample, identify_torque};
+use feeler_drives::{DriveError, RigClock};
+use feeler_rig::{ServoRig, all_changes, display_unit, print_changes};
+use std::io::{BufRead, Write, stdin};
+use std::path::Path;
+use std::sync::Arc;
+use std::sync::atomic::AtomicBool;
+use std::sync::mpsc::{Receiver, TryRecvError, channel};
+
+/// Share of a sweep at its begin that is not averaged: static friction and backlash.
+const SETTLES: f64 = 0.3;
+/// Time (s) that a sweep may take in addition to the time computed from its speed.
+const GRACE: f64 = 1.0;
+
+pub fn identify(
+    arguments: &IdentifyArguments,
+    out: &mut dyn Write,
+) -> Result<Outcome, CommandError> {
+    let rig = arguments.rig.load()?;
+    let place = (arguments.finger, usize::from(arguments.joint) - 1);
+    let Some(drive) = joint_drive(&rig, place) else {
+        return Err(DriveError::no_joint(place.0, place.1, &rig.fingers).into());
+    };
+    let (unit, size) = display_unit(drive);
+    check(arguments, unit, drive.jog_speed() / size)?;
+    let inputs = [Some(Path::new(&arguments.rig.experiment))];
+    let mut outputs = Outputs::new(arguments.overwrite.force, inputs);
+    let file = arguments.output.as_deref();
+    let file = file.filter(|_| !arguments.rig.dry_run);
+    let file = file
+        .map(|path| outputs.create(path, "--output"))
+        .transpose()?;
+    if arguments.rig.dry_run {
+        return plan(&rig, arguments, unit, out);
+    }
+    let samples = Sweeps::new(&rig, arguments, place, size)?.measure(&arguments.loads, out)?;
+    let Some(samples) = samples else {
+        writeln!(out, "interrupted; torque is off")?;
+        return Ok(Outcome::GivenUp);
+    };
+    let found = identify_torque(&samples).map_err(|error| error.to_string())?;
+    let setting = setting(place, &found);
+    report(&found, out)?;
+    if let (Some(file), Some(path)) = (file, &arguments.output) {
+        let changed = rig.experiment.with_settings(&[setting])?;
+        file.finish(changed.toml.as_bytes())?;
+        writeln!(out, "{}", path.display())?;
+    } else {
+        writeln!(out, "set {setting}, or write it with --output FILE")?;
+    }
+    Ok(Outcome::Done)
+}
+
+/// Checks the arguments; `most` is the maximum speed in `unit`/s.
+fn check(arguments: &IdentifyArguments, unit: &str, most: f64) -> Result<(), CommandError> {
+    let (by, speed) = (arguments.by, arguments.speed);
+    if !(by > 0.0 && by <= MOST) {
+        return Err(format!("--by {by}: expected above 0, at most {MOST} {unit}").into());
+    }
+    if !(speed > 0.0 && speed <= most) {
+        return Err(format!(
+            "--speed {speed}: expected a speed above 0, at most {most:.1} {unit}/s"
+        )
+        .into());
+    }
+    match arguments.loads.iter().all(|load| load.is_finite()) {
+        true => Ok(()),
+        false => Err("--loads: expected numbers".into()),
+    }
+}
+
+/// Prints the planned writes without executing them.
+fn plan(
+    rig: &ServoRig,
+    arguments: &IdentifyArguments,
+    unit: &str,
+    out: &mut dyn Write,
+) -> Result<Outcome, CommandError> {
+    let planned = all_changes(&mut rig.open()?, &rig.config, &rig.fingers)?;
+    print_changes(&planned, out)?;
+    let IdentifyArguments { by, speed, .. } = arguments;
+    let (finger, joint, sweeps) = (arguments.finger, arguments.joint, arguments.sweeps);
+    writeln!(
+        out,
+        "would enable torque of all servos, sweep theta{joint} of finger {finger} by {by} {unit} to either side at {speed} {unit}/s, {sweeps} times per direction and load, and disable torque; nothing was written"
+    )?;
+    Ok(Outcome::Done)
+}
+
+fn report(found: &TorqueCalibration, out: &mut dyn Write) -> Result<(), CommandError> {
+    writeln!(
+        out,
+        "torque constant {:.4} +- {:.4} N m/A, friction {:.4} +- {:.4} N m (standard errors; N instead of N m for a prismatic joint)",
+        found.constant, found.constant_error, found.friction, found.friction_error
+    )?;
+    Ok(())
+}
+
+/// The setting of the calibration in an experiment.
+fn setting((finger, joint): (usize, usize), found: &TorqueCalibration) -> String {
+    format!(
+        "drives.finger.{finger}.joint.{joint}.torque={{ constant = {:.6}, constant_error = {:.6}, friction = {:.6}, friction_error = {:.6} }}",
+        found.constant, found.constant_error, found.friction, found.friction_error
+    )
+}
+
+/// Sweeps of one joint.
+struct Sweeps {
+    hand: DriveHand,
+    state: HandState,
+    pace: FixedRate,
+    /// Control period, s.
+    period: f64,
+    interrupted: Arc<AtomicBool>,
+    place: (usize, usize),
+    /// Ends of a sweep, rad or m, and speed, rad/s or m/s.
+    ends: [f64; 2],
+    speed: f64,
+    /// Number of sweeps per direction and load.
+    count: u8,
+}
+
+impl Sweeps {
+    /// Enables torque. `size` is the arguments' unit, rad or m.
+    fn new(
+        rig: &ServoRig,
+        arguments: &IdentifyArguments,
+        place: (usize, usize),
+        size: f64,
+    ) -> Result<Self, CommandError> {
+        let control = &rig.experiment.config.control;
+        let most_age = control.stale_periods * control.period;
+        let interrupted = watch_for_interrupt()?;
+        let mut hand = DriveHand::open(&rig.config, &rig.fingers, most_age, RigClock::real())?;
+        hand.read_currents();
+        let mut state = HandState::zero(rig.fingers.len());
+        hand.read(&mut state)?;
+        let (finger, joint) = place;
+        let middle = state.joints[finger].position[joint];
+        let ends = [-1.0, 1.0].map(|side| middle + side * arguments.by * size);
+        let geometry = &rig.fingers[finger];
+        let (lower, upper) = (geometry.joint_lower()[joint], geometry.joint_upper()[joint]);
+        if ends[0] < lower || ends[1] > upper {
+            let [lower, upper, from, to] = [lower, upper, ends[0], ends[1]].map(|end| end / size);
+            return Err(format!(
+                "--by {}: expected a sweep within {lower:.1} to {upper:.1}, got {from:.1} to {to:.1}; move the joint away from its limit",
+                arguments.by,
+            )
+            .into());
+        }
+        Ok(Self {
+            hand,
+            state,
+            pace: FixedRate::new(control.period)?,
+            period: control.period,
+            interrupted,
+            place,
+            ends,
+            speed: arguments.speed * size,
+            count: arguments.sweeps,
+        })
+    }
+
+    /// Measures sweeps under each of `loads`. Returns `None` if interrupted.
+    fn measure(
+        mut self,
+        loads: &[f64],
+        out: &mut dyn Write,
+    ) -> Result<Option<Vec<TorqueSample>>, CommandError> {
+        let lines = lines();
+        let mut samples = Vec::new();
+        for &load in loads {
+            writeln!(
+                out,
+                "apply a load of {load} against positive motion, then press Enter"
+            )?;
+            out.flush()?;
+            if !self.hold_until_enter(&lines)? || self.sweep(-1.0)?.is_none() {
+                return Ok(None);
+            }
+            for _ in 0..self.count {
+                for direction in [1.0, -1.0] {
+                    let Some(current) = self.sweep(direction)? else {
+                        return Ok(None);
+                    };
+                    let sign = if direction > 0.0 { '+' } else { '-' };
+                    writeln!(out, "load {load}, direction {sign}: {current:.4} A")?;
+                    samples.push(TorqueSample {
+                        load,
+                        direction,
+                        current,
+                    });
+                }
+            }
+        }
+        Ok(Some(samples))
+    }
+
+    /// Waits for the next period and reads the hand. Returns the number of periods that have passed, or `None` if
+    /// interrupted.
+    fn step(&mut self) -> Result<Option<u64>, CommandError> {
+        let Some(tick) = self.pace.next_tick(&self.interrupted) else {
+            return Ok(None);
+        };
+        self.hand.read(&mut self.state)?;
+        Ok(Some(tick.missed + 1))
+    }
+
+    /// Holds the hand until a line arrives. Returns `false` if interrupted or if the input has ended.
+    fn hold_until_enter(&mut self, lines: &Receiver<()>) -> Result<bool, CommandError> {
+        let (finger, joint) = self.place;
+        while self.step()?.is_some() {
+            self.hand.jog(finger, joint, 0.0)?;
+            match lines.try_recv() {
+                Ok(()) => return Ok(true),
+                Err(TryRecvError::Empty) => {}
+                Err(TryRecvError::Disconnected) => return Ok(false),
+            }
+        }
+        Ok(false)
+    }
+
+    /// Moves the joint to the end in `direction`. Returns the mean current of the later part of the way, A, or `None` if
+    /// interrupted.
+    fn sweep(&mut self, direction: f64) -> Result<Option<f64>, CommandError> {
+        let (finger, joint) = self.place;
+        let [lower, upper] = self.ends;
+        let end = if direction > 0.0 { upper } else { lower };
+        let way = upper - lower;
+        let mut left = way / self.speed + GRACE;
+        let (mut sum, mut count) = (0.0, 0_u32);
+        loop {
+            let Some(periods) = self.step()? else {
+                return Ok(None);
+            };
+            let rest = (end - self.state.joints[finger].position[joint]) * direction;
+            if rest <= 0.0 {
+                break;
+            }
+            left -= periods as f64 * self.period;
+            if left < 0.0 {
+                return Err("the joint did not arrive in time: expected free motion; reduce the load or increase the current limit".into());
+            }
+            if rest < (1.0 - SETTLES) * way {
+                let mut currents = self.hand.currents();
+                let current = currents.find(|(name, _)| (name.finger, name.joint) == self.place);
+                sum += current.map_or(0.0, |(_, current)| current);
+                count += 1;
+            }
+            self.hand.jog(finger, joint, self.speed * direction)?;
+        }
+        self.hand.jog(finger, joint, 0.0)?;
+        Ok(Some(sum / f64::from(count)))
+    }
+}
+
+/// Receives an item for each line of the standard input.
+fn lines() -> Receiver<()> {
+    let (sender, lines) = channel();
+    std::thread::spawn(move || {
+        for _ in stdin().lock().lines().map_while(Result::ok) {
+            if sender.send(()).is_err() {
+                return;
+            }
+        }
+    });
+    lines
+}

@@ -1,0 +1,149 @@
+//! The servo of one joint.
+
+use crate::registers::{COUNTS_PER_TURN, DriveMode, Model};
+use serde::{Deserialize, Serialize};
+use std::f64::consts::TAU;
+
+/// Maximum speed of a jogged revolute joint, rad/s.
+pub const JOG_SPEED: f64 = 0.2;
+/// Maximum speed of a jogged prismatic joint, m/s.
+pub const PRISMATIC_JOG_SPEED: f64 = 0.01;
+
+/// The servo of one joint. Joint angle = `direction` * servo angle / `gear_ratio` + `homing_offset`. Displacement of a
+/// prismatic joint = `direction` * turns of the servo * `travel_per_turn` + `homing_offset`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct JointDriveConfig {
+    /// Id on the bus.
+    pub id: u8,
+    /// Servo model, e.g. `XL330-M288`.
+    pub model: String,
+    /// Way in which the servo follows the joint's velocity.
+    #[serde(default, skip_serializing_if = "is_velocity")]
+    pub mode: DriveMode,
+    /// Joint angle (rad) or displacement (m) at servo position 0; determined by `feeler drives home`.
+    #[serde(default)]
+    pub homing_offset: f64,
+    /// 1, or -1 if the joint's position decreases when the servo's position increases.
+    #[serde(default = "forward")]
+    pub direction: i8,
+    /// Turns of the servo's horn per turn of the joint; 1 for a prismatic joint.
+    #[serde(default = "one")]
+    pub gear_ratio: f64,
+    /// Travel of a prismatic joint per turn of the servo's horn, m: the lead of a screw, or the circumference of a
+    /// pinion's pitch circle. `None` for a revolute joint.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub travel_per_turn: Option<f64>,
+    /// Maximum distance from the measured position to the goal position, rad or m, in the position modes; if `None`, the
+    /// distance at the joint's speed limit in the maximum age of joint angles.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub leash: Option<f64>,
+    /// Maximum current, A; if `None`, the servo's own setting. Current-limited position mode requires it or
+    /// `torque_limit`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub current_limit: Option<f64>,
+    /// Maximum torque of the motor at the joint, N m (N for a prismatic joint), in current-limited position mode; requires
+    /// `torque`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torque_limit: Option<f64>,
+    /// Calibration of the torque; determined by `feeler drives identify-current`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub torque: Option<TorqueCalibration>,
+}
+
+/// Torque of the joint by the motor's current: `constant` * current, less `friction` if the joint moves. In N m, or N for
+/// a prismatic joint. Errors are standard errors.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct TorqueCalibration {
+    /// Torque per current, N m/A or N/A.
+    pub constant: f64,
+    /// Standard error of `constant`.
+    pub constant_error: f64,
+    /// Coulomb friction, N m or N.
+    pub friction: f64,
+    /// Standard error of `friction`.
+    pub friction_error: f64,
+}
+
+fn is_velocity(mode: &DriveMode) -> bool {
+    *mode == DriveMode::Velocity
+}
+
+fn forward() -> i8 {
+    1
+}
+
+fn one() -> f64 {
+    1.0
+}
+
+impl JointDriveConfig {
+    /// Converts the servo's position in counts to the joint's position, rad or m.
+    pub fn angle(&self, counts: f64) -> f64 {
+        self.turn(counts) + self.homing_offset
+    }
+
+    /// Converts a change of the servo's position in counts to a change of the joint's position, rad or m.
+    pub fn turn(&self, counts: f64) -> f64 {
+        f64::from(self.direction) * counts * TAU / COUNTS_PER_TURN / self.transmission()
+    }
+
+    /// Converts the joint's position (rad or m) to the servo's position in counts.
+    pub fn counts(&self, angle: f64) -> f64 {
+        let turn = angle - self.homing_offset;
+        f64::from(self.direction) * turn * COUNTS_PER_TURN / TAU * self.transmission()
+    }
+
+    /// Converts the joint's velocity (rad/s or m/s) to the servo's velocity, rad/s.
+    pub fn servo_velocity(&self, velocity: f64) -> f64 {
+        f64::from(self.direction) * velocity * self.transmission()
+    }
+
+    /// Converts the servo's velocity (rad/s) to the joint's velocity, rad/s or m/s.
+    pub fn joint_velocity(&self, velocity: f64) -> f64 {
+        f64::from(self.direction) * velocity / self.transmission()
+    }
+
+    /// Rotation of the servo's horn (rad) per rad or m of the joint's motion.
+    pub fn transmission(&self) -> f64 {
+        match self.travel_per_turn {
+            None => self.gear_ratio,
+            Some(travel) => TAU / travel,
+        }
+    }
+
+    /// Unit of the joint's position: `rad`, or `m` for a prismatic joint.
+    pub fn unit(&self) -> &'static str {
+        match self.travel_per_turn {
+            None => "rad",
+            Some(_) => "m",
+        }
+    }
+
+    /// Maximum speed of the joint when jogged: [`JOG_SPEED`], or [`PRISMATIC_JOG_SPEED`] for a prismatic joint.
+    pub fn jog_speed(&self) -> f64 {
+        match self.travel_per_turn {
+            None => JOG_SPEED,
+            Some(_) => PRISMATIC_JOG_SPEED,
+        }
+    }
+
+    /// Maximum current in current-limited position mode, A: `current_limit`, or less due to `torque_limit`. `None` if
+    /// the joint has neither limit.
+    pub fn most_current(&self) -> Option<f64> {
+        let by_torque = match (self.torque_limit, self.torque) {
+            (Some(limit), Some(torque)) => Some(limit / torque.constant),
+            _ => None,
+        };
+        match (self.current_limit, by_torque) {
+            (Some(limit), Some(other)) => Some(limit.min(other)),
+            (limit, other) => limit.or(other),
+        }
+    }
+
+    /// The model of the servo, or `None` if it is unknown.
+    pub fn known_model(&self) -> Option<&'static Model> {
+        Model::named(&self.model)
+    }
+}

@@ -1,0 +1,113 @@
+//! Motion of an emulated servo in its operating mode.
+
+use super::{EmulatedServo, mode};
+use crate::emulator::motor::{Limits, Wish};
+use crate::emulator::plant::Motion;
+use crate::health::OVERLOAD;
+use crate::packet::Protocol;
+use crate::registers::{COUNTS_PER_TURN, DriveMode};
+use std::f64::consts::TAU;
+
+impl EmulatedServo {
+    /// Maximum current that the servo allows in its mode, A.
+    pub fn most_current(&self) -> f64 {
+        let registers = self.registers();
+        let unit = self.model.current_unit;
+        let (_, stall_current) = self.model.stall;
+        let limit = self.get(registers.current_limit) as f64 * unit;
+        match (self.model.protocol, self.get(registers.mode)) {
+            (Protocol::Dynamixel, mode::CURRENT) => limit.min(stall_current),
+            (Protocol::Dynamixel, mode::CURRENT_LIMITED) => {
+                let goal = registers.goal_current.map_or(0, |goal| self.get(goal));
+                (goal.abs() as f64 * unit).min(limit).min(stall_current)
+            }
+            (Protocol::Feetech, 0) => {
+                let share = registers.output_limit.map_or(1000, |limit| self.get(limit));
+                stall_current * share.min(1000) as f64 / 1000.0
+            }
+            _ => stall_current,
+        }
+    }
+
+    /// Action of the motor that the goals require with the horn at `angle`, rad, or `None` without torque.
+    pub(super) fn wish(&self, angle: f64) -> Option<Wish> {
+        let registers = self.registers();
+        if self.get(registers.torque) == 0 {
+            return None;
+        }
+        let (protocol, number) = (self.model.protocol, self.get(registers.mode));
+        let is = |mode: DriveMode| mode.number(protocol) == number;
+        if is(DriveMode::Velocity) {
+            let goal = self.get(registers.goal_velocity) as f64;
+            return Some(Wish::Velocity(goal * self.model.velocity_unit));
+        }
+        match (protocol, number, registers.goal_current) {
+            (Protocol::Dynamixel, mode::CURRENT, Some(goal)) => {
+                let current = self.get(goal) as f64 * self.model.current_unit;
+                Some(Wish::Current(current))
+            }
+            (Protocol::Dynamixel, mode::WITHIN_A_TURN, _) => Some(self.to_goal(angle)),
+            _ if is(DriveMode::Position) || is(DriveMode::CurrentLimitedPosition) => {
+                Some(self.to_goal(angle))
+            }
+            // Voltage and step modes.
+            _ => None,
+        }
+    }
+
+    /// Motion to the goal position with the horn at `angle`, rad. A Feetech servo keeps it within its limits, and does not
+    /// pass the position at which it wraps.
+    fn to_goal(&self, angle: f64) -> Wish {
+        let registers = self.registers();
+        let [lower, upper] = registers.position_limits.map(|limit| self.get(limit));
+        let goal = match self.get(registers.goal_position) {
+            goal if self.model.protocol == Protocol::Feetech => goal.min(upper).max(lower),
+            goal => goal,
+        };
+        let rest = goal as f64 - self.reported(angle * COUNTS_PER_TURN / TAU);
+        let fastest = match self.get(registers.profile_velocity).abs() {
+            0 => f64::INFINITY,
+            units => units as f64 * self.model.velocity_unit,
+        };
+        Wish::Position {
+            rest: rest * TAU / COUNTS_PER_TURN,
+            fastest,
+        }
+    }
+
+    /// Ends an overload.
+    pub(super) fn restart_motor(&mut self) {
+        self.motor.restart();
+    }
+
+    /// Moves the motor for `step` seconds with the horn in `motion` under `load`, N m against positive motion. Returns
+    /// the velocity that the horn approaches, rad/s.
+    pub(in crate::emulator) fn drive(&mut self, step: f64, motion: Motion, load: f64) -> f64 {
+        let wish = self.wish(motion.angle);
+        let limits = Limits {
+            current: self.most_current(),
+            overload: self.get(self.registers().fault) & i64::from(OVERLOAD) != 0,
+        };
+        let velocity = self
+            .motor
+            .drive(step, wish, motion, (load + self.load, limits));
+        if self.motor.is_overloaded() {
+            self.overload();
+        }
+        velocity
+    }
+
+    /// Reacts to a persistent overload. A Dynamixel switches its torque off, if its shutdown register contains this fault.
+    /// A Feetech servo limits it until torque is switched on again.
+    fn overload(&mut self) {
+        let registers = self.registers();
+        let fault = self.get(registers.fault);
+        self.put(registers.fault, fault | i64::from(OVERLOAD));
+        if registers
+            .shutdown
+            .is_some_and(|shutdown| self.get(shutdown) & i64::from(OVERLOAD) != 0)
+        {
+            self.put(registers.torque, 0);
+        }
+    }
+}

@@ -1,0 +1,238 @@
+//! The servo of one joint: units, limits and last command.
+
+mod follower;
+mod leash;
+
+use crate::config::JointDriveConfig;
+use crate::error::{DriveError, JointName};
+use crate::registers::{COUNTS_PER_TURN, GoalKind, Model, Registers};
+use crate::torque::TorqueEstimate;
+use feeler::hand::FingerGeometry;
+use follower::Follower;
+
+/// Limits of a joint's position (rad or m) and of its speed (rad/s or m/s).
+#[derive(Debug, Clone, Copy)]
+pub(crate) struct JointLimits {
+    pub lower: f64,
+    pub upper: f64,
+    pub speed: f64,
+}
+
+impl JointLimits {
+    /// Limits of the joint `name` of the finger `geometry`.
+    pub fn of(name: JointName, geometry: &FingerGeometry) -> Self {
+        Self {
+            lower: geometry.joint_lower()[name.joint],
+            upper: geometry.joint_upper()[name.joint],
+            speed: geometry.joint_speed_limit()[name.joint],
+        }
+    }
+}
+
+/// A joint's servo.
+#[derive(Debug, Clone)]
+pub(crate) struct Servo {
+    pub name: JointName,
+    pub drive: JointDriveConfig,
+    pub model: &'static Model,
+    limits: JointLimits,
+    /// Displacement to which a tolerance of one radian applies: 1 rad, or the reach (m) for a prismatic joint.
+    scale: f64,
+    /// Last position, counts, unwrapped over turns.
+    counts: Option<i64>,
+    /// Last position (rad or m) and velocity (rad/s or m/s) of the joint.
+    pub angle: f64,
+    pub velocity: f64,
+    /// Last current, A, positive if it increases the joint's position. 0 if it is not read.
+    pub current: f64,
+    follower: Follower,
+    /// Value of the goal register.
+    pub goal: i64,
+    /// `true` after the goal was set to the measured position.
+    held: bool,
+}
+
+impl Servo {
+    /// Creates the servo `name`, which moves a joint of the finger `geometry`. Its commands are based on measurements of
+    /// at most the age `most_age`, s.
+    pub fn new(
+        name: JointName,
+        drive: &JointDriveConfig,
+        model: &'static Model,
+        geometry: &FingerGeometry,
+        most_age: f64,
+    ) -> Self {
+        let limits = JointLimits::of(name, geometry);
+        let leash = limits.speed * most_age;
+        let range = (limits.lower, limits.upper);
+        Self {
+            name,
+            drive: drive.clone(),
+            model,
+            limits,
+            scale: geometry.joint_scale()[name.joint],
+            counts: None,
+            angle: 0.0,
+            velocity: 0.0,
+            current: 0.0,
+            follower: Follower::new(drive, range, limits.speed, leash),
+            goal: 0,
+            held: false,
+        }
+    }
+
+    /// Returns `true` if the goal may be written: a goal position only after the joint was measured.
+    pub fn has_goal(&self) -> bool {
+        self.held || self.kind() == GoalKind::Velocity
+    }
+
+    /// Kind of the goal.
+    pub fn kind(&self) -> GoalKind {
+        self.follower.kind()
+    }
+
+    /// Maximum speed of a jogged joint, rad/s or m/s.
+    pub fn jog_speed(&self) -> f64 {
+        self.drive.jog_speed()
+    }
+
+    /// Unit of the joint's position.
+    pub fn unit(&self) -> &'static str {
+        self.drive.unit()
+    }
+
+    /// Velocity of the servo at the joint's speed limit, in the model's unit.
+    pub fn profile_velocity(&self) -> i64 {
+        let velocity = self.limits.speed * self.drive.transmission();
+        (velocity / self.model.velocity_unit).ceil() as i64
+    }
+
+    /// Checks that a velocity limit, in the servo's unit, is sufficient for the joint.
+    pub fn allow(&self, limit: i64) -> Result<(), DriveError> {
+        let expected = self.limits.speed * self.drive.transmission();
+        let actual = limit as f64 * self.model.velocity_unit;
+        match actual >= expected {
+            true => Ok(()),
+            false => Err(DriveError::VelocityLimit {
+                joint: self.name,
+                expected,
+                actual,
+            }),
+        }
+    }
+
+    /// Discards the last command and position.
+    pub fn reset(&mut self) {
+        self.counts = None;
+        self.held = false;
+        self.stop();
+    }
+
+    /// Updates position, velocity and current from the `bytes` of a part of the control table that begins at the address
+    /// `begin`. If `wraps` is given, the position wraps after that number of counts.
+    pub fn read(&mut self, registers: &Registers, begin: u16, bytes: &[u8], wraps: Option<i64>) {
+        let read = registers.position.in_part(begin, bytes);
+        let counts = match (wraps, self.counts) {
+            (None, _) => read,
+            (Some(turn), before) => {
+                // Choose the equivalent position nearest to the previous one, or initially to the middle of the range.
+                let middle = (self.limits.lower + self.limits.upper) / 2.0;
+                let near = before.unwrap_or_else(|| self.drive.counts(middle).round() as i64);
+                near + (read - near + turn / 2).rem_euclid(turn) - turn / 2
+            }
+        };
+        self.counts = Some(counts);
+        self.angle = self.drive.angle(counts as f64);
+        let units = registers.velocity.in_part(begin, bytes) as f64;
+        self.velocity = self.drive.joint_velocity(units * self.model.velocity_unit);
+        let units = registers.current.in_part(begin, bytes) as f64;
+        self.current = f64::from(self.drive.direction) * units * self.model.current_unit;
+    }
+
+    /// Checks that the joint is within its limits plus `tolerance` (rad, or times the reach) and not faster than `faster`
+    /// times its limit.
+    pub fn check(&self, tolerance: f64, faster: f64) -> Result<(), DriveError> {
+        let JointLimits {
+            lower,
+            upper,
+            speed,
+        } = self.limits;
+        let tolerance = tolerance * self.scale;
+        if !(lower - tolerance..=upper + tolerance).contains(&self.angle) {
+            return Err(DriveError::BeyondLimits {
+                joint: self.name,
+                angle: self.angle,
+                lower,
+                upper,
+                unit: self.unit(),
+            });
+        }
+        let limit = faster * speed;
+        if self.velocity.abs() > limit {
+            return Err(DriveError::TooFast {
+                joint: self.name,
+                velocity: self.velocity,
+                limit,
+                unit: self.unit(),
+            });
+        }
+        Ok(())
+    }
+
+    /// Checks that the position has not changed by half a turn of the servo or more since the joint was at `before` (rad
+    /// or m), as it does if the servo restarts in another turn.
+    pub fn check_turn(&self, before: f64) -> Result<(), DriveError> {
+        let turned = self.drive.counts(self.angle) - self.drive.counts(before);
+        match turned.abs() < COUNTS_PER_TURN / 2.0 {
+            true => Ok(()),
+            false => Err(DriveError::TurnLost {
+                joint: self.name,
+                before,
+                angle: self.angle,
+                unit: self.unit(),
+            }),
+        }
+    }
+
+    /// Sets the goal for the joint's `velocity`, rad/s or m/s. The latest measurement is `elapsed` seconds after that of
+    /// the previous command.
+    pub fn command(&mut self, velocity: f64, elapsed: f64) -> Result<(), DriveError> {
+        if velocity.is_nan() || velocity.abs() > self.limits.speed * (1.0 + 1e-9) {
+            return Err(DriveError::Command {
+                joint: self.name,
+                velocity,
+                limit: self.limits.speed,
+                unit: self.unit(),
+            });
+        }
+        let measured = (self.angle, elapsed);
+        self.goal = self
+            .follower
+            .follow(velocity, measured, &self.drive, self.model);
+        Ok(())
+    }
+
+    /// Sets the goal that holds the joint at its latest measured position.
+    pub fn hold(&mut self) {
+        self.follower.hold(self.angle);
+        self.held = true;
+        self.stop();
+    }
+
+    /// Sets the goal that stops the joint.
+    pub fn stop(&mut self) {
+        self.goal = self.follower.stop(&self.drive, self.model);
+    }
+
+    /// Torque that the motor exerts on the joint, or `None` without a calibration.
+    pub fn torque(&self) -> Option<TorqueEstimate> {
+        let calibration = self.drive.torque?;
+        // Slower than one unit of its velocity, the servo does not measure the direction.
+        let unit = self.drive.joint_velocity(self.model.velocity_unit).abs();
+        let direction = match self.velocity {
+            velocity if velocity.abs() < 1.5 * unit => 0.0,
+            velocity => velocity.signum(),
+        };
+        Some(TorqueEstimate::of(&calibration, self.current, direction))
+    }
+}
