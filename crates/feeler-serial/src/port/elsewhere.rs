@@ -23,7 +23,7 @@ impl SerialPort {
     pub fn open(path: &str, baud_rate: u32) -> io::Result<Self> {
         let port = serialport::new(path, baud_rate)
             .timeout(SEND_TIMEOUT)
-            // Boards with a USB port of their own send only while this line is set; Linux sets it by itself.
+            // Boards with native USB send only while this line is set. Linux sets it when a port is opened.
             .dtr_on_open(true)
             .open()?;
         let set = port.baud_rate()?;

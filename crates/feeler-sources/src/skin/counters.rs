@@ -3,7 +3,7 @@
 use std::fmt;
 use std::sync::atomic::{AtomicU64, Ordering};
 
-/// What a [`SkinSensor`](super::SkinSensor) has received. Displayed in one line.
+/// Counters of a [`SkinSensor`](super::SkinSensor), displayed in one line.
 #[derive(Debug, Default)]
 pub struct SkinCounters {
     /// Number of decoded frames.

@@ -37,8 +37,8 @@ impl SkinEmulator {
             layout: layout.name.clone(),
         })?;
         let link = link.map(Path::to_path_buf);
-        let failed = |source| SkinError::Port {
-            path: "pseudo-terminal".into(),
+        let failed = |source| SkinError::Emulator {
+            link: link.clone().unwrap_or_default(),
             source,
         };
         let port = plug_in(link.as_deref()).map_err(failed)?;
@@ -52,7 +52,7 @@ impl SkinEmulator {
             serial,
             taxels: layout.taxels.len(),
             period: Duration::from_secs_f64(1.0 / rate),
-            link,
+            link: link.clone(),
             port: Some(port),
             lost: 0.0,
             flipped: 0.0,

@@ -2,6 +2,7 @@
 
 use feeler::sensor::taxel::TaxelError;
 use std::io;
+use std::path::{Path, PathBuf};
 
 /// Error of opening a skin.
 #[derive(Debug, thiserror::Error)]
@@ -25,4 +26,19 @@ pub enum SkinError {
         /// Error of the system.
         source: io::Error,
     },
+    /// A skin cannot be emulated.
+    #[error("failed to emulate a skin{}: {source}", shown(link))]
+    Emulator {
+        /// Link to its port; empty if none was requested.
+        link: PathBuf,
+        /// Error of the system.
+        source: io::Error,
+    },
+}
+
+fn shown(link: &Path) -> String {
+    match link.as_os_str().is_empty() {
+        true => String::new(),
+        false => format!(" with the link {}", link.display()),
+    }
 }

@@ -28,8 +28,7 @@ pub struct Arrivals {
 }
 
 impl Arrivals {
-    /// Creates the estimator for a stream with this transmission time of a byte (s), of which nothing was read before
-    /// time 0.
+    /// Creates the estimator for a stream with this transmission time of a byte (s). Nothing was read before time 0.
     pub fn new(byte_time: f64) -> Self {
         Self {
             byte_time,

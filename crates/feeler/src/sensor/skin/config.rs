@@ -11,7 +11,7 @@ use serde::{Deserialize, Serialize};
 pub struct SerialConfig {
     /// Protocol.
     pub protocol: SkinProtocol,
-    /// Baud rate. Has no effect on boards with a USB port of their own.
+    /// Baud rate. Has no effect on boards with native USB.
     pub baud_rate: u32,
     /// Address of the module on the bus; only for [`SkinProtocol::Paxini`].
     #[serde(default = "first_address")]
@@ -87,7 +87,7 @@ impl SerialConfig {
         (self.request(taxels).as_deref() == Some(request)).then_some(taxels)
     }
 
-    /// Transmission time of a byte, s; 0 if bytes arrive in packets of a board's own USB port.
+    /// Transmission time of a byte, s; 0 if bytes arrive in packets of native USB.
     pub fn byte_time(&self) -> f64 {
         const BITS: f64 = 10.0;
         match self.protocol {

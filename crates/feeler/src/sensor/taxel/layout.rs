@@ -46,7 +46,7 @@ pub struct TaxelLayout {
     /// Slow correction of the zero, or `None` for no correction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drift: Option<TaxelDrift>,
-    /// Whether the mean reading of all taxels is subtracted from each, which rejects uniform magnetic fields. Requires at
+    /// `true` to subtract the mean reading of all taxels from each, which rejects uniform magnetic fields. Requires at
     /// least three taxels with the same normal.
     #[serde(default, skip_serializing_if = "std::ops::Not::not")]
     pub common_mode: bool,

@@ -85,7 +85,7 @@ fn missing_taxels_are_left_out_of_the_mean() {
     );
 }
 
-/// Counts per newton apply to what remains, and signed, permuted axes are inverted exactly.
+/// Counts per newton apply to the remaining reading, and signed, permuted axes are inverted exactly.
 #[test]
 fn scales_and_axes_are_taken_into_account() {
     let text = BuiltInTaxels::named("anyskin").unwrap().text;

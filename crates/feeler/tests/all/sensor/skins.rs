@@ -173,8 +173,8 @@ impl Damage {
 }
 
 /// After damage at any place, all frames from the third whole one on are decoded, and no frame is made up: lost and
-/// inserted bytes cause no wrong values, except by a coincidence of sums. A changed byte may change values of its own
-/// frame only.
+/// inserted bytes cause no wrong values, except by a coincidence of sums. A changed byte may change values of
+/// that frame only.
 #[test]
 fn damage_costs_at_most_three_frames() {
     for (config, taxels) in skins() {

@@ -51,6 +51,25 @@ fn the_books_layout_is_valid() {
     );
 }
 
+/// The keys in the book's page on skins are valid together.
+#[test]
+fn the_books_keys_of_skins_are_valid() {
+    let page = include_str!("../../../../../docs/skins.md");
+    let (_, rest) = page.split_once("```toml\n").unwrap();
+    let (block, _) = rest.split_once("```").unwrap();
+    let anyskin = BuiltInTaxels::named("anyskin").unwrap().text;
+    let (above, _) = anyskin.split_once("taxel = [").unwrap();
+    let own = above.lines().filter(|line| !line.starts_with("serial ="));
+    let text = format!("{}\n{block}", own.collect::<Vec<_>>().join("\n"));
+    let layout = TaxelLayout::from_toml(&text).unwrap();
+    assert!(layout.common_mode && layout.serial.is_some() && layout.rezero.is_some());
+    let places: Vec<_> = layout.elements().map(|(_, place)| place).collect();
+    assert_eq!(places.len(), 16);
+    // The second taxel is in the first row, the fifth below the first.
+    assert!((places[1] - places[0] - 0.005 * glam::DVec3::Y).length() < 1e-12);
+    assert!((places[4] - places[0] + 0.005 * glam::DVec3::Z).length() < 1e-12);
+}
+
 fn eflesh() -> &'static str {
     BuiltInTaxels::named("eflesh").unwrap().text
 }
