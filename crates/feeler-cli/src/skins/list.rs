@@ -68,7 +68,7 @@ fn in_words(skin: &FoundSkin, path: &str) -> String {
         .map(|built_in| built_in.name)
         .collect();
     let layouts = match names.is_empty() {
-        true => "a layout of your own".to_string(),
+        true => "a custom layout".to_string(),
         false => names.join(" or "),
     };
     format!(
