@@ -273,7 +273,7 @@ fn vendor_packages_read_the_emulated_skins() {
     for (package, layout) in [
         ("anyskin", "anyskin"),
         ("reskin", "reskin"),
-        ("anyskin", "eflesh"),
+        ("reskin", "eflesh"),
     ] {
         let Some(chips) = read_by_vendor(&folder, package, layout) else {
             return;
