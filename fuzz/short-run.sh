@@ -5,7 +5,7 @@ set -euo pipefail
 cd "$(dirname "$0")/.."
 seconds=${1:-60}
 # Stable Rust has no address sanitizer; feeler's only unsafe code is in its SIMD sums.
-for target in layout taxels calibration wrench policy loads forces netft picture experiment recording link inboxes stop_wire drives_bus ros2; do
+for target in layout taxels calibration wrench policy loads forces netft picture experiment recording link inboxes stop_wire skins drives_bus ros2; do
     scratch=fuzz/target/found/$target
     mkdir -p "$scratch"
     cargo fuzz run --sanitizer none "$target" "$scratch" "fuzz/corpus/$target" -- \

@@ -13,6 +13,7 @@ use feeler::sensor::fingertip::{ElementLayout, LocatedLayout};
 use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
 use feeler::sensor::image::{Camera, CameraError, Frame, ProjectedElement};
 use feeler::sensor::moments::ElementMoments;
+use feeler::sensor::skin::{SerialConfig, SkinDecoder, SkinProtocol};
 use feeler::sensor::taxel::{TaxelLayout, TaxelSensor};
 use feeler::sensor::wrench::basis::Basis;
 use feeler::sensor::wrench::forces::read_forces;
@@ -161,6 +162,32 @@ pub fn calibration(bytes: &[u8]) -> bool {
         }
     }
     true
+}
+
+/// Decodes the bytes of a skin: the first selects the protocol and the number of taxels, the second the size of reads.
+pub fn skins(bytes: &[u8]) -> bool {
+    let [kind, piece, stream @ ..] = bytes else {
+        return false;
+    };
+    let protocol = SkinProtocol::ALL[usize::from(*kind) % SkinProtocol::ALL.len()];
+    let taxels = 1 + usize::from(*kind) / SkinProtocol::ALL.len() % 64;
+    let config = SerialConfig::new(protocol);
+    let mut decoder = SkinDecoder::new(&config, taxels);
+    let mut values = vec![glam::DVec3::NAN; taxels];
+    for read in stream.chunks(1 + usize::from(*piece)) {
+        decoder.feed(read);
+        while let Some(frame) = decoder.next_frame(&mut values) {
+            assert!(frame.first_byte < decoder.stream_bytes());
+            assert!(
+                values
+                    .iter()
+                    .all(|value| value.is_nan() || value.is_finite())
+            );
+        }
+    }
+    let framed = decoder.frames() * config.frame_bytes(taxels) as u64;
+    assert!(framed + decoder.skipped_bytes() <= stream.len() as u64);
+    decoder.frames() > 0
 }
 
 /// A valid taxel layout round-trips, and the table after a line of `---` is read to its end: forces are finite or

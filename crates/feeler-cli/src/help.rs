@@ -16,6 +16,7 @@ const GROUPS: [Group; 6] = [
         "My fingertip",
         &[
             "cameras",
+            "skins",
             "locate",
             "calibrate",
             "verify",

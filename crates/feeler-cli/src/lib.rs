@@ -26,6 +26,9 @@ mod ros2_rig;
 mod schema;
 mod score_slip;
 mod sense;
+mod skins;
+#[cfg(target_os = "linux")]
+mod typed;
 mod urdf;
 mod verify;
 mod view;
@@ -64,6 +67,7 @@ Examples:
   feeler locate untouched.png -o layout.toml --preview found.png
   feeler sense images/ --calibration my.calibration.toml -o forces.csv
   feeler sense xela_sensor1.csv --taxels uskin-4x4 -o forces.csv
+  feeler sense serial:/dev/ttyACM0 --taxels anyskin
   feeler sense touch.mp4 --layout layout.toml -o moments.csv
   feeler league data/                         compare detectors and calibrations on published recordings
 
@@ -124,6 +128,8 @@ enum Command {
     Export(export::Arguments),
     /// List the available cameras and their capabilities.
     Cameras(cameras::Arguments),
+    /// List the tactile skins on serial ports, or record or emulate one.
+    Skins(skins::Arguments),
     /// Calibrate a fingertip from images under known loads.
     Calibrate(Box<calibrate::Arguments>),
     /// Test with a few presses whether a wrench calibration is still valid.
@@ -215,6 +221,7 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::Replay(arguments) => replay::replay(&arguments, out),
         Command::Drives(arguments) => drives::drives(&arguments, out),
         Command::Export(arguments) => export::export(&arguments, out),
+        Command::Skins(arguments) => skins::skins(&arguments, out),
         Command::Cameras(arguments) => cameras::cameras(&arguments, out),
         Command::Calibrate(arguments) => calibrate::calibrate(&arguments, out),
         Command::Verify(arguments) => verify::verify(&arguments, out),

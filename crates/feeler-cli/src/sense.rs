@@ -12,7 +12,7 @@ Images are PNG, JPEG, PNM, TIFF, BMP or WebP with 8 or 16 bits (scaled to 8). Th
 
 Output is one row per element and frame: frame, stamp (s), element, integrated_gray (G, grey levels times m²), u_x and u_y (displacement of the centroid, m), and with --calibration f_x, f_y, f_z (N). Forces are in the element's frame with the element's sign: z is compression; x and y are the image axes if the layout has no dome. A field is empty if it has no value: u of dark elements, forces of dark or saturated sub-regions, G and u of a recorded run.
 
-With --taxels, the source is a table with one row per sample of a taxel array, or - for rows on standard input. Without --calibration, output is one row per taxel and frame: frame, stamp (s), element, and f_x, f_y, f_z (N), or f_x_counts, f_y_counts, f_z_counts if the layout does not define counts per newton. With --sequence, a column sequence comes first.
+With --taxels, the source is a table with one row per sample of a taxel array, - for rows on standard input, or serial:PORT for a skin on a serial port (see `feeler skins`), whose zero is measured again when you press Enter. Without --calibration, output is one row per taxel and frame: frame, stamp (s), element, and f_x, f_y, f_z (N), or f_x_counts, f_y_counts, f_z_counts if the layout does not define counts per newton. With --sequence, a column sequence comes first.
 
 With a wrench calibration (feeler calibrate --wrench), output is one row per frame: frame, stamp, f_x, f_y, f_z (N), m_x, m_y, m_z (N m), p_x, p_y (place of contact, m) in the frame and with the sign of the calibration's measurements, empty if not calibrated; valid: whether the image or row is similar to those of the calibration; and novelty: its distance from them, divided by the largest valid distance. MCAP files contain geometry_msgs/WrenchStamped without places, with NaN for components that are not calibrated or not valid.
 
@@ -27,7 +27,7 @@ pub struct Arguments {
     ///
     /// A folder or files of images (in natural order of their names), a video file (.avi, .mp4, .mkv, .mov, .webm,
     /// .m4v; requires ffmpeg), a recorded run, a recording made by `feeler sense --record-frames`, a camera
-    /// (/dev/video0, genicam:ID as listed by `feeler cameras`, or genicam: for the first one), rig: for the images of
+    /// (/dev/video0, genicam:ID as listed by `feeler cameras`, or genicam: for the first one), serial:PORT for a skin, rig: for the images of
     /// `feeler world` or `feeler rig --drives emulated`, or - for raw grey frames on standard input.
     #[arg(required = true, value_name = "SOURCE")]
     sources: Vec<PathBuf>,
@@ -132,7 +132,7 @@ pub struct Arguments {
 /// Options for taxel arrays.
 #[derive(Debug, clap::Args)]
 struct TaxelArguments {
-    /// Read a table of a three-axis taxel array with this layout: a file or a built-in one (see `feeler list`).
+    /// Read a table or a skin with three-axis taxels of this layout: a file or a built-in one (see `feeler list`).
     #[arg(long, value_name = "LAYOUT", conflicts_with_all = [
         "layout", "drift_correction", "reference", "raw", "size", "exposure"])]
     taxels: Option<String>,

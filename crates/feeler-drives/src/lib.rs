@@ -11,8 +11,6 @@ pub(crate) mod health;
 pub mod packet;
 pub(crate) mod port;
 pub mod registers;
-#[cfg_attr(target_os = "linux", path = "serial/linux.rs")]
-#[cfg_attr(not(target_os = "linux"), path = "serial/elsewhere.rs")]
 pub(crate) mod serial;
 pub(crate) mod servo;
 pub mod setup;

@@ -18,6 +18,7 @@ pub(crate) mod picture;
 pub(crate) mod pump;
 pub(crate) mod raw;
 pub(crate) mod settings;
+pub mod skin;
 #[cfg(all(feature = "camera", target_os = "linux"))]
 pub mod video;
 pub(crate) mod video_file;

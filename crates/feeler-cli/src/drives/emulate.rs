@@ -2,6 +2,7 @@
 
 use super::EmulateArguments;
 use super::bus_log::BusLog;
+use crate::typed::typed_lines;
 use crate::{CommandError, Outcome};
 use feeler_console::{Outputs, watch_for_interrupt};
 use feeler_drives::RigClock;
@@ -14,10 +15,10 @@ use feeler_lab::config::Experiment;
 use feeler_lab::experiment::rigs::driven;
 use feeler_lab::experiment::world;
 use feeler_sim::rig::SimRig;
-use std::io::{BufRead, Write, stderr, stdin};
+use std::io::Write;
 use std::path::Path;
 use std::sync::atomic::Ordering;
-use std::sync::mpsc::{Receiver, channel};
+use std::sync::mpsc::Receiver;
 use std::time::Duration;
 
 /// Interval between checks whether to stop.
@@ -51,7 +52,7 @@ pub fn emulate(arguments: &EmulateArguments, out: &mut dyn Write) -> Result<Outc
         emulator.inject(fault);
     }
     let typed = arguments.faults.iter().any(|fault| fault == TYPED);
-    let typed = typed.then(typed_faults);
+    let typed = typed.then(|| typed_lines("fault"));
     writeln!(out, "{}", emulator.path())?;
     out.flush()?;
     while !interrupted.load(Ordering::Relaxed) {
@@ -73,24 +74,6 @@ pub fn emulate(arguments: &EmulateArguments, out: &mut dyn Write) -> Result<Outc
 /// Returns the packets since the last call.
 fn said(emulator: &Emulator) -> Vec<LogEntry> {
     emulator.servos().take_log()
-}
-
-/// Reads faults from standard input on a background thread, one per line; reports invalid lines on standard error.
-fn typed_faults() -> Receiver<BusFault> {
-    let (sender, faults) = channel();
-    std::thread::spawn(move || {
-        for line in stdin().lock().lines().map_while(Result::ok) {
-            match line.trim().parse() {
-                Ok(fault) if sender.send(fault).is_ok() => {}
-                Ok(_) => return,
-                // If standard error is closed, the invalid line is ignored silently.
-                Err(error) => {
-                    let _ = writeln!(stderr(), "invalid fault: {error}");
-                }
-            }
-        }
-    });
-    faults
 }
 
 /// Emulates unloaded servos, each in the middle of its first turn.

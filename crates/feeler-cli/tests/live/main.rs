@@ -27,6 +27,7 @@ mod program;
 mod rig;
 #[cfg(feature = "ros2")]
 mod ros2;
+mod skins;
 #[path = "../../../feeler-lab/tests/support/skip.rs"]
 mod skip;
 #[cfg(feature = "top")]

@@ -61,6 +61,7 @@ fn survive(target: &str, body: fn(&[u8]) -> bool) {
 fn hostile_packets_of_devices_cause_no_panic() {
     survive("drives_bus", bodies::drives_bus);
     survive("netft", bodies::netft);
+    survive("skins", bodies::skins);
     survive("ros2", bodies::ros2);
 }
 
@@ -111,6 +112,11 @@ fn layouts() {
 #[test]
 fn servo_buses() {
     feed("drives_bus", bodies::drives_bus);
+}
+
+#[test]
+fn skins() {
+    feed("skins", bodies::skins);
 }
 
 #[test]

@@ -6,13 +6,8 @@ use super::plant::Plant;
 use super::servos::EmulatorConfig;
 use crate::clock::RigClock;
 use feeler::pace::real_time::{MODERATE, fine_timer, raise_priority};
-use rustix::event::{PollFd, PollFlags, Timespec, poll};
-use rustix::fs::{Mode, OFlags, fcntl_setfl};
-use rustix::pty::{OpenptFlags, grantpt, openpt, ptsname, unlockpt};
-use rustix::termios::{OptionalActions, tcgetattr, tcsetattr};
-use std::fs::File;
-use std::io::{self, Read, Write};
-use std::os::fd::OwnedFd;
+use feeler_serial::PseudoTerminal;
+use std::io;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex, MutexGuard};
 use std::thread::JoinHandle;
@@ -26,12 +21,6 @@ const IDLE: f64 = 0.002;
 #[derive(Debug, thiserror::Error)]
 #[error("failed to start the emulated bus: {0}")]
 pub struct EmulatorError(#[from] io::Error);
-
-impl From<rustix::io::Errno> for EmulatorError {
-    fn from(error: rustix::io::Errno) -> Self {
-        Self(error.into())
-    }
-}
 
 /// An emulated servo bus on a pseudo-terminal, in real time. Stops when dropped.
 pub struct Emulator {
@@ -51,7 +40,8 @@ impl Emulator {
         plant: Box<dyn Plant>,
         clock: RigClock,
     ) -> Result<Self, EmulatorError> {
-        let (port, path) = Terminal::open()?;
+        let port = PseudoTerminal::open()?;
+        let path = port.path().to_string();
         let bus = Arc::new(Mutex::new(EmulatedBus::new(config, plant)));
         let ended = Arc::new(AtomicBool::new(false));
         let server = Server {
@@ -97,38 +87,9 @@ impl Drop for Emulator {
     }
 }
 
-/// A pseudo-terminal.
-struct Terminal {
-    ours: File,
-    /// The master's end, kept open so that the bus continues between masters.
-    _theirs: OwnedFd,
-}
-
-impl Terminal {
-    /// Opens a raw pseudo-terminal. Returns it with the path of the master's end.
-    fn open() -> Result<(Self, String), EmulatorError> {
-        let flags = OpenptFlags::RDWR | OpenptFlags::NOCTTY | OpenptFlags::CLOEXEC;
-        let ours = openpt(flags)?;
-        grantpt(&ours)?;
-        unlockpt(&ours)?;
-        let path = ptsname(&ours, Vec::new())?;
-        let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::CLOEXEC;
-        let theirs = rustix::fs::open(path.as_c_str(), flags, Mode::empty())?;
-        let mut settings = tcgetattr(&theirs)?;
-        settings.make_raw();
-        tcsetattr(&theirs, OptionalActions::Now, &settings)?;
-        fcntl_setfl(&ours, OFlags::NONBLOCK)?;
-        let terminal = Self {
-            ours: File::from(ours),
-            _theirs: theirs,
-        };
-        Ok((terminal, path.to_string_lossy().into_owned()))
-    }
-}
-
 struct Server {
     /// `None` after the cable was unplugged.
-    port: Option<Terminal>,
+    port: Option<PseudoTerminal>,
     bus: Arc<Mutex<EmulatedBus>>,
     clock: RigClock,
 }
@@ -153,8 +114,7 @@ impl Server {
             self.port = None;
         }
         if let Some(port) = &mut self.port {
-            // A master that does not read loses bytes, as on a real port.
-            let _ = port.ours.write(bus.output());
+            port.send(bus.output());
         }
         bus.output().clear();
         bus.next_due().unwrap_or(now + IDLE).min(now + IDLE)
@@ -162,20 +122,13 @@ impl Server {
 
     /// Waits at most `time` for bytes from the master and passes them to the bus.
     fn receive(&mut self, time: Duration) {
-        let Some(Terminal { ours, .. }) = &mut self.port else {
+        let Some(port) = &mut self.port else {
             std::thread::sleep(time);
             return;
         };
-        let timeout = Timespec {
-            tv_sec: time.as_secs() as i64,
-            tv_nsec: time.subsec_nanos().into(),
-        };
-        let ready = poll(&mut [PollFd::new(&*ours, PollFlags::IN)], Some(&timeout));
-        if !ready.is_ok_and(|ready| ready > 0) {
-            return;
-        }
         let mut buffer = [0; 1024];
-        if let Ok(count) = ours.read(&mut buffer) {
+        let count = port.receive(&mut buffer, time);
+        if count > 0 {
             lock(&self.bus).hear(&buffer[..count], self.clock.now());
         }
     }

@@ -1,6 +1,7 @@
 //! Parses the source argument and opens its camera.
 
 use super::SenseOptions;
+use super::taxels::SERIAL;
 use crate::camera::CameraName;
 use feeler::sensor::image::Camera;
 use feeler_console::CommandError;
@@ -101,6 +102,13 @@ impl Source {
                 None => Ok(Self::Pictures(paths.to_vec())),
             };
         };
+        if path.to_str().is_some_and(|name| name.starts_with(SERIAL)) {
+            let path = path.display();
+            return Err(format!(
+                "{path}: requires --taxels LAYOUT, the layout of the skin (see `feeler list`)"
+            )
+            .into());
+        }
         if path == Path::new("rig:") {
             return Ok(Self::Rig);
         }

@@ -6,7 +6,7 @@
 //!
 //! [`contact`] estimates where and how an object touches.
 //!
-//! Three-axis taxel arrays have no images: [`taxel`] reads their tables. [`table`] reads tables of all kinds.
+//! Three-axis taxel arrays have no images: [`taxel`] reads their tables, and [`skin`] decodes their serial protocols. [`table`] reads tables of all kinds.
 
 pub mod calibration;
 pub mod contact;
@@ -15,6 +15,7 @@ pub mod forces;
 pub mod image;
 pub mod locate;
 pub mod moments;
+pub mod skin;
 pub mod table;
 pub mod taxel;
 pub mod track;

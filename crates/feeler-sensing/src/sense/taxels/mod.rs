@@ -1,9 +1,11 @@
-//! `feeler sense TABLE --taxels LAYOUT`: three-axis taxel arrays of other manufacturers.
+//! `feeler sense TABLE --taxels LAYOUT`: three-axis taxel arrays of other manufacturers, as tables or on serial ports.
 
 mod layout;
 mod output;
 mod publish;
 mod pump;
+mod skin;
+mod table;
 
 pub use layout::{TaxelOptions, read_taxel_layout, taxel_layout_text};
 
@@ -16,14 +18,15 @@ use super::{SenseOptions, close};
 use feeler::sensor::forces::{ElementReading, TactileFrame};
 use feeler::sensor::taxel::{TaxelLayout, TaxelUnit};
 use feeler::sensor::wrench::taxels::TaxelWrenchEstimator;
-use feeler_console::{CommandError, is_raised, open_table};
+use feeler_console::{CommandError, is_raised};
 use output::TaxelFormat;
 use publish::Publisher;
 use pump::{Event, RowPump};
-use std::io::{BufRead, BufReader, stdin};
-use std::path::{Path, PathBuf};
 use std::sync::atomic::AtomicBool;
 use std::time::{Duration, Instant};
+use table::Table;
+
+pub use table::SERIAL;
 
 /// Senses all rows of the table in `options`, or those until `interrupted`.
 pub fn sense(
@@ -44,8 +47,8 @@ pub fn sense(
         calibration.map(|path| layout::read_estimator(path, &layout, options.verified_within));
     let estimator = estimator.transpose()?;
     let is_calibrated = estimator.is_some();
-    let table = Table::of(&options.sources)?;
-    let stream = table.open()?;
+    let table = Table::of(options)?;
+    let start = table.open(&layout, options.rate)?;
     let publisher = match options.publish {
         true => Some(Publisher::new(options, &layout, tally.warner())?),
         false => None,
@@ -56,7 +59,16 @@ pub fn sense(
             "forces are in counts, because the layout has no counts_per_newton; thresholds must be in counts, too",
         );
     }
-    let is_stream = matches!(table, Table::Stream);
+    if layout
+        .serial
+        .as_ref()
+        .is_some_and(|serial| !serial.protocol.has_shear())
+    {
+        tally.warn(
+            "the array measures no shear: f_x and f_y are 0, so slip is not detected by shear",
+        );
+    }
+    let is_stream = !matches!(table, Table::File(_));
     let mut stage = Stage {
         readings: vec![ElementReading::default(); layout.taxels.len()],
         output,
@@ -65,8 +77,11 @@ pub fn sense(
         name: table.name(),
         is_stream,
     };
-    let pump = RowPump::start(stream, layout, options.rate)?;
+    let (pump, counters) = start()?;
     let ended = sense_all(&pump, &mut stage, interrupted);
+    if let Some(counters) = counters {
+        stage.tally.note(&format!("{}: {counters}", stage.name));
+    }
     let whole = is_stream || !is_raised(interrupted);
     match stage.output {
         Some(output) => close(output, stage.tally, ended, whole),
@@ -124,6 +139,7 @@ fn sense_all(
                 stage.take(&frame, at)?;
                 pump.give_back(frame);
             }
+            Some(Event::Note(words)) => stage.tally.note(&words),
             Some(Event::Trouble(words)) if stage.is_stream => stage.tally.warn(&words),
             Some(Event::Trouble(_)) => {}
             Some(Event::Ended { troubles, skipped }) => {
@@ -187,42 +203,5 @@ impl Stage<'_> {
             publisher.check_peers();
         }
         self.output.as_mut().map_or(Ok(()), |output| output.flush())
-    }
-}
-
-/// A source of rows.
-enum Table {
-    Stream,
-    File(PathBuf),
-}
-
-impl Table {
-    fn of(sources: &[PathBuf]) -> Result<Self, CommandError> {
-        match sources {
-            [source] if source == Path::new("-") => Ok(Self::Stream),
-            [source] => Ok(Self::File(source.clone())),
-            _ => Err(format!(
-                "expected one table for --taxels, or - for rows on standard input, got {} sources",
-                sources.len()
-            )
-            .into()),
-        }
-    }
-
-    fn name(&self) -> String {
-        match self {
-            Self::Stream => "-".into(),
-            Self::File(path) => path.display().to_string(),
-        }
-    }
-
-    fn open(&self) -> Result<Box<dyn BufRead + Send>, CommandError> {
-        match self {
-            Self::Stream => Ok(Box::new(BufReader::new(stdin()))),
-            Self::File(path) => {
-                let refused = |error| format!("{}: {error}; expected a table", path.display());
-                Ok(Box::new(open_table(path).map_err(refused)?))
-            }
-        }
     }
 }

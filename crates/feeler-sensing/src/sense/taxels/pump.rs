@@ -17,6 +17,8 @@ pub enum Event {
     Sequence(String),
     /// A row received at `at` was sensed.
     Frame { frame: TactileFrame, at: Instant },
+    /// A message that is not a problem.
+    Note(String),
     /// Description of a problem that occurred for the first time.
     Trouble(String),
     /// The table ended: number and description of each problem, and number of skipped lines.
@@ -43,13 +45,22 @@ impl RowPump {
         layout: TaxelLayout,
         rate: Option<f64>,
     ) -> Result<Self, CommandError> {
+        Self::spawn(
+            move |sender, unused| match TaxelSensor::open(stream, &layout, rate) {
+                Ok(sensor) => read_all(sensor, sender, unused),
+                Err(error) => Some(Event::Failed(error.to_string())),
+            },
+        )
+    }
+
+    /// Starts a thread that sends events and reuses frames; `read` returns the final event.
+    pub fn spawn(
+        read: impl FnOnce(&SyncSender<Event>, &Receiver<TactileFrame>) -> Option<Event> + Send + 'static,
+    ) -> Result<Self, CommandError> {
         let (sender, events) = sync_channel(WAITING);
         let (used, unused) = channel();
         let run = move || {
-            let ended = match TaxelSensor::open(stream, &layout, rate) {
-                Ok(sensor) => read_all(sensor, &sender, &unused),
-                Err(error) => Some(Event::Failed(error.to_string())),
-            };
+            let ended = read(&sender, &unused);
             // The pump may have been dropped.
             let _ = ended.map(|event| sender.send(event));
         };

@@ -12,7 +12,7 @@ pub struct BuiltInTaxels {
 }
 
 /// All built-in layouts.
-pub const BUILT_IN_TAXELS: [BuiltInTaxels; 4] = [
+pub const BUILT_IN_TAXELS: [BuiltInTaxels; 7] = [
     BuiltInTaxels {
         name: "uskin-4x4",
         text: include_str!("../../../taxels/uskin-4x4.toml"),
@@ -24,6 +24,18 @@ pub const BUILT_IN_TAXELS: [BuiltInTaxels; 4] = [
     BuiltInTaxels {
         name: "anyskin",
         text: include_str!("../../../taxels/anyskin.toml"),
+    },
+    BuiltInTaxels {
+        name: "reskin",
+        text: include_str!("../../../taxels/reskin.toml"),
+    },
+    BuiltInTaxels {
+        name: "flexitac",
+        text: include_str!("../../../taxels/flexitac.toml"),
+    },
+    BuiltInTaxels {
+        name: "paxini-s1813e",
+        text: include_str!("../../../taxels/paxini-s1813e.toml"),
     },
     BuiltInTaxels {
         name: "papillarray",

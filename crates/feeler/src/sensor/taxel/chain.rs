@@ -1,5 +1,6 @@
 //! Converts the values of a row to forces.
 
+use super::common_mode::CommonMode;
 use super::zero::Zeros;
 use super::{Axes, TaxelError, TaxelLayout};
 use crate::math::direction_at;
@@ -15,6 +16,7 @@ pub struct TaxelChain {
     /// Cosine and sine of each taxel's rotation.
     turns: Vec<DVec2>,
     zeros: Zeros,
+    common_mode: Option<CommonMode>,
 }
 
 impl TaxelChain {
@@ -28,9 +30,11 @@ impl TaxelChain {
             .map(|taxel| layout.scale(taxel).map_or(DVec3::ONE, DVec3::from_array))
             .collect();
         let turns = layout.taxels.iter().map(|t| t.turn_deg.to_radians());
+        let turns: Vec<_> = turns.map(direction_at).collect();
         Ok(Self {
             axes: layout.axes,
-            turns: turns.map(direction_at).collect(),
+            common_mode: CommonMode::of(layout, &turns),
+            turns,
             zeros: Zeros::new(layout, &scales),
             scales,
         })
@@ -53,10 +57,17 @@ impl TaxelChain {
     /// allocates nor panics.
     pub fn sense(&mut self, stamp: f64, values: &[DVec3], forces: &mut [DVec3]) {
         self.zeros.take(values);
+        let off_zero = values.iter().enumerate();
+        let off_zero = off_zero.map(|(index, &value)| value - self.zeros.of(index));
+        let mean = self.common_mode.as_ref().map(|mode| mode.mean(off_zero));
         let mut longest = None;
         let taxels = self.scales.iter().zip(&self.turns).zip(values);
         for ((index, ((&scale, turn), &value)), force) in taxels.enumerate().zip(forces) {
-            let reading = self.axes.apply((value - self.zeros.of(index)) / scale);
+            let mut reading = value - self.zeros.of(index);
+            if let (Some(mode), Some(mean)) = (&self.common_mode, mean) {
+                reading -= mode.in_columns(mean, index);
+            }
+            let reading = self.axes.apply(reading / scale);
             if reading.is_nan() {
                 *force = NO_FORCE;
                 continue;
@@ -73,8 +84,8 @@ impl TaxelChain {
         all.filter(|&taxel| self.zeros.of(taxel).is_nan())
     }
 
-    /// Returns `true` after the unloaded rows.
-    pub(super) fn has_zeros(&self) -> bool {
+    /// Returns `true` after the unloaded rows. Before, forces are relative to the mean of the rows so far.
+    pub fn has_zeros(&self) -> bool {
         self.zeros.are_taken()
     }
 }

@@ -1,5 +1,6 @@
 //! Validates taxel layouts, which may come from handwritten files.
 
+use super::common_mode::FEWEST;
 use super::{Taxel, TaxelError, TaxelLayout, TaxelUnit};
 use crate::check::Checker;
 use crate::sensor::fingertip::layout::MAX_ELEMENTS;
@@ -39,7 +40,12 @@ impl TaxelLayout {
         self.check_axes(checker);
         self.check_columns(checker);
         self.check_drift(checker);
+        self.check_rezero(checker);
         self.check_scales(checker);
+        self.check_common_mode(checker);
+        if let Some(serial) = &self.serial {
+            serial.check(count, checker);
+        }
         let rows = self.zero.rows;
         let expected = format!("0 to {MAX_ZERO_ROWS}");
         let good = rows <= MAX_ZERO_ROWS;
@@ -123,6 +129,13 @@ impl TaxelLayout {
         checker.between("drift.settle", drift.settle, 0.0, 1e6);
     }
 
+    fn check_rezero(&self, checker: &mut Checker) {
+        let Some(rule) = &self.rezero else { return };
+        checker.between("rezero.after", rule.after, 1e-2, 1e6);
+        let sizes = [("untouched", rule.untouched), ("still", rule.still)];
+        checker.all_positive("rezero", &sizes);
+    }
+
     fn check_scales(&self, checker: &mut Checker) {
         if let Some(scale) = self.counts_per_newton {
             check_scale("counts_per_newton", scale, checker);
@@ -135,6 +148,28 @@ impl TaxelLayout {
         };
         let actual = format!("set for {known} of {count} taxels");
         checker.require("counts_per_newton", actual, good, expected);
+    }
+}
+
+/// Cosine of the largest angle between normals that count as the same.
+const PARALLEL: f64 = 0.999;
+
+impl TaxelLayout {
+    /// A uniform field can be rejected only if it looks the same to all taxels.
+    fn check_common_mode(&self, checker: &mut Checker) {
+        if !self.common_mode {
+            return;
+        }
+        let count = self.taxels.len();
+        let normals = || self.elements().map(|(element, _)| element.normal());
+        let first = normals().next().unwrap_or_default();
+        let parallel = normals().all(|normal| normal.dot(first) > PARALLEL);
+        checker.require(
+            "common_mode",
+            format!("true, with {count} taxels of the same normal: {parallel}"),
+            parallel && count >= FEWEST,
+            &format!("false, or at least {FEWEST} taxels, all with the same normal"),
+        );
     }
 }
 

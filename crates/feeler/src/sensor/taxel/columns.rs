@@ -53,6 +53,14 @@ impl TaxelLayout {
         }
     }
 
+    /// Column names of a table with a time column (if the layout has none, `time`), and the columns of all taxels.
+    pub fn table_header(&self) -> Vec<String> {
+        let time = self.columns.time.as_ref();
+        let time = time.map_or("time", |time| &time.column).to_owned();
+        let taxels = (0..self.taxels.len()).flat_map(|taxel| self.columns_of(taxel));
+        std::iter::once(time).chain(taxels).collect()
+    }
+
     /// Column name x of the first taxel.
     pub(super) fn first_column(&self) -> String {
         let [x, ..] = self.columns_of(0);

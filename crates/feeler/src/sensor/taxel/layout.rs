@@ -1,8 +1,11 @@
 //! Layout file of a taxel array.
 
+use super::grid::Grid;
 use super::{Axes, TaxelError, TaxelUnit, TimeUnit};
+use crate::math::direction_at;
 use crate::sensor::fingertip::layout::{ElementLayout, SensingElement};
 use crate::sensor::fingertip::made_for::{CalibrationTarget, LengthUnit};
+use crate::sensor::skin::SerialConfig;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
@@ -37,9 +40,19 @@ pub struct TaxelLayout {
     /// Zero of the columns.
     #[serde(default)]
     pub zero: ZeroConfig,
+    /// Rule for measuring the zero again, or `None` to measure it once.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub rezero: Option<ZeroRule>,
     /// Slow correction of the zero, or `None` for no correction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub drift: Option<TaxelDrift>,
+    /// `true` to subtract the mean reading of all taxels from each, which rejects uniform magnetic fields. Requires at
+    /// least three taxels with the same normal.
+    #[serde(default, skip_serializing_if = "std::ops::Not::not")]
+    pub common_mode: bool,
+    /// Protocol in which the array sends its readings over a serial port, or `None` if they come as a table only.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub serial: Option<SerialConfig>,
     /// The taxels in order of their numbers: element i is the i-th taxel.
     #[serde(rename = "taxel")]
     pub taxels: Vec<Taxel>,
@@ -94,6 +107,20 @@ pub struct ZeroConfig {
     pub rows: u32,
 }
 
+/// Measures the zero again after a time without contact and motion, as the mean of the values during that time.
+///
+/// A constant press that is weaker than [`untouched`](Self::untouched) becomes part of the zero.
+#[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ZeroRule {
+    /// Duration without contact and motion, s.
+    pub after: f64,
+    /// Maximum magnitude of the reading of an untouched taxel, N (or counts if forces are in counts).
+    pub untouched: f64,
+    /// Maximum change of each component of a still taxel during that time, N (or counts).
+    pub still: f64,
+}
+
 /// Slow drift correction of the zero while no taxel of the array is touched.
 ///
 /// Drift beyond [`untouched`](Self::untouched) looks like a touch and is not corrected. A press that is weaker than
@@ -143,6 +170,17 @@ fn along_x() -> [f64; 3] {
 }
 
 impl Taxel {
+    /// Creates a taxel at `place` that faces along x of `T`.
+    pub(super) fn at(place: [f64; 3]) -> Self {
+        Self {
+            place,
+            normal: along_x(),
+            turn_deg: 0.0,
+            counts_per_newton: None,
+            zero: None,
+        }
+    }
+
     /// Returns the element with its outward normal and frame `E_i`.
     pub fn element(&self) -> SensingElement {
         SensingElement::facing(DVec3::from_array(self.normal).normalize_or(DVec3::X))
@@ -150,7 +188,8 @@ impl Taxel {
 }
 
 impl TaxelLayout {
-    /// Parses a layout from TOML.
+    /// Parses a layout from TOML. A table `[grid]` with `rows`, `columns` and `pitch` (m) may replace the taxels of a
+    /// regular matrix.
     ///
     /// # Errors
     /// If the text is not a taxel layout of the supported version, or if values are out of range (all are listed).
@@ -163,7 +202,13 @@ impl TaxelLayout {
         if version != TAXEL_LAYOUT_VERSION {
             return Err(TaxelError::Version { actual: version });
         }
-        let layout: Self = toml::from_str(text)?;
+        let layout: Self = match Grid::of(text)? {
+            Some((grid, mut others)) => {
+                others.insert("taxel".into(), toml::Value::try_from(grid.taxels())?);
+                others.try_into()?
+            }
+            None => toml::from_str(text)?,
+        };
         layout.check()?;
         Ok(layout)
     }
@@ -176,7 +221,7 @@ impl TaxelLayout {
         Ok(toml::to_string(self)?)
     }
 
-    /// Identifies the array for a calibration: units, axes and taxels, but neither columns nor zeros.
+    /// Identifies the array for a calibration: units, axes, common mode and taxels, but neither columns nor zeros.
     ///
     /// # Errors
     /// If a value cannot be represented in TOML.
@@ -186,6 +231,8 @@ impl TaxelLayout {
             kind: &'static str,
             unit: TaxelUnit,
             axes: Axes,
+            #[serde(skip_serializing_if = "std::ops::Not::not")]
+            common_mode: bool,
             scales: Vec<[f64; 3]>,
             places: Vec<([f64; 3], [f64; 3], f64)>,
         }
@@ -194,11 +241,21 @@ impl TaxelLayout {
             kind: "taxels",
             unit: self.unit,
             axes: self.axes,
+            common_mode: self.common_mode,
             scales: taxels.clone().filter_map(|t| self.scale(t)).collect(),
             places: taxels.map(|t| (t.place, t.normal, t.turn_deg)).collect(),
         })?;
         let count = self.taxels.len();
         Ok(CalibrationTarget::layout(&text, count, LengthUnit::Metre))
+    }
+
+    /// Converts a vector in the frame of a taxel's element to its columns x, y and z, in the unit of the columns. NaN if
+    /// there is no such taxel. The inverse of the axes and the rotation of a taxel.
+    pub fn in_columns(&self, taxel: usize, vector: DVec3) -> DVec3 {
+        let turn = self.taxels.get(taxel).map_or(f64::NAN, |t| t.turn_deg);
+        let back = direction_at(-turn.to_radians());
+        let tangential = back.rotate(vector.truncate());
+        self.axes.undo(tangential.extend(vector.z))
     }
 
     /// Unit of the resulting forces: newtons, or counts if the scale is unknown.

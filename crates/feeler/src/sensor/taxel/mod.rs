@@ -5,12 +5,14 @@
 //! implements [`TactileSensor`](crate::sensor::forces::reading::TactileSensor). [`TaxelChain`] does the conversion only, for drivers
 //! that already have the numbers.
 //!
-//! Forces are computed from a row for each taxel in three steps:
+//! Forces are computed from a row for each taxel in four steps:
 //!
 //! 1. The zero is subtracted from the numbers in its columns x, y, z. The zero is the mean of the first rows or given
-//!    in the layout ([`ZeroConfig`]). It may follow slow drift while nothing is touched ([`TaxelDrift`]).
-//! 2. The result is divided by the taxel's counts per newton, if known; otherwise forces are in counts ([`TaxelUnit`]).
-//! 3. The vector is rotated to the element's frame `E_i`: x and y tangential, z compression, positive when pressed.
+//!    in the layout ([`ZeroConfig`]). It may follow slow drift while nothing is touched ([`TaxelDrift`]), and
+//!    be measured again after a time without contact and motion ([`ZeroRule`]).
+//! 2. If [`TaxelLayout::common_mode`] is set, the mean over all taxels is subtracted, which rejects uniform fields.
+//! 3. The result is divided by the taxel's counts per newton, if known; otherwise forces are in counts ([`TaxelUnit`]).
+//! 4. The vector is rotated to the element's frame `E_i`: x and y tangential, z compression, positive when pressed.
 //!
 //! Invalid values do not stop the sensor. Every row is a frame; a taxel with an invalid value has
 //! [`NO_FORCE`](crate::sensor::forces::reading::NO_FORCE) in that frame. Only lines without any number are skipped. [`Troubles`] counts
@@ -20,9 +22,12 @@ mod built_in;
 mod chain;
 mod check;
 mod columns;
+mod common_mode;
 mod error;
+mod grid;
 mod header;
 mod layout;
+mod rezero;
 mod row;
 mod rows;
 mod sensor;
@@ -37,6 +42,7 @@ pub use chain::TaxelChain;
 pub use error::TaxelError;
 pub use layout::{
     ColumnNames, TAXEL_LAYOUT_VERSION, Taxel, TaxelDrift, TaxelLayout, TimeColumn, ZeroConfig,
+    ZeroRule,
 };
 pub use rows::{TaxelRow, TaxelRows};
 pub use sensor::TaxelSensor;

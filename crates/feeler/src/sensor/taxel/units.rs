@@ -88,6 +88,15 @@ impl Axes {
         let along = |axis: SignedAxis| axis.sign() * columns[axis.column()];
         DVec3::new(along(self.x), along(self.y), along(self.z))
     }
+
+    /// Converts a vector of the taxel's axes to the columns x, y, z: the inverse of [`apply`](Self::apply).
+    pub fn undo(&self, own: DVec3) -> DVec3 {
+        let mut columns = DVec3::ZERO;
+        for (axis, value) in [self.x, self.y, self.z].into_iter().zip(own.to_array()) {
+            columns[axis.column()] = axis.sign() * value;
+        }
+        columns
+    }
 }
 
 /// A column with a sign.

@@ -1,5 +1,6 @@
 //! Zeros of the taxels' columns.
 
+use super::rezero::StillTime;
 use super::{TaxelDrift, TaxelLayout};
 use glam::DVec3;
 
@@ -11,6 +12,10 @@ pub struct Zeros {
     /// Number of unloaded rows read in this sequence.
     taken: u32,
     drift: Option<TaxelDrift>,
+    /// Time without contact and motion, if the zero is measured again after it.
+    still: Option<StillTime>,
+    /// Counts per newton of each taxel.
+    scales: Vec<DVec3>,
     zeros: Vec<Zero>,
     /// Stamp of the latest row, s.
     newest: Option<f64>,
@@ -50,6 +55,8 @@ impl Zeros {
             rows: layout.zero.rows,
             taken: 0,
             drift: layout.drift,
+            still: (layout.rezero).map(|rule| StillTime::new(rule, layout.taxels.len())),
+            scales: scales.to_vec(),
             zeros: zeros.collect(),
             newest: None,
             touched: None,
@@ -59,6 +66,9 @@ impl Zeros {
     /// Starts a sequence without load.
     pub fn restart(&mut self) {
         (self.taken, self.newest, self.touched) = (0, None, None);
+        if let Some(still) = &mut self.still {
+            still.restart();
+        }
         for zero in &mut self.zeros {
             (zero.rows, zero.taken, zero.drift) = (0, zero.given, DVec3::ZERO);
         }
@@ -95,11 +105,14 @@ impl Zeros {
         self.taken >= self.rows
     }
 
-    /// Corrects drift with the `values` of a row at `stamp` (s). `longest` is the largest magnitude of the taxels'
+    /// Corrects drift and, if required, measures the zero again, with the `values` of a row at `stamp` (s). `longest` is the largest magnitude of the taxels'
     /// readings, N (or counts), or `None` if no reading is valid.
     pub fn follow(&mut self, stamp: f64, values: &[DVec3], longest: Option<f64>) {
         if !self.are_taken() {
             return;
+        }
+        if let Some(longest) = longest {
+            self.rezero(stamp, values, longest);
         }
         let interval = self.newest.replace(stamp).map(|newest| stamp - newest);
         let (Some(drift), Some(longest)) = (self.drift, longest) else {
@@ -120,5 +133,20 @@ impl Zeros {
             let off = *value - zero.taken - zero.drift;
             zero.drift = (zero.drift + part * off).clamp(-zero.most, zero.most);
         }
+    }
+
+    /// Replaces the zero by the mean since the skin is untouched and still, if this is long enough.
+    fn rezero(&mut self, stamp: f64, values: &[DVec3], longest: f64) {
+        let Some(still) = &mut self.still else { return };
+        if !still.add(stamp, values, &self.scales, longest) {
+            return;
+        }
+        for (taxel, zero) in self.zeros.iter_mut().enumerate() {
+            if let Some(mean) = still.mean(taxel) {
+                (zero.taken, zero.drift) = (mean, DVec3::ZERO);
+                zero.rows = zero.rows.max(1);
+            }
+        }
+        still.restart();
     }
 }

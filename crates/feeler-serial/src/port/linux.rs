@@ -1,7 +1,5 @@
 //! Serial ports of Linux.
 
-use crate::clock::RigClock;
-use crate::port::Port;
 use rustix::event::{PollFd, PollFlags, Timespec, poll};
 use rustix::fs::{Mode, OFlags};
 use rustix::termios::{
@@ -18,15 +16,14 @@ const SEND_TIMEOUT: Duration = Duration::from_millis(20);
 #[derive(Debug)]
 pub struct SerialPort {
     file: File,
-    clock: RigClock,
 }
 
 impl SerialPort {
-    /// Opens the port at `path` with `baud_rate`, 8 data bits, no parity, 1 stop bit. `clock` is the time of deadlines.
+    /// Opens the port at `path` with `baud_rate`, 8 data bits, no parity, 1 stop bit.
     ///
     /// # Errors
     /// If the port cannot be opened or configured, or if another program uses it.
-    pub fn open(path: &str, baud_rate: u32, clock: RigClock) -> io::Result<Self> {
+    pub fn open(path: &str, baud_rate: u32) -> io::Result<Self> {
         let flags = OFlags::RDWR | OFlags::NOCTTY | OFlags::NONBLOCK | OFlags::CLOEXEC;
         let file = File::from(rustix::fs::open(path, flags, Mode::empty())?);
         file.try_lock()?;
@@ -44,7 +41,59 @@ impl SerialPort {
             return Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
         }
         tcflush(&file, QueueSelector::IOFlush)?;
-        Ok(Self { file, clock })
+        Ok(Self { file })
+    }
+
+    /// Discards received bytes that were not read.
+    ///
+    /// # Errors
+    /// If the port has failed.
+    pub fn discard_input(&mut self) -> io::Result<()> {
+        Ok(tcflush(&self.file, QueueSelector::IFlush)?)
+    }
+
+    /// Sends all of `bytes`.
+    ///
+    /// # Errors
+    /// If the port has failed or does not accept the bytes within 20 ms.
+    pub fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        let deadline = Instant::now() + SEND_TIMEOUT;
+        let mut rest = bytes;
+        while !rest.is_empty() {
+            match self.file.write(rest) {
+                Ok(count) => rest = &rest[count..],
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
+                    if !self.wait(PollFlags::OUT, deadline)? {
+                        let reason = "the port accepts no bytes";
+                        return Err(io::Error::new(io::ErrorKind::TimedOut, reason));
+                    }
+                }
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) => return Err(error),
+            }
+        }
+        Ok(())
+    }
+
+    /// Reads available bytes into `bytes`; waits for the first at most `timeout`. Returns the number of bytes, 0 on
+    /// timeout.
+    ///
+    /// # Errors
+    /// If the port has failed.
+    pub fn receive(&mut self, bytes: &mut [u8], timeout: Duration) -> io::Result<usize> {
+        let deadline = Instant::now() + timeout;
+        loop {
+            if !self.wait(PollFlags::IN, deadline)? {
+                return Ok(0);
+            }
+            match self.file.read(bytes) {
+                Ok(0) => return Err(io::ErrorKind::UnexpectedEof.into()),
+                Ok(count) => return Ok(count),
+                Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
+                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
+                Err(error) => return Err(error),
+            }
+        }
     }
 
     /// Waits until the port is ready for `what`. Returns `false` after the deadline.
@@ -74,47 +123,5 @@ impl Drop for SerialPort {
     fn drop(&mut self) {
         // If this fails, closing the file unlocks it.
         let _ = self.file.unlock();
-    }
-}
-
-impl Port for SerialPort {
-    fn discard_input(&mut self) -> io::Result<()> {
-        Ok(tcflush(&self.file, QueueSelector::IFlush)?)
-    }
-
-    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        let deadline = Instant::now() + SEND_TIMEOUT;
-        let mut rest = bytes;
-        while !rest.is_empty() {
-            match self.file.write(rest) {
-                Ok(count) => rest = &rest[count..],
-                Err(error) if error.kind() == io::ErrorKind::WouldBlock => {
-                    if !self.wait(PollFlags::OUT, deadline)? {
-                        let reason = "the port accepts no bytes";
-                        return Err(io::Error::new(io::ErrorKind::TimedOut, reason));
-                    }
-                }
-                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                Err(error) => return Err(error),
-            }
-        }
-        Ok(())
-    }
-
-    fn receive(&mut self, bytes: &mut [u8], deadline: f64) -> io::Result<usize> {
-        let left = self.clock.real_time(deadline - self.clock.now());
-        let deadline = Instant::now() + left;
-        loop {
-            if !self.wait(PollFlags::IN, deadline)? {
-                return Ok(0);
-            }
-            match self.file.read(bytes) {
-                Ok(0) => return Err(io::ErrorKind::UnexpectedEof.into()),
-                Ok(count) => return Ok(count),
-                Err(error) if error.kind() == io::ErrorKind::WouldBlock => {}
-                Err(error) if error.kind() == io::ErrorKind::Interrupted => {}
-                Err(error) => return Err(error),
-            }
-        }
     }
 }

@@ -1,10 +1,8 @@
 //! Serial ports of Windows and macOS.
 
-use crate::clock::RigClock;
-use crate::port::Port;
 use serialport::ClearBuffer;
 use std::io;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 /// Maximum time for the operating system to accept bytes; a slower port has failed.
 const SEND_TIMEOUT: Duration = Duration::from_millis(20);
@@ -15,18 +13,18 @@ const SHORTEST: Duration = Duration::from_millis(1);
 #[derive(Debug)]
 pub struct SerialPort {
     port: Box<dyn serialport::SerialPort>,
-    clock: RigClock,
 }
 
 impl SerialPort {
-    /// Opens the port `path`, such as `COM3`, with `baud_rate`, 8 data bits, no parity, 1 stop bit. `clock` is the time
-    /// of deadlines.
+    /// Opens the port `path`, such as `COM3`, with `baud_rate`, 8 data bits, no parity, 1 stop bit.
     ///
     /// # Errors
     /// If the port cannot be opened or configured, or if another program uses it.
-    pub fn open(path: &str, baud_rate: u32, clock: RigClock) -> io::Result<Self> {
+    pub fn open(path: &str, baud_rate: u32) -> io::Result<Self> {
         let port = serialport::new(path, baud_rate)
             .timeout(SEND_TIMEOUT)
+            // Boards with native USB send only while this line is set. Linux sets it when a port is opened.
+            .dtr_on_open(true)
             .open()?;
         let set = port.baud_rate()?;
         if set != baud_rate {
@@ -34,28 +32,40 @@ impl SerialPort {
             return Err(io::Error::new(io::ErrorKind::InvalidInput, reason));
         }
         port.clear(ClearBuffer::All)?;
-        Ok(Self { port, clock })
+        Ok(Self { port })
     }
-}
 
-impl Port for SerialPort {
-    fn discard_input(&mut self) -> io::Result<()> {
+    /// Discards received bytes that were not read.
+    ///
+    /// # Errors
+    /// If the port has failed.
+    pub fn discard_input(&mut self) -> io::Result<()> {
         Ok(self.port.clear(ClearBuffer::Input)?)
     }
 
-    fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+    /// Sends all of `bytes`.
+    ///
+    /// # Errors
+    /// If the port has failed or does not accept the bytes within 20 ms.
+    pub fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
         self.port.set_timeout(SEND_TIMEOUT)?;
         self.port.write_all(bytes)
     }
 
-    fn receive(&mut self, bytes: &mut [u8], deadline: f64) -> io::Result<usize> {
+    /// Reads available bytes into `bytes`; waits for the first at most `timeout`. Returns the number of bytes, 0 on
+    /// timeout.
+    ///
+    /// # Errors
+    /// If the port has failed.
+    pub fn receive(&mut self, bytes: &mut [u8], timeout: Duration) -> io::Result<usize> {
+        let deadline = Instant::now() + timeout;
         loop {
-            let left = self.clock.real_time(deadline - self.clock.now());
+            let left = deadline.saturating_duration_since(Instant::now());
             self.port.set_timeout(left.max(SHORTEST))?;
             match self.port.read(bytes) {
                 Ok(count) => return Ok(count),
                 Err(error) if error.kind() == io::ErrorKind::TimedOut => {
-                    if self.clock.now() >= deadline {
+                    if Instant::now() >= deadline {
                         return Ok(0);
                     }
                 }

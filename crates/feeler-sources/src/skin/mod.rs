@@ -1,0 +1,23 @@
+//! Tactile skins on serial ports: live sensors, emulators, and the search for connected skins.
+//!
+//! [`SkinSensor`] is a tactile sensor. `SkinEmulator` (Linux) provides a skin on a pseudo-terminal to any program.
+//! The protocols are those of [`feeler::sensor::skin`].
+
+mod connection;
+mod counters;
+mod error;
+mod event;
+mod probe;
+mod sensor;
+mod simulated;
+
+#[cfg(target_os = "linux")]
+mod emulator;
+
+pub use counters::SkinCounters;
+#[cfg(target_os = "linux")]
+pub use emulator::SkinEmulator;
+pub use error::SkinError;
+pub use event::SkinEvent;
+pub use probe::{FoundSkin, probe_port, serial_ports};
+pub use sensor::{SkinNews, SkinSensor};

@@ -1,0 +1,168 @@
+//! Decodes the bytes of a skin.
+
+use super::{SerialConfig, SkinProtocol};
+use super::{flexitac, magnetometers, paxini};
+use glam::DVec3;
+
+/// Space for bytes of one read, so that decoding does not allocate.
+const READ: usize = 4096;
+/// Frames that a decoder may look at to find the beginning of one.
+const FRAMES: usize = 8;
+
+/// Next step of decoding.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub(super) enum Step {
+    /// More bytes are required.
+    Wait,
+    /// This number of bytes is not part of a frame.
+    Skip(usize),
+    /// A frame begins at byte `first`, and decoding continues at byte `end`.
+    Frame {
+        /// Index of the frame's first byte.
+        first: usize,
+        /// Number of bytes to remove.
+        end: usize,
+    },
+}
+
+#[derive(Debug, Clone)]
+enum Format {
+    Magnetometers(magnetometers::Format),
+    Flexitac(flexitac::Format),
+    Paxini(paxini::Format),
+}
+
+/// A decoded frame.
+#[derive(Debug, Clone, Copy, PartialEq, Eq)]
+pub struct SkinFrame {
+    /// Number of the frame, from 0. Frames that were lost or damaged have no number.
+    pub number: u64,
+    /// Index of the frame's first byte among all bytes of the stream.
+    pub first_byte: u64,
+}
+
+/// Decodes the bytes of a skin. Never panics; allocates only if more than 4096 bytes arrive at once.
+///
+/// A frame is returned only if its surroundings confirm it, so that lost and inserted bytes are detected. The frame that
+/// they damage is lost, and at most the one before and the one after. No protocol but PaXini's has a checksum: a bit
+/// that was changed within a plausible value is not detected, and neither is the loss of exactly as many bytes as a frame
+/// has, after which one frame consists of parts of two. PaXini's checksum has 8 bits and misses 1 of 256 damaged packets.
+#[derive(Debug, Clone)]
+pub struct SkinDecoder {
+    format: Format,
+    taxels: usize,
+    bytes: Vec<u8>,
+    /// Index of the first byte in `bytes` that has not been decoded.
+    next: usize,
+    /// Number of bytes of the stream before `bytes`.
+    before: u64,
+    frames: u64,
+    skipped: u64,
+    losses: u64,
+    /// `true` if the latest bytes were part of frames.
+    is_in_step: bool,
+}
+
+impl SkinDecoder {
+    /// Creates a decoder for a skin of `taxels` taxels.
+    pub fn new(config: &SerialConfig, taxels: usize) -> Self {
+        let format = match config.protocol {
+            SkinProtocol::Magnetometers => {
+                Format::Magnetometers(magnetometers::Format::new(taxels))
+            }
+            SkinProtocol::Flexitac => Format::Flexitac(flexitac::Format::new(taxels)),
+            SkinProtocol::Paxini => Format::Paxini(paxini::Format::new(config.address, taxels)),
+        };
+        Self {
+            format,
+            taxels,
+            bytes: Vec::with_capacity(READ + FRAMES * config.frame_bytes(taxels)),
+            next: 0,
+            before: 0,
+            frames: 0,
+            skipped: 0,
+            losses: 0,
+            is_in_step: false,
+        }
+    }
+
+    /// Number of taxels.
+    pub fn taxels(&self) -> usize {
+        self.taxels
+    }
+
+    /// Number of decoded frames.
+    pub fn frames(&self) -> u64 {
+        self.frames
+    }
+
+    /// Number of bytes that were not part of a frame.
+    pub fn skipped_bytes(&self) -> u64 {
+        self.skipped
+    }
+
+    /// Number of times that bytes between frames were lost, inserted or changed.
+    pub fn losses(&self) -> u64 {
+        self.losses
+    }
+
+    /// Number of bytes in the stream so far.
+    pub fn stream_bytes(&self) -> u64 {
+        self.before + self.bytes.len() as u64
+    }
+
+    /// Adds received bytes.
+    pub fn feed(&mut self, bytes: &[u8]) {
+        self.bytes.drain(..self.next);
+        self.before += self.next as u64;
+        self.next = 0;
+        self.bytes.extend_from_slice(bytes);
+    }
+
+    /// Forgets all bytes of the stream, whose next byte is the first of a new connection.
+    pub fn restart(&mut self) {
+        self.before += self.bytes.len() as u64;
+        self.bytes.clear();
+        self.next = 0;
+        self.is_in_step = false;
+        match &mut self.format {
+            Format::Magnetometers(format) => format.restart(),
+            Format::Flexitac(format) => format.restart(),
+            Format::Paxini(_) => {}
+        }
+    }
+
+    /// Decodes the next frame into `values`, the columns x, y and z of each taxel, NaN if invalid. Returns `None` if
+    /// more bytes are required, or if `values` has another number of taxels.
+    pub fn next_frame(&mut self, values: &mut [DVec3]) -> Option<SkinFrame> {
+        if values.len() != self.taxels {
+            return None;
+        }
+        loop {
+            let bytes = &self.bytes[self.next..];
+            let step = match &mut self.format {
+                Format::Magnetometers(format) => format.step(bytes, values),
+                Format::Flexitac(format) => format.step(bytes, values),
+                Format::Paxini(format) => format.step(bytes, values),
+            };
+            match step {
+                Step::Wait => return None,
+                Step::Skip(count) => {
+                    self.skipped += count as u64;
+                    self.next += count;
+                    self.losses += u64::from(std::mem::take(&mut self.is_in_step));
+                }
+                Step::Frame { first, end } => {
+                    let frame = SkinFrame {
+                        number: self.frames,
+                        first_byte: self.before + (self.next + first) as u64,
+                    };
+                    self.frames += 1;
+                    self.next += end;
+                    self.is_in_step = true;
+                    return Some(frame);
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,94 @@
+//! Matrices of pressure-sensitive resistors: FlexiTac.
+
+use super::decoder::Step;
+use glam::DVec3;
+
+/// Beginning of a frame.
+const MARKER: [u8; 2] = [0xAA, 0x55];
+/// Maximum number of frames that must agree on a beginning.
+const MOST_FRAMES: usize = 6;
+
+/// Number of bytes in a frame, with its marker.
+pub fn frame_bytes(taxels: usize) -> usize {
+    MARKER.len() + taxels
+}
+
+/// Appends a frame.
+pub fn encode(values: &[DVec3], bytes: &mut Vec<u8>) {
+    bytes.extend(MARKER);
+    // A conversion from `f64` saturates.
+    bytes.extend(values.iter().map(|value| value.z.round() as u8));
+}
+
+/// Finds frames by their marker and that of the next frame.
+///
+/// Pressures may contain the marker, at the same place of each frame while they do not change. A beginning is therefore
+/// accepted only if it is the only one possible.
+#[derive(Debug, Clone)]
+pub struct Format {
+    taxels: usize,
+    /// `true` if a frame begins at the next byte.
+    is_found: bool,
+}
+
+impl Format {
+    pub fn new(taxels: usize) -> Self {
+        Self {
+            taxels,
+            is_found: false,
+        }
+    }
+
+    pub fn restart(&mut self) {
+        self.is_found = false;
+    }
+
+    pub fn step(&mut self, bytes: &[u8], values: &mut [DVec3]) -> Step {
+        if !self.is_found {
+            return self.find(bytes);
+        }
+        let length = frame_bytes(self.taxels);
+        if bytes.len() < length + MARKER.len() {
+            return Step::Wait;
+        }
+        if !is_marker(bytes, 0) || !is_marker(bytes, length) {
+            self.is_found = false;
+            return Step::Skip(1);
+        }
+        for (value, &byte) in values.iter_mut().zip(&bytes[MARKER.len()..]) {
+            *value = DVec3::new(0.0, 0.0, byte.into());
+        }
+        Step::Frame {
+            first: 0,
+            end: length,
+        }
+    }
+
+    /// Finds the beginning of a frame: a marker, with others at the distance of a frame behind it, if all such places
+    /// are whole frames apart. Looks at two frames behind each place, or at more if several places are possible.
+    ///
+    /// Searches two frames, because lost bytes may contain the beginning of a frame. A false beginning is then never the
+    /// only one.
+    fn find(&mut self, bytes: &[u8]) -> Step {
+        let length = frame_bytes(self.taxels);
+        for frames in 2..=MOST_FRAMES {
+            if bytes.len() < (frames + 1) * length + MARKER.len() {
+                return Step::Wait;
+            }
+            let begins = |&at: &usize| (0..frames).all(|n| is_marker(bytes, at + n * length));
+            let mut places = (0..2 * length).filter(begins);
+            let Some(first) = places.next() else { break };
+            if places.all(|at| at % length == first % length) {
+                self.is_found = true;
+                return Step::Skip(first);
+            }
+        }
+        Step::Skip(length)
+    }
+}
+
+fn is_marker(bytes: &[u8], at: usize) -> bool {
+    bytes
+        .get(at..)
+        .is_some_and(|rest| rest.starts_with(&MARKER))
+}

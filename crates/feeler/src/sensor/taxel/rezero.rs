@@ -1,0 +1,72 @@
+//! Measures the zero again while nothing touches the skin.
+
+use super::ZeroRule;
+use glam::DVec3;
+
+/// Mean of the readings during a time without contact and motion. Does not allocate.
+#[derive(Debug, Clone)]
+pub struct StillTime {
+    rule: ZeroRule,
+    /// Stamps of the first row and of the latest row, s.
+    span: Option<(f64, f64)>,
+    rows: u32,
+    /// Mean of each taxel's valid values, and their number.
+    means: Vec<(DVec3, u32)>,
+    /// First valid values of each taxel.
+    first: Vec<DVec3>,
+}
+
+impl StillTime {
+    pub fn new(rule: ZeroRule, taxels: usize) -> Self {
+        Self {
+            rule,
+            span: None,
+            rows: 0,
+            means: vec![(DVec3::ZERO, 0); taxels],
+            first: vec![DVec3::NAN; taxels],
+        }
+    }
+
+    pub fn restart(&mut self) {
+        (self.span, self.rows) = (None, 0);
+        self.means.fill((DVec3::ZERO, 0));
+        self.first.fill(DVec3::NAN);
+    }
+
+    /// Adds a row of `values` at `stamp` (s), with the largest magnitude of all readings. Returns `true` if the means are a
+    /// new zero.
+    pub fn add(&mut self, stamp: f64, values: &[DVec3], scales: &[DVec3], longest: f64) -> bool {
+        let is_forward = self.span.is_none_or(|(_, latest)| stamp >= latest);
+        if longest > self.rule.untouched || !is_forward || self.moves(values, scales) {
+            self.restart();
+            if longest > self.rule.untouched {
+                return false;
+            }
+        }
+        let (begin, _) = self.span.unwrap_or((stamp, stamp));
+        self.span = Some((begin, stamp));
+        self.rows += 1;
+        let taxels = self.means.iter_mut().zip(&mut self.first).zip(values);
+        for (((mean, count), first), &value) in taxels.filter(|(_, value)| !value.is_nan()) {
+            *count += 1;
+            *mean += (value - *mean) / f64::from(*count);
+            if first.is_nan() {
+                *first = value;
+            }
+        }
+        stamp - begin >= self.rule.after && self.rows > 1
+    }
+
+    /// Returns `true` if a value differs too much from the first one.
+    fn moves(&self, values: &[DVec3], scales: &[DVec3]) -> bool {
+        let taxels = values.iter().zip(&self.first).zip(scales);
+        let mut changes = taxels.map(|((value, first), &scale)| ((value - first) / scale).abs());
+        changes.any(|change| change.max_element() > self.rule.still)
+    }
+
+    /// Mean of a taxel, or `None` if it had no valid value.
+    pub fn mean(&self, taxel: usize) -> Option<DVec3> {
+        let (mean, count) = self.means[taxel];
+        (count > 0).then_some(mean)
+    }
+}
