@@ -17,6 +17,7 @@ pub use crate::messages::channels::{
 };
 pub use crate::messages::contact::Contact;
 pub use crate::messages::facts::{CapFacts, CarryGoal, RunFacts};
+pub use crate::messages::felt::Felt;
 pub use crate::messages::image::Image;
 pub use crate::messages::model::{FingerModel, Solid, SolidFrame, SolidShape};
 pub use crate::messages::names::{FindingName, SensingKind, TaskKind, TaskOutcome};

@@ -4,7 +4,7 @@ use super::feature::{Feature, Values};
 use crate::error::ExportError;
 use feeler::hand::JointVector;
 use feeler_record::messages::joint_names;
-use feeler_record::{FingerRecord, FingerStep, Recording, Step, Steps};
+use feeler_record::{Felt, FingerRecord, FingerStep, Recording, Step, Steps};
 use serde_json::{Map, Value, json};
 
 /// Maximum relative deviation of the frame rate from a whole number.
@@ -116,6 +116,9 @@ pub(crate) fn features(
     for finger in 0..fingers {
         features.extend(touch(&taken, recording, finger)?);
     }
+    if !recording.felt.is_empty() {
+        features.push(felt(&taken)?);
+    }
     Ok(features)
 }
 
@@ -173,6 +176,22 @@ fn touch(
         values: Values::Bool(flags.flat_map(|f| [f.touch, f.slip, f.over]).collect()),
     };
     Ok([forces, flags, grasp])
+}
+
+/// Rumble and tone that the live page played.
+fn felt(taken: &Taken<'_, '_>) -> Result<Feature, ExportError> {
+    let names = json!([
+        "rumble_strong",
+        "rumble_weak",
+        "tone_frequency",
+        "tone_gain"
+    ]);
+    let played = |step: &Step<'_>| {
+        let felt = step.felt.copied().unwrap_or(Felt::SILENT);
+        let rumble = [felt.rumble_strong, felt.rumble_weak];
+        [rumble, [felt.tone_frequency, felt.tone_gain]].concat()
+    };
+    taken.numbers("operator.felt", vec![4], "1, 1, Hz, 1", names, played)
 }
 
 /// Frames from which features are extracted.
