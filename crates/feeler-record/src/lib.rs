@@ -6,6 +6,7 @@ pub mod messages;
 pub mod reading;
 pub mod ros;
 pub mod sensed;
+pub mod tactile_array;
 mod text_enum;
 pub mod viewers;
 pub mod wire;

@@ -1,9 +1,11 @@
 //! Converts a run to an episode: its frames and their LeRobot features.
 
 use super::feature::{Feature, Values};
+use super::tactile::{about, axes};
 use crate::error::ExportError;
 use feeler::hand::JointVector;
 use feeler_record::messages::joint_names;
+use feeler_record::tactile_array::of_finger;
 use feeler_record::{Felt, FingerRecord, FingerStep, Recording, Step, Steps};
 use serde_json::{Map, Value, json};
 
@@ -154,12 +156,10 @@ fn touch(
                 .collect()
         },
     )?;
-    let axes = "x, y: tangential force on the element by the object; z: compression, positive when pressed";
-    forces.about.insert("axes".into(), json!(axes));
-    if let Some(model) = recording.facts.hand.get(finger) {
-        let tips = json!(model.element_tips);
-        forces.about.insert("element_positions_m".into(), tips);
-    }
+    let sensor = of_finger(&recording.facts, finger);
+    let sensor = sensor.map(|sensor| about(&sensor.positions, &sensor.orientations));
+    let sensor = sensor.unwrap_or_else(|| axes().into_iter().collect());
+    forces.about.extend(sensor);
     let grasp = taken.numbers(&key("grasp_force"), vec![1], "N", Value::Null, |step| {
         let flags = step.finger(finger).and_then(|finger| finger.flags);
         flags.map(|flags| flags.grasp_force).into_iter().collect()
