@@ -45,10 +45,12 @@ export async function mock(page: Page, mocked: Mocked = {}): Promise<void> {
         return kind === "good" ? Promise.resolve("complete") : Promise.reject(new Error("gone"));
       },
     };
+    // A new object at each query, as in some browsers.
     const pad = () => ({
+      index: 1,
       id: "test pad",
       connected: true,
-      vibrationActuator: kind === "plain" ? null : actuator,
+      vibrationActuator: kind === "plain" ? null : { ...actuator },
     });
     navigator.getGamepads = () => (kind === "none" ? [null] : [null, pad()]) as unknown as Gamepad[];
     const plug = (plugged: string) => {

@@ -23,7 +23,7 @@ test("grip and slip map to rumble and tone", () => {
   assert.deepEqual(rounded(feel({ ...touch(1), touch: false }, 2, 0)), [0, 0, 150, 0]);
 });
 
-test("everything stays within its range, whatever the data", () => {
+test("everything stays within its range for any data", () => {
   const odd = [NaN, -Infinity, -1, -0, 0, 1e-320, 0.5, 3, 1e300, Infinity];
   for (const force of odd)
     for (const shearRate of odd)

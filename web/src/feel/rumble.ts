@@ -2,21 +2,22 @@
 import { type Feeling, SILENT } from "./mapping";
 
 export class Rumble {
-  /** Gamepad of the latest effect. */
-  #actuator: GamepadHapticActuator | undefined;
+  /** Actuator of the latest effect, and the index of its gamepad: an actuator may be another object at each query. */
+  #playing: { actuator: GamepadHapticActuator; index: number } | undefined;
   /** Error of the latest effect, if it failed. */
   #error = "";
 
   /** Plays the feeling of data of this age (ms) until they are stale. Returns whether a gamepad accepted it. */
   play({ strong, weak }: Readonly<Feeling>, age: number): boolean {
-    const actuator = this.#find();
-    if (actuator !== this.#actuator) this.silence();
+    const gamepad = gamepads().find(actuatorOf);
+    const actuator = gamepad && actuatorOf(gamepad);
+    if (gamepad?.index !== this.#playing?.index) this.silence();
     const duration = SILENT - age;
     if (!actuator || duration <= 0 || (strong === 0 && weak === 0)) {
       this.silence();
       return actuator !== undefined;
     }
-    this.#actuator = actuator;
+    this.#playing = { actuator, index: gamepad.index };
     const effect = { startDelay: 0, duration, strongMagnitude: strong, weakMagnitude: weak };
     this.#report(actuator.playEffect("dual-rumble", effect));
     return this.#error === "";
@@ -24,10 +25,10 @@ export class Rumble {
 
   /** Ends the effect at once. */
   silence(): void {
-    const actuator = this.#actuator;
-    this.#actuator = undefined;
+    const playing = this.#playing;
+    this.#playing = undefined;
     // A gamepad that is gone may reject.
-    void actuator?.reset().catch(() => {});
+    void playing?.actuator.reset().catch(() => {});
   }
 
   /** Name of the gamepad that rumbles, or the reason why there is none. */
@@ -40,12 +41,6 @@ export class Rumble {
     if (rumbling) return `Rumble on ${rumbling.id}.`;
     if ("vibrationActuator" in Gamepad.prototype) return `The gamepad ${first.id} has no rumble.`;
     return "This browser does not support the rumble of gamepads (vibrationActuator).";
-  }
-
-  #find(): GamepadHapticActuator | undefined {
-    return gamepads()
-      .map(actuatorOf)
-      .find((actuator) => actuator !== undefined);
   }
 
   #report(playing: Promise<unknown>): void {
