@@ -68,7 +68,7 @@ pub fn to_cloud(array: &TactileArray) -> Result<PointCloud2, ArrayError> {
 
 /// Converts a cloud of forces to an array. The fields `x y z fx fy fz` are required, in 32 or 64 bits; without `qx qy qz
 /// qw`, normals point away from the origin, as on a dome. Contact is unknown without the fields `contact` and `slip`.
-/// Whatever a cloud does not contain is unknown.
+/// All other properties are unknown.
 ///
 /// # Errors
 /// If a required field is missing, or the cloud has fewer bytes than points.

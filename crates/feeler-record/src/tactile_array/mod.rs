@@ -129,7 +129,7 @@ impl TactileArray {
             .collect())
     }
 
-    /// Force on each element by the touched object (N), in the axes of its own frame, or NaN if it is unknown or
+    /// Force on each element by the touched object (N), in the axes of the element's frame, or NaN if it is unknown or
     /// invalid.
     ///
     /// # Errors

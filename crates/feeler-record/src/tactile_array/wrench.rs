@@ -31,7 +31,7 @@ pub fn to_wrench(array: &TactileArray) -> Result<WrenchStamped, ArrayError> {
 }
 
 /// Creates an array of one element at the origin of the wrench's frame, whose z axis is the outward normal. The torque is
-/// lost; whatever a wrench does not contain is unknown.
+/// lost; all other properties are unknown.
 pub fn from_wrench(wrench: &WrenchStamped) -> TactileArray {
     let Vector3 { x, y, z } = wrench.wrench.force;
     TactileArray {
