@@ -33,6 +33,7 @@ use feeler_link::messages::message::{
 use feeler_link::messages::{Echo, JointCounts};
 use feeler_link::stop_server::wire::parse as parse_datagram;
 use feeler_link::transport::{Place, Topic, header};
+use feeler_record::tactile_array::{TactileArray, from_cloud, to_cloud, to_recorded, to_wrench};
 use feeler_record::wire::{Message, Vector3, cdr};
 use feeler_record::{RecordedCamera, RecordedHand, RecordedSensor, Recording};
 use feeler_ros2::message::{ListParametersRequest, SetParametersRequest};
@@ -510,6 +511,11 @@ pub fn ros2(bytes: &[u8]) -> bool {
         }),
         b'c' => cdr::decode(bytes)
             .is_ok_and(|cloud| feeler_ros2::read_forces(&cloud, &mut [DVec3::ZERO; 2]).is_ok()),
+        b't' => cdr::decode(bytes).is_ok_and(|array: TactileArray| {
+            let _ = (to_wrench(&array), to_recorded(&array));
+            to_cloud(&array).is_ok_and(|cloud| from_cloud(&cloud).is_ok())
+        }),
+        b'p' => cdr::decode(bytes).is_ok_and(|cloud| from_cloud(&cloud).is_ok()),
         b'a' => Attachment::decode(bytes).is_ok(),
         b'l' => cdr::decode::<ListParametersRequest>(bytes)
             .is_ok_and(|request| parameters.list(&request).result.names.is_empty()),

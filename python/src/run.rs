@@ -48,6 +48,7 @@ pub fn run(
         let closed = run.record(&mut FreeRunning::default(), stop, |control_loop, _, _| {
             let stamp = 1e9 * control_loop.state().stamp;
             nanoseconds.store(stamp as u64, Ordering::Relaxed);
+            None
         });
         // After an interrupt, do not delay the exit by writing a report; `feeler report` can write it later.
         match stop.load(Ordering::Relaxed) {

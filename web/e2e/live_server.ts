@@ -25,7 +25,7 @@ export interface Rig {
 export async function startRig(): Promise<Rig> {
   const run = simulate(2);
   const written = columns(2, elements().length);
-  const text = livePage(liveData(run, { socket: PATH, keep: 200, orders: true }));
+  const text = livePage(liveData(run, { socket: PATH, keep: 200, orders: true, felt: true }));
   const server = createServer((request, response) => {
     response.setHeader("content-type", "text/html");
     response.end(request.url === "/" ? text : "");

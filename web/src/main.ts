@@ -109,6 +109,12 @@ function startLive(
   if (place?.id === "live") place.replaceChildren(page.panel.element);
   else if (place) place.before(page.panel.element);
   else document.body.prepend(page.panel.element);
+  keys.push({
+    keys: ["f", "F"],
+    shown: "F",
+    does: "rumble and tone on or off",
+    act: () => page.feel.panel.toggle(),
+  });
   if (live.orders) {
     keys.push({ keys: ["s", "S"], shown: "S", does: "stop the hand", act: () => page.order("stop") });
   }

@@ -190,7 +190,8 @@ export interface PointList {
 /**
  * Connection of a live page. The socket sends each row as a binary message: the time as f64, followed by all numbers
  * of the other columns as f32, in column order and in SI units. (Types and scales of columns apply only to reports.)
- * It sends each {@link LiveState} as JSON text. The page sends {@link LiveOrder} as JSON text.
+ * It sends each {@link LiveState} as JSON text. The page sends {@link LiveOrder} and
+ * {@link LiveFelt} as JSON text.
  */
 export interface Live {
   /** Path of the WebSocket, including the access token. */
@@ -199,6 +200,8 @@ export interface Live {
   keep: number;
   /** `true` if the page can stop and resume the hand. */
   orders: boolean;
+  /** `true` if the recording of the run contains the {@link LiveFelt} of the page. */
+  felt: boolean;
 }
 
 export interface LiveState {
@@ -213,4 +216,18 @@ export interface LiveState {
 
 export interface LiveOrder {
   order: "stop" | "resume";
+}
+
+/** Rumble and tone that the page plays from now on, sent with each row and each change; zeros if nothing is played. */
+export interface LiveFelt {
+  felt: {
+    /** Time of the row that is played (s). */
+    time: number;
+    /** Magnitudes of a gamepad's low- and high-frequency motor (0 to 1). */
+    strong: number;
+    weak: number;
+    /** Frequency (Hz) and gain (0 to 1) of the tone. */
+    frequency: number;
+    gain: number;
+  };
 }

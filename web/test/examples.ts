@@ -2147,6 +2147,7 @@ export const examples: PageData[] = [
       }
     ],
     "live": {
+      "felt": true,
       "keep": 2000,
       "orders": true,
       "socket": "/token/live"

@@ -69,7 +69,7 @@ pub fn schema(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     Ok(Outcome::Done)
 }
 
-fn recorded() -> [Schema; 21] {
+fn recorded() -> [Schema; 22] {
     [
         Schema::recorded(topics::tactile(0)),
         Schema::recorded(topics::flags(0)),
@@ -82,6 +82,7 @@ fn recorded() -> [Schema; 21] {
         Schema::recorded(topics::FINDINGS),
         Schema::recorded(topics::OBJECT),
         Schema::recorded(topics::TRUE_SLIP),
+        Schema::recorded(topics::FELT),
         Schema::recorded(topics::RECORDING_GAP),
         Schema::recorded(topics::image(0)),
         Schema::recorded(topics::TF),

@@ -6,6 +6,7 @@ pub mod messages;
 pub mod reading;
 pub mod ros;
 pub mod sensed;
+pub mod tactile_array;
 mod text_enum;
 pub mod viewers;
 pub mod wire;
@@ -17,6 +18,7 @@ pub use crate::messages::channels::{
 };
 pub use crate::messages::contact::Contact;
 pub use crate::messages::facts::{CapFacts, CarryGoal, RunFacts};
+pub use crate::messages::felt::Felt;
 pub use crate::messages::image::Image;
 pub use crate::messages::model::{FingerModel, Solid, SolidFrame, SolidShape};
 pub use crate::messages::names::{FindingName, SensingKind, TaskKind, TaskOutcome};

@@ -6,11 +6,8 @@
 
 use feeler::sensor::fingertip::SensingElement;
 use feeler::sensor::forces::NO_FORCE;
-use feeler_record::ros::{PointCloud2, PointField};
+use feeler_record::ros::{FloatField, PointCloud2};
 use glam::DVec3;
-
-/// Value of [`PointField::datatype`] for 64-bit floating-point numbers.
-const FLOAT64: u8 = 8;
 
 /// Error when reading forces from a cloud.
 #[derive(Debug, Clone, PartialEq, Eq, thiserror::Error)]
@@ -60,7 +57,7 @@ pub fn read_forces(cloud: &PointCloud2, forces: &mut [DVec3]) -> Result<(), Clou
         return Err(CloudError::BigEndian);
     }
     let step = cloud.point_step as usize;
-    let number = |name| number(cloud, name);
+    let number = |name| cloud.float_field(name).ok_or(CloudError::Field(name));
     let tip = [number("x")?, number("y")?, number("z")?];
     let force = [number("fx")?, number("fy")?, number("fz")?];
     let valid = cloud.fields.iter().find(|field| field.name == "valid");
@@ -72,7 +69,7 @@ pub fn read_forces(cloud: &PointCloud2, forces: &mut [DVec3]) -> Result<(), Clou
     }
     for (out, point) in forces.iter_mut().zip(cloud.data.chunks_exact(step)) {
         let vector =
-            |places: &[Number; 3]| DVec3::from_array(places.each_ref().map(|n| n.read(point)));
+            |places: &[FloatField; 3]| DVec3::from_array(places.each_ref().map(|n| n.read(point)));
         let is_valid = valid.is_none_or(|at| point.get(at).is_some_and(|byte| *byte != 0));
         let element = SensingElement::facing(vector(&tip).normalize_or(DVec3::X));
         *out = match is_valid {
@@ -84,44 +81,4 @@ pub fn read_forces(cloud: &PointCloud2, forces: &mut [DVec3]) -> Result<(), Clou
         };
     }
     Ok(())
-}
-
-/// Offset and size of a floating-point field in a point.
-#[derive(Clone, Copy)]
-struct Number {
-    offset: usize,
-    is_double: bool,
-}
-
-impl Number {
-    fn read(self, point: &[u8]) -> f64 {
-        let bytes = point.get(self.offset..).unwrap_or_default();
-        match self.is_double {
-            true => bytes
-                .first_chunk()
-                .map_or(f64::NAN, |b| f64::from_le_bytes(*b)),
-            false => bytes
-                .first_chunk()
-                .map_or(f64::NAN, |b| f32::from_le_bytes(*b).into()),
-        }
-    }
-}
-
-/// Locates the field `name` of a cloud.
-fn number(cloud: &PointCloud2, name: &'static str) -> Result<Number, CloudError> {
-    let field = cloud.fields.iter().find(|field| field.name == name);
-    let field = field.ok_or(CloudError::Field(name))?;
-    let bytes: u32 = match field.datatype {
-        PointField::FLOAT32 => 4,
-        FLOAT64 => 8,
-        _ => return Err(CloudError::Field(name)),
-    };
-    let end = field.offset.checked_add(bytes);
-    match end.is_some_and(|end| end <= cloud.point_step) {
-        true => Ok(Number {
-            offset: field.offset as usize,
-            is_double: bytes == 8,
-        }),
-        false => Err(CloudError::Field(name)),
-    }
 }

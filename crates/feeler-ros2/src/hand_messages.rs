@@ -7,6 +7,7 @@ use feeler_record::error::RecordError;
 use feeler_record::messages::FingerModel;
 use feeler_record::ros::{PointCloud2, Time, WrenchStamped};
 use feeler_record::sensed::{Elements, taxels};
+use feeler_record::tactile_array::{TactileArray, of_finger};
 use feeler_record::viewers::KinematicMessages;
 use feeler_record::wire::Vector3;
 use feeler_record::{NO_ELEMENT, RunFacts};
@@ -28,6 +29,8 @@ pub struct FingerMessages {
     pub taxels: PointCloud2,
     /// Flags, and force on each element in the element's frame (N).
     pub tactile: TactileState,
+    /// Self-describing: forces, shear rates and contact with geometry, units, rate and validity.
+    pub array: TactileArray,
     elements: Elements,
 }
 
@@ -61,6 +64,7 @@ impl HandMessages {
         }
         let finger = |(finger, model): (usize, &FingerModel)| {
             let elements = Elements::of(model);
+            let array = of_finger(facts, finger).unwrap_or_default();
             let taxels = taxels(finger, &elements);
             FingerMessages {
                 wrench: WrenchStamped {
@@ -71,6 +75,7 @@ impl HandMessages {
                     header: taxels.header.clone(),
                     ..TactileState::default()
                 },
+                array,
                 taxels,
                 elements,
             }
@@ -104,6 +109,8 @@ impl FingerMessages {
         ] {
             header.stamp = stamp;
         }
+        let forces = touch.forces.iter().copied();
+        (self.array).set_sample(stamp, touch.sequence, forces, touch.shear_rate);
         self.elements.take_forces(touch.forces);
         self.wrench.wrench = self.elements.wrench();
         let rates = touch.shear_rate;

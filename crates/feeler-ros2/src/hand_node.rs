@@ -7,6 +7,7 @@ use crate::node_error::NodeError;
 use crate::publisher::Publisher;
 use crate::qos::{History, Qos};
 use feeler_record::ros::{Header, JointState, PointCloud2, TFMessage, Text, Time, WrenchStamped};
+use feeler_record::tactile_array::TactileArray;
 
 /// Publishers of a hand's joints, tactile state and diagnostics.
 pub struct HandPublishers {
@@ -23,6 +24,7 @@ struct FingerPublishers {
     wrench: Publisher<WrenchStamped>,
     taxels: Publisher<PointCloud2>,
     tactile: Publisher<TactileState>,
+    array: Publisher<TactileArray>,
 }
 
 impl HandPublishers {
@@ -42,6 +44,7 @@ impl HandPublishers {
                 wrench: node.publish(&topic("wrench"), Qos::DEFAULT)?,
                 taxels: node.publish(&topic("taxels"), Qos::DEFAULT)?,
                 tactile: node.publish(&topic("tactile"), Qos::DEFAULT)?,
+                array: node.publish(&topic("tactile_array"), Qos::DEFAULT)?,
             })
         };
         let fingers = (0..fingers)
@@ -98,7 +101,8 @@ impl HandPublishers {
         };
         publishers.wrench.publish(&messages.wrench)?;
         publishers.taxels.publish(&messages.taxels)?;
-        publishers.tactile.publish(&messages.tactile)
+        publishers.tactile.publish(&messages.tactile)?;
+        publishers.array.publish(&messages.array)
     }
 
     /// Publishes the diagnostics of all parts of the hand.

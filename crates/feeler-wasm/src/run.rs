@@ -72,6 +72,7 @@ impl Run {
             socket: String::new(),
             keep,
             orders: true,
+            felt: false,
         };
         let page = PageData::of_rig(&title, &self.rows.rig(), live);
         page.to_json().map_err(js)

@@ -1,5 +1,5 @@
 /** WebSocket of a live page, which reconnects when the connection is lost. */
-import type { LiveOrder } from "../page_data";
+import type { LiveFelt, LiveOrder } from "../page_data";
 
 /** Delays before successive attempts to reconnect (ms). The last one repeats. */
 const WAITS = [250, 500, 1000, 2000];
@@ -26,10 +26,10 @@ export class Connection {
     this.#open();
   }
 
-  /** Sends an order; returns whether it was sent. */
-  send(order: LiveOrder): boolean {
+  /** Sends a message; returns whether it was sent. */
+  send(message: LiveOrder | LiveFelt): boolean {
     if (this.#socket?.readyState !== WebSocket.OPEN) return false;
-    this.#socket.send(JSON.stringify(order));
+    this.#socket.send(JSON.stringify(message));
     return true;
   }
 

@@ -1,4 +1,5 @@
 /** A live page: receives rows, shows flags and state at once, and sends orders. */
+import { Feel } from "../feel/feel";
 import type { Live } from "../page_data";
 import type { Playback } from "../playback";
 import { PageProblem } from "../problem";
@@ -15,6 +16,7 @@ const WATCH = 250;
 
 export class LivePage {
   readonly panel: LivePanel;
+  readonly feel: Feel;
   readonly #ring: Ring;
   readonly #playback: Playback;
   readonly #fingers: FingerColumns[];
@@ -33,6 +35,8 @@ export class LivePage {
     this.#fingers = fingers;
     this.#rowsGone = rowsGone;
     this.panel = new LivePanel(fingers, live.orders, (order) => this.order(order));
+    this.feel = new Feel(fingers, (felt) => live.felt && this.#connection.send({ felt }));
+    this.panel.element.append(this.feel.panel.element);
     this.#connection = new Connection(live.socket, {
       row: (message) => this.#read(() => this.#row(message)),
       state: (text) => this.#read(() => this.#state(text)),
@@ -67,13 +71,17 @@ export class LivePage {
     }
     const row = this.#ring.table.length - 1;
     this.#fingers.forEach((finger, i) => this.panel.showFlags(i, finger.flags(row)));
+    this.feel.row(row, this.#ring.table.time(row));
     this.#playback.request();
   }
 
   #state(text: string): void {
     const state = readState(text);
     this.#over = state.over;
-    if (state.over) this.#connection.end();
+    if (state.over) {
+      this.#connection.end();
+      this.feel.end();
+    }
     this.panel.showState(state);
   }
 

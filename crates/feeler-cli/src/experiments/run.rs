@@ -86,6 +86,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
         error => CommandError::from(error),
     })?;
     options.flush_interval = arguments.flush.flush_interval;
+    options.felt = arguments.view;
     // Set up before creating a folder, so that an invalid experiment leaves none.
     let set_up = match arguments.drives {
         Some(_) => {
@@ -143,7 +144,7 @@ fn watched_run(
     let mut punctuality = Punctuality::new()?;
     let ran = run.run(&mut timing, &interrupted, |control_loop, at, tick| {
         punctuality.record(tick);
-        watcher.step(control_loop, at, tick);
+        watcher.step(control_loop, at, tick)
     });
     watcher.run_ended();
     let ran = ran?;

@@ -8,7 +8,7 @@ use crate::view::LiveRun;
 use feeler::pace::Tick;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{Instruments, SimulatedLoop};
-use feeler_record::RunEnd;
+use feeler_record::{Felt, RunEnd};
 #[cfg(feature = "top")]
 use feeler_watch::Screen;
 use std::sync::Arc;
@@ -48,20 +48,20 @@ impl<'a> Watcher<'a> {
         Ok(Self { shown, page })
     }
 
-    /// Shows the latest step of `control_loop`, and executes the user's actions on the hand.
+    /// Shows the latest step of `control_loop`, and executes the user's actions on the hand. Returns a new report of the
+    /// rumble and tone that the browser plays.
     pub fn step(
         &mut self,
         control_loop: &mut SimulatedLoop,
         instruments: &Instruments,
         tick: &Tick,
-    ) {
+    ) -> Option<Felt> {
         match &mut self.shown {
             Shown::Bar(progress) => progress.show(control_loop),
             Shown::Screen(screen) => screen.step(control_loop, instruments, tick),
         }
-        if let Some(page) = &mut self.page {
-            page.step(control_loop, instruments);
-        }
+        let page = self.page.as_mut()?;
+        page.step(control_loop, instruments)
     }
 
     /// Removes the progress bar; the terminal view remains.

@@ -4,7 +4,7 @@ use super::{MISSING, ServerArguments};
 use crate::CommandError;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::{Instruments, SimulatedLoop};
-use feeler_record::RunEnd;
+use feeler_record::{Felt, RunEnd};
 use std::io::Write;
 
 /// Placeholder for the options of a page's server.
@@ -25,7 +25,7 @@ impl LiveRun {
         Err(format!("--view: {MISSING}").into())
     }
 
-    pub fn step(&mut self, _: &mut SimulatedLoop, _: &Instruments) {
+    pub fn step(&mut self, _: &mut SimulatedLoop, _: &Instruments) -> Option<Felt> {
         match *self {}
     }
 

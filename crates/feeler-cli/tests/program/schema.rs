@@ -13,8 +13,9 @@ fn every_message_is_printed() {
     let printed = run(&folder("schema-all"), &["schema"]).done();
     let heads = printed.lines().filter(|line| line.starts_with("#### "));
     let recorded = include_str!("../../../feeler-record/src/messages/channels.rs");
+    let felt = include_str!("../../../feeler-record/src/messages/felt.rs");
     let linked = include_str!("../../../feeler-link/src/messages/message.rs");
-    let written = [recorded, linked].map(|text| text.matches("\nmessage!(").count());
+    let written = [recorded, felt, linked].map(|text| text.matches("\nmessage!(").count());
     // The ROS 2 messages, for images and seven for viewers, are written without the macro.
     assert_eq!(heads.count(), written.iter().sum::<usize>() + 8);
 }

@@ -27,6 +27,7 @@ use std::path::{Path, PathBuf};
 /// | `observation.tactile.finger_N.force` | \[E, 3\] | force on each element in its frame, N: x, y tangential, on the element by the object; z compression, positive when pressed |
 /// | `observation.tactile.finger_N.flags` | \[3\] | TOUCH, SLIP, OVER |
 /// | `observation.tactile.finger_N.grasp_force` | \[1\] | sum of the positive compressions, N |
+/// | `operator.felt` | \[4\] | what the live page played, if the run had one: rumble strong and weak (0 to 1), tone frequency (Hz) and gain (0 to 1) |
 /// | `observation.images.finger_N` | \[height, width, 3\] | the camera's image if images were recorded: gray, as a video (AV1 in MP4) |
 pub struct DataSet {
     folder: PathBuf,

@@ -1,10 +1,12 @@
 //! Converts a run to an episode: its frames and their LeRobot features.
 
 use super::feature::{Feature, Values};
+use super::tactile::{about, axes};
 use crate::error::ExportError;
 use feeler::hand::JointVector;
 use feeler_record::messages::joint_names;
-use feeler_record::{FingerRecord, FingerStep, Recording, Step, Steps};
+use feeler_record::tactile_array::of_finger;
+use feeler_record::{Felt, FingerRecord, FingerStep, Recording, Step, Steps};
 use serde_json::{Map, Value, json};
 
 /// Maximum relative deviation of the frame rate from a whole number.
@@ -116,6 +118,9 @@ pub(crate) fn features(
     for finger in 0..fingers {
         features.extend(touch(&taken, recording, finger)?);
     }
+    if !recording.felt.is_empty() {
+        features.push(felt(&taken)?);
+    }
     Ok(features)
 }
 
@@ -151,12 +156,10 @@ fn touch(
                 .collect()
         },
     )?;
-    let axes = "x, y: tangential force on the element by the object; z: compression, positive when pressed";
-    forces.about.insert("axes".into(), json!(axes));
-    if let Some(model) = recording.facts.hand.get(finger) {
-        let tips = json!(model.element_tips);
-        forces.about.insert("element_positions_m".into(), tips);
-    }
+    let sensor = of_finger(&recording.facts, finger);
+    let sensor = sensor.map(|sensor| about(&sensor.positions, &sensor.orientations));
+    let sensor = sensor.unwrap_or_else(|| axes().into_iter().collect());
+    forces.about.extend(sensor);
     let grasp = taken.numbers(&key("grasp_force"), vec![1], "N", Value::Null, |step| {
         let flags = step.finger(finger).and_then(|finger| finger.flags);
         flags.map(|flags| flags.grasp_force).into_iter().collect()
@@ -173,6 +176,22 @@ fn touch(
         values: Values::Bool(flags.flat_map(|f| [f.touch, f.slip, f.over]).collect()),
     };
     Ok([forces, flags, grasp])
+}
+
+/// Rumble and tone that the live page played.
+fn felt(taken: &Taken<'_, '_>) -> Result<Feature, ExportError> {
+    let names = json!([
+        "rumble_strong",
+        "rumble_weak",
+        "tone_frequency",
+        "tone_gain"
+    ]);
+    let played = |step: &Step<'_>| {
+        let felt = step.felt.copied().unwrap_or(Felt::SILENT);
+        let rumble = [felt.rumble_strong, felt.rumble_weak];
+        [rumble, [felt.tone_frequency, felt.tone_gain]].concat()
+    };
+    taken.numbers("operator.felt", vec![4], "1, 1, Hz, 1", names, played)
 }
 
 /// Frames from which features are extracted.

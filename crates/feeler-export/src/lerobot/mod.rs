@@ -7,6 +7,7 @@ mod meta;
 mod mp4;
 mod run;
 mod stats;
+pub mod tactile;
 mod video;
 mod videos;
 

@@ -1,9 +1,9 @@
 //! LeRobot data sets: accepted runs and written files.
 
-use crate::support::{MadeUp, force, path, recording, recording_file};
+use crate::support::{MadeUp, PERIOD, force, path, recording, recording_file};
 use feeler_export::ExportError;
 use feeler_export::lerobot::{DataSet, FileSizes, Run, Watch};
-use feeler_record::Recording;
+use feeler_record::{Felt, Recording};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::Field;
 use serde_json::{Value, json};
@@ -97,6 +97,41 @@ fn each_run_is_an_episode() {
         .map(|group| group.num_rows())
         .collect();
     assert_eq!(rows, [20, 5]);
+}
+
+#[test]
+fn rumble_and_tone_are_a_feature_if_recorded() {
+    let mut felt = recording(&MadeUp::default());
+    felt.felt = vec![
+        Felt::SILENT,
+        Felt {
+            stamp: 5.5 * PERIOD,
+            data_stamp: 5.0 * PERIOD,
+            rumble_strong: 0.5,
+            rumble_weak: 0.25,
+            tone_frequency: 440.0,
+            tone_gain: 0.125,
+        },
+        Felt {
+            stamp: 10.5 * PERIOD,
+            ..Felt::SILENT
+        },
+    ];
+    let folder = folder("felt");
+    let mut set = DataSet::new(&folder);
+    assert_eq!(add(&mut set, "felt", &felt).unwrap(), 20);
+    let unfelt = add(&mut set, "unfelt", &recording(&MadeUp::default())).unwrap_err();
+    assert!(unfelt.to_string().contains("operator.felt"), "{unfelt}");
+    set.finish().unwrap();
+    let info = json_of(&folder.join("meta/info.json"));
+    let feature = &info["features"]["operator.felt"];
+    assert_eq!(feature["shape"], json!([4]));
+    assert_eq!(feature["names"][3], "tone_gain");
+    let stats = json_of(&folder.join("meta/stats.json"));
+    let stats = &stats["operator.felt"];
+    assert_eq!(stats["max"], json!([0.5, 0.25, 440.0, 0.125]));
+    // Five of 20 frames: those at the steps 6 to 10.
+    assert_eq!(stats["mean"], json!([0.125, 0.0625, 110.0, 0.03125]));
 }
 
 #[test]

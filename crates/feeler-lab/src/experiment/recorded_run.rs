@@ -5,7 +5,7 @@ use super::{ExperimentError, Instruments, Pictures, Session, SimulatedLoop};
 use crate::config::{ConfigError, Experiment, Sensing};
 use feeler::control::{Controller, Phase};
 use feeler::pace::{Schedule, Tick};
-use feeler_record::{RecordError, RecordOptions, Recorder, RunEnd, RunLog, RunState};
+use feeler_record::{Felt, RecordError, RecordOptions, Recorder, RunEnd, RunLog, RunState};
 use feeler_report::run::{RECORDING, ReportError, ReportOutcome, make, make_of};
 use std::ops::ControlFlow;
 use std::path::{Path, PathBuf};
@@ -85,7 +85,8 @@ impl RecordedRun {
     }
 
     /// Executes the run as [`Session::run`], closes the recording and generates the report. The recording is kept and
-    /// reported however the run ends. Returns the session after its last step, the end of the run, and the report.
+    /// reported however the run ends. `each_step` returns what the live page played since the last step, if anything.
+    /// Returns the session after its last step, the end of the run, and the report.
     ///
     /// # Errors
     /// If the run, the recording or the report fails.
@@ -93,7 +94,7 @@ impl RecordedRun {
         self,
         schedule: &mut impl Schedule,
         interrupted: &AtomicBool,
-        each_step: impl FnMut(&mut SimulatedLoop, &Instruments, &Tick),
+        each_step: impl FnMut(&mut SimulatedLoop, &Instruments, &Tick) -> Option<Felt>,
     ) -> Result<FinishedRun, RunError> {
         self.record(schedule, interrupted, each_step).report()
     }
@@ -103,7 +104,7 @@ impl RecordedRun {
         self,
         schedule: &mut impl Schedule,
         interrupted: &AtomicBool,
-        mut each_step: impl FnMut(&mut SimulatedLoop, &Instruments, &Tick),
+        mut each_step: impl FnMut(&mut SimulatedLoop, &Instruments, &Tick) -> Option<Felt>,
     ) -> ClosedRun {
         let Self {
             mut session,
@@ -112,11 +113,15 @@ impl RecordedRun {
         } = self;
         let start = Instant::now();
         let ran = session.run(schedule, interrupted, |control_loop, at, tick| {
-            if let Err(error) = at.record(control_loop, &mut log) {
-                return ControlFlow::Break(error);
+            let recorded = at.record(control_loop, &mut log);
+            let recorded = recorded.and_then(|()| match each_step(control_loop, at, tick) {
+                Some(felt) => log.write_felt(&felt),
+                None => Ok(()),
+            });
+            match recorded {
+                Ok(()) => ControlFlow::Continue(()),
+                Err(error) => ControlFlow::Break(error),
             }
-            each_step(control_loop, at, tick);
-            ControlFlow::Continue(())
         });
         let wall_time = start.elapsed().as_secs_f64();
         let failed = match ran {

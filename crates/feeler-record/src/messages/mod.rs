@@ -4,6 +4,7 @@ pub(crate) mod chain;
 pub(crate) mod channels;
 pub(crate) mod contact;
 pub(crate) mod facts;
+pub(crate) mod felt;
 pub(crate) mod image;
 mod joint_array;
 pub(crate) mod model;

@@ -7,6 +7,7 @@ use super::channels::{
 };
 use super::contact::Contact;
 use super::facts::RunFacts;
+use super::felt::Felt;
 use super::image::{Image, compress, size};
 use crate::error::RecordError;
 use crate::reading::recording::{Gap, PictureAt, Recording};
@@ -138,6 +139,8 @@ pub mod topics {
     pub const OBJECT: RecordedTopic<ObjectPose> = RecordedTopic::of_rig("object");
     /// True slip of the feelers. Only written by simulated worlds.
     pub const TRUE_SLIP: RecordedTopic<TrueSlip> = RecordedTopic::of_rig("true_slip");
+    /// Rumble and tone that the live page played. Only written by runs with such a page; not part of the digest.
+    pub const FELT: RecordedTopic<Felt> = RecordedTopic::of_rig("felt");
     /// Gaps in the recording. Only written if messages were dropped.
     pub const RECORDING_GAP: RecordedTopic<RecordingGap> = RecordedTopic::of_rig("recording_gap");
 
@@ -167,7 +170,8 @@ pub mod topics {
 
 /// A message type that can be recorded.
 pub trait RecordedMessage: Stamped + Clone + Any {
-    /// `true` if messages are derived from others: they are for viewers, not part of the digest, and not read back.
+    /// `true` if messages are not part of the digest, because they are derived from others. Those for viewers are not
+    /// read back.
     const DERIVED: bool = false;
     /// Converts an encoded message to its recorded form, on the recorder's thread. `None` if the message is recorded as
     /// is.
@@ -355,8 +359,8 @@ impl Channel {
 
     /// All channels that a recording with these constants can have.
     pub fn known(facts: &RunFacts) -> impl Iterator<Item = Self> + use<> {
-        let gaps = Self::from(topics::RECORDING_GAP);
-        Self::of_run(facts, true).into_iter().chain([gaps])
+        let others = [topics::RECORDING_GAP.into(), topics::FELT.into()];
+        Self::of_run(facts, true).into_iter().chain(others)
     }
 
     /// Name of the topic in the recording.

@@ -154,11 +154,11 @@ impl Collector {
         let Some((known, name)) = self.channels.get(&channel) else {
             return Ok(()); // an unknown channel
         };
+        (known.read_into)(recording, known.finger, bytes, at)
+            .map_err(|e| format!("message on {name}: {e}"))?;
         if known.derived {
             return Ok(());
         }
-        (known.read_into)(recording, known.finger, bytes, at)
-            .map_err(|e| format!("message on {name}: {e}"))?;
         let digester = self
             .digester
             .get_or_insert_with(|| begin(&self.facts, recording));

@@ -7,6 +7,7 @@ use crate::messages::channels::{
     Task, TorqueSensor, TrueSlip,
 };
 use crate::messages::facts::RunFacts;
+use crate::messages::felt::Felt;
 use crate::messages::run_end::{RunEnd, RunState};
 use crate::writing::newest::count_before_latest;
 use crate::writing::options::PolicyFile;
@@ -113,6 +114,8 @@ pub struct Recording {
     pub object: Vec<ObjectPose>,
     /// True slip of the feelers, if recorded by a simulated world.
     pub true_slip: Vec<TrueSlip>,
+    /// Rumble and tone that the live page played, if the run had one.
+    pub felt: Vec<Felt>,
     /// Gaps where messages are missing.
     pub gaps: Vec<Gap>,
     /// First damaged part of the file that is followed by readable parts.
@@ -141,6 +144,7 @@ impl Recording {
             findings: Vec::new(),
             object: Vec::new(),
             true_slip: Vec::new(),
+            felt: Vec::new(),
             gaps: Vec::new(),
             damage: None,
             discarded_steps: 0,
@@ -167,6 +171,7 @@ impl Recording {
         forget(&mut self.torque_sensor, time);
         forget(&mut self.cap, time);
         forget(&mut self.true_slip, time);
+        forget(&mut self.felt, time);
         self.discarded_steps += forget(&mut self.task, time);
     }
 

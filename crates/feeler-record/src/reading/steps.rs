@@ -4,6 +4,7 @@ use super::recording::{FingerRecord, Recording};
 use crate::messages::channels::{
     Cap, Command, Fingertip, Flags, Joints, ObjectPose, Tactile, Task, TorqueSensor, TrueSlip,
 };
+use crate::messages::felt::Felt;
 use crate::writing::newest::LatestAt;
 
 /// Latest messages at a control step. `None` if no message had been recorded by then.
@@ -21,6 +22,8 @@ pub struct Step<'a> {
     pub object: Option<&'a ObjectPose>,
     /// True slip of the feelers.
     pub true_slip: Option<&'a TrueSlip>,
+    /// Rumble and tone of the live page.
+    pub felt: Option<&'a Felt>,
 }
 
 impl<'a> Step<'a> {
@@ -54,6 +57,7 @@ pub struct Steps<'a> {
     cap: LatestAt<'a, Cap>,
     object: LatestAt<'a, ObjectPose>,
     true_slip: LatestAt<'a, TrueSlip>,
+    felt: LatestAt<'a, Felt>,
 }
 
 impl<'a> Steps<'a> {
@@ -66,6 +70,7 @@ impl<'a> Steps<'a> {
             cap: LatestAt::new(&recording.cap),
             object: LatestAt::new(&recording.object),
             true_slip: LatestAt::new(&recording.true_slip),
+            felt: LatestAt::new(&recording.felt),
         }
     }
 }
@@ -83,6 +88,7 @@ impl<'a> Iterator for Steps<'a> {
             cap: self.cap.at(time),
             object: self.object.at(time),
             true_slip: self.true_slip.at(time),
+            felt: self.felt.at(time),
         })
     }
 }

@@ -52,11 +52,11 @@ impl Header {
 
 /// Text of the type `name`, to be appended to the text of a message that uses it.
 macro_rules! nested {
-    ($name:literal, $($line:literal),+ $(,)?) => {
+    ($name:literal $(, $line:literal)* $(,)?) => {
         concat!(
             "================================================================================\n",
             "MSG: ", $name, "\n",
-            $($line, "\n"),+
+            $($line, "\n",)*
         )
     };
 }
@@ -65,12 +65,12 @@ macro_rules! nested {
 macro_rules! header_schema {
     () => {
         concat!(
-            $crate::ros::header::nested!(
+            $crate::ros::nested!(
                 "std_msgs/Header",
                 "builtin_interfaces/Time stamp",
                 "string frame_id",
             ),
-            $crate::ros::header::nested!("builtin_interfaces/Time", "int32 sec", "uint32 nanosec",),
+            $crate::ros::nested!("builtin_interfaces/Time", "int32 sec", "uint32 nanosec",),
         )
     };
 }
@@ -78,14 +78,14 @@ macro_rules! header_schema {
 /// Text of a `geometry_msgs` type with components x, y and z, to be appended to the text of a message that uses it.
 macro_rules! xyz_schema {
     ($name:literal) => {
-        $crate::ros::header::nested!($name, "float64 x", "float64 y", "float64 z")
+        $crate::ros::nested!($name, "float64 x", "float64 y", "float64 z")
     };
 }
 
 /// The text of `geometry_msgs/Quaternion`.
 macro_rules! quaternion_schema {
     () => {
-        $crate::ros::header::nested!(
+        $crate::ros::nested!(
             "geometry_msgs/Quaternion",
             "float64 x",
             "float64 y",
@@ -95,4 +95,4 @@ macro_rules! quaternion_schema {
     };
 }
 
-pub(super) use {header_schema, nested, quaternion_schema, xyz_schema};
+pub(crate) use {header_schema, nested, quaternion_schema, xyz_schema};

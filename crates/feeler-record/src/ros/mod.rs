@@ -13,9 +13,10 @@ mod wrench;
 
 pub use compressed_image::CompressedImage;
 pub use header::{Header, Time};
+pub(crate) use header::{header_schema, nested, quaternion_schema, xyz_schema};
 pub use joint_state::JointState;
 pub use marker::{ColorRGBA, Marker, MarkerArray, MarkerType};
-pub use point_cloud::{PointCloud2, PointField};
+pub use point_cloud::{FloatField, PointCloud2, PointField};
 pub use text::Text;
 pub use transform::{TFMessage, Transform, TransformStamped};
 pub use wrench::{Wrench, WrenchStamped};

@@ -11,7 +11,7 @@ pub struct PointField {
     pub name: String,
     /// Offset in bytes.
     pub offset: u32,
-    /// Data type: [`Self::UINT8`] or [`Self::FLOAT32`].
+    /// Data type, such as [`Self::UINT8`].
     pub datatype: u8,
     /// Number of elements.
     pub count: u32,
@@ -22,6 +22,30 @@ impl PointField {
     pub const UINT8: u8 = 2;
     /// 32-bit floating-point number.
     pub const FLOAT32: u8 = 7;
+    /// 64-bit floating-point number.
+    pub const FLOAT64: u8 = 8;
+}
+
+/// Place of a floating-point number in the bytes of a point.
+#[derive(Debug, Clone, Copy)]
+pub struct FloatField {
+    offset: usize,
+    is_double: bool,
+}
+
+impl FloatField {
+    /// Reads the little-endian number from a point's bytes; NaN if they are too few.
+    pub fn read(self, point: &[u8]) -> f64 {
+        let bytes = point.get(self.offset..).unwrap_or_default();
+        match self.is_double {
+            true => bytes
+                .first_chunk()
+                .map_or(f64::NAN, |b| f64::from_le_bytes(*b)),
+            false => bytes
+                .first_chunk()
+                .map_or(f64::NAN, |b| f32::from_le_bytes(*b).into()),
+        }
+    }
 }
 
 /// A cloud of points with fields.
@@ -46,6 +70,59 @@ pub struct PointCloud2 {
     pub data: Vec<u8>,
     /// `true` if all fields of all points are valid.
     pub is_dense: bool,
+}
+
+impl PointCloud2 {
+    /// Locates the floating-point field `name`. `None` if it is missing, has another type, or extends beyond a point.
+    pub fn float_field(&self, name: &str) -> Option<FloatField> {
+        let field = self.field(name)?;
+        let bytes: u32 = match field.datatype {
+            PointField::FLOAT32 => 4,
+            PointField::FLOAT64 => 8,
+            _ => return None,
+        };
+        let end = field.offset.checked_add(bytes)?;
+        (end <= self.point_step).then_some(FloatField {
+            offset: field.offset as usize,
+            is_double: bytes == 8,
+        })
+    }
+
+    /// Offset of the 8-bit field `name` in a point, or `None` if it is missing or has another type.
+    pub fn byte_field(&self, name: &str) -> Option<usize> {
+        let field = self.field(name)?;
+        (field.datatype == PointField::UINT8).then_some(field.offset as usize)
+    }
+
+    fn field(&self, name: &str) -> Option<&PointField> {
+        self.fields.iter().find(|field| field.name == name)
+    }
+
+    /// Bytes of each point, row by row.
+    ///
+    /// # Errors
+    /// If the cloud has fewer bytes than its points. Returns the expected and the actual number of bytes.
+    pub fn points(&self) -> Result<impl Iterator<Item = &[u8]> + '_, (usize, usize)> {
+        let [height, width] = [self.height, self.width].map(|number| number as usize);
+        let (step, row_step) = (self.point_step as usize, self.row_step as usize);
+        let row = width.saturating_mul(step);
+        // A single row may leave its size unset.
+        let stride = if height == 1 { row } else { row_step.max(row) };
+        let rows_before = height.saturating_sub(1).saturating_mul(stride);
+        let expected = match width.min(height) {
+            0 => 0,
+            _ => rows_before.saturating_add(row),
+        };
+        if (expected > 0 && step == 0) || self.data.len() < expected {
+            return Err((expected.max(1), self.data.len()));
+        }
+        let is_empty = expected == 0;
+        let rows = (0..if is_empty { 0 } else { height }).map(move |index| index * stride);
+        Ok(rows.flat_map(move |start| {
+            let row = self.data.get(start..start + row).unwrap_or_default();
+            row.chunks_exact(step.max(1))
+        }))
+    }
 }
 
 impl Message for PointCloud2 {

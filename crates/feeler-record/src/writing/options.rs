@@ -18,6 +18,8 @@ pub struct RecordOptions {
     pub policy: Option<PolicyFile>,
     /// `true` if images will be recorded.
     pub pictures: bool,
+    /// `true` if rumble and tone of the live page will be recorded.
+    pub felt: bool,
     /// Behaviour of writes while the file accepts no data.
     pub patience: Backpressure,
     /// Maximum age of a message before it is passed to the operating system, in seconds of run time. A program that is
@@ -31,6 +33,7 @@ impl Default for RecordOptions {
             calibrations: BTreeMap::new(),
             policy: None,
             pictures: false,
+            felt: false,
             patience: Backpressure::default(),
             flush_interval: FLUSH_INTERVAL,
         }

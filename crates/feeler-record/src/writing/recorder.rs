@@ -9,7 +9,7 @@ use crate::error::RecordError;
 use crate::messages::channels::RecordingGap;
 use crate::messages::facts::RunFacts;
 use crate::messages::run_end::RunEnd;
-use crate::messages::topic::{Channel, RecordedMessage, RecordedTopic};
+use crate::messages::topic::{Channel, RecordedMessage, RecordedTopic, topics};
 use crate::reading::digest::Digest;
 use std::path::Path;
 use std::time::Duration;
@@ -58,7 +58,8 @@ impl Recorder {
         options: &RecordOptions,
     ) -> Result<Self, RecordError> {
         let path = path.as_ref();
-        let channels = Channel::of_run(facts, options.pictures);
+        let mut channels = Channel::of_run(facts, options.pictures);
+        channels.extend(options.felt.then(|| Channel::from(topics::FELT)));
         let sink = Sink::create(path, facts, experiment_toml, options, &channels)?;
         Self::to_store(path, sink, (channels, facts.fingers), options)
     }

@@ -5,6 +5,7 @@ use crate::messages::channels::{
     Command, Findings, Fingertip, Flags, Joints, NO_ELEMENT, Tactile, Task,
 };
 use crate::messages::facts::RunFacts;
+use crate::messages::felt::Felt;
 use crate::messages::image::Image;
 use crate::messages::names::TaskOutcome;
 use crate::messages::topic::topics;
@@ -108,7 +109,7 @@ impl<R: MessageSink> RunLog<R> {
         {
             // Written before the forces, so that a truncated recording contains the image of every tactile frame.
             self.write_picture(index, sensor.frame())?;
-            self.write_felt(index, touch)?;
+            self.write_touch(index, touch)?;
             self.write_motion(index, stamp, finger, joints)?;
             self.write_fingertip(index, stamp, pose)?;
         }
@@ -130,6 +131,14 @@ impl<R: MessageSink> RunLog<R> {
             self.forget_written();
         }
         Ok(())
+    }
+
+    /// Writes rumble and tone of the live page. The recorder must have been created with them.
+    ///
+    /// # Errors
+    /// If the recording cannot be written.
+    pub fn write_felt(&mut self, felt: &Felt) -> Result<(), RecordError> {
+        self.recorder.write(topics::FELT, felt)
     }
 
     /// Requests that messages written only on change are written again, because they may have been dropped.
@@ -156,7 +165,7 @@ impl<R: MessageSink> RunLog<R> {
         self.recorder.write(topics::image(index), &picture.image)
     }
 
-    fn write_felt(&mut self, index: usize, touch: &TactileReading) -> Result<(), RecordError> {
+    fn write_touch(&mut self, index: usize, touch: &TactileReading) -> Result<(), RecordError> {
         let (tactile, flags) = (&touch.frame, touch.flags);
         self.tactile.sequence = tactile.sequence;
         self.tactile.stamp = tactile.stamp;

@@ -14,6 +14,8 @@ pub struct Live {
     pub keep: usize,
     /// `true` if the page can send stop commands.
     pub orders: bool,
+    /// `true` if the recording of the run contains the rumble and the tone that the page plays.
+    pub felt: bool,
 }
 
 /// A running rig.

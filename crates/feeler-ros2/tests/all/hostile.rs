@@ -1,6 +1,7 @@
 //! Arbitrary input is decoded or rejected, without a panic.
 
 use feeler_record::ros::{JointState, PointCloud2, WrenchStamped};
+use feeler_record::tactile_array::TactileArray;
 use feeler_record::wire::{Message, cdr};
 use feeler_ros2::Attachment;
 use feeler_ros2::message::*;
@@ -26,6 +27,7 @@ proptest! {
         decode::<WrenchStamped>(&bytes);
         decode::<Clock>(&bytes);
         decode::<Float64MultiArray>(&bytes);
+        decode::<TactileArray>(&bytes);
         decode::<TactileState>(&bytes);
         decode::<TriggerRequest>(&bytes);
         decode::<ListParametersRequest>(&bytes);

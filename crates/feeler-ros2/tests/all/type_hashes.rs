@@ -1,6 +1,7 @@
 //! Hashes of all used types compared with ROS 2's own generator, whose output `references/type_hashes.py` prints.
 
 use feeler_record::ros::{JointState, PointCloud2, TFMessage, Text, WrenchStamped};
+use feeler_record::tactile_array::TactileArray;
 use feeler_record::wire::Message;
 use feeler_ros2::message::*;
 use feeler_ros2::{Service, TypeDescription};
@@ -31,6 +32,7 @@ fn hashes_match_the_official_generator() {
         message::<JointState>(),
         message::<PointCloud2>(),
         message::<TFMessage>(),
+        message::<TactileArray>(),
         message::<TactileState>(),
         message::<Text>(),
         message::<WrenchStamped>(),
@@ -47,9 +49,14 @@ fn hashes_match_the_official_generator() {
 
 #[test]
 fn ros_package_contains_the_hashed_text() {
-    let package = include_str!("../../../../ros2/feeler_msgs/msg/TactileState.msg");
-    assert_eq!(
-        package,
-        include_str!("../../msg/feeler_msgs/TactileState.msg")
-    );
+    macro_rules! in_package {
+        ($name:literal) => {
+            include_str!(concat!("../../../../ros2/feeler_msgs/msg/", $name, ".msg"))
+        };
+    }
+    let own = include_str!("../../msg/feeler_msgs/TactileState.msg");
+    assert_eq!(in_package!("TactileState"), own);
+    let array = TactileArray::SCHEMA;
+    assert!(array.starts_with(in_package!("TactileArray")));
+    assert!(array.ends_with(in_package!("TactileChannel")));
 }

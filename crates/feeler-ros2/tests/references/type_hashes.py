@@ -21,10 +21,12 @@ INSTALLED = """
     rcl_interfaces/srv/DescribeParameters rcl_interfaces/srv/GetParameterTypes rcl_interfaces/srv/GetParameters
     rcl_interfaces/srv/ListParameters rcl_interfaces/srv/SetParameters rcl_interfaces/srv/SetParametersAtomically
 """.split()
-OWN = Path(__file__).parents[2] / "msg/feeler_msgs/TactileState.msg"
+OWN = Path(__file__).parents[4] / "ros2/feeler_msgs/msg"
+# Text of each type, after those that it uses.
 MADE = {
-    "feeler_msgs/msg/TactileState": OWN.read_text(),
-    "tf2_msgs/msg/TFMessage": "geometry_msgs/TransformStamped[] transforms\n",
+    "feeler_msgs/msg/TactileArray": [(OWN / f"{name}.msg").read_text() for name in ("TactileChannel", "TactileArray")],
+    "feeler_msgs/msg/TactileState": [(OWN / "TactileState.msg").read_text()],
+    "tf2_msgs/msg/TFMessage": ["geometry_msgs/TransformStamped[] transforms\n"],
 }
 
 
@@ -33,23 +35,26 @@ def own_hash(file: Path, type_name: str) -> str:
     return next(entry["hash_string"] for entry in hashes if entry["type_name"] == type_name)
 
 
-def make(type_name: str, text: str) -> str:
+def make(type_name: str, texts: list[str]) -> str:
     package, _, name = type_name.split("/")
+    names = ["TactileChannel", name][-len(texts) :]
     with tempfile.TemporaryDirectory() as folder:
         Path(folder, "msg").mkdir()
-        Path(folder, f"msg/{name}.msg").write_text(text)
+        for part, text in zip(names, texts, strict=True):
+            Path(folder, f"msg/{part}.msg").write_text(text)
         Path(folder, "package.xml").write_text(
             f'<package format="3"><name>{package}</name><version>0.1.0</version><description>messages</description>'
             '<maintainer email="feeler@example.org">feeler</maintainer><license>Apache-2.0</license></package>'
         )
         share = Path(sys.prefix, "share")
-        command = [f"{sys.prefix}/bin/rosidl", "hash", "-o", "out", "-I", share, package, f"msg/{name}.msg"]
+        command = [f"{sys.prefix}/bin/rosidl", "hash", "-o", "out", "-I", share, package]
+        command += [f"msg/{part}.msg" for part in names]
         environment = {**os.environ, "AMENT_PREFIX_PATH": sys.prefix}
         subprocess.run(command, cwd=folder, env=environment, check=True, capture_output=True)
         return own_hash(Path(folder, f"out/msg/{name}.json"), type_name)
 
 
 hashes = {name: own_hash(Path(sys.prefix, "share", f"{name}.json"), name) for name in INSTALLED}
-hashes |= {name: make(name, text) for name, text in MADE.items()}
+hashes |= {name: make(name, texts) for name, texts in MADE.items()}
 for name, value in sorted(hashes.items()):
     print(name, value)

@@ -1,6 +1,6 @@
 //! The WebSocket connection to one page.
 
-use super::state::Request;
+use super::state::PageMessage;
 use axum::body::Bytes;
 use axum::extract::ws::{Message, Utf8Bytes, WebSocket};
 use futures_util::stream::{SplitSink, SplitStream};
@@ -32,8 +32,8 @@ pub struct Update {
     pub state: Utf8Bytes,
 }
 
-/// Serves one page until either side closes. Requests of the page are passed to `order`.
-pub async fn serve(socket: WebSocket, updates: Receiver<Update>, order: impl Fn(Request)) {
+/// Serves one page until either side closes. Messages of the page are passed to `receive`.
+pub async fn serve(socket: WebSocket, updates: Receiver<Update>, receive: impl Fn(PageMessage)) {
     let (sink, stream) = socket.split();
     let answered = AtomicU64::new(0);
     let outlet = Outlet {
@@ -43,7 +43,7 @@ pub async fn serve(socket: WebSocket, updates: Receiver<Update>, order: impl Fn(
         number: updates.borrow().number,
         state: Utf8Bytes::default(),
     };
-    let mut listening = pin!(listen(stream, &answered, order));
+    let mut listening = pin!(listen(stream, &answered, receive));
     tokio::select! {
         sent = outlet.keep_sending(updates) => if sent.is_ok() {
             // Closing with unread messages would reset the connection and lose data in flight.
@@ -54,12 +54,16 @@ pub async fn serve(socket: WebSocket, updates: Receiver<Update>, order: impl Fn(
 }
 
 /// Reads the messages of a page. Invalid messages are ignored.
-async fn listen(mut stream: SplitStream<WebSocket>, answered: &AtomicU64, order: impl Fn(Request)) {
+async fn listen(
+    mut stream: SplitStream<WebSocket>,
+    answered: &AtomicU64,
+    receive: impl Fn(PageMessage),
+) {
     while let Some(Ok(message)) = stream.next().await {
         match message {
             Message::Text(text) => {
-                if let Some(request) = Request::read(&text) {
-                    order(request);
+                if let Some(message) = PageMessage::read(&text) {
+                    receive(message);
                 }
             }
             Message::Pong(number) => {

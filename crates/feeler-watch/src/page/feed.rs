@@ -1,11 +1,15 @@
 //! Exchange between a hand and its live pages: the latest moment in one direction, orders in the other. Neither blocks.
 
+use feeler_record::Felt;
 use std::mem;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Mutex, MutexGuard, PoisonError, TryLockError};
+use std::time::{Duration, Instant};
 
 /// Capacity of a moment's text in bytes.
 const WORDS: usize = 512;
+/// Maximum time for which a page plays one row.
+const LONGEST_PLAYED: Duration = Duration::from_millis(100);
 
 /// State of the hand at one time. Its memory is allocated at construction.
 #[derive(Debug, Clone)]
@@ -70,6 +74,10 @@ pub struct Feed {
     /// `true` if there are orders.
     ordered: AtomicBool,
     orders: Mutex<Orders>,
+    /// `true` if `played` is unread.
+    was_played: AtomicBool,
+    /// Latest report of rumble and tone, and the time of its arrival.
+    played: Mutex<(Felt, Option<Instant>)>,
 }
 
 impl Feed {
@@ -88,6 +96,9 @@ impl Feed {
             newest: Mutex::new((moment, false)),
             ordered: AtomicBool::new(false),
             orders: Mutex::default(),
+            // The recording starts with silence.
+            was_played: AtomicBool::new(true),
+            played: Mutex::new((Felt::SILENT, None)),
         }
     }
 
@@ -147,6 +158,33 @@ impl Feed {
         let mut orders = self.orders.lock().unwrap_or_else(PoisonError::into_inner);
         order(&mut orders);
         self.ordered.store(true, Ordering::Release);
+    }
+
+    /// Stores the rumble and tone that a page plays from now on.
+    pub fn play(&self, felt: Felt) {
+        let mut played = self.played.lock().unwrap_or_else(PoisonError::into_inner);
+        *played = (felt, Some(Instant::now()));
+        self.was_played.store(true, Ordering::Release);
+    }
+
+    /// Stores silence if the pages have not reported for longer than they play without new data.
+    pub fn fade(&self) {
+        let mut played = self.played.lock().unwrap_or_else(PoisonError::into_inner);
+        let is_old = played.1.is_some_and(|at| at.elapsed() > LONGEST_PLAYED);
+        if is_old && !played.0.is_silent() {
+            *played = (Felt::SILENT, None);
+            self.was_played.store(true, Ordering::Release);
+        }
+    }
+
+    /// Takes the latest rumble and tone, if it is unread. One being stored at this moment is returned by the next call.
+    pub fn felt(&self) -> Option<Felt> {
+        if !self.was_played.load(Ordering::Acquire) {
+            return None;
+        }
+        let played = free(&self.played)?;
+        self.was_played.store(false, Ordering::Relaxed);
+        Some(played.0)
     }
 
     /// Takes the orders since the last call. Orders being placed at this moment are returned by the next call.
@@ -220,6 +258,26 @@ mod tests {
         };
         assert_eq!(feed.orders(), orders);
         assert_eq!(feed.orders(), Orders::default());
+    }
+
+    #[test]
+    fn played_rumble_is_taken_once_and_silence_first() {
+        let feed = Feed::new(1);
+        assert!(feed.felt().is_some_and(|felt| felt.is_silent()));
+        assert_eq!(feed.felt(), None);
+        let felt = Felt {
+            rumble_strong: 0.5,
+            ..Felt::default()
+        };
+        feed.play(felt);
+        // Recent, so it does not fade yet.
+        feed.fade();
+        assert_eq!(feed.felt(), Some(felt));
+        std::thread::sleep(LONGEST_PLAYED + Duration::from_millis(1));
+        feed.fade();
+        assert!(feed.felt().is_some_and(|felt| felt.is_silent()));
+        feed.fade();
+        assert_eq!(feed.felt(), None);
     }
 
     #[test]

@@ -9,7 +9,7 @@ use feeler_console::CommandError;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::live::{LiveRows, write_state};
 use feeler_lab::experiment::{Instruments, SimulatedLoop};
-use feeler_record::{RunEnd, RunState};
+use feeler_record::{Felt, RunEnd, RunState};
 use std::fmt::Write as _;
 use std::io::Write;
 use std::sync::Arc;
@@ -42,7 +42,7 @@ impl LiveRun {
         let config = &experiment.config;
         let rows = LiveRows::new(config)?;
         let title = format!("{}, seed {}", config.name, config.seed);
-        let (feed, server) = serve(&title, &rows, BY, options, out)?;
+        let (feed, server) = serve(&title, &rows, (BY, true), options, out)?;
         Ok(Self {
             feed,
             server,
@@ -54,9 +54,13 @@ impl LiveRun {
         })
     }
 
-    /// Offers the latest step of `control_loop` to the page and executes the page's orders. Neither blocks nor
-    /// allocates.
-    pub fn step(&mut self, control_loop: &mut SimulatedLoop, instruments: &Instruments) {
+    /// Offers the latest step of `control_loop` to the page and executes the page's orders. Returns what the page plays
+    /// to its watcher, if it has changed. Neither blocks nor allocates.
+    pub fn step(
+        &mut self,
+        control_loop: &mut SimulatedLoop,
+        instruments: &Instruments,
+    ) -> Option<Felt> {
         self.instruments = Some(*instruments);
         let Orders { stop, resume } = self.feed.orders();
         if resume {
@@ -71,6 +75,8 @@ impl LiveRun {
         let run = &mut self.run;
         self.feed
             .offer(|moment| run.fill(moment, control_loop, instruments));
+        let stamp = control_loop.state().stamp;
+        self.feed.felt().map(|felt| Felt { stamp, ..felt })
     }
 
     /// Sends pages the last state of `control_loop` and how the run ended.
@@ -159,7 +165,8 @@ mod tests {
                         _ => {}
                     }
                     feed.want();
-                    assert_no_alloc(|| page.step(control_loop, at));
+                    feed.play(Felt::SILENT);
+                    assert!(assert_no_alloc(|| page.step(control_loop, at)).is_some());
                     feed.take(|moment| {
                         whole += usize::from(moment.numbers.len() == feed.width());
                         stopped += usize::from(moment.stopped);

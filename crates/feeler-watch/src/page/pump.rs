@@ -22,6 +22,7 @@ pub async fn pump(feed: &Feed, told: &Mutex<Option<PendingOrder>>, updates: &Sen
     let mut over = false;
     while !over {
         ticks.tick().await;
+        feed.fade();
         // Requested only now; a row requested earlier would be one interval old.
         feed.want();
         let mut look = |moment: &Moment| {

@@ -4,7 +4,7 @@ use super::access::{Address, Wanted};
 use super::client::{self, Update};
 use super::download::{Progress, download};
 use super::feed::Feed;
-use super::state::{PendingOrder, Request as Order};
+use super::state::{PageMessage, PendingOrder, Request as Order};
 use axum::body::Bytes;
 use axum::extract::{FromRequestParts, Request, State, WebSocketUpgrade};
 use axum::http::header::{
@@ -57,6 +57,13 @@ pub struct Live {
 }
 
 impl Live {
+    fn receive(&self, message: PageMessage) {
+        match message {
+            PageMessage::Order(order) => self.order(order),
+            PageMessage::Felt(felt) => self.feed.play(felt),
+        }
+    }
+
     fn order(&self, order: Order) {
         match order {
             Order::Stop => self.feed.stop(self.by),
@@ -120,7 +127,10 @@ async fn socket(site: Arc<Site>, request: Request) -> Response {
         .max_write_buffer_size(LONGEST_WAITING)
         .on_upgrade(move |socket| async move {
             if let Subject::Live(live) = &site.subject {
-                client::serve(socket, live.updates.clone(), |order| live.order(order)).await;
+                client::serve(socket, live.updates.clone(), |message| {
+                    live.receive(message)
+                })
+                .await;
             }
             drop(place);
         })

@@ -12,11 +12,12 @@ use std::sync::Arc;
 /// Number of rows that a page keeps: one minute.
 const KEEP: usize = 30 * 60;
 
-/// Serves the page of the rig with the given `rows` and prints its address. Orders of the page are attributed to `by`.
+/// Serves the page of the rig with the given `rows` and prints its address. Orders of the page are attributed to `by`;
+/// `felt` is `true` if the rumble and tone that it plays are recorded.
 pub fn serve(
     title: &str,
     rows: &LiveRows,
-    by: &'static str,
+    (by, felt): (&'static str, bool),
     options: ServerOptions,
     out: &mut dyn Write,
 ) -> Result<(Arc<Feed>, Server), CommandError> {
@@ -26,6 +27,7 @@ pub fn serve(
         socket: door.address.socket(),
         keep: KEEP,
         orders: true,
+        felt,
     };
     let url = door.address.url();
     let server = door.serve_live(live_page(title, &rows.rig(), live), Arc::clone(&feed), by)?;

@@ -1,7 +1,9 @@
 //! State messages and orders of live pages.
 
 use super::feed::Moment;
-use serde::{Deserialize, Serialize};
+use feeler_record::Felt;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize};
 use std::time::{Duration, Instant};
 
 /// Time after which an order that had no effect is reported as failed.
@@ -17,18 +19,56 @@ pub enum Request {
     Resume,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct OrderMessage {
-    order: Request,
+/// A message from a page.
+#[derive(Debug, Clone, Copy, PartialEq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum PageMessage {
+    /// An order to the hand.
+    Order(Request),
+    /// Rumble and tone that the page plays from now on.
+    #[serde(deserialize_with = "read_felt")]
+    Felt(Felt),
 }
 
-impl Request {
+impl PageMessage {
     /// Parses a page's message, or returns `None` if it is invalid.
     pub fn read(message: &str) -> Option<Self> {
-        let message: Option<OrderMessage> = serde_json::from_str(message).ok();
-        message.map(|message| message.order)
+        serde_json::from_str(message).ok()
     }
+}
+
+/// `LiveFelt` of the page.
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct PlayedFelt {
+    /// Time of the played row, or `None` if no row has been played.
+    time: Option<f64>,
+    strong: f64,
+    weak: f64,
+    frequency: f64,
+    gain: f64,
+}
+
+/// Highest frequency of a tone that is accepted (Hz).
+const HIGHEST: f64 = 20e3;
+
+fn read_felt<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Felt, D::Error> {
+    let played = PlayedFelt::deserialize(deserializer)?;
+    let shares = [played.strong, played.weak, played.gain];
+    let is_valid = shares.iter().all(|share| (0.0..=1.0).contains(share))
+        && (0.0..=HIGHEST).contains(&played.frequency);
+    if !is_valid {
+        let expected = "expected shares of 0 to 1 and a frequency of up to 20 kHz";
+        return Err(D::Error::custom(expected));
+    }
+    Ok(Felt {
+        stamp: 0.0,
+        data_stamp: played.time.unwrap_or(f64::NAN),
+        rumble_strong: played.strong,
+        rumble_weak: played.weak,
+        tone_frequency: played.frequency,
+        tone_gain: played.gain,
+    })
 }
 
 #[derive(Serialize)]
@@ -93,11 +133,9 @@ mod tests {
 
     #[test]
     fn only_the_two_orders_are_accepted() {
-        assert_eq!(Request::read(r#"{"order":"stop"}"#), Some(Request::Stop));
-        assert_eq!(
-            Request::read(r#"{"order":"resume"}"#),
-            Some(Request::Resume)
-        );
+        let read = |order: &str| PageMessage::read(&format!(r#"{{"order":"{order}"}}"#));
+        assert_eq!(read("stop"), Some(PageMessage::Order(Request::Stop)));
+        assert_eq!(read("resume"), Some(PageMessage::Order(Request::Resume)));
         for garbage in [
             "",
             "stop",
@@ -105,10 +143,43 @@ mod tests {
             "[]",
             r#"{"order":"go"}"#,
             r#"{"order":null}"#,
+            r#"{"order":"stop","by":"me"}"#,
+            r#"{"order":"stop","felt":null}"#,
             "\0",
         ] {
-            assert_eq!(Request::read(garbage), None, "{garbage}");
+            assert_eq!(PageMessage::read(garbage), None, "{garbage}");
         }
+    }
+
+    #[test]
+    fn only_playable_rumble_and_tone_are_accepted() {
+        let read = |[time, strong, weak, frequency, gain]: [&str; 5]| {
+            PageMessage::read(&format!(
+                r#"{{"felt":{{"time":{time},"strong":{strong},"weak":{weak},"frequency":{frequency},"gain":{gain}}}}}"#
+            ))
+        };
+        let valid = ["1.5", "0", "1", "150", "0.3"];
+        let felt = Felt {
+            stamp: 0.0,
+            data_stamp: 1.5,
+            rumble_strong: 0.0,
+            rumble_weak: 1.0,
+            tone_frequency: 150.0,
+            tone_gain: 0.3,
+        };
+        assert_eq!(read(valid), Some(PageMessage::Felt(felt)));
+        for field in 0..valid.len() {
+            for hostile in [
+                "-1e-9", "1e999", "-1e999", "\"1\"", "null", "[]", "30000", "",
+            ] {
+                let mut hostile_fields = valid;
+                hostile_fields[field] = hostile;
+                let is_time = field == 0 && ["-1e-9", "null", "30000"].contains(&hostile);
+                let read = read(hostile_fields);
+                assert_eq!(read.is_some(), is_time, "{hostile_fields:?}: {read:?}");
+            }
+        }
+        assert_eq!(PageMessage::read(r#"{"felt":{"strong":1}}"#), None);
     }
 
     #[test]

@@ -5,6 +5,7 @@
 
 mod bad_input;
 mod end;
+mod felt;
 mod let_in;
 mod orders;
 mod recording;

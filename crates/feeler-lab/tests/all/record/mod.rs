@@ -15,4 +15,5 @@ mod replay;
 mod report;
 mod rewritten;
 mod strokes;
+mod tactile_array;
 mod viewers;

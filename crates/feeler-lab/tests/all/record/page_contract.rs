@@ -192,6 +192,7 @@ fn live() -> String {
         socket: "/token/live".into(),
         keep: 2000,
         orders: true,
+        felt: true,
     };
     live_page("made-up", &rig, live)
 }

@@ -40,6 +40,7 @@ fn check(name: &str, settings: &[&str], pictures: bool, interrupted_after: usize
     let finished = run.run(&mut FreeRunning::default(), &interrupted, |_, _, _| {
         steps += 1;
         interrupted.store(steps == interrupted_after, Ordering::Relaxed);
+        None
     });
     let own = finished.expect("a report").report;
     let files = report(&folder);
