@@ -2,6 +2,7 @@
 
 pub mod laws;
 
+use super::compare_grips::compare_grips;
 use super::contenders::{Contender, contenders, run, under_law};
 use super::trials::TrialArguments;
 use crate::{CommandError, Outcome};
@@ -17,7 +18,7 @@ use std::io::Write;
 use std::path::PathBuf;
 
 /// File name of the report.
-const PAGE: &str = "compare.html";
+pub(super) const PAGE: &str = "compare.html";
 
 const EXAMPLES: &str = "\
 The trials of each law are stored as a sweep in a subfolder named after the law. Trial K draws the same values for
@@ -29,27 +30,28 @@ Examples:
   feeler compare cap-closing --laws tri-axial,best --trials 2000 -o compare
   feeler compare cap-closing --policy my.safetensors        all laws and a learned policy
   feeler compare cap-closing --resume -o compare            continue an interrupted comparison
-  feeler run --trial compare/best 17                        rerun one trial, with recording and report";
+  feeler run --trial compare/best 17                        rerun one trial, with recording and report
+  feeler compare grip --trials 2000 -o grips                laws of a gripper on 2,000 unknown objects";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
 pub struct Arguments {
-    /// Experiment file or name of a built-in experiment that closes a cap.
-    experiment: String,
-    /// Control laws to compare; the first is the reference.
-    #[arg(long, value_delimiter = ',', default_values_t = LawConfig::NAMES.map(String::from))]
-    laws: Vec<String>,
+    /// Experiment file or name of a built-in experiment that closes a cap or grips an object.
+    pub(super) experiment: String,
+    /// Control laws to compare; the first is the reference [default: all laws without a file]
+    #[arg(long, value_delimiter = ',')]
+    pub(super) laws: Vec<String>,
     /// Learned policy (safetensors) to compare with the laws. Repeatable.
     #[arg(long = "policy", value_name = "FILE")]
-    policies: Vec<PathBuf>,
+    pub(super) policies: Vec<PathBuf>,
     /// Number of trials per law.
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
-    trials: u64,
+    pub(super) trials: u64,
     /// Parameter to vary, instead of friction, noise, eccentricity and seat angle. Repeatable.
     ///
     /// Figures show the results against the first parameter.
     #[arg(long = "vary", value_name = "NAME=DISTRIBUTION")]
-    vary: Vec<String>,
+    pub(super) vary: Vec<String>,
     /// Source of forces: `image` (rendered camera images) or `direct` (simulated forces plus noise).
     #[arg(long, value_parser = ["image", "direct"], default_value = "direct")]
     sensing: String,
@@ -64,17 +66,34 @@ pub struct Arguments {
     #[arg(long, value_name = "FORCE", default_value_t = 0.63)]
     goal_force: f64,
     #[command(flatten)]
-    trial: TrialArguments,
+    pub(super) trial: TrialArguments,
     /// Output folder.
     #[arg(short, long, value_name = "DIR", default_value = "compare")]
-    out: PathBuf,
+    pub(super) out: PathBuf,
 }
 
 pub fn compare(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let settings = [
+        &arguments.trial.settings[..],
+        &[format!("sensing={}", arguments.sensing)],
+    ];
+    let experiment = Experiment::load(&arguments.experiment, &settings.concat())?;
+    match experiment.config.task {
+        TaskConfig::Grip(_) => compare_grips(arguments, &experiment, out),
+        _ => compare_caps(arguments, out),
+    }
+}
+
+/// Compares control laws that close a cap.
+fn compare_caps(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let goal = goal(arguments)?;
     let (vary, settings) = draws(arguments)?;
+    let names = match &arguments.laws[..] {
+        [] => LawConfig::NAMES.map(String::from).to_vec(),
+        names => names.to_vec(),
+    };
     let mut plans = Vec::new();
-    for (name, law) in laws::laws(&arguments.laws, &arguments.policies)? {
+    for (name, law) in laws::laws(&names, &arguments.policies)? {
         let (law, trials) = plan(arguments, law, &vary, &settings)?;
         plans.push((name, law, trials));
     }

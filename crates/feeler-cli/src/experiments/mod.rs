@@ -2,6 +2,7 @@
 
 pub(crate) mod check;
 pub(crate) mod compare;
+pub(crate) mod compare_grips;
 pub(crate) mod contenders;
 pub(crate) mod identify;
 pub(crate) mod init;

@@ -90,7 +90,10 @@ fn check_fingers(config: &ExperimentConfig, checker: &mut Checker) {
 /// Requires at least one object within the workspace of tasks that must touch one. This can be checked only in
 /// simulation.
 fn check_within_reach(config: &ExperimentConfig, sim: &SimConfig, checker: &mut Checker) {
-    if !matches!(config.task, TaskConfig::Contour(_) | TaskConfig::Carry(_) | TaskConfig::Grip(_)) {
+    if !matches!(
+        config.task,
+        TaskConfig::Contour(_) | TaskConfig::Carry(_) | TaskConfig::Grip(_)
+    ) {
         return;
     }
     let limits = &config.control.limits;

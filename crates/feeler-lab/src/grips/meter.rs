@@ -26,12 +26,13 @@ const AXIS: DVec3 = DVec3::X;
 #[derive(Debug, Clone, Default)]
 pub struct GripMeter {
     static_friction: f64,
-    /// Time in the air, and the integrals over it of the grip and of the least grip that holds (s, N s).
-    pub in_air: f64,
+    /// Time in the air (s), and the integrals over it of the grip and of the least grip that holds (N s).
+    in_air: f64,
     grip: f64,
     least: f64,
-    /// Largest force of a finger (N), and largest grip that the load required (N).
+    /// Largest force of a finger (N).
     pub peak: f64,
+    /// Largest of the least grips that hold (N).
     pub peak_least: f64,
     /// Height of the object above the table, at most (m).
     pub highest: f64,
@@ -45,6 +46,7 @@ pub struct GripMeter {
     pub reactions: Vec<Option<f64>>,
 }
 
+/// Slip of one finger.
 #[derive(Debug, Clone, Default)]
 struct FingerMeter {
     /// Total slip distance of each element at the previous step (m), and the time of its last slip (s).
@@ -66,14 +68,12 @@ impl GripMeter {
         }
     }
 
-    /// Mean grip relative to the mean of the least grip that holds, while the object was in the air.
-    pub fn excess(&self) -> f64 {
-        self.grip / self.least
-    }
-
-    /// Mean of the least grip that holds, while the object was in the air (N).
-    pub fn mean_least(&self) -> f64 {
-        self.least / self.in_air
+    /// Mean grip, and mean of the least grip that holds, while the object was in the air (N). NaN if it never was.
+    ///
+    /// The least grip is the load across the grip divided by twice the static friction. It neglects torsion, kinetic
+    /// friction and the uneven pressure, so no gripper can reach it.
+    pub fn mean_grips(&self) -> [f64; 2] {
+        [self.grip / self.in_air, self.least / self.in_air]
     }
 
     /// Adds the state after a step.
@@ -119,7 +119,9 @@ impl GripMeter {
         for ((finger, own), pressing) in fingers {
             own.slipped.resize(finger.slipped.len(), 0.0);
             own.at.resize(finger.slipped.len(), f64::NEG_INFINITY);
-            for ((before, at), &slipped) in own.slipped.iter_mut().zip(&mut own.at).zip(&finger.slipped) {
+            for ((before, at), &slipped) in
+                own.slipped.iter_mut().zip(&mut own.at).zip(&finger.slipped)
+            {
                 if slipped != *before {
                     (*before, *at) = (slipped, now);
                 }

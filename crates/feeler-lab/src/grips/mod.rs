@@ -2,9 +2,11 @@
 
 mod meter;
 mod object;
+mod score;
 
 pub use meter::GripMeter;
 pub use object::GripObject;
+pub use score::{GripRow, GripScore, excess_over_load};
 
 use crate::config::Experiment;
 use crate::experiment::{ExperimentError, Pictures, Session};

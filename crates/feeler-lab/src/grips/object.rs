@@ -94,7 +94,11 @@ impl GripObject {
             return;
         };
         let middle = config.task.homes().iter().fold([0.0; 3], |sum, home| {
-            [sum[0] + home[0] / 2.0, sum[1] + home[1] / 2.0, sum[2] + home[2] / 2.0]
+            [
+                sum[0] + home[0] / 2.0,
+                sum[1] + home[1] / 2.0,
+                sum[2] + home[2] / 2.0,
+            ]
         });
         let position = [0, 1, 2].map(|axis| middle[axis] + self.offset[axis]);
         sim.object = [
@@ -218,9 +222,4 @@ fn table(position: [f64; 3]) -> ObjectConfig {
         offset: [0.0; 3],
         friction: None,
     }
-}
-
-/// Time from which a held object is away from the table (s), and the end of the arm's descent (s).
-pub(super) fn carried() -> [f64; 2] {
-    [LIFT_AT, LOWER[1]]
 }

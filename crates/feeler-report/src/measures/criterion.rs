@@ -30,10 +30,9 @@ impl Criterion {
     /// Criterion for runs with these facts. Set `laws_differ` if runs under different control laws are judged alike.
     pub fn of(facts: &RunFacts, laws_differ: bool) -> Self {
         match (&facts.task, facts.cap) {
-            (
-                TaskKind::Contour | TaskKind::Carry | TaskKind::FrictionScan | TaskKind::Grip,
-                _,
-            ) => Self::Claims,
+            (TaskKind::Contour | TaskKind::Carry | TaskKind::FrictionScan | TaskKind::Grip, _) => {
+                Self::Claims
+            }
             (TaskKind::Screw, Some(cap)) if cap.sense > 0.0 => Self::ClosedWell,
             (TaskKind::Screw, Some(_)) => Self::OpenedWell,
             (TaskKind::Screw, None) if facts.stroke_count < PAPERS_STROKES => Self::Turned,

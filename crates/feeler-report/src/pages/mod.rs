@@ -5,6 +5,7 @@ pub(crate) mod claims_table;
 pub(crate) mod compare;
 pub(crate) mod document;
 pub(crate) mod grasp_slip;
+pub(crate) mod grips;
 pub(crate) mod identify;
 pub(crate) mod law_shares;
 pub(crate) mod league;
@@ -32,6 +33,7 @@ pub use grasp_slip::{
     GRASP_COLUMNS, GraspDetector, GraspProbability, GraspSlipPage, GraspTiming, GraspTransfer,
     TIMING_COLUMNS, TRANSFER_COLUMNS, base_rate, grasp_slip_page,
 };
+pub use grips::{GRIP_COLUMNS, GripsPage, grips_page};
 pub use identify::{EstimateRow, IdentifyPage, identify_page};
 pub use law_shares::{LawSharesPage, law_shares_page};
 pub use league::{LeaguePage, LeagueRow, LeagueSet, PublishedFigure, league_page};

@@ -4,6 +4,7 @@ mod cap;
 pub(crate) mod carry;
 pub mod contour;
 mod friction_scan;
+mod grip;
 pub(crate) mod papers_setup;
 mod screw;
 mod task_report;
@@ -37,6 +38,7 @@ pub fn of(facts: &RunFacts) -> &'static dyn TaskReport {
         TaskKind::Carry => &carry::CarryReport,
         TaskKind::Contour => &contour::ContourReport,
         TaskKind::FrictionScan => &friction_scan::FrictionScanReport,
+        TaskKind::Grip => &grip::GripReport,
         _ if facts.cap.is_some() => &cap::CapReport,
         _ => &screw::ScrewReport,
     }

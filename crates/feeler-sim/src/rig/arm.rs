@@ -131,7 +131,9 @@ mod tests {
     /// (3 - √3) / 6; a shake has -(2π f)² times the amplitude at a crest in its middle, minus 2 (π/T)² of the envelope.
     #[test]
     fn accelerations_equal_closed_forms() {
-        let travel = [motion(ArmMotionKind::Travel { by: [0.0, 0.0, 0.2] })];
+        let travel = [motion(ArmMotionKind::Travel {
+            by: [0.0, 0.0, 0.2],
+        })];
         let time = 1.0 + 2.0 * (3.0 - 3.0_f64.sqrt()) / 6.0;
         let expected = 10.0 * 0.2 / (3.0_f64.sqrt() * 4.0);
         // Rounding errors of 1e-17 m over the squared interval, and its square times the fourth derivative.

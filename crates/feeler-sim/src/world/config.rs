@@ -137,7 +137,10 @@ impl SimConfig {
             checker.between("sim.frame_period", frame_period, self.step, 1.0);
         }
         let turns = |object: &ObjectConfig| {
-            matches!(object.motion, MotionConfig::Hinge(_) | MotionConfig::Thread(_))
+            matches!(
+                object.motion,
+                MotionConfig::Hinge(_) | MotionConfig::Thread(_)
+            )
         };
         arm::check(&self.arm, self.object.values().any(turns), checker);
         self.servo.check("sim.servo", checker);

@@ -107,7 +107,10 @@ fn move_bodies(model: &WorldModel, state: &mut State, bodies: &mut FreeBodies) {
         if !model.arm.is_empty() {
             let time = state.time + f64::from(part as u32 + 1) * duration;
             pass(model, state, time);
-            bodies.carry(&state.objects, model.gravity - acceleration(&model.arm, time));
+            bodies.carry(
+                &state.objects,
+                model.gravity - acceleration(&model.arm, time),
+            );
         }
         bodies.advance(duration);
         bodies.read(&mut state.objects);

@@ -66,9 +66,12 @@ pub struct GripConfig {
     /// Parameters of the laws `reflex`, `missing-shear` and `drag`.
     #[serde(default)]
     pub slip_reflex: SlipReflexConfig,
-    /// Friction coefficient that the law `known-friction` uses.
+    /// Friction coefficient that the law `known-friction` uses, and the share of the limit that the load may then use.
     #[serde(default = "default::known_friction")]
     pub known_friction: f64,
+    /// See `known_friction`.
+    #[serde(default = "default::known_utilisation")]
+    pub known_utilisation: f64,
     /// Grip force of the law `fixed` (N).
     #[serde(default = "default::fixed_force")]
     pub fixed_force: f64,
@@ -89,6 +92,7 @@ defaults! {
     return_speed: f64 = 0.04,
     home_tolerance: f64 = 0.0005,
     known_friction: f64 = 0.5,
+    known_utilisation: f64 = 0.7,
     fixed_force: f64 = 20.0,
 }
 
@@ -162,7 +166,7 @@ pub struct PartialSlipConfig {
 impl Default for PartialSlipConfig {
     fn default() -> Self {
         Self {
-            utilisation: 0.85,
+            utilisation: 0.9,
             group_share: 0.2,
             slip_from: 0.88,
             slip_gain: 2.5,
@@ -218,6 +222,7 @@ impl GripConfig {
             ("return_speed", self.return_speed),
             ("home_tolerance", self.home_tolerance),
             ("known_friction", self.known_friction),
+            ("known_utilisation", self.known_utilisation),
             ("fixed_force", self.fixed_force),
         ];
         checker.all_positive(key, &positive);
@@ -237,8 +242,10 @@ impl GripConfig {
             checker.vector(&format!("{key}.finger[{index}].home"), finger.home);
             checker.direction(&format!("{key}.finger[{index}].approach"), finger.approach);
         }
-        self.partial_slip.check(&format!("{key}.partial_slip"), checker);
-        self.slip_reflex.check(&format!("{key}.slip_reflex"), checker);
+        self.partial_slip
+            .check(&format!("{key}.partial_slip"), checker);
+        self.slip_reflex
+            .check(&format!("{key}.slip_reflex"), checker);
     }
 }
 

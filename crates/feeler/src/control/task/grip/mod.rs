@@ -5,8 +5,8 @@
 //! the object: an arm does, and the task does not know how. It feels the load by the shear of the fingertips, and takes
 //! a load that vanishes for a while as a sign that the object stands on something.
 
-mod config;
 mod carried_load;
+mod config;
 mod contact_load;
 mod force_control;
 mod partial_slip;
@@ -27,7 +27,7 @@ use carried_load::CarriedLoad;
 use contact_load::FingerLoad;
 use force_control::ForceControl;
 use glam::DVec3;
-use partial_slip::{PartialSlip, share};
+use partial_slip::PartialSlip;
 use slip_signal::SlipSignal;
 
 /// Speed after the first touch, relative to the search speed.
@@ -100,9 +100,9 @@ impl Grip {
         self.mean(|jaw| jaw.load.pressing)
     }
 
-    /// Mean load of a finger (N).
+    /// Mean load of a finger, with torsion (N).
     fn load(&self) -> f64 {
-        self.mean(|jaw| if std::env::var("NT").is_ok() { jaw.load.shear.length() } else {jaw.load.equivalent})
+        self.mean(|jaw| jaw.load.equivalent)
     }
 
     /// Mean load of a finger as a vector (N, in W); forces of the fingers on each other cancel.
@@ -141,9 +141,14 @@ impl Grip {
         }
         self.carried.feel(self.load_vector(), hand.stamp, interval);
         // Shear against the carried load is no load: something supports the object from below.
-        let load = if self.carried.is_supported() { 0.0 } else { self.load() };
+        let load = if self.carried.is_supported() {
+            0.0
+        } else {
+            self.load()
+        };
         self.partial_slip.load(load, interval);
-        let closed = |(jaw, pose): (&Jaw, &FingertipPose)| (pose.position - jaw.home).dot(jaw.approach);
+        let closed =
+            |(jaw, pose): (&Jaw, &FingertipPose)| (pose.position - jaw.home).dot(jaw.approach);
         let distances = self.jaws.iter().zip(hand.poses).map(closed);
         let distance = distances.sum::<f64>() / self.jaws.len().max(1) as f64;
         self.control.feel(distance, self.grip());
@@ -166,7 +171,11 @@ impl Grip {
     fn closing_speed(&self, hand: &HandReadings<'_>, slips: bool) -> f64 {
         let config = &self.config;
         let (grip, estimate) = (self.grip(), &self.partial_slip);
-        let load = if self.carried.is_supported() { 0.0 } else { self.load() };
+        let load = if self.carried.is_supported() {
+            0.0
+        } else {
+            self.load()
+        };
         let least = match self.carried.is_for(config.load_up_time, hand.stamp) {
             true => config.least_force,
             false => config.grip_force,
@@ -175,7 +184,8 @@ impl Grip {
         let requested = match config.law {
             GripLaw::PartialSlip => estimate.required(grip, load),
             GripLaw::KnownFriction => {
-                estimate.required_at([config.known_friction; 2], grip, load)
+                let friction = config.known_friction;
+                estimate.required_at(config.known_utilisation, [friction; 2], grip, load)
             }
             GripLaw::Fixed => config.fixed_force,
             // These laws never open: at least the present grip.
@@ -219,7 +229,11 @@ impl Grip {
     /// Closes until all fingers press with the minimum grip force.
     fn search(&mut self, hand: &HandReadings<'_>) -> Result<(), StopReason> {
         let config = &self.config;
-        if self.jaws.iter().all(|jaw| jaw.load.pressing >= config.grip_force) {
+        if self
+            .jaws
+            .iter()
+            .all(|jaw| jaw.load.pressing >= config.grip_force)
+        {
             self.phase = Phase::Move;
             return Ok(());
         }
@@ -250,7 +264,9 @@ impl Task for Grip {
             }
             Phase::Return => {
                 let tolerance = self.config.home_tolerance;
-                if self.all(hand, |jaw, position| jaw.home.distance(position) <= tolerance) {
+                if self.all(hand, |jaw, position| {
+                    jaw.home.distance(position) <= tolerance
+                }) {
                     self.phase = Phase::Done;
                 }
             }

@@ -102,7 +102,11 @@ impl PartialSlip {
         if known && mean > self.friction {
             self.friction += share(interval, self.config.friction_time) * (mean - self.friction);
         }
-        self.edge = if known { self.friction.max(now) } else { self.friction };
+        self.edge = if known {
+            self.friction.max(now)
+        } else {
+            self.friction
+        };
     }
 
     /// Updates the `load` of a finger (N), `interval` (s) after the previous one.
@@ -113,18 +117,33 @@ impl PartialSlip {
 
     /// Grip force that the load requires (N). The fingers press with `grip` and bear `shear` at present (N).
     pub fn required(&self, grip: f64, shear: f64) -> f64 {
-        self.required_at([self.friction, self.edge], grip, shear)
+        self.required_at(
+            self.config.utilisation,
+            [self.friction, self.edge],
+            grip,
+            shear,
+        )
     }
 
-    /// Like [`required`](Self::required), at a known `friction`.
+    /// Like [`required`](Self::required), where the load may use the share `utilisation` of the limit at a known `friction`.
+    /// `edge` is the friction of which all is used when the contact slips as a whole.
     ///
     /// A contact that slips as a whole bears no more than its friction, so the load is unknown: the grip is multiplied.
-    pub fn required_at(&self, [friction, edge]: [f64; 2], grip: f64, shear: f64) -> f64 {
+    pub fn required_at(
+        &self,
+        utilisation: f64,
+        [friction, edge]: [f64; 2],
+        grip: f64,
+        shear: f64,
+    ) -> f64 {
         let config = &self.config;
-        let required = self.load / (config.utilisation * friction);
+        let required = self.load / (utilisation * friction);
         let used = shear / (edge * grip.max(LEAST_GRIP));
         let slip = ((used - config.slip_from) / (1.0 - config.slip_from)).clamp(0.0, 1.0);
-        required.max((1.0 + slip * (config.slip_gain - 1.0)) * grip * f64::from(u8::from(slip > 0.0)))
+        match slip > 0.0 {
+            true => required.max((1.0 + slip * (config.slip_gain - 1.0)) * grip),
+            false => required,
+        }
     }
 }
 
@@ -150,7 +169,8 @@ fn edge_ratio(pressed: &mut [(f64, f64)], group_share: f64) -> Option<f64> {
         pressing += own.0;
         shear += own.1;
         if pressing >= enough {
-            largest = Some(largest.map_or(shear / pressing, |other: f64| other.max(shear / pressing)));
+            largest =
+                Some(largest.map_or(shear / pressing, |other: f64| other.max(shear / pressing)));
             (pressing, shear) = (0.0, 0.0);
         }
     }

@@ -25,9 +25,11 @@ impl SlipSignal {
             GripLaw::Reflex => Some(Self::Flag),
             GripLaw::MissingShear => {
                 let (feeler, touch_force) = (own.feeler, config.touch_force);
-                let detector =
-                    SlipDetector::for_movable_object(feeler, touch_force, MAX_ELEMENTS);
-                Some(Self::MissingShear(own.missing_shear, vec![detector; fingers]))
+                let detector = SlipDetector::for_movable_object(feeler, touch_force, MAX_ELEMENTS);
+                Some(Self::MissingShear(
+                    own.missing_shear,
+                    vec![detector; fingers],
+                ))
             }
             GripLaw::Drag => {
                 // Forces in newtons.

@@ -1,0 +1,192 @@
+//! `feeler compare` of a gripper: laws of the grip force on the same unknown objects.
+
+use super::compare::{Arguments, PAGE};
+use crate::{CommandError, Outcome};
+use feeler::control::task::grip::GripLaw;
+use feeler_console::{Outputs, Steps, watch_for_interrupt};
+use feeler_lab::config::Experiment;
+use feeler_lab::experiment::ExperimentError;
+use feeler_lab::grips::{GripRow, GripScore, GripTrial, excess_over_load};
+use feeler_report::pages::{GRIP_COLUMNS, GripsPage, grips_page, significant};
+use feeler_report::run::create_folder;
+use std::io::Write;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::{Sender, channel};
+use std::thread;
+
+/// Rows of each law, in the order of the laws.
+type Results = Vec<(String, Vec<GripRow>)>;
+/// Index of the law, and the row of one of its trials.
+type Finished = (usize, Result<GripRow, ExperimentError>);
+
+/// Runs the comparison.
+pub fn compare_grips(
+    arguments: &Arguments,
+    experiment: &Experiment,
+    out: &mut dyn Write,
+) -> Result<Outcome, CommandError> {
+    let laws = laws(arguments)?;
+    create_folder(&arguments.out)
+        .map_err(|e| format!("--out {}: {e}; expected a folder", arguments.out.display()))?;
+    let mut outputs = Outputs::new(false, []);
+    let page_file = outputs.create(&arguments.out.join(PAGE), "--out")?;
+    let mut tables = Vec::new();
+    for law in &laws {
+        let path = arguments.out.join(format!("{}.csv", law.name()));
+        tables.push(outputs.create(&path, "--out")?);
+    }
+    let (results, whole) = run(arguments, experiment, &laws)?;
+    for ((_, rows), table) in results.iter().zip(tables) {
+        let lines = rows.iter().map(|row| row.fields() + "\n");
+        let text = format!("{}\n{}", GripRow::HEADER, lines.collect::<String>());
+        match whole {
+            true => table.finish(text.as_bytes())?,
+            false => table.writer()?.write_all(text.as_bytes())?,
+        }
+    }
+    let page = page(arguments, &results);
+    print(&page, out)?;
+    if !whole {
+        writeln!(
+            out,
+            "interrupted after {} of {} objects; their rows are in {}/*.csv.part",
+            page.trials,
+            arguments.trials,
+            arguments.out.display()
+        )?;
+        return Ok(Outcome::GivenUp);
+    }
+    page_file.finish(grips_page(&page).as_bytes())?;
+    writeln!(out, "{}", arguments.out.join(PAGE).display())?;
+    Ok(Outcome::Done)
+}
+
+/// Returns the requested laws, by default all.
+fn laws(arguments: &Arguments) -> Result<Vec<GripLaw>, CommandError> {
+    if arguments.trial.resume || !arguments.policies.is_empty() || !arguments.vary.is_empty() {
+        return Err("--resume, --policy and --vary: task.grip draws its own objects and has its own laws".into());
+    }
+    let named = |name: &String| {
+        let mut all = GripLaw::ALL.into_iter();
+        all.find(|law| law.name() == name).ok_or_else(|| {
+            let names = GripLaw::ALL.map(GripLaw::name).join(", ");
+            CommandError::from(format!("--laws {name}: expected one of {names}"))
+        })
+    };
+    match &arguments.laws[..] {
+        [] => Ok(GripLaw::ALL.to_vec()),
+        names => names.iter().map(named).collect(),
+    }
+}
+
+/// Runs all objects under all laws, object by object. Returns the rows of the objects that all laws have finished, and
+/// `true` if those are all.
+fn run(
+    arguments: &Arguments,
+    experiment: &Experiment,
+    laws: &[GripLaw],
+) -> Result<(Results, bool), CommandError> {
+    let interrupted = watch_for_interrupt()?;
+    let next = AtomicU64::new(0);
+    let total = arguments.trials * laws.len() as u64;
+    let bar = Steps::new(total as usize);
+    let mut results: Results = laws.iter().map(|law| (law.name().to_string(), Vec::new())).collect();
+    thread::scope(|scope| {
+        let (finished, rows) = channel();
+        for _ in 0..arguments.trial.jobs() {
+            let finished = finished.clone();
+            let work = (experiment, laws, arguments.trial.seed, total);
+            let (next, interrupted) = (&next, &interrupted);
+            scope.spawn(move || simulate(work, next, interrupted, finished));
+        }
+        drop(finished);
+        for (law, row) in rows {
+            results[law].1.push(row?);
+            bar.advance();
+        }
+        Ok::<_, ExperimentError>(())
+    })?;
+    drop(bar);
+    for (_, rows) in &mut results {
+        rows.sort_by_key(|row| row.trial);
+    }
+    let whole = results.iter().all(|(_, rows)| rows.len() as u64 == arguments.trials);
+    let common = |trial: u64| {
+        let mut laws = results.iter();
+        laws.all(|(_, rows)| rows.iter().any(|row| row.trial == trial))
+    };
+    let kept: Vec<u64> = (0..arguments.trials).filter(|&trial| whole || common(trial)).collect();
+    for (_, rows) in &mut results {
+        rows.retain(|row| kept.binary_search(&row.trial).is_ok());
+    }
+    Ok((results, whole))
+}
+
+/// Simulates trials until all are started, the program is interrupted, or the receiver is gone.
+fn simulate(
+    (experiment, laws, seed, total): (&Experiment, &[GripLaw], u64, u64),
+    next: &AtomicU64,
+    interrupted: &AtomicBool,
+    finished: Sender<Finished>,
+) {
+    // Different seeds share no objects.
+    let first = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
+    while !interrupted.load(Ordering::Relaxed) {
+        let number = next.fetch_add(1, Ordering::Relaxed);
+        if number >= total {
+            break;
+        }
+        let (trial, law) = (number / laws.len() as u64, (number % laws.len() as u64) as usize);
+        let ran = GripTrial::run(experiment, laws[law], first.wrapping_add(trial));
+        let row = ran.map(|ran| GripRow::new(trial, &ran));
+        if finished.send((law, row)).is_err() {
+            break;
+        }
+    }
+}
+
+fn page(arguments: &Arguments, results: &Results) -> GripsPage {
+    let laws = results.iter().map(|(law, rows)| (law.clone(), values(&GripScore::new(rows))));
+    GripsPage {
+        name: arguments.experiment.clone(),
+        trials: results.first().map_or(0, |(_, rows)| rows.len() as u64),
+        seed: arguments.trial.seed,
+        laws: laws.collect(),
+        excess: excess_over_load(results),
+    }
+}
+
+/// Formats the figures of a law in the order of [`GRIP_COLUMNS`].
+fn values(score: &GripScore) -> [String; 7] {
+    let range = |[low, value, high]: [f64; 3], factor: f64| {
+        let [low, value, high] = [low, value, high].map(|value| significant(factor * value));
+        format!("{value} [{low}, {high}]")
+    };
+    let missing = || "-".to_string();
+    let milliseconds = |which: usize| {
+        let reaction = score.reaction.map(|times| times[which]);
+        reaction.map_or_else(missing, |time| match time.is_finite() {
+            true => significant(1e3 * time),
+            false => "never".to_string(),
+        })
+    };
+    [
+        range(score.dropped, 100.0),
+        range(score.crushed, 100.0),
+        score.excess.map_or_else(missing, |excess| range(excess, 1.0)),
+        significant(score.excess_of_sums),
+        score.slips.to_string(),
+        milliseconds(0),
+        milliseconds(1),
+    ]
+}
+
+fn print(page: &GripsPage, out: &mut dyn Write) -> std::io::Result<()> {
+    for (law, values) in &page.laws {
+        writeln!(out, "{law}")?;
+        for (name, value) in GRIP_COLUMNS.iter().zip(values) {
+            writeln!(out, "  {name:<30} {value}")?;
+        }
+    }
+    Ok(())
+}

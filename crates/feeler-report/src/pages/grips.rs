@@ -1,0 +1,56 @@
+//! `compare.html` of a gripper: laws of the grip force compared on the same unknown objects.
+
+use super::document::{document_of_figures, figures, number_heads, numbers, table};
+use crate::figures::compare::{Curves, curves_figure};
+use maud::html;
+
+/// Column headings of a law.
+pub const GRIP_COLUMNS: [&str; 7] = [
+    "dropped (%)",
+    "crushed (%)",
+    "mean grip / least",
+    "sum of grips / sum of least",
+    "slips in the air",
+    "median time to more force (ms)",
+    "95th percentile (ms)",
+];
+
+/// Content of the page.
+#[derive(Debug, Clone, PartialEq)]
+pub struct GripsPage {
+    /// Name of the experiment.
+    pub name: String,
+    /// Number of objects, and the random seed.
+    pub trials: u64,
+    /// Random seed.
+    pub seed: u64,
+    /// Name of each law, and its values in the order of [`GRIP_COLUMNS`].
+    pub laws: Vec<(String, [String; 7])>,
+    /// Excess of the grip over the load.
+    pub excess: Curves,
+}
+
+/// Renders the page as HTML.
+pub fn grips_page(page: &GripsPage) -> String {
+    let drawn = [curves_figure(&page.excess, 1)];
+    let title = format!("Grip laws: {}", page.name);
+    let rows = page.laws.iter().map(|(law, values)| {
+        html! { td { (law) } (numbers(values)) }
+    });
+    let body = html! {
+        h1 { (title) }
+        p {
+            (page.trials) " random objects per law (seed " (page.seed) "): each is taken, lifted, shaken, tugged at, filled and put
+            down. Laws are compared on the same objects. Ranges are 95 % intervals."
+        }
+        (table(html! { th { "Law" } (number_heads(&GRIP_COLUMNS)) }, rows))
+        p.note {
+            "Dropped: the object was not lifted, slid by more than 15 mm in the grip, or left it in the air. Crushed: a finger pressed
+            harder than this object bears. Least: the load across the grip divided by twice the static friction, which
+            neglects torsion and kinetic friction; the law “known-friction” knows the kinetic friction. Slips: all elements
+            of a finger slipped within 10 ms; the time counts until the finger presses 1 % harder."
+        }
+        (figures(&drawn))
+    };
+    document_of_figures(&title, body, &drawn)
+}
