@@ -64,7 +64,10 @@ pub fn compare_grips(
 /// Returns the requested laws, by default all.
 fn laws(arguments: &Arguments) -> Result<Vec<GripLaw>, CommandError> {
     if arguments.trial.resume || !arguments.policies.is_empty() || !arguments.vary.is_empty() {
-        return Err("--resume, --policy and --vary: task.grip draws its own objects and has its own laws".into());
+        return Err(
+            "--resume, --policy and --vary: task.grip draws its own objects and has its own laws"
+                .into(),
+        );
     }
     let named = |name: &String| {
         let mut all = GripLaw::ALL.into_iter();
@@ -90,7 +93,10 @@ fn run(
     let next = AtomicU64::new(0);
     let total = arguments.trials * laws.len() as u64;
     let bar = Steps::new(total as usize);
-    let mut results: Results = laws.iter().map(|law| (law.name().to_string(), Vec::new())).collect();
+    let mut results: Results = laws
+        .iter()
+        .map(|law| (law.name().to_string(), Vec::new()))
+        .collect();
     thread::scope(|scope| {
         let (finished, rows) = channel();
         for _ in 0..arguments.trial.jobs() {
@@ -110,12 +116,16 @@ fn run(
     for (_, rows) in &mut results {
         rows.sort_by_key(|row| row.trial);
     }
-    let whole = results.iter().all(|(_, rows)| rows.len() as u64 == arguments.trials);
+    let whole = results
+        .iter()
+        .all(|(_, rows)| rows.len() as u64 == arguments.trials);
     let common = |trial: u64| {
         let mut laws = results.iter();
         laws.all(|(_, rows)| rows.iter().any(|row| row.trial == trial))
     };
-    let kept: Vec<u64> = (0..arguments.trials).filter(|&trial| whole || common(trial)).collect();
+    let kept: Vec<u64> = (0..arguments.trials)
+        .filter(|&trial| whole || common(trial))
+        .collect();
     for (_, rows) in &mut results {
         rows.retain(|row| kept.binary_search(&row.trial).is_ok());
     }
@@ -136,7 +146,10 @@ fn simulate(
         if number >= total {
             break;
         }
-        let (trial, law) = (number / laws.len() as u64, (number % laws.len() as u64) as usize);
+        let (trial, law) = (
+            number / laws.len() as u64,
+            (number % laws.len() as u64) as usize,
+        );
         let ran = GripTrial::run(experiment, laws[law], first.wrapping_add(trial));
         let row = ran.map(|ran| GripRow::new(trial, &ran));
         if finished.send((law, row)).is_err() {
@@ -146,7 +159,9 @@ fn simulate(
 }
 
 fn page(arguments: &Arguments, results: &Results) -> GripsPage {
-    let laws = results.iter().map(|(law, rows)| (law.clone(), values(&GripScore::new(rows))));
+    let laws = results
+        .iter()
+        .map(|(law, rows)| (law.clone(), values(&GripScore::new(rows))));
     GripsPage {
         name: arguments.experiment.clone(),
         trials: results.first().map_or(0, |(_, rows)| rows.len() as u64),
@@ -173,7 +188,9 @@ fn values(score: &GripScore) -> [String; 7] {
     [
         range(score.dropped, 100.0),
         range(score.crushed, 100.0),
-        score.excess.map_or_else(missing, |excess| range(excess, 1.0)),
+        score
+            .excess
+            .map_or_else(missing, |excess| range(excess, 1.0)),
         significant(score.excess_of_sums),
         score.slips.to_string(),
         milliseconds(0),

@@ -24,6 +24,7 @@ mod friction_scan;
 mod fuzz_corpus;
 #[cfg(unix)]
 mod gap;
+mod grip;
 mod hands;
 #[path = "../../../feeler-link/tests/support/how_many.rs"]
 mod how_many;

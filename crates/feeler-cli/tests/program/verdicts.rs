@@ -7,7 +7,7 @@ const CLOSED: &str =
     "the task was completed, the cap was closed at the last stroke, and no element was overloaded";
 
 /// The built-in experiments with their success criteria.
-const EXPERIMENTS: [(&str, &str); 14] = [
+const EXPERIMENTS: [(&str, &str); 15] = [
     ("cap-closing", PAPERS),
     ("any-hand", "all five claims of any hand pass"),
     (
@@ -24,6 +24,7 @@ const EXPERIMENTS: [(&str, &str); 14] = [
     ("slide-box", PAPERS),
     ("slide-box-two", PAPERS),
     ("lift", PAPERS),
+    ("grip", PAPERS),
     ("bench-rig", "every stroke turned the cap"),
 ];
 

@@ -1,4 +1,4 @@
-//! Random unknown objects for a gripper, and what happens to them while an arm carries it.
+//! Random unknown objects for a gripper, and their disturbances while an arm carries it.
 
 use crate::config::ExperimentConfig;
 use feeler_sim::contact::Friction;
@@ -21,7 +21,7 @@ pub(super) const HEIGHT: f64 = 0.060;
 /// Height of the lift (m), and how much further the arm goes down again: objects that have slid stand higher.
 const LIFT: f64 = 0.1;
 const FURTHER: f64 = 0.002;
-/// Times at which the arm lifts, shakes and lowers the gripper, and at which somebody tugs at the object and fills it (s).
+/// Times at which the arm lifts, shakes and lowers the gripper, and at which the object is tugged at and filled (s).
 const LIFT_AT: f64 = 3.0;
 const SHAKE: [f64; 2] = [4.0, 5.5];
 const TUG: [f64; 2] = [5.8, 6.2];
@@ -30,7 +30,7 @@ const LOWER: [f64; 2] = [8.0, 8.8];
 /// Force that every object bears (N).
 const SURE: f64 = 1.5;
 
-/// An object and what happens to it. Forces and accelerations are in the plane across the grip, at an angle from W's y to
+/// An object and its disturbances. Forces and accelerations are in the plane across the grip, at an angle from W's y to
 /// its z.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GripObject {
@@ -42,9 +42,9 @@ pub struct GripObject {
     pub offset: [f64; 3],
     /// Mass when it is taken and when it is full (kg).
     pub mass: [f64; 2],
-    /// Static friction coefficient, and the kinetic one relative to it.
+    /// Static friction coefficient.
     pub friction: f64,
-    /// Kinetic relative to static friction.
+    /// Kinetic friction coefficient relative to the static one.
     pub kinetic: f64,
     /// Stiffness relative to the gel's, or `None` if it is rigid.
     pub softness: Option<f64>,

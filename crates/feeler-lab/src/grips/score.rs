@@ -5,7 +5,7 @@ use crate::sweep::analysis::bootstrap;
 use feeler_report::figures::sweep::wilson;
 use feeler_report::pages::{Curve, Curves};
 
-/// Largest excess of a drawn curve; beyond, differences do not matter.
+/// Number of bins of a curve.
 const BINS: usize = 8;
 
 /// Results of one trial, as in the table of trials.

@@ -1,4 +1,4 @@
-//! Report of the grip task: whether the object was held until it was put down, and with what force.
+//! Report of the grip task: grip force, load, friction estimate, and success of the hold.
 
 use super::task_report::TaskReport;
 use crate::figures::Figure;

@@ -144,7 +144,7 @@ pub enum FaultKind {
         #[serde(default)]
         over: f64,
     },
-    /// An external force at the origin of a free object, as if somebody pulled at it.
+    /// An external force at the origin of a free object.
     Pull {
         /// Name of the object.
         object: String,

@@ -75,3 +75,30 @@ impl CarriedLoad {
         self.is_below(0.0)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Feels a constant `shear` along -z for `steps` of 10 ms from `start` (s).
+    fn feel(load: &mut CarriedLoad, shear: f64, start: f64, steps: u32) -> f64 {
+        for step in 0..steps {
+            load.feel(-shear * DVec3::Z, start + 0.01 * f64::from(step), 0.01);
+        }
+        start + 0.01 * f64::from(steps)
+    }
+
+    #[test]
+    fn a_load_is_carried_until_it_vanishes_or_reverses() {
+        let mut load = CarriedLoad::new(0.06);
+        // Shear from closing does not count.
+        let lifted = feel(&mut load, -0.1, 0.0, 100);
+        assert!(!load.is_below(1.0) && !load.is_for(0.0, lifted));
+        let held = feel(&mut load, 0.5, lifted, 100);
+        assert!(load.is_for(0.5, held) && !load.is_below(0.9));
+        let unloaded = feel(&mut load, 0.02, held, 20);
+        assert!(load.is_below(0.1) && !load.is_supported());
+        feel(&mut load, -0.2, unloaded, 20);
+        assert!(load.is_supported());
+    }
+}

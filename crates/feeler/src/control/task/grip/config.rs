@@ -9,7 +9,7 @@ use serde::{Deserialize, Serialize};
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct GripConfig {
-    /// How the grip force follows load and slip.
+    /// Law of the grip force.
     #[serde(default)]
     pub law: GripLaw,
     /// Grip force with which the fingers take the object (N): pressing force of a finger.
@@ -20,7 +20,7 @@ pub struct GripConfig {
     /// Duration from the first load during which the grip force does not fall below `grip_force` (s).
     #[serde(default = "default::load_up_time")]
     pub load_up_time: f64,
-    /// Maximum grip force (N), whatever the law requests.
+    /// Maximum grip force under any law (N).
     pub max_force: f64,
     /// Force above which an element counts as touching (N).
     #[serde(default = "default::touch_force")]
@@ -66,10 +66,10 @@ pub struct GripConfig {
     /// Parameters of the laws `reflex`, `missing-shear` and `drag`.
     #[serde(default)]
     pub slip_reflex: SlipReflexConfig,
-    /// Friction coefficient that the law `known-friction` uses, and the share of the limit that the load may then use.
+    /// Friction coefficient that the law `known-friction` uses.
     #[serde(default = "default::known_friction")]
     pub known_friction: f64,
-    /// See `known_friction`.
+    /// Share of the friction limit that the load may use under the law `known-friction`.
     #[serde(default = "default::known_utilisation")]
     pub known_utilisation: f64,
     /// Grip force of the law `fixed` (N).
@@ -96,7 +96,7 @@ defaults! {
     fixed_force: f64 = 20.0,
 }
 
-/// How the grip force follows load and slip.
+/// Law of the grip force: the way it follows load and slip.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum GripLaw {

@@ -45,3 +45,31 @@ impl ForceControl {
         bandwidth * missing / stiffness
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn measures_the_stiffness_of_a_spring() {
+        let mut control = ForceControl::new(2000.0);
+        assert_eq!(control.speed(1.0, 20.0), 0.01);
+        for step in 0..200 {
+            let closed = 1e-5 * f64::from(step);
+            // Noise of alternating sign does not bias a slope.
+            let noise = if step % 2 == 0 { 0.01 } else { -0.01 };
+            control.feel(closed, 5000.0 * closed + noise);
+        }
+        // The assumed stiffness has lost its weight, up to a percent.
+        assert!((control.speed(1.0, 20.0) / (20.0 / 5000.0) - 1.0).abs() < 0.02);
+    }
+
+    #[test]
+    fn stays_plausible_when_the_force_falls_while_the_fingers_close() {
+        let mut control = ForceControl::new(2000.0);
+        for step in 0..200 {
+            control.feel(1e-4 * f64::from(step), -f64::from(step));
+        }
+        assert_eq!(control.speed(1.0, 20.0), 20.0 / PLAUSIBLE.0);
+    }
+}

@@ -140,7 +140,7 @@ impl Grip {
             self.partial_slip.learn(interval);
         }
         self.carried.feel(self.load_vector(), hand.stamp, interval);
-        // Shear against the carried load is no load: something supports the object from below.
+        // Shear against the carried load does not count: something supports the object from below.
         let load = if self.carried.is_supported() {
             0.0
         } else {

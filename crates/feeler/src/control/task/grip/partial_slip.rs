@@ -126,7 +126,7 @@ impl PartialSlip {
     }
 
     /// Like [`required`](Self::required), where the load may use the share `utilisation` of the limit at a known `friction`.
-    /// `edge` is the friction of which all is used when the contact slips as a whole.
+    /// At the friction `edge`, the contact slips as a whole when the load uses all of it.
     ///
     /// A contact that slips as a whole bears no more than its friction, so the load is unknown: the grip is multiplied.
     pub fn required_at(
@@ -175,4 +175,43 @@ fn edge_ratio(pressed: &mut [(f64, f64)], group_share: f64) -> Option<f64> {
         }
     }
     largest
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A contact of 30 elements that are pressed with 0.1 to 1 N and sheared by the same displacement, which would shear
+    /// each by `stuck` (N) if it stuck, at a friction of 0.5.
+    fn contact(stuck: f64) -> Vec<(f64, f64)> {
+        let pressing = (1..=30).map(|n| 0.1 + 0.03 * f64::from(n));
+        pressing.map(|n| (n, stuck.min(0.5 * n))).collect()
+    }
+
+    #[test]
+    fn the_edge_shows_the_friction_as_soon_as_it_slips() {
+        // All stick: the ratio is below the friction.
+        let sticks = edge_ratio(&mut contact(0.05), 0.2).expect("a ratio");
+        assert!(sticks < 0.2, "{sticks}");
+        // The least pressed fifth slips, and the total shear is below the limit.
+        let mut pressed = contact(0.28);
+        let (total, limit): (f64, f64) = pressed
+            .iter()
+            .fold((0.0, 0.0), |(t, l), own| (t + own.1, l + 0.5 * own.0));
+        assert!(total < 0.85 * limit);
+        let slips = edge_ratio(&mut pressed, 0.2).expect("a ratio");
+        assert!((slips - 0.5).abs() < 1e-12, "{slips}");
+    }
+
+    #[test]
+    fn a_whole_slip_multiplies_the_grip_and_a_load_is_held() {
+        let config = PartialSlipConfig::default();
+        let mut estimate = PartialSlip::new(config, 2);
+        estimate.load(1.0, 0.01);
+        let required = estimate.required_at(0.8, [0.5, 0.5], 4.0, 1.0);
+        assert!((required - 1.0 / (0.8 * 0.5)).abs() < 1e-12);
+        // All of the friction is used: the load is unknown.
+        let slipping = estimate.required_at(0.8, [0.5, 0.5], 2.0, 1.0);
+        assert!((slipping - config.slip_gain * 2.0).abs() < 1e-12);
+    }
 }
