@@ -13,6 +13,7 @@ EXPERIMENTS = {
     "CapClosing": "cap-closing",
     "CapUntilClosed": "cap-until-closed",
     "Lift": "lift",
+    "Grip": "grip",
     "SlideBox": "slide-box-two",
     "Contour": "contour",
 }

@@ -127,7 +127,7 @@ impl CarryGoal {
 }
 
 /// Force of `finger` on `object` in W (N).
-fn pressing(world: &World, finger: usize, object: usize) -> DVec3 {
+pub(super) fn pressing(world: &World, finger: usize, object: usize) -> DVec3 {
     let Some(finger) = world.state().fingers.get(finger) else {
         return DVec3::ZERO;
     };

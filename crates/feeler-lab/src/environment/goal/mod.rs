@@ -9,6 +9,7 @@
 mod cap;
 mod carry;
 mod contour;
+mod grip;
 
 use super::EnvironmentError;
 use crate::config::Experiment;
@@ -20,6 +21,7 @@ use contour::ContourGoal;
 use feeler::control::task::TaskConfig;
 use feeler::control::task::cap_config::Until;
 use feeler_sim::world::World;
+use grip::GripGoal;
 
 /// Evaluation of one step.
 #[derive(Debug, Clone, Copy, PartialEq, Default)]
@@ -69,6 +71,7 @@ pub(super) fn goal(experiment: &Experiment) -> Result<Box<dyn Goal>, Environment
             Ok(Box::new(CapGoal::default()))
         }
         TaskConfig::Carry(_) => Ok(Box::new(CarryGoal::default())),
+        TaskConfig::Grip(_) => Ok(Box::new(GripGoal::default())),
         TaskConfig::Contour(_) => Ok(Box::new(ContourGoal::default())),
         _ => Err(no_goal(experiment)),
     }

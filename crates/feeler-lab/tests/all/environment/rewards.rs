@@ -51,6 +51,24 @@ fn tasks_that_reach_their_goal_earn_its_reward() {
     }
 }
 
+/// The box of 0.1 kg is lifted between 3.0 and 3.6 s, filled to 0.2 kg from 7 to 8 s, and put down between 9.0 and 9.8 s.
+#[test]
+fn rewards_of_a_gripper_are_the_weight_carried_less_a_tenth_of_its_grip() {
+    let mut environment = environment("grip", &[]);
+    let (steps, sum) = follow(&mut environment, 1);
+    assert!(steps.last().expect("a step").terminated);
+    assert_eq!(told(&environment, "success"), 1.0);
+    let carried = told(&environment, "carried_ns");
+    let expected = 9.81 * (0.1 * 4.0 + 0.15 + 0.2 * 1.8);
+    // Lift and descent start and end slowly, and the object slides a little: about 0.3 s of a weight of 1 or 2 N.
+    assert!(
+        (carried - expected).abs() < 0.6,
+        "{carried}, not {expected}"
+    );
+    let rewards = carried - 0.1 * told(&environment, "pressed_ns");
+    assert!((sum - rewards).abs() < ROUNDING, "{sum}, not {rewards}");
+}
+
 #[test]
 fn an_idle_agent_earns_nothing_until_the_time_limit() {
     for name in [
