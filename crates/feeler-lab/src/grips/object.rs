@@ -148,7 +148,7 @@ impl GripObject {
             kind: ArmMotionKind::Travel { by: [0.0, 0.0, by] },
         };
         let [acceleration, frequency, angle] = self.shake;
-        let size = acceleration / (TAU * frequency).powi(2);
+        let size = acceleration / (TAU * frequency * TAU * frequency);
         let amplitude = across(size, angle);
         vec![
             travel(LIFT_AT, LIFT_AT + self.lift_time, LIFT),

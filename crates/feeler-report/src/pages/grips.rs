@@ -43,7 +43,7 @@ pub fn grips_page(page: &GripsPage) -> String {
             (page.trials) " random objects per law (seed " (page.seed) "): each is taken, lifted, shaken, tugged at, filled and put
             down. Laws are compared on the same objects. Ranges are 95 % intervals."
         }
-        (table(html! { th { "Law" } (number_heads(&GRIP_COLUMNS)) }, rows))
+        (table(html! { th { "Law" } (number_heads(GRIP_COLUMNS)) }, rows))
         p.note {
             "Dropped: the object was not lifted, slid by more than 15 mm in the grip, or left it in the air. Crushed: a finger pressed
             harder than this object bears. Least: the load across the grip divided by twice the static friction, which

@@ -32,10 +32,9 @@ fn a_falling_body_falls_past_a_hand_that_rises() {
     run(&mut world, time);
     let fall = -world.state().objects[0].pose.position;
     let expected = DVec3::new(0.02, 0.0, 0.1 + 0.5 * GRAVITY * time * (time + sim.step));
-    // The acceleration is sampled once per step of 1 ms: its integral errs by the step squared times its changes, and
-    // that is at most 1 mm/s² · 1e-3 s · 0.8 s.
+    // Symplectic Euler errs by about the step squared times the largest acceleration of the hand, 1e-6 s² · 1.6 m/s².
     assert!(
-        fall.distance(expected) < 1e-6,
+        fall.distance(expected) < 2e-6,
         "expected {expected} m, got {fall} m"
     );
 }
@@ -51,8 +50,9 @@ fn a_box_stays_on_its_table_while_the_hand_rises() {
     for _ in 0..10 {
         run(&mut world, 0.08);
         let [first, second] = [0, 1].map(|index| world.state().objects[index].pose.position.z);
-        // The box settles by the compliance of its contact, which varies with the acceleration.
-        assert!((first - second - 0.015).abs() < 1e-5, "{}", first - second);
+        // Contacts with moving bodies are soft, with a natural frequency of 30 Hz: a box at rest sinks by up to
+        // g / (2 pi 30 Hz)² = 0.28 mm.
+        assert!((first - second - 0.015).abs() < 2.8e-4, "{}", first - second);
     }
     let table = world.state().objects[1].pose.position.z;
     assert!((table + 0.1).abs() < 1e-12, "the table is at {table} m");

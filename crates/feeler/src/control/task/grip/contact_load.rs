@@ -61,7 +61,7 @@ impl FingerLoad {
         load.equivalent = load.shear.length();
         if pressed > 0.0 {
             let ratio = torsion_per_lever(finger, approach, touch_force, centre / pressed);
-            load.equivalent = load.equivalent.hypot(ratio);
+            load.equivalent = libm::hypot(load.equivalent, ratio);
         }
         load
     }

@@ -54,7 +54,7 @@ mod tests {
     fn measures_the_stiffness_of_a_spring() {
         let mut control = ForceControl::new(2000.0);
         assert_eq!(control.speed(1.0, 20.0), 0.01);
-        for step in 0..200 {
+        for step in 0..2000 {
             let closed = 1e-5 * f64::from(step);
             // Noise of alternating sign does not bias a slope.
             let noise = if step % 2 == 0 { 0.01 } else { -0.01 };
