@@ -51,7 +51,11 @@ impl ArmMotion {
         let share = ((time - self.from) / (self.until - self.from)).clamp(0.0, 1.0);
         match self.kind {
             ArmMotionKind::Travel { by } => {
-                share * share * share * (10.0 - 15.0 * share + 6.0 * share * share) * DVec3::from(by)
+                share
+                    * share
+                    * share
+                    * (10.0 - 15.0 * share + 6.0 * share * share)
+                    * DVec3::from(by)
             }
             ArmMotionKind::Shake {
                 amplitude,

@@ -52,7 +52,11 @@ fn a_box_stays_on_its_table_while_the_hand_rises() {
         let [first, second] = [0, 1].map(|index| world.state().objects[index].pose.position.z);
         // Contacts with moving bodies are soft, with a natural frequency of 30 Hz: a box at rest sinks by up to
         // g / (2 pi 30 Hz)² = 0.28 mm.
-        assert!((first - second - 0.015).abs() < 2.8e-4, "{}", first - second);
+        assert!(
+            (first - second - 0.015).abs() < 2.8e-4,
+            "{}",
+            first - second
+        );
     }
     let table = world.state().objects[1].pose.position.z;
     assert!((table + 0.1).abs() < 1e-12, "the table is at {table} m");

@@ -139,7 +139,7 @@ impl GripLaw {
     }
 }
 
-/// Parameters of the law `partial-slip`; see [`PartialSlip`](super::partial_slip::PartialSlip).
+/// Parameters of the law `partial-slip`.
 #[derive(Debug, Clone, Copy, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct PartialSlipConfig {
