@@ -48,7 +48,7 @@ pub struct GripObject {
     pub kinetic: f64,
     /// Stiffness relative to the gel's, or `None` if it is rigid.
     pub softness: Option<f64>,
-    /// Grip that crushes it, relative to the least that holds it, less [`SURE`].
+    /// Grip above 1.5 N that crushes it, relative to the largest grip that it needs.
     pub strength: f64,
     /// Duration of the lift (s).
     pub lift_time: f64,
