@@ -86,8 +86,8 @@ def test_following_the_plan_reaches_the_goal(name: str) -> None:
         if terminated or truncated:
             break
     assert terminated and "stop_reason" not in info
-    # Units of the goals: mN·m, mm of the path, percent of the outline.
-    assert total > 20
+    # Units of the goals: N·s of about 9 that are carried, less the grip; mN·m, mm of the path, percent of the outline.
+    assert total > (5 if name == "Grip" else 20)
 
 
 def test_the_papers_law_as_an_agent_reproduces_the_run(closing: feeler.Run) -> None:
