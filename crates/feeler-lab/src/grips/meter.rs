@@ -1,6 +1,6 @@
 //! Ground truth of a grasp in every step of the physics: grip, least grip that holds, and slip.
 
-use super::object::{GRAVITY, GripObject, HEIGHT, OBJECT, TABLE};
+use super::object::{GripObject, OBJECT, STANDING, TABLE};
 use feeler_sim::rig::acceleration;
 use feeler_sim::world::{State, WorldModel};
 use glam::DVec3;
@@ -82,7 +82,7 @@ impl GripMeter {
             return;
         };
         let (own, table) = (&state.objects[object], &state.objects[table]);
-        let gap = own.pose.position.z - table.pose.position.z - (HEIGHT + 0.02) / 2.0;
+        let gap = own.pose.position.z - table.pose.position.z - STANDING;
         let mut pressing = [0.0; 2];
         let mut touches = false;
         for (finger, pressed) in state.fingers.iter().zip(&mut pressing) {
@@ -95,7 +95,7 @@ impl GripMeter {
         self.peak = self.peak.max(pressing[0]).max(pressing[1]);
         let in_air = gap > IN_AIR;
         let arm = acceleration(&model.arm, state.time);
-        let load = own.mass * (DVec3::Z * -GRAVITY - arm) + own.pull;
+        let load = own.mass * (model.gravity - arm) + own.pull;
         let least = load.reject_from_normalized(AXIS).length() / (2.0 * self.static_friction);
         self.peak_least = self.peak_least.max(least);
         if in_air {

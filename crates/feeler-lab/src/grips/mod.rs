@@ -1,4 +1,4 @@
-//! Trials of a gripper with unknown objects: does it hold them, with how little force, and how fast does it answer slip?
+//! Trials of a gripper with unknown objects: drops, excess force, and reaction time to slip.
 
 mod meter;
 mod object;
@@ -14,7 +14,7 @@ use feeler::control::task::TaskConfig;
 use feeler::control::task::grip::GripLaw;
 use std::sync::{Arc, Mutex, PoisonError};
 
-/// Share of the lift that an object must have risen to count as lifted.
+/// Height above the table that an object must have reached to count as lifted (m).
 const LIFTED: f64 = 0.08;
 
 /// Result of a trial.
@@ -54,7 +54,7 @@ impl GripTrial {
     }
 
     /// Returns the gripper of `experiment` under `law` with the object of `seed`, and the object.
-    pub fn prepared(experiment: &Experiment, law: GripLaw, seed: u64) -> (Experiment, GripObject) {
+    fn prepared(experiment: &Experiment, law: GripLaw, seed: u64) -> (Experiment, GripObject) {
         let object = GripObject::draw(seed);
         let mut experiment = experiment.clone();
         object.place(&mut experiment.config);

@@ -11,13 +11,17 @@ use rand_pcg::Pcg64;
 use std::f64::consts::TAU;
 
 /// Gravitational acceleration (m/s²).
-pub(super) const GRAVITY: f64 = 9.81;
+const GRAVITY: f64 = 9.81;
 /// Names of the object and of the table in the simulated world.
 pub(super) const OBJECT: &str = "object";
 pub(super) const TABLE: &str = "table";
 /// Depth of a box along y, and height of all objects (m).
 const DEPTH: f64 = 0.030;
-pub(super) const HEIGHT: f64 = 0.060;
+const HEIGHT: f64 = 0.060;
+/// Thickness of the table (m).
+const THICKNESS: f64 = 0.02;
+/// Height of the centre of an object that stands on the table above the table's centre (m).
+pub(super) const STANDING: f64 = (HEIGHT + THICKNESS) / 2.0;
 /// Height of the lift (m), and how much further the arm goes down again: objects that have slid stand higher.
 const LIFT: f64 = 0.1;
 const FURTHER: f64 = 0.002;
@@ -210,14 +214,13 @@ fn across(size: f64, angle: f64) -> [f64; 3] {
 
 /// The table on which an object at `position` stands.
 fn table(position: [f64; 3]) -> ObjectConfig {
-    let thickness = 0.02;
     let [x, y, z] = position;
     ObjectConfig {
         shape: ShapeConfig::Box {
-            size: [0.1, 0.1, thickness],
+            size: [0.1, 0.1, THICKNESS],
         },
         motion: MotionConfig::Fixed,
-        position: [x, y, z - (HEIGHT + thickness) / 2.0],
+        position: [x, y, z - STANDING],
         orientation_deg: [0.0; 3],
         offset: [0.0; 3],
         friction: None,

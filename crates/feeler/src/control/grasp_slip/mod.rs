@@ -62,7 +62,7 @@ fn scaled(vector: DVec2, scale: f64) -> Option<DVec2> {
 }
 
 /// Weight of a new value in an exponential filter after `interval` (s); 0 if the interval is not positive.
-fn part(interval: f64, time_constant: f64) -> f64 {
+pub(in crate::control) fn part(interval: f64, time_constant: f64) -> f64 {
     match interval > 0.0 {
         true => -libm::expm1(-interval / time_constant),
         false => 0.0,

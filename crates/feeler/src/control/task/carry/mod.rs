@@ -266,8 +266,7 @@ impl Task for Carry {
         Plan {
             velocity,
             towards_object: holder.approach,
-            reflex: false,
-            keep_grasp: false,
+            ..Plan::default()
         }
     }
 

@@ -227,8 +227,7 @@ impl Task for Contour {
         Plan {
             velocity,
             towards_object: -outward,
-            reflex: false,
-            keep_grasp: false,
+            ..Plan::default()
         }
     }
 

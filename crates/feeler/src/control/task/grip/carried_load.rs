@@ -1,6 +1,6 @@
 //! Load of an object while it is carried: since when, and whether it still weighs on the fingers.
 
-use super::partial_slip::share;
+use crate::control::grasp_slip::part;
 use glam::DVec3;
 
 /// Time constant of the present load (s).
@@ -45,18 +45,18 @@ impl CarriedLoad {
     /// one.
     pub fn feel(&mut self, shear: DVec3, stamp: f64, interval: f64) {
         let start = *self.start.get_or_insert(stamp);
-        self.present += share(interval, PRESENT) * (shear - self.present);
+        self.present += part(interval, PRESENT) * (shear - self.present);
         if stamp - start < SETTLING {
             (self.present, self.closing) = (shear, shear);
         } else if self.since.is_none() {
-            self.closing += share(interval, CLOSING) * (shear - self.closing);
+            self.closing += part(interval, CLOSING) * (shear - self.closing);
             if self.present.distance(self.closing) > self.threshold {
                 self.since = Some(stamp);
                 // The shear from closing may point anywhere.
                 self.mean = self.present - self.closing;
             }
         } else if !self.is_below(0.5) {
-            self.mean += share(interval, MEAN) * (self.present - self.mean);
+            self.mean += part(interval, MEAN) * (self.present - self.mean);
         }
     }
 

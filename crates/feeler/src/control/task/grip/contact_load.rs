@@ -25,68 +25,68 @@ pub(super) struct FingerLoad {
     pub touches: bool,
 }
 
-/// Splits the force of the object on `element` of `finger`, which closes along `approach`.
-pub(super) fn element_load(
-    finger: &FingerReadings<'_>,
-    element: usize,
-    approach: DVec3,
-) -> ElementLoad {
-    let force = finger.force(element);
-    ElementLoad {
-        pressing: -force.dot(approach),
-        shear: force.reject_from_normalized(approach),
+impl ElementLoad {
+    /// Writes the load on each element of `finger`, which closes along `approach`, to `loads`. Returns those written.
+    pub fn of_finger<'a>(
+        finger: &FingerReadings<'_>,
+        approach: DVec3,
+        loads: &'a mut [Self],
+    ) -> &'a [Self] {
+        let count = finger.touch.frame.forces.len().min(loads.len());
+        let loads = &mut loads[..count];
+        for (element, load) in loads.iter_mut().enumerate() {
+            let force = finger.force(element);
+            *load = Self {
+                pressing: -force.dot(approach),
+                shear: force.reject_from_normalized(approach),
+            };
+        }
+        loads
     }
 }
 
 impl FingerLoad {
-    /// Sums the forces of the object on all elements of `finger`, which closes along `approach`. Elements touch above
-    /// `touch_force` (N). Weaker forces are included in the sums, because they add up.
+    /// Sums the loads on the `elements` of `finger`, which closes along `approach`. Elements touch above `touch_force` (N).
+    /// Weaker forces are included in the sums, because they add up.
     ///
     /// Shear and torsion limit each other like the axes of an ellipsoid (Howe and Cutkosky, Int. J. Robotics Research 15,
     /// 1996): the contact slips at `(T / μN)² + (M / μ Σ n ρ)² = 1`, where `n` presses at the distance `ρ` from the centre of
     /// pressure.
-    pub fn new(finger: &FingerReadings<'_>, approach: DVec3, touch_force: f64) -> Self {
+    pub fn new(
+        finger: &FingerReadings<'_>,
+        elements: &[ElementLoad],
+        approach: DVec3,
+        touch_force: f64,
+    ) -> Self {
         let mut load = Self::default();
-        let (mut centre, mut pressed) = (DVec3::ZERO, 0.0);
-        for element in 0..finger.touch.frame.forces.len() {
-            let own = element_load(finger, element, approach);
+        for own in elements {
             load.pressing += own.pressing;
             load.shear += own.shear;
-            if own.pressing > touch_force {
-                load.touches = true;
-                pressed += own.pressing;
-                centre += own.pressing * finger.layout.tip(element);
-            }
         }
         load.equivalent = load.shear.length();
-        if pressed > 0.0 {
-            let ratio = torsion_per_lever(finger, approach, touch_force, centre / pressed);
-            load.equivalent = libm::hypot(load.equivalent, ratio);
+        let touching = || {
+            let elements = elements.iter().enumerate();
+            elements.filter(|(_, own)| own.pressing > touch_force)
+        };
+        let (mut centre, mut pressed) = (DVec3::ZERO, 0.0);
+        for (element, own) in touching() {
+            pressed += own.pressing;
+            centre += own.pressing * finger.layout.tip(element);
         }
-        load
-    }
-}
-
-/// Torsion about `approach` through the `centre` of pressure (m, in the fingertip frame), divided by the mean distance of
-/// the pressing force from it (N).
-fn torsion_per_lever(
-    finger: &FingerReadings<'_>,
-    approach: DVec3,
-    touch_force: f64,
-    centre: DVec3,
-) -> f64 {
-    let (mut torsion, mut lever, mut pressed) = (0.0, 0.0, 0.0);
-    for element in 0..finger.touch.frame.forces.len() {
-        let own = element_load(finger, element, approach);
-        if own.pressing > touch_force {
+        load.touches = pressed > 0.0;
+        if !load.touches {
+            return load;
+        }
+        let centre = centre / pressed;
+        let (mut torsion, mut lever) = (0.0, 0.0);
+        for (element, own) in touching() {
             let arm = finger.pose.rotation * (finger.layout.tip(element) - centre);
             torsion += arm.cross(own.shear).dot(approach);
             lever += own.pressing * arm.reject_from_normalized(approach).length();
-            pressed += own.pressing;
         }
-    }
-    match lever > 0.0 {
-        true => (torsion * pressed / lever).abs(),
-        false => 0.0,
+        if lever > 0.0 {
+            load.equivalent = libm::hypot(load.equivalent, torsion * pressed / lever);
+        }
+        load
     }
 }

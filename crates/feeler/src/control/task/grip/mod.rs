@@ -20,11 +20,12 @@ use super::search::check_search;
 use super::{Finding, Task};
 use crate::control::phase::Phase;
 use crate::control::plan::Plan;
-use crate::control::sense::{FingertipPose, HandReadings};
+use crate::control::sense::HandReadings;
 use crate::control::stop_reason::StopReason;
 use crate::hand::MAX_FINGERS;
+use crate::sensor::fingertip::MAX_ELEMENTS;
 use carried_load::CarriedLoad;
-use contact_load::FingerLoad;
+use contact_load::{ElementLoad, FingerLoad};
 use force_control::ForceControl;
 use glam::DVec3;
 use partial_slip::PartialSlip;
@@ -36,15 +37,24 @@ const SLOW: f64 = 0.3;
 const CLEARANCE: f64 = 0.002;
 
 /// Opposing finger.
-#[derive(Debug, Clone, Copy, Default)]
+#[derive(Debug, Clone, Default)]
 struct Jaw {
     home: DVec3,
     approach: DVec3,
+    /// Space for the load on each element.
+    elements: Vec<ElementLoad>,
     load: FingerLoad,
     /// Time of the last touch (s).
     touched: f64,
     /// Position at which it let go (m, in W).
     let_go: DVec3,
+}
+
+impl Jaw {
+    /// Closing distance from home at this `position` of the fingertip (m, in W).
+    fn closed(&self, position: DVec3) -> f64 {
+        (position - self.home).dot(self.approach)
+    }
 }
 
 /// State machine of the task.
@@ -75,6 +85,7 @@ impl Grip {
         let jaw = |finger: &CarryFinger| Jaw {
             home: finger.home.into(),
             approach: DVec3::from_array(finger.approach).normalize_or_zero(),
+            elements: vec![ElementLoad::default(); MAX_ELEMENTS],
             ..Jaw::default()
         };
         let jaws: Vec<_> = config.finger.iter().take(MAX_FINGERS).map(jaw).collect();
@@ -122,13 +133,14 @@ impl Grip {
         for (index, ((jaw, frame), finger)) in jaws.zip(hand.fingers()).enumerate() {
             let sequence = finger.touch.frame.sequence;
             new |= std::mem::replace(frame, sequence) != sequence;
-            jaw.load = FingerLoad::new(&finger, jaw.approach, self.config.touch_force);
+            let elements = ElementLoad::of_finger(&finger, jaw.approach, &mut jaw.elements);
+            let touch_force = self.config.touch_force;
+            jaw.load = FingerLoad::new(&finger, elements, jaw.approach, touch_force);
             if jaw.load.touches {
                 jaw.touched = hand.stamp;
             }
             if self.phase == Phase::Move && new {
-                let load = (jaw.approach, &jaw.load);
-                self.partial_slip.feel(index, &finger, load, interval);
+                self.partial_slip.feel(index, elements, &jaw.load, interval);
             }
         }
         new
@@ -147,9 +159,8 @@ impl Grip {
             self.load()
         };
         self.partial_slip.load(load, interval);
-        let closed =
-            |(jaw, pose): (&Jaw, &FingertipPose)| (pose.position - jaw.home).dot(jaw.approach);
-        let distances = self.jaws.iter().zip(hand.poses).map(closed);
+        let distances = self.jaws.iter().zip(hand.poses);
+        let distances = distances.map(|(jaw, pose)| jaw.closed(pose.position));
         let distance = distances.sum::<f64>() / self.jaws.len().max(1) as f64;
         self.control.feel(distance, self.grip());
         if new {
@@ -157,7 +168,7 @@ impl Grip {
                 Some(signal) => signal.slips(hand, interval),
                 None => false,
             };
-            self.speed = self.closing_speed(hand, slips);
+            self.speed = self.closing_speed(hand, load, slips);
         }
         let lost = |jaw: &Jaw| hand.stamp - jaw.touched > self.config.lost_time;
         if self.jaws.iter().any(lost) {
@@ -167,15 +178,10 @@ impl Grip {
         }
     }
 
-    /// Closing speed of each finger for the law's grip force (m/s).
-    fn closing_speed(&self, hand: &HandReadings<'_>, slips: bool) -> f64 {
+    /// Closing speed of each finger (m/s) for the grip force that the law requests at this `load` of a finger (N).
+    fn closing_speed(&self, hand: &HandReadings<'_>, load: f64, slips: bool) -> f64 {
         let config = &self.config;
         let (grip, estimate) = (self.grip(), &self.partial_slip);
-        let load = if self.carried.is_supported() {
-            0.0
-        } else {
-            self.load()
-        };
         let least = match self.carried.is_for(config.load_up_time, hand.stamp) {
             true => config.least_force,
             false => config.grip_force,
@@ -238,8 +244,7 @@ impl Grip {
             return Ok(());
         }
         for (index, (jaw, pose)) in self.jaws.iter().zip(hand.poses).enumerate() {
-            let travel = (pose.position - jaw.home).dot(jaw.approach);
-            check_search(index, travel, config.search_limit)?;
+            check_search(index, jaw.closed(pose.position), config.search_limit)?;
         }
         let touched = self.jaws.iter().any(|jaw| jaw.load.touches);
         self.speed = config.search_speed * if touched { SLOW } else { 1.0 };
@@ -272,8 +277,7 @@ impl Task for Grip {
             }
             Phase::Done | Phase::Stopped => {}
         }
-        let friction = self.partial_slip.friction();
-        let values = [self.grip(), self.load(), friction];
+        let values = [self.grip(), self.load(), self.partial_slip.friction()];
         for (finding, value) in self.findings.iter_mut().zip(values) {
             finding.value = value;
         }
@@ -295,8 +299,7 @@ impl Task for Grip {
         Plan {
             velocity,
             towards_object: jaw.approach,
-            reflex: false,
-            keep_grasp: false,
+            ..Plan::default()
         }
     }
 

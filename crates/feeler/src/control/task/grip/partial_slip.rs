@@ -7,10 +7,9 @@
 //! still held, without any model of the fingertip.
 
 use super::config::PartialSlipConfig;
-use super::contact_load::{ElementLoad, FingerLoad, element_load};
-use crate::control::sense::FingerReadings;
+use super::contact_load::{ElementLoad, FingerLoad};
+use crate::control::grasp_slip::part;
 use crate::sensor::fingertip::MAX_ELEMENTS;
-use glam::DVec3;
 
 /// Load below which the direction of the load is unknown (N).
 const LEAST_LOAD: f64 = 0.05;
@@ -21,9 +20,9 @@ const LEAST_GRIP: f64 = 0.03;
 #[derive(Debug, Clone)]
 pub struct PartialSlip {
     config: PartialSlipConfig,
-    /// Present and filtered force of each element of each finger.
-    elements: Vec<Vec<(ElementLoad, ElementLoad)>>,
-    /// Elements of one finger that are pressed: pressing force, and shear along the load (N).
+    /// Filtered load of each element of each finger.
+    means: Vec<Vec<ElementLoad>>,
+    /// Space for the pressed elements of one finger: pressing force, and shear along the load (N).
     pressed: Vec<(f64, f64)>,
     /// Friction coefficient: the largest ratio at the edge so far, less noise.
     friction: f64,
@@ -41,8 +40,8 @@ impl PartialSlip {
     pub fn new(config: PartialSlipConfig, fingers: usize) -> Self {
         Self {
             config,
-            elements: vec![vec![Default::default(); MAX_ELEMENTS]; fingers],
-            pressed: Vec::with_capacity(MAX_ELEMENTS),
+            means: vec![vec![ElementLoad::default(); MAX_ELEMENTS]; fingers],
+            pressed: vec![(0.0, 0.0); MAX_ELEMENTS],
             friction: config.least_friction,
             edge: config.least_friction,
             edges: [0.0; 2],
@@ -56,23 +55,19 @@ impl PartialSlip {
         self.friction
     }
 
-    /// Adds the readings of finger `index`, `interval` (s) after the previous ones. `finger` closes along `approach`;
-    /// `load` is its total load.
+    /// Adds the loads on the `elements` of finger `index`, whose total is `load`, `interval` (s) after the previous ones.
     pub fn feel(
         &mut self,
         index: usize,
-        finger: &FingerReadings<'_>,
-        (approach, load): (DVec3, &FingerLoad),
+        elements: &[ElementLoad],
+        load: &FingerLoad,
         interval: f64,
     ) {
-        let Some(elements) = self.elements.get_mut(index) else {
+        let Some(means) = self.means.get_mut(index) else {
             return;
         };
-        let new = share(interval, self.config.filter_time);
-        let count = finger.touch.frame.forces.len().min(MAX_ELEMENTS);
-        let elements = &mut elements[..count];
-        for (element, (now, mean)) in elements.iter_mut().enumerate() {
-            *now = element_load(finger, element, approach);
+        let new = part(interval, self.config.filter_time);
+        for (now, mean) in elements.iter().zip(&mut *means) {
             mean.pressing += new * (now.pressing - mean.pressing);
             mean.shear += new * (now.shear - mean.shear);
         }
@@ -80,15 +75,18 @@ impl PartialSlip {
             return;
         }
         let along = load.shear.normalize();
-        for (sum, is_mean) in self.edges.iter_mut().zip([false, true]) {
-            self.pressed.clear();
-            for (now, mean) in &*elements {
-                let own = if is_mean { mean } else { now };
-                if own.pressing > self.config.least_pressing {
-                    self.pressed.push((own.pressing, own.shear.dot(along)));
-                }
+        let means = &means[..elements.len().min(MAX_ELEMENTS)];
+        for (sum, loads) in self.edges.iter_mut().zip([elements, means]) {
+            let mut count = 0;
+            let pressed = loads
+                .iter()
+                .filter(|own| own.pressing > self.config.least_pressing);
+            for (place, own) in self.pressed.iter_mut().zip(pressed) {
+                *place = (own.pressing, own.shear.dot(along));
+                count += 1;
             }
-            *sum += edge_ratio(&mut self.pressed, self.config.group_share).unwrap_or(f64::NAN);
+            let edge = edge_ratio(&mut self.pressed[..count], self.config.group_share);
+            *sum += edge.unwrap_or(f64::NAN);
         }
         self.felt += 1;
     }
@@ -98,9 +96,9 @@ impl PartialSlip {
     pub fn learn(&mut self, interval: f64) {
         let felt = std::mem::take(&mut self.felt);
         let [now, mean] = std::mem::take(&mut self.edges).map(|sum| sum / felt.max(1) as f64);
-        let known = felt == self.elements.len();
+        let known = felt == self.means.len();
         if known && mean > self.friction {
-            self.friction += share(interval, self.config.friction_time) * (mean - self.friction);
+            self.friction += part(interval, self.config.friction_time) * (mean - self.friction);
         }
         self.edge = if known {
             self.friction.max(now)
@@ -111,7 +109,7 @@ impl PartialSlip {
 
     /// Updates the `load` of a finger (N), `interval` (s) after the previous one.
     pub fn load(&mut self, load: f64, interval: f64) {
-        let forgotten = share(interval, self.config.load_time);
+        let forgotten = part(interval, self.config.load_time);
         self.load = load.max(self.load + forgotten * (load - self.load));
     }
 
@@ -147,14 +145,6 @@ impl PartialSlip {
     }
 }
 
-/// Weight of a new value in an exponential mean after `interval` (s).
-pub(super) fn share(interval: f64, time_constant: f64) -> f64 {
-    match interval > 0.0 {
-        true => -libm::expm1(-interval / time_constant),
-        false => 0.0,
-    }
-}
-
 /// Largest ratio of shear to pressing force of the groups of elements that are pressed alike. Each group bears the share
 /// `group_share` of the pressing force. Sorts `pressed`.
 ///
@@ -169,8 +159,8 @@ fn edge_ratio(pressed: &mut [(f64, f64)], group_share: f64) -> Option<f64> {
         pressing += own.0;
         shear += own.1;
         if pressing >= enough {
-            largest =
-                Some(largest.map_or(shear / pressing, |other: f64| other.max(shear / pressing)));
+            let ratio = shear / pressing;
+            largest = Some(largest.map_or(ratio, |other: f64| other.max(ratio)));
             (pressing, shear) = (0.0, 0.0);
         }
     }

@@ -111,8 +111,7 @@ impl Task for Probe {
         Plan {
             velocity: finger.velocity((self.step, self.place), pose.position, &self.config),
             towards_object: finger.towards_object(),
-            reflex: false,
-            keep_grasp: false,
+            ..Plan::default()
         }
     }
 
