@@ -11,36 +11,25 @@ pub struct BuiltInTaxels {
     pub text: &'static str,
 }
 
+/// Builds the array of layouts with the given names from their files.
+macro_rules! built_in {
+    ($($name:literal),* $(,)?) => {
+        [$(BuiltInTaxels {
+            name: $name,
+            text: include_str!(concat!("../../../taxels/", $name, ".toml")),
+        }),*]
+    };
+}
+
 /// All built-in layouts.
-pub const BUILT_IN_TAXELS: [BuiltInTaxels; 7] = [
-    BuiltInTaxels {
-        name: "uskin-4x4",
-        text: include_str!("../../../taxels/uskin-4x4.toml"),
-    },
-    BuiltInTaxels {
-        name: "eflesh",
-        text: include_str!("../../../taxels/eflesh.toml"),
-    },
-    BuiltInTaxels {
-        name: "anyskin",
-        text: include_str!("../../../taxels/anyskin.toml"),
-    },
-    BuiltInTaxels {
-        name: "reskin",
-        text: include_str!("../../../taxels/reskin.toml"),
-    },
-    BuiltInTaxels {
-        name: "flexitac",
-        text: include_str!("../../../taxels/flexitac.toml"),
-    },
-    BuiltInTaxels {
-        name: "paxini-s1813e",
-        text: include_str!("../../../taxels/paxini-s1813e.toml"),
-    },
-    BuiltInTaxels {
-        name: "papillarray",
-        text: include_str!("../../../taxels/papillarray.toml"),
-    },
+pub const BUILT_IN_TAXELS: [BuiltInTaxels; 7] = built_in![
+    "uskin-4x4",
+    "eflesh",
+    "anyskin",
+    "reskin",
+    "flexitac",
+    "paxini-s1813e",
+    "papillarray",
 ];
 
 impl BuiltInTaxels {
