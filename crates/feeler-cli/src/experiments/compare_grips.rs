@@ -1,6 +1,7 @@
 //! `feeler compare` of a gripper: laws of the grip force on the same unknown objects.
 
 use super::compare::{Arguments, PAGE};
+use super::trials::{in_parallel, trial_seed};
 use crate::{CommandError, Outcome};
 use feeler::control::task::grip::GripLaw;
 use feeler_console::{Outputs, Steps, watch_for_interrupt};
@@ -9,15 +10,11 @@ use feeler_lab::experiment::ExperimentError;
 use feeler_lab::grips::{GripRow, GripScore, GripTrial, excess_over_load};
 use feeler_report::pages::{GRIP_COLUMNS, GripsPage, grips_page, significant};
 use feeler_report::run::create_folder;
+use std::collections::BTreeMap;
 use std::io::Write;
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::mpsc::{Sender, channel};
-use std::thread;
 
 /// Rows of each law, in the order of the laws.
 type Results = Vec<(String, Vec<GripRow>)>;
-/// Index of the law, and the row of one of its trials.
-type Finished = (usize, Result<GripRow, ExperimentError>);
 
 /// Runs the comparison.
 pub fn compare_grips(
@@ -82,80 +79,42 @@ fn laws(arguments: &Arguments) -> Result<Vec<GripLaw>, CommandError> {
     }
 }
 
-/// Runs all objects under all laws, object by object. Returns the rows of the objects that all laws have finished, and
-/// `true` if those are all.
+/// Runs all objects, each under all laws. Returns the rows of the finished objects, and `true` if those are all.
 fn run(
     arguments: &Arguments,
     experiment: &Experiment,
     laws: &[GripLaw],
 ) -> Result<(Results, bool), CommandError> {
     let interrupted = watch_for_interrupt()?;
-    let next = AtomicU64::new(0);
-    let total = arguments.trials * laws.len() as u64;
-    let bar = Steps::new(total as usize);
-    let mut results: Results = laws
-        .iter()
-        .map(|law| (law.name().to_string(), Vec::new()))
-        .collect();
-    thread::scope(|scope| {
-        let (finished, rows) = channel();
-        for _ in 0..arguments.trial.jobs() {
-            let finished = finished.clone();
-            let work = (experiment, laws, arguments.trial.seed, total);
-            let (next, interrupted) = (&next, &interrupted);
-            scope.spawn(move || simulate(work, next, interrupted, finished));
-        }
-        drop(finished);
-        for (law, row) in rows {
-            results[law].1.push(row?);
-            bar.advance();
-        }
-        Ok::<_, ExperimentError>(())
-    })?;
-    drop(bar);
-    for (_, rows) in &mut results {
-        rows.sort_by_key(|row| row.trial);
-    }
-    let whole = results
-        .iter()
-        .all(|(_, rows)| rows.len() as u64 == arguments.trials);
-    let common = |trial: u64| {
-        let mut laws = results.iter();
-        laws.all(|(_, rows)| rows.iter().any(|row| row.trial == trial))
+    let (count, trial) = (arguments.trials, &arguments.trial);
+    let bar = Steps::new(count as usize);
+    let laws_of = |number: u64| -> Result<Vec<GripRow>, ExperimentError> {
+        let seed = trial_seed(trial.seed, number);
+        let row = |&law| {
+            Ok(GripRow::new(
+                number,
+                &GripTrial::run(experiment, law, seed)?,
+            ))
+        };
+        laws.iter().map(row).collect()
     };
-    let kept: Vec<u64> = (0..arguments.trials)
-        .filter(|&trial| whole || common(trial))
-        .collect();
-    for (_, rows) in &mut results {
-        rows.retain(|row| kept.binary_search(&row.trial).is_ok());
-    }
-    Ok((results, whole))
-}
-
-/// Simulates trials until all are started, the program is interrupted, or the receiver is gone.
-fn simulate(
-    (experiment, laws, seed, total): (&Experiment, &[GripLaw], u64, u64),
-    next: &AtomicU64,
-    interrupted: &AtomicBool,
-    finished: Sender<Finished>,
-) {
-    // Different seeds share no objects.
-    let first = seed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    while !interrupted.load(Ordering::Relaxed) {
-        let number = next.fetch_add(1, Ordering::Relaxed);
-        if number >= total {
-            break;
-        }
-        let (trial, law) = (
-            number / laws.len() as u64,
-            (number % laws.len() as u64) as usize,
-        );
-        let ran = GripTrial::run(experiment, laws[law], first.wrapping_add(trial));
-        let row = ran.map(|ran| GripRow::new(trial, &ran));
-        if finished.send((law, row)).is_err() {
-            break;
-        }
-    }
+    let mut finished = BTreeMap::new();
+    in_parallel(
+        count,
+        trial.jobs(),
+        &interrupted,
+        laws_of,
+        |number, rows| {
+            finished.insert(number, rows?);
+            bar.advance();
+            Ok::<_, ExperimentError>(())
+        },
+    )?;
+    drop(bar);
+    let rows_of = |law: usize| finished.values().map(|rows| rows[law].clone()).collect();
+    let results = laws.iter().enumerate();
+    let results = results.map(|(index, law)| (law.name().to_string(), rows_of(index)));
+    Ok((results.collect(), finished.len() as u64 == count))
 }
 
 fn page(arguments: &Arguments, results: &Results) -> GripsPage {

@@ -1,20 +1,16 @@
 //! The `feeler simulate-grasps` subcommand: simulated grasps with labels, as recordings for `feeler score-slip`.
 
-use super::trials::jobs;
+use super::trials::{in_parallel, jobs, trial_seed};
 use crate::options::Overwrite;
 use crate::{CommandError, Outcome};
 use feeler::sensor::fingertip::{ElementPlace, LAYOUT_VERSION, LocatedLayout};
 use feeler::sensor::image::Polarity;
 use feeler_console::{Outputs, PartFile, Steps, watch_for_interrupt};
-use feeler_lab::experiment::ExperimentError;
 use feeler_lab::grasps::simulated::{PICTURE, Scenario, SimulatedGrasp};
 use feeler_report::run::create_folder;
 use std::fmt::Write as _;
 use std::io::Write;
 use std::path::{Path, PathBuf};
-use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
-use std::sync::mpsc::{Sender, channel};
-use std::thread;
 
 /// Names of the folder of recordings and of the label tables next to it.
 const RECORDINGS: &str = "recordings";
@@ -43,8 +39,6 @@ pub struct Arguments {
     overwrite: Overwrite,
 }
 
-type Simulated = (u64, Result<SimulatedGrasp, ExperimentError>);
-
 pub fn simulate_grasps(
     arguments: &Arguments,
     out: &mut dyn Write,
@@ -61,24 +55,17 @@ pub fn simulate_grasps(
     let mut frame_labels = labels.clone();
     let (mut slips, mut done) = (0, 0);
     let interrupted = watch_for_interrupt()?;
-    let next = AtomicU64::new(0);
-    thread::scope(|scope| {
-        let (finished, grasps) = channel();
-        for _ in 0..jobs(arguments.jobs) {
-            let finished = finished.clone();
-            scope.spawn(|| work(arguments, &next, &interrupted, finished));
-        }
-        drop(finished);
-        for (number, grasp) in grasps {
-            let grasp = grasp?;
-            let name = format!("{number:05}");
-            write(&grasp, &name, &recordings, &mut outputs)?;
-            labels[number as usize] = label(&name, &grasp);
-            frame_labels[number as usize] = labels_of_frames(&name, &grasp);
-            slips += u64::from(grasp.slips_at.is_some());
-            done += 1;
-            bar.advance();
-        }
+    let simulated = |number| SimulatedGrasp::new(trial_seed(arguments.seed, number));
+    let (count, jobs) = (arguments.count, jobs(arguments.jobs));
+    in_parallel(count, jobs, &interrupted, simulated, |number, grasp| {
+        let grasp = grasp?;
+        let name = format!("{number:05}");
+        write(&grasp, &name, &recordings, &mut outputs)?;
+        labels[number as usize] = label(&name, &grasp);
+        frame_labels[number as usize] = labels_of_frames(&name, &grasp);
+        slips += u64::from(grasp.slips_at.is_some());
+        done += 1;
+        bar.advance();
         Ok::<_, CommandError>(())
     })?;
     drop(bar);
@@ -101,27 +88,6 @@ pub fn simulate_grasps(
     writeln!(out, "{} grasps, {slips} slips", arguments.count)?;
     writeln!(out, "{}", arguments.out.display())?;
     Ok(Outcome::Done)
-}
-
-/// Simulates grasps until all are started, the program is interrupted, or the receiver is gone.
-fn work(
-    arguments: &Arguments,
-    next: &AtomicU64,
-    interrupted: &AtomicBool,
-    finished: Sender<Simulated>,
-) {
-    // Different seeds share no grasps.
-    let first = arguments.seed.wrapping_mul(0x9e37_79b9_7f4a_7c15);
-    while !interrupted.load(Ordering::Relaxed) {
-        let number = next.fetch_add(1, Ordering::Relaxed);
-        if number >= arguments.count {
-            break;
-        }
-        let grasp = SimulatedGrasp::new(first.wrapping_add(number));
-        if finished.send((number, grasp)).is_err() {
-            break;
-        }
-    }
 }
 
 /// Writes the recording `name` and its layout.

@@ -7,6 +7,8 @@ use feeler_lab::sweep::trial::Trials;
 use feeler_lab::sweep::{Ended, Progress, engine};
 use std::num::NonZero;
 use std::path::Path;
+use std::sync::atomic::{AtomicBool, AtomicU64, Ordering};
+use std::sync::mpsc::channel;
 use std::thread;
 use std::time::Instant;
 
@@ -55,6 +57,44 @@ impl TrialArguments {
 pub fn jobs(asked: Option<u64>) -> usize {
     let cores = || thread::available_parallelism().map_or(1, NonZero::get);
     asked.map_or_else(cores, |jobs| jobs as usize)
+}
+
+/// Calls `work` with each number below `count` on `jobs` threads, until all are started or `interrupted` is set, and
+/// `receive` with each number and result on this thread, in order of completion.
+///
+/// # Errors
+/// If `receive` fails. Results of running calls are discarded then.
+pub fn in_parallel<T: Send, E>(
+    count: u64,
+    jobs: usize,
+    interrupted: &AtomicBool,
+    work: impl Fn(u64) -> T + Sync,
+    mut receive: impl FnMut(u64, T) -> Result<(), E>,
+) -> Result<(), E> {
+    let (next, work) = (&AtomicU64::new(0), &work);
+    thread::scope(|scope| {
+        let (finished, results) = channel();
+        for _ in 0..jobs {
+            let finished = finished.clone();
+            scope.spawn(move || {
+                while !interrupted.load(Ordering::Relaxed) {
+                    let number = next.fetch_add(1, Ordering::Relaxed);
+                    if number >= count || finished.send((number, work(number))).is_err() {
+                        break;
+                    }
+                }
+            });
+        }
+        drop(finished);
+        let mut results = results.into_iter();
+        results.try_for_each(|(number, result)| receive(number, result))
+    })
+}
+
+/// Returns the seed of trial `number` under the random `seed`. Different random seeds share no trials.
+pub fn trial_seed(seed: u64, number: u64) -> u64 {
+    seed.wrapping_mul(0x9e37_79b9_7f4a_7c15)
+        .wrapping_add(number)
 }
 
 /// Parses a random seed: a non-negative integer that TOML can represent.
