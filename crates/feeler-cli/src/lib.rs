@@ -27,7 +27,7 @@ mod schema;
 mod score_slip;
 mod sense;
 mod skins;
-#[cfg(target_os = "linux")]
+#[cfg(any(target_os = "linux", feature = "drives"))]
 mod typed;
 mod urdf;
 mod verify;

@@ -1,27 +1,18 @@
 //! The `feeler drives home` subcommand.
 
 use super::HomeArguments;
+use super::output::NewExperiment;
 use crate::{CommandError, Outcome};
 use feeler::hand::FingerGeometry;
-use feeler_console::Outputs;
 use feeler_drives::setup::{check_model, named_joints, read_counts};
 use feeler_lab::experiment::fingers_at_home;
 use feeler_rig::{ServoRig, display_unit};
 use std::io::Write;
-use std::path::Path;
 
 pub fn home(arguments: &HomeArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let rig = arguments.rig.load()?;
     let angles = posture(&rig, &arguments.at)?;
-    let mut outputs = Outputs::new(
-        arguments.overwrite.force,
-        [Some(Path::new(&arguments.rig.experiment))],
-    );
-    let file = arguments.output.as_deref();
-    let file = file.filter(|_| !arguments.rig.dry_run);
-    let file = file
-        .map(|path| outputs.create(path, "--output"))
-        .transpose()?;
+    let file = NewExperiment::create(&arguments.output, &arguments.rig, &arguments.overwrite)?;
     if arguments.rig.dry_run {
         for ((joint, drive), angle) in named_joints(&rig.config).zip(&angles) {
             let (unit, size) = display_unit(drive);
@@ -51,15 +42,12 @@ pub fn home(arguments: &HomeArguments, out: &mut dyn Write) -> Result<Outcome, C
         )?;
         settings.push(format!("{key}={offset}"));
     }
-    if let (Some(file), Some(path)) = (file, &arguments.output) {
-        let homed = rig.experiment.with_settings(&settings)?;
-        file.finish(homed.toml.as_bytes())?;
-        writeln!(out, "{}", path.display())?;
-    } else {
-        writeln!(
+    match file {
+        Some(file) => file.write(&rig, &settings, out)?,
+        None => writeln!(
             out,
             "copy these into [drives], or write them with --output FILE"
-        )?;
+        )?,
     }
     Ok(Outcome::Done)
 }

@@ -1,45 +1,43 @@
 //! The `feeler drives identify-current` subcommand.
 
-use super::IdentifyArguments;
-use super::jog::{MOST, joint_drive};
+use super::jog::{GRACE, MOST, check_speed, joint_drive};
+use super::output::NewExperiment;
+use super::{IdentifyArguments, JointArguments};
+use crate::typed::typed_lines;
 use crate::{CommandError, Outcome};
 use feeler::hand::{Hand, HandState};
 use feeler::pace::{FixedRate, Schedule};
-use feeler_console::{Outputs, watch_for_interrupt};
+use feeler_console::watch_for_interrupt;
+use feeler_drives::RigClock;
 use feeler_drives::config::TorqueCalibration;
 use feeler_drives::hand::DriveHand;
 use feeler_drives::torque::{TorqueSample, identify_torque};
-use feeler_drives::{DriveError, RigClock};
 use feeler_rig::{ServoRig, all_changes, display_unit, print_changes};
-use std::io::{BufRead, Write, stdin};
-use std::path::Path;
+use std::io::Write;
 use std::sync::Arc;
 use std::sync::atomic::AtomicBool;
-use std::sync::mpsc::{Receiver, TryRecvError, channel};
+use std::sync::mpsc::{Receiver, TryRecvError};
 
 /// Share of a sweep at its begin that is not averaged: static friction and backlash.
 const SETTLES: f64 = 0.3;
-/// Time (s) that a sweep may take in addition to the time computed from its speed.
-const GRACE: f64 = 1.0;
 
 pub fn identify(
     arguments: &IdentifyArguments,
     out: &mut dyn Write,
 ) -> Result<Outcome, CommandError> {
     let rig = arguments.rig.load()?;
-    let place = (arguments.finger, usize::from(arguments.joint) - 1);
-    let Some(drive) = joint_drive(&rig, place) else {
-        return Err(DriveError::no_joint(place.0, place.1, &rig.fingers).into());
-    };
+    let place = arguments.joint.place();
+    let drive = joint_drive(&rig, place)?;
     let (unit, size) = display_unit(drive);
-    check(arguments, unit, drive.jog_speed() / size)?;
-    let inputs = [Some(Path::new(&arguments.rig.experiment))];
-    let mut outputs = Outputs::new(arguments.overwrite.force, inputs);
-    let file = arguments.output.as_deref();
-    let file = file.filter(|_| !arguments.rig.dry_run);
-    let file = file
-        .map(|path| outputs.create(path, "--output"))
-        .transpose()?;
+    let by = arguments.by;
+    if !(by > 0.0 && by <= MOST) {
+        return Err(format!("--by {by}: expected above 0, at most {MOST} {unit}").into());
+    }
+    check_speed(arguments.speed, drive)?;
+    if arguments.loads.iter().any(|load| !load.is_finite()) {
+        return Err("--loads: expected numbers".into());
+    }
+    let file = NewExperiment::create(&arguments.output, &arguments.rig, &arguments.overwrite)?;
     if arguments.rig.dry_run {
         return plan(&rig, arguments, unit, out);
     }
@@ -51,32 +49,11 @@ pub fn identify(
     let found = identify_torque(&samples).map_err(|error| error.to_string())?;
     let setting = setting(place, &found);
     report(&found, out)?;
-    if let (Some(file), Some(path)) = (file, &arguments.output) {
-        let changed = rig.experiment.with_settings(&[setting])?;
-        file.finish(changed.toml.as_bytes())?;
-        writeln!(out, "{}", path.display())?;
-    } else {
-        writeln!(out, "set {setting}, or write it with --output FILE")?;
+    match file {
+        Some(file) => file.write(&rig, &[setting], out)?,
+        None => writeln!(out, "set {setting}, or write it with --output FILE")?,
     }
     Ok(Outcome::Done)
-}
-
-/// Checks the arguments; `most` is the maximum speed in `unit`/s.
-fn check(arguments: &IdentifyArguments, unit: &str, most: f64) -> Result<(), CommandError> {
-    let (by, speed) = (arguments.by, arguments.speed);
-    if !(by > 0.0 && by <= MOST) {
-        return Err(format!("--by {by}: expected above 0, at most {MOST} {unit}").into());
-    }
-    if !(speed > 0.0 && speed <= most) {
-        return Err(format!(
-            "--speed {speed}: expected a speed above 0, at most {most:.1} {unit}/s"
-        )
-        .into());
-    }
-    match arguments.loads.iter().all(|load| load.is_finite()) {
-        true => Ok(()),
-        false => Err("--loads: expected numbers".into()),
-    }
 }
 
 /// Prints the planned writes without executing them.
@@ -88,8 +65,10 @@ fn plan(
 ) -> Result<Outcome, CommandError> {
     let planned = all_changes(&mut rig.open()?, &rig.config, &rig.fingers)?;
     print_changes(&planned, out)?;
-    let IdentifyArguments { by, speed, .. } = arguments;
-    let (finger, joint, sweeps) = (arguments.finger, arguments.joint, arguments.sweeps);
+    let IdentifyArguments {
+        by, speed, sweeps, ..
+    } = arguments;
+    let JointArguments { finger, joint } = arguments.joint;
     writeln!(
         out,
         "would enable torque of all servos, sweep theta{joint} of finger {finger} by {by} {unit} to either side at {speed} {unit}/s, {sweeps} times per direction and load, and disable torque; nothing was written"
@@ -177,7 +156,7 @@ impl Sweeps {
         loads: &[f64],
         out: &mut dyn Write,
     ) -> Result<Option<Vec<TorqueSample>>, CommandError> {
-        let lines = lines();
+        let lines = typed_lines::<String>("line");
         let mut samples = Vec::new();
         for &load in loads {
             writeln!(
@@ -217,12 +196,12 @@ impl Sweeps {
     }
 
     /// Holds the hand until a line arrives. Returns `false` if interrupted or if the input has ended.
-    fn hold_until_enter(&mut self, lines: &Receiver<()>) -> Result<bool, CommandError> {
+    fn hold_until_enter(&mut self, lines: &Receiver<String>) -> Result<bool, CommandError> {
         let (finger, joint) = self.place;
         while self.step()?.is_some() {
             self.hand.jog(finger, joint, 0.0)?;
             match lines.try_recv() {
-                Ok(()) => return Ok(true),
+                Ok(_) => return Ok(true),
                 Err(TryRecvError::Empty) => {}
                 Err(TryRecvError::Disconnected) => return Ok(false),
             }
@@ -262,17 +241,4 @@ impl Sweeps {
         self.hand.jog(finger, joint, 0.0)?;
         Ok(Some(sum / f64::from(count)))
     }
-}
-
-/// Receives an item for each line of the standard input.
-fn lines() -> Receiver<()> {
-    let (sender, lines) = channel();
-    std::thread::spawn(move || {
-        for _ in stdin().lock().lines().map_while(Result::ok) {
-            if sender.send(()).is_err() {
-                return;
-            }
-        }
-    });
-    lines
 }

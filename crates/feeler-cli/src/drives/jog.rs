@@ -1,6 +1,6 @@
 //! The `feeler drives jog` subcommand.
 
-use super::JogArguments;
+use super::{JogArguments, JointArguments};
 use crate::{CommandError, Outcome};
 use feeler::hand::{Hand, HandState};
 use feeler::pace::{FixedRate, Schedule};
@@ -14,14 +14,12 @@ use std::io::Write;
 /// Maximum angle of a jog (deg, or mm of a prismatic joint).
 pub(super) const MOST: f64 = 10.0;
 /// Time (s) that a joint may take in addition to the time computed from its speed.
-const GRACE: f64 = 1.0;
+pub(super) const GRACE: f64 = 1.0;
 
 pub fn jog(arguments: &JogArguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
     let rig = arguments.rig.load()?;
-    let (finger, joint) = (arguments.finger, usize::from(arguments.joint) - 1);
-    let Some(drive) = joint_drive(&rig, (finger, joint)) else {
-        return Err(DriveError::no_joint(finger, joint, &rig.fingers).into());
-    };
+    let place = arguments.joint.place();
+    let drive = joint_drive(&rig, place)?;
     let (unit, size) = display_unit(drive);
     if arguments.by.is_nan() || arguments.by.abs() > MOST {
         return Err(format!(
@@ -30,26 +28,38 @@ pub fn jog(arguments: &JogArguments, out: &mut dyn Write) -> Result<Outcome, Com
         )
         .into());
     }
-    let most = drive.jog_speed() / size;
-    if !(arguments.speed > 0.0 && arguments.speed <= most) {
-        return Err(format!(
-            "--speed {}: expected a speed above 0, at most {most:.1} {unit}/s",
-            arguments.speed
-        )
-        .into());
-    }
+    check_speed(arguments.speed, drive)?;
     if arguments.rig.dry_run {
         return plan(&rig, arguments, unit, out);
     }
-    turn(&rig, arguments, (finger, joint), out)
+    turn(&rig, arguments, (unit, size), out)
 }
 
-/// The servo of the joint with these indices, or `None` if the hand has no such joint.
+/// Checks a `speed`, in the display unit of the joint of `drive` per second.
+pub(super) fn check_speed(speed: f64, drive: &JointDriveConfig) -> Result<(), CommandError> {
+    let (unit, size) = display_unit(drive);
+    let most = drive.jog_speed() / size;
+    if !(speed > 0.0 && speed <= most) {
+        return Err(format!(
+            "--speed {speed}: expected a speed above 0, at most {most:.1} {unit}/s"
+        )
+        .into());
+    }
+    Ok(())
+}
+
+/// The servo of the joint with these indices.
+///
+/// # Errors
+/// If the hand has no such joint.
 pub(super) fn joint_drive(
     rig: &ServoRig,
     (finger, joint): (usize, usize),
-) -> Option<&JointDriveConfig> {
-    rig.config.finger.get(finger)?.joint.get(joint)
+) -> Result<&JointDriveConfig, DriveError> {
+    let drives = rig.config.finger.get(finger);
+    drives
+        .and_then(|drives| drives.joint.get(joint))
+        .ok_or_else(|| DriveError::no_joint(finger, joint, &rig.fingers))
 }
 
 /// Prints the planned writes without executing them.
@@ -62,7 +72,7 @@ fn plan(
     let planned = all_changes(&mut rig.open()?, &rig.config, &rig.fingers)?;
     print_changes(&planned, out)?;
     let JogArguments { by, speed, .. } = arguments;
-    let (finger, joint) = (arguments.finger, arguments.joint);
+    let JointArguments { finger, joint } = arguments.joint;
     writeln!(
         out,
         "would enable torque of all servos, turn theta{joint} of finger {finger} by {by} {unit} at {speed} {unit}/s, and disable torque; nothing was written"
@@ -70,13 +80,14 @@ fn plan(
     Ok(Outcome::Done)
 }
 
-/// Turns the joint, and prints its final angle.
+/// Turns the joint, and prints its final angle in `unit`, of the given size (rad or m).
 fn turn(
     rig: &ServoRig,
     arguments: &JogArguments,
-    (finger, joint): (usize, usize),
+    (unit, size): (&str, f64),
     out: &mut dyn Write,
 ) -> Result<Outcome, CommandError> {
+    let (finger, joint) = arguments.joint.place();
     let control = &rig.experiment.config.control;
     let (period, most_age) = (control.period, control.stale_periods * control.period);
     let interrupted = watch_for_interrupt()?;
@@ -84,7 +95,6 @@ fn turn(
     let mut state = HandState::zero(rig.fingers.len());
     hand.read(&mut state)?;
     let begin = state.joints[finger].position[joint];
-    let (unit, size) = joint_drive(rig, (finger, joint)).map_or(("deg", 1.0), display_unit);
     let (by, speed) = (arguments.by * size, arguments.speed * size);
     let geometry = &rig.fingers[finger];
     let limits = geometry.joint_lower()[joint]..=geometry.joint_upper()[joint];

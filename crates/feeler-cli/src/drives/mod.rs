@@ -12,6 +12,8 @@ mod identify_current;
 #[cfg(feature = "drives")]
 mod jog;
 #[cfg(feature = "drives")]
+mod output;
+#[cfg(feature = "drives")]
 mod scan;
 
 use super::{CommandError, Outcome};
@@ -155,6 +157,29 @@ struct HomeArguments {
     overwrite: Overwrite,
 }
 
+/// The joint to move.
+#[derive(Debug, Clone, Copy, clap::Args)]
+#[cfg_attr(
+    not(feature = "drives"),
+    allow(dead_code, reason = "this program has no servos")
+)]
+struct JointArguments {
+    /// Index of the finger, from 0.
+    #[arg(long)]
+    finger: usize,
+    /// Joint to move, counted from the base: 1 for theta1, 2 for theta2 and so on.
+    #[arg(long, value_parser = clap::value_parser!(u8).range(1..=7))]
+    joint: u8,
+}
+
+impl JointArguments {
+    /// Indices of the finger and of its joint, from 0.
+    #[cfg(feature = "drives")]
+    fn place(&self) -> (usize, usize) {
+        (self.finger, usize::from(self.joint) - 1)
+    }
+}
+
 #[derive(Debug, clap::Args)]
 #[cfg_attr(
     not(feature = "drives"),
@@ -163,12 +188,8 @@ struct HomeArguments {
 struct JogArguments {
     #[command(flatten)]
     rig: RigArguments,
-    /// Index of the finger, from 0.
-    #[arg(long)]
-    finger: usize,
-    /// Joint to turn, counted from the base: 1 for theta1, 2 for theta2 and so on.
-    #[arg(long, value_parser = clap::value_parser!(u8).range(1..=7))]
-    joint: u8,
+    #[command(flatten)]
+    joint: JointArguments,
     /// Angle to turn by (deg; mm of a prismatic joint), at most 10 in either direction.
     #[arg(long, value_name = "DEG", allow_negative_numbers = true)]
     by: f64,
@@ -185,12 +206,8 @@ struct JogArguments {
 struct IdentifyArguments {
     #[command(flatten)]
     rig: RigArguments,
-    /// Index of the finger, from 0.
-    #[arg(long)]
-    finger: usize,
-    /// Joint to sweep, counted from the base: 1 for theta1, 2 for theta2 and so on.
-    #[arg(long, value_parser = clap::value_parser!(u8).range(1..=7))]
-    joint: u8,
+    #[command(flatten)]
+    joint: JointArguments,
     /// Torques of the loads against positive motion of the joint (N m; N for a prismatic joint), e.g. 0,0.03,0.06.
     ///
     /// Before each load, the command waits for Enter. A weight on a thread over a pulley on the joint's axis exerts a
