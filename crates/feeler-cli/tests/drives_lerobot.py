@@ -69,14 +69,20 @@ def motors(model):
     return {f"m{id_}": Motor(id_, model, MotorNormMode.RANGE_M100_100) for id_ in IDS}
 
 
+def configured(bus):
+    """Connects and configures the bus, with torque off. Returns what it said."""
+    bus.connect()
+    said = {"found": bus.broadcast_ping(num_retry=TRIES)}
+    bus.disable_torque(num_retry=TRIES)
+    bus.configure_motors()
+    return said
+
+
 def dynamixel(port):
     from lerobot.motors.dynamixel import DynamixelMotorsBus, OperatingMode
 
-    bus, said = DynamixelMotorsBus(port, motors("xl330-m288")), {}
-    bus.connect()
-    said["found"] = bus.broadcast_ping(num_retry=TRIES)
-    bus.disable_torque(num_retry=TRIES)
-    bus.configure_motors()
+    bus = DynamixelMotorsBus(port, motors("xl330-m288"))
+    said = configured(bus)
     for name in bus.motors:
         bus.write("Operating_Mode", name, OperatingMode.EXTENDED_POSITION.value, num_retry=TRIES)
     calibrate(bus, said)
@@ -98,11 +104,8 @@ def dynamixel(port):
 def feetech(port):
     from lerobot.motors.feetech import FeetechMotorsBus, OperatingMode
 
-    bus, said = FeetechMotorsBus(port, motors("sts3215")), {}
-    bus.connect()
-    said["found"] = bus.broadcast_ping(num_retry=TRIES)
-    bus.disable_torque(num_retry=TRIES)
-    bus.configure_motors()
+    bus = FeetechMotorsBus(port, motors("sts3215"))
+    said = configured(bus)
     for name in bus.motors:
         bus.write("Operating_Mode", name, OperatingMode.POSITION.value, num_retry=TRIES)
         bus.write("P_Coefficient", name, 16, num_retry=TRIES)

@@ -7,42 +7,16 @@
 
 #![cfg(target_os = "linux")]
 
+use crate::emulated::Emulated;
 use crate::program::{Ended, experiment, feeler, folder, run, summary};
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
-use std::process::{Child, Command, Stdio};
+use std::process::{Command, Stdio};
 
-/// An emulated bus whose process is killed on drop.
-struct Bus {
-    child: Child,
-    port: String,
-}
-
-impl Bus {
-    fn start(folder: &Path, arguments: &[&str]) -> Self {
-        let mut command = feeler(folder, &["drives", "emulate"]);
-        let mut child = command
-            .args(arguments)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("the program");
-        let mut port = String::new();
-        let stdout = child.stdout.take().expect("its output");
-        BufReader::new(stdout).read_line(&mut port).expect("a path");
-        let port = port.trim().to_string();
-        assert!(port.starts_with("/dev/"), "{port:?}");
-        Self { child, port }
-    }
-}
-
-impl Drop for Bus {
-    fn drop(&mut self) {
-        // The process may have ended already.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
+/// Starts an emulated bus.
+fn start_bus(folder: &Path, arguments: &[&str]) -> Emulated {
+    Emulated::start(folder, &["drives", "emulate"], arguments)
 }
 
 /// The servos of the reference experiment's two fingers.
@@ -87,7 +61,7 @@ fn with_patient_drives(folder: &Path) {
 fn servos_are_found_checked_homed_and_turned() {
     let folder = folder("drives");
     with_patient_drives(&folder);
-    let bus = Bus::start(&folder, &["my.toml"]);
+    let bus = start_bus(&folder, &["my.toml"]);
     let port = bus.port.as_str();
     let done = |arguments: &[&str]| run(&folder, arguments).done();
 
@@ -187,7 +161,7 @@ fn servos_are_found_checked_homed_and_turned() {
 fn modes_are_checked_and_planned() {
     let folder = folder("drives-modes");
     with_patient_drives(&folder);
-    let bus = Bus::start(&folder, &["my.toml"]);
+    let bus = start_bus(&folder, &["my.toml"]);
     let check = |settings: &[&str]| {
         let mut arguments = vec!["drives", "check", "my.toml", "--port", &bus.port];
         arguments.extend(settings.iter().flat_map(|setting| ["--set", setting]));
@@ -217,7 +191,7 @@ fn modes_are_checked_and_planned() {
 fn torque_is_identified_by_sweeps_under_known_loads() {
     let folder = folder("drives-identify");
     with_patient_drives(&folder);
-    let mut bus = Bus::start(&folder, &["my.toml", "--fault", "-"]);
+    let mut bus = start_bus(&folder, &["my.toml", "--fault", "-"]);
     let identify = [
         "drives",
         "identify-current",
@@ -262,7 +236,6 @@ fn torque_is_identified_by_sweeps_under_known_loads() {
         .spawn()
         .expect("the program");
     let mut enter = child.stdin.take().expect("its input");
-    let loads = bus.child.stdin.as_mut().expect("the input of the bus");
     let mut said = String::new();
     for line in BufReader::new(child.stdout.take().expect("its output")).lines() {
         let line = line.expect("a line");
@@ -273,7 +246,7 @@ fn torque_is_identified_by_sweeps_under_known_loads() {
                 .and_then(|load| load.parse().ok())
                 .expect(rest);
             // The servo turns in the other direction than the joint.
-            writeln!(loads, "load=2:{}", -load / 5.0).expect("a fault");
+            bus.event(&format!("load=2:{}", -load / 5.0));
             writeln!(enter).expect("Enter");
         }
         said.push_str(&line);
@@ -477,7 +450,7 @@ fn master(folder: &Path, kind: &str) -> Option<Value> {
         ));
         return None;
     }
-    let bus = Bus::start(folder, &["--protocol", kind]);
+    let bus = start_bus(folder, &["--protocol", kind]);
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/drives_masters.py");
     let output = Command::new(&python)
         .args([script, kind, &bus.port, "1000000"])
@@ -529,7 +502,7 @@ fn lerobot_works_with_the_emulated_servos() {
         return;
     };
     let operate = |kind: &str| -> Value {
-        let bus = Bus::start(&folder, &["--protocol", kind, "--servos", "3"]);
+        let bus = start_bus(&folder, &["--protocol", kind, "--servos", "3"]);
         let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/drives_lerobot.py");
         let output = Command::new(&python)
             .args([script, kind, &bus.port])

@@ -5,6 +5,8 @@
 mod campaign;
 #[cfg(feature = "drives")]
 mod drives;
+#[cfg(target_os = "linux")]
+mod emulated;
 #[cfg(all(feature = "link", unix))]
 #[path = "../../../feeler-link/tests/support/how_many.rs"]
 mod how_many;

@@ -5,48 +5,15 @@
 
 #![cfg(target_os = "linux")]
 
+use crate::emulated::Emulated;
 use crate::program::{Ended, feeler, folder, rows, run};
 use std::io::{BufRead, BufReader, Write};
 use std::path::Path;
 use std::process::{Child, ChildStdin, Command, Stdio};
 
-/// An emulated skin whose process is killed on drop.
-struct Skin {
-    child: Child,
-    events: ChildStdin,
-    port: String,
-}
-
-impl Skin {
-    fn start(folder: &Path, arguments: &[&str]) -> Self {
-        let mut command = feeler(folder, &["skins", "emulate", "--event=-"]);
-        let mut child = command
-            .args(arguments)
-            .stdin(Stdio::piped())
-            .stdout(Stdio::piped())
-            .spawn()
-            .expect("the program");
-        let mut port = String::new();
-        let stdout = child.stdout.take().expect("its output");
-        BufReader::new(stdout).read_line(&mut port).expect("a path");
-        Self {
-            events: child.stdin.take().expect("its input"),
-            child,
-            port: port.trim().to_string(),
-        }
-    }
-
-    fn event(&mut self, event: &str) {
-        writeln!(self.events, "{event}").expect("the emulator");
-    }
-}
-
-impl Drop for Skin {
-    fn drop(&mut self) {
-        // The process may have ended already.
-        let _ = self.child.kill();
-        let _ = self.child.wait();
-    }
+/// Starts an emulated skin.
+fn start_skin(folder: &Path, arguments: &[&str]) -> Emulated {
+    Emulated::start(folder, &["skins", "emulate", "--event=-"], arguments)
 }
 
 /// A program that senses a skin to standard output, as JSON Lines or a table.
@@ -102,7 +69,7 @@ impl Sense {
 #[test]
 fn a_live_skin_is_sensed_zeroed_unplugged_and_back() {
     let folder = folder("skins-live");
-    let mut skin = Skin::start(&folder, &["anyskin", "--link=skin.port"]);
+    let mut skin = start_skin(&folder, &["anyskin", "--link=skin.port"]);
     assert_eq!(skin.port, "skin.port");
     let mut sense = Sense::start(&folder, &skin.port, &["--taxels=anyskin"]);
     let quiet = |z: Option<f64>| z.is_some_and(|z| z.abs() < 5.0);
@@ -141,7 +108,7 @@ fn a_live_skin_is_sensed_zeroed_unplugged_and_back() {
 fn a_recorded_skin_is_sensed_like_a_table() {
     let folder = folder("skins-record");
     for (name, elements) in [("anyskin", 5), ("paxini-s1813e", 31)] {
-        let skin = Skin::start(&folder, &[name, "--event=press=50"]);
+        let skin = start_skin(&folder, &[name, "--event=press=50"]);
         let table = format!("{name}.csv");
         let taxels = format!("--taxels={name}");
         let record = [
@@ -183,8 +150,8 @@ fn a_recorded_skin_is_sensed_like_a_table() {
 #[test]
 fn skins_are_listed() {
     let folder = folder("skins-list");
-    let anyskin = Skin::start(&folder, &["anyskin"]);
-    let paxini = Skin::start(&folder, &["paxini-s1813e"]);
+    let anyskin = start_skin(&folder, &["anyskin"]);
+    let paxini = start_skin(&folder, &["paxini-s1813e"]);
     let ended = run(
         &folder,
         &["skins", &anyskin.port, &paxini.port, "/dev/not-there"],
@@ -256,7 +223,7 @@ fn read_by_vendor(folder: &Path, package: &str, layout: &str) -> Option<Vec<Vec<
         ));
         return None;
     }
-    let skin = Skin::start(folder, &[layout]);
+    let skin = start_skin(folder, &[layout]);
     let script = concat!(env!("CARGO_MANIFEST_DIR"), "/tests/skins_vendors.py");
     let output = Command::new(&python)
         .args([script, package, &skin.port])

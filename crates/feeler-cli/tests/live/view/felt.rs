@@ -1,23 +1,14 @@
 //! Rumble and tone that a page reports.
 
 use super::viewed::{Viewed, next_row};
-use crate::program::{folder, run, summary};
+use crate::program::{folder, summary};
 use feeler_record::Recording;
 use tungstenite::Message;
 
 #[test]
 fn recording_contains_what_the_page_played() {
     let folder = folder("view-felt");
-    let limit = "--set=time_limit=1";
-    let arguments = [
-        "run",
-        "cap-closing",
-        "--sensing=direct",
-        "--out=alone",
-        limit,
-    ];
-    run(&folder, &arguments);
-    let viewed = Viewed::run(&folder, &["--speed=0.2", limit]);
+    let viewed = Viewed::beside_alone(&folder, "--speed=0.2");
     let mut socket = viewed.socket();
     let (time, _) = next_row(&mut socket);
     let report = |strong: &str| {

@@ -1,7 +1,7 @@
 //! A browser that stops reading.
 
 use super::viewed::{Viewed, next_row};
-use crate::program::{folder, run, summary};
+use crate::program::{folder, summary};
 use std::thread;
 use std::time::Duration;
 use tungstenite::Message;
@@ -12,16 +12,7 @@ const ASLEEP: Duration = Duration::from_secs(10);
 #[test]
 fn viewers_do_not_change_the_run() {
     let folder = folder("view-digest");
-    let limit = "--set=time_limit=1";
-    let arguments = [
-        "run",
-        "cap-closing",
-        "--sensing=direct",
-        "--out=alone",
-        limit,
-    ];
-    run(&folder, &arguments);
-    let viewed = Viewed::run(&folder, &["--speed=0.1", limit]);
+    let viewed = Viewed::beside_alone(&folder, "--speed=0.1");
     let (mut reads, _sleeps) = (viewed.socket(), viewed.socket());
     while reads.read().is_ok() {}
     viewed.wait();

@@ -1,6 +1,6 @@
 //! A program that serves a page, and a minimal client in place of a browser.
 
-use crate::program::{Ended, feeler};
+use crate::program::{Ended, feeler, run};
 use serde_json::Value;
 use std::io::{BufRead, BufReader, Read, Write};
 use std::net::TcpStream;
@@ -32,6 +32,15 @@ impl Viewed {
             "--view",
         ];
         Self::start(folder, &[&arguments[..], more].concat())
+    }
+
+    /// Runs the reference experiment for a second without a page into `alone`, then starts the same run with a page,
+    /// at `speed`, into `run`.
+    pub fn beside_alone(folder: &Path, speed: &str) -> Self {
+        let limit = "--set=time_limit=1";
+        let arguments = ["run", "cap-closing", "--sensing=direct", "--out=alone"];
+        run(folder, &[&arguments[..], &[limit]].concat());
+        Self::run(folder, &[speed, limit])
     }
 
     /// Starts the program with `arguments`.
