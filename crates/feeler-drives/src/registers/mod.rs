@@ -57,10 +57,11 @@ impl Register {
         }
     }
 
-    /// Decodes the value in the `bytes` of a part of the control table that begins at the address `begin`.
+    /// Decodes the value in the `bytes` of a part of the control table that begins at the address `begin`; 0 if the part
+    /// does not contain the register.
     pub fn in_part(self, begin: u16, bytes: &[u8]) -> i64 {
-        let offset = usize::from(self.address.saturating_sub(begin));
-        self.decode(bytes.get(offset..).unwrap_or_default())
+        let offset = self.address.checked_sub(begin).map(usize::from);
+        self.decode(offset.and_then(|at| bytes.get(at..)).unwrap_or_default())
     }
 
     /// Appends the encoded `value` to `bytes`; excess bits are truncated.
@@ -236,6 +237,22 @@ mod tests {
         there_and_back(FEETECH.homing_offset, -2047, &[0xFF, 0x0F]);
         there_and_back(FEETECH.homing_offset, 2047, &[0xFF, 0x07]);
         there_and_back(FEETECH.current, -300, &[0x2C, 0x81]);
+    }
+
+    /// Without currents, the part begins after a Dynamixel's current and ends before a Feetech's.
+    #[test]
+    fn registers_outside_of_a_part_are_zero() {
+        for registers in [DYNAMIXEL, FEETECH] {
+            for ((begin, length), has_current) in [
+                (registers.motion, false),
+                (registers.motion_and_current, true),
+            ] {
+                let bytes = vec![1; length];
+                assert_ne!(registers.velocity.in_part(begin, &bytes), 0);
+                let current = registers.current.in_part(begin, &bytes);
+                assert_eq!(current, if has_current { 0x0101 } else { 0 });
+            }
+        }
     }
 
     /// Sign and magnitude have two zeros.
