@@ -26,7 +26,7 @@ impl DriveHand {
             return Err(DriveError::no_joint(finger, joint, &self.fingers));
         };
         let servo = &self.servos[index];
-        let (moved, limit, unit) = (servo.name, servo.jog_speed(), servo.unit());
+        let (moved, limit, unit) = (servo.name, servo.drive.jog_speed(), servo.unit());
         if velocity.is_nan() || velocity.abs() > limit {
             return Err(DriveError::Command {
                 joint: moved,

@@ -5,7 +5,7 @@ use crate::bus::{ALERT, BusError};
 use crate::error::{DriveError, JointName};
 use crate::health::{Health, fault_names};
 use crate::packet::Protocol;
-use crate::registers::{COUNTS_PER_TURN, Register, Registers};
+use crate::registers::{Register, Registers};
 use crate::setup::{blame, read};
 
 /// Factor on a joint's speed limit above which a measured velocity is implausible; allows for overshoot.
@@ -37,13 +37,7 @@ impl DriveHand {
             let Some(servo) = servos.get_mut(index) else {
                 return;
             };
-            let wraps = protocol == Protocol::Feetech;
-            servo.read(
-                registers,
-                part.0,
-                bytes,
-                wraps.then_some(COUNTS_PER_TURN as i64),
-            );
+            servo.read(part.0, bytes);
             let health = Health::in_motion(registers, bytes);
             let ill =
                 registers.motion_has_health && health.check(protocol, servo.name, &limits).is_err();

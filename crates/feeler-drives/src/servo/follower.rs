@@ -29,14 +29,6 @@ impl Follower {
         }
     }
 
-    /// Kind of the goal.
-    pub fn kind(&self) -> GoalKind {
-        match self {
-            Self::Velocity { .. } => GoalKind::Velocity,
-            Self::Position(_) => GoalKind::Position,
-        }
-    }
-
     /// Forgets the previous goal and holds the joint at `position`.
     pub fn hold(&mut self, position: f64) {
         match self {

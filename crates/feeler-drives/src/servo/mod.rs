@@ -5,6 +5,7 @@ mod leash;
 
 use crate::config::JointDriveConfig;
 use crate::error::{DriveError, JointName};
+use crate::packet::Protocol;
 use crate::registers::{COUNTS_PER_TURN, GoalKind, Model, Registers};
 use crate::torque::TorqueEstimate;
 use feeler::hand::FingerGeometry;
@@ -88,12 +89,7 @@ impl Servo {
 
     /// Kind of the goal.
     pub fn kind(&self) -> GoalKind {
-        self.follower.kind()
-    }
-
-    /// Maximum speed of a jogged joint, rad/s or m/s.
-    pub fn jog_speed(&self) -> f64 {
-        self.drive.jog_speed()
+        self.drive.mode.goal()
     }
 
     /// Unit of the joint's position.
@@ -129,15 +125,19 @@ impl Servo {
     }
 
     /// Updates position, velocity and current from the `bytes` of a part of the control table that begins at the address
-    /// `begin`. If `wraps` is given, the position wraps after that number of counts.
-    pub fn read(&mut self, registers: &Registers, begin: u16, bytes: &[u8], wraps: Option<i64>) {
+    /// `begin`.
+    pub fn read(&mut self, begin: u16, bytes: &[u8]) {
+        let registers = Registers::of(self.model.protocol);
         let read = registers.position.in_part(begin, bytes);
-        let counts = match (wraps, self.counts) {
-            (None, _) => read,
-            (Some(turn), before) => {
-                // Choose the equivalent position nearest to the previous one, or initially to the middle of the range.
+        let counts = match self.model.protocol {
+            Protocol::Dynamixel => read,
+            // Positions wrap after a turn. Choose the equivalent position nearest to the previous one, or initially to the
+            // middle of the range.
+            Protocol::Feetech => {
+                let turn = COUNTS_PER_TURN as i64;
                 let middle = (self.limits.lower + self.limits.upper) / 2.0;
-                let near = before.unwrap_or_else(|| self.drive.counts(middle).round() as i64);
+                let near =
+                    (self.counts).unwrap_or_else(|| self.drive.counts(middle).round() as i64);
                 near + (read - near + turn / 2).rem_euclid(turn) - turn / 2
             }
         };
