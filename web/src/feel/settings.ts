@@ -1,4 +1,5 @@
 /** The watcher's settings of rumble and tone, remembered by the browser. */
+import { store, stored } from "../ui/storage";
 
 /** Grasp forces that can be chosen as full strength (N). */
 export const FULL_FORCES = [0.5, 1, 2, 5, 10, 20, 50];
@@ -30,19 +31,10 @@ export function readSettings(text: string | null, fingers: number): Settings {
   };
 }
 
-// A page opened from disk may have no storage, or access may throw.
 export function recall(fingers: number): Settings {
-  try {
-    return readSettings(localStorage.getItem(KEY), fingers);
-  } catch {
-    return readSettings(null, fingers);
-  }
+  return readSettings(stored(KEY), fingers);
 }
 
 export function remember(settings: Settings): void {
-  try {
-    localStorage.setItem(KEY, JSON.stringify(settings));
-  } catch {
-    // The settings apply to this visit only.
-  }
+  store(KEY, JSON.stringify(settings));
 }

@@ -1,6 +1,7 @@
 /** Light or dark theme: the system's setting until the reader chooses. */
 import { forgetPageColours } from "./colours";
 import { button, make } from "./dom";
+import { store, stored } from "./storage";
 
 type Choice = "light" | "dark";
 
@@ -35,36 +36,18 @@ export function themeButton(): HTMLElement {
 
 /** Applies the reader's last choice and follows changes of the system. */
 export function startTheme(): void {
-  const remembered = recall();
-  if (remembered) document.documentElement.style.colorScheme = remembered;
+  const choice = stored(KEY);
+  if (choice === "light" || choice === "dark") document.documentElement.style.colorScheme = choice;
   system.addEventListener("change", changed);
 }
 
 function choose(choice: Choice): void {
   document.documentElement.style.colorScheme = choice;
-  remember(choice);
+  store(KEY, choice);
   changed();
 }
 
 function changed(): void {
   forgetPageColours();
   for (const listener of listeners) listener();
-}
-
-// A page opened from disk may have no storage, or access may throw.
-function remember(choice: Choice): void {
-  try {
-    localStorage.setItem(KEY, choice);
-  } catch {
-    // The choice applies to this visit only.
-  }
-}
-
-function recall(): Choice | undefined {
-  try {
-    const choice = localStorage.getItem(KEY);
-    return choice === "light" || choice === "dark" ? choice : undefined;
-  } catch {
-    return undefined;
-  }
 }
