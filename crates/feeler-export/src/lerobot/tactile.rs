@@ -3,7 +3,7 @@
 use feeler::sensor::fingertip::{MAX_ELEMENTS, SensingElement};
 use feeler_record::ros::{Header, Time};
 use feeler_record::tactile_array::{
-    ArrayError, ELEMENT_AXES, NOMINAL, TactileArray, TactileChannel, names, to_recorded,
+    ArrayError, ELEMENT_AXES, TactileArray, TactileChannel, to_recorded,
 };
 use feeler_record::wire::{Quaternion, Vector3};
 use glam::{DQuat, DVec3};
@@ -96,25 +96,13 @@ pub fn from_feature(feature: &ForceFeature, sensor: &str) -> Result<TactileArray
             .collect(),
     };
     let mut array = TactileArray {
-        header: Header::of(sensor),
-        sensor: sensor.into(),
-        rate: f64::NAN,
         positions: positions.into_iter().map(vector).collect(),
         orientations,
         channels: vec![TactileChannel {
-            name: names::FORCE.into(),
-            unit: "N".into(),
             axes: ELEMENT_AXES,
-            components: 3,
-            calibration: NOMINAL,
-            minimum: f64::NAN,
-            maximum: f64::NAN,
-            ..TactileChannel::default()
+            ..TactileChannel::of_forces()
         }],
-        contact_threshold: f64::NAN,
-        slip_threshold: f64::NAN,
-        overload_threshold: f64::NAN,
-        ..TactileArray::default()
+        ..TactileArray::unknown(&Header::of(sensor))
     };
     let forces = values.chunks_exact(3);
     let forces = forces.map(|v| DVec3::new(v[0].into(), v[1].into(), v[2].into()));

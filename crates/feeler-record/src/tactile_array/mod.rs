@@ -60,8 +60,8 @@ pub enum ArrayError {
 }
 
 impl TactileArray {
-    /// Array without elements of a sensor about which only `header` is known.
-    fn unknown(header: &Header) -> Self {
+    /// Array without elements of a sensor about which only `header` is known. The sensor's name is that of its frame.
+    pub fn unknown(header: &Header) -> Self {
         Self {
             header: header.clone(),
             sensor: header.frame_id.clone(),
@@ -171,7 +171,7 @@ impl TactileArray {
 
 impl TactileChannel {
     /// Channel of forces (N) in the header's axes, without values. Their calibration is unknown.
-    fn of_forces() -> Self {
+    pub fn of_forces() -> Self {
         Self {
             name: names::FORCE.into(),
             unit: "N".into(),

@@ -19,15 +19,16 @@ pub fn of_finger(facts: &RunFacts, finger: usize) -> Option<TactileArray> {
     let elements = model.elements();
     let orientations = elements.map(|(element, _)| DQuat::from_mat3(&element.rotation).into());
     let is_direct = facts.sensing == SensingKind::Direct;
-    let channel = |name: &str, unit: &str, components| TactileChannel {
-        name: name.into(),
-        unit: unit.into(),
+    let forces = TactileChannel {
         axes: ELEMENT_AXES,
-        components,
         calibration: CALIBRATED,
-        minimum: f64::NAN,
-        maximum: f64::NAN,
-        ..TactileChannel::default()
+        ..TactileChannel::of_forces()
+    };
+    let shear_rates = TactileChannel {
+        name: names::SHEAR_RATE.into(),
+        unit: "N/s".into(),
+        components: 1,
+        ..forces.clone()
     };
     Some(TactileArray {
         header: Header::of(frame(finger, "dome")),
@@ -37,10 +38,7 @@ pub fn of_finger(facts: &RunFacts, finger: usize) -> Option<TactileArray> {
         rate: 1.0 / facts.control_period,
         positions: model.elements().map(|(_, tip)| tip.into()).collect(),
         orientations: orientations.collect(),
-        channels: vec![
-            channel(names::FORCE, "N", 3),
-            channel(names::SHEAR_RATE, "N/s", 1),
-        ],
+        channels: vec![forces, shear_rates],
         contact_threshold: facts.touch_force_threshold,
         slip_threshold: facts.slip_threshold,
         overload_threshold: facts.over_force_threshold,
