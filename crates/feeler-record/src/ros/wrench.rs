@@ -2,6 +2,7 @@
 
 use super::header::{Header, header_schema, nested, xyz_schema};
 use crate::wire::{Message, Vector3};
+use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
 /// A force and a torque.
@@ -11,6 +12,21 @@ pub struct Wrench {
     pub force: Vector3,
     /// Torque about the frame's origin (N m).
     pub torque: Vector3,
+}
+
+impl Wrench {
+    /// Sums `forces` (N), given with their positions (m), and their torques about the origin.
+    pub fn of(forces: impl Iterator<Item = (DVec3, DVec3)>) -> Self {
+        let (mut sum, mut torque) = (DVec3::ZERO, DVec3::ZERO);
+        for (position, force) in forces {
+            sum += force;
+            torque += position.cross(force);
+        }
+        Self {
+            force: sum.into(),
+            torque: torque.into(),
+        }
+    }
 }
 
 /// Wrench on a fingertip by everything that its elements touch, in the dome's frame.

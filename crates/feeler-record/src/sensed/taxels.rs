@@ -51,16 +51,8 @@ impl Elements {
 
     /// Wrench on the fingertip about the dome's centre: the sum over all elements whose force is known.
     pub fn wrench(&self) -> Wrench {
-        let (mut sum, mut torque) = (DVec3::ZERO, DVec3::ZERO);
-        let known = self.tips().zip(&self.forces);
-        for (tip, force) in known.filter(|(_, force)| !force.is_nan()) {
-            sum += *force;
-            torque += tip.cross(*force);
-        }
-        Wrench {
-            force: sum.into(),
-            torque: torque.into(),
-        }
+        let all = self.tips().zip(self.forces.iter().copied());
+        Wrench::of(all.filter(|(_, force)| !force.is_nan()))
     }
 
     /// Fills the points of `cloud`. `slips` returns whether an element slips.

@@ -18,15 +18,9 @@ pub fn to_wrench(array: &TactileArray) -> Result<WrenchStamped, ArrayError> {
         .iter()
         .map(|&position| DVec3::from(position));
     let known = positions.zip(forces).filter(|(_, force)| force.is_finite());
-    let (force, torque) = known.fold((DVec3::ZERO, DVec3::ZERO), |(sum, torque), (at, force)| {
-        (sum + force, torque + at.cross(force))
-    });
     Ok(WrenchStamped {
         header: array.header.clone(),
-        wrench: Wrench {
-            force: force.into(),
-            torque: torque.into(),
-        },
+        wrench: Wrench::of(known),
     })
 }
 
