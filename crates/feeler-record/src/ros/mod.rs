@@ -16,6 +16,7 @@ pub use header::{Header, Time};
 pub(crate) use header::{header_schema, nested, quaternion_schema, xyz_schema};
 pub use joint_state::JointState;
 pub use marker::{ColorRGBA, Marker, MarkerArray, MarkerType};
+pub(crate) use point_cloud::fields;
 pub use point_cloud::{FloatField, PointCloud2, PointField};
 pub use text::Text;
 pub use transform::{TFMessage, Transform, TransformStamped};

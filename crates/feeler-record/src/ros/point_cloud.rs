@@ -26,6 +26,22 @@ impl PointField {
     pub const FLOAT64: u8 = 8;
 }
 
+/// Fields of a point whose bytes are 32-bit `numbers`, followed by 8-bit `flags`.
+pub(crate) fn fields(numbers: &[&str], flags: &[&str]) -> Vec<PointField> {
+    let field = |(name, offset): (&&str, u32), datatype| PointField {
+        name: name.to_string(),
+        offset,
+        datatype,
+        count: 1,
+    };
+    let end = 4 * numbers.len() as u32;
+    let numbers = numbers.iter().zip((0..).step_by(4));
+    let numbers = numbers.map(|at| field(at, PointField::FLOAT32));
+    let flags = flags.iter().zip(end..);
+    let flags = flags.map(|at| field(at, PointField::UINT8));
+    numbers.chain(flags).collect()
+}
+
 /// Place of a floating-point number in the bytes of a point.
 #[derive(Debug, Clone, Copy)]
 pub struct FloatField {

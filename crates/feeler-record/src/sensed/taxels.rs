@@ -1,7 +1,7 @@
 //! Forces on the elements of a fingertip in the dome's frame: as a point cloud, and summed to a wrench.
 
 use crate::messages::model::{FingerModel, frame};
-use crate::ros::{Header, PointCloud2, PointField, Wrench};
+use crate::ros::{Header, PointCloud2, Wrench, fields};
 use feeler::sensor::fingertip::SensingElement;
 use glam::DVec3;
 
@@ -76,21 +76,10 @@ impl Elements {
 
 /// Creates an empty point cloud for the elements of `finger`.
 pub fn taxels(finger: usize, elements: &Elements) -> PointCloud2 {
-    let field = |datatype| {
-        move |(name, offset): (&&str, usize)| PointField {
-            name: name.to_string(),
-            offset: offset as u32,
-            datatype,
-            count: 1,
-        }
-    };
-    let numbers = NUMBERS.iter().zip((0..).step_by(NUMBER));
-    let flags = FLAGS.iter().zip(NUMBERS.len() * NUMBER..);
-    let numbers = numbers.map(field(PointField::FLOAT32));
     PointCloud2 {
         header: Header::of(frame(finger, "dome")),
         height: 1,
-        fields: numbers.chain(flags.map(field(PointField::UINT8))).collect(),
+        fields: fields(&NUMBERS, &FLAGS),
         point_step: POINT as u32,
         data: Vec::with_capacity(POINT * elements.elements.len()),
         // Unknown forces are NaN.

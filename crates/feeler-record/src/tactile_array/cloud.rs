@@ -2,7 +2,7 @@
 
 use super::ArrayError;
 use super::message::{CONTACT, INVALID, SATURATED, SLIP, TactileArray, TactileChannel, names};
-use crate::ros::{FloatField, PointCloud2, PointField};
+use crate::ros::{FloatField, PointCloud2, fields};
 use feeler::sensor::fingertip::SensingElement;
 use glam::{DQuat, DVec3};
 
@@ -42,21 +42,11 @@ pub fn to_cloud(array: &TactileArray) -> Result<PointCloud2, ArrayError> {
             bits(status, element, SATURATED),
         ]);
     }
-    let field = |name: &str, offset, datatype| PointField {
-        name: name.into(),
-        offset,
-        datatype,
-        count: 1,
-    };
-    let numbers = NUMBERS.iter().zip((0..).step_by(4));
-    let numbers = numbers.map(|(name, offset)| field(name, offset, PointField::FLOAT32));
-    let flags = FLAGS.iter().zip(4 * NUMBERS.len() as u32..);
-    let flags = flags.map(|(name, offset)| field(name, offset, PointField::UINT8));
     Ok(PointCloud2 {
         header: array.header.clone(),
         height: 1,
         width: array.elements() as u32,
-        fields: numbers.chain(flags).collect(),
+        fields: fields(&NUMBERS, &FLAGS),
         is_bigendian: false,
         point_step: POINT as u32,
         row_step: data.len() as u32,
