@@ -1,7 +1,9 @@
 //! Conversion from and to `sensor_msgs/PointCloud2`.
 
 use super::ArrayError;
-use super::message::{CONTACT, INVALID, SATURATED, SLIP, TactileArray, TactileChannel, names};
+use super::message::{
+    CONTACT, INVALID, SATURATED, SLIP, TactileArray, TactileChannel, joined, names,
+};
 use crate::ros::{FloatField, PointCloud2, fields};
 use feeler::sensor::fingertip::SensingElement;
 use glam::{DQuat, DVec3};
@@ -106,9 +108,4 @@ pub fn from_cloud(cloud: &PointCloud2) -> Result<TactileArray, ArrayError> {
     array.channels.push(channel);
     array.check()?;
     Ok(array)
-}
-
-fn joined(bits: &[(bool, u8)]) -> u8 {
-    let set = bits.iter().filter(|(is_set, _)| *is_set);
-    set.fold(0, |all, (_, bit)| all | bit)
 }

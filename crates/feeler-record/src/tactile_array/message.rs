@@ -122,3 +122,9 @@ impl Message for TactileArray {
         include_str!("../../msg/feeler_msgs/TactileChannel.msg"),
     );
 }
+
+/// Joins the bits that are set.
+pub(super) fn joined(bits: &[(bool, u8)]) -> u8 {
+    let set = bits.iter().filter(|(is_set, _)| *is_set);
+    set.fold(0, |all, (_, bit)| all | bit)
+}

@@ -2,7 +2,8 @@
 
 use super::ArrayError;
 use super::message::{
-    CALIBRATED, CONTACT, ELEMENT_AXES, INVALID, OVERLOAD, SLIP, TactileArray, TactileChannel, names,
+    CALIBRATED, CONTACT, ELEMENT_AXES, INVALID, OVERLOAD, SLIP, TactileArray, TactileChannel,
+    joined, names,
 };
 use crate::messages::channels::{Flags, Tactile};
 use crate::messages::facts::RunFacts;
@@ -68,8 +69,7 @@ impl TactileArray {
                 (rate > self.slip_threshold, SLIP),
                 (force.z > thresholds[1], OVERLOAD),
             ];
-            let bits = bits.iter().filter(|(is_set, _)| *is_set);
-            self.contact.push(bits.fold(0, |all, (_, bit)| all | bit));
+            self.contact.push(joined(&bits));
         }
         for channel in &mut self.channels {
             match channel.name.as_str() {
