@@ -31,7 +31,7 @@ pub enum CloudError {
     /// The cloud contains too few bytes.
     #[error("expected a cloud of {expected} bytes, got {actual}")]
     Bytes {
-        /// Number of points times the size of a point.
+        /// Number of bytes of all points and of the padding between rows.
         expected: usize,
         /// Actual number of bytes.
         actual: usize,
@@ -56,18 +56,15 @@ pub fn read_forces(cloud: &PointCloud2, forces: &mut [DVec3]) -> Result<(), Clou
     if cloud.is_bigendian {
         return Err(CloudError::BigEndian);
     }
-    let step = cloud.point_step as usize;
     let number = |name| cloud.float_field(name).ok_or(CloudError::Field(name));
     let tip = [number("x")?, number("y")?, number("z")?];
     let force = [number("fx")?, number("fy")?, number("fz")?];
     let valid = cloud.fields.iter().find(|field| field.name == "valid");
     let valid = valid.map(|field| field.offset as usize);
-    let expected = step.saturating_mul(forces.len());
-    if step == 0 || cloud.data.len() < expected {
-        let actual = cloud.data.len();
-        return Err(CloudError::Bytes { expected, actual });
-    }
-    for (out, point) in forces.iter_mut().zip(cloud.data.chunks_exact(step)) {
+    let points = cloud
+        .points()
+        .map_err(|(expected, actual)| CloudError::Bytes { expected, actual })?;
+    for (out, point) in forces.iter_mut().zip(points) {
         let vector =
             |places: &[FloatField; 3]| DVec3::from_array(places.each_ref().map(|n| n.read(point)));
         let is_valid = valid.is_none_or(|at| point.get(at).is_some_and(|byte| *byte != 0));

@@ -39,6 +39,22 @@ fn forces_are_read_back_in_element_frames() {
 }
 
 #[test]
+fn rows_of_clouds_may_be_padded() {
+    let forces = [0.5, 0.4, 0.3].map(|z| DVec3::new(0.1, 0.2, z));
+    let flat = cloud(&forces);
+    let mut padded = flat.clone();
+    (padded.width, padded.height, padded.row_step) = (1, 3, 40);
+    let rows = flat.data.chunks_exact(28);
+    padded.data = rows.flat_map(|row| [row, &[0xFF; 12]].concat()).collect();
+    let mut read = [[DVec3::ZERO; 3]; 2];
+    for (cloud, read) in [&flat, &padded].into_iter().zip(&mut read) {
+        read_forces(cloud, read).expect("forces");
+    }
+    assert_eq!(read[0], read[1]);
+    assert!(read[0][2].abs_diff_eq(forces[2], 1e-6), "{read:?}");
+}
+
+#[test]
 fn invalid_clouds_are_rejected() {
     let good = cloud(&[DVec3::ONE; 3]);
     let refused = |change: &dyn Fn(&mut PointCloud2)| {
