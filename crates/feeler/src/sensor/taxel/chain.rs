@@ -1,8 +1,7 @@
 //! Converts the values of a row to forces.
 
-use super::common_mode::CommonMode;
 use super::zero::Zeros;
-use super::{Axes, TaxelError, TaxelLayout};
+use super::{Axes, TaxelError, TaxelLayout, common_mode};
 use crate::math::direction_at;
 use crate::sensor::forces::reading::NO_FORCE;
 use glam::{DVec2, DVec3};
@@ -16,7 +15,8 @@ pub struct TaxelChain {
     /// Cosine and sine of each taxel's rotation.
     turns: Vec<DVec2>,
     zeros: Zeros,
-    common_mode: Option<CommonMode>,
+    /// `true` to subtract the mean over all taxels.
+    common_mode: bool,
 }
 
 impl TaxelChain {
@@ -33,7 +33,7 @@ impl TaxelChain {
         let turns: Vec<_> = turns.map(direction_at).collect();
         Ok(Self {
             axes: layout.axes,
-            common_mode: CommonMode::of(layout, &turns),
+            common_mode: layout.common_mode,
             turns,
             zeros: Zeros::new(layout, &scales),
             scales,
@@ -59,13 +59,13 @@ impl TaxelChain {
         self.zeros.take(values);
         let off_zero = values.iter().enumerate();
         let off_zero = off_zero.map(|(index, &value)| value - self.zeros.of(index));
-        let mean = self.common_mode.as_ref().map(|mode| mode.mean(off_zero));
+        let mean = (self.common_mode).then(|| common_mode::mean(&self.axes, &self.turns, off_zero));
         let mut longest = None;
         let taxels = self.scales.iter().zip(&self.turns).zip(values);
-        for ((index, ((&scale, turn), &value)), force) in taxels.enumerate().zip(forces) {
+        for ((index, ((&scale, &turn), &value)), force) in taxels.enumerate().zip(forces) {
             let mut reading = value - self.zeros.of(index);
-            if let (Some(mode), Some(mean)) = (&self.common_mode, mean) {
-                reading -= mode.in_columns(mean, index);
+            if let Some(mean) = mean {
+                reading -= self.axes.in_columns(turn, mean);
             }
             let reading = self.axes.apply(reading / scale);
             if reading.is_nan() {
@@ -75,7 +75,7 @@ impl TaxelChain {
             longest = Some(reading.length().max(longest.unwrap_or(0.0)));
             *force = turn.rotate(reading.truncate()).extend(reading.z);
         }
-        self.zeros.follow(stamp, values, longest);
+        self.zeros.follow(stamp, values, &self.scales, longest);
     }
 
     /// Taxels without a zero after the unloaded rows.

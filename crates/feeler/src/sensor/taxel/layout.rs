@@ -253,9 +253,8 @@ impl TaxelLayout {
     /// there is no such taxel. The inverse of the axes and the rotation of a taxel.
     pub fn in_columns(&self, taxel: usize, vector: DVec3) -> DVec3 {
         let turn = self.taxels.get(taxel).map_or(f64::NAN, |t| t.turn_deg);
-        let back = direction_at(-turn.to_radians());
-        let tangential = back.rotate(vector.truncate());
-        self.axes.undo(tangential.extend(vector.z))
+        let turn = direction_at(turn.to_radians());
+        self.axes.in_columns(turn, vector)
     }
 
     /// Unit of the resulting forces: newtons, or counts if the scale is unknown.

@@ -1,6 +1,6 @@
 //! Units and axes of a taxel array's columns.
 
-use glam::DVec3;
+use glam::{DVec2, DVec3};
 use serde::{Deserialize, Serialize};
 
 /// Unit of readings.
@@ -96,6 +96,13 @@ impl Axes {
             columns[axis.column()] = axis.sign() * value;
         }
         columns
+    }
+
+    /// Converts a vector in the frame of an element to the columns x, y, z of its taxel, whose rotation has this cosine and
+    /// sine.
+    pub(super) fn in_columns(&self, turn: DVec2, vector: DVec3) -> DVec3 {
+        let back = DVec2::new(turn.x, -turn.y);
+        self.undo(back.rotate(vector.truncate()).extend(vector.z))
     }
 }
 

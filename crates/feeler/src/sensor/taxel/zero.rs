@@ -14,8 +14,6 @@ pub struct Zeros {
     drift: Option<TaxelDrift>,
     /// Time without contact and motion, if the zero is measured again after it.
     still: Option<StillTime>,
-    /// Counts per newton of each taxel.
-    scales: Vec<DVec3>,
     zeros: Vec<Zero>,
     /// Stamp of the latest row, s.
     newest: Option<f64>,
@@ -56,7 +54,6 @@ impl Zeros {
             taken: 0,
             drift: layout.drift,
             still: (layout.rezero).map(|rule| StillTime::new(rule, layout.taxels.len())),
-            scales: scales.to_vec(),
             zeros: zeros.collect(),
             newest: None,
             touched: None,
@@ -105,14 +102,15 @@ impl Zeros {
         self.taken >= self.rows
     }
 
-    /// Corrects drift and, if required, measures the zero again, with the `values` of a row at `stamp` (s). `longest` is the largest magnitude of the taxels'
-    /// readings, N (or counts), or `None` if no reading is valid.
-    pub fn follow(&mut self, stamp: f64, values: &[DVec3], longest: Option<f64>) {
+    /// Corrects drift and, if required, measures the zero again, with the `values` of a row at `stamp` (s), in columns with
+    /// `scales` counts per newton. `longest` is the largest magnitude of the taxels' readings, N (or counts), or `None` if
+    /// no reading is valid.
+    pub fn follow(&mut self, stamp: f64, values: &[DVec3], scales: &[DVec3], longest: Option<f64>) {
         if !self.are_taken() {
             return;
         }
         if let Some(longest) = longest {
-            self.rezero(stamp, values, longest);
+            self.rezero(stamp, values, scales, longest);
         }
         let interval = self.newest.replace(stamp).map(|newest| stamp - newest);
         let (Some(drift), Some(longest)) = (self.drift, longest) else {
@@ -136,9 +134,9 @@ impl Zeros {
     }
 
     /// Replaces the zero by the mean since the skin is untouched and still, if this is long enough.
-    fn rezero(&mut self, stamp: f64, values: &[DVec3], longest: f64) {
+    fn rezero(&mut self, stamp: f64, values: &[DVec3], scales: &[DVec3], longest: f64) {
         let Some(still) = &mut self.still else { return };
-        if !still.add(stamp, values, &self.scales, longest) {
+        if !still.add(stamp, values, scales, longest) {
             return;
         }
         for (taxel, zero) in self.zeros.iter_mut().enumerate() {
