@@ -9,7 +9,6 @@ pub struct StillTime {
     rule: ZeroRule,
     /// Stamps of the first row and of the latest row, s.
     span: Option<(f64, f64)>,
-    rows: u32,
     /// Mean of each taxel's valid values, and their number.
     means: Vec<(DVec3, u32)>,
     /// First valid values of each taxel.
@@ -21,14 +20,13 @@ impl StillTime {
         Self {
             rule,
             span: None,
-            rows: 0,
             means: vec![(DVec3::ZERO, 0); taxels],
             first: vec![DVec3::NAN; taxels],
         }
     }
 
     pub fn restart(&mut self) {
-        (self.span, self.rows) = (None, 0);
+        self.span = None;
         self.means.fill((DVec3::ZERO, 0));
         self.first.fill(DVec3::NAN);
     }
@@ -36,16 +34,16 @@ impl StillTime {
     /// Adds a row of `values` at `stamp` (s), with the largest magnitude of all readings. Returns `true` if the means are a
     /// new zero.
     pub fn add(&mut self, stamp: f64, values: &[DVec3], scales: &[DVec3], longest: f64) -> bool {
-        let is_forward = self.span.is_none_or(|(_, latest)| stamp >= latest);
-        if longest > self.rule.untouched || !is_forward || self.moves(values, scales) {
+        if longest > self.rule.untouched {
             self.restart();
-            if longest > self.rule.untouched {
-                return false;
-            }
+            return false;
+        }
+        let is_forward = self.span.is_none_or(|(_, latest)| stamp >= latest);
+        if !is_forward || self.moves(values, scales) {
+            self.restart();
         }
         let (begin, _) = self.span.unwrap_or((stamp, stamp));
         self.span = Some((begin, stamp));
-        self.rows += 1;
         let taxels = self.means.iter_mut().zip(&mut self.first).zip(values);
         for (((mean, count), first), &value) in taxels.filter(|(_, value)| !value.is_nan()) {
             *count += 1;
@@ -54,7 +52,7 @@ impl StillTime {
                 *first = value;
             }
         }
-        stamp - begin >= self.rule.after && self.rows > 1
+        stamp - begin >= self.rule.after
     }
 
     /// Returns `true` if a value differs too much from the first one.
