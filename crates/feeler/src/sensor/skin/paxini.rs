@@ -17,6 +17,8 @@ const REQUEST: [u8; 2] = [0x55, 0xAA];
 const RESPONSE: [u8; 2] = [0xAA, 0x55];
 /// Function that reads registers.
 const READ: u8 = 0xFB;
+/// Index of the function in a packet.
+const FUNCTION: usize = 6;
 /// Register of the forces on all taxels.
 const FORCES: [u8; 4] = [0x0E, 0x04, 0x00, 0x00];
 /// Bytes of a taxel: x and y as `i8`, z as `u8`.
@@ -99,8 +101,7 @@ impl Format {
     pub fn step(&self, bytes: &[u8], values: &mut [DVec3]) -> Step {
         let length = response_bytes(self.taxels);
         // The source does not document the function code of responses.
-        let function = self.start[6];
-        let alike = |(index, (a, b)): (usize, (&u8, &u8))| a == b || index == 6 && *b == function;
+        let alike = |(index, (a, b)): (usize, (&u8, &u8))| a == b || index == FUNCTION;
         let header = bytes.iter().zip(&self.start).enumerate();
         if !header.clone().all(alike) {
             return Step::Skip(1);
