@@ -5,9 +5,9 @@ use serde::{Deserialize, Serialize};
 use std::f64::consts::TAU;
 
 /// Maximum speed of a jogged revolute joint, rad/s.
-pub const JOG_SPEED: f64 = 0.2;
+const JOG_SPEED: f64 = 0.2;
 /// Maximum speed of a jogged prismatic joint, m/s.
-pub const PRISMATIC_JOG_SPEED: f64 = 0.01;
+const PRISMATIC_JOG_SPEED: f64 = 0.01;
 
 /// The servo of one joint. Joint angle = `direction` * servo angle / `gear_ratio` + `homing_offset`. Displacement of a
 /// prismatic joint = `direction` * turns of the servo * `travel_per_turn` + `homing_offset`.
@@ -121,7 +121,7 @@ impl JointDriveConfig {
         }
     }
 
-    /// Maximum speed of the joint when jogged: [`JOG_SPEED`], or [`PRISMATIC_JOG_SPEED`] for a prismatic joint.
+    /// Maximum speed of the joint when jogged: 0.2 rad/s, or 0.01 m/s for a prismatic joint.
     pub fn jog_speed(&self) -> f64 {
         match self.travel_per_turn {
             None => JOG_SPEED,

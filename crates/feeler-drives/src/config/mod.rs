@@ -3,7 +3,7 @@
 mod check;
 mod joint;
 
-pub use joint::{JOG_SPEED, JointDriveConfig, PRISMATIC_JOG_SPEED, TorqueCalibration};
+pub use joint::{JointDriveConfig, TorqueCalibration};
 
 use crate::packet::Protocol;
 use crate::registers::{DriveMode, WATCHDOG_UNIT};

@@ -85,12 +85,6 @@ impl Model {
         MODELS.iter().find(|model| model.name == name)
     }
 
-    /// Torque of the motor per current, N m/A, from its stall torque.
-    pub fn torque_constant(&self) -> f64 {
-        let (torque, current) = self.stall;
-        torque / current
-    }
-
     /// Returns the model with this `protocol` and model `number`, or `None` if unknown.
     pub fn numbered(protocol: Protocol, number: i64) -> Option<&'static Self> {
         let known = |model: &&Self| model.protocol == protocol && model.number == number;

@@ -35,8 +35,6 @@ enum Format {
 /// A decoded frame.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub struct SkinFrame {
-    /// Number of the frame, from 0. Frames that were lost or damaged have no number.
-    pub number: u64,
     /// Index of the frame's first byte among all bytes of the stream.
     pub first_byte: u64,
 }
@@ -154,7 +152,6 @@ impl SkinDecoder {
                 }
                 Step::Frame { first, end } => {
                     let frame = SkinFrame {
-                        number: self.frames,
                         first_byte: self.before + (self.next + first) as u64,
                     };
                     self.frames += 1;
