@@ -5,11 +5,16 @@ use feeler::sensor::forces::{TactileFrame, TactileSensor};
 use feeler_console::CommandError;
 use feeler_sources::skin::{SkinNews, SkinSensor};
 use std::io::{BufRead, IsTerminal, stdin};
+use std::iter;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{Receiver, SyncSender};
 use std::thread;
 use std::time::Instant;
+
+/// Note after each measurement of the zero.
+const HAS_ZERO: &str =
+    "the zero is measured; press Enter to measure it again while the skin is untouched";
 
 /// Starts reading `sensor`.
 pub fn start(sensor: SkinSensor) -> Result<RowPump, CommandError> {
@@ -64,15 +69,11 @@ fn read_all(
         let mut frame = unused.try_recv().unwrap_or_else(|_| new());
         sensor.read(&mut frame)?;
         let at = Instant::now();
-        let mut events = vec![Event::Frame { frame, at }];
-        events.extend(sensor.take_news().map(in_words));
+        let news = sensor.take_news().map(in_words);
         let had_zero = std::mem::replace(&mut has_zero, sensor.has_zero());
-        if has_zero && !had_zero {
-            let again =
-                "the zero is measured; press Enter to measure it again while the skin is untouched";
-            events.push(Event::Note(again.into()));
-        }
-        for event in events {
+        let zero = (has_zero && !had_zero).then(|| Event::Note(HAS_ZERO.into()));
+        let frame = iter::once(Event::Frame { frame, at });
+        for event in frame.chain(news).chain(zero) {
             if sender.send(event).is_err() {
                 return Ok(());
             }
