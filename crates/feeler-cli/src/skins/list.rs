@@ -3,18 +3,19 @@
 use crate::{CommandError, Outcome};
 use feeler::sensor::skin::SkinProtocol;
 use feeler::sensor::taxel::BUILT_IN_TAXELS;
-use feeler_sources::skin::{FoundSkin, probe_port, serial_ports};
+use feeler_sources::skin::{FoundSkin, ListedPort, list_ports, probe_port};
 use std::io::Write;
 
 /// Lists `ports`, or all USB serial ports if empty.
 pub fn list(ports: &[String], out: &mut dyn Write) -> Result<Outcome, CommandError> {
-    let mut listed: Vec<_> = ports
-        .iter()
-        .map(|port| (port.clone(), String::new()))
-        .collect();
-    if listed.is_empty() {
-        listed = serial_ports()?;
-    }
+    let named = |port: &String| ListedPort {
+        path: port.clone(),
+        product: String::new(),
+    };
+    let listed = match ports {
+        [] => list_ports()?,
+        _ => ports.iter().map(named).collect(),
+    };
     if listed.is_empty() {
         writeln!(
             out,
@@ -23,7 +24,7 @@ pub fn list(ports: &[String], out: &mut dyn Write) -> Result<Outcome, CommandErr
         return Ok(Outcome::GivenUp);
     }
     let mut found = 0;
-    for (path, product) in listed {
+    for ListedPort { path, product } in listed {
         let product = match product.is_empty() {
             true => String::new(),
             false => format!(" ({product})"),

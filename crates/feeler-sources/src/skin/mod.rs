@@ -19,5 +19,6 @@ pub use counters::SkinCounters;
 pub use emulator::SkinEmulator;
 pub use error::SkinError;
 pub use event::SkinEvent;
-pub use probe::{FoundSkin, probe_port, serial_ports};
+pub use feeler_serial::{ListedPort, list_ports};
+pub use probe::{FoundSkin, probe_port};
 pub use sensor::{SkinNews, SkinSensor};

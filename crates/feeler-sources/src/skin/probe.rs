@@ -1,7 +1,7 @@
 //! Finds out which skin is connected to a port.
 
 use feeler::sensor::skin::{SerialConfig, SkinDecoder, SkinProtocol};
-use feeler_serial::{SerialPort, list_ports};
+use feeler_serial::SerialPort;
 use glam::DVec3;
 use std::io;
 use std::time::{Duration, Instant};
@@ -18,15 +18,6 @@ const CHIPS: std::ops::RangeInclusive<usize> = 1..=16;
 const MATRICES: [usize; 3] = [384, 512, 256];
 /// Addresses of PaXini modules.
 const ADDRESSES: std::ops::RangeInclusive<u8> = 1..=8;
-
-/// Lists the USB serial ports: path and product name, empty if unknown.
-///
-/// # Errors
-/// If the system's list of ports cannot be read.
-pub fn serial_ports() -> io::Result<Vec<(String, String)>> {
-    let ports = list_ports()?.into_iter();
-    Ok(ports.map(|port| (port.path, port.product)).collect())
-}
 
 /// A skin on a port.
 #[derive(Debug, Clone, PartialEq)]
