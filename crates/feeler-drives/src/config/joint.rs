@@ -34,8 +34,8 @@ pub struct JointDriveConfig {
     /// pinion's pitch circle. `None` for a revolute joint.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub travel_per_turn: Option<f64>,
-    /// Maximum distance from the measured position to the goal position, rad or m, in the position modes; if `None`, the
-    /// distance at the joint's speed limit in the maximum age of joint angles.
+    /// Maximum distance between measured and goal position in the position modes (rad or m). If `None`, the joint's
+    /// speed limit times the maximum age of joint angles.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub leash: Option<f64>,
     /// Maximum current, A; if `None`, the servo's own setting. Current-limited position mode requires it or

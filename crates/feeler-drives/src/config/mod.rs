@@ -41,7 +41,8 @@ pub struct DrivesConfig {
     /// Minimum and maximum supply voltage, V; a voltage outside stops the hand.
     #[serde(default = "usual_voltage")]
     pub voltage_range: [f64; 2],
-    /// Angle beyond a joint limit that stops the hand, rad; multiplied by the finger's reach (m) for a prismatic joint.
+    /// Distance beyond a joint limit at which the hand stops, in rad. For a prismatic joint, this value times the
+    /// finger's reach, in m.
     #[serde(default = "three_degrees")]
     pub limit_tolerance: f64,
     /// Servos of each finger, in the order of `hand.finger`.

@@ -112,8 +112,8 @@ impl DriveHand {
         Ok(())
     }
 
-    /// Checks that each joint is within half a turn of its servo of `before`, its position (rad or m) before the servos
-    /// may have restarted. With a gear, a servo that restarts in another turn measures another joint angle.
+    /// Checks that each servo has moved by less than half a turn since its joint was at `before` (rad or m). A geared
+    /// servo that loses count of its turns in a restart reports a wrong joint angle.
     ///
     /// # Errors
     /// Returns [`DriveError::TurnLost`] for the first joint that is not.

@@ -11,7 +11,8 @@ pub enum DriveMode {
     /// The servo controls its velocity. A stalled motor pushes with all its torque.
     #[default]
     Velocity,
-    /// The servo controls its position; its goal integrates the velocity on a leash.
+    /// Position control by the servo. The goal position integrates the commanded velocity, and stays within
+    /// [`leash`](crate::config::JointDriveConfig::leash) of the measured position.
     Position,
     /// Like `Position`, with a limited current (Feetech: a limited share of the motor's voltage).
     CurrentLimitedPosition,

@@ -70,7 +70,7 @@ pub enum IdentifyError {
     },
     /// The sweeps contradict each other.
     #[error(
-        "a sweep at the load {load:.4} N m took {current:.4} A: expected {expected:.4} A by all sweeps, within {MOST_DEVIATION} of the range; check that load, and that nothing else touches the finger"
+        "the sweep with a load of {load:.4} N m required {current:.4} A: the fit to all sweeps predicts {expected:.4} A (tolerance: {MOST_DEVIATION} of the current for the range of loads); check this load, and that nothing else touches the finger"
     )]
     Contradiction {
         /// Load of the sweep, N m.

@@ -14,9 +14,9 @@ struct Read {
 
 /// Estimates when each byte of a stream arrived, from the times of the reads.
 ///
-/// A read returns all bytes that have arrived since the previous one. Its last byte is taken to arrive at the time of
-/// the read, and each earlier byte the transmission time of a byte before, but not before the previous read. The estimate
-/// is late by the latency of the port, and if reads are late, by at most the time between two reads. Does not allocate.
+/// The last byte of a read is assumed to arrive at the time of the read. Each earlier byte is assumed to arrive one
+/// transmission time before its successor, but not before the previous read. The latency of the port delays the
+/// estimate; late reads delay it by at most the time between two reads. Does not allocate.
 #[derive(Debug, Clone)]
 pub struct Arrivals {
     /// Transmission time of a byte, s.

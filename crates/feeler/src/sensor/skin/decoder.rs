@@ -41,10 +41,10 @@ pub struct SkinFrame {
 
 /// Decodes the bytes of a skin. Never panics; allocates only if more than 4096 bytes arrive at once.
 ///
-/// A frame is returned only if its surroundings confirm it, so that lost and inserted bytes are detected. The frame that
-/// they damage is lost, and at most the one before and the one after. No protocol but PaXini's has a checksum: a bit
-/// that was changed within a plausible value is not detected, and neither is the loss of exactly as many bytes as a frame
-/// has, after which one frame consists of parts of two. PaXini's checksum has 8 bits and misses 1 of 256 damaged packets.
+/// A frame is returned only if the bytes before or after it confirm its boundaries. Lost or inserted bytes destroy the
+/// frame that contains them, and at most one frame before and one after. Only PaXini's protocol has a checksum (8 bits;
+/// it misses 1 in 256 damaged packets). In the other protocols, a changed bit is not detected if the value remains
+/// plausible. If exactly one frame's length of bytes is lost, the parts of two frames are returned as one.
 #[derive(Debug, Clone)]
 pub struct SkinDecoder {
     format: Format,

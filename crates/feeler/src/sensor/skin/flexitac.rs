@@ -64,11 +64,11 @@ impl Format {
         }
     }
 
-    /// Finds the beginning of a frame: a marker, with others at the distance of a frame behind it, if all such places
-    /// are whole frames apart. Looks at two frames behind each place, or at more if several places are possible.
+    /// Finds the first byte of a frame.
     ///
-    /// Searches two frames, because lost bytes may contain the beginning of a frame. A false beginning is then never the
-    /// only one.
+    /// A candidate is a marker that is followed by further markers at intervals of one frame. A candidate is accepted if
+    /// all other candidates are whole frames away from it; otherwise more frames are compared. Candidates are searched
+    /// over two frames, because lost bytes may include a marker: a false candidate then never appears alone.
     fn find(&mut self, bytes: &[u8]) -> Step {
         let length = frame_bytes(self.taxels);
         for frames in 2..=MOST_FRAMES {

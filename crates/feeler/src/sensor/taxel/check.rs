@@ -164,9 +164,13 @@ impl TaxelLayout {
         let normals = || self.elements().map(|(element, _)| element.normal());
         let first = normals().next().unwrap_or_default();
         let parallel = normals().all(|normal| normal.dot(first) > PARALLEL);
+        let kind = match parallel {
+            true => "of the same normal",
+            false => "of different normals",
+        };
         checker.require(
             "common_mode",
-            format!("true, with {count} taxels of the same normal: {parallel}"),
+            format!("true with {count} taxels {kind}"),
             parallel && count >= FEWEST,
             &format!("false, or at least {FEWEST} taxels, all with the same normal"),
         );
