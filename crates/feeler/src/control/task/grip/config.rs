@@ -60,6 +60,9 @@ pub struct GripConfig {
     pub home_tolerance: f64,
     /// Start position and closing direction of each finger.
     pub finger: Vec<CarryFinger>,
+    /// Stiffness and tip radius of the feelers.
+    #[serde(default)]
+    pub feeler: FeelerShape,
     /// Parameters of the law `partial-slip`.
     #[serde(default)]
     pub partial_slip: PartialSlipConfig,
@@ -78,12 +81,12 @@ pub struct GripConfig {
 }
 
 defaults! {
-    least_force: f64 = 0.1,
-    load_up_time: f64 = 0.2,
+    least_force: f64 = 0.05,
+    load_up_time: f64 = 0.05,
     touch_force: f64 = 0.02,
     search_speed: f64 = 0.02,
-    bandwidth: f64 = 20.0,
-    press_speed: f64 = 0.03,
+    bandwidth: f64 = 30.0,
+    press_speed: f64 = 0.06,
     stiffness: f64 = 2000.0,
     put_down_share: f64 = 0.1,
     put_down_time: f64 = 0.15,
@@ -159,6 +162,8 @@ pub struct PartialSlipConfig {
     pub filter_time: f64,
     /// Time constant with which the friction estimate rises (s).
     pub friction_time: f64,
+    /// Time constant with which a larger friction than the present ratio at the edge is forgotten (s).
+    pub forget_time: f64,
     /// Time constant with which a past load is forgotten (s).
     pub load_time: f64,
 }
@@ -169,11 +174,12 @@ impl Default for PartialSlipConfig {
             utilisation: 0.9,
             group_share: 0.2,
             slip_from: 0.88,
-            slip_gain: 2.5,
-            least_friction: 0.1,
-            least_pressing: 0.02,
+            slip_gain: 3.5,
+            least_friction: 0.2,
+            least_pressing: 0.01,
             filter_time: 0.03,
-            friction_time: 0.06,
+            friction_time: 0.012,
+            forget_time: 10.0,
             load_time: 0.1,
         }
     }
@@ -187,8 +193,6 @@ pub struct SlipReflexConfig {
     pub speed: f64,
     /// Missing shear of an element from which it slips (N), for `missing-shear`.
     pub missing_shear: f64,
-    /// Stiffness and tip radius of the feelers, for `missing-shear`.
-    pub feeler: FeelerShape,
     /// Drag from which the object slips (N), for `drag`.
     pub drag: f64,
 }
@@ -198,7 +202,6 @@ impl Default for SlipReflexConfig {
         Self {
             speed: 0.003,
             missing_shear: 0.0098,
-            feeler: FeelerShape::default(),
             drag: 0.02,
         }
     }
@@ -242,6 +245,7 @@ impl GripConfig {
             checker.vector(&format!("{key}.finger[{index}].home"), finger.home);
             checker.direction(&format!("{key}.finger[{index}].approach"), finger.approach);
         }
+        self.feeler.check(&format!("{key}.feeler"), checker);
         self.partial_slip
             .check(&format!("{key}.partial_slip"), checker);
         self.slip_reflex
@@ -264,6 +268,7 @@ impl PartialSlipConfig {
             ("least_pressing", self.least_pressing),
             ("filter_time", self.filter_time),
             ("friction_time", self.friction_time),
+            ("forget_time", self.forget_time),
             ("load_time", self.load_time),
         ];
         checker.all_positive(key, &positive);
@@ -279,6 +284,5 @@ impl SlipReflexConfig {
             ("drag", self.drag),
         ];
         checker.all_positive(key, &positive);
-        self.feeler.check(&format!("{key}.feeler"), checker);
     }
 }

@@ -1,5 +1,7 @@
 //! Pressing force and shear of the fingers on the object.
 
+use super::surface::Surface;
+use crate::control::feeler_shape::FeelerShape;
 use crate::control::sense::FingerReadings;
 use glam::DVec3;
 
@@ -31,7 +33,7 @@ impl ElementLoad {
         finger: &FingerReadings<'_>,
         approach: DVec3,
         loads: &'a mut [Self],
-    ) -> &'a [Self] {
+    ) -> &'a mut [Self] {
         let count = finger.touch.frame.forces.len().min(loads.len());
         let loads = &mut loads[..count];
         for (element, load) in loads.iter_mut().enumerate() {
@@ -42,6 +44,27 @@ impl ElementLoad {
             };
         }
         loads
+    }
+
+    /// Relates the `loads` of `finger` to the normal of the object's surface at each tip instead of the closing direction.
+    /// `feeler` is the shape of the feelers in series with the object.
+    pub fn relate_to(
+        surface: &Surface,
+        finger: &FingerReadings<'_>,
+        feeler: &FeelerShape,
+        loads: &mut [Self],
+    ) {
+        for (element, load) in loads.iter_mut().enumerate() {
+            let force = finger.force(element);
+            let Some(tip) = feeler.tip(finger, element, force) else {
+                return;
+            };
+            let normal = surface.normal(tip);
+            *load = Self {
+                pressing: -force.dot(normal),
+                shear: force.reject_from_normalized(normal),
+            };
+        }
     }
 }
 

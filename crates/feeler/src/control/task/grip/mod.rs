@@ -11,6 +11,8 @@ mod contact_load;
 mod force_control;
 mod partial_slip;
 mod slip_signal;
+mod softness;
+mod surface;
 
 pub use config::{GripConfig, GripLaw, PartialSlipConfig, SlipReflexConfig};
 
@@ -30,9 +32,13 @@ use force_control::ForceControl;
 use glam::DVec3;
 use partial_slip::PartialSlip;
 use slip_signal::SlipSignal;
+use softness::Softness;
+use surface::Surface;
 
 /// Speed after the first touch, relative to the search speed.
 const SLOW: f64 = 0.3;
+/// Duration from the first load from which an inclined surface counts (s): the contact settles before.
+const INCLINED_FROM: f64 = 0.2;
 /// Distance by which each finger leaves the object before it returns (m).
 const CLEARANCE: f64 = 0.002;
 
@@ -51,6 +57,12 @@ struct Jaw {
 }
 
 impl Jaw {
+    /// Largest pressing force of an element (N).
+    fn deepest(&self) -> f64 {
+        let pressing = self.elements.iter().map(|own| own.pressing);
+        pressing.fold(0.0, f64::max)
+    }
+
     /// Closing distance from home at this `position` of the fingertip (m, in W).
     fn closed(&self, position: DVec3) -> f64 {
         (position - self.home).dot(self.approach)
@@ -66,6 +78,7 @@ pub struct Grip {
     /// Slip signal of the law, if it uses one.
     signal: Option<SlipSignal>,
     control: ForceControl,
+    softness: Softness,
     /// Closing speed of each finger in contact (m/s).
     speed: f64,
     carried: CarriedLoad,
@@ -94,6 +107,7 @@ impl Grip {
             jaws,
             signal: SlipSignal::new(config),
             control: ForceControl::new(config.stiffness),
+            softness: Softness::new(config.feeler),
             speed: 0.0,
             carried: CarriedLoad::new(config.carried_load),
             low_since: None,
@@ -109,6 +123,12 @@ impl Grip {
     /// Mean pressing force of a finger (N).
     fn grip(&self) -> f64 {
         self.mean(|jaw| jaw.load.pressing)
+    }
+
+    /// Pressing force of the finger that presses least (N).
+    fn weakest(&self) -> f64 {
+        let pressing = self.jaws.iter().map(|jaw| jaw.load.pressing);
+        pressing.fold(f64::INFINITY, f64::min)
     }
 
     /// Mean load of a finger, with torsion (N).
@@ -129,17 +149,21 @@ impl Grip {
     /// Updates the load of each finger. Returns `true` if there are new frames.
     fn feel(&mut self, hand: &HandReadings<'_>, interval: f64) -> bool {
         let mut new = self.previous.is_none();
+        let (feeler, touch_force) = (self.softness.in_series(), self.config.touch_force);
         let jaws = self.jaws.iter_mut().zip(&mut self.frames);
         for (index, ((jaw, frame), finger)) in jaws.zip(hand.fingers()).enumerate() {
             let sequence = finger.touch.frame.sequence;
             new |= std::mem::replace(frame, sequence) != sequence;
             let elements = ElementLoad::of_finger(&finger, jaw.approach, &mut jaw.elements);
-            let touch_force = self.config.touch_force;
             jaw.load = FingerLoad::new(&finger, elements, jaw.approach, touch_force);
             if jaw.load.touches {
                 jaw.touched = hand.stamp;
             }
             if self.phase == Phase::Move && new {
+                let surface = Surface::fit(&finger, jaw.approach, &feeler, touch_force);
+                if let Some(surface) = surface {
+                    ElementLoad::relate_to(&surface, &finger, &feeler, elements);
+                }
                 self.partial_slip.feel(index, elements, &jaw.load, interval);
             }
         }
@@ -156,7 +180,10 @@ impl Grip {
         let load = if self.carried.is_supported() {
             0.0
         } else {
-            self.load()
+            match self.carried.is_for(INCLINED_FROM, hand.stamp) {
+                true => self.partial_slip.on_surface(self.load(), self.grip()),
+                false => self.load(),
+            }
         };
         self.partial_slip.load(load, interval);
         let distances = self.jaws.iter().zip(hand.poses);
@@ -181,10 +208,11 @@ impl Grip {
     /// Closing speed of each finger (m/s) for the grip force that the law requests at this `load` of a finger (N).
     fn closing_speed(&self, hand: &HandReadings<'_>, load: f64, slips: bool) -> f64 {
         let config = &self.config;
-        let (grip, estimate) = (self.grip(), &self.partial_slip);
-        let least = match self.carried.is_for(config.load_up_time, hand.stamp) {
-            true => config.least_force,
-            false => config.grip_force,
+        let estimate = &self.partial_slip;
+        // Before the object is lifted, the table may bear a part of one finger's force.
+        let (grip, least) = match self.carried.is_for(config.load_up_time, hand.stamp) {
+            true => (self.grip(), config.least_force),
+            false => (self.weakest(), config.grip_force),
         };
         let most = config.max_force;
         let requested = match config.law {
@@ -234,12 +262,14 @@ impl Grip {
 
     /// Closes until all fingers press with the minimum grip force.
     fn search(&mut self, hand: &HandReadings<'_>) -> Result<(), StopReason> {
+        if self.jaws.iter().all(|jaw| jaw.deepest() > softness::FROM) {
+            let jaws = self.jaws.iter().zip(hand.poses);
+            let closed = jaws.map(|(jaw, pose)| jaw.closed(pose.position)).sum();
+            let force = self.jaws.iter().map(Jaw::deepest).sum();
+            self.softness.feel(closed, force);
+        }
         let config = &self.config;
-        if self
-            .jaws
-            .iter()
-            .all(|jaw| jaw.load.pressing >= config.grip_force)
-        {
+        if self.weakest() >= config.grip_force {
             self.phase = Phase::Move;
             return Ok(());
         }

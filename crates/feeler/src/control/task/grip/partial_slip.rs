@@ -10,11 +10,15 @@ use super::config::PartialSlipConfig;
 use super::contact_load::{ElementLoad, FingerLoad};
 use crate::control::grasp_slip::part;
 use crate::sensor::fingertip::MAX_ELEMENTS;
+use glam::{DVec3, DVec4};
 
 /// Load below which the direction of the load is unknown (N).
 const LEAST_LOAD: f64 = 0.05;
 /// Grip below which the utilisation of the friction is unknown (N).
 const LEAST_GRIP: f64 = 0.03;
+
+/// Largest increase of the load by the inclination of the surface. Few tips show the inclination badly.
+const MOST_INCLINED: f64 = 1.3;
 
 /// Estimates friction and load of a grasp, and the grip that they require.
 #[derive(Debug, Clone)]
@@ -24,13 +28,16 @@ pub struct PartialSlip {
     means: Vec<Vec<ElementLoad>>,
     /// Space for the pressed elements of one finger: pressing force, and shear along the load (N).
     pressed: Vec<(f64, f64)>,
-    /// Friction coefficient: the largest ratio at the edge so far, less noise.
+    /// Friction coefficient: the largest recent ratio at the edge, less noise.
     friction: f64,
     /// The largest of the friction and the present ratio at the edge.
     edge: f64,
     /// Sums of the present and of the filtered ratios at the edges of the fingers felt in this step, and their number.
     edges: [f64; 2],
     felt: usize,
+    /// Sums of shear (N, in W) and pressing force (N) of all elements of the fingers felt in this step, and their ratio.
+    total: DVec4,
+    ratio: f64,
     /// Largest recent load of a finger (N).
     load: f64,
 }
@@ -46,6 +53,8 @@ impl PartialSlip {
             edge: config.least_friction,
             edges: [0.0; 2],
             felt: 0,
+            total: DVec4::ZERO,
+            ratio: 0.0,
             load: 0.0,
         }
     }
@@ -55,7 +64,7 @@ impl PartialSlip {
         self.friction
     }
 
-    /// Adds the loads on the `elements` of finger `index`, whose total is `load`, `interval` (s) after the previous ones.
+    /// Adds the loads on the `elements`, relative to the object's surface, of finger `index`, whose total is `load`, `interval` (s) after the previous ones.
     pub fn feel(
         &mut self,
         index: usize,
@@ -75,6 +84,12 @@ impl PartialSlip {
             return;
         }
         let along = load.shear.normalize();
+        let (mut shear, mut pressing) = (DVec3::ZERO, 0.0);
+        for own in elements {
+            shear += own.shear;
+            pressing += own.pressing;
+        }
+        self.total += shear.extend(pressing);
         let means = &means[..elements.len().min(MAX_ELEMENTS)];
         for (sum, loads) in self.edges.iter_mut().zip([elements, means]) {
             let mut count = 0;
@@ -96,9 +111,13 @@ impl PartialSlip {
     pub fn learn(&mut self, interval: f64) {
         let felt = std::mem::take(&mut self.felt);
         let [now, mean] = std::mem::take(&mut self.edges).map(|sum| sum / felt.max(1) as f64);
+        let sum = std::mem::take(&mut self.total);
+        self.ratio = sum.truncate().length() / sum.w.max(LEAST_GRIP);
         let known = felt == self.means.len();
         if known && mean > self.friction {
             self.friction += part(interval, self.config.friction_time) * (mean - self.friction);
+        } else if known {
+            self.friction += part(interval, self.config.forget_time) * (mean - self.friction);
         }
         self.edge = if known {
             self.friction.max(now)
@@ -111,6 +130,12 @@ impl PartialSlip {
     pub fn load(&mut self, load: f64, interval: f64) {
         let forgotten = part(interval, self.config.load_time);
         self.load = load.max(self.load + forgotten * (load - self.load));
+    }
+
+    /// Load (N) on a surface across the closing direction that would be as close to slipping as the present `load` (N) on
+    /// the object's surface, at this `grip` (N). Beside the axis of a cylinder, for example, pressing drives the object out.
+    pub fn on_surface(&self, load: f64, grip: f64) -> f64 {
+        load.max((self.ratio * grip).min(MOST_INCLINED * load))
     }
 
     /// Grip force that the load requires (N). The fingers press with `grip` and bear `shear` at present (N).

@@ -24,7 +24,7 @@ impl SlipSignal {
         match config.law {
             GripLaw::Reflex => Some(Self::Flag),
             GripLaw::MissingShear => {
-                let (feeler, touch_force) = (own.feeler, config.touch_force);
+                let (feeler, touch_force) = (config.feeler, config.touch_force);
                 let detector = SlipDetector::for_movable_object(feeler, touch_force, MAX_ELEMENTS);
                 Some(Self::MissingShear(
                     own.missing_shear,

@@ -1,0 +1,82 @@
+//! Softness of an object, from the force of the deepest feelers while the gripper closes.
+
+use crate::control::feeler_shape::FeelerShape;
+
+/// Force of the deepest feeler of each finger from which the measurement starts (N).
+pub(super) const FROM: f64 = 0.04;
+/// Closing distance of all fingers together from which the stiffness is known (m).
+const KNOWN: f64 = 1e-4;
+/// Range of plausible shares.
+const PLAUSIBLE: (f64, f64) = (0.15, 1.0);
+
+/// Stiffness of feeler and object in series, relative to that of the feeler. All of a finger's closing distance compresses its
+/// deepest feeler, while the number of those that touch changes.
+#[derive(Debug, Clone, Copy)]
+pub(super) struct Softness {
+    feeler: FeelerShape,
+    /// Closing distance of all fingers together (m), and sum of the largest forces (N), when the measurement started.
+    start: Option<(f64, f64)>,
+    share: f64,
+}
+
+impl Softness {
+    /// Starts with a rigid object.
+    pub fn new(feeler: FeelerShape) -> Self {
+        Self {
+            feeler,
+            start: None,
+            share: 1.0,
+        }
+    }
+
+    /// Feels the sum of the deepest feelers' forces (N) at the closing distance `closed` of all fingers together (m).
+    pub fn feel(&mut self, closed: f64, force: f64) {
+        let (from, before) = *self.start.get_or_insert((closed, force));
+        if closed - from > KNOWN {
+            let share = (force - before) / (self.feeler.normal_stiffness * (closed - from));
+            self.share = share.clamp(PLAUSIBLE.0, PLAUSIBLE.1);
+        }
+    }
+
+    /// The feeler and the object in series, as one feeler that touches a rigid object.
+    pub fn in_series(&self) -> FeelerShape {
+        FeelerShape {
+            normal_stiffness: self.share * self.feeler.normal_stiffness,
+            shear_stiffness: self.share * self.feeler.shear_stiffness,
+            ..self.feeler
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn softness() -> Softness {
+        Softness::new(FeelerShape {
+            normal_stiffness: 400.0,
+            ..FeelerShape::default()
+        })
+    }
+
+    #[test]
+    fn an_object_as_soft_as_the_feelers_halves_the_stiffness() {
+        let mut softness = softness();
+        for step in 0..20 {
+            let closed = 0.02 + 2e-5 * f64::from(step);
+            softness.feel(closed, 0.1 + 200.0 * (closed - 0.02));
+        }
+        let stiffness = softness.in_series().normal_stiffness;
+        assert!((stiffness - 200.0).abs() < 1e-9, "{stiffness}");
+    }
+
+    #[test]
+    fn forces_that_cannot_be_stay_plausible() {
+        let mut softness = softness();
+        softness.feel(0.02, 0.1);
+        softness.feel(0.021, 5.0);
+        assert_eq!(softness.share, PLAUSIBLE.1);
+        softness.feel(0.021, 0.0);
+        assert_eq!(softness.share, PLAUSIBLE.0);
+    }
+}
