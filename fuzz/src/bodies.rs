@@ -641,7 +641,7 @@ fn state_of(header: MessageHeader) -> StateMessage {
         header,
         position: vec![Vector3::default()],
         velocity: vec![Vector3::default()],
-        instruments: Vec::new(),
+        ..StateMessage::default()
     }
 }
 

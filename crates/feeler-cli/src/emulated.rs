@@ -1,10 +1,12 @@
 //! Runs that use an emulated servo bus.
 
 use super::CommandError;
+use feeler::control::task::grip::GripLaw;
 use feeler::pace::real_time::fine_timer;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::Session;
 use feeler_lab::experiment::rigs::driven;
+use feeler_lab::grips::GripTrial;
 
 pub use feeler_lab::experiment::rigs::driven::EmulatedBus;
 
@@ -20,4 +22,9 @@ pub fn session(
         let _ = fine_timer();
     }
     Ok((session, bus))
+}
+
+/// Runs the gripper of `experiment` under `law` with the object of `seed`, moved by emulated servos in simulated time.
+pub fn grip_trial(experiment: &Experiment, law: GripLaw, seed: u64) -> Result<GripTrial, String> {
+    GripTrial::run_on_bus(experiment, law, seed).map_err(|error| error.to_string())
 }

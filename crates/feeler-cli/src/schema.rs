@@ -69,11 +69,12 @@ pub fn schema(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     Ok(Outcome::Done)
 }
 
-fn recorded() -> [Schema; 22] {
+fn recorded() -> [Schema; 23] {
     [
         Schema::recorded(topics::tactile(0)),
         Schema::recorded(topics::flags(0)),
         Schema::recorded(topics::joints(0)),
+        Schema::recorded(topics::efforts(0)),
         Schema::recorded(topics::command(0)),
         Schema::recorded(topics::fingertip(0)),
         Schema::recorded(topics::TORQUE_SENSOR),

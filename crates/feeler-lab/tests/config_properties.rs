@@ -46,6 +46,7 @@ const FAULTS: &str = "{from=0.0, until=1.0, kind.dead_element={finger=0, element
     {kind.joint_freeze={finger=0, joint=0}}, \
     {kind.joint_gain={finger=1, joint=1, gain=0.5}}, \
     {kind.joint_jump={finger=1, joint=0, angle=0.1}}, \
+    {kind.sensor_gain={finger=1, gain=2.0}}, \
     {kind.swapped_sensors={finger=0, other=1}}, \
     {kind.backlash={finger=1, joint=2, angle=0.01}}, \
     {kind.friction_drop={factor=0.1}}";

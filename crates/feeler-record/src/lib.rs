@@ -17,6 +17,7 @@ pub use crate::messages::channels::{
     RecordingGap, Stamped, Tactile, Task, TorqueSensor, TrueSlip,
 };
 pub use crate::messages::contact::Contact;
+pub use crate::messages::efforts::Efforts;
 pub use crate::messages::facts::{CapFacts, CarryGoal, RunFacts};
 pub use crate::messages::felt::Felt;
 pub use crate::messages::image::Image;

@@ -61,13 +61,18 @@ impl HandRecord {
             patience,
             flush_interval,
             policy: experiment.policy_file()?,
+            efforts: config.measures_efforts(),
             ..RecordOptions::default()
         };
         let facts = run_facts(config)?;
         let file = folder.join(RECORDING);
         let recorder = Recorder::create_with(file, &facts, &experiment.toml, &options)?;
+        let log = RunLog::new(recorder, &facts)?;
         Ok(Self {
-            log: RunLog::new(recorder, &facts)?,
+            log: match options.efforts {
+                true => log.with_efforts(),
+                false => log,
+            },
             folder,
             on_failure: config.control.on_recording_failure,
             warnings,

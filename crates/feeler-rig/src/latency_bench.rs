@@ -205,7 +205,7 @@ impl Sensors {
                 header: header(self.world),
                 position: self.home.clone(),
                 velocity: still.clone(),
-                instruments: Vec::new(),
+                ..StateMessage::default()
             };
             self.publish(Topic::State, &state)?;
             for (finger, &instance) in self.fingers.iter().enumerate() {

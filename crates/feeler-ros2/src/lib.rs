@@ -5,9 +5,13 @@
 mod texts;
 
 pub(crate) mod attachment;
+#[cfg(feature = "zenoh")]
+pub(crate) mod client;
 pub(crate) mod cloud;
 #[cfg(feature = "zenoh")]
 pub(crate) mod freshness;
+#[cfg(feature = "zenoh")]
+pub(crate) mod gripper;
 pub(crate) mod hand_messages;
 #[cfg(feature = "zenoh")]
 pub(crate) mod hand_node;
@@ -40,9 +44,13 @@ pub(crate) mod velocity_sender;
 pub(crate) mod wall_clock;
 
 pub use attachment::{Attachment, AttachmentError};
+#[cfg(feature = "zenoh")]
+pub use client::Client;
 pub use cloud::{CloudError, read_forces};
 #[cfg(feature = "zenoh")]
 pub use freshness::{GraphClock, StaleError};
+#[cfg(feature = "zenoh")]
+pub use gripper::GripperConfig;
 pub use hand_messages::{HandMessages, Touch};
 #[cfg(feature = "zenoh")]
 pub use hand_node::HandPublishers;
@@ -60,7 +68,7 @@ pub use parameter_server::serve_parameters;
 pub use publisher::Publisher;
 pub use qos::{Durability, History, Qos, Reliability};
 #[cfg(feature = "zenoh")]
-pub use ros_hand::{RosHand, RosHandConfig, RosHandError};
+pub use ros_hand::{RosCommands, RosHand, RosHandConfig, RosHandError};
 #[cfg(feature = "zenoh")]
 pub use ros_sensor::{RosSensor, SensorAge};
 pub use token::{Endpoint, EndpointKind, Token};

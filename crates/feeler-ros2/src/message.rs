@@ -3,6 +3,7 @@
 mod array;
 mod clock;
 mod diagnostic;
+mod gripper_command;
 mod parameter;
 mod parameter_services;
 mod tactile_state;
@@ -11,6 +12,7 @@ mod trigger;
 pub use array::{Float64MultiArray, MultiArrayDimension, MultiArrayLayout};
 pub use clock::Clock;
 pub use diagnostic::{DiagnosticArray, DiagnosticLevel, DiagnosticStatus, KeyValue};
+pub use gripper_command::{SendGripperGoal, SendGripperGoalRequest, SendGripperGoalResponse};
 pub use parameter::{
     FloatingPointRange, IntegerRange, Parameter, ParameterDescriptor, ParameterValue,
     SetParametersResult,

@@ -1,6 +1,7 @@
 //! ROS 2 nodes over Zenoh.
 
 use crate::attachment::Attachment;
+use crate::client::Client;
 use crate::key::key;
 use crate::name::NodeName;
 use crate::node_error::NodeError;
@@ -158,6 +159,17 @@ impl Node {
         let server = Server::declare::<S>(&self.session, key, &token, answer)?;
         self.servers.push(server);
         Ok(())
+    }
+
+    /// Creates a client of `service`, whose name is resolved with [`NodeName::resolve`]. Does not wait for its server.
+    ///
+    /// # Errors
+    /// If `service` is not a valid name, or the session is closed.
+    pub fn client<S: Service>(&mut self, service: &str) -> Result<Client<S>, NodeError> {
+        let hash = TypeDescription::of_service::<S>()?.hash();
+        let of_type = (S::NAME, hash.as_str());
+        let (key, token) = self.endpoint(EndpointKind::Client, service, of_type, Qos::DEFAULT)?;
+        Client::declare(&self.session, key, &token)
     }
 }
 

@@ -23,6 +23,24 @@ pub enum NodeError {
     /// Zenoh returned an error.
     #[error("ROS 2 graph: {0}")]
     Zenoh(String),
+    /// A service did not respond.
+    #[error(
+        "{service}: expected a response within {timeout:.3} s, got none; check that its server runs"
+    )]
+    NoResponse {
+        /// Type of the service.
+        service: &'static str,
+        /// Maximum time (s).
+        timeout: f64,
+    },
+    /// A service returned an error, or an invalid response.
+    #[error("{service}: {why}")]
+    Refused {
+        /// Type of the service.
+        service: &'static str,
+        /// The server's message, or the problem of its response.
+        why: String,
+    },
     /// A thread could not be started.
     #[error("failed to start a thread: {0}")]
     Thread(#[from] std::io::Error),

@@ -1,7 +1,8 @@
 //! Uses a ROS 2 robot as a hand: reads joints from `sensor_msgs/JointState`, and sends velocities to a
-//! `forward_command_controller`.
+//! `forward_command_controller` or goals to a gripper's action.
 
 use crate::freshness::{Freshness, GraphClock, StaleError, lock, seconds};
+use crate::gripper::{Gripper, GripperConfig};
 use crate::joint_reader::{JointError, JointNames, JointReader};
 use crate::node::{Node, Subscription};
 use crate::node_error::NodeError;
@@ -20,12 +21,27 @@ pub struct RosHandConfig {
     pub joints: JointNames,
     /// Topic of the joint states, such as `/joint_states`.
     pub joint_states: String,
-    /// Topic of the controller's commands, such as `/forward_velocity_controller/commands`.
-    pub commands: String,
+    /// Way in which the joints are moved.
+    pub commands: RosCommands,
     /// Maximum age of joint states (s of the graph's time).
     pub most_age: f64,
     /// Speed of the graph's clock relative to real time; 1 unless simulated.
     pub speed: f64,
+}
+
+/// Way in which the joints of a robot are moved.
+#[derive(Debug, Clone, PartialEq)]
+pub enum RosCommands {
+    /// Velocities on this topic of a `forward_command_controller`, such as `/forward_velocity_controller/commands`.
+    Velocities(String),
+    /// Goals for the joint of the first finger, which moves all fingers. Each finger has one joint.
+    Gripper(GripperConfig),
+}
+
+/// Sender of commands.
+enum Drive {
+    Velocities(VelocitySender),
+    Gripper(Gripper),
 }
 
 /// Robot of a ROS 2 graph as a [`Hand`].
@@ -35,11 +51,12 @@ pub struct RosHandConfig {
 ///
 /// A `forward_command_controller` executes the last velocities until it receives others. Zeros are therefore sent if
 /// joint states or commands are too old, and when this is dropped. If the program is killed or the network fails, only
-/// a watchdog in the robot can stop it.
+/// a watchdog in the robot can stop it. A gripper instead keeps its latest goal, at most the distance at its speed limit
+/// within the maximum age of joint states away.
 pub struct RosHand {
     newest: Arc<Mutex<Newest>>,
     freshness: Arc<Freshness>,
-    commands: VelocitySender,
+    drive: Drive,
     /// Number of joints of each finger.
     joints: Vec<usize>,
     _subscription: Subscription,
@@ -86,6 +103,16 @@ pub enum RosHandError {
     /// The joints are invalid.
     #[error(transparent)]
     Joints(#[from] JointError),
+    /// A finger of a gripper has several joints.
+    #[error(
+        "expected one joint of finger {finger}, as a gripper's action moves one joint, got {actual}"
+    )]
+    GripperJoints {
+        /// Index of the finger.
+        finger: usize,
+        /// Number of its joints.
+        actual: usize,
+    },
 }
 
 impl RosHand {
@@ -98,6 +125,7 @@ impl RosHand {
         config: RosHandConfig,
         clock: GraphClock,
     ) -> Result<Self, RosHandError> {
+        let first = config.joints.iter().flatten().next().cloned();
         let reader = JointReader::new(config.joints)?;
         let joints = reader.joint_counts();
         let newest = Arc::new(Mutex::new(Newest {
@@ -116,14 +144,30 @@ impl RosHand {
         let take = move |bytes: &[u8], _| lock(&heard).take(bytes, &judge);
         let subscription =
             node.subscribe::<JointState>(&freshness.topic, Qos::SENSOR_DATA, take)?;
-        let commands = node.publish(&config.commands, Qos::DEFAULT)?;
         // An invalid limit becomes zero, so that velocities expire at once.
         let most = Duration::try_from_secs_f64(config.most_age / config.speed).unwrap_or_default();
+        let drive = match &config.commands {
+            RosCommands::Velocities(topic) => {
+                let topic = node.publish(topic, Qos::DEFAULT)?;
+                let sender = VelocitySender::start(topic, joints.iter().sum(), most);
+                Drive::Velocities(sender.map_err(NodeError::from)?)
+            }
+            RosCommands::Gripper(gripper) => {
+                if let Some(finger) = joints.iter().position(|&joints| joints != 1) {
+                    return Err(RosHandError::GripperJoints {
+                        finger,
+                        actual: joints[finger],
+                    });
+                }
+                let first = first.unwrap_or_default();
+                let times = (config.most_age, most);
+                Drive::Gripper(Gripper::start(node, gripper, &first, times)?)
+            }
+        };
         Ok(Self {
             newest,
             freshness,
-            commands: VelocitySender::start(commands, joints.iter().sum(), most)
-                .map_err(NodeError::from)?,
+            drive,
             joints,
             _subscription: subscription,
         })
@@ -183,14 +227,22 @@ impl Hand for RosHand {
             true => self.expiry(),
             false => Ok(Instant::now()),
         };
-        // Stale joint states stop the robot.
-        let scale = if expiry.is_ok() { 1.0 } else { 0.0 };
-        // Missing velocities are 0.
-        let fingers = self.joints.iter().zip(velocities);
-        let numbers = fingers.flat_map(|(&joints, velocity)| velocity.padded(joints));
-        let values = numbers.map(|velocity| scale * velocity);
         let until = *expiry.as_ref().unwrap_or(&Instant::now());
-        let given = self.commands.give(values, until);
+        let given = match &mut self.drive {
+            Drive::Velocities(sender) => {
+                // Stale joint states stop the robot.
+                let scale = if expiry.is_ok() { 1.0 } else { 0.0 };
+                // Missing velocities are 0.
+                let fingers = self.joints.iter().zip(velocities);
+                let numbers = fingers.flat_map(|(&joints, velocity)| velocity.padded(joints));
+                sender.give(numbers.map(|velocity| scale * velocity), until)
+            }
+            // A gripper keeps its goal if joint states are stale.
+            Drive::Gripper(gripper) if expiry.is_ok() => {
+                gripper.command(velocities, &lock(&self.newest).state, until)
+            }
+            Drive::Gripper(_) => Ok(()),
+        };
         expiry.map(drop).and(given.map_err(HandError::Failed))
     }
 }

@@ -31,7 +31,8 @@ Examples:
   feeler compare cap-closing --policy my.safetensors        all laws and a learned policy
   feeler compare cap-closing --resume -o compare            continue an interrupted comparison
   feeler run --trial compare/best 17                        rerun one trial, with recording and report
-  feeler compare grip --trials 2000 -o grips                laws of a gripper on 2,000 unknown objects";
+  feeler compare grip --trials 2000 -o grips                laws of a gripper on 2,000 unknown objects
+  feeler compare grip --drives emulated -o grips-on-a-bus   the same on servos of an emulated bus";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]
@@ -65,6 +66,11 @@ pub struct Arguments {
     /// The default is the limit for damage, a quarter above F2.
     #[arg(long, value_name = "FORCE", default_value_t = 0.63)]
     goal_force: f64,
+    /// Move a gripper with servos on an emulated bus, in simulated time.
+    ///
+    /// Uses the servos of the experiment's [drives], or suitable defaults.
+    #[arg(long, value_name = "SERVOS", value_parser = ["emulated"])]
+    pub(super) drives: Option<String>,
     #[command(flatten)]
     pub(super) trial: TrialArguments,
     /// Output folder.
@@ -80,6 +86,9 @@ pub fn compare(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Co
     let experiment = Experiment::load(&arguments.experiment, &settings.concat())?;
     match experiment.config.task {
         TaskConfig::Grip(_) => compare_grips(arguments, &experiment, out),
+        _ if arguments.drives.is_some() => {
+            Err("--drives: expected an experiment with task.grip".into())
+        }
         _ => compare_caps(arguments, out),
     }
 }

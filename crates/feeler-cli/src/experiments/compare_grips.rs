@@ -2,11 +2,10 @@
 
 use super::compare::{Arguments, PAGE};
 use super::trials::{in_parallel, trial_seed};
-use crate::{CommandError, Outcome};
+use crate::{CommandError, Outcome, emulated};
 use feeler::control::task::grip::GripLaw;
 use feeler_console::{Outputs, Steps, watch_for_interrupt};
 use feeler_lab::config::Experiment;
-use feeler_lab::experiment::ExperimentError;
 use feeler_lab::grips::{GripRow, GripScore, GripTrial, excess_over_load};
 use feeler_report::pages::{GRIP_COLUMNS, GripsPage, grips_page, significant};
 use feeler_report::run::create_folder;
@@ -88,13 +87,14 @@ fn run(
     let interrupted = watch_for_interrupt()?;
     let (count, trial) = (arguments.trials, &arguments.trial);
     let bar = Steps::new(count as usize);
-    let laws_of = |number: u64| -> Result<Vec<GripRow>, ExperimentError> {
+    let laws_of = |number: u64| -> Result<Vec<GripRow>, String> {
         let seed = trial_seed(trial.seed, number);
         let row = |&law| {
-            Ok(GripRow::new(
-                number,
-                &GripTrial::run(experiment, law, seed)?,
-            ))
+            let ran = match arguments.drives {
+                Some(_) => emulated::grip_trial(experiment, law, seed),
+                None => GripTrial::run(experiment, law, seed).map_err(|error| error.to_string()),
+            };
+            Ok(GripRow::new(number, &ran?))
         };
         laws.iter().map(row).collect()
     };
@@ -107,7 +107,7 @@ fn run(
         |number, rows| {
             finished.insert(number, rows?);
             bar.advance();
-            Ok::<_, ExperimentError>(())
+            Ok::<_, CommandError>(())
         },
     )?;
     drop(bar);

@@ -108,6 +108,7 @@ fn copy(
             ReplayFrom::Forces => recording.calibrations.clone(),
         },
         policy: experiment.policy_file()?,
+        efforts: recording.has_efforts(),
         ..RecordOptions::default()
     };
     let file = folder.join(RECORDING);

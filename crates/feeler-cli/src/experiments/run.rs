@@ -87,6 +87,7 @@ pub fn run(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comman
     })?;
     options.flush_interval = arguments.flush.flush_interval;
     options.felt = arguments.view;
+    options.efforts = arguments.drives.is_some() && experiment.config.measures_efforts();
     // Set up before creating a folder, so that an invalid experiment leaves none.
     let set_up = match arguments.drives {
         Some(_) => {

@@ -7,6 +7,8 @@ mod campaign;
 mod drives;
 #[cfg(target_os = "linux")]
 mod emulated;
+#[cfg(feature = "drives")]
+mod gripper_servos;
 #[cfg(all(feature = "link", unix))]
 #[path = "../../../feeler-link/tests/support/how_many.rs"]
 mod how_many;

@@ -267,7 +267,7 @@ fn messages() -> Vec<Vec<u8>> {
         header: header(2, 3),
         position: vec![Vector3::default()],
         velocity: vec![Vector3::default()],
-        instruments: vec![],
+        ..StateMessage::default()
     };
     let mode = HandMode {
         header: header(1, 1),

@@ -13,9 +13,10 @@ fn every_message_is_printed() {
     let printed = run(&folder("schema-all"), &["schema"]).done();
     let heads = printed.lines().filter(|line| line.starts_with("#### "));
     let recorded = include_str!("../../../feeler-record/src/messages/channels.rs");
+    let efforts = include_str!("../../../feeler-record/src/messages/efforts.rs");
     let felt = include_str!("../../../feeler-record/src/messages/felt.rs");
     let linked = include_str!("../../../feeler-link/src/messages/message.rs");
-    let written = [recorded, felt, linked].map(|text| text.matches("\nmessage!(").count());
+    let written = [recorded, efforts, felt, linked].map(|text| text.matches("\nmessage!(").count());
     // The ROS 2 messages, for images and seven for viewers, are written without the macro.
     assert_eq!(heads.count(), written.iter().sum::<usize>() + 8);
 }

@@ -128,12 +128,16 @@ impl DrivesConfig {
         self.finger.iter().flat_map(|finger| &finger.joint)
     }
 
+    /// Returns `true` if a joint has a calibration of its torque, so that its effort is estimated from the current.
+    pub fn measures_efforts(&self) -> bool {
+        self.joints().any(|joint| joint.torque.is_some())
+    }
+
     /// Returns `true` if the currents of the servos are read in every period: a joint has a calibration of its torque, or
     /// a limited current.
     pub fn reads_current(&self) -> bool {
         let is_limited = |mode| mode == DriveMode::CurrentLimitedPosition;
-        self.joints()
-            .any(|joint| joint.torque.is_some() || is_limited(joint.mode))
+        self.measures_efforts() || self.joints().any(|joint| is_limited(joint.mode))
     }
 
     /// Bus watchdog in the servos' unit of 20 ms, rounded up.

@@ -9,6 +9,9 @@ use crate::packet::Protocol;
 use rand::{RngExt, SeedableRng};
 use rand_pcg::Pcg64;
 
+/// Noise of the measured current, relative to the stall current: half width of a uniform distribution; assumed.
+const CURRENT_NOISE: f64 = 0.01;
+
 /// Configuration of an emulated bus.
 #[derive(Debug, Clone)]
 pub struct EmulatorConfig {
@@ -48,6 +51,8 @@ pub(super) struct Servos {
     plant: Box<dyn Plant>,
     noise: f64,
     random: Pcg64,
+    /// Random stream of the noise of currents.
+    current_random: Pcg64,
     goals: Vec<f64>,
     time: f64,
     pub(super) log: PacketLog,
@@ -62,6 +67,7 @@ impl Servos {
             plant,
             noise: config.noise,
             random: Pcg64::seed_from_u64(config.seed),
+            current_random: Pcg64::seed_from_u64(config.seed ^ 0xA3),
             time: 0.0,
             log: PacketLog::default(),
         }
@@ -80,6 +86,8 @@ impl Servos {
         self.plant.advance(now, &self.goals);
         for (index, servo) in self.servos.iter_mut().enumerate() {
             let noise = self.noise * self.random.random_range(-1.0..=1.0);
+            let current_noise = CURRENT_NOISE * self.current_random.random_range(-1.0..=1.0);
+            let noise = (noise, current_noise);
             servo.measure((now, step), self.plant.motion(index), noise);
         }
         self.time = now;

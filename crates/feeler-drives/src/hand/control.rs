@@ -6,7 +6,8 @@ use crate::error::{DriveError, JointName};
 use crate::registers::{GoalKind, Registers};
 use crate::servo::Servo;
 use feeler::hand::{
-    Hand, HandCommand, HandError, HandState, JointState, JointVector, check_finger_count,
+    Hand, HandCommand, HandError, HandState, JointEfforts, JointState, JointVector,
+    check_finger_count,
 };
 
 impl DriveHand {
@@ -74,6 +75,25 @@ impl DriveHand {
         Ok(())
     }
 
+    /// Estimates the effort of each joint from the latest current of its motor. Leaves a finger without calibrations
+    /// empty.
+    fn estimate_efforts(&self, efforts: &mut [JointEfforts]) {
+        efforts.fill(JointEfforts::default());
+        for servo in &self.servos {
+            let (Some(estimate), Some(own)) = (servo.effort(), efforts.get_mut(servo.name.finger))
+            else {
+                continue;
+            };
+            let joints = self.config.finger[servo.name.finger].joint.len();
+            if own.effort.is_empty() {
+                own.effort = JointVector::splat(joints, f64::NAN);
+                own.uncertainty = JointVector::zeros(joints);
+            }
+            own.effort[servo.name.joint] = estimate.torque;
+            own.uncertainty[servo.name.joint] = estimate.uncertainty;
+        }
+    }
+
     /// Commands the joints, then checks the health of the next servo if due.
     fn drive(&mut self, velocity: &[JointVector]) -> Result<(), DriveError> {
         let at = |name: JointName| velocity.get(name.finger).map_or(0.0, |v| v[name.joint]);
@@ -116,6 +136,7 @@ impl Hand for DriveHand {
             joints.position[servo.name.joint] = servo.angle;
             joints.velocity[servo.name.joint] = servo.velocity;
         }
+        self.estimate_efforts(&mut state.efforts);
         Ok(())
     }
 

@@ -1,9 +1,9 @@
 //! Conversion of a joint's velocity to the value of a servo's goal register.
 
-use super::leash::LeashedGoal;
 use crate::config::JointDriveConfig;
 use crate::packet::Protocol;
 use crate::registers::{COUNTS_PER_TURN, GoalKind, Model};
+use feeler::hand::LeashedGoal;
 
 /// State of the goal in each mode.
 #[derive(Debug, Clone, Copy)]

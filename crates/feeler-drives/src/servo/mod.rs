@@ -1,7 +1,6 @@
 //! The servo of one joint: units, limits and last command.
 
 mod follower;
-mod leash;
 
 use crate::config::JointDriveConfig;
 use crate::error::{DriveError, JointName};
@@ -222,6 +221,13 @@ impl Servo {
     /// Sets the goal that stops the joint.
     pub fn stop(&mut self) {
         self.goal = self.follower.stop(&self.drive, self.model);
+    }
+
+    /// Effort of the motor on the joint, or `None` without a calibration. The friction is part of the uncertainty even if
+    /// the joint moves: in a position mode it moves in small steps, between which friction acts in either direction.
+    pub fn effort(&self) -> Option<TorqueEstimate> {
+        let calibration = self.drive.torque?;
+        Some(TorqueEstimate::of(&calibration, self.current, 0.0))
     }
 
     /// Torque that the motor exerts on the joint, or `None` without a calibration.

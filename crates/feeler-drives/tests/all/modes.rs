@@ -194,8 +194,9 @@ fn a_stalled_joint_keeps_the_limit_of_its_current() {
                 "{protocol:?}: {greatest} A of {most} A"
             );
             let (_, measured) = rig.hand.currents().next().expect("a joint");
+            // A unit, and the noise of 1 % of the stall current, at most 3.25 A.
             assert!(
-                (measured - greatest).abs() < 0.01,
+                (measured - greatest).abs() < 0.01 + 0.0325,
                 "{protocol:?}: {measured} A"
             );
             let (_, torque) = rig.hand.torques().next().expect("a joint");

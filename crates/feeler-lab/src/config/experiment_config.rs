@@ -116,6 +116,12 @@ impl ExperimentConfig {
     pub fn cap(&self) -> Option<(&str, &ObjectConfig, &ThreadConfig)> {
         self.sim.as_ref()?.cap()
     }
+
+    /// Returns `true` if the servos of the table `[drives]` measure their efforts.
+    pub fn measures_efforts(&self) -> bool {
+        let drives = self.drives.as_ref();
+        drives.is_some_and(DrivesConfig::measures_efforts)
+    }
 }
 
 impl SensorConfig {

@@ -30,4 +30,4 @@ pub use experiment_config::{
 pub use feeler::check::Problem;
 pub use load::Experiment;
 pub(crate) use load::read_text;
-pub use ros2::{RosConfig, RosFingerConfig};
+pub use ros2::{RosConfig, RosFingerConfig, RosGripperConfig};

@@ -19,8 +19,27 @@ pub struct RosConfig {
     /// joints are in the order of this table.
     #[serde(default = "commands")]
     pub commands: String,
+    /// Gripper whose action moves all fingers, in place of `commands`.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub gripper: Option<RosGripperConfig>,
     /// The fingers, in the order of `hand.finger`.
     pub finger: Vec<RosFingerConfig>,
+}
+
+/// Gripper with one motor, driven by its action `control_msgs/ParallelGripperCommand`.
+#[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct RosGripperConfig {
+    /// Name of the action.
+    #[serde(default = "action")]
+    pub action: String,
+    /// Maximum effort of the joint (N, or N m of a revolute joint), sent with each goal. `None` for the controller's own
+    /// limit.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub max_effort: Option<f64>,
+    /// Minimum interval between two goals (s of real time).
+    #[serde(default = "interval")]
+    pub interval: f64,
 }
 
 /// Joints of one finger, and its fingertip if that is a sensor of the graph.
@@ -45,12 +64,41 @@ fn commands() -> String {
     "/forward_velocity_controller/commands".into()
 }
 
+fn action() -> String {
+    "/gripper_controller/gripper_cmd".into()
+}
+
+fn interval() -> f64 {
+    0.02
+}
+
+impl RosGripperConfig {
+    fn check(&self, key: &str, fingers: &[(usize, usize)], checker: &mut Checker) {
+        name(&format!("{key}.action"), &self.action, checker);
+        checker.between(&format!("{key}.interval"), self.interval, 0.001, 1.0);
+        if let Some(effort) = self.max_effort {
+            checker.between(&format!("{key}.max_effort"), effort, 1e-3, 1e4);
+        }
+        for (number, &(_, joints)) in fingers.iter().enumerate() {
+            checker.require(
+                key,
+                format!("a gripper for {joints} joints of finger {number}"),
+                joints == 1,
+                "one joint per finger, all moved by the joint of the first one",
+            );
+        }
+    }
+}
+
 impl RosConfig {
     /// Requires every value of the table `key` to be in range. `fingers` are the numbers of elements and joints of each
     /// finger.
     pub fn check(&self, key: &str, fingers: &[(usize, usize)], checker: &mut Checker) {
         name(&format!("{key}.joint_states"), &self.joint_states, checker);
         name(&format!("{key}.commands"), &self.commands, checker);
+        if let Some(gripper) = &self.gripper {
+            gripper.check(&format!("{key}.gripper"), fingers, checker);
+        }
         let (actual, expected) = (self.finger.len(), fingers.len());
         checker.require(
             &format!("{key}.finger"),
@@ -75,8 +123,8 @@ impl RosConfig {
                 checker.require(
                     &field,
                     value,
-                    names.insert(joint),
-                    "a different name for each joint",
+                    names.insert(joint) || self.gripper.is_some(),
+                    "a different name for each joint, unless a gripper has one for all",
                 );
             }
             finger.check_sensor(&key, elements, checker);

@@ -65,12 +65,15 @@ impl RecordedRun {
         let file = folder.join(RECORDING);
         let recorder = Recorder::create_with(file, &facts, &experiment.toml, options)?;
         let recorder = ReportingRecorder::new(recorder, &facts, &experiment.toml, options)?;
-        let log = RunLog::new(recorder, &facts)?;
+        let mut log = RunLog::new(recorder, &facts)?;
+        if options.pictures {
+            log = log.with_pictures();
+        }
+        if options.efforts {
+            log = log.with_efforts();
+        }
         Ok(Self {
-            log: match options.pictures {
-                true => log.with_pictures(),
-                false => log,
-            },
+            log,
             session,
             folder: folder.into(),
         })

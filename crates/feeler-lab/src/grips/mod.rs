@@ -9,10 +9,18 @@ pub use object::GripObject;
 pub use score::{GripRow, GripScore, excess_over_load};
 
 use crate::config::Experiment;
+#[cfg(target_os = "linux")]
+use crate::experiment::rigs::driven::{self, DrivenError};
 use crate::experiment::{ExperimentError, Pictures, Session};
 use feeler::control::task::TaskConfig;
 use feeler::control::task::grip::GripLaw;
-use std::sync::{Arc, Mutex, PoisonError};
+#[cfg(target_os = "linux")]
+use std::convert::Infallible;
+#[cfg(target_os = "linux")]
+use std::ops::ControlFlow;
+#[cfg(target_os = "linux")]
+use std::sync::atomic::AtomicBool;
+use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Height above the table that an object must have reached to count as lifted (m).
 const LIFTED: f64 = 0.08;
@@ -36,21 +44,43 @@ impl GripTrial {
     pub fn run(experiment: &Experiment, law: GripLaw, seed: u64) -> Result<Self, ExperimentError> {
         let (experiment, object) = Self::prepared(experiment, law, seed);
         let mut session = Session::drawing(&experiment, Pictures::Sensed)?;
-        let meter = Arc::new(Mutex::new(GripMeter::new(&object, session.layouts().len())));
-        let own = meter.clone();
-        session.rig().world().observe(move |model, state| {
-            let mut meter = own.lock().unwrap_or_else(PoisonError::into_inner);
-            meter.observe(model, state);
-        });
+        let meter = watch(&session, &object);
         while !session.finished() {
             session.step()?;
         }
-        let meter = meter.lock().unwrap_or_else(PoisonError::into_inner).clone();
-        Ok(Self {
+        Ok(Self::ended(&session, object, &meter))
+    }
+
+    /// Like [`run`](Self::run), but the fingers are moved by the servos of `experiment` on an emulated bus, in simulated
+    /// time.
+    ///
+    /// # Errors
+    /// Like [`run`](Self::run), or if the servos cannot be used.
+    #[cfg(target_os = "linux")]
+    pub fn run_on_bus(
+        experiment: &Experiment,
+        law: GripLaw,
+        seed: u64,
+    ) -> Result<Self, DrivenError> {
+        let (experiment, object) = Self::prepared(experiment, law, seed);
+        let (mut session, bus) = driven::session(&experiment, f64::INFINITY)?;
+        let meter = watch(&session, &object);
+        let mut schedule = bus.schedule(experiment.config.control.period)?;
+        let never = AtomicBool::new(false);
+        session.run(&mut schedule, &never, |_, _, _| {
+            ControlFlow::<Infallible>::Continue(())
+        })?;
+        Ok(Self::ended(&session, object, &meter))
+    }
+
+    /// Result of a finished `session`.
+    fn ended(session: &Session, object: GripObject, meter: &Mutex<GripMeter>) -> Self {
+        let controller = session.control_loop().controller();
+        Self {
             object,
-            meter,
-            outcome: session.control_loop().controller().task().outcome(),
-        })
+            meter: locked(meter).clone(),
+            outcome: controller.task().outcome(),
+        }
     }
 
     /// Returns the gripper of `experiment` under `law` with the object of `seed`, and the object.
@@ -76,4 +106,18 @@ impl GripTrial {
     pub fn crushed(&self) -> bool {
         self.meter.peak > self.object.crush_force(self.meter.peak_least)
     }
+}
+
+/// Measures the ground truth of `session` from now on.
+fn watch(session: &Session, object: &GripObject) -> Arc<Mutex<GripMeter>> {
+    let meter = Arc::new(Mutex::new(GripMeter::new(object, session.layouts().len())));
+    let own = meter.clone();
+    let mut world = session.rig().world();
+    world.observe(move |model, state| locked(&own).observe(model, state));
+    drop(world);
+    meter
+}
+
+fn locked(meter: &Mutex<GripMeter>) -> MutexGuard<'_, GripMeter> {
+    meter.lock().unwrap_or_else(PoisonError::into_inner)
 }

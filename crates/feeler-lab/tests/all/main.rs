@@ -4,6 +4,7 @@
 
 mod control_contract;
 mod environment;
+mod grip_on_bus;
 mod needed_grip;
 mod own_task;
 mod record;

@@ -8,7 +8,7 @@ use crate::transport::outlet::{Outlet, TimeSource, header, send};
 use crate::transport::shared::Shared;
 use crate::transport::topic::Topic;
 use feeler::control::{Controller, Phase, TactileReading, TactileSource};
-use feeler::hand::{Hand, HandCommand, HandError, HandState, check_finger_count};
+use feeler::hand::{Hand, HandCommand, HandError, HandState, JointEfforts, check_finger_count};
 use feeler::sensor::forces::SensorError;
 use std::sync::Arc;
 
@@ -112,6 +112,15 @@ impl Hand for RemoteHand {
         let read = positions.zip(counts.of_message(&newest.velocity));
         for (joints, (position, velocity)) in state.joints.iter_mut().zip(read) {
             (joints.position, joints.velocity) = (position, velocity);
+        }
+        state.efforts.fill(JointEfforts::default());
+        let efforts = counts.of_message(&newest.effort);
+        let efforts = efforts.zip(counts.of_message(&newest.effort_uncertainty));
+        for (own, (effort, uncertainty)) in state.efforts.iter_mut().zip(efforts) {
+            *own = JointEfforts {
+                effort,
+                uncertainty,
+            };
         }
         Ok(())
     }

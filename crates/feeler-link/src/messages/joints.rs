@@ -1,7 +1,7 @@
 //! Conversion of joint quantities from and to messages.
 
 use super::rejection::Rejection;
-use feeler::hand::{HandError, JointVector, MAX_JOINTS};
+use feeler::hand::{HandError, JointEfforts, JointVector, MAX_JOINTS};
 use feeler_record::wire::Vector3;
 
 /// Number of joint quantities in a vector of a message.
@@ -73,6 +73,29 @@ impl JointCounts {
             }
             quantities
         })
+    }
+
+    /// Converts the efforts of all fingers to those of a message and their uncertainties: NaN for a finger that measures
+    /// none, or empty if no finger measures any.
+    ///
+    /// # Errors
+    /// As [`to_message`](Self::to_message).
+    pub fn efforts_to_message(
+        &self,
+        fingers: &[JointEfforts],
+    ) -> Result<(Vec<Vector3>, Vec<Vector3>), HandError> {
+        if fingers.iter().all(|efforts| efforts.effort.is_empty()) {
+            return Ok((Vec::new(), Vec::new()));
+        }
+        let effort = |(finger, efforts): (usize, &JointEfforts)| match efforts.effort.is_empty() {
+            true => JointVector::splat(self.of_finger(finger), f64::NAN),
+            false => efforts.effort,
+        };
+        let uncertainties = fingers.iter().map(|efforts| efforts.uncertainty);
+        Ok((
+            self.to_message(fingers.iter().enumerate().map(effort))?,
+            self.to_message(uncertainties)?,
+        ))
     }
 
     /// Checks that `vectors` are those of a hand with this number of fingers, and that unused components are 0.

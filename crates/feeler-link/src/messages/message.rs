@@ -13,7 +13,7 @@ use feeler_record::wire::{Quaternion, Vector3};
 use serde::{Deserialize, Serialize};
 
 /// Version of these messages. A program rejects and reports messages of any other version.
-pub const PROTOCOL: u32 = 4;
+pub const PROTOCOL: u32 = 5;
 
 /// Value of [`TactileUpdate::largest_element`] if no element touches.
 pub const NO_ELEMENT: u32 = u32::MAX;
@@ -252,6 +252,11 @@ message!(
         position: Vec<Vector3>,
         /// Joint velocities of each finger (rad/s or m/s), laid out like position.
         velocity: Vec<Vector3>,
+        /// Efforts of the motors on the joints of each finger (N m, or N of a prismatic joint), laid out like position. NaN
+        /// if unknown; empty if the drives measure none.
+        effort: Vec<Vector3>,
+        /// Uncertainty of each effort (N m or N), laid out like position, or empty.
+        effort_uncertainty: Vec<Vector3>,
         /// Instruments: empty or one entry.
         instruments: Vec<InstrumentsMessage>,
     }

@@ -13,6 +13,8 @@ use glam::{DQuat, DVec3};
 const MAX_ANGLE: f64 = 100.0;
 /// Maximum joint velocity (rad/s or m/s).
 const MAX_JOINT_VELOCITY: f64 = 1000.0;
+/// Maximum effort of a motor on its joint, and of its uncertainty (N m or N).
+const MAX_EFFORT: f64 = 1e6;
 /// Maximum force on an element or a finger (N).
 const MAX_FORCE: f64 = 1e4;
 /// Maximum shear rate of an element (N/s).
@@ -63,6 +65,14 @@ pub(crate) fn check_state(
     }
     check(state.position.iter().map(greatest), MAX_ANGLE)?;
     check(state.velocity.iter().map(greatest), MAX_JOINT_VELOCITY)?;
+    if !(state.effort.is_empty() && state.effort_uncertainty.is_empty()) {
+        joints.check(fingers, &state.effort)?;
+        joints.check(fingers, &state.effort_uncertainty)?;
+        let efforts = joints.of_message(&state.effort).flatten();
+        check(efforts.filter(|effort| !effort.is_nan()), MAX_EFFORT)?;
+        let uncertainties = &state.effort_uncertainty;
+        check(uncertainties.iter().map(greatest), MAX_EFFORT)?;
+    }
     let readings = state.instruments.iter().flat_map(|i| {
         let others = [
             i.torque,

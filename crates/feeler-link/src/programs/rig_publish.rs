@@ -147,10 +147,13 @@ fn state_message(
 ) -> Result<StateMessage, HandError> {
     let positions = state.joints.iter().map(|joints| joints.position);
     let velocities = state.joints.iter().map(|joints| joints.velocity);
+    let (effort, effort_uncertainty) = counts.efforts_to_message(&state.efforts)?;
     Ok(StateMessage {
         header,
         position: counts.to_message(positions)?,
         velocity: counts.to_message(velocities)?,
+        effort,
+        effort_uncertainty,
         instruments: instruments.into_iter().collect(),
     })
 }

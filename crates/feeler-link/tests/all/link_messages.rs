@@ -175,12 +175,12 @@ proptest! {
     fn hands(
         header in header(), [search, r#move] in any::<[bool; 2]>(), phase: u8, stroke: u32,
         stopped: String, [token, state_sequence] in any::<[u64; 2]>(), stops in vec(stop(), 0..3), joint_velocity in vec(vector(), 0..4),
-        position in vec(vector(), 0..4), velocity in vec(vector(), 0..4),
-        instruments in vec(instruments(), 0..3),
+        position in vec(vector(), 0..4), velocity in vec(vector(), 0..4), effort in vec(vector(), 0..4),
+        effort_uncertainty in vec(vector(), 0..4), instruments in vec(instruments(), 0..3),
     ) {
         check(&HandMode { header, token, search, r#move, phase, stroke, stopped, stops });
         check(&CommandMessage { header, token, state_sequence, joint_velocity });
-        check(&StateMessage { header, position, velocity, instruments });
+        check(&StateMessage { header, position, velocity, effort, effort_uncertainty, instruments });
     }
 
     #[test]

@@ -3,6 +3,7 @@
 pub(crate) mod chain;
 pub(crate) mod channels;
 pub(crate) mod contact;
+pub(crate) mod efforts;
 pub(crate) mod facts;
 pub(crate) mod felt;
 pub(crate) mod image;

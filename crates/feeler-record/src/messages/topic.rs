@@ -6,6 +6,7 @@ use super::channels::{
     Tactile, Task, TorqueSensor, TrueSlip,
 };
 use super::contact::Contact;
+use super::efforts::Efforts;
 use super::facts::RunFacts;
 use super::felt::Felt;
 use super::image::{Image, compress, size};
@@ -120,6 +121,11 @@ pub mod topics {
     /// Poses of a fingertip.
     pub const fn fingertip(finger: usize) -> RecordedTopic<Fingertip> {
         RecordedTopic::of_finger(finger, "fingertip")
+    }
+
+    /// Efforts of a finger's drives. Only written if the drives measure them.
+    pub const fn efforts(finger: usize) -> RecordedTopic<Efforts> {
+        RecordedTopic::of_finger(finger, "efforts")
     }
 
     /// Images of the camera in a finger's fingertip. Only written if images are recorded.
@@ -357,10 +363,19 @@ impl Channel {
         channels
     }
 
+    /// The channels of efforts of a run with these constants.
+    pub fn of_efforts(facts: &RunFacts) -> impl Iterator<Item = Self> + use<> {
+        (0..facts.fingers).map(|finger| topics::efforts(finger).into())
+    }
+
     /// All channels that a recording with these constants can have.
     pub fn known(facts: &RunFacts) -> impl Iterator<Item = Self> + use<> {
         let others = [topics::RECORDING_GAP.into(), topics::FELT.into()];
-        Self::of_run(facts, true).into_iter().chain(others)
+        let efforts = Self::of_efforts(facts);
+        Self::of_run(facts, true)
+            .into_iter()
+            .chain(others)
+            .chain(efforts)
     }
 
     /// Name of the topic in the recording.

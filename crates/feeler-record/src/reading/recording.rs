@@ -6,6 +6,7 @@ use crate::messages::channels::{
     Cap, Command, Findings, Fingertip, Flags, Joints, ObjectPose, RecordingGap, Stamped, Tactile,
     Task, TorqueSensor, TrueSlip,
 };
+use crate::messages::efforts::Efforts;
 use crate::messages::facts::RunFacts;
 use crate::messages::felt::Felt;
 use crate::messages::run_end::{RunEnd, RunState};
@@ -22,6 +23,8 @@ pub struct FingerRecord {
     pub flags: Vec<Flags>,
     /// Encoder readings.
     pub joints: Vec<Joints>,
+    /// Efforts of the drives, if recorded: one per reading in `joints`.
+    pub efforts: Vec<Efforts>,
     /// Commands.
     pub command: Vec<Command>,
     /// Fingertip poses.
@@ -151,6 +154,11 @@ impl Recording {
         }
     }
 
+    /// Returns `true` if efforts of the drives were recorded.
+    pub fn has_efforts(&self) -> bool {
+        self.fingers.iter().any(|finger| !finger.efforts.is_empty())
+    }
+
     /// Number of recorded control steps, including discarded ones.
     pub(crate) fn steps_read(&self) -> usize {
         self.discarded_steps + self.task.len()
@@ -164,6 +172,7 @@ impl Recording {
             forget(&mut finger.tactile, time);
             forget(&mut finger.flags, time);
             forget(&mut finger.joints, time);
+            forget(&mut finger.efforts, time);
             forget(&mut finger.command, time);
             forget(&mut finger.fingertip, time);
             finger.pictures.clear();

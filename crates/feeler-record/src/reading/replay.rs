@@ -2,13 +2,18 @@
 
 use super::recording::Recording;
 use crate::messages::channels::{Joints, Tactile};
-use feeler::hand::{Hand, HandCommand, HandError, HandState, JointState, check_finger_count};
+use crate::messages::efforts::Efforts;
+use feeler::hand::{
+    Hand, HandCommand, HandError, HandState, JointEfforts, JointState, check_finger_count,
+};
 use feeler::sensor::forces::{SensorError, TactileFrame, TactileSensor};
+use std::iter::Peekable;
+use std::vec::IntoIter;
 
 /// A fingertip that plays back the recorded forces of one finger.
 #[derive(Debug, Clone)]
 pub struct RecordedSensor {
-    frames: std::vec::IntoIter<Tactile>,
+    frames: IntoIter<Tactile>,
     elements: usize,
     count: u64,
 }
@@ -51,16 +56,19 @@ impl TactileSensor for RecordedSensor {
 /// A hand that plays back recorded joint states and ignores commands.
 #[derive(Debug, Clone)]
 pub struct RecordedHand {
-    fingers: Vec<std::vec::IntoIter<Joints>>,
+    fingers: Vec<IntoIter<Joints>>,
+    efforts: Vec<Peekable<IntoIter<Efforts>>>,
     count: u64,
 }
 
 impl RecordedHand {
     /// Creates the hand of `recording`.
     pub fn new(recording: &Recording) -> Self {
-        let fingers = recording.fingers.iter();
+        let fingers = || recording.fingers.iter();
+        let efforts = fingers().map(|f| f.efforts.clone().into_iter().peekable());
         Self {
-            fingers: fingers.map(|f| f.joints.clone().into_iter()).collect(),
+            fingers: fingers().map(|f| f.joints.clone().into_iter()).collect(),
+            efforts: efforts.collect(),
             count: 0,
         }
     }
@@ -81,6 +89,10 @@ impl Hand for RecordedHand {
                 position: recorded.position,
                 velocity: recorded.velocity,
             };
+        }
+        for (own, recorded) in state.efforts.iter_mut().zip(&mut self.efforts) {
+            let measured = recorded.next_if(|efforts| efforts.stamp == state.stamp);
+            *own = measured.map_or_else(JointEfforts::default, |efforts| efforts.joints());
         }
         self.count += 1;
         Ok(())

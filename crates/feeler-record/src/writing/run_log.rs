@@ -4,6 +4,7 @@ use crate::error::RecordError;
 use crate::messages::channels::{
     Command, Findings, Fingertip, Flags, Joints, NO_ELEMENT, Tactile, Task,
 };
+use crate::messages::efforts::Efforts;
 use crate::messages::facts::RunFacts;
 use crate::messages::felt::Felt;
 use crate::messages::image::Image;
@@ -36,6 +37,8 @@ pub struct RunLog<R = Recorder> {
     findings: Findings,
     /// Latest image of each finger, if images are recorded.
     pictures: Vec<RecordedPicture>,
+    /// Reused message, if efforts are recorded.
+    efforts: Option<Efforts>,
 }
 
 struct RecordedPicture {
@@ -63,7 +66,15 @@ impl<R: MessageSink> RunLog<R> {
             stop_reason: None,
             findings: Findings::default(),
             pictures: Vec::new(),
+            efforts: None,
         })
+    }
+
+    /// Also logs the efforts of the drives. The recorder must have been created with efforts.
+    #[must_use]
+    pub fn with_efforts(mut self) -> Self {
+        self.efforts = Some(Efforts::default());
+        self
     }
 
     /// Also logs each finger's images. The recorder must have been created with images.
@@ -112,6 +123,12 @@ impl<R: MessageSink> RunLog<R> {
             self.write_touch(index, touch)?;
             self.write_motion(index, stamp, finger, joints)?;
             self.write_fingertip(index, stamp, pose)?;
+        }
+        if let Some(message) = &mut self.efforts {
+            for (index, efforts) in control_loop.state().efforts.iter().enumerate() {
+                message.set(stamp, efforts);
+                self.recorder.write(topics::efforts(index), message)?;
+            }
         }
         if let Some(torque) = instruments.torque {
             self.recorder.write(topics::TORQUE_SENSOR, torque)?;

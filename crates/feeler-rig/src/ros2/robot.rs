@@ -4,12 +4,16 @@ use super::fingertip::Fingertip;
 use super::graph::{GraphOptions, check_ports, config};
 use super::joints::RobotRig;
 use crate::session::RigSession;
+use feeler::hand::FingerGeometry;
 use feeler_console::{CommandError, Outcome, Warnings, watch_for_interrupt};
 use feeler_lab::config::RosConfig;
+use feeler_lab::experiment::fingers_at_home;
 use feeler_lab::experiment::rigs::linked::rig_config;
 use feeler_link::programs::{ProgramError, RigProgram, RigSpeed};
 use feeler_link::security::Right;
-use feeler_ros2::{GraphClock, Node, RosHand, RosHandConfig, RosHandError, SensorAge};
+use feeler_ros2::{
+    GraphClock, GripperConfig, Node, RosCommands, RosHand, RosHandConfig, RosHandError, SensorAge,
+};
 use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread;
@@ -72,7 +76,9 @@ pub fn serve_robot(
         node.name()
     )?;
     out.flush()?;
-    let rig = RobotRig::new(robot_hand(&mut node, robot, age)?, warnings.clone());
+    let (geometries, _) = fingers_at_home(&experiment.config)?;
+    let hand = robot_hand(&mut node, (robot, &geometries), age)?;
+    let rig = RobotRig::new(hand, warnings.clone());
     let mut program = RigProgram::new(rig, &rig_config(experiment, rig_speed)?, network)?;
     program.set_warn(warnings.warn());
     thread::scope(|scope| {
@@ -100,12 +106,26 @@ pub fn serve_robot(
 }
 
 /// Creates the hand of the robot.
-fn robot_hand(node: &mut Node, robot: &RosConfig, age: SensorAge) -> Result<RosHand, RosHandError> {
+fn robot_hand(
+    node: &mut Node,
+    (robot, geometries): (&RosConfig, &[FingerGeometry]),
+    age: SensorAge,
+) -> Result<RosHand, RosHandError> {
     let fingers = robot.finger.iter();
+    let commands = match (&robot.gripper, geometries.first()) {
+        (Some(gripper), Some(first)) => RosCommands::Gripper(GripperConfig {
+            action: gripper.action.clone(),
+            max_effort: gripper.max_effort,
+            interval: gripper.interval,
+            range: (first.joint_lower()[0], first.joint_upper()[0]),
+            speed: first.joint_speed_limit()[0],
+        }),
+        _ => RosCommands::Velocities(robot.commands.clone()),
+    };
     let config = RosHandConfig {
         joints: fingers.map(|finger| finger.joints.clone()).collect(),
         joint_states: robot.joint_states.clone(),
-        commands: robot.commands.clone(),
+        commands,
         most_age: age.most,
         speed: age.speed,
     };

@@ -3,7 +3,11 @@
 //! Their allocator aborts the process if a control period allocates.
 
 mod cloud;
+mod gripper;
 mod hostile;
+#[cfg(feature = "zenoh")]
+#[path = "../../../feeler-link/tests/support/ports.rs"]
+mod ports;
 mod robot;
 mod tokens;
 mod type_hashes;

@@ -2,18 +2,16 @@
 
 #![cfg(feature = "zenoh")]
 
-#[path = "../../../feeler-link/tests/support/ports.rs"]
-mod ports;
-
+use crate::ports::unused_endpoint;
 use assert_no_alloc::assert_no_alloc;
 use feeler::hand::{Hand, HandCommand, HandState, JointVector};
 use feeler_record::ros::{JointState, Time};
 use feeler_record::wire::cdr;
 use feeler_ros2::message::Float64MultiArray;
 use feeler_ros2::{
-    GraphClock, Node, NodeConfig, NodeName, Publisher, Qos, RosHand, RosHandConfig, Subscription,
+    GraphClock, Node, NodeConfig, NodeName, Publisher, Qos, RosCommands, RosHand, RosHandConfig,
+    Subscription,
 };
-use ports::unused_endpoint;
 use std::sync::mpsc::{Receiver, channel};
 use std::thread::sleep;
 use std::time::{Duration, SystemTime, UNIX_EPOCH};
@@ -82,7 +80,7 @@ fn hand_and_robot(most_age: f64) -> (RosHand, Robot, Node) {
     let config = RosHandConfig {
         joints: vec![NAMES.map(String::from).to_vec()],
         joint_states: "/joint_states".into(),
-        commands: "/commands".into(),
+        commands: RosCommands::Velocities("/commands".into()),
         most_age,
         speed: 1.0,
     };

@@ -40,6 +40,7 @@ fn hashes_match_the_official_generator() {
         service::<GetParameterTypes>(),
         service::<GetParameters>(),
         service::<ListParameters>(),
+        service::<SendGripperGoal>(),
         service::<SetParameters>(),
         service::<SetParametersAtomically>(),
         service::<Trigger>(),

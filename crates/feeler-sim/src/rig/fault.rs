@@ -118,6 +118,13 @@ pub enum FaultKind {
         /// Offset of the measured angle (rad).
         angle: f64,
     },
+    /// A tactile sensor with a wrong gain: all its forces are scaled. 0 for a numb sensor.
+    SensorGain {
+        /// Index of the finger.
+        finger: usize,
+        /// Ratio of the measured to the actual forces.
+        gain: f64,
+    },
     /// Swapped connections of two fingers' sensors, during the whole run.
     SwappedSensors {
         /// Index of the finger.
@@ -170,6 +177,7 @@ impl FaultKind {
             | Self::JointFreeze { finger, .. }
             | Self::JointGain { finger, .. }
             | Self::JointJump { finger, .. }
+            | Self::SensorGain { finger, .. }
             | Self::SwappedSensors { finger, .. } => Some(finger),
             Self::FrictionDrop { .. } | Self::MassChange { .. } | Self::Pull { .. } => None,
         }

@@ -118,6 +118,9 @@ impl FaultKind {
                 let good = angle.is_finite();
                 checker.require(&format!("{key}.angle"), angle.to_string(), good, "a number");
             }
+            &Self::SensorGain { gain, .. } => {
+                checker.between(&format!("{key}.gain"), gain, 0.0, MAX_GAIN);
+            }
             &Self::SwappedSensors { finger, other } => {
                 let (key, fingers) = (format!("{key}.other"), targets.fingertips.len());
                 index_below(&key, other, fingers, "fingers of hand.finger", checker);
@@ -160,6 +163,7 @@ impl FaultKind {
             Self::JointFreeze { .. } => "joint_freeze",
             Self::JointGain { .. } => "joint_gain",
             Self::JointJump { .. } => "joint_jump",
+            Self::SensorGain { .. } => "sensor_gain",
             Self::SwappedSensors { .. } => "swapped_sensors",
             Self::FrictionDrop { .. } => "friction_drop",
             Self::MassChange { .. } => "mass_change",

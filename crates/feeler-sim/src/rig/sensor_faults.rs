@@ -122,7 +122,7 @@ impl SensorFaults {
         }
     }
 
-    /// Zeroes the forces of dead elements. Returns `true` if the exposure is lost.
+    /// Zeroes the forces of dead elements and scales those of a sensor with a wrong gain. Returns `true` if the exposure is lost.
     fn spoil(&mut self, now: f64, forces: &mut [DVec3]) -> bool {
         let mut lost = false;
         for (fault, random) in &mut self.faults {
@@ -134,6 +134,9 @@ impl SensorFaults {
                     if let Some(force) = forces.get_mut(element) {
                         *force = DVec3::ZERO;
                     }
+                }
+                FaultKind::SensorGain { gain, .. } => {
+                    forces.iter_mut().for_each(|force| *force *= gain);
                 }
                 FaultKind::DroppedFrames { probability, .. } => lost |= chance(random, probability),
                 _ => {}

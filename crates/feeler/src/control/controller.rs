@@ -2,6 +2,7 @@
 
 pub use super::config::{ControlConfig, RecordingFailure, ResumePolicy};
 
+use super::effort_monitor::EffortMonitor;
 use super::input_check::{check_count, check_input, check_load};
 use super::joint_monitor::JointMonitor;
 use super::limits::{LimitedCommand, Request};
@@ -29,6 +30,7 @@ pub struct FingerControl {
     pub admitted: LimitedCommand,
     joint_monitor: JointMonitor,
     stuck_sensor: StuckSensorDetector,
+    effort_monitor: EffortMonitor,
 }
 
 impl FingerControl {
@@ -92,6 +94,7 @@ impl Controller {
                 admitted: LimitedCommand::default(),
                 joint_monitor: JointMonitor::new(config.monitor, most_gap),
                 stuck_sensor: StuckSensorDetector::new(config.monitor.frozen_frames, elements),
+                effort_monitor: EffortMonitor::new(config.monitor, most_gap),
             }
         };
         let fingers: Vec<_> = fingers.iter().zip(layouts).map(finger).collect();
@@ -243,6 +246,7 @@ impl Controller {
             for finger in &mut self.fingers {
                 finger.joint_monitor.reset();
                 finger.stuck_sensor.reset();
+                finger.effort_monitor.reset();
             }
         }
     }
@@ -281,9 +285,15 @@ impl Controller {
         for (index, (finger, (touch, joints))) in self.fingers.iter_mut().zip(inputs).enumerate() {
             let reading = (state.stamp, joints.position);
             let command = finger.admitted.joint_velocity;
-            let joints = &mut finger.joint_monitor;
-            joints.watch(index, &finger.geometry, reading, command)?;
+            let joint_monitor = &mut finger.joint_monitor;
+            joint_monitor.watch(index, &finger.geometry, reading, command)?;
             finger.stuck_sensor.watch(index, touch)?;
+            if let (Some(efforts), Some(pose)) = (state.efforts.get(index), self.poses.get(index)) {
+                let force = pose.rotation * touch.frame.resultant(&self.layouts[index]);
+                let joints = (state.stamp, joints);
+                let monitor = &mut finger.effort_monitor;
+                monitor.watch(index, &finger.geometry, joints, efforts, force)?;
+            }
         }
         Ok(())
     }

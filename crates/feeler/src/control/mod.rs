@@ -4,6 +4,7 @@ pub mod background_sensor;
 pub(crate) mod config;
 pub(crate) mod control_loop;
 pub(crate) mod controller;
+pub(crate) mod effort_monitor;
 pub(crate) mod feeler_shape;
 pub(crate) mod flags;
 pub mod grasp_slip;

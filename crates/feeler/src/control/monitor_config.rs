@@ -16,6 +16,18 @@ pub struct MonitorConfig {
     pub joint_jump: f64,
     /// Number of consecutive new images with bit-identical forces that stops the hand.
     pub frozen_frames: u32,
+    /// Maximum difference between the effort of a joint's motor and that of the measured forces, as a share of the larger
+    /// one, in addition to one and a half times the uncertainty of the effort. Has no effect without [efforts](crate::hand::JointEfforts).
+    #[serde(skip_serializing_if = "is_usual_share")]
+    pub effort_share: f64,
+}
+
+/// Default of `effort_share`.
+const EFFORT_SHARE: f64 = 0.3;
+
+/// Omits the default, so that files written before this key existed keep their text.
+fn is_usual_share(share: &f64) -> bool {
+    *share == EFFORT_SHARE
 }
 
 impl Default for MonitorConfig {
@@ -24,13 +36,15 @@ impl Default for MonitorConfig {
     /// `joint_deviation`: 1.5 mm at a fingertip 0.1 m from the joint, a distance by which a columnar feeler yields;
     /// more than the encoder resolution, backlash and stick-slip of small drives. `servo_lag`: velocity loops of
     /// small drives have 3 to 50 ms, and a bus or a network adds a few periods. `joint_jump`: 2, to allow for
-    /// overshoot. `frozen_frames`: 0.1 s at 100 Hz; camera noise makes even two identical images unlikely.
+    /// overshoot. `frozen_frames`: 0.1 s at 100 Hz; camera noise makes even two identical images unlikely. `effort_share`:
+    /// less than the half by which a sensor of twice the gain differs, more than the error of a calibrated skin.
     fn default() -> Self {
         Self {
             joint_deviation: 0.015,
             servo_lag: 0.08,
             joint_jump: 2.0,
             frozen_frames: 10,
+            effort_share: EFFORT_SHARE,
         }
     }
 }
@@ -42,6 +56,7 @@ impl MonitorConfig {
             ("joint_deviation", self.joint_deviation, 10.0),
             ("servo_lag", self.servo_lag, 2.0),
             ("joint_jump", self.joint_jump, 1e6),
+            ("effort_share", self.effort_share, 10.0),
         ];
         for (field, value, most) in ranges {
             checker.between(&format!("{key}.{field}"), value, 0.0, most);

@@ -143,6 +143,22 @@ pub enum StopReason {
         /// Duration of the turn (s).
         time: f64,
     },
+    /// The force that a fingertip measures contradicts the effort of a joint's motor.
+    #[error(
+        "the motor of joint {joint} of finger {finger} exerts {effort:.3}, but the fingertip's forces require {felt:.3} (N m or N, tolerance {tolerance:.3}): its tactile sensor has failed, or the finger touches something beside its fingertip"
+    )]
+    EffortMismatch {
+        /// Index of the finger.
+        finger: usize,
+        /// Index of the joint; theta1 is joint 0.
+        joint: usize,
+        /// Mean effort of the motor (N m or N).
+        effort: f64,
+        /// Mean effort that balances the measured forces (N m or N).
+        felt: f64,
+        /// Maximum difference (N m or N).
+        tolerance: f64,
+    },
     /// An element is pressed harder than the limits allow.
     #[error("element {element} of finger {finger} is pressed with {force:.2} N (limit {limit} N)")]
     Overload {
@@ -202,6 +218,7 @@ impl StopReason {
                 | Self::JointOutOfRange { .. }
                 | Self::JointJump { .. }
                 | Self::JointDeviation { .. }
+                | Self::EffortMismatch { .. }
         )
     }
 

@@ -24,6 +24,16 @@ impl JointState {
     }
 }
 
+/// Efforts of the drives of one finger: torques (N m) of revolute joints and forces (N) of prismatic joints, estimated
+/// from the motors' currents. Empty if the drives measure none.
+#[derive(Debug, Clone, Copy, PartialEq, Default)]
+pub struct JointEfforts {
+    /// Effort on each joint by its motor, positive if it increases the joint's position. NaN if unknown.
+    pub effort: JointVector,
+    /// Uncertainty of each effort: calibration and friction, which may act in either direction.
+    pub uncertainty: JointVector,
+}
+
 /// Encoder readings of all fingers at one time.
 #[derive(Debug, Clone, PartialEq)]
 pub struct HandState {
@@ -31,6 +41,8 @@ pub struct HandState {
     pub stamp: f64,
     /// Readings, one per finger.
     pub joints: Vec<JointState>,
+    /// Efforts of the drives, one per finger. Hands without such measurements leave them empty.
+    pub efforts: Vec<JointEfforts>,
 }
 
 impl HandState {
@@ -39,6 +51,7 @@ impl HandState {
         Self {
             stamp: 0.0,
             joints: vec![JointState::default(); fingers],
+            efforts: vec![JointEfforts::default(); fingers],
         }
     }
 }

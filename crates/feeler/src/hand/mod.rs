@@ -34,6 +34,7 @@ pub(crate) mod interface;
 pub(crate) mod joint_vector;
 pub mod kinematics;
 pub(crate) mod kinematics_error;
+pub(crate) mod leash;
 pub(crate) mod sin_cos;
 pub(crate) mod three_joints;
 
@@ -46,9 +47,11 @@ pub use kinematics::{
     resolved_rate,
 };
 pub use kinematics_error::{KinematicsError, POSITION_TOLERANCE};
+pub use leash::LeashedGoal;
 pub use sin_cos::sin_cos_of;
 pub use three_joints::ThreeJoints;
 
 pub use interface::{
-    Hand, HandCommand, HandError, HandState, JointState, MAX_FINGERS, check_finger_count,
+    Hand, HandCommand, HandError, HandState, JointEfforts, JointState, MAX_FINGERS,
+    check_finger_count,
 };

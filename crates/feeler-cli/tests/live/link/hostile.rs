@@ -176,7 +176,7 @@ fn say_in_the_name_of_others(peer: &Link, instances: &HashMap<String, u64>) {
         header: header("world"),
         position: vec![NOT_A_NUMBER; 2],
         velocity: vec![Vector3::default(); 2],
-        instruments: Vec::new(),
+        ..StateMessage::default()
     };
     send(peer, Topic::State, &state).expect("a link");
 }

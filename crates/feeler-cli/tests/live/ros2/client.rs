@@ -3,7 +3,7 @@
 use super::peers::{Running, Words, pyzeros, script};
 use crate::ports::unused_endpoint;
 use feeler::hand::{Hand, HandCommand, HandState, JointVector};
-use feeler_ros2::{GraphClock, Node, NodeConfig, NodeName, RosHand, RosHandConfig};
+use feeler_ros2::{GraphClock, Node, NodeConfig, NodeName, RosCommands, RosHand, RosHandConfig};
 use serde_json::json;
 use std::io::Write;
 use std::process::Stdio;
@@ -40,7 +40,7 @@ fn ros2_control_robot_works_as_a_hand() {
     let config = RosHandConfig {
         joints: vec![["first", "second", "third"].map(String::from).to_vec()],
         joint_states: "/joint_states".into(),
-        commands: "/forward_velocity_controller/commands".into(),
+        commands: RosCommands::Velocities("/forward_velocity_controller/commands".into()),
         most_age: MAX_AGE,
         speed: 1.0,
     };

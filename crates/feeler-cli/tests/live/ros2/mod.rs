@@ -5,6 +5,7 @@
 //! tests report that they are skipped, or fail if `FEELER_REQUIRE_ALL` is set.
 
 mod client;
+mod gripper;
 mod node;
 mod options;
 mod peers;

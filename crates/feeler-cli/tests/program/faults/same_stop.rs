@@ -183,7 +183,7 @@ impl LinkedHand {
             header: now,
             position: vectors(|joints| joints.position),
             velocity: vectors(|joints| joints.velocity),
-            instruments: Vec::new(),
+            ..StateMessage::default()
         };
         self.put(Topic::State, &message);
         for finger in 0..self.sensors.len() {

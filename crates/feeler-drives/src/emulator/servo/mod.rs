@@ -199,9 +199,15 @@ impl EmulatedServo {
         }
     }
 
-    /// Updates the measured values at `now` (s), `step` after the previous update, for the `motion` of the horn. Stops
-    /// the motor if the watchdog has expired.
-    pub(super) fn measure(&mut self, (now, step): (f64, f64), motion: Motion, noise: f64) {
+    /// Updates the measured values at `now` (s), `step` after the previous update, for the `motion` of the horn, with noise
+    /// of the position (counts) and of the current (relative to the stall current). Stops the motor if the watchdog has
+    /// expired.
+    pub(super) fn measure(
+        &mut self,
+        (now, step): (f64, f64),
+        motion: Motion,
+        (noise, current_noise): (f64, f64),
+    ) {
         let registers = self.registers();
         self.watch(now);
         let counts = (motion.angle * COUNTS_PER_TURN / TAU + noise).round();
@@ -209,7 +215,13 @@ impl EmulatedServo {
         self.put(registers.position, counts);
         let units = (motion.velocity / self.model.velocity_unit).round() as i64;
         self.put(registers.velocity, units);
-        let current = (self.motor.current / self.model.current_unit).round() as i64;
+        // A motor without torque carries no current.
+        let current_noise = match self.get(registers.torque) {
+            0 => 0.0,
+            _ => current_noise * self.model.stall.1,
+        };
+        let current = (self.motor.current + current_noise) / self.model.current_unit;
+        let current = current.round() as i64;
         self.put(registers.current, current);
         let load = (units as f64 / self.model.velocity_limit as f64)
             .abs()

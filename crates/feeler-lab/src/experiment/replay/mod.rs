@@ -15,7 +15,8 @@ use crate::config::{ConfigError, Experiment};
 use compare::Comparer;
 use feeler::control::{ControlLoop, Controller};
 use feeler_record::{
-    InstrumentRecord, RecordedCamera, RecordedHand, Recorder, Recording, RunLog, Tactile,
+    InstrumentRecord, RecordError, RecordedCamera, RecordedHand, Recorder, Recording, RunLog,
+    Tactile,
 };
 use outside::Outside;
 use recorded_touch::RecordedTouch;
@@ -85,7 +86,7 @@ impl<'a> Replay<'a> {
         Ok(Self {
             recording,
             control_loop: control_loop(recording, &followed, sensors)?,
-            log: RunLog::new(comparer, &recording.facts)?,
+            log: log(comparer, recording)?,
             outside: outside::on_record(recording, &as_recorded)?
                 .into_iter()
                 .peekable(),
@@ -101,7 +102,7 @@ impl<'a> Replay<'a> {
     pub fn copy_to(self, recorder: Recorder) -> Result<Self, ReplayError> {
         let mut comparer = self.log.into_recorder();
         comparer.copy = Some(recorder);
-        let log = RunLog::new(comparer, &self.recording.facts)?;
+        let log = log(comparer, self.recording)?;
         Ok(Self { log, ..self })
     }
 
@@ -146,6 +147,18 @@ impl<'a> Replay<'a> {
         let comparer = self.log.into_recorder();
         (comparer.comparison, comparer.copy)
     }
+}
+
+/// Creates the log of a replay of `recording`, which contains the same messages.
+fn log<'a>(
+    comparer: Comparer<'a>,
+    recording: &Recording,
+) -> Result<RunLog<Comparer<'a>>, RecordError> {
+    let log = RunLog::new(comparer, &recording.facts)?;
+    Ok(match recording.has_efforts() {
+        true => log.with_efforts(),
+        false => log,
+    })
 }
 
 /// Returns `experiment` without the monitor of joint deviations: the recorded joints follow the recorded commands, not

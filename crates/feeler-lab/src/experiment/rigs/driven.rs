@@ -32,6 +32,9 @@ pub enum DrivenError {
     /// The emulated bus cannot be started.
     #[error("drives: {0}")]
     Emulator(#[from] EmulatorError),
+    /// The control period is invalid.
+    #[error("control.period: {0}")]
+    Period(#[from] PaceError),
 }
 
 /// The fingers of a simulated world as the plant behind emulated servos.

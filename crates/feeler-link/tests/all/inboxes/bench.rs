@@ -131,7 +131,7 @@ pub fn state(header: MessageHeader) -> StateMessage {
         header,
         position: vec![Vector3::default()],
         velocity: vec![Vector3::default()],
-        instruments: Vec::new(),
+        ..StateMessage::default()
     }
 }
 

@@ -50,6 +50,11 @@ fn spoiled_update(spoil: impl Fn(&mut TactileUpdate)) -> Result<(), Rejection> {
     put(&mut hand, Topic::Tactile(0), &message, NOW)
 }
 
+/// Sets the effort of the first joint and its uncertainty.
+fn set_efforts(state: &mut StateMessage, effort: f64, uncertainty: f64) {
+    (state.effort, state.effort_uncertainty) = (vec![x(effort)], vec![x(uncertainty)]);
+}
+
 fn x(x: f64) -> Vector3 {
     Vector3 { x, y: 0.0, z: 0.0 }
 }
@@ -72,6 +77,7 @@ const HEADERS: [Spoiled; 9] = [
 #[test]
 fn each_invalid_header_field_is_rejected() {
     assert_eq!(spoiled_state(|_| {}), Ok(()));
+    assert_eq!(spoiled_state(|s| set_efforts(s, f64::NAN, 0.1)), Ok(()));
     assert_eq!(spoiled_update(|_| {}), Ok(()));
     for (index, (spoil, rejection)) in HEADERS.into_iter().enumerate() {
         let refused = spoiled_state(|state| spoil(&mut state.header));
@@ -87,7 +93,7 @@ fn each_invalid_header_field_is_rejected() {
 #[test]
 fn each_invalid_state_field_is_rejected() {
     type Spoil = fn(&mut StateMessage);
-    let cases: [(Spoil, Rejection); 14] = [
+    let cases: [(Spoil, Rejection); 19] = [
         (|s| s.header.instance = SENSE, Rejection::Stranger),
         (|s| s.header.sequence = 1, Rejection::Old),
         (|s| s.header.stamp = 4.99, Rejection::Implausible),
@@ -97,6 +103,11 @@ fn each_invalid_state_field_is_rejected() {
         (|s| s.position.push(x(0.0)), Rejection::Size),
         (|s| s.velocity.clear(), Rejection::Size),
         (|s| s.position[0] = x(1e308), Rejection::Implausible),
+        (|s| s.effort = vec![x(0.0)], Rejection::Size),
+        (|s| s.effort_uncertainty = vec![x(0.0)], Rejection::Size),
+        (|s| set_efforts(s, 1e7, 0.0), Rejection::Implausible),
+        (|s| set_efforts(s, f64::INFINITY, 0.0), Rejection::NotFinite),
+        (|s| set_efforts(s, 0.0, f64::NAN), Rejection::NotFinite),
         (|s| s.position[0] = x(f64::NAN), Rejection::NotFinite),
         (|s| s.velocity[0] = x(1001.0), Rejection::Implausible),
         (

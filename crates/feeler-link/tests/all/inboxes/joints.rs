@@ -1,7 +1,7 @@
 //! Messages of fingers with other than three joints.
 
 use super::bench::{WORLD, command, echoing, hand_with, put, rig_with, state};
-use feeler::hand::{Hand, HandCommand, HandError, HandState, JointVector};
+use feeler::hand::{Hand, HandCommand, HandError, HandState, JointEfforts, JointVector};
 use feeler_link::hand::RemoteHand;
 use feeler_link::inboxes::Inbox;
 use feeler_link::messages::message::CommandMessage;
@@ -90,6 +90,55 @@ fn states_and_commands_have_all_joints() {
         put(&mut rig, Topic::Command, &message, 1.0).unwrap();
         assert_eq!(rig.drive(1.0, 0.1), Some(&[values(joints)][..]));
     }
+}
+
+/// Efforts of a finger with four joints, one of them unknown.
+#[test]
+fn efforts_arrive_and_remain_unknown_where_they_are() {
+    let counts = JointCounts::new([4]);
+    let mut inbox = hand_with(counts.clone());
+    let efforts = JointEfforts {
+        effort: [0.1, -0.2, f64::NAN, 0.4].into(),
+        uncertainty: [0.01, 0.02, 0.0, 0.04].into(),
+    };
+    let mut message = state(echoing(&inbox.sent, WORLD, 1, 5.0));
+    (message.position, message.velocity) = (vectors(4), vectors(4));
+    let without = message.clone();
+    (message.effort, message.effort_uncertainty) = counts.efforts_to_message(&[efforts]).unwrap();
+    put(&mut inbox, Topic::State, &message, NOW).unwrap();
+    let inbox = Shared::new(inbox);
+    let outlet = Arc::new(Kept::default());
+    let mut hand = RemoteHand::new(inbox.clone(), outlet, monotonic(), (0, 1));
+    let mut state = HandState::zero(1);
+    hand.read(&mut state).unwrap();
+    let read = state.efforts[0];
+    assert_eq!((read.effort[1], read.effort[3]), (-0.2, 0.4));
+    assert!(read.effort[2].is_nan());
+    assert_eq!(read.uncertainty, efforts.uncertainty);
+    // The rig stops measuring them.
+    let mut later = without;
+    later.header.sequence += 1;
+    put(&mut *inbox.lock(), Topic::State, &later, NOW).unwrap();
+    hand.read(&mut state).unwrap();
+    assert_eq!(state.efforts, [JointEfforts::default()]);
+}
+
+#[test]
+fn a_finger_without_efforts_has_unknown_ones_beside_another() {
+    let counts = JointCounts::new([1, 4]);
+    let known = JointEfforts {
+        effort: [0.1].into(),
+        uncertainty: [0.01].into(),
+    };
+    let none = JointEfforts::default();
+    assert_eq!(
+        counts.efforts_to_message(&[none; 2]).unwrap(),
+        (Vec::new(), Vec::new())
+    );
+    let (effort, _) = counts.efforts_to_message(&[known, none]).unwrap();
+    let fingers: Vec<_> = counts.of_message(&effort).collect();
+    assert_eq!(fingers[0], [0.1].into());
+    assert!(fingers[1].iter().all(f64::is_nan) && fingers[1].len() == 4);
 }
 
 #[test]

@@ -316,7 +316,7 @@ impl Rig {
                 header: header(rig.instance, period, here).echoing(rig.inbox.echo, here),
                 position: vec![x(0.0)],
                 velocity: vec![x(0.0)],
-                instruments: Vec::new(),
+                ..StateMessage::default()
             };
             self.send(Channel::States, Topic::State, &state);
         }

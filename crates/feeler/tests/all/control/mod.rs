@@ -1,6 +1,7 @@
 //! Control with synthetic input: checks, flags, limits and tasks.
 
 mod contour;
+mod efforts;
 mod faulty_input;
 mod flags;
 mod frozen_forces;

@@ -119,6 +119,7 @@ pub fn state() -> HandState {
             position: home(),
             velocity: JointVector::zeros(3),
         }],
+        efforts: Vec::new(),
     }
 }
 

@@ -2,7 +2,7 @@
 
 use super::rig::{Analyzers, ELEMENTS, config, controller, geometries, home};
 use feeler::control::Phase;
-use feeler::hand::{HandCommand, HandState, JointState, JointVector};
+use feeler::hand::{HandCommand, HandState, JointEfforts, JointState, JointVector, MAX_JOINTS};
 use feeler::sensor::forces::TactileFrame;
 use glam::DVec3;
 use proptest::prelude::*;
@@ -57,6 +57,19 @@ struct Input {
     state_stamp: f64,
     /// Offsets of the joints from home (rad).
     joints: Vec<JointVector>,
+    efforts: Vec<JointEfforts>,
+}
+
+/// Efforts of one finger, of any numbers of joints.
+fn efforts() -> impl Strategy<Value = JointEfforts> {
+    let numbers = || prop::collection::vec(number(), 0..=MAX_JOINTS);
+    (numbers(), numbers()).prop_map(|(effort, uncertainty)| {
+        let [effort, uncertainty] = [effort, uncertainty].map(|v| JointVector::from_slice(&v));
+        JointEfforts {
+            effort: effort.expect("few joints"),
+            uncertainty: uncertainty.expect("few joints"),
+        }
+    })
 }
 
 fn input() -> impl Strategy<Value = Input> {
@@ -67,14 +80,18 @@ fn input() -> impl Strategy<Value = Input> {
         prop::collection::vec(stamp(), 4),
         stamp(),
         fingers().prop_flat_map(|n| prop::collection::vec(joints(), n)),
+        prop::collection::vec(efforts(), 0..4),
     )
-        .prop_map(|(sequence, forces, stamps, state_stamp, joints)| Input {
-            sequence,
-            forces,
-            stamps,
-            state_stamp,
-            joints,
-        })
+        .prop_map(
+            |(sequence, forces, stamps, state_stamp, joints, efforts)| Input {
+                sequence,
+                forces,
+                stamps,
+                state_stamp,
+                joints,
+                efforts,
+            },
+        )
 }
 
 proptest! {
@@ -106,6 +123,7 @@ proptest! {
                 joints: joints
                     .map(|(&off, &home)| JointState { position: home + off, velocity: off })
                     .collect(),
+                efforts: input.efforts.clone(),
             };
             controller.decide(&analyzers.touches(&frames), &state, &mut command);
             prop_assert_eq!(command.joint_velocity().len(), 2);

@@ -73,6 +73,7 @@ pub fn state(hand: &IdealHand) -> HandState {
     HandState {
         stamp: hand.stamp,
         joints: hand.joints.clone(),
+        efforts: Vec::new(),
     }
 }
 

@@ -4,7 +4,7 @@
 /// so that a stalled joint never winds up, and moves no faster than the joint's speed limit, so that an error of the
 /// encoder does not become a jump. Moves only by the time between measurements.
 #[derive(Debug, Clone, Copy, PartialEq)]
-pub(crate) struct LeashedGoal {
+pub struct LeashedGoal {
     /// Goal position.
     pub position: f64,
     /// Maximum distance from the measured position.

@@ -1,0 +1,113 @@
+//! Message with the efforts of one finger's drives.
+
+use super::channels::Stamped;
+use super::topic::{RecordedMessage, decode_stamped};
+use crate::message;
+use crate::reading::recording::{PictureAt, Recording};
+use feeler::hand::{JointEfforts, JointVector, MAX_JOINTS};
+use serde::{Deserialize, Serialize};
+
+/// Efforts of one finger's drives, estimated from the motors' currents.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct Efforts {
+    /// Time of the encoder readings that were measured with them (s).
+    pub stamp: f64,
+    /// Effort on each joint by its motor (N m or N); NaN if unknown, empty if the finger's drives measure none.
+    pub effort: Vec<f64>,
+    /// Uncertainty of each effort (N m or N).
+    pub uncertainty: Vec<f64>,
+}
+
+message!(
+    Efforts,
+    "Efforts",
+    "# Efforts of the drives of one finger, estimated from the motors' currents",
+    "float64 stamp  # s",
+    "float64[] effort  # N m or N on each joint, positive if it increases the position; NaN if unknown",
+    "float64[] uncertainty  # N m or N",
+);
+
+impl Efforts {
+    /// Copies the efforts at `stamp` (s).
+    pub fn set(&mut self, stamp: f64, efforts: &JointEfforts) {
+        self.stamp = stamp;
+        self.effort.clear();
+        self.effort.extend(efforts.effort);
+        self.uncertainty.clear();
+        self.uncertainty.extend(efforts.uncertainty);
+    }
+
+    /// The efforts, or those of unknown size as empty.
+    pub fn joints(&self) -> JointEfforts {
+        let vector = |values: &[f64]| JointVector::from_slice(values).unwrap_or_default();
+        JointEfforts {
+            effort: vector(&self.effort),
+            uncertainty: vector(&self.uncertainty),
+        }
+    }
+}
+
+impl Stamped for Efforts {
+    fn stamp(&self) -> f64 {
+        self.stamp
+    }
+}
+
+/// Only written if the drives measure efforts.
+impl RecordedMessage for Efforts {
+    fn list(recording: &mut Recording, finger: Option<usize>) -> Option<&mut Vec<Self>> {
+        Some(&mut recording.fingers.get_mut(finger?)?.efforts)
+    }
+
+    fn read_into(
+        recording: &mut Recording,
+        finger: Option<usize>,
+        bytes: &[u8],
+        _: PictureAt,
+    ) -> Result<(), String> {
+        let message: Self = decode_stamped(bytes)?;
+        let (expected, actual) = (message.effort.len(), message.uncertainty.len());
+        if expected > MAX_JOINTS || actual != expected {
+            return Err(format!(
+                "expected efforts of at most {MAX_JOINTS} joints with as many uncertainties, got {expected} and {actual}"
+            ));
+        }
+        if let Some(list) = Self::list(recording, finger) {
+            list.push(message);
+        }
+        Ok(())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::wire::cdr;
+
+    #[test]
+    fn other_numbers_of_joints_are_refused() {
+        let read = |efforts: usize, uncertainties: usize| {
+            let message = Efforts {
+                stamp: 1.0,
+                effort: vec![f64::NAN; efforts],
+                uncertainty: vec![0.5; uncertainties],
+            };
+            let mut bytes = Vec::new();
+            cdr::encode(&message, &mut bytes).expect("bytes");
+            let mut recording = Recording::empty(crate::RunFacts::default());
+            let at = PictureAt {
+                log_time: 0,
+                offset: 0,
+                length: 0,
+                chunk: None,
+            };
+            Efforts::read_into(&mut recording, Some(0), &bytes, at)
+        };
+        assert_eq!(read(0, 0), Ok(()));
+        assert_eq!(read(MAX_JOINTS, MAX_JOINTS), Ok(()));
+        for (efforts, uncertainties) in [(1, 0), (0, 1), (MAX_JOINTS + 1, MAX_JOINTS + 1)] {
+            let refused = read(efforts, uncertainties).expect_err("other numbers");
+            assert!(refused.contains("as many uncertainties"), "{refused}");
+        }
+    }
+}

@@ -1,0 +1,149 @@
+//! Second opinion on a tactile sensor: the effort of the drives, estimated from the currents of their motors.
+//!
+//! While a finger moves slowly, the effort of each joint's motor balances the forces on the fingertip: `effort = -J^T f`,
+//! with the Jacobian `J` and the force `f` on the fingertip by the object. Both sides are averaged, because currents are
+//! noisy. The tolerance is one and a half times the largest recent uncertainty of the effort plus
+//! [`effort_share`](super::monitor_config::MonitorConfig::effort_share) of the larger side. A joint that exceeds it for a
+//! while contradicts the tactile sensor.
+//!
+//! Neglected are weight, inertia and viscous friction of the finger, and the moment of the forces about the dome's centre.
+
+use super::monitor_config::MonitorConfig;
+use super::stop_reason::StopReason;
+use crate::hand::geometry::FingerGeometry;
+use crate::hand::joint_vector::JointVector;
+use crate::hand::kinematics::jacobian;
+use crate::hand::{JointEfforts, JointState};
+use glam::DVec3;
+
+/// Time constant of the means (s).
+const FILTER_TIME: f64 = 0.05;
+/// Duration for which a joint must exceed its tolerance (s).
+const CONTRADICTS: f64 = 0.1;
+/// Share of its speed limit above which a joint is fast; friction and inertia are then unknown.
+const FAST: f64 = 0.3;
+/// Multiple of the uncertainty that is tolerated: static friction may exceed the friction of the calibration.
+const UNCERTAINTIES: f64 = 1.5;
+
+/// Compares the efforts of one finger's drives with the forces that its fingertip measures.
+#[derive(Debug, Clone)]
+pub(super) struct EffortMonitor {
+    share: f64,
+    /// Maximum time between two readings (s); after a longer gap, the comparison restarts.
+    most_gap: f64,
+    means: Option<Means>,
+}
+
+/// Means of both sides up to the time `stamp` (s).
+#[derive(Debug, Clone, Copy)]
+struct Means {
+    stamp: f64,
+    effort: JointVector,
+    felt: JointVector,
+    /// Largest uncertainty, which decays with the time constant of the means.
+    uncertainty: JointVector,
+    /// Time since when each joint has exceeded its tolerance (s); NaN if it does not.
+    since: JointVector,
+}
+
+impl EffortMonitor {
+    /// Creates a monitor. A gap of more than `most_gap` (s) between two readings restarts the comparison.
+    pub fn new(config: MonitorConfig, most_gap: f64) -> Self {
+        Self {
+            share: config.effort_share,
+            most_gap,
+            means: None,
+        }
+    }
+
+    /// Forgets all readings.
+    pub fn reset(&mut self) {
+        self.means = None;
+    }
+
+    /// Compares the `efforts` of `finger` with the `force` on its fingertip by the object (N, in W), both measured at
+    /// `stamp` (s). Does not allocate.
+    ///
+    /// # Errors
+    /// If they have contradicted each other for too long.
+    pub fn watch(
+        &mut self,
+        finger: usize,
+        geometry: &FingerGeometry,
+        (stamp, joints): (f64, &JointState),
+        efforts: &JointEfforts,
+        force: DVec3,
+    ) -> Result<(), StopReason> {
+        if self.share == 0.0 || efforts.effort.is_empty() {
+            return Ok(());
+        }
+        let limits = geometry.joint_speed_limit();
+        let is_fast = |joint| joints.velocity[joint].abs() > FAST * limits[joint];
+        if (0..geometry.joint_count()).any(is_fast) {
+            self.reset();
+            return Ok(());
+        }
+        let mut felt = JointVector::zeros(geometry.joint_count());
+        let jacobian = jacobian(geometry, joints.position);
+        for (joint, column) in jacobian.columns().iter().enumerate() {
+            felt[joint] = -column.dot(force);
+        }
+        let share = self.share;
+        let means = self.average(stamp, efforts, felt);
+        for joint in 0..geometry.joint_count() {
+            let (effort, felt) = (means.effort[joint], means.felt[joint]);
+            let larger = effort.abs().max(felt.abs());
+            let tolerance = UNCERTAINTIES * means.uncertainty[joint] + share * larger;
+            // False for an unknown effort, which is NaN.
+            let exceeds = (effort - felt).abs() > tolerance;
+            let since = &mut means.since[joint];
+            *since = match exceeds {
+                true if since.is_nan() => stamp,
+                true => *since,
+                false => f64::NAN,
+            };
+            if stamp - *since >= CONTRADICTS {
+                return Err(StopReason::EffortMismatch {
+                    finger,
+                    joint,
+                    effort,
+                    felt,
+                    tolerance,
+                });
+            }
+        }
+        Ok(())
+    }
+
+    /// Updates the means with the readings at `stamp` (s).
+    fn average(&mut self, stamp: f64, efforts: &JointEfforts, felt: JointVector) -> &mut Means {
+        let most_gap = self.most_gap;
+        let known = self.means.take();
+        let known = known.filter(|means| (0.0..=most_gap).contains(&(stamp - means.stamp)));
+        let means = known.map_or_else(
+            || Means {
+                stamp,
+                effort: efforts.effort,
+                felt,
+                uncertainty: efforts.uncertainty,
+                since: felt.map(|_| f64::NAN),
+            },
+            |before| {
+                let keep = libm::exp(-(stamp - before.stamp) / FILTER_TIME);
+                // A NaN does not persist.
+                let mean = |old: f64, new: f64| match (keep * old + (1.0 - keep) * new).is_nan() {
+                    true => new,
+                    false => keep * old + (1.0 - keep) * new,
+                };
+                Means {
+                    stamp,
+                    effort: before.effort.zip_with(efforts.effort, mean),
+                    felt: before.felt.zip_with(felt, mean),
+                    uncertainty: (keep * before.uncertainty).max(efforts.uncertainty),
+                    since: before.since,
+                }
+            },
+        );
+        self.means.insert(means)
+    }
+}
