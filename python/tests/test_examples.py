@@ -167,7 +167,9 @@ def test_training_without_touch_differs_only_in_its_inputs(tmp_path: Path) -> No
         out = tmp_path / f"{name}.safetensors"
         done = run("train_grip_policy.py", "-o", out, "--objects=2", "--rounds=2", "--steps=5", *more)
         assert done.returncode == 0, done.stderr
-        assert re.search(r"round 1: known-friction puts down 100 % of 2 objects", done.stdout) and "round 2: policy" in done.stdout
+        assert (
+            re.search(r"round 1: known-friction puts down 100 % of 2 objects", done.stdout) and "round 2: policy" in done.stdout
+        )
         session = feeler.Session("grip", settings={**grip_settings(out), "time_limit": 3.0})
         assert sum(1 for _ in session) > 100 and session.phase != "STOPPED"
         for file in (out, GRIP_POLICIES[name]):
