@@ -167,9 +167,8 @@ def test_training_without_touch_differs_only_in_its_inputs(tmp_path: Path) -> No
         out = tmp_path / f"{name}.safetensors"
         done = run("train_grip_policy.py", "-o", out, "--objects=2", "--rounds=2", "--steps=5", *more)
         assert done.returncode == 0, done.stderr
-        assert (
-            re.search(r"round 1: known-friction puts down 100 % of 2 objects", done.stdout) and "round 2: policy" in done.stdout
-        )
+        assert re.search(r"round 1: known-friction puts down \d+ % of 2 objects", done.stdout)
+        assert "round 2: policy puts down" in done.stdout
         session = feeler.Session("grip", settings={**grip_settings(out), "time_limit": 3.0})
         assert sum(1 for _ in session) > 100 and session.phase != "STOPPED"
         for file in (out, GRIP_POLICIES[name]):
@@ -199,9 +198,10 @@ def test_training_sees_what_a_policy_sees_in_the_control_loop() -> None:
         assert isinstance(observation, np.ndarray)
         action = env.unwrapped.guide()
         if info["phase"] == script.MOVE:
-            # But for the rounding of observed positions to float32.
-            expected = observation.reshape(2, script.INPUTS)[:, : script.PLANNED + 1]
-            np.testing.assert_allclose(x[:, : script.PLANNED + 1], expected, rtol=1e-4, atol=2e-5)
+            expected = observation.reshape(2, script.INPUTS)
+            # Rounding may change a position by a step of the encoder, 1 µm: 0.4 mN on an element, or 0.1 mm/s.
+            np.testing.assert_allclose(x[:, : script.PLANNED], expected[:, : script.PLANNED], atol=2e-3)
+            np.testing.assert_allclose(x[:, script.PLANNED], expected[:, script.PLANNED], atol=5e-6)
             held += shown
             action[::3] += 0.0005
         observation, *_, info = env.step(action)

@@ -67,7 +67,7 @@ pub fn compare_grips(
 fn grip_laws(arguments: &Arguments) -> Result<Vec<GripLaw>, CommandError> {
     if arguments.trial.resume || !arguments.vary.is_empty() {
         return Err(
-            "--resume and --vary: task.grip draws its own objects, and a comparison starts anew"
+            "--resume and --vary: task.grip draws its own objects, and cannot continue a comparison"
                 .into(),
         );
     }

@@ -146,7 +146,7 @@ pub struct GripDifference {
 }
 
 impl GripDifference {
-    /// Compares `rows` with those of a `reference` on the same objects. `None` if there are none.
+    /// Compares `rows` with those of a `reference` on the same objects. `None` without objects.
     pub fn new(rows: &[GripRow], reference: &[GripRow]) -> Option<Self> {
         let of = |bad: fn(&GripRow) -> bool| {
             let number = |row: &GripRow| f64::from(u8::from(bad(row)));
