@@ -193,19 +193,20 @@ def test_training_sees_what_a_policy_sees_in_the_control_loop() -> None:
     objects.grip([5], still)
     env = TactileEnv("grip", vary={"object": "random"}, settings=grip_settings(GRIP_POLICIES["touch"]))
     observation, info = env.reset(seed=5)
-    held = 0
+    held, planned = 0, 0.0
     for x, shown in trained:
         assert isinstance(observation, np.ndarray)
         action = env.unwrapped.guide()
         if info["phase"] == script.MOVE:
             expected = observation.reshape(2, script.INPUTS)
-            # Rounding may change a position by a step of the encoder, 1 µm: 0.4 mN on an element, or 0.1 mm/s.
-            np.testing.assert_allclose(x[:, : script.PLANNED], expected[:, : script.PLANNED], atol=2e-3)
-            np.testing.assert_allclose(x[:, script.PLANNED], expected[:, script.PLANNED], atol=5e-6)
+            # Rounding may change positions by steps of the encoder, 1 µm, and then which elements stick.
+            for part in (script.JOINT, script.PLANNED):
+                np.testing.assert_allclose(x[:, part], expected[:, part], atol=1e-5)
+            planned = max(planned, abs(float(expected[0, script.PLANNED])))
             held += shown
             action[::3] += 0.0005
         observation, *_, info = env.step(action)
-    assert held > 200
+    assert held > 200 and planned > 3e-4
 
 
 def test_the_gripper_is_symmetric_as_training_assumes() -> None:
