@@ -20,6 +20,7 @@ from feeler.gym import TactileEnv
 
 EXAMPLES = Path(__file__).parents[2] / "examples/python"
 POLICY = EXAMPLES / "cap-closing.safetensors"
+GRIP_POLICIES = {touch: EXAMPLES / f"grip-{touch}.safetensors" for touch in ("touch", "blind")}
 NO_TIME = ["--demonstrations=2", "--rounds=2", "--steps=5", "--pairs=2", "--checks=2", "--every=1"]
 
 
@@ -151,3 +152,75 @@ def test_the_included_policy_performs_as_documented() -> None:
     assert (torque - best_torque).mean() > 1.9 - 3 * 0.6
     assert (peak - best_peak).mean() < -0.003 + 3 * 0.005
     assert peak.max() < 0.63, "no-damage"
+
+
+def grip_settings(policy: Path) -> dict[str, feeler.Value]:
+    return {"control.law.policy.file": str(policy), "task.grip.law": "policy"}
+
+
+def test_training_without_touch_differs_only_in_its_inputs(tmp_path: Path) -> None:
+    needs("jax", "flax", "optax", "safetensors")
+    from safetensors.numpy import load_file
+
+    script = load("train_grip_policy")
+    for name, more in (("touch", []), ("blind", ["--blind"])):
+        out = tmp_path / f"{name}.safetensors"
+        done = run("train_grip_policy.py", "-o", out, "--objects=2", "--rounds=2", "--steps=5", *more)
+        assert done.returncode == 0, done.stderr
+        assert re.search(r"round 1: known-friction puts down \d+ % of 2 objects", done.stdout)
+        assert "round 2: policy puts down" in done.stdout
+        session = feeler.Session("grip", settings={**grip_settings(out), "time_limit": 3.0})
+        assert sum(1 for _ in session) > 100 and session.phase != "STOPPED"
+        for file in (out, GRIP_POLICIES[name]):
+            weights = load_file(file)["layer0.weight"]
+            felt, own = weights[:, : script.TOUCH_INPUTS], weights[:, script.OWN_INPUTS]
+            assert np.any(felt) == (name == "touch") and np.all(np.any(own, axis=0)), file
+    refused = run("train_grip_policy.py", "-o", out)
+    assert refused.returncode == 1 and "already exists; expected a new file, or --force" in refused.stderr
+
+
+def test_training_sees_what_a_policy_sees_in_the_control_loop() -> None:
+    """The script computes the plan of a policy itself, because the environment's plan is the demonstration."""
+    needs("jax", "flax", "optax", "safetensors")
+    script = load("train_grip_policy")
+    trained: list[Any] = []
+
+    def still(x: Any, _wanted: Any, shown: Any) -> Any:
+        trained.append((x[0], shown[0]))
+        return np.full(x.shape[:2], 0.0005)
+
+    objects = script.Objects(1, "known-friction")
+    objects.grip([5], still)
+    env = TactileEnv("grip", vary={"object": "random"}, settings=grip_settings(GRIP_POLICIES["touch"]))
+    observation, info = env.reset(seed=5)
+    held, planned = 0, 0.0
+    for x, shown in trained:
+        assert isinstance(observation, np.ndarray)
+        action = env.unwrapped.guide()
+        if info["phase"] == script.MOVE:
+            expected = observation.reshape(2, script.INPUTS)
+            # Rounding may change positions by steps of the encoder, 1 µm, and then which elements stick.
+            for part in (script.JOINT, script.PLANNED):
+                np.testing.assert_allclose(x[:, part], expected[:, part], atol=1e-5)
+            planned = max(planned, abs(float(expected[0, script.PLANNED])))
+            held += shown
+            action[::3] += 0.0005
+        observation, *_, info = env.step(action)
+    assert held > 200 and planned > 3e-4
+
+
+def test_the_gripper_is_symmetric_as_training_assumes() -> None:
+    needs("jax", "flax", "optax", "safetensors")
+    script = load("train_grip_policy")
+    forces = np.random.default_rng(1).normal(size=(script.ELEMENTS, 3))
+    observation = np.zeros(script.INPUTS)
+    observation[: 3 * script.ELEMENTS] = forces.ravel()
+    in_fingertip = np.einsum("eij,ej->ei", script.FRAMES, forces)
+    for axis in (1, 2):
+        index, sign = script.mirrored(axis)
+        mirrored = (observation[index] * sign)[: 3 * script.ELEMENTS].reshape(-1, 3)
+        image = np.einsum("eij,ej->ei", script.FRAMES, mirrored)
+        mirror = np.where(np.arange(3) == axis, -1.0, 1.0)
+        for tip, force in zip(script.FINGERTIP.tips, in_fingertip, strict=True):
+            there = np.linalg.norm(script.FINGERTIP.tips - tip * mirror, axis=1).argmin()
+            np.testing.assert_allclose(image[there], force * mirror, atol=1e-6)

@@ -1,7 +1,6 @@
 //! Runs that use an emulated servo bus.
 
 use super::CommandError;
-use feeler::control::task::grip::GripLaw;
 use feeler::pace::real_time::fine_timer;
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::Session;
@@ -25,6 +24,6 @@ pub fn session(
 }
 
 /// Runs the gripper of `experiment` under `law` with the object of `seed`, moved by emulated servos in simulated time.
-pub fn grip_trial(experiment: &Experiment, law: GripLaw, seed: u64) -> Result<GripTrial, String> {
-    GripTrial::run_on_bus(experiment, law, seed).map_err(|error| error.to_string())
+pub fn grip_trial(experiment: &Experiment, seed: u64) -> Result<GripTrial, String> {
+    GripTrial::run_on_bus(experiment, seed).map_err(|error| error.to_string())
 }

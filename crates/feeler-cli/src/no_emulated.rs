@@ -1,7 +1,6 @@
 //! Stub of [`emulated`](super::emulated) for builds without servos.
 
 use super::CommandError;
-use feeler::control::task::grip::GripLaw;
 use feeler::pace::{PaceError, Schedule};
 use feeler_lab::config::Experiment;
 use feeler_lab::experiment::Session;
@@ -29,6 +28,6 @@ pub fn session(_: &Experiment, _: f64) -> Result<(Session, EmulatedBus), Command
 }
 
 /// Returns an error: this build has no servos.
-pub fn grip_trial(_: &Experiment, _: GripLaw, _: u64) -> Result<GripTrial, String> {
+pub fn grip_trial(_: &Experiment, _: u64) -> Result<GripTrial, String> {
     Err(WITHOUT_SERVOS.into())
 }

@@ -32,7 +32,8 @@ Examples:
   feeler compare cap-closing --resume -o compare            continue an interrupted comparison
   feeler run --trial compare/best 17                        rerun one trial, with recording and report
   feeler compare grip --trials 2000 -o grips                laws of a gripper on 2,000 unknown objects
-  feeler compare grip --drives emulated -o grips-on-a-bus   the same on servos of an emulated bus";
+  feeler compare grip --drives emulated -o grips-on-a-bus   the same on servos of an emulated bus
+  feeler compare grip --policy a.safetensors --policy b.safetensors     two learned policies of a gripper";
 
 #[derive(Debug, clap::Args)]
 #[command(after_help = EXAMPLES)]

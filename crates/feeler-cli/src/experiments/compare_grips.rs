@@ -1,12 +1,15 @@
 //! `feeler compare` of a gripper: laws of the grip force on the same unknown objects.
 
-use super::compare::{Arguments, PAGE};
+use super::compare::{Arguments, PAGE, laws};
 use super::trials::{in_parallel, trial_seed};
 use crate::{CommandError, Outcome, emulated};
+use feeler::control::law::LawConfig;
+use feeler::control::task::TaskConfig;
 use feeler::control::task::grip::GripLaw;
 use feeler_console::{Outputs, Steps, watch_for_interrupt};
 use feeler_lab::config::Experiment;
-use feeler_lab::grips::{GripRow, GripScore, GripTrial, excess_over_load};
+use feeler_lab::experiment::{Pictures, Session};
+use feeler_lab::grips::{GripDifference, GripRow, GripScore, GripTrial, excess_over_load};
 use feeler_report::pages::{GRIP_COLUMNS, GripsPage, grips_page, significant};
 use feeler_report::run::create_folder;
 use std::collections::BTreeMap;
@@ -15,23 +18,26 @@ use std::io::Write;
 /// Rows of each law, in the order of the laws.
 type Results = Vec<(String, Vec<GripRow>)>;
 
+/// Name of a law or policy, and the experiment under it.
+type Contender = (String, Experiment);
+
 /// Runs the comparison.
 pub fn compare_grips(
     arguments: &Arguments,
     experiment: &Experiment,
     out: &mut dyn Write,
 ) -> Result<Outcome, CommandError> {
-    let laws = laws(arguments)?;
+    let contenders = contenders(arguments, experiment)?;
     create_folder(&arguments.out)
         .map_err(|e| format!("--out {}: {e}; expected a folder", arguments.out.display()))?;
     let mut outputs = Outputs::new(false, []);
     let page_file = outputs.create(&arguments.out.join(PAGE), "--out")?;
     let mut tables = Vec::new();
-    for law in &laws {
-        let path = arguments.out.join(format!("{}.csv", law.name()));
+    for (name, _) in &contenders {
+        let path = arguments.out.join(format!("{name}.csv"));
         tables.push(outputs.create(&path, "--out")?);
     }
-    let (results, whole) = run(arguments, experiment, &laws)?;
+    let (results, whole) = run(arguments, &contenders)?;
     for ((_, rows), table) in results.iter().zip(tables) {
         let lines = rows.iter().map(|row| row.fields() + "\n");
         let text = format!("{}\n{}", GripRow::HEADER, lines.collect::<String>());
@@ -57,11 +63,11 @@ pub fn compare_grips(
     Ok(Outcome::Done)
 }
 
-/// Returns the requested laws, by default all.
-fn laws(arguments: &Arguments) -> Result<Vec<GripLaw>, CommandError> {
-    if arguments.trial.resume || !arguments.policies.is_empty() || !arguments.vary.is_empty() {
+/// Returns the requested laws of the task: by default all, or only the policies if there are some.
+fn grip_laws(arguments: &Arguments) -> Result<Vec<GripLaw>, CommandError> {
+    if arguments.trial.resume || !arguments.vary.is_empty() {
         return Err(
-            "--resume, --policy and --vary: task.grip draws its own objects and has its own laws"
+            "--resume and --vary: task.grip draws its own objects, and cannot continue a comparison"
                 .into(),
         );
     }
@@ -73,30 +79,65 @@ fn laws(arguments: &Arguments) -> Result<Vec<GripLaw>, CommandError> {
         })
     };
     match &arguments.laws[..] {
+        [] if !arguments.policies.is_empty() => Ok(Vec::new()),
         [] => Ok(GripLaw::ALL.to_vec()),
         names => names.iter().map(named).collect(),
     }
 }
 
-/// Runs all objects, each under all laws. Returns the rows of the finished objects, and `true` if those are all.
-fn run(
+/// Returns the experiment under each of the requested laws and policies.
+fn contenders(
     arguments: &Arguments,
     experiment: &Experiment,
-    laws: &[GripLaw],
-) -> Result<(Results, bool), CommandError> {
+) -> Result<Vec<Contender>, CommandError> {
+    let mut contenders = Vec::new();
+    for law in grip_laws(arguments)? {
+        let mut experiment = experiment.clone();
+        if let TaskConfig::Grip(grip) = &mut experiment.config.task {
+            grip.law = law;
+        }
+        contenders.push((law.name().to_string(), experiment));
+    }
+    for (name, law) in laws::laws(&[], &arguments.policies)? {
+        if contenders.iter().any(|(other, _)| *other == name) {
+            return Err(
+                format!("--policy: the name {name} is that of a law; rename the file").into(),
+            );
+        }
+        contenders.push((name, under_policy(experiment, law)?));
+    }
+    Ok(contenders)
+}
+
+/// Returns the experiment with the policy `law`, which is read once for all trials.
+fn under_policy(experiment: &Experiment, law: LawConfig) -> Result<Experiment, CommandError> {
+    let mut experiment = experiment.clone();
+    experiment.config.control.law = law;
+    if let TaskConfig::Grip(grip) = &mut experiment.config.task {
+        grip.law = GripLaw::Policy;
+    }
+    let policy = experiment.policy_file()?;
+    let experiment = experiment.with_policy(policy);
+    // A policy for another hand is rejected before any trial runs.
+    Session::drawing(&experiment, Pictures::Sensed)?;
+    Ok(experiment)
+}
+
+/// Runs all objects, each under all laws. Returns the rows of the finished objects, and `true` if those are all.
+fn run(arguments: &Arguments, contenders: &[Contender]) -> Result<(Results, bool), CommandError> {
     let interrupted = watch_for_interrupt()?;
     let (count, trial) = (arguments.trials, &arguments.trial);
     let bar = Steps::new(count as usize);
     let laws_of = |number: u64| -> Result<Vec<GripRow>, String> {
         let seed = trial_seed(trial.seed, number);
-        let row = |&law| {
+        let row = |(_, experiment): &Contender| {
             let ran = match arguments.drives {
-                Some(_) => emulated::grip_trial(experiment, law, seed),
-                None => GripTrial::run(experiment, law, seed).map_err(|error| error.to_string()),
+                Some(_) => emulated::grip_trial(experiment, seed),
+                None => GripTrial::run(experiment, seed).map_err(|error| error.to_string()),
             };
             Ok(GripRow::new(number, &ran?))
         };
-        laws.iter().map(row).collect()
+        contenders.iter().map(row).collect()
     };
     let mut finished = BTreeMap::new();
     in_parallel(
@@ -112,8 +153,8 @@ fn run(
     )?;
     drop(bar);
     let rows_of = |law: usize| finished.values().map(|rows| rows[law].clone()).collect();
-    let results = laws.iter().enumerate();
-    let results = results.map(|(index, law)| (law.name().to_string(), rows_of(index)));
+    let results = contenders.iter().enumerate();
+    let results = results.map(|(index, (name, _))| (name.clone(), rows_of(index)));
     Ok((results.collect(), finished.len() as u64 == count))
 }
 
@@ -126,12 +167,34 @@ fn page(arguments: &Arguments, results: &Results) -> GripsPage {
         trials: results.first().map_or(0, |(_, rows)| rows.len() as u64),
         seed: arguments.trial.seed,
         laws: laws.collect(),
+        verdicts: verdicts(results),
         excess: excess_over_load(results),
     }
 }
 
+/// Compares each law with the first, object by object.
+fn verdicts(results: &Results) -> Vec<String> {
+    let Some(((reference, theirs), others)) = results.split_first() else {
+        return Vec::new();
+    };
+    let verdict = |(law, rows): &(String, Vec<GripRow>)| {
+        let difference = GripDifference::new(rows, theirs)?;
+        let points = |[low, mean, high]: [f64; 3]| {
+            let [low, mean, high] = [low, mean, high].map(|share| format!("{:+.1}", 100.0 * share));
+            format!("{mean} [{low}, {high}]")
+        };
+        Some(format!(
+            "{law} compared with {reference}, in percentage points: dropped {}; crushed {}; dropped or crushed {}",
+            points(difference.dropped),
+            points(difference.crushed),
+            points(difference.failed)
+        ))
+    };
+    others.iter().filter_map(verdict).collect()
+}
+
 /// Formats the figures of a law in the order of [`GRIP_COLUMNS`].
-fn values(score: &GripScore) -> [String; 7] {
+fn values(score: &GripScore) -> [String; 8] {
     let range = |[low, value, high]: [f64; 3], factor: f64| {
         let [low, value, high] = [low, value, high].map(|value| significant(factor * value));
         format!("{value} [{low}, {high}]")
@@ -147,6 +210,7 @@ fn values(score: &GripScore) -> [String; 7] {
     [
         range(score.dropped, 100.0),
         range(score.crushed, 100.0),
+        range(score.failed, 100.0),
         score
             .excess
             .map_or_else(missing, |excess| range(excess, 1.0)),
@@ -163,6 +227,9 @@ fn print(page: &GripsPage, out: &mut dyn Write) -> std::io::Result<()> {
         for (name, value) in GRIP_COLUMNS.iter().zip(values) {
             writeln!(out, "  {name:<30} {value}")?;
         }
+    }
+    for verdict in &page.verdicts {
+        writeln!(out, "{verdict}")?;
     }
     Ok(())
 }

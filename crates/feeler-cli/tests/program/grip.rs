@@ -2,7 +2,21 @@
 
 use crate::program::{folder, part, rows, run, summary};
 use serde_json::Value;
+use std::fs;
 use std::path::Path;
+
+/// Policies that `examples/python/train_grip_policy.py` made, with and without touch.
+const POLICIES: [&str; 2] = ["grip-touch", "grip-blind"];
+
+/// Copies the file `name` of `examples/python` to `folder`.
+fn copy_policy(folder: &Path, name: &str) {
+    let file = format!("{name}.safetensors");
+    let examples = Path::new(concat!(
+        env!("CARGO_MANIFEST_DIR"),
+        "/../../examples/python"
+    ));
+    fs::copy(examples.join(&file), folder.join(file)).expect("a policy");
+}
 
 /// Runs the experiment `grip` with `settings`, and returns the `summary.json` of the run.
 fn grip(folder: &Path, name: &str, settings: &[&str]) -> Value {
@@ -107,4 +121,74 @@ fn laws_are_compared_on_the_same_objects() {
     ] {
         run(&folder, &["run", "grip", "--set", setting]).refused(&[words]);
     }
+}
+
+#[test]
+fn policies_grip_the_same_objects_and_are_deterministic() {
+    let folder = folder("grip-policies");
+    for name in POLICIES {
+        copy_policy(&folder, name);
+    }
+    let compare = |out: &str| {
+        let arguments = [
+            "compare",
+            "grip",
+            "--policy=grip-blind.safetensors",
+            "--policy=grip-touch.safetensors",
+            "--trials=4",
+            "--seed=3",
+            "--out",
+            out,
+        ];
+        let text = run(&folder, &arguments).done();
+        let table = |name: &str| fs::read_to_string(folder.join(format!("{out}/{name}.csv")));
+        (text, POLICIES.map(|name| table(name).expect("a table")))
+    };
+    let (text, [touch, blind]) = compare("first");
+    assert!(text.contains("grip-touch compared with grip-blind, in percentage points: dropped"));
+    assert_ne!(touch, blind);
+    assert_eq!(compare("second").1, [touch, blind]);
+    for name in POLICIES {
+        for row in rows(&folder.join(format!("first/{name}.csv"))) {
+            assert_eq!(
+                row["outcome"] == "lost",
+                row["outcome"] != "put down",
+                "{row:?}"
+            );
+        }
+    }
+}
+
+#[test]
+fn a_policy_holds_the_object_and_its_recording_replays() {
+    let folder = folder("grip-policy-run");
+    copy_policy(&folder, "grip-touch");
+    let law = "control.law.policy.file=grip-touch.safetensors";
+    let summary = grip(&folder, "run", &["task.grip.law=policy", law]);
+    assert_eq!(summary["outcome"], "put down");
+    let replay = ["replay", "run", "--from=forces"];
+    assert!(run(&folder, &replay).done().contains("bit for bit"));
+}
+
+#[test]
+fn policies_that_do_not_fit_the_gripper_are_refused() {
+    let folder = folder("grip-policy-refused");
+    copy_policy(&folder, "cap-closing");
+    copy_policy(&folder, "grip-touch");
+    fs::write(folder.join("fixed.safetensors"), "a law's name").expect("a file");
+    let compare = |more: &[&str]| run(&folder, &[&["compare", "grip", "-o=c"], more].concat());
+    compare(&["--policy=cap-closing.safetensors"]).refused(&[
+        "cap-closing.safetensors",
+        "expected a policy for fingers of 1 joints",
+        "for 3",
+    ]);
+    compare(&["--policy=gone.safetensors"]).refused(&["gone.safetensors", "No such file"]);
+    compare(&["--laws=fixed", "--policy=fixed.safetensors"]).refused(&["fixed is that of a law"]);
+    assert!(!folder.join("c").exists());
+    let file = "--set=control.law.policy.file=grip-touch.safetensors";
+    let law = "--set=task.grip.law=policy";
+    run(&folder, &["check", "grip", file])
+        .refused(&["control.law", "task.grip with law = \"policy\""]);
+    run(&folder, &["check", "grip", law]).refused(&["control.law.policy with a file"]);
+    run(&folder, &["check", "grip", law, file]).done();
 }

@@ -2,18 +2,25 @@
 
 use super::EnvironmentError;
 use crate::config::Experiment;
+use crate::grips::place_random_object;
 use crate::sweep::plan::parameter::{Parameter, check_conflicts, settings};
 use crate::sweep::trial::generator;
+use feeler::control::task::TaskConfig;
 use rand::RngExt;
 use rand_pcg::Pcg64;
 
 /// Name of the random stream that generates seeds when the caller gives none.
 const SEEDS: &str = "next episode";
 
+/// Variation that draws a random object for a gripper.
+const RANDOM_OBJECT: &str = "object=random";
+
 /// The sequence of episodes of one environment.
 #[derive(Debug, Clone)]
 pub(super) struct Episodes {
     experiment: Experiment,
+    /// The experiment before an object is put into it, if each episode draws one.
+    empty: Option<Experiment>,
     parameters: Vec<Parameter>,
     seeds: Pcg64,
 }
@@ -24,11 +31,21 @@ impl Episodes {
     pub fn new(name: &str, settings: &[String], vary: &[String]) -> Result<Self, EnvironmentError> {
         let settings = [&["sensing=direct".to_string()], settings].concat();
         let experiment = Experiment::load(name, &settings)?;
-        let parameters = vary.iter().map(|said| Parameter::parse(said, &experiment));
+        let (random, vary): (Vec<_>, Vec<_>) = vary.iter().partition(|said| *said == RANDOM_OBJECT);
+        let draws_object = !random.is_empty();
+        if draws_object && !matches!(experiment.config.task, TaskConfig::Grip(_)) {
+            return Err(EnvironmentError::NoRandomObject {
+                name: experiment.config.name.clone(),
+                task: experiment.config.task.name(),
+            });
+        }
+        let parameters = vary.into_iter();
+        let parameters = parameters.map(|said| Parameter::parse(said, &experiment));
         let parameters = parameters.collect::<Result<Vec<_>, _>>()?;
         check_conflicts(&parameters)?;
         Ok(Self {
             seeds: generator(experiment.config.seed, 0, SEEDS),
+            empty: draws_object.then(|| experiment.clone()),
             experiment,
             parameters,
         })
@@ -61,6 +78,9 @@ impl Episodes {
         }
         // TOML integers are signed, so a generated seed must fit into 63 bits.
         let seed = seed.unwrap_or_else(|| self.seeds.random::<u64>() >> 1);
+        if let Some(empty) = &self.empty {
+            self.experiment.clone_from(empty);
+        }
         if !self.parameters.is_empty() {
             let draw = |p: &Parameter| {
                 let mut stream = generator(seed, 0, &p.name);
@@ -70,7 +90,10 @@ impl Episodes {
             let settings = settings(self.parameters.iter().zip(&values))?;
             self.experiment = self.experiment.with_settings(&settings)?;
         }
-        self.experiment.config.seed = seed;
+        match self.empty {
+            None => self.experiment.config.seed = seed,
+            Some(_) => _ = place_random_object(&mut self.experiment.config, seed),
+        }
         Ok(seed)
     }
 }

@@ -27,9 +27,19 @@ pub enum EnvironmentError {
     /// No rewards are defined for the experiment's task.
     #[error(
         "{name}: no rewards are defined for task.{task}; expected task.screw with until = \"strokes\" or \"closed\" and a \
-         simulated cap, task.carry with a free object, or task.contour with an object that has an outline"
+         simulated cap, task.carry or task.grip with a free object, or task.contour with an object that has an outline"
     )]
     NoGoal {
+        /// Name of the experiment.
+        name: String,
+        /// Its task.
+        task: &'static str,
+    },
+    /// Random objects are drawn only for a gripper.
+    #[error(
+        "vary object=random: expected an experiment with task.grip, got {name} with task.{task}"
+    )]
+    NoRandomObject {
         /// Name of the experiment.
         name: String,
         /// Its task.

@@ -45,7 +45,8 @@ pub struct EnvironmentConfig {
     pub experiment: String,
     /// Settings such as `control.slip_threshold=2.5`. Forces are sensed directly unless `sensing=image` is set.
     pub settings: Vec<String>,
-    /// Distributions drawn for each episode, such as `friction=uniform(0.3,1.2)`.
+    /// Distributions drawn for each episode, such as `friction=uniform(0.3,1.2)`. For a gripper also `object=random`:
+    /// the random object of `feeler compare grip` with the seed of the episode.
     pub vary: Vec<String>,
     /// Meaning of the numbers of an action.
     pub action: ActionKind,

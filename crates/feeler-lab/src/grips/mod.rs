@@ -6,14 +6,13 @@ mod score;
 
 pub use meter::GripMeter;
 pub use object::GripObject;
-pub use score::{GripRow, GripScore, excess_over_load};
+pub use score::{GripDifference, GripRow, GripScore, excess_over_load};
 
-use crate::config::Experiment;
+use crate::config::{Experiment, ExperimentConfig};
 #[cfg(target_os = "linux")]
 use crate::experiment::rigs::driven::{self, DrivenError};
 use crate::experiment::{ExperimentError, Pictures, Session};
 use feeler::control::task::TaskConfig;
-use feeler::control::task::grip::GripLaw;
 #[cfg(target_os = "linux")]
 use std::convert::Infallible;
 #[cfg(target_os = "linux")]
@@ -24,6 +23,19 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Height above the table that an object must have reached to count as lifted (m).
 const LIFTED: f64 = 0.08;
+
+/// Puts the random object of `seed` into the experiment `config` of a gripper, and returns it. The law `known-friction`
+/// learns its kinetic friction.
+pub fn place_random_object(config: &mut ExperimentConfig, seed: u64) -> GripObject {
+    let object = GripObject::draw(seed);
+    object.place(config);
+    // TOML integers are signed.
+    config.seed = seed >> 1;
+    if let TaskConfig::Grip(grip) = &mut config.task {
+        grip.known_friction = object.friction * object.kinetic;
+    }
+    object
+}
 
 /// Result of a trial.
 #[derive(Debug, Clone)]
@@ -37,12 +49,13 @@ pub struct GripTrial {
 }
 
 impl GripTrial {
-    /// Runs the gripper of `experiment` under `law` with the object of `seed`.
+    /// Runs the gripper of `experiment` with the random object of `seed`.
     ///
     /// # Errors
     /// If the experiment cannot be set up, or a step fails.
-    pub fn run(experiment: &Experiment, law: GripLaw, seed: u64) -> Result<Self, ExperimentError> {
-        let (experiment, object) = Self::prepared(experiment, law, seed);
+    pub fn run(experiment: &Experiment, seed: u64) -> Result<Self, ExperimentError> {
+        let mut experiment = experiment.clone();
+        let object = place_random_object(&mut experiment.config, seed);
         let mut session = Session::drawing(&experiment, Pictures::Sensed)?;
         let meter = watch(&session, &object);
         while !session.finished() {
@@ -57,12 +70,9 @@ impl GripTrial {
     /// # Errors
     /// Like [`run`](Self::run), or if the servos cannot be used.
     #[cfg(target_os = "linux")]
-    pub fn run_on_bus(
-        experiment: &Experiment,
-        law: GripLaw,
-        seed: u64,
-    ) -> Result<Self, DrivenError> {
-        let (experiment, object) = Self::prepared(experiment, law, seed);
+    pub fn run_on_bus(experiment: &Experiment, seed: u64) -> Result<Self, DrivenError> {
+        let mut experiment = experiment.clone();
+        let object = place_random_object(&mut experiment.config, seed);
         let (mut session, bus) = driven::session(&experiment, f64::INFINITY)?;
         let meter = watch(&session, &object);
         let mut schedule = bus.schedule(experiment.config.control.period)?;
@@ -81,20 +91,6 @@ impl GripTrial {
             meter: locked(meter).clone(),
             outcome: controller.task().outcome(),
         }
-    }
-
-    /// Returns the gripper of `experiment` under `law` with the object of `seed`, and the object.
-    fn prepared(experiment: &Experiment, law: GripLaw, seed: u64) -> (Experiment, GripObject) {
-        let object = GripObject::draw(seed);
-        let mut experiment = experiment.clone();
-        object.place(&mut experiment.config);
-        // TOML integers are signed.
-        experiment.config.seed = seed >> 1;
-        if let TaskConfig::Grip(grip) = &mut experiment.config.task {
-            grip.law = law;
-            grip.known_friction = object.friction * object.kinetic;
-        }
-        (experiment, object)
     }
 
     /// `true` if the object was not lifted, slid out of the grip, or was let go in the air.

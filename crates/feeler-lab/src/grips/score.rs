@@ -72,6 +72,11 @@ impl GripRow {
         )
     }
 
+    /// `true` if the object was dropped or crushed.
+    fn failed(&self) -> bool {
+        self.dropped || self.crushed
+    }
+
     /// Mean grip relative to the mean of the least grip that holds; `None` if the object was dropped.
     fn excess(&self) -> Option<f64> {
         let excess = self.grips[0] / self.grips[1];
@@ -86,6 +91,8 @@ pub struct GripScore {
     pub dropped: [f64; 3],
     /// Share of the objects that were crushed.
     pub crushed: [f64; 3],
+    /// Share of the objects that were dropped or crushed.
+    pub failed: [f64; 3],
     /// Mean over the held objects of the mean grip relative to the least that holds; `None` if none was held.
     pub excess: Option<[f64; 3]>,
     /// Sum of the mean grips over the sum of the least ones.
@@ -117,11 +124,41 @@ impl GripScore {
         Self {
             dropped: share(|row| row.dropped),
             crushed: share(|row| row.crushed),
+            failed: share(GripRow::failed),
             excess: bootstrap(&excess).map(|mean| [mean.low, mean.mean, mean.high]),
             excess_of_sums: sum(0) / sum(1),
             slips: reactions.len(),
             reaction: quantile(0.5).zip(quantile(0.95)).map(Into::into),
         }
+    }
+}
+
+/// Differences between two laws on the same objects: mean over the objects with its 95 % bootstrap interval,
+/// `[low, mean, high]`.
+#[derive(Debug, Clone, Copy, PartialEq)]
+pub struct GripDifference {
+    /// Difference of the shares of dropped objects.
+    pub dropped: [f64; 3],
+    /// Difference of the shares of crushed objects.
+    pub crushed: [f64; 3],
+    /// Difference of the shares of objects that were dropped or crushed.
+    pub failed: [f64; 3],
+}
+
+impl GripDifference {
+    /// Compares `rows` with those of a `reference` on the same objects. `None` without objects.
+    pub fn new(rows: &[GripRow], reference: &[GripRow]) -> Option<Self> {
+        let of = |bad: fn(&GripRow) -> bool| {
+            let number = |row: &GripRow| f64::from(u8::from(bad(row)));
+            let pairs = rows.iter().zip(reference);
+            let differences: Vec<f64> = pairs.map(|(a, b)| number(a) - number(b)).collect();
+            bootstrap(&differences).map(|mean| [mean.low, mean.mean, mean.high])
+        };
+        Some(Self {
+            dropped: of(|row| row.dropped)?,
+            crushed: of(|row| row.crushed)?,
+            failed: of(GripRow::failed)?,
+        })
     }
 }
 

@@ -5,9 +5,10 @@ use crate::figures::compare::{Curves, curves_figure};
 use maud::html;
 
 /// Column headings of a law.
-pub const GRIP_COLUMNS: [&str; 7] = [
+pub const GRIP_COLUMNS: [&str; 8] = [
     "dropped (%)",
     "crushed (%)",
+    "dropped or crushed (%)",
     "mean grip / least",
     "sum of grips / sum of least",
     "slips in the air",
@@ -25,7 +26,9 @@ pub struct GripsPage {
     /// Random seed.
     pub seed: u64,
     /// Name of each law, and its values in the order of [`GRIP_COLUMNS`].
-    pub laws: Vec<(String, [String; 7])>,
+    pub laws: Vec<(String, [String; 8])>,
+    /// A sentence for each law but the first, which compares it with the first.
+    pub verdicts: Vec<String>,
     /// Excess of the grip over the load.
     pub excess: Curves,
 }
@@ -44,6 +47,7 @@ pub fn grips_page(page: &GripsPage) -> String {
             down. Laws are compared on the same objects. Ranges are 95 % intervals."
         }
         (table(html! { th { "Law" } (number_heads(GRIP_COLUMNS)) }, rows))
+        @for verdict in &page.verdicts { p { (verdict) } }
         p.note {
             "Dropped: the object was not lifted, slid by more than 15 mm in the grip, or left it in the air. Crushed: a finger pressed
             harder than this object bears. Least: the load across the grip divided by twice the static friction, which

@@ -137,14 +137,23 @@ impl ControlConfig {
         task.check(self.period, &self.thresholds(), &self.limits, checker);
     }
 
-    /// Requires the default law for a task that does not use a law.
+    /// Requires a policy for a task that needs one, and the default law for a task that does not use a law.
     fn check_law_of(&self, task: &TaskConfig, checker: &mut Checker) {
+        if task.takes_policy_only() {
+            checker.require(
+                "control.law",
+                format!("{:?}", self.law.name()),
+                matches!(self.law, LawConfig::Policy(_)),
+                "control.law.policy with a file, because task.grip.law = \"policy\"",
+            );
+            return;
+        }
         checker.require(
             "control.law",
             format!("{:?}", self.law.name()),
             task.takes_law() || self.law == LawConfig::default(),
             &format!(
-                "{:?}, the default, because task.{} controls its contact forces itself; only {} takes another law",
+                "{:?}, the default, because task.{} controls its contact forces itself; only {} takes another law, and task.grip with law = \"policy\" a policy",
                 LawConfig::default().name(),
                 task.name(),
                 TaskConfig::WITH_LAW,

@@ -57,7 +57,8 @@ class TactileEnv(gymnasium.Env[Observation, NDArray[np.float64]]):
             Values of the experiment. Forces are sensed directly unless they contain ``{"sensing": "image"}``.
         vary
             Distributions from which each episode draws parameters, as in ``{"friction": "uniform(0.3,1.2)"}``. Names and
-            distributions are those of sweeps.
+            distributions are those of sweeps. ``{"object": "random"}`` draws a random object for a gripper, as
+            ``feeler compare grip`` does.
         action, observation
             Kind of actions and observations; see the class.
         render_mode

@@ -70,6 +70,24 @@ fn no_task_allocates() {
     }
 }
 
+#[test]
+fn a_policy_that_grips_does_not_allocate() {
+    let examples = concat!(env!("CARGO_MANIFEST_DIR"), "/../../examples/python");
+    let file = format!("control.law.policy.file={examples}/grip-touch.safetensors");
+    let settings = [file, "task.grip.law=policy".to_string()];
+    let experiment = Experiment::load("grip", &settings).expect("an experiment");
+    let mut session = Session::new(&experiment).expect("a session");
+    let failed = assert_no_alloc(|| {
+        while !session.finished() {
+            session.step()?;
+        }
+        Ok::<_, feeler_lab::experiment::ExperimentError>(())
+    });
+    assert!(failed.is_ok(), "{failed:?}");
+    let task = session.control_loop().controller().task();
+    assert_eq!(task.outcome(), Some("put down"));
+}
+
 /// A sensor whose forces rise from frame to frame until it fails.
 struct Rising(u64);
 

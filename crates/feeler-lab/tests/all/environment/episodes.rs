@@ -1,8 +1,10 @@
 //! Seeds, variation, kinds of actions, and errors.
 
 use super::support::{config, environment};
+use feeler::control::task::TaskConfig;
 use feeler_lab::config::Experiment;
 use feeler_lab::environment::{ActionKind, Environment, EnvironmentConfig};
+use feeler_lab::grips::place_random_object;
 use feeler_lab::sweep::plan::Plan;
 use feeler_lab::sweep::trial::Trials;
 use rand::{RngExt as _, SeedableRng as _};
@@ -244,4 +246,36 @@ fn a_later_episode_is_reproducible_from_its_seed() {
         assert_eq!(own, seed);
     }
     assert_eq!(environment.reset(None).expect("a seed"), after);
+}
+
+/// The environment draws the objects of `feeler compare grip`, independently of earlier episodes.
+#[test]
+fn random_objects_are_those_of_a_comparison() {
+    let random = |experiment: &str| EnvironmentConfig {
+        vary: vec!["object=random".to_string()],
+        ..config(experiment, &["task.grip.law=known-friction"])
+    };
+    let mut environment = Environment::new(&random("grip")).expect("an environment");
+    for seed in [1, 2, 3, 1] {
+        environment.reset(Some(seed)).expect("an episode");
+        let settings = ["sensing=direct", "task.grip.law=known-friction"];
+        let experiment = Experiment::load("grip", &settings.map(ToString::to_string));
+        let mut expected = experiment.expect("an experiment").config;
+        let object = place_random_object(&mut expected, seed);
+        let ours = &environment.experiment().config;
+        assert_eq!(ours, &expected);
+        let TaskConfig::Grip(grip) = &ours.task else {
+            panic!("a gripper")
+        };
+        assert_eq!(grip.known_friction, object.friction * object.kinetic);
+    }
+    let refused = Environment::new(&EnvironmentConfig {
+        vary: vec!["object=random".to_string()],
+        ..config("lift", &[])
+    });
+    let refused = refused.err().expect("an error").to_string();
+    assert!(
+        refused.contains("expected an experiment with task.grip, got lift"),
+        "{refused}"
+    );
 }

@@ -6,7 +6,7 @@ use super::cap_config::Until;
 use super::carry::{Carry, CarryConfig};
 use super::contour::{Contour, ContourConfig};
 use super::friction_scan::{FrictionScan, FrictionScanConfig};
-use super::grip::{Grip, GripConfig};
+use super::grip::{Grip, GripConfig, GripLaw};
 use super::probe::{Probe, ProbeConfig};
 use super::screw::{ScrewConfig, ScrewTask};
 use crate::check::Checker;
@@ -84,6 +84,11 @@ impl TaskConfig {
 
     /// Tasks whose fingers are moved by a [law](crate::control::law), for messages.
     pub const WITH_LAW: &str = "task.screw with until = \"strokes\"";
+
+    /// Returns whether the experiment's control law must be a policy, which moves the fingers while they hold an object.
+    pub fn takes_policy_only(&self) -> bool {
+        matches!(self, Self::Grip(config) if config.law == GripLaw::Policy)
+    }
 
     /// Returns whether the experiment's control law moves the fingers. The other tasks control their contact forces
     /// themselves and ignore the law.

@@ -116,10 +116,12 @@ pub enum GripLaw {
     KnownFriction,
     /// A constant grip.
     Fixed,
+    /// The control law `policy` chooses the velocity of each finger; the task holds its position.
+    Policy,
 }
 
 impl GripLaw {
-    /// All laws.
+    /// All laws that need no file.
     pub const ALL: [Self; 6] = [
         Self::PartialSlip,
         Self::Reflex,
@@ -138,6 +140,7 @@ impl GripLaw {
             Self::Drag => "drag",
             Self::KnownFriction => "known-friction",
             Self::Fixed => "fixed",
+            Self::Policy => "policy",
         }
     }
 }

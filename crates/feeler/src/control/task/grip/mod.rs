@@ -39,6 +39,9 @@ use surface::Surface;
 const SLOW: f64 = 0.3;
 /// Duration from the first load from which an inclined surface counts (s): the contact settles before.
 const INCLINED_FROM: f64 = 0.2;
+/// Speed at which a finger returns to where it grasped the object, relative to its distance, under a policy (1/s). It is
+/// slow, so that the planned velocity is a measure of how far the finger has closed.
+const HOLDING: f64 = 1.0;
 /// Distance by which each finger leaves the object before it returns (m).
 const CLEARANCE: f64 = 0.002;
 
@@ -52,6 +55,8 @@ struct Jaw {
     load: FingerLoad,
     /// Time of the last touch (s).
     touched: f64,
+    /// Closing distance from home at which the object was grasped (m).
+    grasped: f64,
     /// Position at which it let go (m, in W).
     let_go: DVec3,
 }
@@ -224,6 +229,8 @@ impl Grip {
             GripLaw::Fixed => config.fixed_force,
             // These laws never open: at least the present grip.
             GripLaw::Reflex | GripLaw::MissingShear | GripLaw::Drag => grip,
+            // The policy moves the fingers.
+            GripLaw::Policy => return 0.0,
         };
         let missing = requested.clamp(least, most) - grip;
         let mut speed = self.control.speed(missing, config.bandwidth);
@@ -270,6 +277,9 @@ impl Grip {
         }
         let config = &self.config;
         if self.weakest() >= config.grip_force {
+            for (jaw, pose) in self.jaws.iter_mut().zip(hand.poses) {
+                jaw.grasped = jaw.closed(pose.position);
+            }
             self.phase = Phase::Move;
             return Ok(());
         }
@@ -320,7 +330,11 @@ impl Task for Grip {
             return Plan::default();
         };
         let config = &self.config;
+        let reflex = self.phase == Phase::Move && config.law == GripLaw::Policy;
         let velocity = match self.phase {
+            Phase::Move if reflex => {
+                HOLDING * (jaw.grasped - jaw.closed(pose.position)) * jaw.approach
+            }
             Phase::Search | Phase::Move => self.speed * jaw.approach,
             Phase::Release => -config.return_speed * jaw.approach,
             Phase::Return => homeward(jaw.home - pose.position, config.return_speed),
@@ -329,7 +343,8 @@ impl Task for Grip {
         Plan {
             velocity,
             towards_object: jaw.approach,
-            ..Plan::default()
+            reflex,
+            keep_grasp: false,
         }
     }
 

@@ -37,7 +37,9 @@ impl SlipSignal {
                 let detectors = detector.map_or_else(|_| Vec::new(), |d| vec![d; fingers]);
                 Some(Self::Drag(own.drag, detectors))
             }
-            GripLaw::PartialSlip | GripLaw::KnownFriction | GripLaw::Fixed => None,
+            GripLaw::PartialSlip | GripLaw::KnownFriction | GripLaw::Fixed | GripLaw::Policy => {
+                None
+            }
         }
     }
 
