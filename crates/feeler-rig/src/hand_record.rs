@@ -60,6 +60,7 @@ impl HandRecord {
         let options = RecordOptions {
             patience,
             flush_interval,
+            samples: true,
             policy: experiment.policy_file()?,
             ..RecordOptions::default()
         };

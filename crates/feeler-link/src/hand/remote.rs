@@ -7,9 +7,9 @@ use crate::messages::message::{CommandMessage, HandMode, MessageHeader, StopInFo
 use crate::transport::outlet::{Outlet, TimeSource, header, send};
 use crate::transport::shared::Shared;
 use crate::transport::topic::Topic;
-use feeler::control::{Controller, Phase, TactileReading, TactileSource};
+use feeler::control::{Controller, FrameBuffer, Phase, TactileReading, TactileSource};
 use feeler::hand::{Hand, HandCommand, HandError, HandState, check_finger_count};
-use feeler::sensor::forces::SensorError;
+use feeler::sensor::forces::{SensorError, TactileFrame};
 use std::sync::Arc;
 
 /// Source of tactile readings for a finger whose sensor runs in another program.
@@ -17,6 +17,7 @@ pub struct RemoteFinger {
     inbox: Shared<HandInbox>,
     finger: usize,
     elements: usize,
+    earlier: FrameBuffer,
 }
 
 impl RemoteFinger {
@@ -26,6 +27,7 @@ impl RemoteFinger {
             inbox,
             finger,
             elements,
+            earlier: FrameBuffer::default(),
         }
     }
 }
@@ -38,6 +40,7 @@ impl TactileSource for RemoteFinger {
     fn touch(&mut self, touch: &mut TactileReading) -> Result<(), SensorError> {
         let mut inbox = self.inbox.lock();
         let time = inbox.time_of(self.finger);
+        inbox.read_frames(self.finger, &mut self.earlier);
         let Some(finger) = inbox.finger_mut(self.finger) else {
             return Ok(());
         };
@@ -57,6 +60,10 @@ impl TactileSource for RemoteFinger {
         touch.frame.sequence = update.frame;
         (touch.frame.stamp, touch.stamp) = (time, time);
         Ok(())
+    }
+
+    fn earlier_frames(&self) -> &[TactileFrame] {
+        self.earlier.as_slice()
     }
 }
 

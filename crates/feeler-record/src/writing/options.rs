@@ -20,6 +20,9 @@ pub struct RecordOptions {
     pub pictures: bool,
     /// `true` if rumble and tone of the live page will be recorded.
     pub felt: bool,
+    /// `true` if tactile frames between control steps will be recorded, which only sensors in other programs or on other
+    /// threads measure.
+    pub samples: bool,
     /// Behaviour of writes while the file accepts no data.
     pub patience: Backpressure,
     /// Maximum age of a message before it is passed to the operating system, in seconds of run time. A program that is
@@ -34,6 +37,7 @@ impl Default for RecordOptions {
             policy: None,
             pictures: false,
             felt: false,
+            samples: false,
             patience: Backpressure::default(),
             flush_interval: FLUSH_INTERVAL,
         }

@@ -60,6 +60,9 @@ impl Recorder {
         let path = path.as_ref();
         let mut channels = Channel::of_run(facts, options.pictures);
         channels.extend(options.felt.then(|| Channel::from(topics::FELT)));
+        if options.samples {
+            channels.extend(Channel::of_samples(facts.fingers));
+        }
         let sink = Sink::create(path, facts, experiment_toml, options, &channels)?;
         Self::to_store(path, sink, (channels, facts.fingers), options)
     }
