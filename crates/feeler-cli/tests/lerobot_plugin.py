@@ -32,7 +32,7 @@ def absent(name):
 class Absent(ModuleType):
     """Module, and package, whose attributes are types."""
 
-    __path__ = []
+    __path__ = ()
 
     def __getattr__(self, name):
         return absent(name)

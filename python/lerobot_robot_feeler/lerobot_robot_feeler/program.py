@@ -37,8 +37,8 @@ class Program:
         threading.Thread(target=self._read, name="feeler follow", daemon=True).start()
         try:
             self.hand = self._answer()
-            if self.hand.get("protocol") != PROTOCOL:
-                raise ProgramError(f"expected feeler's protocol {PROTOCOL}, got {self.hand.get('protocol')}; update the older one")
+            if (protocol := self.hand.get("protocol")) != PROTOCOL:
+                raise ProgramError(f"expected feeler's protocol {PROTOCOL}, got {protocol}; update the older one")
         except BaseException:
             self.process.kill()
             self.process.wait()

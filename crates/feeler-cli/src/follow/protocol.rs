@@ -23,7 +23,7 @@ pub enum Request {
 /// Decodes a request to a hand whose fingers have `joints` joints.
 ///
 /// # Errors
-/// If the line is not a request. Returns what was expected and what was found.
+/// If the line is not a request. Returns a description.
 pub fn decode(line: &str, joints: &[usize]) -> Result<Request, String> {
     let request: Map<String, Value> = serde_json::from_str(line)
         .map_err(|error| format!("expected a JSON object per line: {error}"))?;

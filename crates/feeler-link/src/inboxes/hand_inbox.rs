@@ -272,14 +272,22 @@ impl HandInbox {
 impl FingerInbox {
     /// Run time of the latest update (s), as in [`HandInbox::time_of`].
     fn time_of(&self, state: &StateInbox) -> f64 {
-        let later = (self.earliest - state.earliest) * state.clock.speed().times();
-        let of_own_clock = || state.time + if later.is_finite() { later } else { 0.0 };
-        self.time.unwrap_or_else(of_own_clock).max(0.0)
+        self.measured_at(state).max(0.0)
     }
 
-    /// Keeps the frame of the latest update if it has not been read and `next` is of another frame.
+    /// Run time of the latest update (s), negative if it was measured before the run.
+    fn measured_at(&self, state: &StateInbox) -> f64 {
+        let later = (self.earliest - state.earliest) * state.clock.speed().times();
+        let of_own_clock = || state.time + if later.is_finite() { later } else { 0.0 };
+        self.time.unwrap_or_else(of_own_clock)
+    }
+
+    /// Keeps the frame of the latest update if it is of the run, has not been read, and `next` is of another frame.
     fn keep_unread(&mut self, state: &StateInbox, next: &TactileUpdate) {
-        let time = self.time_of(state);
+        let time = self.measured_at(state);
+        if time < 0.0 {
+            return;
+        }
         let unread = self.newest.as_ref().filter(|_| self.is_unread);
         if let Some(update) = unread.filter(|update| update.frame != next.frame) {
             self.earlier.push(update.frame, time, update.valid_forces());
