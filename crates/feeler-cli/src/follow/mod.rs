@@ -17,7 +17,6 @@ use feeler_lab::experiment::rigs::linked::following_program;
 use feeler_lab::experiment::{Session, geometries, layouts};
 use feeler_link::programs::RigSpeed;
 use feeler_rig::print_outcome;
-use protocol::Request;
 use serde_json::Value;
 use std::io::{BufRead, Write, stderr, stdin};
 use std::sync::atomic::{AtomicBool, Ordering};
@@ -188,7 +187,7 @@ impl Following<'_> {
         };
         let velocities = match request {
             // A stopped hand follows no request, also not after it resumes.
-            Request::Move(velocities) if latest.stopped.is_none() => velocities,
+            Some(velocities) if latest.stopped.is_none() => velocities,
             _ => return protocol::readings(&latest),
         };
         let number = self.requests.request(velocities);

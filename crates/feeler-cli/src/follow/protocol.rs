@@ -11,20 +11,12 @@ use serde_json::{Map, Value, json};
 /// Version of requests and answers.
 const PROTOCOL: u32 = 1;
 
-/// A request of the program that decides the motion.
-#[derive(Debug, Clone, Copy, PartialEq)]
-pub enum Request {
-    /// Answer with the latest readings.
-    Observe,
-    /// Move the joints at these velocities, and answer with the readings after the next control step.
-    Move(HandVelocities),
-}
-
-/// Decodes a request to a hand whose fingers have `joints` joints.
+/// Decodes a request to a hand whose fingers have `joints` joints: the requested velocities, which are answered with the
+/// readings after the next control step, or `None` for the latest readings.
 ///
 /// # Errors
 /// If the line is not a request. Returns a description.
-pub fn decode(line: &str, joints: &[usize]) -> Result<Request, String> {
+pub fn decode(line: &str, joints: &[usize]) -> Result<Option<HandVelocities>, String> {
     let request: Map<String, Value> = serde_json::from_str(line)
         .map_err(|error| format!("expected a JSON object per line: {error}"))?;
     if let Some(key) = request.keys().find(|key| *key != "velocity") {
@@ -33,7 +25,7 @@ pub fn decode(line: &str, joints: &[usize]) -> Result<Request, String> {
         ));
     }
     let Some(velocity) = request.get("velocity") else {
-        return Ok(Request::Observe);
+        return Ok(None);
     };
     let expected = || format!("velocity: expected a list per finger of {joints:?} numbers");
     let fingers: Vec<Vec<f64>> = serde_json::from_value(velocity.clone())
@@ -46,7 +38,7 @@ pub fn decode(line: &str, joints: &[usize]) -> Result<Request, String> {
     for (own, finger) in velocities.iter_mut().zip(&fingers) {
         *own = JointVector::from_slice(finger).ok_or_else(expected)?;
     }
-    Ok(Request::Move(velocities))
+    Ok(Some(velocities))
 }
 
 /// Description of the hand, the first line of the output.
@@ -120,10 +112,8 @@ mod tests {
 
     #[test]
     fn requests_are_decoded_or_rejected_with_a_reason() {
-        assert_eq!(decode("{}", &[3, 1]), Ok(Request::Observe));
-        let Ok(Request::Move(velocities)) =
-            decode(r#"{"velocity": [[1, -2.5, 0], [0.5]]}"#, &[3, 1])
-        else {
+        assert_eq!(decode("{}", &[3, 1]), Ok(None));
+        let Ok(Some(velocities)) = decode(r#"{"velocity": [[1, -2.5, 0], [0.5]]}"#, &[3, 1]) else {
             panic!("no velocities");
         };
         assert_eq!(velocities[0].as_slice(), [1.0, -2.5, 0.0]);
@@ -147,7 +137,7 @@ mod tests {
     proptest! {
         #[test]
         fn no_line_panics_and_only_finite_velocities_are_accepted(line in r#"(\{"velocity": ?\[\[[-0-9eE.,]{0,40}\]\]\}|.{0,60})"#) {
-            if let Ok(Request::Move(velocities)) = decode(&line, &[3]) {
+            if let Ok(Some(velocities)) = decode(&line, &[3]) {
                 prop_assert!(velocities[0].iter().all(f64::is_finite));
                 prop_assert_eq!(velocities[0].len(), 3);
             }

@@ -18,6 +18,8 @@ pub struct RemoteFinger {
     finger: usize,
     elements: usize,
     earlier: FrameBuffer,
+    /// `true` after the first control step.
+    has_begun: bool,
 }
 
 impl RemoteFinger {
@@ -28,6 +30,7 @@ impl RemoteFinger {
             finger,
             elements,
             earlier: FrameBuffer::default(),
+            has_begun: false,
         }
     }
 }
@@ -41,6 +44,10 @@ impl TactileSource for RemoteFinger {
         let mut inbox = self.inbox.lock();
         let time = inbox.time_of(self.finger);
         inbox.read_frames(self.finger, &mut self.earlier);
+        if !std::mem::replace(&mut self.has_begun, true) {
+            // Measured while the hand waited, when the time of the run did not advance.
+            self.earlier.clear();
+        }
         let Some(finger) = inbox.finger_mut(self.finger) else {
             return Ok(());
         };

@@ -261,8 +261,9 @@ fn unread_frames_are_kept_with_their_times() {
     let frames = |numbers: std::ops::RangeInclusive<u64>| -> Vec<_> {
         numbers.map(|n| (n, n as f64, n as f64)).collect()
     };
-    assert_eq!(read(2..10), frames(1..=4));
-    assert_eq!(read(10..14), frames(5..=6));
+    // Frames before the first control step are not of the run.
+    assert_eq!(read(2..6), frames(2..=2));
+    assert_eq!(read(6..14), frames(3..=6));
     // Nothing new.
     assert_eq!(read(0..0), frames(6..=6));
     assert_eq!(read(14..16), frames(7..=7));
