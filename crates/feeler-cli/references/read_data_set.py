@@ -40,7 +40,7 @@ def as_arrow(feature):
         return datasets.Value(dtype=dtype)
     if len(shape) == 1:
         return datasets.Sequence(length=shape[0], feature=datasets.Value(dtype=dtype))
-    return datasets.Array2D(shape=shape, dtype=dtype)
+    return (datasets.Array3D if len(shape) == 3 else datasets.Array2D)(shape=shape, dtype=dtype)
 
 
 def stats_of(array):

@@ -39,6 +39,7 @@ const GROUPS: [Group; 6] = [
             "world",
             "rig",
             "hand",
+            "follow",
             "top",
             "stop",
             "resume",

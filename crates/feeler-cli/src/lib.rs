@@ -13,6 +13,7 @@ mod drives;
 mod emulated;
 pub mod experiments;
 mod export;
+mod follow;
 mod help;
 mod league;
 mod link;
@@ -142,6 +143,8 @@ enum Command {
     Rig(link::rig::Arguments),
     /// Control a hand whose sensors and drives run in other programs.
     Hand(link::hand::Arguments),
+    /// Move a hand at velocities that another program writes to standard input, such as LeRobot.
+    Follow(Box<follow::Arguments>),
     /// Show a running rig in the terminal.
     Top(link::top::Arguments),
     /// Show a recording or a running rig in the browser.
@@ -230,6 +233,7 @@ fn run_command(command: Command, out: &mut dyn Write) -> Result<Outcome, Command
         Command::World(arguments) => link::world::world(&arguments, out),
         Command::Rig(arguments) => link::rig::rig(&arguments, out),
         Command::Hand(arguments) => link::hand::hand(&arguments, out),
+        Command::Follow(arguments) => follow::follow(&arguments, out),
         Command::Top(arguments) => link::top::top(&arguments, out),
         Command::View(arguments) => view::view(&arguments, out),
         Command::Ros2(arguments) => ros2::ros2(&arguments, out),

@@ -69,9 +69,10 @@ pub fn schema(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Com
     Ok(Outcome::Done)
 }
 
-fn recorded() -> [Schema; 23] {
+fn recorded() -> [Schema; 24] {
     [
         Schema::recorded(topics::tactile(0)),
+        Schema::recorded(topics::samples(0)),
         Schema::recorded(topics::flags(0)),
         Schema::recorded(topics::joints(0)),
         Schema::recorded(topics::efforts(0)),

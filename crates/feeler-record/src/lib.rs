@@ -14,7 +14,7 @@ pub mod writing;
 
 pub use crate::messages::channels::{
     Cap, Command, Findings, Fingertip, Flags, Joints, Moments, NO_ELEMENT, ObjectPose,
-    RecordingGap, Stamped, Tactile, Task, TorqueSensor, TrueSlip,
+    RecordingGap, Stamped, Tactile, TactileSample, Task, TorqueSensor, TrueSlip,
 };
 pub use crate::messages::contact::Contact;
 pub use crate::messages::efforts::Efforts;

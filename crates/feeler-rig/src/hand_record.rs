@@ -60,6 +60,7 @@ impl HandRecord {
         let options = RecordOptions {
             patience,
             flush_interval,
+            samples: true,
             policy: experiment.policy_file()?,
             efforts: config.measures_efforts(),
             ..RecordOptions::default()

@@ -1,8 +1,8 @@
 //! The `feeler export lerobot` subcommand.
 
-use super::DataSetArguments;
 use super::folder::NewFolder;
 use super::runs::Run;
+use super::{DataSetArguments, TouchRate};
 use crate::{CommandError, Outcome};
 use feeler_console::{Steps, watch_for_interrupt};
 use feeler_export::{ExportError, lerobot};
@@ -14,7 +14,8 @@ pub fn export(arguments: &DataSetArguments, out: &mut dyn Write) -> Result<Outco
     let inputs = runs.iter().map(|run| run.path.as_path());
     let folder = NewFolder::create(&arguments.output, arguments.force, inputs)?;
     let interrupted = watch_for_interrupt()?;
-    let mut data_set = lerobot::DataSet::new(folder.part());
+    let sampling = sampling(arguments, &runs)?;
+    let mut data_set = lerobot::DataSet::new(folder.part()).with_sampling(sampling);
     let mut frames = 0;
     for run in &runs {
         match add(&mut data_set, run, arguments.task.as_deref(), &interrupted)? {
@@ -28,8 +29,28 @@ pub fn export(arguments: &DataSetArguments, out: &mut dyn Write) -> Result<Outco
     data_set.finish()?;
     folder.rename()?;
     let (path, episodes) = (arguments.output.display(), runs.len());
-    writeln!(out, "{path}: {episodes} episodes, {frames} frames")?;
+    write!(out, "{path}: {episodes} episodes, {frames} frames")?;
+    match sampling.window {
+        Some(window) => writeln!(out, " with windows of {window} tactile samples")?,
+        None => writeln!(out)?,
+    }
     Ok(Outcome::Done)
+}
+
+/// Returns the requested frames and windows. The windows have the length of the longest one of all runs.
+fn sampling(arguments: &DataSetArguments, runs: &[Run]) -> Result<lerobot::Sampling, CommandError> {
+    let fps = arguments.fps;
+    let window = match arguments.touch_rate {
+        TouchRate::Frame => None,
+        TouchRate::Native => {
+            let mut longest = 1;
+            for run in runs {
+                longest = longest.max(lerobot::longest_window(&run.name, &run.read()?, fps)?);
+            }
+            Some(longest)
+        }
+    };
+    Ok(lerobot::Sampling { fps, window })
 }
 
 /// Adds a run to the data set; returns its number of frames, or `None` if interrupted.

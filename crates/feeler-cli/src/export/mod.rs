@@ -51,9 +51,25 @@ struct DataSetArguments {
     /// Task description for language-conditioned policies [default: the experiment's name]
     #[arg(long, value_name = "WORDS")]
     task: Option<String>,
+    /// Frames per second, at most the control rate. Each frame is the control step nearest to its time [default: the
+    /// control rate]
+    #[arg(long, value_name = "RATE", value_parser = clap::value_parser!(u32).range(1..))]
+    fps: Option<u32>,
+    /// Tactile data of a frame: the latest sample, or also a window of all samples since the previous frame.
+    #[arg(long, value_name = "RATE", default_value = "frame")]
+    touch_rate: TouchRate,
     /// Replace an existing data set. Other folders and inputs are never replaced.
     #[arg(long)]
     force: bool,
+}
+
+/// Rate of the tactile data in a data set.
+#[derive(Debug, Clone, Copy, PartialEq, Eq, clap::ValueEnum)]
+enum TouchRate {
+    /// The latest sample of each frame.
+    Frame,
+    /// Also all samples since the previous frame, with their times.
+    Native,
 }
 
 /// Runs `feeler export`.

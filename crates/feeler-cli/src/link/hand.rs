@@ -1,19 +1,22 @@
 //! The `feeler hand` subcommand.
 
-use super::{ExperimentArguments, LinkArguments, ListenArguments};
+use super::{ExperimentArguments, LinkArguments, ListenArguments, first_given};
 use crate::experiments::run::make_folder;
 use crate::options::FlushArguments;
 use crate::{CommandError, Outcome};
 use feeler_console::{Warnings, watch_for_interrupt};
+use feeler_lab::config::Experiment;
 use feeler_lab::experiment::recorded_run::run_end;
-use feeler_lab::experiment::rigs::linked::hand_program;
-use feeler_link::programs::RigSpeed;
+use feeler_lab::experiment::rigs::linked::{LinkedError, hand_program};
+use feeler_link::programs::{HandProgram, RemoteLoop, RigSpeed};
 use feeler_link::security::Right;
+use feeler_link::transport::Network;
 use feeler_record::{RunEnd, RunState};
 use feeler_rig::{HandRecord, ListenOptions, open_stop_server, patience, request_real_time};
 use std::io::Write;
 use std::path::PathBuf;
-use std::sync::atomic::Ordering;
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
 use std::time::Instant;
 
 #[derive(Debug, clap::Args)]
@@ -22,13 +25,13 @@ pub struct Arguments {
     experiment: String,
     /// Output folder of the run; must not contain a run [default: runs/NAME-SENSING-seedN]
     #[arg(long, value_name = "DIR")]
-    out: Option<PathBuf>,
+    pub out: Option<PathBuf>,
     /// Request real-time priority and locked memory, so that control steps begin on time.
     #[arg(long)]
     real_time: bool,
     /// Speed relative to real time, the same as the rig's; `max` runs in lockstep with a rig that waits for the hand.
     #[arg(long, default_value = "1")]
-    speed: RigSpeed,
+    pub speed: RigSpeed,
     #[command(flatten)]
     flush: FlushArguments,
     #[command(flatten)]
@@ -39,8 +42,40 @@ pub struct Arguments {
     link: LinkArguments,
 }
 
+impl Arguments {
+    /// Loads the experiment.
+    pub fn experiment(&self) -> Result<Experiment, CommandError> {
+        let settings = self.values.changes.settings();
+        Ok(Experiment::load(&self.experiment, &settings)?)
+    }
+
+    /// Name of the first option on the command line that only concerns other programs, if any.
+    pub fn linking_option(&self) -> Option<&'static str> {
+        let own = [
+            ("--rig", self.values.rig.is_some()),
+            ("--real-time", self.real_time),
+            ("--listen", !self.listening.listen.is_empty()),
+            ("--insecure", self.listening.insecure),
+        ];
+        self.link.given().or_else(|| first_given(&own))
+    }
+}
+
 /// Controls a hand whose sensors and drives run in other programs, until the task is done.
 pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, CommandError> {
+    let interrupted = watch_for_interrupt()?;
+    run_hand(arguments, &interrupted, out, hand_program, |_| {})
+}
+
+/// Runs the hand program that `create` creates, until its task is done or `interrupted` is set. `each_step` is called
+/// after every recorded step.
+pub fn run_hand(
+    arguments: &Arguments,
+    interrupted: &AtomicBool,
+    out: &mut dyn Write,
+    create: impl FnOnce(&Experiment, RigSpeed, Arc<dyn Network>) -> Result<HandProgram, LinkedError>,
+    mut each_step: impl FnMut(&RemoteLoop),
+) -> Result<Outcome, CommandError> {
     let session = arguments
         .values
         .session(&arguments.experiment, &arguments.link)?;
@@ -48,8 +83,7 @@ pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     let link = session.link.with_right(&[Right::Hand])?;
     let listening = ListenOptions::from(&arguments.listening);
     let network = link.listen(rig, &listening)?;
-    let interrupted = watch_for_interrupt()?;
-    let mut program = hand_program(experiment, arguments.speed, network)?;
+    let mut program = create(experiment, arguments.speed, network)?;
     let warnings = Warnings::on_stderr();
     program.set_warn(warnings.warn());
     let stopper = program.stopper();
@@ -60,7 +94,7 @@ pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     };
     writeln!(out, "waiting for {missing}")?;
     out.flush()?;
-    if !program.wait_for_others(&interrupted)? {
+    if !program.wait_for_others(interrupted)? {
         return Ok(Outcome::GivenUp);
     }
     if arguments.real_time {
@@ -74,7 +108,8 @@ pub fn hand(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Comma
     )?;
 
     let start = Instant::now();
-    let ended = program.run(&interrupted, |control_loop, instruments| {
+    let ended = program.run(interrupted, |control_loop, instruments| {
+        each_step(control_loop);
         record.write(control_loop, instruments)
     });
     let wall_time = start.elapsed().as_secs_f64();

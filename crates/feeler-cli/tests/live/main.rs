@@ -16,6 +16,8 @@ mod how_many;
 #[path = "../support/terminal.rs"]
 mod in_terminal;
 #[cfg(feature = "link")]
+mod lerobot;
+#[cfg(feature = "link")]
 mod link;
 #[cfg(feature = "link")]
 mod link_python;

@@ -19,6 +19,7 @@ mod contour;
 mod export;
 mod faults;
 mod fingertips;
+mod follow;
 mod for_programs;
 mod friction_scan;
 mod fuzz_corpus;

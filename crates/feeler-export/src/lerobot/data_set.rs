@@ -1,7 +1,8 @@
 //! Writer of a LeRobot data set.
 
-use super::episode::{features, frame_rate, frames};
+use super::episode::features;
 use super::feature::{Feature, Values};
+use super::frames::{Frames, Sampling};
 use super::meta::{self, Episode, FileSizes, file_path};
 use super::run::Run;
 use super::video::{Watch, cameras};
@@ -27,12 +28,16 @@ use std::path::{Path, PathBuf};
 /// | `observation.tactile.finger_N.force` | \[E, 3\] | force on each element in its frame, N: x, y tangential, on the element by the object; z compression, positive when pressed |
 /// | `observation.tactile.finger_N.flags` | \[3\] | TOUCH, SLIP, OVER |
 /// | `observation.tactile.finger_N.grasp_force` | \[1\] | sum of the positive compressions, N |
+/// | `observation.tactile.finger_N.window.force` | \[W, E, 3\] | the latest W tactile samples at the frame, oldest first, N; with [`Sampling::window`] |
+/// | `observation.tactile.finger_N.window.time` | \[W\] | time of each sample relative to the frame's timestamp, s |
+/// | `observation.tactile.finger_N.window.is_new` | \[W\] | `true` for samples since the previous frame |
 /// | `operator.felt` | \[4\] | what the live page played, if the run had one: rumble strong and weak (0 to 1), tone frequency (Hz) and gain (0 to 1) |
 /// | `observation.images.finger_N` | \[height, width, 3\] | the camera's image if images were recorded: gray, as a video (AV1 in MP4) |
 pub struct DataSet {
     folder: PathBuf,
     /// Frame rate and feature descriptions of the first run.
     kind: Option<(u32, Map<String, Value>)>,
+    sampling: Sampling,
     sizes: FileSizes,
     data: Option<DataFile>,
     videos: Videos,
@@ -52,6 +57,7 @@ impl DataSet {
         Self {
             folder: folder.to_path_buf(),
             kind: None,
+            sampling: Sampling::default(),
             sizes: FileSizes::default(),
             data: None,
             videos: Videos::new(folder),
@@ -66,16 +72,22 @@ impl DataSet {
         Self { sizes, ..self }
     }
 
+    /// Replaces the default of a frame per control step without windows of tactile samples.
+    #[must_use]
+    pub fn with_sampling(self, sampling: Sampling) -> Self {
+        Self { sampling, ..self }
+    }
+
     /// Adds a run as the next episode and returns its number of frames.
     ///
     /// # Errors
     /// If the recording is incomplete or contains an unknown (NaN) value, if its rate, fingers or elements differ from
-    /// earlier runs, if an image cannot be read or a file cannot be written, or if the export is interrupted.
+    /// earlier runs, if the windows are too short, if an image cannot be read or a file cannot be written, or if the export is interrupted.
     pub fn add(&mut self, run: &Run<'_>, watch: Watch<'_>) -> Result<usize, ExportError> {
-        let frames = frames(run.name, run.recording)?;
-        let rate = frame_rate(run.name, run.recording)?;
-        let mut features = features(run.name, run.recording, &frames)?;
-        let length = frames.len();
+        let Sampling { fps, window } = self.sampling;
+        let frames = Frames::of(run.name, run.recording, self.sampling)?;
+        let (rate, length) = (frames.rate, frames.steps.len());
+        let mut features = features(run.name, run.recording, &frames, window)?;
         let from = self
             .episodes
             .last()
@@ -88,7 +100,7 @@ impl DataSet {
             from,
             task,
         ));
-        let cameras = cameras(run, rate, &frames)?;
+        let cameras = cameras(run, rate, &frames.steps)?;
         let described = features.iter().map(|f| (f.key.clone(), f.description()));
         let seen = cameras.iter().map(|c| (c.key.clone(), c.description()));
         self.check_kind(run.name, rate, described.chain(seen).collect())?;
@@ -108,6 +120,7 @@ impl DataSet {
             digest: run.recording.digest.to_string(),
             task: run.task.into(),
             length,
+            start: (fps.is_some() || window.is_some()).then_some(frames.start),
             from,
             data_file,
             videos,

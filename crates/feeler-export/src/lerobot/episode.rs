@@ -1,7 +1,9 @@
-//! Converts a run to an episode: its frames and their LeRobot features.
+//! Converts a run to an episode: its control steps and the LeRobot features of its frames.
 
 use super::feature::{Feature, Values};
+use super::frames::Frames;
 use super::tactile::{about, axes};
+use super::window::windows;
 use crate::error::ExportError;
 use feeler::hand::JointVector;
 use feeler_record::messages::joint_names;
@@ -27,11 +29,11 @@ pub(crate) fn frame_rate(run: &str, recording: &Recording) -> Result<u32, Export
     Ok(rate as u32)
 }
 
-/// Frames of an episode: all control steps from the first at which every finger has a reading.
+/// Control steps of an episode: all from the first at which every finger has a reading.
 ///
 /// # Errors
 /// If the recording is incomplete, if steps are missing, or if there are no such steps.
-pub(crate) fn frames<'a>(
+pub(crate) fn control_steps<'a>(
     run: &str,
     recording: &'a Recording,
 ) -> Result<Vec<Step<'a>>, ExportError> {
@@ -47,8 +49,8 @@ pub(crate) fn frames<'a>(
         );
     }
     let unfelt = |step: &Step<'_>| !step.fingers.iter().all(is_known);
-    let frames: Vec<_> = Steps::new(recording).skip_while(unfelt).collect();
-    if frames.is_empty() {
+    let steps: Vec<_> = Steps::new(recording).skip_while(unfelt).collect();
+    if steps.is_empty() {
         let actual = format!(
             "{} steps without readings of all fingers",
             recording.task.len()
@@ -56,7 +58,7 @@ pub(crate) fn frames<'a>(
         return refuse("control steps", "a reading of every finger".into(), actual);
     }
     let period = recording.facts.control_period;
-    for pair in frames.windows(2) {
+    for pair in steps.windows(2) {
         let (from, to) = (pair[0].task.stamp, pair[1].task.stamp);
         if ((to - from) / period - 1.0).abs() > 0.5 {
             let expected = format!("one every {period} s");
@@ -67,7 +69,7 @@ pub(crate) fn frames<'a>(
             );
         }
     }
-    Ok(frames)
+    Ok(steps)
 }
 
 fn is_known(finger: &FingerStep<'_>) -> bool {
@@ -77,14 +79,15 @@ fn is_known(finger: &FingerStep<'_>) -> bool {
         && finger.command.is_some()
 }
 
-/// Observations and actions at these frames.
+/// Observations and actions at these frames, with windows of `window` tactile samples.
 ///
 /// # Errors
-/// If the number of elements differs between frames, or if a value is unknown (NaN).
+/// If the number of elements differs between frames, if a value is unknown (NaN), or if a window is too short.
 pub(crate) fn features(
     run: &str,
     recording: &Recording,
-    frames: &[Step<'_>],
+    frames: &Frames<'_>,
+    window: Option<usize>,
 ) -> Result<Vec<Feature>, ExportError> {
     let fingers = recording.fingers.len();
     let counts = joint_counts(recording);
@@ -93,7 +96,10 @@ pub(crate) fn features(
         let joints = joints.flat_map(|(finger, count)| joint_names(finger, *count));
         joints.map(|joint| format!("{joint}.{suffix}")).collect()
     };
-    let taken = Taken { run, frames };
+    let taken = Taken {
+        run,
+        frames: &frames.steps,
+    };
     let all = |numbers: fn(&FingerStep<'_>) -> Option<JointVector>| {
         move |step: &Step<'_>| {
             (step.fingers.iter())
@@ -117,6 +123,9 @@ pub(crate) fn features(
     ];
     for finger in 0..fingers {
         features.extend(touch(&taken, recording, finger)?);
+        if let Some(length) = window {
+            features.extend(windows(run, recording, finger, (frames, length))?);
+        }
     }
     if !recording.felt.is_empty() {
         features.push(felt(&taken)?);
@@ -131,13 +140,25 @@ fn joint_counts(recording: &Recording) -> Vec<usize> {
     counts.map(|count| count.unwrap_or(3)).collect()
 }
 
+/// Key of a tactile feature of one finger.
+pub(super) fn tactile_key(finger: usize, what: &str) -> String {
+    format!("observation.tactile.finger_{finger}.{what}")
+}
+
+/// Description of the axes of a finger's forces, and of its elements if they are known.
+pub(super) fn about_forces(recording: &Recording, finger: usize) -> Map<String, Value> {
+    let sensor = of_finger(&recording.facts, finger);
+    let sensor = sensor.map(|sensor| about(&sensor.positions, &sensor.orientations));
+    sensor.unwrap_or_else(|| axes().into_iter().collect())
+}
+
 /// Tactile features of one finger.
 fn touch(
     taken: &Taken<'_, '_>,
     recording: &Recording,
     finger: usize,
 ) -> Result<[Feature; 3], ExportError> {
-    let key = |what: &str| format!("observation.tactile.finger_{finger}.{what}");
+    let key = |what: &str| tactile_key(finger, what);
     let elements = taken
         .frames
         .first()
@@ -156,10 +177,7 @@ fn touch(
                 .collect()
         },
     )?;
-    let sensor = of_finger(&recording.facts, finger);
-    let sensor = sensor.map(|sensor| about(&sensor.positions, &sensor.orientations));
-    let sensor = sensor.unwrap_or_else(|| axes().into_iter().collect());
-    forces.about.extend(sensor);
+    forces.about.extend(about_forces(recording, finger));
     let grasp = taken.numbers(&key("grasp_force"), vec![1], "N", Value::Null, |step| {
         let flags = step.finger(finger).and_then(|finger| finger.flags);
         flags.map(|flags| flags.grasp_force).into_iter().collect()

@@ -67,6 +67,8 @@ pub(crate) struct Episode {
     pub task: String,
     /// Number of frames.
     pub length: usize,
+    /// Run time of the first frame (s), if it is part of the metadata.
+    pub start: Option<f64>,
     /// Index of the first frame within the data set.
     pub from: usize,
     /// Number of the data file with the episode's rows.
@@ -184,6 +186,10 @@ pub(crate) fn episodes(episodes: &[Episode]) -> Vec<Column> {
         ),
     ];
     let first = episodes.first();
+    if first.is_some_and(|episode| episode.start.is_some()) {
+        let starts = Cells::of_values(episodes.iter().map(|e| e.start));
+        columns.push(column("feeler/start_s", AnyCells::Double(starts)));
+    }
     for key in first.into_iter().flat_map(|episode| episode.videos.keys()) {
         columns.extend(video_columns(key, episodes));
     }

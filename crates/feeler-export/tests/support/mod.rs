@@ -2,6 +2,8 @@
 
 #![allow(dead_code, reason = "not every test program uses all items")]
 
+pub mod fast_touch;
+
 use feeler::control::Phase;
 use feeler::sensor::image::Frame;
 use feeler_record::{

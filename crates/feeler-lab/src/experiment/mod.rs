@@ -31,8 +31,10 @@ pub(crate) use facts::{cap_facts, true_section};
 pub use instruments::Instruments;
 
 use facts::simulated_facts;
+use feeler::control::law::open_loop::{OpenLoop, OpenLoopConfig};
 use feeler::control::law::{Law, LawError};
 use feeler::control::task::Task;
+use feeler::control::task::follow::{FollowTask, Requests};
 use feeler::control::{
     ControlConfig, ControlError, ControlLoop, Controller, Phase, StopReason, TactileSource,
 };
@@ -230,6 +232,26 @@ impl Session {
             taken,
             is_driven: false,
         })
+    }
+
+    /// Like [`Self::new`], but the hand follows `requests` without a time limit instead of executing the experiment's
+    /// task. They expire after `lifetime` (s).
+    ///
+    /// # Errors
+    /// Same as [`Self::new`].
+    pub fn following(
+        experiment: &Experiment,
+        requests: &Requests,
+        lifetime: f64,
+    ) -> Result<Self, ExperimentError> {
+        let config = &experiment.config;
+        let task = FollowTask::new(requests.clone(), geometries(config)?, lifetime);
+        let homes = config.task.homes();
+        let task = Box::new(task);
+        let mut session = Self::with_task_drawing(experiment, task, &homes, Pictures::Sensed)?;
+        session.set_laws(|_| planned_velocity());
+        session.time_limit = f64::INFINITY;
+        Ok(session)
     }
 
     /// Takes and evaluates the images of all fingers except the first on background threads, if the computer has a
@@ -454,6 +476,30 @@ pub fn controller(
     Ok(Controller::new(control, task, fingers, layouts)?)
 }
 
+/// Returns the controller of a hand that follows `requests`, which expire after `lifetime` (s).
+///
+/// # Errors
+/// If a finger, a fingertip or the law is invalid.
+pub(crate) fn following_controller(
+    experiment: &Experiment,
+    requests: &Requests,
+    lifetime: f64,
+) -> Result<Controller, ExperimentError> {
+    let config = &experiment.config;
+    let fingers = geometries(config)?;
+    let task = FollowTask::new(requests.clone(), fingers.clone(), lifetime);
+    let layouts = layouts(config)?;
+    let control = control(experiment)?;
+    let mut controller = Controller::with_task(control, Box::new(task), &fingers, &layouts)?;
+    controller.set_laws(|_| planned_velocity());
+    Ok(controller)
+}
+
+/// Law that does not change the planned velocity of a finger that keeps no grasp.
+fn planned_velocity() -> Box<dyn Law> {
+    Box::new(OpenLoop::new(OpenLoopConfig::default()))
+}
+
 /// Returns the configuration of the controller. For simulated sensors without noise, the detection of frozen frames is
 /// disabled, because their readings do not change while the fingers stand still.
 fn control(experiment: &Experiment) -> Result<ControlConfig, ConfigError> {
@@ -553,7 +599,7 @@ fn fingers_at(
 ///
 /// # Errors
 /// If a value is out of range.
-fn geometries(config: &ExperimentConfig) -> Result<Vec<FingerGeometry>, ExperimentError> {
+pub fn geometries(config: &ExperimentConfig) -> Result<Vec<FingerGeometry>, ExperimentError> {
     let fingers = config.hand.finger.iter().enumerate();
     let geometry = |(finger, hand)| {
         FingerGeometry::of(hand).map_err(|source| ExperimentError::Finger { finger, source })

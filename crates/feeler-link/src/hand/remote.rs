@@ -7,9 +7,9 @@ use crate::messages::message::{CommandMessage, HandMode, MessageHeader, StopInFo
 use crate::transport::outlet::{Outlet, TimeSource, header, send};
 use crate::transport::shared::Shared;
 use crate::transport::topic::Topic;
-use feeler::control::{Controller, Phase, TactileReading, TactileSource};
+use feeler::control::{Controller, FrameBuffer, Phase, TactileReading, TactileSource};
 use feeler::hand::{Hand, HandCommand, HandError, HandState, JointEfforts, check_finger_count};
-use feeler::sensor::forces::SensorError;
+use feeler::sensor::forces::{SensorError, TactileFrame};
 use std::sync::Arc;
 
 /// Source of tactile readings for a finger whose sensor runs in another program.
@@ -17,6 +17,9 @@ pub struct RemoteFinger {
     inbox: Shared<HandInbox>,
     finger: usize,
     elements: usize,
+    earlier: FrameBuffer,
+    /// `true` after the first control step.
+    has_begun: bool,
 }
 
 impl RemoteFinger {
@@ -26,6 +29,8 @@ impl RemoteFinger {
             inbox,
             finger,
             elements,
+            earlier: FrameBuffer::default(),
+            has_begun: false,
         }
     }
 }
@@ -38,6 +43,11 @@ impl TactileSource for RemoteFinger {
     fn touch(&mut self, touch: &mut TactileReading) -> Result<(), SensorError> {
         let mut inbox = self.inbox.lock();
         let time = inbox.time_of(self.finger);
+        inbox.read_frames(self.finger, &mut self.earlier);
+        if !std::mem::replace(&mut self.has_begun, true) {
+            // Measured while the hand waited, when the time of the run did not advance.
+            self.earlier.clear();
+        }
         let Some(finger) = inbox.finger_mut(self.finger) else {
             return Ok(());
         };
@@ -57,6 +67,10 @@ impl TactileSource for RemoteFinger {
         touch.frame.sequence = update.frame;
         (touch.frame.stamp, touch.stamp) = (time, time);
         Ok(())
+    }
+
+    fn earlier_frames(&self) -> &[TactileFrame] {
+        self.earlier.as_slice()
     }
 }
 

@@ -13,7 +13,7 @@ use crate::messages::plausible::{check_protocol, check_state, check_update};
 use crate::messages::rejection::{Rejection, Rejections};
 use crate::messages::sequence::Sequence;
 use crate::transport::topic::Topic;
-use feeler::control::FingerFlags;
+use feeler::control::{FingerFlags, FrameBuffer};
 use feeler_record::wire::message;
 use serde::{Deserialize, Serialize};
 
@@ -41,6 +41,10 @@ pub struct FingerInbox {
     pub newest: Option<TactileUpdate>,
     /// Number of lost updates, from gaps in sequence numbers.
     pub lost: u64,
+    /// Frames of the updates since the last [`read_frames`](HandInbox::read_frames), except the latest.
+    earlier: FrameBuffer,
+    /// `true` if the latest update has not been read.
+    is_unread: bool,
     elements: usize,
     sequence: Sequence,
     /// Earliest possible measurement time of the latest update (s, on the hand's clock).
@@ -179,6 +183,7 @@ impl HandInbox {
                 Some(clock.of_rig(header.clock, header.stamp, header.sequence)?)
             }
         };
+        inbox.keep_unread(&self.state, &update);
         inbox.earliest = not_before(&inbox.sequence, number, inbox.earliest, earliest);
         inbox.sequence.take(number, now);
         inbox.lost = inbox.lost.saturating_add(lost);
@@ -186,6 +191,7 @@ impl HandInbox {
         let flags = flags(&update);
         inbox.flags = Some(inbox.flags.map_or(flags, |before| before.then(flags)));
         inbox.newest = Some(update);
+        inbox.is_unread = true;
         Ok(())
     }
 
@@ -241,14 +247,18 @@ impl HandInbox {
     /// Returns the run time of the latest update of `finger` (s). For a sensor with a separate clock, it is estimated
     /// relative to the latest state from the earliest possible measurement times of both.
     pub fn time_of(&self, finger: usize) -> f64 {
-        let state = &self.state;
-        let Some(inbox) = self.fingers.get(finger) else {
-            return state.time;
-        };
-        let speed = state.clock.speed().times();
-        let later = (inbox.earliest - state.earliest) * speed;
-        let of_own_clock = || state.time + if later.is_finite() { later } else { 0.0 };
-        inbox.time.unwrap_or_else(of_own_clock).max(0.0)
+        let finger = self.fingers.get(finger);
+        finger.map_or(self.state.time, |finger| finger.time_of(&self.state))
+    }
+
+    /// Marks the latest update of `finger` as read, and exchanges `frames` for the frames of the updates between this one
+    /// and the one that was read before.
+    pub fn read_frames(&mut self, finger: usize, frames: &mut FrameBuffer) {
+        frames.clear();
+        if let Some(finger) = self.fingers.get_mut(finger) {
+            std::mem::swap(&mut finger.earlier, frames);
+            finger.is_unread = false;
+        }
     }
 
     /// Returns upper bounds of the ages of the joint state and of each finger's forces at `now` (s). Infinite if no
@@ -260,6 +270,30 @@ impl HandInbox {
 }
 
 impl FingerInbox {
+    /// Run time of the latest update (s), as in [`HandInbox::time_of`].
+    fn time_of(&self, state: &StateInbox) -> f64 {
+        self.measured_at(state).max(0.0)
+    }
+
+    /// Run time of the latest update (s), negative if it was measured before the run.
+    fn measured_at(&self, state: &StateInbox) -> f64 {
+        let later = (self.earliest - state.earliest) * state.clock.speed().times();
+        let of_own_clock = || state.time + if later.is_finite() { later } else { 0.0 };
+        self.time.unwrap_or_else(of_own_clock)
+    }
+
+    /// Keeps the frame of the latest update if it is of the run, has not been read, and `next` is of another frame.
+    fn keep_unread(&mut self, state: &StateInbox, next: &TactileUpdate) {
+        let time = self.measured_at(state);
+        if time < 0.0 {
+            return;
+        }
+        let unread = self.newest.as_ref().filter(|_| self.is_unread);
+        if let Some(update) = unread.filter(|update| update.frame != next.frame) {
+            self.earlier.push(update.frame, time, update.valid_forces());
+        }
+    }
+
     /// Returns the combined flags of all updates since the last call, or the flags of the latest update if there was no
     /// new one.
     pub fn take_flags(&mut self) -> FingerFlags {

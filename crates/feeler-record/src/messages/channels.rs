@@ -43,6 +43,7 @@ macro_rules! stamped {
 
 stamped!(
     Tactile,
+    TactileSample,
     Moments,
     Flags,
     Joints,
@@ -75,6 +76,28 @@ message!(
     "uint64 sequence  # of the picture that the forces come from",
     "float64 stamp  # s",
     "geometry_msgs/Vector3[] forces  # N, element frame: x, y tangential on the feeler by the object; z compression",
+    vector3_schema!(),
+);
+
+/// A tactile frame that was measured between two control steps, if the sensor is faster than the control loop. Together
+/// with the [`Tactile`] frames of the steps, these are all frames of the sensor.
+#[derive(Debug, Clone, Default, PartialEq, Serialize, Deserialize)]
+pub struct TactileSample {
+    /// Sequence number of the image from which the forces were computed.
+    pub sequence: u64,
+    /// Time of that image (s).
+    pub stamp: f64,
+    /// Force at each element in its frame `E_i` (N), as in [`Tactile`]; NaN if unknown.
+    pub forces: Vec<Vector3>,
+}
+
+message!(
+    TactileSample,
+    "TactileSample",
+    "# Forces on one fingertip between two control steps, from a sensor that is faster than the control loop",
+    "uint64 sequence  # of the picture that the forces come from",
+    "float64 stamp  # s",
+    "geometry_msgs/Vector3[] forces  # N, element frame, as in Tactile; NaN if unknown",
     vector3_schema!(),
 );
 

@@ -37,6 +37,17 @@ impl Efforts {
         self.uncertainty.extend(efforts.uncertainty);
     }
 
+    /// Requires as many efforts as uncertainties.
+    fn check(&self) -> Result<(), String> {
+        let (efforts, uncertainties) = (self.effort.len(), self.uncertainty.len());
+        if efforts > MAX_JOINTS || uncertainties != efforts {
+            return Err(format!(
+                "expected efforts of at most {MAX_JOINTS} joints with as many uncertainties, got {efforts} and {uncertainties}"
+            ));
+        }
+        Ok(())
+    }
+
     /// The efforts, or those of unknown size as empty.
     pub fn joints(&self) -> JointEfforts {
         let vector = |values: &[f64]| JointVector::from_slice(values).unwrap_or_default();
@@ -66,12 +77,7 @@ impl RecordedMessage for Efforts {
         _: PictureAt,
     ) -> Result<(), String> {
         let message: Self = decode_stamped(bytes)?;
-        let (expected, actual) = (message.effort.len(), message.uncertainty.len());
-        if expected > MAX_JOINTS || actual != expected {
-            return Err(format!(
-                "expected efforts of at most {MAX_JOINTS} joints with as many uncertainties, got {expected} and {actual}"
-            ));
-        }
+        message.check()?;
         if let Some(list) = Self::list(recording, finger) {
             list.push(message);
         }
@@ -82,31 +88,21 @@ impl RecordedMessage for Efforts {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::wire::cdr;
 
     #[test]
     fn other_numbers_of_joints_are_refused() {
-        let read = |efforts: usize, uncertainties: usize| {
+        let check = |efforts: usize, uncertainties: usize| {
             let message = Efforts {
                 stamp: 1.0,
                 effort: vec![f64::NAN; efforts],
                 uncertainty: vec![0.5; uncertainties],
             };
-            let mut bytes = Vec::new();
-            cdr::encode(&message, &mut bytes).expect("bytes");
-            let mut recording = Recording::empty(crate::RunFacts::default());
-            let at = PictureAt {
-                log_time: 0,
-                offset: 0,
-                length: 0,
-                chunk: None,
-            };
-            Efforts::read_into(&mut recording, Some(0), &bytes, at)
+            message.check()
         };
-        assert_eq!(read(0, 0), Ok(()));
-        assert_eq!(read(MAX_JOINTS, MAX_JOINTS), Ok(()));
+        assert_eq!(check(0, 0), Ok(()));
+        assert_eq!(check(MAX_JOINTS, MAX_JOINTS), Ok(()));
         for (efforts, uncertainties) in [(1, 0), (0, 1), (MAX_JOINTS + 1, MAX_JOINTS + 1)] {
-            let refused = read(efforts, uncertainties).expect_err("other numbers");
+            let refused = check(efforts, uncertainties).expect_err("other numbers");
             assert!(refused.contains("as many uncertainties"), "{refused}");
         }
     }

@@ -3,7 +3,7 @@
 use super::chain::{ChainCommand, ChainJoints};
 use super::channels::{
     Cap, Command, Findings, Fingertip, Flags, Joints, Moments, ObjectPose, RecordingGap, Stamped,
-    Tactile, Task, TorqueSensor, TrueSlip,
+    Tactile, TactileSample, Task, TorqueSensor, TrueSlip,
 };
 use super::contact::Contact;
 use super::efforts::Efforts;
@@ -101,6 +101,12 @@ pub mod topics {
     /// Tri-axial forces of a finger.
     pub const fn tactile(finger: usize) -> RecordedTopic<Tactile> {
         RecordedTopic::of_finger(finger, "tactile")
+    }
+
+    /// Tri-axial forces of a finger between two control steps. Only written if the sensor is faster than the control
+    /// loop.
+    pub const fn samples(finger: usize) -> RecordedTopic<TactileSample> {
+        RecordedTopic::of_finger(finger, "samples")
     }
 
     /// Flags of a finger.
@@ -236,6 +242,7 @@ macro_rules! recorded {
 
 recorded!(
     finger: Tactile in tactile,
+    TactileSample in samples,
     Flags in flags,
     Joints in joints,
     Command in command,
@@ -371,11 +378,14 @@ impl Channel {
     /// All channels that a recording with these constants can have.
     pub fn known(facts: &RunFacts) -> impl Iterator<Item = Self> + use<> {
         let others = [topics::RECORDING_GAP.into(), topics::FELT.into()];
-        let efforts = Self::of_efforts(facts);
-        Self::of_run(facts, true)
-            .into_iter()
-            .chain(others)
-            .chain(efforts)
+        let channels = Self::of_run(facts, true).into_iter().chain(others);
+        let channels = channels.chain(Self::of_efforts(facts));
+        channels.chain(Self::of_samples(facts.fingers))
+    }
+
+    /// The channels of tactile frames between control steps.
+    pub fn of_samples(fingers: usize) -> impl Iterator<Item = Self> {
+        (0..fingers).map(|finger| topics::samples(finger).into())
     }
 
     /// Name of the topic in the recording.

@@ -4,7 +4,7 @@ use super::digest::{Digest, Digester};
 use super::scan::Place;
 use crate::messages::channels::{
     Cap, Command, Findings, Fingertip, Flags, Joints, ObjectPose, RecordingGap, Stamped, Tactile,
-    Task, TorqueSensor, TrueSlip,
+    TactileSample, Task, TorqueSensor, TrueSlip,
 };
 use crate::messages::efforts::Efforts;
 use crate::messages::facts::RunFacts;
@@ -17,8 +17,10 @@ use std::collections::BTreeMap;
 /// Messages of one finger, each list in order of time.
 #[derive(Debug, Clone, Default, PartialEq)]
 pub struct FingerRecord {
-    /// Tactile frames.
+    /// Latest tactile frame at each control step.
     pub tactile: Vec<Tactile>,
+    /// Tactile frames between those of the control steps, if the sensor is faster than the control loop.
+    pub samples: Vec<TactileSample>,
     /// Flags.
     pub flags: Vec<Flags>,
     /// Encoder readings.
@@ -170,6 +172,7 @@ impl Recording {
     pub fn discard_until(&mut self, time: f64) {
         for finger in &mut self.fingers {
             forget(&mut finger.tactile, time);
+            forget(&mut finger.samples, time);
             forget(&mut finger.flags, time);
             forget(&mut finger.joints, time);
             forget(&mut finger.efforts, time);

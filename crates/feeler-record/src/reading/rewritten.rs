@@ -73,6 +73,7 @@ fn order_of_writing(facts: Option<&RunFacts>) -> HashMap<String, usize> {
     let of_finger = |finger| {
         [
             topics::image(finger).name(),
+            topics::samples(finger).name(),
             topics::tactile(finger).name(),
             topics::flags(finger).name(),
             topics::joints(finger).name(),

@@ -22,6 +22,9 @@ pub struct RecordOptions {
     pub felt: bool,
     /// `true` if efforts of the drives will be recorded.
     pub efforts: bool,
+    /// `true` if tactile frames between control steps will be recorded, which only sensors in other programs or on other
+    /// threads measure.
+    pub samples: bool,
     /// Behaviour of writes while the file accepts no data.
     pub patience: Backpressure,
     /// Maximum age of a message before it is passed to the operating system, in seconds of run time. A program that is
@@ -37,6 +40,7 @@ impl Default for RecordOptions {
             pictures: false,
             felt: false,
             efforts: false,
+            samples: false,
             patience: Backpressure::default(),
             flush_interval: FLUSH_INTERVAL,
         }

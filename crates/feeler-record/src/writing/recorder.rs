@@ -63,6 +63,9 @@ impl Recorder {
         if options.efforts {
             channels.extend(Channel::of_efforts(facts));
         }
+        if options.samples {
+            channels.extend(Channel::of_samples(facts.fingers));
+        }
         let sink = Sink::create(path, facts, experiment_toml, options, &channels)?;
         Self::to_store(path, sink, (channels, facts.fingers), options)
     }

@@ -2,7 +2,7 @@
 
 use crate::error::RecordError;
 use crate::messages::channels::{
-    Command, Findings, Fingertip, Flags, Joints, NO_ELEMENT, Tactile, Task,
+    Command, Findings, Fingertip, Flags, Joints, NO_ELEMENT, Tactile, TactileSample, Task,
 };
 use crate::messages::efforts::Efforts;
 use crate::messages::facts::RunFacts;
@@ -21,6 +21,7 @@ use feeler::control::{
     TactileSource,
 };
 use feeler::hand::{Hand, JointState};
+use feeler::sensor::forces::TactileFrame;
 use feeler::sensor::image::Frame;
 use glam::DQuat;
 
@@ -31,6 +32,7 @@ pub struct RunLog<R = Recorder> {
     /// Messages for viewers, if the recorder needs them and the hand's geometry is known.
     viewer: Option<ViewerLog>,
     tactile: Tactile,
+    sample: TactileSample,
     flags: Flags,
     /// Stop reason as last written.
     stop_reason: Option<StopReason>,
@@ -62,6 +64,7 @@ impl<R: MessageSink> RunLog<R> {
             fingers: facts.fingers,
             viewer,
             tactile: Tactile::default(),
+            sample: TactileSample::default(),
             flags: Flags::default(),
             stop_reason: None,
             findings: Findings::default(),
@@ -120,6 +123,7 @@ impl<R: MessageSink> RunLog<R> {
         {
             // Written before the forces, so that a truncated recording contains the image of every tactile frame.
             self.write_picture(index, sensor.frame())?;
+            self.write_samples(index, sensor.earlier_frames())?;
             self.write_touch(index, touch)?;
             self.write_motion(index, stamp, finger, joints)?;
             self.write_fingertip(index, stamp, pose)?;
@@ -180,6 +184,18 @@ impl<R: MessageSink> RunLog<R> {
         }
         picture.image.fill(frame)?;
         self.recorder.write(topics::image(index), &picture.image)
+    }
+
+    /// Writes the tactile frames of a finger between this step and the one before.
+    fn write_samples(&mut self, index: usize, frames: &[TactileFrame]) -> Result<(), RecordError> {
+        for frame in frames {
+            (self.sample.sequence, self.sample.stamp) = (frame.sequence, frame.stamp);
+            self.sample.forces.clear();
+            let forces = frame.forces.iter().map(|&force| Vector3::from(force));
+            self.sample.forces.extend(forces);
+            self.recorder.write(topics::samples(index), &self.sample)?;
+        }
+        Ok(())
     }
 
     fn write_touch(&mut self, index: usize, touch: &TactileReading) -> Result<(), RecordError> {

@@ -1,9 +1,10 @@
 //! Reads the sensors on background threads, so that the control loop never blocks on a camera.
 
 use super::flags::FlagThresholds;
+use super::frame_buffer::FrameBuffer;
 use super::touch::{FlaggedSensor, TactileReading, TactileSource};
 use crate::pace::{Clock, Monotonic, StepTrigger};
-use crate::sensor::forces::reading::{SensorError, TactileSensor};
+use crate::sensor::forces::reading::{SensorError, TactileFrame, TactileSensor};
 use std::sync::{Arc, Condvar, Mutex, MutexGuard, PoisonError};
 use std::thread;
 use std::time::{Duration, Instant};
@@ -11,6 +12,8 @@ use std::time::{Duration, Instant};
 /// Latest reading of one finger.
 struct Felt {
     touch: TactileReading,
+    /// Unread frames before the latest one.
+    earlier: FrameBuffer,
     /// Time on the monotonic clock at which the latest unread data arrived; `None` if all data has been read.
     arrived: Option<Duration>,
     /// Error that ended the sensor's thread.
@@ -38,6 +41,7 @@ pub struct BackgroundSensor {
     board: Arc<Board>,
     finger: usize,
     elements: usize,
+    earlier: FrameBuffer,
 }
 
 /// Signals when new data of all fingers is available; for [`DataDriven`](crate::pace::DataDriven).
@@ -54,6 +58,7 @@ pub fn live<S: TactileSensor + Send + 'static>(
 ) -> std::io::Result<(Vec<BackgroundSensor>, NewDataSignal)> {
     let felt = |sensor: &S| Felt {
         touch: TactileReading::none(sensor.element_count()),
+        earlier: FrameBuffer::default(),
         arrived: None,
         failed: None,
     };
@@ -80,6 +85,7 @@ pub fn live<S: TactileSensor + Send + 'static>(
             board: board.clone(),
             finger,
             elements,
+            earlier: FrameBuffer::default(),
         });
     }
     Ok((touches, NewDataSignal(board)))
@@ -100,10 +106,14 @@ impl Board {
             // A stuck camera delivers no new data.
             Ok(()) if is_same(touch, &felt.touch) => return true,
             Ok(()) => {
-                let seen = felt.arrived.is_none();
-                let flags = match seen {
-                    true => touch.flags,
-                    false => felt.touch.flags.then(touch.flags),
+                let flags = match felt.arrived {
+                    None => touch.flags,
+                    Some(_) => {
+                        let unread = &felt.touch.frame;
+                        let forces = unread.forces.iter().copied();
+                        felt.earlier.push(unread.sequence, unread.stamp, forces);
+                        felt.touch.flags.then(touch.flags)
+                    }
                 };
                 felt.touch.copy_from(touch);
                 felt.touch.flags = flags;
@@ -142,7 +152,13 @@ impl TactileSource for BackgroundSensor {
         }
         felt.arrived = None;
         touch.copy_from(&felt.touch);
+        self.earlier.clear();
+        std::mem::swap(&mut self.earlier, &mut felt.earlier);
         Ok(())
+    }
+
+    fn earlier_frames(&self) -> &[TactileFrame] {
+        self.earlier.as_slice()
     }
 }
 

@@ -64,6 +64,12 @@ pub trait TactileSource {
     /// If `touch` has a different number of elements, or the sensor failed.
     fn touch(&mut self, touch: &mut TactileReading) -> Result<(), SensorError>;
 
+    /// Frames that were measured before the one of the latest [`touch`](Self::touch) and after the one before it, oldest
+    /// first. Empty by default, for sensors that measure at most once per control step.
+    fn earlier_frames(&self) -> &[TactileFrame] {
+        &[]
+    }
+
     /// The camera frame from which the latest forces were measured, if available.
     fn frame(&self) -> Option<&Frame> {
         None
@@ -112,6 +118,10 @@ impl<T: TactileSource + ?Sized> TactileSource for Box<T> {
 
     fn touch(&mut self, touch: &mut TactileReading) -> Result<(), SensorError> {
         (**self).touch(touch)
+    }
+
+    fn earlier_frames(&self) -> &[TactileFrame] {
+        (**self).earlier_frames()
     }
 
     fn frame(&self) -> Option<&Frame> {

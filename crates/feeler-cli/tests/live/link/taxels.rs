@@ -3,6 +3,7 @@
 use super::faults::{NO_HURRY, check};
 use crate::rig::{Rig, Running, Setup};
 use feeler::sensor::fingertip::{ElementLayout, LayoutConfig};
+use feeler_record::{Phase, Recording};
 use glam::DVec3;
 use std::fmt::Write as _;
 use std::io::Write as _;
@@ -79,6 +80,7 @@ fn hand_moves_with_the_forces_of_a_taxel_array() {
     let felt = frames.iter().map(|frame| DVec3::from(frame.forces[FELT]));
     let close = felt.filter(|felt| (*felt - FORCE).length() < 1e-6).count();
     assert!(close > 0, "of {} frames, none has the force", frames.len());
+    every_frame_is_recorded(&recording);
     // The sensor program also writes all rows to a file, which is still partial if the program was killed.
     let files = ["forces.jsonl", "forces.jsonl.part"];
     let texts = files.map(|name| fs::read_to_string(rig.setup.folder.join(name)));
@@ -94,4 +96,38 @@ fn hand_moves_with_the_forces_of_a_taxel_array() {
         moved.last().expect("joints"),
     );
     assert_ne!(first.position, last.position, "the finger did not move");
+}
+
+/// The array is faster than the control loop. Until the stop, each of its frames is recorded once, with its time.
+fn every_frame_is_recorded(recording: &Recording) {
+    let finger = &recording.fingers[0];
+    let stop = recording
+        .task
+        .iter()
+        .find(|task| task.phase == Phase::Stopped);
+    let stop = stop.expect("a stop").stamp;
+    let at_steps = finger.tactile.iter().map(|f| (f.sequence, f.stamp));
+    let mut frames: Vec<_> = at_steps.filter(|(_, stamp)| *stamp < stop).collect();
+    // A step without a new frame repeats the previous one.
+    frames.dedup_by_key(|(sequence, _)| *sequence);
+    let steps = frames.len();
+    let between = finger.samples.iter().map(|f| (f.sequence, f.stamp));
+    frames.extend(between.filter(|(_, stamp)| *stamp < stop));
+    assert!(
+        frames.len() > 2 * steps,
+        "{} frames in {steps} steps",
+        frames.len()
+    );
+    frames.sort_by_key(|(sequence, _)| *sequence);
+    // The time of the run begins to advance at the first steps.
+    let begin = finger.tactile.get(2).expect("steps").sequence;
+    frames.retain(|(sequence, _)| *sequence >= begin);
+    for pair in frames.windows(2) {
+        let [(before, from), (number, to)] = pair else {
+            unreachable!()
+        };
+        assert_eq!(*number, before + 1, "{frames:?}");
+        // A busy computer may delay messages, so that their age is less certain.
+        assert!(to - from > -0.005, "{frames:?}");
+    }
 }

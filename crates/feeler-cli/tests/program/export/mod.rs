@@ -10,6 +10,7 @@ mod made_up;
 mod python;
 mod refused;
 mod tables;
+mod touch_windows;
 
 use std::path::Path;
 

@@ -1,7 +1,11 @@
 //! Configuration of the programs of a distributed rig from an experiment.
 
 use crate::config::Experiment;
-use crate::experiment::{ExperimentError, controller, fingers_at_home, layouts};
+use crate::experiment::{
+    ExperimentError, controller, fingers_at_home, following_controller, layouts,
+};
+use feeler::control::Controller;
+use feeler::control::task::follow::Requests;
 use feeler::hand::FingerDescription;
 use feeler::sensor::fingertip::CalibrationTarget;
 use feeler_link::inboxes::Expected;
@@ -63,16 +67,42 @@ pub fn hand_program(
     network: Arc<dyn Network>,
 ) -> Result<HandProgram, LinkedError> {
     let config = &experiment.config;
-    let layouts = layouts(config)?;
     let (fingers, _) = fingers_at_home(config)?;
+    let controller = controller(experiment, &fingers, &layouts(config)?)?;
+    program(experiment, (controller, config.time_limit), speed, network)
+}
+
+/// Like [`hand_program`], but the hand follows `requests` without a time limit instead of executing the experiment's task.
+/// They expire after `lifetime` (s).
+///
+/// # Errors
+/// As [`hand_program`].
+pub fn following_program(
+    experiment: &Experiment,
+    (requests, lifetime): (&Requests, f64),
+    speed: RigSpeed,
+    network: Arc<dyn Network>,
+) -> Result<HandProgram, LinkedError> {
+    let controller = following_controller(experiment, requests, lifetime)?;
+    program(experiment, (controller, f64::INFINITY), speed, network)
+}
+
+/// Creates a hand program with a controller and a time limit (s).
+fn program(
+    experiment: &Experiment,
+    (controller, time_limit): (Controller, f64),
+    speed: RigSpeed,
+    network: Arc<dyn Network>,
+) -> Result<HandProgram, LinkedError> {
+    let config = &experiment.config;
+    let layouts = layouts(config)?;
     let hand = HandConfig {
         control: config.control.clone(),
         expected: expected(experiment)?,
         elements: layouts.iter().map(|layout| layout.elements.len()).collect(),
         speed,
-        time_limit: config.time_limit,
+        time_limit,
     };
-    let controller = controller(experiment, &fingers, &layouts)?;
     Ok(HandProgram::new(&hand, controller, network)?)
 }
 

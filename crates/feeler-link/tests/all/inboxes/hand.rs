@@ -3,15 +3,15 @@
 use super::bench::{
     ELEMENTS, NOBODY, SENSE, STALE, WORLD, echoing, hand, hear, heartbeat, put, state, update,
 };
-use feeler::control::StopReason;
-use feeler_link::hand::Permission;
+use feeler::control::{StopReason, TactileReading, TactileSource};
+use feeler_link::hand::{Permission, RemoteFinger};
 use feeler_link::inboxes::{HandInbox, Inbox};
 use feeler_link::messages::Rejection;
 use feeler_link::messages::message::{
     InstrumentsMessage, MessageHeader, PROTOCOL, ResumeMessage, StateMessage, StopMessage,
     TactileUpdate,
 };
-use feeler_link::transport::{Topic, encode};
+use feeler_link::transport::{Shared, Topic, encode};
 use feeler_record::wire::Vector3;
 use glam::DQuat;
 
@@ -239,6 +239,45 @@ fn time_of_a_camera_with_a_separate_clock_follows_from_its_age() {
             "{time} s"
         );
     }
+}
+
+/// A sensor that is faster than the control loop: its frames between two steps are kept once each, with their times.
+#[test]
+fn unread_frames_are_kept_with_their_times() {
+    let hand = hand_with_state();
+    let inbox = Shared::new(hand.clone());
+    let mut finger = RemoteFinger::new(inbox.clone(), 0, ELEMENTS);
+    let mut touch = TactileReading::none(ELEMENTS);
+    let mut read = |numbers: std::ops::Range<u64>| -> Vec<(u64, f64, f64)> {
+        for sequence in numbers {
+            let mut fast = TactileUpdate {
+                // Each frame arrives twice.
+                frame: sequence / 2,
+                header: MessageHeader {
+                    clock: SENSE,
+                    echo_age: 0.001 * (sequence / 2) as f64,
+                    ..echoing(&hand.sent, SENSE, sequence, 0.0)
+                },
+                ..sound_update(&hand, sequence)
+            };
+            fast.forces[0] = x((sequence / 2) as f64);
+            let taken = put(&mut *inbox.lock(), Topic::Tactile(0), &fast, NOW);
+            taken.unwrap();
+        }
+        finger.touch(&mut touch).unwrap();
+        let frames = finger.earlier_frames().iter().chain([&touch.frame]);
+        let frames = frames.map(|f| (f.sequence, (f.stamp - 5.0) * 1e3, f.forces[0].x));
+        frames.map(|(n, time, x)| (n, time.round(), x)).collect()
+    };
+    let frames = |numbers: std::ops::RangeInclusive<u64>| -> Vec<_> {
+        numbers.map(|n| (n, n as f64, n as f64)).collect()
+    };
+    // Frames before the first control step are not of the run.
+    assert_eq!(read(2..6), frames(2..=2));
+    assert_eq!(read(6..14), frames(3..=6));
+    // Nothing new.
+    assert_eq!(read(0..0), frames(6..=6));
+    assert_eq!(read(14..16), frames(7..=7));
 }
 
 #[test]

@@ -21,6 +21,7 @@ mod cap_estimator;
 pub mod carry;
 mod config;
 pub mod contour;
+pub mod follow;
 pub mod friction_scan;
 pub mod grip;
 mod homing;

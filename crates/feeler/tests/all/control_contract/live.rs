@@ -92,6 +92,12 @@ fn flags_since_the_last_step_are_merged_without_waiting() {
     assert!(arrivals.wait_for(NOW).expect("both") > first);
     assert_no_alloc(|| touches[0].touch(&mut touch)).unwrap();
     assert_eq!((touch.frame.sequence, touch.stamp), (3, 0.03));
+    // The frames before are available for a recording.
+    let earlier = touches[0].earlier_frames().iter();
+    let earlier: Vec<_> = earlier
+        .map(|f| (f.sequence, f.stamp, f.forces[0].z))
+        .collect();
+    assert_eq!(earlier, [(1, 0.01, 0.0), (2, 0.02, 10.0)]);
     assert!(touch.flags.over && touch.flags.largest_element == Some(0));
     assert_eq!(touch.frame.forces[0].z, 0.0);
     assert_eq!(arrivals.wait_for(NOW), None);

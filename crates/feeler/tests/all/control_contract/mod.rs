@@ -1,6 +1,7 @@
 //! Properties of control: definitions, limits, and freedom from allocation and panics.
 
 mod config;
+mod follow;
 mod grasp_slip;
 mod hand;
 mod hostile;

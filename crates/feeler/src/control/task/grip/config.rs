@@ -177,7 +177,7 @@ impl Default for PartialSlipConfig {
             utilisation: 0.9,
             group_share: 0.2,
             slip_from: 0.88,
-            slip_gain: 3.5,
+            slip_gain: 3.0,
             least_friction: 0.2,
             least_pressing: 0.01,
             filter_time: 0.03,

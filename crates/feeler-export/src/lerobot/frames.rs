@@ -1,0 +1,93 @@
+//! Selection of the control steps that become the frames of an episode.
+
+use super::episode::{control_steps, frame_rate};
+use crate::error::ExportError;
+use feeler_record::{Recording, Step};
+
+/// Maximum relative excess of the frame rate over the control rate.
+const RATE_TOLERANCE: f64 = 1e-6;
+
+/// Frames of a data set, and the touch beside them. The default has a frame per control step and no windows.
+#[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
+pub struct Sampling {
+    /// Frames per second, at most the control rate. `None` for the control rate.
+    pub fps: Option<u32>,
+    /// Number of tactile samples in the window of each frame; see [`longest_window`](super::longest_window). `None` for
+    /// no windows.
+    pub window: Option<usize>,
+}
+
+/// Frames of an episode.
+pub(crate) struct Frames<'a> {
+    /// Control step of each frame.
+    pub steps: Vec<Step<'a>>,
+    /// Frames per second.
+    pub rate: u32,
+    /// Run time of the first frame (s).
+    pub start: f64,
+}
+
+impl<'a> Frames<'a> {
+    /// Selects the frames of `recording`: all control steps from the first at which every finger has a reading. With
+    /// another rate or with windows, each frame is the control step that is nearest to its time.
+    ///
+    /// # Errors
+    /// If the recording is incomplete, steps are missing, or the rate is higher than the control rate or not whole.
+    pub fn of(
+        run: &str,
+        recording: &'a Recording,
+        sampling: Sampling,
+    ) -> Result<Self, ExportError> {
+        let steps = control_steps(run, recording)?;
+        let start = steps.first().map_or(0.0, |step| step.task.stamp);
+        let Sampling { fps, window } = sampling;
+        let rate = fps.map_or_else(|| frame_rate(run, recording), Ok)?;
+        if fps.is_none() && window.is_none() {
+            return Ok(Self { steps, rate, start });
+        }
+        let period = recording.facts.control_period;
+        if f64::from(rate) * period > 1.0 + RATE_TOLERANCE || rate == 0 {
+            let expected = format!(
+                "1 to {:.6} frames per second, the control rate",
+                1.0 / period
+            );
+            return Err(ExportError::of_run(run, "rate", expected, rate.to_string()));
+        }
+        let frames = Self {
+            steps: Vec::new(),
+            rate,
+            start,
+        };
+        let steps = frames.nearest(&steps, period);
+        Ok(Self { steps, ..frames })
+    }
+
+    /// Run time of a frame (s): that of the first frame plus LeRobot's timestamp.
+    pub fn time(&self, frame: usize) -> f64 {
+        self.start + frame as f64 / f64::from(self.rate)
+    }
+
+    /// Run time of a frame's control step (s), which differs from [`time`](Self::time) by up to half a control period.
+    pub fn step_time(&self, frame: usize) -> f64 {
+        let step = self.steps.get(frame);
+        step.map_or_else(|| self.time(frame), |step| step.task.stamp)
+    }
+
+    /// Nearest of `steps` at the time of each frame.
+    fn nearest(&self, steps: &[Step<'a>], period: f64) -> Vec<Step<'a>> {
+        let end = steps
+            .last()
+            .map_or(f64::NEG_INFINITY, |last| last.task.stamp);
+        let times = (0..).map(|frame| self.time(frame));
+        let times = times.take_while(|time| *time <= end + 0.5 * period);
+        let mut place = 0;
+        let nearest = times.filter_map(|time| {
+            let apart = |place: usize| Some((steps.get(place)?.task.stamp - time).abs());
+            while apart(place + 1) < apart(place) && apart(place + 1).is_some() {
+                place += 1;
+            }
+            steps.get(place).cloned()
+        });
+        nearest.collect()
+    }
+}
