@@ -18,7 +18,7 @@ import zenoh
 from mcap.records import Schema
 from mcap_ros2.decoder import DecoderFactory
 
-PROTOCOL = 4  # supported version of the messages
+PROTOCOL = 5  # supported version of the messages
 NOBODY = 0xFFFFFFFF  # no element, no finger
 PRINT_INTERVAL = 0.1  # s between two lines of one finger
 

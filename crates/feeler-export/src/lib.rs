@@ -4,6 +4,7 @@
 mod columnar;
 mod columns;
 pub mod error;
+mod joint_units;
 pub mod lerobot;
 pub mod table;
 

@@ -3,6 +3,7 @@
 use crate::columnar::{AnyCells, ParquetFile};
 use crate::columns::{Columns, Described};
 use crate::error::ExportError;
+use crate::joint_units::joint_units;
 use feeler_record::wire::{Quaternion, Vector3};
 use feeler_record::{NO_ELEMENT, Recording, RunFacts, Step, Steps};
 use serde_json::{Map, Value, json};
@@ -80,7 +81,9 @@ fn table_columns(run: &str, recording: &Recording, steps: &[Step<'_>]) -> Vec<De
     });
     for finger in 0..recording.fingers.len() {
         columns.prefix = format!("finger_{finger}_");
-        motion_columns(&mut columns, finger);
+        let model = recording.facts.hand.get(finger..=finger);
+        let units = joint_units(model.unwrap_or_default());
+        motion_columns(&mut columns, finger, units);
         touch_columns(&mut columns, finger);
         if !recording.true_slip.is_empty() {
             let slid = "longest distance that the anchor of a feeler slid since the previous step (ground truth)";
@@ -95,22 +98,26 @@ fn table_columns(run: &str, recording: &Recording, steps: &[Step<'_>]) -> Vec<De
 }
 
 /// Measured and commanded motion of a finger.
-fn motion_columns(columns: &mut Columns<'_, '_>, finger: usize) {
+fn motion_columns(
+    columns: &mut Columns<'_, '_>,
+    finger: usize,
+    [position, velocity]: [&'static str; 2],
+) {
     columns.list(
         "joint_position",
-        "rad",
+        position,
         "encoders, from the base to the fingertip",
         move |s| Some(s.finger(finger)?.joints?.position),
     );
     columns.list(
         "joint_velocity",
-        "rad/s",
+        velocity,
         "encoders, from the base to the fingertip",
         move |s| Some(s.finger(finger)?.joints?.velocity),
     );
     columns.list(
         "command_joint_velocity",
-        "rad/s",
+        velocity,
         "as sent to the drives",
         move |s| Some(s.finger(finger)?.command?.joint_velocity),
     );

@@ -34,8 +34,10 @@ pub struct GripperConfig {
 /// nothing is sent: the gripper moves to its latest goal, at most a leash away, and holds.
 pub(crate) struct Gripper {
     goal: LeashedGoal,
-    /// Stamp of the joint states of the previous command (s), or `None` before the first one.
-    commanded: Option<f64>,
+    /// `true` once the goal is where the gripper was at the first command.
+    is_held: bool,
+    /// Stamp of the joint states of the previous command (s), or `None` if it was to stop.
+    commanded_at: Option<f64>,
     /// Maximum age of joint states (s of the graph's time).
     most_age: f64,
     waiting: Arc<Waiting>,
@@ -98,7 +100,8 @@ impl Gripper {
                 limits: config.range,
                 speed: config.speed,
             },
-            commanded: None,
+            is_held: false,
+            commanded_at: None,
             most_age,
             waiting,
             thread: Some(thread.spawn(move || sender.send_all())?),
@@ -122,14 +125,14 @@ impl Gripper {
             .joints
             .first()
             .map_or(0.0, |joints| joints.position[0]);
-        match self.commanded.replace(state.stamp) {
-            None => self.goal.hold(measured),
-            // Time comes from the data: goals do not advance without new joint states.
-            Some(before) => {
-                let elapsed = (state.stamp - before).clamp(0.0, self.most_age);
-                self.goal.advance(velocity, elapsed, measured);
-            }
+        if !std::mem::replace(&mut self.is_held, true) {
+            self.goal.hold(measured);
         }
+        // Time comes from the data: goals do not advance without new joint states, nor by the time for which they rested.
+        let before = self.commanded_at.unwrap_or(state.stamp);
+        let elapsed = (state.stamp - before).clamp(0.0, self.most_age);
+        self.goal.advance(velocity, elapsed, measured);
+        self.commanded_at = (velocity != 0.0).then_some(state.stamp);
         let mut waiting = lock(&self.waiting.goal);
         if velocity != 0.0 {
             waiting.next = Some((self.goal.position, until));

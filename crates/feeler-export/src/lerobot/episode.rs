@@ -5,6 +5,7 @@ use super::frames::Frames;
 use super::tactile::{about, axes};
 use super::window::windows;
 use crate::error::ExportError;
+use crate::joint_units::joint_units;
 use feeler::hand::JointVector;
 use feeler_record::messages::joint_names;
 use feeler_record::tactile_array::of_finger;
@@ -111,15 +112,16 @@ pub(crate) fn features(
     let angles = all(|finger| Some(finger.joints?.position));
     let velocities = all(|finger| Some(finger.command?.joint_velocity));
     let width = vec![counts.iter().sum()];
+    let [position, velocity] = joint_units(&recording.facts.hand);
     let mut features = vec![
         taken.numbers(
             "observation.state",
             width.clone(),
-            "rad",
+            position,
             names("pos"),
             angles,
         )?,
-        taken.numbers("action", width, "rad/s", names("vel"), velocities)?,
+        taken.numbers("action", width, velocity, names("vel"), velocities)?,
     ];
     for finger in 0..fingers {
         features.extend(touch(&taken, recording, finger)?);

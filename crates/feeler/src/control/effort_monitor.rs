@@ -19,11 +19,11 @@ use glam::DVec3;
 /// Time constant of the means (s).
 const FILTER_TIME: f64 = 0.05;
 /// Duration for which a joint must exceed its tolerance (s).
-const CONTRADICTS: f64 = 0.1;
+const MISMATCH_TIME: f64 = 0.1;
 /// Share of its speed limit above which a joint is fast; friction and inertia are then unknown.
 const FAST: f64 = 0.3;
 /// Multiple of the uncertainty that is tolerated: static friction may exceed the friction of the calibration.
-const UNCERTAINTIES: f64 = 1.5;
+const UNCERTAINTY_FACTOR: f64 = 1.5;
 
 /// Compares the efforts of one finger's drives with the forces that its fingertip measures.
 #[derive(Debug, Clone)]
@@ -93,7 +93,7 @@ impl EffortMonitor {
         for joint in 0..geometry.joint_count() {
             let (effort, felt) = (means.effort[joint], means.felt[joint]);
             let larger = effort.abs().max(felt.abs());
-            let tolerance = UNCERTAINTIES * means.uncertainty[joint] + share * larger;
+            let tolerance = UNCERTAINTY_FACTOR * means.uncertainty[joint] + share * larger;
             // False for an unknown effort, which is NaN.
             let exceeds = (effort - felt).abs() > tolerance;
             let since = &mut means.since[joint];
@@ -102,7 +102,7 @@ impl EffortMonitor {
                 true => *since,
                 false => f64::NAN,
             };
-            if stamp - *since >= CONTRADICTS {
+            if stamp - *since >= MISMATCH_TIME {
                 return Err(StopReason::EffortMismatch {
                     finger,
                     joint,

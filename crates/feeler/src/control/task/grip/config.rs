@@ -63,7 +63,7 @@ pub struct GripConfig {
     /// Stiffness and tip radius of the feelers.
     #[serde(default)]
     pub feeler: FeelerShape,
-    /// Parameters of the law `partial-slip`.
+    /// Parameters of the law `partial-slip`. `known-friction` also uses `slip_from`, `slip_gain` and `load_time`.
     #[serde(default)]
     pub partial_slip: PartialSlipConfig,
     /// Parameters of the laws `reflex`, `missing-shear` and `drag`.
@@ -112,7 +112,7 @@ pub enum GripLaw {
     MissingShear,
     /// The reflex with slip detected from drag.
     Drag,
-    /// The grip is the load divided by a friction coefficient that is known in advance.
+    /// The grip is the load divided by a friction coefficient that is known in advance, multiplied when the contact slips.
     KnownFriction,
     /// A constant grip.
     Fixed,

@@ -5,12 +5,12 @@ use crate::control::feeler_shape::FeelerShape;
 use crate::control::sense::FingerReadings;
 use glam::DVec3;
 
-/// Force of one element on the object, relative to the closing direction.
+/// Force on one element by the object, split along a direction: the closing direction, or the normal of the object's surface.
 #[derive(Debug, Clone, Copy, Default)]
 pub(super) struct ElementLoad {
-    /// Pressing force (N), along the closing direction.
+    /// Pressing force (N), positive in compression.
     pub pressing: f64,
-    /// Shear force that holds the object (N, in W), across the closing direction.
+    /// Shear force (N, in W), across that direction.
     pub shear: DVec3,
 }
 
@@ -73,7 +73,8 @@ impl FingerLoad {
     /// Weaker forces are included in the sums, because they add up.
     ///
     /// Shear and torsion limit each other like the axes of an ellipsoid (Howe and Cutkosky, Int. J. Robotics Research 15,
-    /// 1996): the contact slips at `(T / μN)² + (M / μ Σ n ρ)² = 1`, where `n` presses at the distance `ρ` from the centre of
+    /// 1996): with shear `S` (N) and torsion `M` (N m), the contact slips at `(S / μN)² + (M / μ Σ n ρ)² = 1`, where `μ` is the
+    /// friction coefficient, `N` the pressing force (N), and its part `n` presses at the distance `ρ` (m) from the centre of
     /// pressure.
     pub fn new(
         finger: &FingerReadings<'_>,

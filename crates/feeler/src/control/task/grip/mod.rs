@@ -178,7 +178,7 @@ impl Grip {
     /// Holds the object: chooses the closing speed, and decides whether the object is lost or put down.
     fn hold(&mut self, hand: &HandReadings<'_>, interval: f64, new: bool) {
         if new {
-            self.partial_slip.learn(interval);
+            self.partial_slip.update_friction(interval);
         }
         self.carried.feel(self.load_vector(), hand.stamp, interval);
         // Shear against the carried load does not count: something supports the object from below.
@@ -190,7 +190,7 @@ impl Grip {
                 false => self.load(),
             }
         };
-        self.partial_slip.load(load, interval);
+        self.partial_slip.update_load(load, interval);
         let distances = self.jaws.iter().zip(hand.poses);
         let distances = distances.map(|(jaw, pose)| jaw.closed(pose.position));
         let distance = distances.sum::<f64>() / self.jaws.len().max(1) as f64;
@@ -267,13 +267,17 @@ impl Grip {
         jaws.all(|(jaw, pose)| done(jaw, pose.position))
     }
 
-    /// Closes until all fingers press with the minimum grip force.
+    /// Closes until every finger presses with at least `grip_force`.
     fn search(&mut self, hand: &HandReadings<'_>) -> Result<(), StopReason> {
-        if self.jaws.iter().all(|jaw| jaw.deepest() > softness::FROM) {
+        if self
+            .jaws
+            .iter()
+            .all(|jaw| jaw.deepest() > softness::START_FORCE)
+        {
             let jaws = self.jaws.iter().zip(hand.poses);
             let closed = jaws.map(|(jaw, pose)| jaw.closed(pose.position)).sum();
             let force = self.jaws.iter().map(Jaw::deepest).sum();
-            self.softness.feel(closed, force);
+            self.softness.update(closed, force);
         }
         let config = &self.config;
         if self.weakest() >= config.grip_force {

@@ -28,7 +28,7 @@ pub struct PartialSlip {
     means: Vec<Vec<ElementLoad>>,
     /// Space for the pressed elements of one finger: pressing force, and shear along the load (N).
     pressed: Vec<(f64, f64)>,
-    /// Friction coefficient: the largest recent ratio at the edge, less noise.
+    /// Filtered friction coefficient: rises with `friction_time` to the ratio at the edge, falls with `forget_time`.
     friction: f64,
     /// The largest of the friction and the present ratio at the edge.
     edge: f64,
@@ -64,7 +64,8 @@ impl PartialSlip {
         self.friction
     }
 
-    /// Adds the loads on the `elements`, relative to the object's surface, of finger `index`, whose total is `load`, `interval` (s) after the previous ones.
+    /// Adds the loads on the `elements` of finger `index`, relative to the surface of the object, `interval` (s) after the
+    /// previous ones. `load` is the finger's total load, relative to the closing direction: it gives the shear's direction.
     pub fn feel(
         &mut self,
         index: usize,
@@ -108,7 +109,7 @@ impl PartialSlip {
 
     /// Updates the friction after all fingers have been felt, `interval` (s) after the previous update. On a tilted object
     /// the ratios of opposing fingers deviate in opposite directions, so their mean counts.
-    pub fn learn(&mut self, interval: f64) {
+    pub fn update_friction(&mut self, interval: f64) {
         let felt = std::mem::take(&mut self.felt);
         let [now, mean] = std::mem::take(&mut self.edges).map(|sum| sum / felt.max(1) as f64);
         let sum = std::mem::take(&mut self.total);
@@ -127,7 +128,7 @@ impl PartialSlip {
     }
 
     /// Updates the `load` of a finger (N), `interval` (s) after the previous one.
-    pub fn load(&mut self, load: f64, interval: f64) {
+    pub fn update_load(&mut self, load: f64, interval: f64) {
         let forgotten = part(interval, self.config.load_time);
         self.load = load.max(self.load + forgotten * (load - self.load));
     }
@@ -222,7 +223,7 @@ mod tests {
     fn a_whole_slip_multiplies_the_grip_and_a_load_is_held() {
         let config = PartialSlipConfig::default();
         let mut estimate = PartialSlip::new(config, 2);
-        estimate.load(1.0, 0.01);
+        estimate.update_load(1.0, 0.01);
         let required = estimate.required_at(0.8, [0.5, 0.5], 4.0, 1.0);
         assert!((required - 1.0 / (0.8 * 0.5)).abs() < 1e-12);
         // All of the friction is used: the load is unknown.

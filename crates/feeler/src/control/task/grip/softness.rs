@@ -3,9 +3,9 @@
 use crate::control::feeler_shape::FeelerShape;
 
 /// Force of the deepest feeler of each finger from which the measurement starts (N).
-pub(super) const FROM: f64 = 0.04;
+pub(super) const START_FORCE: f64 = 0.04;
 /// Closing distance of all fingers together from which the stiffness is known (m).
-const KNOWN: f64 = 1e-4;
+const LEAST_DISTANCE: f64 = 1e-4;
 /// Range of plausible shares.
 const PLAUSIBLE: (f64, f64) = (0.15, 1.0);
 
@@ -29,10 +29,11 @@ impl Softness {
         }
     }
 
-    /// Feels the sum of the deepest feelers' forces (N) at the closing distance `closed` of all fingers together (m).
-    pub fn feel(&mut self, closed: f64, force: f64) {
+    /// Updates the share with the sum of the deepest feelers' forces (N) at the closing distance `closed` of all fingers
+    /// together (m).
+    pub fn update(&mut self, closed: f64, force: f64) {
         let (from, before) = *self.start.get_or_insert((closed, force));
-        if closed - from > KNOWN {
+        if closed - from > LEAST_DISTANCE {
             let share = (force - before) / (self.feeler.normal_stiffness * (closed - from));
             self.share = share.clamp(PLAUSIBLE.0, PLAUSIBLE.1);
         }
@@ -64,7 +65,7 @@ mod tests {
         let mut softness = softness();
         for step in 0..20 {
             let closed = 0.02 + 2e-5 * f64::from(step);
-            softness.feel(closed, 0.1 + 200.0 * (closed - 0.02));
+            softness.update(closed, 0.1 + 200.0 * (closed - 0.02));
         }
         let stiffness = softness.in_series().normal_stiffness;
         assert!((stiffness - 200.0).abs() < 1e-9, "{stiffness}");
@@ -73,10 +74,10 @@ mod tests {
     #[test]
     fn forces_that_cannot_be_stay_plausible() {
         let mut softness = softness();
-        softness.feel(0.02, 0.1);
-        softness.feel(0.021, 5.0);
+        softness.update(0.02, 0.1);
+        softness.update(0.021, 5.0);
         assert_eq!(softness.share, PLAUSIBLE.1);
-        softness.feel(0.021, 0.0);
+        softness.update(0.021, 0.0);
         assert_eq!(softness.share, PLAUSIBLE.0);
     }
 }

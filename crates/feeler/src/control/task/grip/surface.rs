@@ -7,11 +7,12 @@ use nalgebra::{SMatrix, SVector};
 
 /// Unit of the coordinates in the fit (m), so that all terms are of similar size.
 const UNIT: f64 = 1e-3;
-/// Standard deviation of the position of a tip (m), and those of the slope and of the curvature (1/m) of an object. With few
-/// tips, the surface is as flat as they allow.
+/// Standard deviation of the position of a tip (m).
 const TIP_ERROR: f64 = 1e-5;
-const SLOPE: f64 = 1.0;
-const CURVATURE: f64 = 300.0;
+/// Standard deviation of the slope of objects. With few tips, the surface is as flat as they allow.
+const SLOPE_DEVIATION: f64 = 1.0;
+/// Standard deviation of the curvature of objects (1/m).
+const CURVATURE_DEVIATION: f64 = 300.0;
 
 /// Surface of an object: depth along the closing direction, as a polynomial of second order in the coordinates across it.
 #[derive(Debug, Clone, Copy)]
@@ -32,39 +33,48 @@ impl Surface {
         feeler: &FeelerShape,
         least: f64,
     ) -> Option<Self> {
-        let (x, y) = approach.any_orthonormal_pair();
+        let elements = 0..finger.touch.frame.forces.len();
+        let pressed = elements.filter_map(|element| {
+            let force = finger.force(element);
+            let pressing = -force.dot(approach);
+            let tip = feeler.tip(finger, element, force)?;
+            (pressing > least).then_some((tip, pressing))
+        });
+        let origin = finger.pose.position + finger.layout.dome_radius * approach;
+        Self::through(pressed, origin, approach)
+    }
+
+    /// Fits the surface to `points` (m, in W) with their weights, in coordinates from `origin` (m, in W).
+    fn through(
+        points: impl Iterator<Item = (DVec3, f64)>,
+        origin: DVec3,
+        approach: DVec3,
+    ) -> Option<Self> {
         let mut surface = Self {
             approach,
-            across: [x, y],
-            origin: finger.pose.position + finger.layout.dome_radius * approach,
+            across: approach.any_orthonormal_pair().into(),
+            origin,
             coefficients: SVector::zeros(),
         };
         let mut matrix = SMatrix::<f64, 6, 6>::zeros();
         let mut right = SVector::<f64, 6>::zeros();
         let mut total = 0.0;
-        for element in 0..finger.touch.frame.forces.len() {
-            let force = finger.force(element);
-            let pressing = -force.dot(approach);
-            if pressing <= least {
-                continue;
-            }
-            let tip = feeler.tip(finger, element, force)?;
-            let [x, y] = surface.coordinates(tip);
-            let depth = (tip - surface.origin).dot(approach) / UNIT;
+        for (point, weight) in points {
+            let [x, y] = surface.coordinates(point);
+            let depth = (point - origin).dot(approach) / UNIT;
             let row = SVector::from([1.0, x, y, 0.5 * x * x, x * y, 0.5 * y * y]);
-            matrix += pressing * row * row.transpose();
-            right += pressing * depth * row;
-            total += pressing;
+            matrix += weight * row * row.transpose();
+            right += weight * depth * row;
+            total += weight;
         }
-        let error = TIP_ERROR / UNIT;
-        let slope = (error / SLOPE) * (error / SLOPE);
-        let curvature = (error / (CURVATURE * UNIT)) * (error / (CURVATURE * UNIT));
-        for (index, prior) in [0.0, slope, slope, curvature, curvature, curvature]
-            .into_iter()
-            .enumerate()
-        {
-            matrix[(index, index)] += prior * total;
-        }
+        let prior = |deviation: f64| {
+            let ratio = TIP_ERROR / UNIT / deviation;
+            total * ratio * ratio
+        };
+        let [slope, curvature] = [SLOPE_DEVIATION, CURVATURE_DEVIATION * UNIT].map(prior);
+        matrix += SMatrix::from_diagonal(&SVector::from([
+            0.0, slope, slope, curvature, curvature, curvature,
+        ]));
         surface.coefficients = matrix.cholesky()?.solve(&right);
         Some(surface)
     }
@@ -82,5 +92,58 @@ impl Surface {
         let [along_x, along_y] = [c[1] + c[3] * x + c[4] * y, c[2] + c[4] * x + c[5] * y];
         let [across_x, across_y] = self.across;
         (self.approach - along_x * across_x - along_y * across_y).normalize()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Points 2 mm apart within 4 mm of the closing direction along x.
+    fn grid() -> impl Iterator<Item = [f64; 2]> {
+        let places = (-2..=2).map(|n| 2e-3 * f64::from(n));
+        let other = places.clone();
+        places.flat_map(move |y| other.clone().map(move |z| [y, z]))
+    }
+
+    fn fitted(points: impl Iterator<Item = DVec3>) -> Surface {
+        let weighted = points.map(|point| (point, 0.3));
+        Surface::through(weighted, DVec3::ZERO, DVec3::X).expect("a surface")
+    }
+
+    #[test]
+    fn an_inclined_plane_has_its_normal_everywhere() {
+        let normal = DVec3::new(1.0, -0.3, 0.2).normalize();
+        let depth = |y: f64, z: f64| 0.3 * y - 0.2 * z + 0.001;
+        let surface = fitted(grid().map(|[y, z]| DVec3::new(depth(y, z), y, z)));
+        for [y, z] in grid() {
+            let error = surface.normal(DVec3::new(depth(y, z), y, z)) - normal;
+            // The prior makes a slope smaller by its variance relative to that of the data, below 1e-4.
+            assert!(error.length() < 1e-4, "{error}");
+        }
+    }
+
+    #[test]
+    fn a_cylinder_has_the_normal_from_its_axis() {
+        const RADIUS: f64 = 0.012;
+        let point = |y: f64, z: f64| {
+            let depth = RADIUS - (RADIUS * RADIUS - y * y).sqrt();
+            DVec3::new(depth, y, z)
+        };
+        let surface = fitted(grid().map(|[y, z]| point(y, z)));
+        for [y, z] in grid() {
+            let expected = DVec3::new((RADIUS * RADIUS - y * y).sqrt(), -y, 0.0) / RADIUS;
+            let error = surface.normal(point(y, z)) - expected;
+            // Terms of fourth order are missing: their slope is y³ / 2R³, 0.02 at the edge.
+            assert!(error.length() < 0.02, "{y} {z}: {error}");
+        }
+    }
+
+    #[test]
+    fn one_tip_shows_a_flat_surface_and_none_shows_nothing() {
+        let surface = fitted([DVec3::new(0.001, 0.002, 0.0)].into_iter());
+        let normal = surface.normal(DVec3::new(0.001, 0.002, 0.0));
+        assert!(normal.distance(DVec3::X) < 0.5, "{normal}");
+        assert!(Surface::through(std::iter::empty(), DVec3::ZERO, DVec3::X).is_none());
     }
 }
