@@ -196,7 +196,7 @@ def test_training_sees_what_a_policy_sees_in_the_control_loop() -> None:
     held, planned = 0, 0.0
     for x, shown in trained:
         assert isinstance(observation, np.ndarray)
-        action = env.unwrapped.guide()
+        action = env.guide()
         if info["phase"] == script.MOVE:
             expected = observation.reshape(2, script.INPUTS)
             # Rounding may change positions by steps of the encoder, 1 µm, and then which elements stick.

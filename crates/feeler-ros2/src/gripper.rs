@@ -34,7 +34,7 @@ pub struct GripperConfig {
 /// nothing is sent: the gripper moves to its latest goal, at most a leash away, and holds.
 pub(crate) struct Gripper {
     goal: LeashedGoal,
-    /// `true` once the goal is where the gripper was at the first command.
+    /// `true` once the goal is where the gripper was at the first command to move.
     is_held: bool,
     /// Stamp of the joint states of the previous command (s), or `None` if it was to stop.
     commanded_at: Option<f64>,
@@ -125,16 +125,18 @@ impl Gripper {
             .joints
             .first()
             .map_or(0.0, |joints| joints.position[0]);
-        if !std::mem::replace(&mut self.is_held, true) {
-            self.goal.hold(measured);
-        }
-        // Time comes from the data: goals do not advance without new joint states, nor by the time for which they rested.
-        let before = self.commanded_at.unwrap_or(state.stamp);
-        let elapsed = (state.stamp - before).clamp(0.0, self.most_age);
-        self.goal.advance(velocity, elapsed, measured);
-        self.commanded_at = (velocity != 0.0).then_some(state.stamp);
         let mut waiting = lock(&self.waiting.goal);
-        if velocity != 0.0 {
+        if velocity == 0.0 {
+            self.commanded_at = None;
+        } else {
+            // Joint states may be missing before the first motion.
+            if !std::mem::replace(&mut self.is_held, true) {
+                self.goal.hold(measured);
+            }
+            // Time comes from the data: goals advance neither without new joint states nor by the time of a rest.
+            let before = self.commanded_at.replace(state.stamp);
+            let elapsed = (state.stamp - before.unwrap_or(state.stamp)).clamp(0.0, self.most_age);
+            self.goal.advance(velocity, elapsed, measured);
             waiting.next = Some((self.goal.position, until));
         }
         let failed = waiting.failed.take();

@@ -2,7 +2,7 @@
 
 use super::hand::IdealHand;
 use assert_no_alloc::assert_no_alloc;
-use feeler::control::{ControlLoop, FlaggedSensor, Phase};
+use feeler::control::{ControlLoop, Controller, FlaggedSensor, Phase};
 use feeler::hand::HandCommand;
 use feeler::sensor::calibration::Calibration;
 use feeler::sensor::forces::{OpticalSensor, SensorError, TactileFrame, TactileSensor};
@@ -47,25 +47,32 @@ fn reading_an_image_does_not_allocate() {
     }
 }
 
-/// Replays the control of whole runs of all built-in experiments.
+/// Replays the control of a whole run of `experiment`, and asserts that it does not allocate. Returns the controller at its
+/// end.
+fn replayed(experiment: &Experiment) -> Controller {
+    let (fingers, _) = fingers_at_home(&experiment.config).expect("fingers");
+    let layouts = layouts(&experiment.config).expect("fingertips");
+    let controller = experiment::controller(experiment, &fingers, &layouts);
+    let mut controller = controller.expect("a controller");
+    let mut command = HandCommand::stop(fingers.len());
+    let mut session = Session::new(experiment).expect("a session");
+    while !session.finished() {
+        session.step().expect("a step");
+        let control_loop = session.control_loop();
+        let (touches, state) = (control_loop.touches(), control_loop.state());
+        assert_no_alloc(|| controller.decide(touches, state, &mut command));
+        let name = &experiment.config.name;
+        assert_eq!(command, *control_loop.command(), "{name}");
+    }
+    controller
+}
+
 #[test]
 fn no_task_allocates() {
     for built_in in BUILT_IN {
         let settings = ["sensing=\"direct\"".to_string()];
         let experiment = Experiment::load(built_in.name, &settings).expect("an experiment");
-        let (fingers, _) = fingers_at_home(&experiment.config).expect("fingers");
-        let layouts = layouts(&experiment.config).expect("fingertips");
-        let controller = experiment::controller(&experiment, &fingers, &layouts);
-        let mut controller = controller.expect("a controller");
-        let mut command = HandCommand::stop(fingers.len());
-        let mut session = Session::new(&experiment).expect("a session");
-        while !session.finished() {
-            session.step().expect("a step");
-            let control_loop = session.control_loop();
-            let (touches, state) = (control_loop.touches(), control_loop.state());
-            assert_no_alloc(|| controller.decide(touches, state, &mut command));
-            assert_eq!(command, *control_loop.command(), "{}", built_in.name);
-        }
+        let controller = replayed(&experiment);
         assert_eq!(controller.phase(), Phase::Done, "{}", built_in.name);
     }
 }
@@ -76,16 +83,8 @@ fn a_policy_that_grips_does_not_allocate() {
     let file = format!("control.law.policy.file={examples}/grip-touch.safetensors");
     let settings = [file, "task.grip.law=policy".to_string()];
     let experiment = Experiment::load("grip", &settings).expect("an experiment");
-    let mut session = Session::new(&experiment).expect("a session");
-    let failed = assert_no_alloc(|| {
-        while !session.finished() {
-            session.step()?;
-        }
-        Ok::<_, feeler_lab::experiment::ExperimentError>(())
-    });
-    assert!(failed.is_ok(), "{failed:?}");
-    let task = session.control_loop().controller().task();
-    assert_eq!(task.outcome(), Some("put down"));
+    let controller = replayed(&experiment);
+    assert_eq!(controller.task().outcome(), Some("put down"));
 }
 
 /// A sensor whose forces rise from frame to frame until it fails.

@@ -261,7 +261,8 @@ fn unread_frames_are_kept_with_their_times() {
                 ..sound_update(&hand, sequence)
             };
             fast.forces[0] = x((sequence / 2) as f64);
-            let taken = put(&mut *inbox.lock(), Topic::Tactile(0), &fast, NOW);
+            // After all frames were measured.
+            let taken = put(&mut *inbox.lock(), Topic::Tactile(0), &fast, NOW + 0.01);
             taken.unwrap();
         }
         finger.touch(&mut touch).unwrap();
