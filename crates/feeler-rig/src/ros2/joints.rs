@@ -75,6 +75,12 @@ impl Rig for RobotRig {
     }
 
     fn advance(&mut self, command: &HandCommand) -> Result<(), HandError> {
-        self.hand.command(command)
+        let commanded = self.hand.command(command);
+        // Lost joint states are reported when they are read.
+        if let (Err(error), None) = (&commanded, self.lost) {
+            self.warnings
+                .queue(&format!("the robot was not moved: {error}"));
+        }
+        commanded
     }
 }

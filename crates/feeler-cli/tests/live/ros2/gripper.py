@@ -6,6 +6,7 @@ well                  no fault
 silent                no joint states are published
 late SECONDS          stamps are SECONDS in the past, or in the future if negative
 reject                goals are rejected
+deaf                  goals are not answered
 end                   the gripper ends and prints a summary of the goals
 """
 
@@ -82,7 +83,8 @@ class Goals(pyzeros.Server):
             goal = command.position[0]
         goals.append((int(responder._request_attachment.source_timestamp), command))
         ids.append(bytes(responder.request.goal_id.uuid))
-        responder.send(Response(accepted=accepted, stamp=stamp(time.time())))
+        if wrong["what"] != "deaf":
+            responder.send(Response(accepted=accepted, stamp=stamp(time.time())))
         return True
 
 

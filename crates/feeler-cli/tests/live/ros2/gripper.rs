@@ -184,18 +184,46 @@ fn a_gripper_holds_an_object_until_it_is_put_down() {
 }
 
 #[test]
-#[ignore = "the rig does not report a rejected goal yet; the hand stops because its joints do not move"]
-fn a_rejected_goal_is_reported() {
+fn faults_of_a_gripper_stop_the_hand() {
     let Some(python) = pyzeros() else { return };
-    let mut lab = Lab::start("ros2-gripper-faults", &python, true);
+    let mut lab = Lab::start("ros2-gripper-faults", &python, false);
     let recording = lab.folder.join("run/recording.mcap");
     within_reason(&lab.hand, || recording.exists());
-    lab.order("reject");
-    lab.rig.wait_for("rejected a goal");
+    let count = |lab: &Lab, words: &str| lab.hand.said().matches(words).count();
+    for (fault, words) in [
+        ("silent", "stopped: the joint angles"),
+        ("late 5", "stopped: the "),
+    ] {
+        let stops = count(&lab, words);
+        lab.order(fault);
+        lab.hand.wait_for_times(words, stops + 1);
+        let resumed = count(&lab, "resuming");
+        lab.order("well");
+        lab.hand.wait_for_times("resuming", resumed + 1);
+    }
+    for (fault, words) in [
+        ("reject", "rejected a goal"),
+        ("deaf", "expected a response"),
+    ] {
+        let stops = count(&lab, "stopped: joint 0");
+        lab.order(fault);
+        lab.rig.wait_for(words);
+        lab.hand.wait_for_times("stopped: joint 0", stops + 1);
+        lab.order("well");
+        // Joints that do not move are not a matter of age, so the hand must be resumed explicitly.
+        let resumed = count(&lab, "resuming");
+        within_reason(&lab.hand, || {
+            let told = run(
+                &lab.folder,
+                &["resume", "gripper.toml", "--connect", &lab.link],
+            );
+            assert_ne!(told.status, Some(2), "{told:?}");
+            count(&lab, "resuming") > resumed
+        });
+    }
     lab.hand.signal("INT");
     lab.hand.wait();
     lab.rig.signal("INT");
     lab.rig.wait();
     lab.end();
-    assert!(lab.link.starts_with("tcp/"));
 }
