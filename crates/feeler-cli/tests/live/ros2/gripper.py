@@ -14,24 +14,22 @@ import bisect
 import json
 import math
 import random
-import struct
 import sys
-import threading
 import time
 from dataclasses import dataclass, field
 
 import pyzeros
 from graph import say, session
 from pyzeros.builtin_msgs import Attachment
+from robots import Orders, force_cloud, stamp
 from ros2_pyterfaces.cyclone.builtin_interfaces.msg import Time
 from ros2_pyterfaces.cyclone.idl import IdlStruct, make_idl_service
 from ros2_pyterfaces.cyclone.rosgraph_msgs.msg import Clock
-from ros2_pyterfaces.cyclone.sensor_msgs.msg import JointState, PointCloud2, PointField
+from ros2_pyterfaces.cyclone.sensor_msgs.msg import JointState, PointCloud2
 from ros2_pyterfaces.cyclone.std_msgs.msg import Header
 from ros2_pyterfaces.cyclone.unique_identifier_msgs.msg import UUID
 
 PERIOD = 0.01  # s of the gripper's time
-FLOAT32 = 7
 ACTION = "control_msgs/action/ParallelGripperCommand_"
 TOUCHING = 9  # elements of a skin on the object
 STIFFNESS = 3000.0  # N/m of a skin on the object
@@ -68,8 +66,7 @@ goal = position
 goals = []
 ids = []
 fresh = []
-wrong = {"what": "well", "late": 0.0}
-is_over = threading.Event()
+orders = Orders()
 
 
 class Goals(pyzeros.Server):
@@ -78,27 +75,14 @@ class Goals(pyzeros.Server):
     def input_data(self, responder):
         global goal
         command = responder.request.goal.command
-        accepted = wrong["what"] != "reject"
+        accepted = orders.what != "reject"
         if accepted:
             goal = command.position[0]
         goals.append((int(responder._request_attachment.source_timestamp), command))
         ids.append(bytes(responder.request.goal_id.uuid))
-        if wrong["what"] != "deaf":
+        if orders.what != "deaf":
             responder.send(Response(accepted=accepted, stamp=stamp(time.time())))
         return True
-
-
-def read_orders():
-    for line in sys.stdin:
-        what, *late = line.split()
-        wrong.update(what=what, late=float(late[0]) if late else 0.0)
-        if what == "end":
-            is_over.set()
-
-
-def stamp(seconds):
-    whole = math.floor(seconds)
-    return Time(sec=whole, nanosec=int((seconds - whole) * 1e9))
 
 
 def move():
@@ -120,26 +104,11 @@ def load(since):
     return gripper["weight"] * (up - down)
 
 
-def cloud(grip, shear, now):
-    """Forces on the elements of a skin: pressed along the fingertip's axis, and sheared downward."""
-    fields = ["x", "y", "z", "fx", "fy", "fz"]
-    data = bytearray()
-    for index, tip in enumerate(gripper["elements"]):
+def forces(grip, shear):
+    """Force on each element of a skin (N): pressed along the fingertip's axis, and sheared downward."""
+    for index in range(len(gripper["elements"])):
         share = 1.0 / TOUCHING if index < TOUCHING else 0.0
-        noise = random.gauss(0.0, 1e-4)
-        data += struct.pack("<6f", *tip, -share * grip + noise, 0.0, -share * shear)
-    count = len(gripper["elements"])
-    return PointCloud2(
-        header=Header(stamp=stamp(now), frame_id="fingertip"),
-        height=1,
-        width=count,
-        fields=[PointField(name=name, offset=4 * i, datatype=FLOAT32, count=1) for i, name in enumerate(fields)],
-        is_bigendian=False,
-        point_step=24,
-        row_step=24 * count,
-        data=list(data),
-        is_dense=True,
-    )
+        yield -share * grip + random.gauss(0.0, 1e-4), 0.0, -share * shear
 
 
 def changes():
@@ -159,7 +128,6 @@ def most_age():
 
 
 opened = session(sys.argv[1])
-threading.Thread(target=read_orders, daemon=True).start()
 with pyzeros.auto_context(node="gripper", zenoh_session=opened):
     states = pyzeros.Pub(JointState, "/joint_states", scope=None)
     clock = pyzeros.Pub(Clock, "/clock", scope=None)
@@ -170,7 +138,7 @@ with pyzeros.auto_context(node="gripper", zenoh_session=opened):
     say(ready=True)
     now = 100.0 if gripper["sim_time"] else time.time()
     grasped, most_grip, least_margin, slipped = None, 0.0, math.inf, False
-    while not is_over.wait(PERIOD / gripper["speed_of_time"]):
+    while not orders.is_over.wait(PERIOD / gripper["speed_of_time"]):
         now = now + PERIOD if gripper["sim_time"] else time.time()
         move()
         grip = STIFFNESS * max(0.0, position - gripper["object"])
@@ -180,7 +148,7 @@ with pyzeros.auto_context(node="gripper", zenoh_session=opened):
         carried = load(None if grasped is None else now - grasped)
         slipped |= carried / 2.0 > FRICTION * grip + 1e-9
         shear = min(carried / 2.0, FRICTION * grip)
-        what, stamped = wrong["what"], now - wrong["late"]
+        what, stamped = orders.what, now - orders.late
         if gripper["sim_time"]:
             clock.publish(Clock(clock=stamp(now)))
         if what != "silent":
@@ -196,7 +164,7 @@ with pyzeros.auto_context(node="gripper", zenoh_session=opened):
                 )
             )
         for skin in skins:
-            skin.publish(cloud(grip, shear, stamped))
+            skin.publish(force_cloud(gripper["elements"], forces(grip, shear), stamped))
     steps = [command.position[0] for _, command in goals]
     say(
         position=position,

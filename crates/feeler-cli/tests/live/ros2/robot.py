@@ -15,19 +15,17 @@ import json
 import math
 import struct
 import sys
-import threading
 import time
 
 import pyzeros
 from graph import say, session
 from pyzeros.sub import RawSub
-from ros2_pyterfaces.cyclone.builtin_interfaces.msg import Time
+from robots import Orders, force_cloud, stamp
 from ros2_pyterfaces.cyclone.rosgraph_msgs.msg import Clock
-from ros2_pyterfaces.cyclone.sensor_msgs.msg import JointState, PointCloud2, PointField
+from ros2_pyterfaces.cyclone.sensor_msgs.msg import JointState, PointCloud2
 from ros2_pyterfaces.cyclone.std_msgs.msg import Float64MultiArray, Header
 
 PERIOD = 0.01  # s of the robot's time
-FLOAT32 = 7
 
 robot = json.loads(sys.argv[2])
 commanded = robot["joints"]
@@ -37,8 +35,7 @@ position = dict(zip(commanded, robot["home"])) | {"wheel": 0.0}
 velocity = dict.fromkeys(names, 0.0)
 commands = []
 fresh = []
-wrong = {"what": "well", "late": 0.0}
-is_over = threading.Event()
+orders = Orders()
 
 
 def take(sample):
@@ -47,19 +44,6 @@ def take(sample):
     sent = struct.unpack_from("<q", sample.attachment.to_bytes(), 8)[0]
     commands.append((sent, data))
     velocity.update(zip(commanded, data))
-
-
-def read_orders():
-    for line in sys.stdin:
-        what, *late = line.split()
-        wrong.update(what=what, late=float(late[0]) if late else 0.0)
-        if what == "end":
-            is_over.set()
-
-
-def stamp(seconds):
-    whole = math.floor(seconds)
-    return Time(sec=whole, nanosec=int((seconds - whole) * 1e9))
 
 
 def joint_states(now):
@@ -83,27 +67,13 @@ def tips(finger):
     return [centre + sum(r * t for r, t in zip(row, tip)) for tip in finger["elements"]]
 
 
-def cloud(finger, now):
-    """Forces of the wall on the fingertip's elements, along their inward normals."""
-    fields = ["x", "y", "z", "fx", "fy", "fz"]
-    data = bytearray()
+def forces(finger):
+    """Force on each element of the fingertip (N), along its feeler."""
     for tip, x in zip(finger["elements"], tips(finger)):
         force = finger["stiffness"] * max(0.0, x - finger["wall"])
-        force = math.nan if wrong["what"] == "nan" else force
+        force = math.nan if orders.what == "nan" else force
         length = math.sqrt(sum(t * t for t in tip))
-        data += struct.pack("<6f", *tip, *(-force * t / length for t in tip))
-    count = len(finger["elements"])
-    return PointCloud2(
-        header=Header(stamp=stamp(now), frame_id="fingertip"),
-        height=1,
-        width=count,
-        fields=[PointField(name=name, offset=4 * i, datatype=FLOAT32, count=1) for i, name in enumerate(fields)],
-        is_bigendian=False,
-        point_step=24,
-        row_step=24 * count,
-        data=list(data),
-        is_dense=True,
-    )
+        yield tuple(-force * t / length for t in tip)
 
 
 def most_age():
@@ -117,7 +87,6 @@ def most_age():
 
 
 opened = session(sys.argv[1])
-threading.Thread(target=read_orders, daemon=True).start()
 with pyzeros.auto_context(node="robot", zenoh_session=opened):
     states = pyzeros.Pub(JointState, "/joint_states", scope=None)
     clock = pyzeros.Pub(Clock, "/clock", scope=None)
@@ -125,11 +94,11 @@ with pyzeros.auto_context(node="robot", zenoh_session=opened):
     listening = RawSub(Float64MultiArray, "/forward_velocity_controller/commands", take, scope=None)
     say(ready=True)
     now = 100.0 if robot["sim_time"] else time.time()
-    while not is_over.wait(PERIOD / robot["speed"]):
+    while not orders.is_over.wait(PERIOD / robot["speed"]):
         before, now = now, now + PERIOD if robot["sim_time"] else time.time()
         for name in names:
             position[name] += velocity[name] * (now - before)
-        what, stamped = wrong["what"], now - wrong["late"]
+        what, stamped = orders.what, now - orders.late
         if robot["sim_time"]:
             clock.publish(Clock(clock=stamp(now)))
         if what != "silent":
@@ -137,7 +106,8 @@ with pyzeros.auto_context(node="robot", zenoh_session=opened):
                 fresh.append(time.time_ns())
             states.publish(joint_states(stamped))
         if robot["finger"] and what != "numb":
-            felt.publish(cloud(robot["finger"], stamped))
+            finger = robot["finger"]
+            felt.publish(force_cloud(finger["elements"], forces(finger), stamped))
     # Commands that were sent before the end order may still arrive.
     hangs = time.time() + 400
     while commands and any(commands[-1][1]) and time.time() < hangs:
