@@ -29,7 +29,7 @@ pub struct Snapshot {
     pub phase: Phase,
     /// Reason of the stop, if the hand is stopped.
     pub stopped: Option<String>,
-    /// Number of the request that the step has followed.
+    /// Number of the latest request whose velocities this step commanded.
     pub followed: u64,
     pub fingers: Vec<FingerSnapshot>,
 }

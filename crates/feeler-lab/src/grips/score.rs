@@ -137,11 +137,11 @@ impl GripScore {
 /// `[low, mean, high]`.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct GripDifference {
-    /// Difference of the shares of dropped objects.
+    /// Share of objects that this law dropped, minus that of the reference.
     pub dropped: [f64; 3],
-    /// Difference of the shares of crushed objects.
+    /// Share of objects that it crushed, minus that of the reference.
     pub crushed: [f64; 3],
-    /// Difference of the shares of objects that were dropped or crushed.
+    /// Share of objects that it dropped or crushed, minus that of the reference.
     pub failed: [f64; 3],
 }
 

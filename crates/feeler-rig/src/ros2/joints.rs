@@ -7,7 +7,7 @@ use feeler_link::programs::Rig;
 use feeler_ros2::RosHand;
 use std::time::{Duration, Instant};
 
-/// Time to wait for the first joint states before a message is printed.
+/// Time to wait for the first joint states before a message is printed, and between two reports of failed commands.
 const PATIENCE: Duration = Duration::from_secs(2);
 
 /// A robot's joints. The rig's time is the graph's time since the first joint states. The age of a command follows
@@ -19,6 +19,8 @@ pub struct RobotRig {
     warnings: Warnings,
     /// Start of the current gap in the joint states, and `true` if it was reported. `None` while joint states arrive.
     lost: Option<(Instant, bool)>,
+    /// Time at which a failed command was last reported.
+    refused: Option<Instant>,
 }
 
 impl RobotRig {
@@ -29,6 +31,7 @@ impl RobotRig {
             began: None,
             warnings,
             lost: None,
+            refused: None,
         }
     }
 
@@ -77,7 +80,9 @@ impl Rig for RobotRig {
     fn advance(&mut self, command: &HandCommand) -> Result<(), HandError> {
         let commanded = self.hand.command(command);
         // Lost joint states are reported when they are read.
-        if let (Err(error), None) = (&commanded, self.lost) {
+        let is_told = self.refused.is_some_and(|at| at.elapsed() < PATIENCE);
+        if let (Err(error), None, false) = (&commanded, self.lost, is_told) {
+            self.refused = Some(Instant::now());
             self.warnings
                 .queue(&format!("the robot was not moved: {error}"));
         }

@@ -14,7 +14,7 @@ FIELDS = ["x", "y", "z", "fx", "fy", "fz"]
 
 
 class Orders:
-    """The latest order on standard input, such as `late 5`, read on a thread of its own."""
+    """The latest order on standard input, such as `late 5`, read on a separate thread."""
 
     def __init__(self):
         self.what, self.late = "well", 0.0

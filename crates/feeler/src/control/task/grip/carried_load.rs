@@ -43,7 +43,7 @@ impl CarriedLoad {
 
     /// Updates the load with the mean `shear` of the fingers (N, in W) at `stamp` (s), `interval` (s) after the previous
     /// one.
-    pub fn feel(&mut self, shear: DVec3, stamp: f64, interval: f64) {
+    pub fn update(&mut self, shear: DVec3, stamp: f64, interval: f64) {
         let start = *self.start.get_or_insert(stamp);
         self.present += part(interval, PRESENT) * (shear - self.present);
         if stamp - start < SETTLING {
@@ -80,10 +80,10 @@ impl CarriedLoad {
 mod tests {
     use super::*;
 
-    /// Feels a constant `shear` along -z for `steps` of 10 ms from `start` (s).
-    fn feel(load: &mut CarriedLoad, shear: f64, start: f64, steps: u32) -> f64 {
+    /// Applies a constant `shear` along -z for `steps` of 10 ms from `start` (s).
+    fn apply(load: &mut CarriedLoad, shear: f64, start: f64, steps: u32) -> f64 {
         for step in 0..steps {
-            load.feel(-shear * DVec3::Z, start + 0.01 * f64::from(step), 0.01);
+            load.update(-shear * DVec3::Z, start + 0.01 * f64::from(step), 0.01);
         }
         start + 0.01 * f64::from(steps)
     }
@@ -92,13 +92,13 @@ mod tests {
     fn a_load_is_carried_until_it_vanishes_or_reverses() {
         let mut load = CarriedLoad::new(0.06);
         // Shear from closing does not count.
-        let lifted = feel(&mut load, -0.1, 0.0, 100);
+        let lifted = apply(&mut load, -0.1, 0.0, 100);
         assert!(!load.is_below(1.0) && !load.is_for(0.0, lifted));
-        let held = feel(&mut load, 0.5, lifted, 100);
+        let held = apply(&mut load, 0.5, lifted, 100);
         assert!(load.is_for(0.5, held) && !load.is_below(0.9));
-        let unloaded = feel(&mut load, 0.02, held, 20);
+        let unloaded = apply(&mut load, 0.02, held, 20);
         assert!(load.is_below(0.1) && !load.is_supported());
-        feel(&mut load, -0.2, unloaded, 20);
+        apply(&mut load, -0.2, unloaded, 20);
         assert!(load.is_supported());
     }
 }

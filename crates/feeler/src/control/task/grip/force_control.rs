@@ -27,7 +27,7 @@ impl ForceControl {
 
     /// Updates the stiffness with the mean closing distance of the fingers (m) and the grip force (N): a least-squares
     /// slope that forgets with the distance.
-    pub fn feel(&mut self, closed: f64, grip: f64) {
+    pub fn update(&mut self, closed: f64, grip: f64) {
         if let Some((from, force)) = self.previous.replace((closed, grip)) {
             let change = closed - from;
             self.squares += change * change;
@@ -58,7 +58,7 @@ mod tests {
             let closed = 1e-5 * f64::from(step);
             // Noise of alternating sign does not bias a slope.
             let noise = if step % 2 == 0 { 0.01 } else { -0.01 };
-            control.feel(closed, 5000.0 * closed + noise);
+            control.update(closed, 5000.0 * closed + noise);
         }
         // The assumed stiffness has lost its weight, and the noise adds a percent at most.
         assert!((control.speed(1.0, 20.0) / (20.0 / 5000.0) - 1.0).abs() < 0.02);
@@ -68,7 +68,7 @@ mod tests {
     fn stays_plausible_when_the_force_falls_while_the_fingers_close() {
         let mut control = ForceControl::new(2000.0);
         for step in 0..200 {
-            control.feel(1e-4 * f64::from(step), -f64::from(step));
+            control.update(1e-4 * f64::from(step), -f64::from(step));
         }
         assert_eq!(control.speed(1.0, 20.0), 20.0 / PLAUSIBLE.0);
     }

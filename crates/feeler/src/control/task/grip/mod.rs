@@ -152,7 +152,7 @@ impl Grip {
     }
 
     /// Updates the load of each finger. Returns `true` if there are new frames.
-    fn feel(&mut self, hand: &HandReadings<'_>, interval: f64) -> bool {
+    fn update_loads(&mut self, hand: &HandReadings<'_>, interval: f64) -> bool {
         let mut new = self.previous.is_none();
         let (feeler, touch_force) = (self.softness.in_series(), self.config.touch_force);
         let jaws = self.jaws.iter_mut().zip(&mut self.frames);
@@ -169,7 +169,8 @@ impl Grip {
                 if let Some(surface) = surface {
                     ElementLoad::relate_to(&surface, &finger, &feeler, elements);
                 }
-                self.partial_slip.feel(index, elements, &jaw.load, interval);
+                self.partial_slip
+                    .add_finger(index, elements, &jaw.load, interval);
             }
         }
         new
@@ -180,7 +181,8 @@ impl Grip {
         if new {
             self.partial_slip.update_friction(interval);
         }
-        self.carried.feel(self.load_vector(), hand.stamp, interval);
+        self.carried
+            .update(self.load_vector(), hand.stamp, interval);
         // Shear against the carried load does not count: something supports the object from below.
         let load = if self.carried.is_supported() {
             0.0
@@ -194,7 +196,7 @@ impl Grip {
         let distances = self.jaws.iter().zip(hand.poses);
         let distances = distances.map(|(jaw, pose)| jaw.closed(pose.position));
         let distance = distances.sum::<f64>() / self.jaws.len().max(1) as f64;
-        self.control.feel(distance, self.grip());
+        self.control.update(distance, self.grip());
         if new {
             let slips = match &mut self.signal {
                 Some(signal) => signal.slips(hand, interval),
@@ -299,7 +301,7 @@ impl Grip {
 impl Task for Grip {
     fn advance(&mut self, hand: &HandReadings<'_>) -> Result<(), StopReason> {
         let interval = self.previous.map_or(0.0, |previous| hand.stamp - previous);
-        let new = self.feel(hand, interval);
+        let new = self.update_loads(hand, interval);
         match self.phase {
             Phase::Search => self.search(hand)?,
             Phase::Move => self.hold(hand, interval, new),

@@ -66,7 +66,7 @@ impl PartialSlip {
 
     /// Adds the loads on the `elements` of finger `index`, relative to the surface of the object, `interval` (s) after the
     /// previous ones. `load` is the finger's total load, relative to the closing direction: it gives the shear's direction.
-    pub fn feel(
+    pub fn add_finger(
         &mut self,
         index: usize,
         elements: &[ElementLoad],

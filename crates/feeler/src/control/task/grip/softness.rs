@@ -16,6 +16,7 @@ pub(super) struct Softness {
     feeler: FeelerShape,
     /// Closing distance of all fingers together (m), and sum of the largest forces (N), when the measurement started.
     start: Option<(f64, f64)>,
+    /// Stiffness of feeler and object in series, relative to that of the feeler; 1 on a rigid object.
     share: f64,
 }
 

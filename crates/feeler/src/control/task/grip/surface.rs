@@ -17,10 +17,12 @@ const CURVATURE_DEVIATION: f64 = 300.0;
 /// Surface of an object: depth along the closing direction, as a polynomial of second order in the coordinates across it.
 #[derive(Debug, Clone, Copy)]
 pub(super) struct Surface {
+    /// Closing direction and the axes across it, unit vectors in W.
     approach: DVec3,
     across: [DVec3; 2],
+    /// Origin of the coordinates (m, in W).
     origin: DVec3,
-    /// Of 1, x, y, x²/2, xy and y²/2, in units of [`UNIT`].
+    /// Coefficients of 1, x, y, x²/2, xy and y²/2, in units of [`UNIT`].
     coefficients: SVector<f64, 6>,
 }
 
