@@ -19,8 +19,9 @@ pub struct RobotRig {
     warnings: Warnings,
     /// Start of the current gap in the joint states, and `true` if it was reported. `None` while joint states arrive.
     lost: Option<(Instant, bool)>,
-    /// Time at which a failed command was last reported.
-    refused: Option<Instant>,
+    /// Latest failure of a command that is not reported yet, and the time of the last report.
+    failure: Option<String>,
+    reported: Option<Instant>,
 }
 
 impl RobotRig {
@@ -31,7 +32,8 @@ impl RobotRig {
             began: None,
             warnings,
             lost: None,
-            refused: None,
+            failure: None,
+            reported: None,
         }
     }
 
@@ -80,9 +82,12 @@ impl Rig for RobotRig {
     fn advance(&mut self, command: &HandCommand) -> Result<(), HandError> {
         let commanded = self.hand.command(command);
         // Lost joint states are reported when they are read.
-        let is_told = self.refused.is_some_and(|at| at.elapsed() < PATIENCE);
-        if let (Err(error), None, false) = (&commanded, self.lost, is_told) {
-            self.refused = Some(Instant::now());
+        if let (Err(error), None) = (&commanded, self.lost) {
+            self.failure = Some(error.to_string());
+        }
+        let is_early = self.reported.is_some_and(|at| at.elapsed() < PATIENCE);
+        if let Some(error) = self.failure.take_if(|_| !is_early) {
+            self.reported = Some(Instant::now());
             self.warnings
                 .queue(&format!("the robot was not moved: {error}"));
         }
