@@ -31,7 +31,7 @@ Examples:
   feeler compare cap-closing --policy my.safetensors        all laws and a learned policy
   feeler compare cap-closing --resume -o compare            continue an interrupted comparison
   feeler run --trial compare/best 17                        rerun one trial, with recording and report
-  feeler compare grip --trials 2000 -o grips                laws of a gripper on 2,000 unknown objects
+  feeler compare grip --trials 2000 --least-grip -o grips   laws of a gripper on 2,000 unknown objects
   feeler compare grip --drives emulated -o grips-on-a-bus   the same on servos of an emulated bus
   feeler compare grip --policy a.safetensors --policy b.safetensors     two learned policies of a gripper";
 
@@ -49,6 +49,9 @@ pub struct Arguments {
     /// Number of trials per law.
     #[arg(long, default_value_t = 200, value_parser = clap::value_parser!(u64).range(1..=10_000_000))]
     pub(super) trials: u64,
+    /// Also search for the least grip that holds each object (grip experiments): six more trials per object.
+    #[arg(long)]
+    pub(super) least_grip: bool,
     /// Parameter to vary, instead of friction, noise, eccentricity and seat angle. Repeatable.
     ///
     /// Figures show the results against the first parameter.
@@ -89,6 +92,9 @@ pub fn compare(arguments: &Arguments, out: &mut dyn Write) -> Result<Outcome, Co
         TaskConfig::Grip(_) => compare_grips(arguments, &experiment, out),
         _ if arguments.drives.is_some() => {
             Err("--drives: expected an experiment with task.grip".into())
+        }
+        _ if arguments.least_grip => {
+            Err("--least-grip: expected an experiment with task.grip".into())
         }
         _ => compare_caps(arguments, out),
     }

@@ -130,12 +130,18 @@ fn run(arguments: &Arguments, contenders: &[Contender]) -> Result<(Results, bool
     let bar = Steps::new(count as usize);
     let laws_of = |number: u64| -> Result<Vec<GripRow>, String> {
         let seed = trial_seed(trial.seed, number);
+        let least = match (arguments.least_grip, contenders) {
+            (true, [(_, experiment), ..]) => {
+                GripTrial::least_grip(experiment, seed).map_err(|error| error.to_string())?
+            }
+            _ => None,
+        };
         let row = |(_, experiment): &Contender| {
             let ran = match arguments.drives {
                 Some(_) => emulated::grip_trial(experiment, seed),
                 None => GripTrial::run(experiment, seed).map_err(|error| error.to_string()),
             };
-            Ok(GripRow::new(number, &ran?))
+            Ok(GripRow::new(number, &ran?, least))
         };
         contenders.iter().map(row).collect()
     };
@@ -194,12 +200,13 @@ fn verdicts(results: &Results) -> Vec<String> {
 }
 
 /// Formats the figures of a law in the order of [`GRIP_COLUMNS`].
-fn values(score: &GripScore) -> [String; 8] {
+fn values(score: &GripScore) -> [String; 9] {
     let range = |[low, value, high]: [f64; 3], factor: f64| {
         let [low, value, high] = [low, value, high].map(|value| significant(factor * value));
         format!("{value} [{low}, {high}]")
     };
     let missing = || "-".to_string();
+    let ratio = |excess: Option<_>| excess.map_or_else(missing, |excess| range(excess, 1.0));
     let milliseconds = |which: usize| {
         let reaction = score.reaction.map(|times| times[which]);
         reaction.map_or_else(missing, |time| match time.is_finite() {
@@ -211,9 +218,8 @@ fn values(score: &GripScore) -> [String; 8] {
         range(score.dropped, 100.0),
         range(score.crushed, 100.0),
         range(score.failed, 100.0),
-        score
-            .excess
-            .map_or_else(missing, |excess| range(excess, 1.0)),
+        ratio(score.excess),
+        ratio(score.excess_of_load),
         significant(score.excess_of_sums),
         score.slips.to_string(),
         milliseconds(0),

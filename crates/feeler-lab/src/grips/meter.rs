@@ -1,4 +1,4 @@
-//! Ground truth of a grasp in every step of the physics: grip, least grip that holds, and slip.
+//! Ground truth of a grasp in every step of the physics: grip, required grip, and slip.
 
 use super::object::{GripObject, OBJECT, STANDING, TABLE};
 use feeler_sim::rig::acceleration;
@@ -26,14 +26,14 @@ const AXIS: DVec3 = DVec3::X;
 #[derive(Debug, Clone, Default)]
 pub struct GripMeter {
     static_friction: f64,
-    /// Time in the air (s), and the integrals over it of the grip and of the least grip that holds (N s).
+    /// Time in the air (s), and the integrals over it of the grip and of the grip that the load requires (N s).
     in_air: f64,
     grip: f64,
-    least: f64,
+    required: f64,
     /// Largest force of a finger (N).
     pub peak: f64,
-    /// Largest of the least grips that hold (N).
-    pub peak_least: f64,
+    /// Largest grip that the load required (N).
+    pub peak_required: f64,
     /// Height of the object above the table, at most (m).
     pub highest: f64,
     /// Displacement of the object across the grip since it was lifted (m).
@@ -68,12 +68,12 @@ impl GripMeter {
         }
     }
 
-    /// Mean grip, and mean of the least grip that holds, while the object was in the air (N). NaN if it never was.
+    /// Mean grip, and mean of the grip that the load requires, while the object was in the air (N). NaN if it never was.
     ///
-    /// The least grip is the load across the grip divided by twice the static friction. It neglects torsion, kinetic
-    /// friction and the uneven pressure, so no gripper can reach it.
+    /// The load across the grip, divided by twice the static friction, is required at least: with torsion, kinetic friction
+    /// and uneven pressure, no gripper holds with so little.
     pub fn mean_grips(&self) -> [f64; 2] {
-        [self.grip / self.in_air, self.least / self.in_air]
+        [self.grip / self.in_air, self.required / self.in_air]
     }
 
     /// Adds the state after a step.
@@ -96,12 +96,12 @@ impl GripMeter {
         let in_air = gap > IN_AIR;
         let arm = acceleration(&model.arm, state.time);
         let load = own.mass * (model.gravity - arm) + own.pull;
-        let least = load.reject_from_normalized(AXIS).length() / (2.0 * self.static_friction);
-        self.peak_least = self.peak_least.max(least);
+        let required = load.reject_from_normalized(AXIS).length() / (2.0 * self.static_friction);
+        self.peak_required = self.peak_required.max(required);
         if in_air {
             self.in_air += model.step;
             self.grip += grip * model.step;
-            self.least += least * model.step;
+            self.required += required * model.step;
             self.highest = self.highest.max(gap);
         }
         let start = *self.start.get_or_insert(own.pose.position);

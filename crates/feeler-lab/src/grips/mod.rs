@@ -13,6 +13,7 @@ use crate::config::{Experiment, ExperimentConfig};
 use crate::experiment::rigs::driven::{self, DrivenError};
 use crate::experiment::{ExperimentError, Pictures, Session};
 use feeler::control::task::TaskConfig;
+use feeler::control::task::grip::GripLaw;
 #[cfg(target_os = "linux")]
 use std::convert::Infallible;
 #[cfg(target_os = "linux")]
@@ -23,6 +24,9 @@ use std::sync::{Arc, Mutex, MutexGuard, PoisonError};
 
 /// Height above the table that an object must have reached to count as lifted (m).
 const LIFTED: f64 = 0.08;
+/// Shares of the kinetic friction that the load may use in the search for the least grip. Above 1, an object is held by
+/// static friction alone.
+const UTILISATIONS: [f64; 6] = [0.7, 0.8, 0.9, 1.0, 1.1, 1.2];
 
 /// Puts the random object of `seed` into the experiment `config` of a gripper, and returns it. The law `known-friction`
 /// learns its kinetic friction.
@@ -83,6 +87,28 @@ impl GripTrial {
         Ok(Self::ended(&session, object, &meter))
     }
 
+    /// Smallest mean grip with which the law `known-friction` holds the random object of `seed` (N), over a range of margins
+    /// below the friction limit. `None` if it always drops the object.
+    ///
+    /// # Errors
+    /// Like [`run`](Self::run).
+    pub fn least_grip(experiment: &Experiment, seed: u64) -> Result<Option<f64>, ExperimentError> {
+        let mut experiment = experiment.clone();
+        let mut least: Option<f64> = None;
+        for utilisation in UTILISATIONS {
+            if let TaskConfig::Grip(grip) = &mut experiment.config.task {
+                grip.law = GripLaw::KnownFriction;
+                grip.known_utilisation = utilisation;
+            }
+            let trial = Self::run(&experiment, seed)?;
+            let [grip, _] = trial.meter.mean_grips();
+            if !trial.dropped() {
+                least = Some(least.map_or(grip, |other| other.min(grip)));
+            }
+        }
+        Ok(least)
+    }
+
     /// Result of a finished `session`.
     fn ended(session: &Session, object: GripObject, meter: &Mutex<GripMeter>) -> Self {
         let controller = session.control_loop().controller();
@@ -100,7 +126,7 @@ impl GripTrial {
 
     /// `true` if a finger pressed harder than the object bears.
     pub fn crushed(&self) -> bool {
-        self.meter.peak > self.object.crush_force(self.meter.peak_least)
+        self.meter.peak > self.object.crush_force(self.meter.peak_required)
     }
 }
 

@@ -87,9 +87,9 @@ impl GripObject {
         }
     }
 
-    /// Grip of a finger that crushes the object (N), where `least` is the largest grip that it needs to be held.
-    pub fn crush_force(&self, least: f64) -> f64 {
-        SURE + self.strength * least
+    /// Grip of a finger that crushes the object (N), where `required` is the largest grip that its load requires.
+    pub fn crush_force(&self, required: f64) -> f64 {
+        SURE + self.strength * required
     }
 
     /// Puts the object, its table, the arm's motion and the disturbances into the experiment `config` of a gripper.

@@ -17,8 +17,10 @@ pub struct GripRow {
     pub dropped: bool,
     /// `true` if the object was crushed.
     pub crushed: bool,
-    /// Mean grip and mean of the least grip that holds, in the air (N).
+    /// Mean grip, and mean of the load over twice the static friction, in the air (N).
     pub grips: [f64; 2],
+    /// Least mean grip with which an oracle held the object (N), if measured: see [`GripTrial::least_grip`].
+    pub least: Option<f64>,
     /// Largest force of a finger (N), and the force that crushes the object (N).
     pub peak: [f64; 2],
     /// Distance that the object slid in the grip (m).
@@ -31,17 +33,18 @@ pub struct GripRow {
 
 impl GripRow {
     /// Names of the fields of [`fields`](Self::fields).
-    pub const HEADER: &str = "trial,outcome,dropped,crushed,mean_grip_n,mean_least_grip_n,peak_force_n,crush_force_n,slid_m,reactions_s";
+    pub const HEADER: &str = "trial,outcome,dropped,crushed,mean_grip_n,mean_load_grip_n,least_grip_n,peak_force_n,crush_force_n,slid_m,reactions_s";
 
-    /// Creates the row of `trial`.
-    pub fn new(trial: u64, ran: &GripTrial) -> Self {
+    /// Creates the row of `trial`. An oracle held the object with a mean grip of `least` (N), if measured.
+    pub fn new(trial: u64, ran: &GripTrial, least: Option<f64>) -> Self {
         let meter = &ran.meter;
         Self {
             trial,
             dropped: ran.dropped(),
             crushed: ran.crushed(),
             grips: meter.mean_grips(),
-            peak: [meter.peak, ran.object.crush_force(meter.peak_least)],
+            least,
+            peak: [meter.peak, ran.object.crush_force(meter.peak_required)],
             slid: meter.slid,
             reactions: (meter.reactions.iter())
                 .map(|time| time.unwrap_or(f64::INFINITY))
@@ -57,14 +60,16 @@ impl GripRow {
             .iter()
             .map(|time| format!("{time:.3}"))
             .collect();
+        let least = self.least.map(|least| format!("{least:.4}"));
         format!(
-            "{},{},{},{},{:.4},{:.4},{:.4},{:.4},{:.5},{}",
+            "{},{},{},{},{:.4},{:.4},{},{:.4},{:.4},{:.5},{}",
             self.trial,
             self.outcome,
             u8::from(self.dropped),
             u8::from(self.crushed),
             self.grips[0],
             self.grips[1],
+            least.unwrap_or_default(),
             self.peak[0],
             self.peak[1],
             self.slid,
@@ -77,10 +82,16 @@ impl GripRow {
         self.dropped || self.crushed
     }
 
-    /// Mean grip relative to the mean of the least grip that holds; `None` if the object was dropped.
-    fn excess(&self) -> Option<f64> {
+    /// Mean grip relative to the load over twice the static friction; `None` if the object was dropped.
+    fn excess_of_load(&self) -> Option<f64> {
         let excess = self.grips[0] / self.grips[1];
         (excess.is_finite() && !self.dropped).then_some(excess)
+    }
+
+    /// Mean grip relative to the least with which an oracle held the object; `None` if the object was dropped.
+    fn excess(&self) -> Option<f64> {
+        let least = self.least.filter(|_| !self.dropped)?;
+        Some(self.grips[0] / least)
     }
 }
 
@@ -93,9 +104,13 @@ pub struct GripScore {
     pub crushed: [f64; 3],
     /// Share of the objects that were dropped or crushed.
     pub failed: [f64; 3],
-    /// Mean over the held objects of the mean grip relative to the least that holds; `None` if none was held.
+    /// Mean over the held objects of the mean grip relative to the least with which an oracle held them; `None` if not
+    /// measured.
     pub excess: Option<[f64; 3]>,
-    /// Sum of the mean grips over the sum of the least ones.
+    /// Mean over the held objects of the mean grip relative to the load over twice the static friction; `None` if none was
+    /// held. Torsion and kinetic friction count as excess, so it is above 1 for every gripper.
+    pub excess_of_load: Option<[f64; 3]>,
+    /// Sum of the mean grips over the sum of those that the loads require.
     pub excess_of_sums: f64,
     /// Number of slips of a whole contact in the air.
     pub slips: usize,
@@ -112,8 +127,11 @@ impl GripScore {
             let (low, high) = wilson(bad, count);
             [low, bad as f64 / count.max(1) as f64, high]
         };
-        let held = || rows.iter().filter(|row| row.excess().is_some());
-        let excess: Vec<f64> = held().filter_map(GripRow::excess).collect();
+        let held = || rows.iter().filter(|row| row.excess_of_load().is_some());
+        let mean = |of: fn(&GripRow) -> Option<f64>| {
+            let excess: Vec<f64> = rows.iter().filter_map(of).collect();
+            bootstrap(&excess).map(|mean| [mean.low, mean.mean, mean.high])
+        };
         let sum = |which: usize| held().map(|row| row.grips[which]).sum::<f64>();
         let mut reactions: Vec<f64> = rows.iter().flat_map(|row| row.reactions.clone()).collect();
         reactions.sort_by(f64::total_cmp);
@@ -125,7 +143,8 @@ impl GripScore {
             dropped: share(|row| row.dropped),
             crushed: share(|row| row.crushed),
             failed: share(GripRow::failed),
-            excess: bootstrap(&excess).map(|mean| [mean.low, mean.mean, mean.high]),
+            excess: mean(GripRow::excess),
+            excess_of_load: mean(GripRow::excess_of_load),
             excess_of_sums: sum(0) / sum(1),
             slips: reactions.len(),
             reaction: quantile(0.5).zip(quantile(0.95)).map(Into::into),
@@ -167,7 +186,7 @@ pub fn excess_over_load(laws: &[(String, Vec<GripRow>)]) -> Curves {
     let curve = |(law, rows): &(String, Vec<GripRow>)| {
         let mut held: Vec<_> = rows
             .iter()
-            .filter_map(|row| Some((row.grips[1], row.excess()?)))
+            .filter_map(|row| Some((row.grips[1], row.excess_of_load()?)))
             .collect();
         held.sort_by(|a, b| a.0.total_cmp(&b.0));
         let size = held.len().div_ceil(BINS).max(1);
@@ -183,8 +202,8 @@ pub fn excess_over_load(laws: &[(String, Vec<GripRow>)]) -> Curves {
         }
     };
     Curves {
-        title: "Mean grip relative to the least that holds".to_string(),
-        against: "least grip that holds (N)".to_string(),
+        title: "Mean grip relative to the load over twice the static friction".to_string(),
+        against: "load over twice the static friction (N)".to_string(),
         curves: laws.iter().map(curve).collect(),
     }
 }

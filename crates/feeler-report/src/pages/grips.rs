@@ -5,12 +5,13 @@ use crate::figures::compare::{Curves, curves_figure};
 use maud::html;
 
 /// Column headings of a law.
-pub const GRIP_COLUMNS: [&str; 8] = [
+pub const GRIP_COLUMNS: [&str; 9] = [
     "dropped (%)",
     "crushed (%)",
     "dropped or crushed (%)",
-    "mean grip / least",
-    "sum of grips / sum of least",
+    "mean grip / least that held",
+    "mean grip / load over 2 μ",
+    "sums of grips / loads over 2 μ",
     "slips in the air",
     "median time to more force (ms)",
     "95th percentile (ms)",
@@ -26,7 +27,7 @@ pub struct GripsPage {
     /// Random seed.
     pub seed: u64,
     /// Name of each law, and its values in the order of [`GRIP_COLUMNS`].
-    pub laws: Vec<(String, [String; 8])>,
+    pub laws: Vec<(String, [String; 9])>,
     /// A sentence for each law but the first, which compares it with the first.
     pub verdicts: Vec<String>,
     /// Excess of the grip over the load.
@@ -50,8 +51,9 @@ pub fn grips_page(page: &GripsPage) -> String {
         @for verdict in &page.verdicts { p { (verdict) } }
         p.note {
             "Dropped: the object was not lifted, slid by more than 15 mm in the grip, or left it in the air. Crushed: a finger pressed
-            harder than this object bears. Least: the load across the grip divided by twice the static friction, which
-            neglects torsion and kinetic friction; the law “known-friction” knows the kinetic friction. Slips: all elements
+            harder than this object bears. Least that held (with --least-grip): the least mean grip with which the law
+            “known-friction”, which knows the kinetic friction, held the same object, over six margins. Load over 2 μ: the load across the
+            grip divided by twice the static friction; torsion and kinetic friction count as excess. Slips: all elements
             of a finger slipped within 10 ms; the time counts until the finger presses 1 % harder."
         }
         (figures(&drawn))
