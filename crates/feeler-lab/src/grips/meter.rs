@@ -1,13 +1,13 @@
-//! Ground truth of a grasp in every step of the physics: grip, least grip that holds, and slip.
+//! Ground truth of a grasp in every step of the physics: grip, minimum grip that holds the object, and slip.
 
 use super::object::{GripObject, OBJECT, STANDING, TABLE};
 use feeler_sim::rig::acceleration;
 use feeler_sim::world::{State, WorldModel};
 use glam::DVec3;
 
-/// Gap between object and table above which the object is in the air (m).
+/// Gap between object and table from which the object counts as in the air (m).
 const IN_AIR: f64 = 3e-4;
-/// Gap from which letting go is dropping (m).
+/// Gap from which losing the object counts as dropping it (m).
 const DROP: f64 = 4e-3;
 /// Displacement of the object relative to the fingers from which it counts as dropped (m).
 const SLID: f64 = 0.015;
@@ -26,15 +26,15 @@ const AXIS: DVec3 = DVec3::X;
 #[derive(Debug, Clone, Default)]
 pub struct GripMeter {
     static_friction: f64,
-    /// Time in the air (s), and the integrals over it of the grip and of the least grip that holds (N s).
+    /// Time in the air (s), and the integrals over it of the grip and of the minimum grip that holds (N s).
     in_air: f64,
     grip: f64,
     least: f64,
     /// Largest force of a finger (N).
     pub peak: f64,
-    /// Largest of the least grips that hold (N).
+    /// Maximum over time of the minimum grip that holds the object (N).
     pub peak_least: f64,
-    /// Height of the object above the table, at most (m).
+    /// Maximum height of the object above the table (m).
     pub highest: f64,
     /// Displacement of the object across the grip since it was lifted (m).
     pub slid: f64,
@@ -42,7 +42,8 @@ pub struct GripMeter {
     /// `true` if the object left the fingers in the air.
     pub dropped: bool,
     fingers: Vec<FingerMeter>,
-    /// Times from the onset of slip to more force (s); `None` if the force did not rise within a second.
+    /// Reaction times from the onset of a slip to an increase of the grip (s); `None` if it did not rise within a
+    /// second.
     pub reactions: Vec<Option<f64>>,
 }
 
@@ -54,7 +55,7 @@ struct FingerMeter {
     at: Vec<f64>,
     /// Time of the last step at which the whole contact slipped (s).
     whole: f64,
-    /// Onset of the slip that the grip has not yet answered: time (s), and force of the finger (N).
+    /// Latest onset of slip, until the force rises: time (s), and force of the finger then (N).
     onset: Option<(f64, f64)>,
 }
 
@@ -68,9 +69,9 @@ impl GripMeter {
         }
     }
 
-    /// Mean grip, and mean of the least grip that holds, while the object was in the air (N). NaN if it never was.
+    /// Mean grip, and mean of the minimum grip that holds, while the object was in the air (N). NaN if it never was.
     ///
-    /// The least grip is the load across the grip divided by twice the static friction. It neglects torsion, kinetic
+    /// The minimum grip is the load across the grip divided by twice the static friction. It neglects torsion, kinetic
     /// friction and the uneven pressure, so no gripper can reach it.
     pub fn mean_grips(&self) -> [f64; 2] {
         [self.grip / self.in_air, self.least / self.in_air]

@@ -98,7 +98,7 @@ impl GripTrial {
         self.meter.dropped || self.meter.highest < LIFTED
     }
 
-    /// `true` if a finger pressed harder than the object bears.
+    /// `true` if a finger pressed harder than the object withstands.
     pub fn crushed(&self) -> bool {
         self.meter.peak > self.object.crush_force(self.meter.peak_least)
     }

@@ -22,7 +22,8 @@ const HEIGHT: f64 = 0.060;
 const THICKNESS: f64 = 0.02;
 /// Height of the centre of an object that stands on the table above the table's centre (m).
 pub(super) const STANDING: f64 = (HEIGHT + THICKNESS) / 2.0;
-/// Height of the lift (m), and how much further the arm goes down again: objects that have slid stand higher.
+/// Height of the lift (m), and additional descent when the arm returns (m), because objects that have slid stand
+/// higher.
 const LIFT: f64 = 0.1;
 const FURTHER: f64 = 0.002;
 /// Times at which the arm lifts, shakes and lowers the gripper, and at which the object is tugged at and filled (s).
@@ -31,7 +32,7 @@ const SHAKE: [f64; 2] = [4.0, 5.5];
 const TUG: [f64; 2] = [5.8, 6.2];
 const FILL: [f64; 2] = [6.5, 7.5];
 const LOWER: [f64; 2] = [8.0, 8.8];
-/// Force that every object bears (N).
+/// Force that every object withstands (N).
 const SURE: f64 = 1.5;
 
 /// An object and its disturbances. Forces and accelerations are in the plane across the grip, at an angle from W's y to
@@ -52,13 +53,13 @@ pub struct GripObject {
     pub kinetic: f64,
     /// Stiffness relative to the gel's, or `None` if it is rigid.
     pub softness: Option<f64>,
-    /// Grip above 1.5 N that crushes it, relative to the largest grip that it needs.
+    /// Crushing grip above 1.5 N, relative to the largest grip that the object needs.
     pub strength: f64,
     /// Duration of the lift (s).
     pub lift_time: f64,
     /// Maximum acceleration of the shake (m/s²), its frequency (Hz) and angle (rad).
     pub shake: [f64; 3],
-    /// Force of the tug relative to the weight, its rise time (s) and angle (rad).
+    /// Ratio of the tug's force to the weight, its rise time (s) and angle (rad).
     pub tug: [f64; 3],
 }
 
@@ -87,7 +88,7 @@ impl GripObject {
         }
     }
 
-    /// Grip of a finger that crushes the object (N), where `least` is the largest grip that it needs to be held.
+    /// Grip of a finger that crushes the object (N). `least` is the largest grip that is needed to hold it (N).
     pub fn crush_force(&self, least: f64) -> f64 {
         SURE + self.strength * least
     }
@@ -195,7 +196,7 @@ impl GripObject {
         ]
     }
 
-    /// A soft object is an elastic layer in series with the gel.
+    /// Reduces the stiffness of the feelers for a soft object, which acts as an elastic layer in series with the gel.
     fn soften(&self, sim: &mut SimConfig) {
         if let Some(softness) = self.softness {
             let share = softness / (1.0 + softness);
@@ -207,7 +208,7 @@ impl GripObject {
     }
 }
 
-/// Vector of this `size` across the grip, at `angle` (rad) from y to z.
+/// Vector of magnitude `size` across the grip, at `angle` (rad) from y to z.
 fn across(size: f64, angle: f64) -> [f64; 3] {
     [0.0, size * libm::cos(angle), size * libm::sin(angle)]
 }

@@ -1,4 +1,4 @@
-//! Figures of a grip law over many trials.
+//! Results of a grip law over many trials.
 
 use super::GripTrial;
 use crate::sweep::analysis::bootstrap;
@@ -17,13 +17,14 @@ pub struct GripRow {
     pub dropped: bool,
     /// `true` if the object was crushed.
     pub crushed: bool,
-    /// Mean grip and mean of the least grip that holds, in the air (N).
+    /// Mean grip, and mean of the minimum grip that holds, in the air (N).
     pub grips: [f64; 2],
     /// Largest force of a finger (N), and the force that crushes the object (N).
     pub peak: [f64; 2],
     /// Distance that the object slid in the grip (m).
     pub slid: f64,
-    /// Times from the onset of slip to more force (s); infinite if the force did not rise within a second.
+    /// Reaction times from the onset of a slip to an increase of the grip (s); infinite if it did not rise within a
+    /// second.
     pub reactions: Vec<f64>,
     /// Outcome of the task.
     pub outcome: &'static str,
@@ -77,14 +78,14 @@ impl GripRow {
         self.dropped || self.crushed
     }
 
-    /// Mean grip relative to the mean of the least grip that holds; `None` if the object was dropped.
+    /// Mean grip relative to the mean of the minimum grip that holds; `None` if the object was dropped.
     fn excess(&self) -> Option<f64> {
         let excess = self.grips[0] / self.grips[1];
         (excess.is_finite() && !self.dropped).then_some(excess)
     }
 }
 
-/// Figures of a law. Ranges are 95 % intervals, `[low, estimate, high]`.
+/// Results of a law. Ranges are 95 % intervals, `[low, estimate, high]`.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GripScore {
     /// Share of the objects that were dropped.
@@ -93,18 +94,20 @@ pub struct GripScore {
     pub crushed: [f64; 3],
     /// Share of the objects that were dropped or crushed.
     pub failed: [f64; 3],
-    /// Mean over the held objects of the mean grip relative to the least that holds; `None` if none was held.
+    /// Mean over the held objects of the ratio of the grip to the minimum grip that holds; `None` if no object was
+    /// held.
     pub excess: Option<[f64; 3]>,
-    /// Sum of the mean grips over the sum of the least ones.
+    /// Sum of the mean grips divided by the sum of the mean minimum grips.
     pub excess_of_sums: f64,
-    /// Number of slips of a whole contact in the air.
+    /// Number of slips of a whole contact while the object was in the air.
     pub slips: usize,
-    /// Median and 95th percentile of the time from the onset of slip to more force (s); `None` without slips.
+    /// Median and 95th percentile of the reaction time from the onset of a slip to an increase of the grip (s); `None`
+    /// without slips.
     pub reaction: Option<[f64; 2]>,
 }
 
 impl GripScore {
-    /// Computes the figures of `rows`.
+    /// Computes the results of `rows`.
     pub fn new(rows: &[GripRow]) -> Self {
         let count = rows.len() as u64;
         let share = |bad: fn(&GripRow) -> bool| {
@@ -162,7 +165,8 @@ impl GripDifference {
     }
 }
 
-/// Excess of the grip of each law over the load: mean with its 95 % interval in bins of equally many objects.
+/// Ratio of the grip to the minimum grip over the load, for each law: mean with its 95 % interval in bins of equally
+/// many objects.
 pub fn excess_over_load(laws: &[(String, Vec<GripRow>)]) -> Curves {
     let curve = |(law, rows): &(String, Vec<GripRow>)| {
         let mut held: Vec<_> = rows

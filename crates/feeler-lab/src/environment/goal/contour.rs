@@ -18,7 +18,7 @@ use std::f64::consts::TAU;
 
 /// Minimum and maximum force that counts, relative to the contact force.
 const BAND: (f64, f64) = (0.5, 1.5);
-/// Cost per newton above the band and second (%).
+/// Cost per newton above the band and per second (%).
 const OVERLOAD: f64 = 10.0;
 /// Fraction of the outline at which the goal is reached.
 const WHOLE: f64 = 0.99;

@@ -30,7 +30,7 @@ const HAND: &str = "lift";
 const DURATION: f64 = 9.0;
 /// Time between two frames (s).
 pub const INTERVAL: f64 = 0.1;
-/// Radius of the contact for which the gel has the stiffness of its layer (m); assumed.
+/// Assumed radius of the contact for which the stiffness of the gel is computed (m).
 const CONTACT: f64 = 0.004;
 /// Ratio of damping to stiffness of the gel (s); assumed.
 const DAMPING: f64 = 0.003;
