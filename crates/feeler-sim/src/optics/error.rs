@@ -12,7 +12,7 @@ pub enum OpticsError {
         low: f64,
         /// Upper limit.
         high: f64,
-        /// Its value.
+        /// Value of the field.
         value: f64,
     },
     /// A cone of an unloaded element does not touch the visible part of the dome.
