@@ -21,15 +21,15 @@ pub const GRIP_COLUMNS: [&str; 8] = [
 pub struct GripsPage {
     /// Name of the experiment.
     pub name: String,
-    /// Number of objects, and the random seed.
+    /// Number of objects.
     pub trials: u64,
     /// Random seed.
     pub seed: u64,
-    /// Name of each law, and its values in the order of [`GRIP_COLUMNS`].
+    /// Name of each law, and its formatted values in the order of [`GRIP_COLUMNS`].
     pub laws: Vec<(String, [String; 8])>,
     /// A sentence for each law but the first, which compares it with the first.
     pub verdicts: Vec<String>,
-    /// Excess of the grip over the load.
+    /// Ratio of the grip to the minimum grip that holds, over the load.
     pub excess: Curves,
 }
 
