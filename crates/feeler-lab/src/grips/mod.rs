@@ -93,7 +93,7 @@ impl GripTrial {
         }
     }
 
-    /// `true` if the object was not lifted, slid out of the grip, or was let go in the air.
+    /// `true` if the object was not lifted, slid out of the grip, or was released in the air.
     pub fn dropped(&self) -> bool {
         self.meter.dropped || self.meter.highest < LIFTED
     }

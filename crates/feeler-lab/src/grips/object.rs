@@ -26,7 +26,7 @@ pub(super) const STANDING: f64 = (HEIGHT + THICKNESS) / 2.0;
 /// higher.
 const LIFT: f64 = 0.1;
 const FURTHER: f64 = 0.002;
-/// Times at which the arm lifts, shakes and lowers the gripper, and at which the object is tugged at and filled (s).
+/// Times at which the arm lifts, shakes and lowers the gripper, and at which the object is pulled and filled (s).
 const LIFT_AT: f64 = 3.0;
 const SHAKE: [f64; 2] = [4.0, 5.5];
 const TUG: [f64; 2] = [5.8, 6.2];

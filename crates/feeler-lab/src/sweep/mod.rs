@@ -54,7 +54,7 @@ pub enum SweepError {
     /// A file could not be read or written.
     #[error("{}: {source}; {note}", path.display())]
     File {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Error of the operating system.
         source: io::Error,

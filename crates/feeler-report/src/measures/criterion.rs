@@ -9,7 +9,7 @@ use serde::{Serialize, Serializer};
 /// Criterion for the success of a completed run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Criterion {
-    /// All claims of the task; the paper's claims if its hand screws a cap under its law.
+    /// All claims of the task. If the paper's hand screws a cap under the paper's law, these are the paper's claims.
     Claims,
     /// All claims about any hand: a cap is screwed under another law.
     AnyHand,

@@ -33,7 +33,7 @@ pub struct TunePage {
 pub struct SettingRow {
     /// Key in the experiment file.
     pub key: String,
-    /// Unit.
+    /// Unit of both values.
     pub unit: String,
     /// Value before.
     pub before: f64,
