@@ -157,7 +157,7 @@ impl AnyCells {
         Self::Int(Cells::of_values(cells.into_iter().map(number)))
     }
 
-    /// Field of such a column in the Parquet schema.
+    /// Field of a column with these cells in the Parquet schema.
     fn field(&self, name: &str) -> Result<TypePtr, ParquetError> {
         let depth = with_cells!(self, cells => cells.depth);
         let value = with_cells!(self, cells => physical_type(cells));

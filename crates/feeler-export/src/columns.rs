@@ -6,7 +6,7 @@ use serde_json::{Value, json};
 
 /// A column with its unit and meaning.
 pub(crate) struct Described {
-    /// The column.
+    /// Name and cells of the column.
     pub column: Column,
     unit: &'static str,
     meaning: &'static str,
@@ -39,7 +39,7 @@ impl<'s, 'a> Columns<'s, 'a> {
         }
     }
 
-    /// Adds a column of given cells.
+    /// Adds a column with the given cells.
     pub fn add(&mut self, name: &str, unit: &'static str, meaning: &'static str, cells: AnyCells) {
         let name = format!("{}{name}", self.prefix);
         self.made.push(Described {

@@ -22,12 +22,12 @@ pub enum ExportError {
     /// A Parquet file could not be written.
     #[error("Parquet: {0}")]
     Parquet(#[from] ParquetError),
-    /// A run does not fit the format, or differs from the runs before it.
+    /// A run cannot be represented in the format, or differs from the runs before it.
     #[error("{run}: {what}: expected {expected}, got {actual}")]
     Run {
         /// Name of the run.
         run: String,
-        /// Property of the run that does not fit.
+        /// Property of the run that is unsupported or differs.
         what: String,
         /// Expected value.
         expected: String,
@@ -64,7 +64,7 @@ impl ExportError {
         |source| Self::File { path, source }
     }
 
-    /// Error for a property of `run` that does not fit.
+    /// Error for a property of `run` that is unsupported or differs.
     pub(crate) fn of_run(
         run: &str,
         what: impl Into<String>,

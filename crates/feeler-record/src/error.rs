@@ -12,7 +12,7 @@ pub enum RecordError {
     /// The file could not be created, written or read.
     #[error("recording {path}: {source}")]
     File {
-        /// The recording.
+        /// Path of the recording.
         path: PathBuf,
         /// Error of the operating system.
         source: io::Error,
@@ -20,7 +20,7 @@ pub enum RecordError {
     /// The container could not be written.
     #[error("recording {path}: {source}")]
     Mcap {
-        /// The recording.
+        /// Path of the recording.
         path: PathBuf,
         /// Error of the MCAP library.
         source: McapError,
@@ -63,7 +63,7 @@ pub enum RecordError {
     /// An earlier write failed and returned its error; nothing more can be written.
     #[error("recording {path}: closed after an earlier error")]
     Closed {
-        /// The recording.
+        /// Path of the recording.
         path: PathBuf,
     },
     /// The file accepted no data until the time limit and was left without its end.
@@ -71,7 +71,7 @@ pub enum RecordError {
         "recording {path}: the file accepted no data for {limit:?}; it has no end record but remains readable up to the last chunk"
     )]
     NotClosed {
-        /// The recording.
+        /// Path of the recording.
         path: PathBuf,
         /// Time limit.
         limit: Duration,
@@ -79,7 +79,7 @@ pub enum RecordError {
     /// The file contains no readable recording.
     #[error("recording {path}: nothing readable: {reason}")]
     NothingReadable {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Expected and actual content.
         reason: String,

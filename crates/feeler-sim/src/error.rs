@@ -10,7 +10,7 @@ pub enum SimError {
     Shape {
         /// Name of the object.
         object: String,
-        /// Cause.
+        /// Error of the shape.
         source: ShapeError,
     },
     /// An override is for a feeler that does not exist.
@@ -59,7 +59,7 @@ pub enum SimError {
         step: u64,
         /// Name of the quantity.
         quantity: String,
-        /// Its value.
+        /// Value of the quantity, as text.
         value: String,
     },
 }

@@ -31,7 +31,7 @@ use std::path::{Path, PathBuf};
 /// | `observation.tactile.finger_N.window.force` | \[W, E, 3\] | the latest W tactile samples at the frame, oldest first, N; with [`Sampling::window`] |
 /// | `observation.tactile.finger_N.window.time` | \[W\] | time of each sample relative to the frame's timestamp, s |
 /// | `observation.tactile.finger_N.window.is_new` | \[W\] | `true` for samples since the previous frame |
-/// | `operator.felt` | \[4\] | what the live page played, if the run had one: rumble strong and weak (0 to 1), tone frequency (Hz) and gain (0 to 1) |
+/// | `operator.felt` | \[4\] | feedback of the live page, if the run had one: strong and weak rumble (0 to 1), tone frequency (Hz) and gain (0 to 1) |
 /// | `observation.images.finger_N` | \[height, width, 3\] | the camera's image if images were recorded: gray, as a video (AV1 in MP4) |
 pub struct DataSet {
     folder: PathBuf,

@@ -7,7 +7,8 @@ use feeler_record::{Recording, Step};
 /// Maximum relative excess of the frame rate over the control rate.
 const RATE_TOLERANCE: f64 = 1e-6;
 
-/// Frames of a data set, and the touch beside them. The default has a frame per control step and no windows.
+/// Frame rate of a data set, and length of the windows of tactile samples. The default has a frame per control step and
+/// no windows.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Eq)]
 pub struct Sampling {
     /// Frames per second, at most the control rate. `None` for the control rate.

@@ -152,7 +152,7 @@ pub(crate) fn tasks(tasks: &[String]) -> (Vec<Column>, Vec<(String, String)>) {
     (columns, vec![("pandas".into(), pandas.to_string())])
 }
 
-/// Columns of the episodes file, one row per episode.
+/// Columns of the table of episodes, with one row per episode.
 pub(crate) fn episodes(episodes: &[Episode]) -> Vec<Column> {
     let counts = |number: &dyn Fn(usize, &Episode) -> usize| {
         let numbers = episodes.iter().enumerate().map(|(i, e)| number(i, e));

@@ -11,7 +11,7 @@ use std::io::{self, BufWriter, Seek, SeekFrom, Write};
 const MEDIA_HEAD: u64 = 16;
 const SEQUENCE_HEADER: u8 = 1;
 const TEMPORAL_DELIMITER: u8 = 2;
-/// AV1 level "maximum parameters", which guarantees no bit rate.
+/// AV1 level 31, "maximum parameters", which sets no limit on the bit rate.
 const ANY_LEVEL: u8 = 31;
 
 /// Writer of an MP4 video with a fixed frame size and rate. The index is written at the end of the file.

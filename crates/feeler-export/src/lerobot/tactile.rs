@@ -25,7 +25,7 @@ pub struct ForceFeature {
 /// Error when reading a feature of forces.
 #[derive(Debug, Clone, PartialEq, thiserror::Error)]
 pub enum FeatureError {
-    /// A part of the description or the number of values does not fit.
+    /// A part of the description, or the number of values, is invalid.
     #[error("{part}: expected {expected}, got {actual}")]
     Part {
         /// Name of the part.
@@ -60,11 +60,11 @@ pub fn to_feature(array: &TactileArray) -> Result<ForceFeature, ArrayError> {
     })
 }
 
-/// Converts a feature of forces, such as `observation.tactile.finger_0.force`, to an array of the sensor `sensor` at time 0.
-/// Without orientations, normals point away from the origin, as on a dome.
+/// Converts a feature of forces, such as `observation.tactile.finger_0.force`, to an array of the sensor `sensor` at
+/// time 0. Without orientations, normals point away from the origin, as on a dome.
 ///
 /// # Errors
-/// If the description or the number of values does not fit.
+/// If the description or the number of values is invalid.
 pub fn from_feature(feature: &ForceFeature, sensor: &str) -> Result<TactileArray, FeatureError> {
     let ForceFeature {
         description,

@@ -1,4 +1,4 @@
-//! Windows of tactile samples at the sensor's rate beside the frames of an episode.
+//! Windows of tactile samples at the sensor's rate, stored with the frames of an episode.
 
 use super::episode::{about_forces, tactile_key};
 use super::feature::{Feature, Values};
@@ -80,7 +80,7 @@ pub fn longest_window(
 /// Windows of a finger: the latest `length` samples at each frame, oldest first.
 ///
 /// # Errors
-/// If a frame has more new samples than that, or a sample has another number of elements than the first.
+/// If a frame has more than `length` new samples, or the number of elements differs between samples.
 pub(crate) fn windows(
     run: &str,
     recording: &Recording,

@@ -9,7 +9,7 @@ use toml_edit::DocumentMut;
 
 /// Diagnosis of settings that make a valid experiment invalid.
 pub(super) enum Diagnosis {
-    /// The settings with the first abbreviated key replaced by its full path.
+    /// Corrected settings: the first abbreviated key is replaced by its full path.
     Meant(Vec<String>),
     /// The first invalid setting and its error.
     Wrong(ConfigError),

@@ -31,8 +31,8 @@ pub fn built_in_calibration(name: &str) -> Option<&'static str> {
 }
 
 impl Experiment {
-    /// Returns the experiment with the given calibration files, keyed by the file name used in the experiment, in
-    /// place of the files in its folder.
+    /// Replaces the calibration files in the experiment's folder by the given `texts`, keyed by the file name used in
+    /// the experiment.
     #[must_use]
     pub fn with_calibrations(mut self, texts: BTreeMap<String, String>) -> Self {
         self.calibrations = texts;

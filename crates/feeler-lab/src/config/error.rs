@@ -31,7 +31,7 @@ pub enum ConfigError {
     /// A file cannot be read.
     #[error("{}: {source}; expected {expected}", path.display())]
     Read {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Expected content of the file.
         expected: &'static str,
@@ -89,7 +89,7 @@ pub enum ConfigError {
     Setting {
         /// The setting.
         setting: String,
-        /// The problem.
+        /// Description of the error.
         message: String,
     },
     /// Values are out of range.
@@ -107,7 +107,7 @@ pub enum ConfigError {
         key: String,
         /// The file name used in the experiment.
         file: String,
-        /// The problem.
+        /// Error of the calibration.
         source: Box<CalibrationError>,
     },
     /// The policy file cannot be read.
@@ -123,7 +123,7 @@ pub enum ConfigError {
     Policy {
         /// The file name used in the experiment.
         file: String,
-        /// The problem.
+        /// Error of the policy.
         source: Box<PolicyError>,
     },
 }

@@ -155,7 +155,7 @@ impl SensorConfig {
     }
 }
 
-/// The hand.
+/// Geometry of the hand.
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields, default)]
 pub struct HandConfig {
@@ -164,7 +164,7 @@ pub struct HandConfig {
 }
 
 impl Default for HandConfig {
-    /// The reference experiment's: two fingers that face each other across a cap on W's z axis.
+    /// Hand of the reference experiment: two fingers that face each other across a cap on W's z axis.
     fn default() -> Self {
         let finger = |x: f64, phi1_deg, joint_lower_deg, joint_upper_deg| {
             FingerDescription::ThreeJoints(FingerConfig {

@@ -36,7 +36,7 @@ fn collect(key: &str, value: Value, found: &mut Vec<(String, Value)>) {
     }
 }
 
-/// Converts a value to a number, if it is numeric.
+/// Returns the number in `value`, or `None` if it is not numeric.
 pub fn number(value: &Value) -> Option<f64> {
     value
         .as_float()

@@ -1,4 +1,4 @@
-//! Lists all missing keys of a file, where a parser reports only the first one.
+//! Lists all missing keys of a file; the TOML parser reports only the first one.
 //!
 //! The table is deserialized repeatedly, each time with placeholders for the keys found missing so far, until no key is
 //! missing or another error occurs. The deserialized values are discarded.

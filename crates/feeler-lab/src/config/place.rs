@@ -4,7 +4,7 @@ use serde::de::Error;
 use std::fmt;
 use toml::Value;
 
-/// Reason that deserialization stopped.
+/// Reason why deserialization stopped.
 #[derive(Debug)]
 pub(super) enum Stop {
     /// This key of the innermost table is missing.

@@ -9,7 +9,7 @@ use feeler_record::PolicyFile;
 use std::sync::Arc;
 
 impl Experiment {
-    /// Returns the experiment with `policy` in place of the file in its folder, provided that the names agree.
+    /// Uses `policy` instead of the file in the experiment's folder if the experiment refers to a policy of that name.
     #[must_use]
     pub fn with_policy(mut self, policy: Option<PolicyFile>) -> Self {
         self.policy = policy;

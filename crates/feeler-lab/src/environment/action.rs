@@ -32,7 +32,7 @@ impl ActionKind {
         kinds.get(index).copied()
     }
 
-    /// Number of numbers of a finger's action.
+    /// Length of a finger's action.
     pub(super) fn width(self, finger: &FingerGeometry) -> usize {
         match self {
             Self::World | Self::Fingertip => 3,
@@ -40,7 +40,7 @@ impl ActionKind {
         }
     }
 
-    /// Largest magnitude of each number of a finger's action that no limit changes.
+    /// Maximum magnitude of each number of a finger's action that passes the limits unchanged.
     pub(super) fn bounds(self, finger: &FingerGeometry, limits: &LimitsConfig) -> JointVector {
         match self {
             Self::World | Self::Fingertip => JointVector::splat(3, limits.fingertip_speed),

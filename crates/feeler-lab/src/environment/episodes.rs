@@ -19,7 +19,7 @@ const RANDOM_OBJECT: &str = "object=random";
 #[derive(Debug, Clone)]
 pub(super) struct Episodes {
     experiment: Experiment,
-    /// The experiment before an object is put into it, if each episode draws one.
+    /// The experiment without an object, if each episode adds a random one.
     empty: Option<Experiment>,
     parameters: Vec<Parameter>,
     seeds: Pcg64,
@@ -56,7 +56,8 @@ impl Episodes {
         &self.experiment
     }
 
-    /// Sets up the episode that is `following` episodes after the episode of `seed`, and returns its seed.
+    /// Sets up the episode that an environment reaches from the episode of `seed` after `following` resets without a
+    /// seed. Returns its seed.
     pub fn skip_to(&mut self, seed: u64, following: u64) -> Result<u64, EnvironmentError> {
         if following == 0 {
             return self.next(Some(seed));
@@ -68,8 +69,8 @@ impl Episodes {
         self.next(None)
     }
 
-    /// Sets up the episode of `seed`, or of the next seed in the sequence started by the last given seed. Returns its
-    /// seed.
+    /// Sets up the episode of `seed`, or of the next seed in the sequence that starts at the last given seed. Returns
+    /// its seed.
     ///
     /// Varied values are the same as in trial 0 of a sweep with that seed.
     pub fn next(&mut self, seed: Option<u64>) -> Result<u64, EnvironmentError> {

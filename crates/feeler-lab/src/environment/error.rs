@@ -32,7 +32,7 @@ pub enum EnvironmentError {
     NoGoal {
         /// Name of the experiment.
         name: String,
-        /// Its task.
+        /// Name of its task.
         task: &'static str,
     },
     /// Random objects are drawn only for a gripper.
@@ -42,7 +42,7 @@ pub enum EnvironmentError {
     NoRandomObject {
         /// Name of the experiment.
         name: String,
-        /// Its task.
+        /// Name of its task.
         task: &'static str,
     },
     /// The varied values change the number of fingers or elements.
@@ -68,7 +68,7 @@ pub enum EnvironmentError {
     ActionNotFinite {
         /// Index of the number.
         index: usize,
-        /// The number.
+        /// Value of the number.
         value: f64,
     },
     /// A step was requested without an active episode.

@@ -113,8 +113,8 @@ impl Environment {
         })
     }
 
-    /// Begins the episode of `seed`, or of the next seed in the sequence started by the last given seed. Returns its
-    /// seed.
+    /// Begins the episode of `seed`, or of the next seed in the sequence that starts at the last given seed. Returns
+    /// its seed.
     ///
     /// # Errors
     /// If a varied value or a part of the rig is invalid. Afterwards, no episode is active.
@@ -124,8 +124,8 @@ impl Environment {
         self.begin(seed)
     }
 
-    /// Begins the episode that is `following` episodes after the episode of `seed` (0: that episode itself), as
-    /// reached by resets without a seed. Returns the seed of the episode.
+    /// Begins the episode that is reached from the episode of `seed` after `following` resets without a seed. Returns
+    /// its seed.
     ///
     /// # Errors
     /// Same as [`Self::reset`].
@@ -212,7 +212,7 @@ impl Environment {
         widths.sum()
     }
 
-    /// Returns the largest magnitude of each number of an action that no limit changes (m/s or rad/s).
+    /// Returns the maximum magnitude of each number of an action that passes the limits unchanged (m/s or rad/s).
     pub fn action_bounds(&self) -> Vec<f64> {
         let limits = &self.experiment().config.control.limits;
         let fingers = self.controller().fingers().iter();
@@ -222,7 +222,7 @@ impl Environment {
             .collect()
     }
 
-    /// Writes the action that follows the task's plan.
+    /// Writes the action that follows the task's plan to `action`.
     ///
     /// # Errors
     /// If `action` has the wrong length.
@@ -252,7 +252,7 @@ impl Environment {
         [&TOLD, self.goal.names()].concat()
     }
 
-    /// Returns the reason that the hand was stopped, if it was.
+    /// Returns the reason why the hand was stopped, or `None` if it was not stopped.
     pub fn stop_reason(&self) -> Option<&StopReason> {
         self.controller().stop_reason()
     }

@@ -13,7 +13,7 @@ pub enum VectorError {
     Environment {
         /// Index of the environment.
         index: usize,
-        /// Its error.
+        /// Error of this environment.
         source: Box<EnvironmentError>,
     },
     /// An environment panicked. It must be reset.

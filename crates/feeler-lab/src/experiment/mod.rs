@@ -70,7 +70,7 @@ pub enum ExperimentError {
     Finger {
         /// Index of the finger.
         finger: usize,
-        /// The problem.
+        /// Error of the finger's geometry.
         source: FingerError,
     },
     /// A finger cannot reach its home position.
@@ -98,7 +98,7 @@ pub enum ExperimentError {
     Fingertip {
         /// Index of the finger.
         finger: usize,
-        /// The problem.
+        /// Error of the fingertip.
         source: FingertipError,
     },
     /// The optics are invalid.
@@ -107,7 +107,7 @@ pub enum ExperimentError {
     /// The simulated world cannot be built.
     #[error(transparent)]
     Sim(#[from] SimError),
-    /// A finger cannot press on a specimen where the task expects one.
+    /// The finger of a friction scan cannot press on a specimen.
     #[error(transparent)]
     Specimen(#[from] SpecimenError),
     /// A sensor cannot be built.
@@ -115,7 +115,7 @@ pub enum ExperimentError {
     Sensor {
         /// Index of the finger.
         finger: usize,
-        /// The problem.
+        /// Error of the sensor.
         source: Box<SensingError>,
     },
     /// The system cannot create a thread for a sensor.
@@ -141,7 +141,7 @@ pub type AnyHand = Box<dyn Hand + Send>;
 /// The control loop of a simulated rig.
 pub type SimulatedLoop = ControlLoop<Sensor, AnyHand>;
 
-/// Extent of the images that simulated cameras render.
+/// Part of each image that simulated cameras render.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Pictures {
     /// Whole images, for recording or display.
@@ -495,7 +495,7 @@ pub(crate) fn following_controller(
     Ok(controller)
 }
 
-/// Law that does not change the planned velocity of a finger that keeps no grasp.
+/// Returns a law that commands the planned velocity unless a finger must keep a grasp.
 fn planned_velocity() -> Box<dyn Law> {
     Box::new(OpenLoop::new(OpenLoopConfig::default()))
 }
@@ -515,7 +515,8 @@ fn control(experiment: &Experiment) -> Result<ControlConfig, ConfigError> {
     Ok(control)
 }
 
-/// Separator between a finger and its problem, which names a field of the paper's finger first.
+/// Separator between the name of a finger and an error about it. Errors of the paper's finger begin with the name of a
+/// field.
 fn separator(problem: &FingerError) -> &'static str {
     match problem {
         FingerError::Chain(_) => ": ",

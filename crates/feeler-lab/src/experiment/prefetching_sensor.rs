@@ -17,7 +17,7 @@ const LOOKING: Duration = Duration::from_micros(100);
 ///
 /// Sensor and reading are moved to the thread and back, so no state is shared.
 pub(super) struct PrefetchingSensor {
-    /// `None` while the thread uses it.
+    /// The sensor and its reading, or `None` while the thread uses them.
     idle: Option<Reading>,
     elements: usize,
     to_thread: SyncSender<Reading>,

@@ -88,8 +88,8 @@ impl RecordedRun {
     }
 
     /// Executes the run as [`Session::run`], closes the recording and generates the report. The recording is kept and
-    /// reported however the run ends. `each_step` returns what the live page played since the last step, if anything.
-    /// Returns the session after its last step, the end of the run, and the report.
+    /// reported however the run ends. `each_step` returns the rumble and tone that the live page has played since the
+    /// last step, if any. Returns the session after its last step, the end of the run, and the report.
     ///
     /// # Errors
     /// If the run, the recording or the report fails.
@@ -190,7 +190,7 @@ pub struct FinishedRun {
     pub end: RunEnd,
     /// Duration of the run in wall-clock time (s).
     pub wall_time: f64,
-    /// The report.
+    /// Files and content of the report.
     pub report: ReportOutcome,
 }
 

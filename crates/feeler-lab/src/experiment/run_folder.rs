@@ -12,15 +12,15 @@ pub enum RunFolderError {
     /// The folder already contains a run.
     #[error("{}: the folder already contains a run ({found}); expected a new folder", folder.display())]
     Taken {
-        /// The folder.
+        /// Path of the folder.
         folder: PathBuf,
-        /// Name of a file of the run.
+        /// Name of the existing file of that run.
         found: &'static str,
     },
     /// The folder cannot be created.
     #[error("{}: {source}; expected a new folder", folder.display())]
     Make {
-        /// The folder.
+        /// Path of the folder.
         folder: PathBuf,
         /// Error of the operating system.
         source: io::Error,

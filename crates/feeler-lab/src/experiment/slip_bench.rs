@@ -26,7 +26,7 @@ pub const DETECTORS: [&str; 3] = [
     "missing shear",
 ];
 
-/// One element in one frame.
+/// Detector scores and ground truth of one element in one frame.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Sample {
     /// Number of the frame.
@@ -98,7 +98,7 @@ pub fn trial(experiment: &Experiment, seed: u64) -> Result<Vec<Sample>, Experime
     Ok(judge.samples)
 }
 
-/// The detectors with their input and the ground truth.
+/// Detectors under test, with their input and the ground truth.
 struct Judge {
     layout: ElementLayout,
     touch_force: f64,

@@ -1,4 +1,4 @@
-//! Checks that a finger can reach a specimen where the task expects one.
+//! Checks that the finger of a friction scan can reach the specimen.
 
 use crate::config::ExperimentConfig;
 use feeler::control::task::TaskConfig;

@@ -69,7 +69,7 @@ impl SlipMeter {
         }
     }
 
-    /// Uses the frame counter `taken` instead of times if the frame rate is lower than the control rate.
+    /// Detects new frames by the counter `taken` instead of by time if the frame rate is lower than the control rate.
     #[cfg(target_os = "linux")]
     pub fn by_count(self, taken: FrameCounter) -> Self {
         let taken = self.frames.is_some().then_some((0, taken));
@@ -88,8 +88,8 @@ impl SlipMeter {
         }
     }
 
-    /// Returns for each finger the longest slip distance of a feeler since the previous time (m). Repeated readings at
-    /// the same time are equal, and so are readings until the next frame, so that the result matches the time of the
+    /// Returns for each finger the longest slip distance of a feeler since the previous reading (m). Repeated readings
+    /// at the same time are equal, and so are readings until the next frame, so that the result matches the time of the
     /// latest flags.
     pub fn read(&mut self, state: &State) -> [f64; MAX_FINGERS] {
         match self.newest {

@@ -8,11 +8,11 @@ use feeler::sensor::forces::TactileFrame;
 use feeler_report::measures::percentile;
 use glam::{DVec2, DVec3};
 
-/// Quantile of the drag over a recording's frames that is its score. A quantile below 1 ignores short jolts.
+/// Quantile of the drag over all frames that is the score of a recording. A quantile below 1 ignores short jolts.
 const SUSTAINED: f64 = 0.9;
 /// Time constant of the filter before the paper's rule (s).
 const RATE_FILTER: f64 = 0.1;
-/// Fraction of the usual number of visible elements that the frame used to find the pattern must contain.
+/// Minimum number of visible elements in the frame that defines the pattern, as a fraction of the usual number.
 const USUAL: f64 = 0.9;
 
 /// A slip detector.
@@ -103,7 +103,7 @@ impl Detector {
     }
 }
 
-/// Knowledge of the elements without contact.
+/// Prior knowledge of the measured vectors without contact.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub enum ContactReference {
     /// Nothing is known.
@@ -140,7 +140,7 @@ impl GraspFrame {
 /// Recording of a grasp from any sensor.
 #[derive(Debug, Clone, PartialEq)]
 pub struct GraspRecording {
-    /// Knowledge of the elements without contact.
+    /// Prior knowledge of the measured vectors without contact.
     pub untouched: ContactReference,
     /// Image position of each element where its vector is 0 (px). Empty if there are no images.
     pub origins: Vec<DVec2>,
@@ -163,7 +163,7 @@ impl GraspRecording {
     /// Creates the detector of contact loss for this recording.
     ///
     /// # Errors
-    /// If the elements should form a regular pattern but do not.
+    /// If the elements do not form a regular pattern although one is expected.
     fn contact_loss(&self) -> Result<ContactLoss, GraspSlipError> {
         let config = ContactLossConfig::default();
         match self.untouched {
@@ -207,7 +207,7 @@ pub struct DetectorTrace {
     pub frames: Vec<[Option<f64>; DETECTORS.len()]>,
     /// Noise of the recording in the unit of the vectors, if known.
     pub noise: Option<f64>,
-    /// The reason that contact loss is unknown although a pattern was expected. If frames are fitted individually, the
+    /// Reason why contact loss is unknown although a pattern was expected. If frames are fitted individually, the
     /// reason of the first failure.
     pub no_pattern: Option<GraspSlipError>,
 }
@@ -300,8 +300,8 @@ impl FilteredRate {
     }
 }
 
-/// Load of the markers at `places` (px) in a single frame, in marker spacings. NaN if too few markers can be
-/// distinguished from lens distortion.
+/// Load of the markers at `places` (px) in a single frame, in marker spacings. NaN if there are too few markers to
+/// distinguish load from lens distortion.
 ///
 /// # Errors
 /// If the markers do not form a regular pattern.

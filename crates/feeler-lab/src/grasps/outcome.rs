@@ -18,7 +18,7 @@ pub struct Labelled {
 /// Classification of one sample with the threshold chosen on all other groups.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Verdict {
-    /// The threshold; infinite if one class is always the best answer on the other groups.
+    /// The threshold; infinite if the same answer for all samples is best on the other groups.
     pub threshold: f64,
     /// `true` if the score is above the threshold.
     pub says_slip: bool,

@@ -5,7 +5,7 @@ use super::outcome::{Judged, Labelled, best_threshold, judge, known};
 /// Performance of a detector on recordings with thresholds from other data.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Transfer {
-    /// Threshold chosen on the data that is not scored; infinite if always giving one class is best on them.
+    /// Threshold chosen on the other data; infinite if the same answer for all samples is best on them.
     pub threshold: f64,
     /// Classification with [`threshold`](Self::threshold).
     pub alone: Judged,

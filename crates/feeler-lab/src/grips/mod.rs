@@ -119,12 +119,12 @@ impl GripTrial {
         }
     }
 
-    /// `true` if the object was not lifted, slid out of the grip, or was let go in the air.
+    /// `true` if the object was not lifted, slid out of the grip, or was released in the air.
     pub fn dropped(&self) -> bool {
         self.meter.dropped || self.meter.highest < LIFTED
     }
 
-    /// `true` if a finger pressed harder than the object bears.
+    /// `true` if a finger pressed harder than the object withstands.
     pub fn crushed(&self) -> bool {
         self.meter.peak > self.object.crush_force(self.meter.peak_required)
     }

@@ -4,7 +4,7 @@ use super::identified::{Estimate, FingerEstimates, Identified};
 use super::trace::Trace;
 use glam::{DVec2, DVec3};
 
-/// Factor by which the fingers of a hand may differ.
+/// Maximum ratio between the properties of a hand's fingers without a warning.
 const ALIKE: f64 = 1.3;
 /// Minimum ratio of F1 to the force noise.
 const ABOVE_NOISE: f64 = 5.0;

@@ -29,7 +29,7 @@ pub enum LoadsFileError {
     Loads {
         /// Path of the CSV file.
         csv: PathBuf,
-        /// The problem.
+        /// Error of the loads.
         source: LoadsError,
     },
     /// The images contradict the loads.
@@ -37,7 +37,7 @@ pub enum LoadsFileError {
     Contradicted {
         /// Path of the CSV file.
         csv: PathBuf,
-        /// The contradiction.
+        /// Contradiction between images and loads.
         source: LoadCheckError,
     },
     /// An image that the file refers to cannot be used.
@@ -49,7 +49,7 @@ pub enum LoadsFileError {
         line: u64,
         /// Name of the image, as in the file.
         picture: String,
-        /// The problem and the expected content.
+        /// Description of the problem and the expected content.
         what: String,
     },
 }

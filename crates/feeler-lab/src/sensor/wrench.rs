@@ -31,7 +31,7 @@ pub enum ForcesFileError {
     Forces {
         /// Path of the CSV file.
         csv: PathBuf,
-        /// The problem.
+        /// Error of the table.
         source: ForcesError,
     },
     /// Moments cannot be computed for the sensor.

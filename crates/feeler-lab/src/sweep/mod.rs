@@ -1,8 +1,8 @@
 //! Sweeps: many randomised trials of one experiment.
 //!
 //! The random streams of trial `k` depend only on the seed of the sweep and `k`. The result is therefore independent of
-//! other trials, their order and the machine. The trials of a `design` instead fill the parameter space evenly; they,
-//! too, depend only on seed and number.
+//! other trials, their order and the machine. The trials of a `design` instead fill the parameter space evenly and
+//! depend only on seed and number.
 
 pub mod analysis;
 pub mod engine;
@@ -54,7 +54,7 @@ pub enum SweepError {
     /// A file could not be read or written.
     #[error("{}: {source}; {note}", path.display())]
     File {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Error of the operating system.
         source: io::Error,
@@ -66,7 +66,7 @@ pub enum SweepError {
     Folder {
         /// The folder or file.
         path: PathBuf,
-        /// The problem and the expected content.
+        /// Description of the problem and the expected content.
         message: String,
     },
 }

@@ -123,7 +123,7 @@ impl Trials {
         claims.filter(|claim| self.criterion.requires(claim.id, claim.of_any_hand))
     }
 
-    /// Returns the claims of any hand that have columns. They apply to caps that are screwed in four or more strokes.
+    /// Returns the claims about any hand that have columns: those about a cap that is screwed in four or more strokes.
     pub fn hand_claims(&self) -> impl Iterator<Item = &ClaimColumns> {
         self.claims.iter().filter(|claim| claim.of_any_hand)
     }

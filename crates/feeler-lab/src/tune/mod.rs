@@ -25,7 +25,7 @@ pub enum TuneError {
     /// The file of identified values cannot be read.
     #[error("{}: {source}; expected the identified values of a hand (TOML)", path.display())]
     Read {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// Error of the operating system.
         source: std::io::Error,
@@ -33,7 +33,7 @@ pub enum TuneError {
     /// The file of identified values is invalid.
     #[error("{}: {message}", path.display())]
     Identified {
-        /// The file.
+        /// Path of the file.
         path: PathBuf,
         /// The problem and the expected content.
         message: String,

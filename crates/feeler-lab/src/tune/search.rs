@@ -33,7 +33,7 @@ pub struct Budget {
 
 /// A hand to tune, and how it is simulated.
 pub struct Problem<'a> {
-    /// The hand.
+    /// Properties of the hand.
     pub hand: Hand,
     /// Uncertain values of the hand.
     pub uncertainty: &'a Uncertainty,
@@ -48,7 +48,7 @@ pub struct Problem<'a> {
 /// Result of a search.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Found {
-    /// The settings.
+    /// Best settings found.
     pub settings: Settings,
     /// Number of simulated runs.
     pub runs: u64,

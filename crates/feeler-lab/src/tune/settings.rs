@@ -8,7 +8,7 @@ use glam::DVec2;
 
 /// Maximum travel of a stroke (m): "within 10 mm" (paper, section V.B).
 const MAX_TRAVEL: f64 = 0.010;
-/// Maximum commanded speed relative to `control.limits.fingertip_speed`.
+/// Maximum tuned speed as a fraction of `control.limits.fingertip_speed`.
 const MAX_SPEED_SHARE: f64 = 0.9;
 /// F1 relative to F2, as in the reference experiment.
 const TOUCH: f64 = 0.2;
@@ -18,25 +18,25 @@ const DIGITS: usize = 4;
 /// Settings of `[control]` and `[task.screw]`, in SI units.
 #[derive(Debug, Clone, Copy, PartialEq)]
 pub struct Settings {
-    /// F2 (N).
+    /// F2: compression above which an element raises OVER (N).
     pub over_force: f64,
-    /// v_m (m/s).
+    /// v_m: speed of the stroke (m/s).
     pub move_speed: f64,
-    /// dr (N/s).
+    /// dr: shear rate above which an element raises SLIP (N/s).
     pub slip_threshold: f64,
-    /// v_r (m/s).
+    /// v_r: re-compressive speed (m/s).
     pub recompression_speed: f64,
     /// Grasp force below which a moving finger is re-compressed (N).
     pub minimum_grasp_force: f64,
     /// Grasp force at which a searching finger stops (N).
     pub grasp_force: f64,
-    /// v_0 (m/s).
+    /// v_0: speed of the approach (m/s).
     pub search_speed: f64,
     /// Length of the stroke (m).
     pub travel: f64,
     /// Distance from the beginning of the stroke to the point where it is tangent to the object (m).
     pub start: f64,
-    /// F1 (N).
+    /// F1: compression above which an element raises TOUCH (N).
     pub touch_force: f64,
 }
 

@@ -45,7 +45,7 @@ impl Origin {
 /// A setting: key within its table, unit, value, and index of its rule.
 type Setting<C> = (&'static str, &'static str, fn(&C) -> f64, usize);
 
-/// Reason for F1, which is derived from F2.
+/// Comment on the value of F1, which is computed from F2.
 const TOUCH: &str = "F1 / F2: as in the reference experiment";
 
 const CONTROL: [Setting<ControlConfig>; 4] = [
@@ -62,7 +62,7 @@ const SCREW: [Setting<ScrewConfig>; 4] = [
     ("travel", "m", |c| c.travel, 7),
 ];
 
-/// Index of the rule for the start of the stroke.
+/// Index in [`RULES`] of the rule for the start of the stroke.
 const START: usize = 8;
 
 /// Returns the values of `experiment` that `settings` changes. The object turns about `pivot` (x and y in W, m).

@@ -67,7 +67,7 @@ impl Stamped for ChainCommand {
     }
 }
 
-/// Converts recorded numbers of joints.
+/// Converts recorded joint values to a vector.
 fn joints(values: &[f64]) -> Result<JointVector, String> {
     let known = JointVector::from_slice(values);
     known.ok_or_else(|| format!("expected at most {MAX_JOINTS} joints, got {}", values.len()))

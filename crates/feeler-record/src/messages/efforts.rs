@@ -37,7 +37,7 @@ impl Efforts {
         self.uncertainty.extend(efforts.uncertainty);
     }
 
-    /// Requires as many efforts as uncertainties.
+    /// Checks that there are as many uncertainties as efforts.
     fn check(&self) -> Result<(), String> {
         let (efforts, uncertainties) = (self.effort.len(), self.uncertainty.len());
         if efforts > MAX_JOINTS || uncertainties != efforts {
@@ -48,7 +48,7 @@ impl Efforts {
         Ok(())
     }
 
-    /// The efforts, or those of unknown size as empty.
+    /// The efforts, or empty vectors if there are too many joints.
     pub fn joints(&self) -> JointEfforts {
         let vector = |values: &[f64]| JointVector::from_slice(values).unwrap_or_default();
         JointEfforts {
@@ -64,7 +64,7 @@ impl Stamped for Efforts {
     }
 }
 
-/// Only written if the drives measure efforts.
+/// Efforts are only written if the drives measure them.
 impl RecordedMessage for Efforts {
     fn list(recording: &mut Recording, finger: Option<usize>) -> Option<&mut Vec<Self>> {
         Some(&mut recording.fingers.get_mut(finger?)?.efforts)

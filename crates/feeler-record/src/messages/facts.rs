@@ -29,7 +29,7 @@ const TEXT_FIELDS: [&str; 6] = [
 pub struct RunFacts {
     /// Name of the experiment.
     pub experiment: String,
-    /// The task.
+    /// Task of the run.
     #[serde(default = "screw")]
     pub task: TaskKind,
     /// Seed of every random quantity.
@@ -54,7 +54,7 @@ pub struct RunFacts {
     pub touch_force_threshold: f64,
     /// F2 (N): an element pressed harder than this prevents re-compression.
     pub over_force_threshold: f64,
-    /// dr (N/s): an element whose shear rate exceeds this slips.
+    /// dr (N/s): an element with a larger shear rate counts as slipping.
     pub slip_threshold: f64,
     /// Grasp force or load of a finger at which SEARCH ends (N).
     pub grasp_force_threshold: f64,
@@ -65,7 +65,7 @@ pub struct RunFacts {
     /// Number of strokes to make.
     pub stroke_count: u32,
     /// True cross-section of an object whose outline the task traces, at the height of the finger: successive points in
-    /// `W` (m). Only simulated worlds know it. Not part of the digest.
+    /// `W` (m). Known only in simulated worlds. Not part of the digest.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub section: Vec<[f64; 2]>,
     /// Ground truth of a simulated world by name, in SI units, such as `specimen.static_friction`. Not part of the
@@ -82,7 +82,7 @@ pub struct RunFacts {
     /// Geometry of each finger, or empty if unknown. Not part of the digest, because it follows from the experiment.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub hand: Vec<FingerModel>,
-    /// Solids around the hand. Only simulated worlds know them. Not part of the digest.
+    /// Solids around the hand. Known only in simulated worlds. Not part of the digest.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub solids: Vec<Solid>,
     /// In a replay, the digest of the replayed recording. Joint angles, torque and cap were copied from that recording
@@ -114,7 +114,7 @@ pub struct CarryGoal {
     pub crush_force: f64,
 }
 
-/// The task of old recordings, which do not name their task.
+/// The task of old recordings, which do not contain the name of their task.
 fn screw() -> TaskKind {
     TaskKind::Screw
 }

@@ -6,8 +6,7 @@ use crate::reading::recording::Recording;
 use crate::wire::message;
 use serde::{Deserialize, Serialize};
 
-/// Rumble and tone that the live page plays to its watcher from this time on. All values but the times are 0 while
-/// nothing is played.
+/// Rumble and tone that the live page plays from this time on. All values but the times are 0 while nothing is played.
 #[derive(Debug, Clone, Copy, Default, PartialEq, Serialize, Deserialize)]
 pub struct Felt {
     /// Time of the control step at which the page's report arrived (s).
@@ -59,7 +58,7 @@ impl Stamped for Felt {
     }
 }
 
-/// Not part of the digest, because watching does not change a run.
+/// Not part of the digest, because rumble and tone do not change a run.
 impl RecordedMessage for Felt {
     const DERIVED: bool = true;
 

@@ -1,4 +1,4 @@
-//! Camera images: in the form used by the control loop, and as ROS 2's `sensor_msgs/CompressedImage`, which every
+//! Camera images: uncompressed, as used by the control loop, and as ROS 2's `sensor_msgs/CompressedImage`, which every
 //! viewer of recordings displays.
 
 use super::channels::Stamped;
@@ -32,7 +32,7 @@ pub struct Image {
     pub data: Vec<u8>,
 }
 
-/// Uses the schema of the recorded form.
+/// Has the schema of [`CompressedImage`], as which it is recorded.
 impl Message for Image {
     const SCHEMA_NAME: &'static str = CompressedImage::SCHEMA_NAME;
     const SCHEMA: &'static str = CompressedImage::SCHEMA;

@@ -81,7 +81,7 @@ impl Frame {
     }
 }
 
-/// Name of the frame of a `part` of `finger`, from 0. Parts are `base`, `link_1` and so on, one per
+/// Name of the frame of a `part` of `finger`, which is numbered from 0. Parts are `base`, `link_1` and so on, one per
 /// moving frame, and `dome`.
 pub fn frame(finger: usize, part: &str) -> String {
     format!("finger_{finger}_{part}")
@@ -262,7 +262,7 @@ pub enum SolidFrame {
 }
 
 impl SolidFrame {
-    /// Frames that move.
+    /// Frames whose pose changes during a run.
     pub const MOVING: [Self; 2] = [Self::Cap, Self::Object];
 
     /// Name of the frame.
@@ -286,7 +286,7 @@ pub struct Solid {
     pub position: [f64; 3],
     /// Rotation in that frame, as a quaternion x, y, z, w.
     pub orientation: [f64; 4],
-    /// Its shape.
+    /// Shape of the solid.
     pub shape: SolidShape,
 }
 

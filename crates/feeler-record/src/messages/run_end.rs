@@ -12,7 +12,7 @@ use std::fmt;
 pub enum RunState {
     /// The task ended as it should.
     Done,
-    /// The task failed, the hand was stopped, or time was up.
+    /// The task failed, the hand was stopped, or the time limit was reached.
     GivenUp,
     /// The user interrupted the run, or its recording is incomplete.
     Interrupted,
@@ -53,7 +53,7 @@ impl RunEnd {
         reason: None,
     };
 
-    /// Creates the end of a run that ended otherwise, for this reason.
+    /// Creates the end of a run whose task was not completed, for this reason.
     pub fn because(state: RunState, reason: impl Into<String>) -> Self {
         let reason = Some(reason.into());
         Self { state, reason }

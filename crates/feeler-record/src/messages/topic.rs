@@ -259,7 +259,7 @@ recorded!(
 impl RecordedMessage for Moments {}
 impl RecordedMessage for Contact {}
 
-/// Left in the file; a recording in memory only stores the position of each image.
+/// Images are not read into memory; a recording in memory only stores the position of each image in the file.
 impl RecordedMessage for Image {
     const CONVERSION: Option<Conversion> = Some(compress);
 
@@ -278,7 +278,7 @@ impl RecordedMessage for Image {
     }
 }
 
-/// Written by the recorder itself if it dropped messages.
+/// Gaps are written by the recorder itself if it dropped messages.
 impl RecordedMessage for RecordingGap {
     fn read_into(
         recording: &mut Recording,

@@ -18,13 +18,13 @@ fn text(name: &str, data: &[u8]) -> Result<String, String> {
     Ok(text.to_string())
 }
 
-/// Returns the recording, which starts with the run's facts.
+/// Returns the recording, or an error if the run's facts have not been read yet.
 fn begun(recording: &mut Option<Recording>) -> Result<&mut Recording, String> {
     let recording = recording.as_mut();
     recording.ok_or_else(|| format!("no metadata {FACTS:?} before the data"))
 }
 
-/// Returns the digest of a recording without messages.
+/// Starts the digest of a recording with its facts and experiment.
 fn begin(facts: &BTreeMap<String, String>, recording: &Recording) -> Digester {
     let mut digester = Digester::default();
     digest_facts(&mut digester, facts, &recording.experiment);
@@ -44,7 +44,7 @@ pub(crate) struct Collector {
     has_begun: bool,
     /// First damaged chunk.
     damage: Option<Damage>,
-    /// Number of messages since a part was passed on.
+    /// Number of messages since the last part was passed on.
     since_part: usize,
     /// Library that rewrote the file, if any.
     rewritten_by: Option<String>,

@@ -9,8 +9,8 @@ use std::fs::File;
 use std::io::{Read, Seek};
 use std::path::Path;
 
-/// Returns at every control step the image that one finger's sensor used at that step, with the sequence number and the
-/// exact stamp of the recorded tactile frame.
+/// Camera that returns at every control step the image used by one finger's sensor at that step, with the sequence
+/// number and the exact stamp of the recorded tactile frame.
 ///
 /// A step without a new image returns the previous one again. Images are read from the file on demand.
 #[derive(Debug)]

@@ -95,7 +95,7 @@ fn order_of_writing(facts: Option<&RunFacts>) -> HashMap<String, usize> {
     topics.map(|(rank, topic)| (topic, rank)).collect()
 }
 
-/// A message to be sorted.
+/// A message and its sort key.
 struct Held {
     /// Rank of its topic in the order of writing.
     rank: usize,

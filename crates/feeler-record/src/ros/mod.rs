@@ -1,4 +1,4 @@
-//! Standard ROS 2 messages, for viewers and tools that do not know feeler's messages.
+//! Standard ROS 2 messages, for viewers and tools that do not support feeler's messages.
 //!
 //! Names, order and texts of the fields are those of `common_interfaces`; they determine the wire format.
 

@@ -139,7 +139,7 @@ impl Camera for SensedPictures {
     }
 }
 
-/// Frames and images found in a file. A frame need not be next to its image, since moments may be written later.
+/// Frames and images found in a file. A frame need not be next to its image, because moments may be written later.
 #[derive(Default)]
 struct Index {
     moments: HashSet<u16>,

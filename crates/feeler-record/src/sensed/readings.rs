@@ -29,7 +29,7 @@ pub const CONTACT: RecordedTopic<Contact> = RecordedTopic::of_rig("contact");
 /// Writes [`Moments`] to [`MOMENTS`] and either [`Tactile`] frames to [`TACTILE`] or [`WrenchStamped`] to [`WRENCH`].
 /// Images are optional and written to [`topics::image`], as in recordings of runs.
 ///
-/// Until [`finish`](Self::finish) is called, the file lacks its end, which MCAP readers report.
+/// Until [`finish`](Self::finish) is called, the file has no end record, which MCAP readers report.
 pub struct SensedWriter {
     container: Container,
     channels: Vec<Channel>,

@@ -41,7 +41,7 @@ impl Elements {
         self.elements.iter().map(|(_, tip)| *tip)
     }
 
-    /// Sets the forces from a tactile frame, which gives each in the frame of its element (N).
+    /// Sets the forces from a tactile frame, given in each element's frame (N).
     pub fn take_forces(&mut self, forces: &[DVec3]) {
         let turned = self.elements.iter().zip(forces);
         let turned = turned.map(|((element, _), &force)| element.force_on_fingertip(force));

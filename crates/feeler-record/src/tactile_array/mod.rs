@@ -60,7 +60,7 @@ pub enum ArrayError {
 }
 
 impl TactileArray {
-    /// Array without elements of a sensor about which only `header` is known. The sensor's name is that of its frame.
+    /// Array without elements, for a sensor with only a `header`. The sensor's name is that of its frame.
     pub fn unknown(header: &Header) -> Self {
         Self {
             header: header.clone(),

@@ -1,4 +1,4 @@
-//! Messages from which viewers draw a run without knowing feeler's messages.
+//! Standard messages from which viewers draw a run.
 //!
 //! They are derived from the rest of the recording. Joints and wrenches are written at every control step, for plots;
 //! the scene is written at 30 Hz.
@@ -91,7 +91,7 @@ impl ViewerLog {
         self.drawn = None;
     }
 
-    /// Writes the latest step of `control_loop` and the solids moved in `instruments`.
+    /// Writes the latest step of `control_loop`, and the poses of the moving solids from `instruments`.
     ///
     /// # Errors
     /// If the recording cannot be written.

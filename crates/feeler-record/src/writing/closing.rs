@@ -39,7 +39,7 @@ impl<'a> CloseDeadline<'a> {
         }
     }
 
-    /// Returns `false` if the time limit is exceeded. Calls `on_slow` when closing becomes slow.
+    /// Returns `false` once the time limit is exceeded. Calls `on_slow` when closing becomes slow.
     pub fn goes_on(&mut self) -> bool {
         let elapsed = self.start.elapsed();
         if elapsed >= SLOW

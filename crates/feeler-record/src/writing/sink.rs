@@ -163,13 +163,13 @@ impl Store for Sink {
     }
 }
 
-/// Options for chunks that end with their batch.
+/// Write options without automatic chunks: each batch becomes one chunk.
 fn unchunked() -> WriteOptions {
     WriteOptions::new().chunk_size(None)
 }
 
-/// Facts that are not part of the digest. Ground truth affects the forces, and a hand in a separate program does not
-/// know it; goal, law and hand follow from the experiment, which is part of the digest.
+/// Facts that are not part of the digest. Ground truth affects the forces and is not available to a hand in a separate
+/// program; goal, law and hand follow from the experiment, which is part of the digest.
 const NOT_DIGESTED: [&str; 6] = ["truth", "section", "solids", "carry", "law", "hand"];
 
 /// Appends the facts and the experiment, which precede all messages, to a digest.

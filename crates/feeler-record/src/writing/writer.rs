@@ -52,7 +52,7 @@ enum Work {
     Close(End),
 }
 
-/// Reason for which the queue did not accept work.
+/// Reason why the queue did not accept work.
 enum Refused {
     /// The queue is full.
     Full(Work),
@@ -78,7 +78,7 @@ pub struct Writer {
     pub gap: Option<RecordingGap>,
     /// Total number of dropped messages.
     pub dropped: u64,
-    /// `true` if a write has waited in vain since the queue was last free.
+    /// `true` if a write has already waited until its time limit since the queue last had space.
     waited: bool,
     /// Error that ended the writing, for a writer that drops messages instead of blocking.
     pub failure: Option<RecordError>,
@@ -258,7 +258,7 @@ impl Writer {
         self.batch.clear();
     }
 
-    /// Error of the thread that ended early.
+    /// Returns the error with which the thread ended early.
     fn ended(&mut self) -> RecordError {
         self.queue = None;
         match self.done.recv() {

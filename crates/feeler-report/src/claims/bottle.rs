@@ -1,5 +1,4 @@
-//! The paper's claims that also depend on its bottle and torque sensor: the time of closing and the course of the
-//! torque.
+//! The paper's claims that also depend on its bottle and torque sensor: the time of closing and the torque over time.
 
 use super::measured::{change, ratio};
 use crate::measures::claim::{Claim, part};
@@ -76,7 +75,7 @@ pub(super) fn first_stroke_torque_rises(data: &RunData) -> Claim {
     )
 }
 
-/// Minimum correlation of the bumps for a hand with two fingers.
+/// Minimum correlation of torque rate and shear rate for a hand with two fingers.
 const IN_STEP: f64 = 0.4;
 
 /// Correlation between the magnitude of a sum and the sum of magnitudes of `fingers` independent normal variables.
@@ -92,8 +91,8 @@ fn of_independent_fingers(fingers: usize) -> f64 {
     n.sqrt() * FRAC_2_PI * covariance / (1.0 - FRAC_2_PI)
 }
 
-/// Minimum correlation of the bumps for a hand with `fingers` fingers, rounded to two digits. Fewer than two fingers
-/// count as two.
+/// Minimum correlation of torque rate and shear rate for a hand with `fingers` fingers, rounded to two digits. Fewer
+/// than two fingers count as two.
 fn least_in_step(fingers: usize) -> f64 {
     let share = of_independent_fingers(fingers.max(2)) / of_independent_fingers(2);
     (100.0 * IN_STEP * share).round() / 100.0

@@ -42,7 +42,7 @@ pub(super) fn shear_rate_marks_closing(measured: &Measured) -> Claim {
     )
 }
 
-/// SLIP against ground truth: raised while a feeler slips, and not all the time.
+/// Claim that SLIP is raised while a feeler truly slips, and not all the time.
 pub(super) fn slip_means_slip(data: &RunData) -> Claim {
     let precision = each_finger(data, &CLOSED, slip_precision);
     // If feelers slip most of the time, even a constant flag is precise; the skill accounts for that.
@@ -77,7 +77,7 @@ pub(super) fn path_follows_contour(measured: &Measured) -> Claim {
     )
 }
 
-/// The path is curved like the arc about the cap's axis, unlike any straight line, however tilted. See
+/// Claim that the path is curved like the arc about the cap's axis, unlike any straight line, however tilted. See
 /// [`PathFit::curvature`](crate::measures::path_fit::PathFit::curvature).
 pub(super) fn path_is_curved(measured: &Measured) -> Claim {
     let [at_least, at_most] = curvature(measured);
@@ -93,7 +93,7 @@ pub(super) fn path_is_curved(measured: &Measured) -> Claim {
     )
 }
 
-/// The grasp force that slips have built up is limited by OVER, within the window of
+/// Claim that OVER limits the grasp force that slips build up, within the window of
 /// [`PathFit`](crate::measures::path_fit::PathFit).
 pub(super) fn grip_levels_off(data: &RunData) -> Claim {
     let over = each_finger(data, &CLOSED, over_fraction);

@@ -21,8 +21,8 @@ use crate::measures::strokes::StrokeMeasures;
 use crate::run::data::RunData;
 use measured::Measured;
 
-/// The paper's claims, in its order, for a run with these stroke measures. Claims that need a missing instrument are
-/// reported as not measured.
+/// The paper's claims, in the order of the paper, for a run with these stroke measures. Claims that need a missing
+/// instrument are reported as not measured.
 pub fn claims(data: &RunData, strokes: &[StrokeMeasures]) -> Vec<Claim> {
     let measured = Measured::new(data, strokes);
     let claims = [

@@ -1,4 +1,4 @@
-//! Parts shared by the paper's claims and the claims of any hand.
+//! Parts shared by the paper's claims and the claims about any hand.
 
 use super::measured::{CLOSED, Measured, each_finger, greatest, least, ratio};
 use crate::measures::claim::{ClaimPart, part};

@@ -29,7 +29,8 @@ pub struct ElementLoads {
     pub name: String,
     /// Unit of displacements in the figure.
     pub length_unit: String,
-    /// For x, y, z: applied force (N) over displacement along x, along y, or growth.
+    /// For x, y, z: applied force (N) over the displacement along x, the displacement along y, and the growth of the
+    /// integrated gray value.
     pub loads: [Vec<(f64, f64)>; 3],
     /// For x, y, z: calibrated force (N) over the same input, with the other inputs constant.
     pub curves: [Vec<Vec<(f64, f64)>>; 3],

@@ -10,7 +10,7 @@ use crate::run::data::RunData;
 use feeler_record::{FindingName, Recording};
 use kuva::render::annotations::ReferenceLine;
 
-/// Time span that covers a whole recording (s).
+/// Time span that contains a whole recording (s).
 const ALWAYS: (f64, f64) = (f64::NEG_INFINITY, f64::INFINITY);
 
 /// Figure of torque and rotation over the run.

@@ -11,9 +11,9 @@ use serde::Serialize;
 pub struct LawShares {
     /// Name of the law.
     pub law: String,
-    /// Number of hands that are invalid under this law only. They count as hands on which no claim passes.
+    /// Number of hands that are invalid under this law only. No claim passes on them.
     pub refused: u64,
-    /// Fraction of hands for each claim of any hand, and for all claims with the task completed.
+    /// Fraction of hands that pass each claim about any hand, and that pass all of these claims and complete the task.
     pub shares: Vec<Share>,
 }
 

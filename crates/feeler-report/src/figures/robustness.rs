@@ -36,25 +36,25 @@ pub struct Measure {
 /// A fraction of hands.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Share {
-    /// Set of hands.
+    /// Name of the set of hands.
     pub of: String,
     /// Number of hands in the set.
     pub hands: u64,
-    /// Number of hands that pass.
+    /// Number of hands in the set that pass the claim.
     pub holding: u64,
     /// Fraction (0 to 1) with Wilson's 95 % interval: `[low, fraction, high]`.
     pub share: [f64; 3],
 }
 
-/// Sensitivity indices of one factor with their 95 % intervals (`[low, index, high]`); `None` if the measure does not
-/// vary.
+/// Sobol' sensitivity indices of one factor with their 95 % intervals (`[low, index, high]`); `None` if the measure
+/// does not vary.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Index {
     /// Name of the factor.
     pub factor: String,
-    /// First-order index.
+    /// First-order index: fraction of the variance explained by the factor alone.
     pub first: Option<[f64; 3]>,
-    /// Total-effect index.
+    /// Total-effect index: fraction of the variance explained by the factor, interactions included.
     pub total: Option<[f64; 3]>,
 }
 

@@ -28,8 +28,8 @@ pub struct Mark {
     pub label: Option<String>,
 }
 
-/// ROC curves of detectors, each with the detector's index, and results at single thresholds (%). The false alarm axis
-/// starts at `least` (%) and is logarithmic unless `least` is 0.
+/// ROC curves of detectors, each with the detector's index, and results at single thresholds (%). The axis of the false
+/// alarm rate starts at `least` (%) and is logarithmic unless `least` is 0.
 pub fn roc_figure(
     curves: &[(usize, &Roc)],
     marks: &[Mark],

@@ -10,10 +10,10 @@ use crate::page_data::panels::{Colour, Command, Points, Series};
 use kuva::render::layout::Layout;
 use kuva::render::plots::Plot;
 
-/// A varied number with its value in each trial.
+/// A varied parameter with a numeric value in each trial.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Varied {
-    /// Name of the number.
+    /// Name of the parameter.
     pub name: String,
     /// `true` if it was drawn on a logarithmic scale.
     pub logarithmic: bool,
@@ -30,7 +30,7 @@ pub struct Measured {
     pub values: Vec<f64>,
 }
 
-/// The measure plotted per trial against the varied numbers.
+/// Measure of each trial, to be plotted against the varied parameters.
 #[derive(Debug, Clone, PartialEq)]
 pub struct TrialMeasure {
     /// Name and unit.

@@ -14,7 +14,7 @@ pub struct AxisPoints {
     pub name: &'static str,
     /// Unit.
     pub unit: &'static str,
-    /// Regression terms.
+    /// Terms of the regression, as text.
     pub terms: String,
     /// Range of the measured values.
     pub range: [f64; 2],
@@ -22,7 +22,7 @@ pub struct AxisPoints {
     pub rmse: f64,
     /// Mean absolute error.
     pub mae: f64,
-    /// Root mean square error of predicting the mean.
+    /// Root mean square error if the mean is always predicted.
     pub mean_rmse: f64,
     /// Coefficient of determination.
     pub r2: f64,

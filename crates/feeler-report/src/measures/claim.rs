@@ -156,12 +156,12 @@ impl Claim {
     }
 }
 
-/// A quantity that a claim compares with a bound: a ratio or count, unless it has a unit.
+/// Starts a part of a claim: the quantity `name` to compare with a bound, without a unit until [`Quantity::in_unit`].
 pub(crate) fn part(name: &'static str) -> Quantity {
     Quantity { name, unit: "" }
 }
 
-/// Quantity of a claim's part.
+/// Name and unit of a quantity that a claim compares with a bound.
 pub(crate) struct Quantity {
     name: &'static str,
     unit: &'static str,

@@ -1,4 +1,4 @@
-//! Longest loss of contact while a finger follows an outline.
+//! Longest loss of contact while a finger traces an outline.
 
 use super::series::Stretch;
 use feeler_record::{Phase, Recording, SAME_TIME, Tactile};

@@ -6,12 +6,12 @@ use crate::tasks::papers_setup::{PAPERS_STROKES, claims_apply, is_papers_hand};
 use feeler_record::{RunFacts, TaskKind};
 use serde::{Serialize, Serializer};
 
-/// Criterion that a completed run must meet to be a success.
+/// Criterion for the success of a completed run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Criterion {
-    /// All claims of the task; the paper's claims if its hand screws a cap under its law.
+    /// All claims of the task. If the paper's hand screws a cap under the paper's law, these are the paper's claims.
     Claims,
-    /// All claims of any hand: a cap is screwed under another law.
+    /// All claims about any hand: a cap is screwed under another law.
     AnyHand,
     /// The cap is closed and no element was overloaded: another hand under the paper's law.
     Closed,
@@ -27,7 +27,8 @@ pub enum Criterion {
 }
 
 impl Criterion {
-    /// Criterion for runs with these facts. Set `laws_differ` if runs under different control laws are judged alike.
+    /// Criterion for runs with these facts. If `laws_differ`, runs under different control laws are compared by the
+    /// same criterion.
     pub fn of(facts: &RunFacts, laws_differ: bool) -> Self {
         match (&facts.task, facts.cap) {
             (TaskKind::Contour | TaskKind::Carry | TaskKind::FrictionScan | TaskKind::Grip, _) => {
@@ -62,8 +63,8 @@ impl Criterion {
         }
     }
 
-    /// `true` if the criterion includes the claim with this id. `of_any_hand` selects claims of any hand instead of the
-    /// task's claims.
+    /// `true` if the criterion includes the claim with this id. `of_any_hand` selects the claims about any hand instead
+    /// of the task's claims.
     pub fn requires(self, id: &str, of_any_hand: bool) -> bool {
         match self {
             Self::Claims => !of_any_hand,
@@ -81,7 +82,7 @@ impl Serialize for Criterion {
     }
 }
 
-/// Judgement of a run by its criterion.
+/// Result of the success criterion of a run.
 #[derive(Debug, Clone, Copy, PartialEq, Eq, Serialize)]
 pub struct Success {
     /// `true` if the task was completed and the criterion holds.

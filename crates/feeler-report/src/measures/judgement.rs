@@ -1,4 +1,4 @@
-//! Judges runs by their criterion.
+//! Evaluation of the success criterion of a run.
 
 use super::claim::Claim;
 use super::criterion::{Criterion, Success};
@@ -35,7 +35,7 @@ fn turns_or_closes(strokes: &[StrokeMeasures]) -> bool {
 }
 
 impl Success {
-    /// Judges a simulated run with these facts; `None` if it screwed a cap whose motion is unknown.
+    /// Evaluates a simulated run with these facts; `None` if it screwed a cap whose motion is unknown.
     pub fn of(facts: &RunFacts, summary: &Summary) -> Option<Self> {
         if facts.task == TaskKind::Screw && facts.cap_radius == 0.0 {
             return None;

@@ -89,7 +89,7 @@ pub struct StrokeMeasures {
 }
 
 impl StrokeMeasures {
-    /// Removes all measures except the maxima, for strokes with only extreme rows left.
+    /// Removes all measures except the maxima, for a stroke that has kept only its rows with extreme values.
     pub(crate) fn of_extremes(self) -> Self {
         Self {
             mean_grasp_force: None,

@@ -30,7 +30,7 @@ pub struct Summary {
     pub sim_time: f64,
     /// Wall-clock duration of the run (s).
     pub wall_time: Option<f64>,
-    /// `sim_time / wall_time`.
+    /// Ratio of `sim_time` to `wall_time`.
     pub real_time_factor: Option<f64>,
     /// Strokes in chronological order.
     pub strokes: Vec<StrokeMeasures>,
@@ -42,14 +42,14 @@ pub struct Summary {
     pub findings: BTreeMap<FindingName, Option<f64>>,
     /// Claims of the task. The paper's claims are omitted if its law or its strokes did not run.
     pub claims: Vec<Claim>,
-    /// Claims of any hand that screws a cap in at least four strokes, under any law.
+    /// Claims about any hand that screws a cap in at least four strokes, under any law.
     #[serde(skip_serializing_if = "Vec::is_empty")]
     pub hand_claims: Vec<Claim>,
     /// Measures of closing or opening a cap by touch; `None` if the strokes were only counted.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub cap: Option<CapMeasures>,
-    /// Judgement of the run, set when a report is drawn; `None` (no key in JSON) before that, or if the cap's motion is
-    /// unknown.
+    /// Result of the success criterion, set when a report is created; `None` (no key in JSON) before that, or if the
+    /// cap's motion is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub success: Option<Success>,
     /// Final rotation of the cap (rad), positive = closing.
@@ -63,7 +63,7 @@ pub struct Summary {
 }
 
 impl Summary {
-    /// Claims shown in a report: those of the task or, if it has no claims, those of any hand.
+    /// Claims shown in a report: those of the task or, if it has no claims, those about any hand.
     pub fn shown_claims(&self) -> &[Claim] {
         match self.claims.is_empty() {
             true => &self.hand_claims,

@@ -1,4 +1,4 @@
-//! Data of a page's script. The contract with `web/src/page_data.ts`, which documents each field.
+//! Data for a page's script, in the format of `web/src/page_data.ts`, which documents each field.
 
 mod live;
 pub mod panels;
@@ -16,10 +16,10 @@ pub use panels::Panel;
 pub use table::{CONTACT_WIDTH, contact_values, flag_bits, of_finger};
 pub(crate) use table::{Rows, RunTable};
 
-/// Version of the contract.
+/// Version of this format.
 const VERSION: u32 = 1;
 
-/// Data of a page's script.
+/// Data for a page's script.
 #[derive(Debug, Clone, Serialize)]
 pub struct PageData {
     version: u32,

@@ -55,7 +55,7 @@ pub struct Axis {
 pub struct Threshold {
     /// Value in SI units.
     pub value: f64,
-    /// Name.
+    /// Name of the line.
     pub name: String,
 }
 
@@ -105,7 +105,7 @@ pub enum Line {
 /// A series of a panel, from a column of the run or from separate points.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct Series {
-    /// Name.
+    /// Name of the series.
     pub name: String,
     /// Colour.
     pub colour: Colour,
@@ -190,7 +190,7 @@ impl Points {
         }
     }
 
-    /// Appends a separate line.
+    /// Appends points as a separate line.
     pub fn append(&mut self, points: Vec<(f64, f64)>) {
         if let (Some(&end), false) = (self.x.last(), points.is_empty()) {
             self.x.push(end);

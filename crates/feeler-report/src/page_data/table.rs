@@ -116,7 +116,7 @@ impl Columns {
 }
 
 impl RunTable {
-    /// Columns of a page whose rows arrive later.
+    /// Columns of a live page, whose rows are sent later.
     pub fn to_come(columns: impl IntoIterator<Item = (String, usize)>) -> Self {
         let column = |(name, width): (String, usize)| Column {
             kind: match name.as_str() {
@@ -246,9 +246,8 @@ fn add_contact(
 /// Number of values of a contact.
 pub const CONTACT_WIDTH: usize = 11;
 
-/// Centre, both semi-axes as vectors (m in `T`), torsion (N m), and the fraction of elements, pressed with three
-/// times the threshold or more, that slide;
-/// NaN if unknown.
+/// Values of a contact: centre, both semi-axes as vectors (m in `T`), torsion (N m), and the fraction that slide among
+/// the elements pressed with at least three times the threshold; NaN if unknown.
 pub fn contact_values(contact: Option<Contact>) -> [f64; CONTACT_WIDTH] {
     let vector = |of: Option<DVec3>| of.unwrap_or(DVec3::NAN).to_array();
     let ellipse = contact.and_then(|contact| Some((contact.ellipse?, contact.normal)));

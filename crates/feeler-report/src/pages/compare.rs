@@ -25,7 +25,7 @@ pub struct ComparePage {
     pub curves: Vec<Curves>,
     /// Comparison of each other law with the first, trial by trial.
     pub pairs: Vec<Pairs>,
-    /// Seed and expressions, as on the command line.
+    /// Seed and `--vary` expressions, as on the command line.
     pub varied: String,
     /// The experiment without law and varied values.
     pub experiment: String,
@@ -48,9 +48,9 @@ pub struct ComparedLaw {
 pub struct Row {
     /// Name and unit of the measure.
     pub name: &'static str,
-    /// Mean.
+    /// Mean of the measure; `None` if unknown.
     pub value: Option<[f64; 3]>,
-    /// Mean difference.
+    /// Mean difference from the first law; `None` if unknown.
     pub difference: Option<[f64; 3]>,
 }
 

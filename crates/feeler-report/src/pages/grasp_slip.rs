@@ -61,7 +61,7 @@ pub struct GraspDetector {
 /// Probabilities of slip, 1 / (1 + exp(-(w0 + w1 score))), from the scores of a detector.
 #[derive(Debug, Clone, PartialEq, Serialize)]
 pub struct GraspProbability {
-    /// w0 and w1, fitted to all groups.
+    /// Weights `[w0, w1]`, fitted to all groups.
     pub weights: [f64; 2],
     /// Expected calibration error in ten intervals of probability, with weights fitted to all other groups.
     pub error: f64,

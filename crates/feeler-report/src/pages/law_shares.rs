@@ -1,4 +1,4 @@
-//! `laws.html`: fraction of the same hands on which each control law meets the claims of any hand.
+//! `laws.html`: fraction of the same hands on which each control law passes the claims about any hand.
 
 use super::document::{
     Tile, document_of_figures, figures, folded, incomplete, number_heads, numbers, table, tiles,

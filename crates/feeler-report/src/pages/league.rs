@@ -1,4 +1,4 @@
-//! `league.html`: detectors and calibrations compared on published sets, on a self-contained page.
+//! `league.html`: detectors and calibrations compared on published data sets, on a self-contained page.
 
 use super::document::{document_of_figures, facts_table, number_heads, numbers, table};
 use super::text::{number, percent, with_interval};
@@ -12,26 +12,26 @@ pub struct LeaguePage {
     pub version: String,
     /// Name and command of each program of the user.
     pub programs: Vec<(String, String)>,
-    /// The sets.
+    /// The data sets.
     pub sets: Vec<LeagueSet>,
-    /// Names of sets that were not found.
+    /// Names of data sets that were not found.
     pub missing: Vec<String>,
 }
 
 impl LeaguePage {
-    /// Returns `true` if a set could not be read, or a program failed.
+    /// Returns `true` if a data set could not be read, or a program failed.
     pub fn has_failed(&self) -> bool {
         let failed = |set: &LeagueSet| set.failed.is_some() || set.rows.iter().any(|r| r.is_error);
         self.sets.iter().any(failed)
     }
 }
 
-/// A set and the results on it.
+/// A data set and the results on it.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct LeagueSet {
-    /// Name.
+    /// Name of the data set.
     pub name: String,
-    /// Description.
+    /// Description of the data set.
     pub title: String,
     /// Origin of the data.
     pub source: String,
@@ -39,23 +39,23 @@ pub struct LeagueSet {
     pub licence: String,
     /// Numbers of recordings, groups and rows.
     pub content: String,
-    /// Description of the split.
+    /// Description of the split into training and test data.
     pub split: String,
     /// Hash of the input files.
     pub digest: String,
     /// Name and unit of each metric.
     pub metrics: Vec<(String, String)>,
-    /// Results of the entries.
+    /// Results of the detectors or calibrations.
     pub rows: Vec<LeagueRow>,
-    /// Published figures.
+    /// Published results to compare with.
     pub published: Vec<PublishedFigure>,
-    /// Error, if the set cannot be read.
+    /// Error message if the data set cannot be read.
     pub failed: Option<String>,
     /// Notes on irregular data.
     pub notes: Vec<String>,
 }
 
-/// Results of one entry.
+/// Results of one detector or calibration.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct LeagueRow {
     /// Displayed name.
@@ -64,22 +64,22 @@ pub struct LeagueRow {
     pub key: String,
     /// Each metric with its 95 % confidence interval: lower end, estimate, upper end. Fractions from 0 to 1.
     pub values: Vec<Option<[f64; 3]>>,
-    /// Reason that there are no results.
+    /// Reason why there are no results.
     pub failed: Option<String>,
-    /// `true` if the reason is an error.
+    /// `true` if `failed` describes an error.
     pub is_error: bool,
-    /// `true` if the entry was developed on these data.
+    /// `true` if the detector or calibration was developed on these data.
     pub chosen_here: bool,
 }
 
-/// A published figure.
+/// A published result.
 #[derive(Debug, Clone, PartialEq, Default, Serialize)]
 pub struct PublishedFigure {
     /// Metric, or the start of the names of several metrics.
     pub metric: String,
     /// Value with unit.
     pub value: String,
-    /// Source.
+    /// Publication that states the value.
     pub source: String,
 }
 
@@ -108,7 +108,7 @@ impl LeagueSet {
         values.collect::<Vec<_>>().join(", ")
     }
 
-    /// Formatted value of a metric of an entry.
+    /// Formatted value of a metric of a detector or calibration.
     pub fn shown(&self, row: &LeagueRow, index: usize) -> String {
         let Some(value) = row.values.get(index).copied().flatten() else {
             return if row.failed.is_some() { "failed" } else { "-" }.into();

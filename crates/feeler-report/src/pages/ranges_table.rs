@@ -11,7 +11,7 @@ pub struct RangeRow {
     pub name: String,
     /// Parameter group.
     pub group: String,
-    /// Unit.
+    /// Unit of the range.
     pub unit: String,
     /// Keys that the parameter sets.
     pub keys: Vec<String>,

@@ -25,9 +25,9 @@ pub struct SweepPage {
     pub outcomes: Vec<(String, u64)>,
     /// Claims with the number of trials in which they pass.
     pub claims: Vec<Counted>,
-    /// Varied numbers.
+    /// Varied numeric parameters.
     pub numbers: Vec<Varied>,
-    /// Varied texts: name, and trials per value.
+    /// Varied text parameters: name, and trials per value.
     pub words: Vec<(String, Vec<Counted>)>,
     /// Measure that characterizes a single trial best, if any is measured.
     pub measured: Option<TrialMeasure>,
@@ -37,7 +37,7 @@ pub struct SweepPage {
     pub worst_header: Vec<String>,
     /// Rows of the table of the worst trials.
     pub worst: Vec<Vec<String>>,
-    /// Seed and expressions, as on the command line.
+    /// Seed and `--vary` expressions, as on the command line.
     pub varied: String,
     /// The experiment without varied values.
     pub experiment: String,

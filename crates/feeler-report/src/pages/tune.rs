@@ -1,4 +1,4 @@
-//! `NAME.html` of `feeler tune`: tuned settings, predicted success rate, and the most costly uncertainties.
+//! `NAME.html` of `feeler tune`: tuned settings, predicted success rate, and the uncertain values that affect it most.
 
 use super::document::{Tile, document_of_figures, number_heads, numbers, table, tiles};
 use super::text::{percent, significant};
@@ -24,7 +24,7 @@ pub struct TunePage {
     pub settings: Vec<SettingRow>,
     /// Claims before and after tuning.
     pub claims: Vec<ClaimRow>,
-    /// Uncertain values, most costly first.
+    /// Uncertain values, by decreasing effect on the success rate.
     pub costs: Vec<CostRow>,
 }
 
@@ -33,7 +33,7 @@ pub struct TunePage {
 pub struct SettingRow {
     /// Key in the experiment file.
     pub key: String,
-    /// Unit.
+    /// Unit of both values.
     pub unit: String,
     /// Value before.
     pub before: f64,
@@ -50,7 +50,7 @@ pub struct ClaimRow {
     pub name: String,
     /// Number of draws in which the claim passes, before and after tuning.
     pub held: [u64; 2],
-    /// Median margin, before and after tuning.
+    /// Median of the margin, before and after tuning.
     pub median: [Option<f64>; 2],
     /// 5th percentile of the margin, before and after tuning.
     pub low: [Option<f64>; 2],

@@ -110,9 +110,9 @@ pub(super) struct LongRun {
     aligned: usize,
     /// Completed strokes; their row ranges count all rows, not only retained ones.
     strokes: Vec<Stroke>,
-    /// First retained row after the completed strokes.
+    /// Index of the first retained row after the completed strokes.
     open: usize,
-    /// `true` if rows from `open` on have been removed.
+    /// `true` if rows at or after `open` have been removed.
     open_is_thinned: bool,
     measures: Vec<StrokeMeasures>,
     felt: Vec<FeltStroke>,
@@ -167,7 +167,7 @@ impl LongRun {
         }
     }
 
-    /// Converts control steps before `end` that are not rows yet.
+    /// Appends rows for the control steps before `end` that have not been converted yet.
     fn align(&mut self, recording: &Recording, end: usize) {
         let before = self.data.time.len();
         let steps = self.aligned..end;

@@ -58,12 +58,12 @@ pub struct ReportOutcome {
     pub readable_until: f64,
     /// Content of `summary.json`.
     pub summary: Summary,
-    /// Origin of the claims, worded to follow "claims", such as "of the paper".
+    /// Phrase that follows the word "claims" and names their origin, such as "of the paper".
     pub whose: &'static str,
 }
 
 impl ReportOutcome {
-    /// Claims shown in the report: those of the task, or those of any hand if the law is not the paper's.
+    /// Claims shown in the report: those of the task, or those about any hand if the law is not the paper's.
     pub fn claims(&self) -> &[Claim] {
         self.summary.shown_claims()
     }
@@ -242,7 +242,7 @@ fn draw<T>(
     })
 }
 
-/// Error of a file that could not be written.
+/// Returns a function that adds `path` to an error of the operating system.
 fn failed(path: &Path) -> impl Fn(io::Error) -> ReportError + use<'_> {
     move |source| ReportError::Write {
         path: path.to_path_buf(),

@@ -61,7 +61,7 @@ fn corners(section: &[DVec2]) -> Vec<DVec2> {
     found
 }
 
-/// Longest time without touch while following the outline (s).
+/// Longest time without touch while tracing the outline (s).
 fn longest_loss(data: &RunData) -> Option<f64> {
     Some(data.longest_loss? as f64 * data.facts.control_period)
 }

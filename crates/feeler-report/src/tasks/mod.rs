@@ -17,7 +17,7 @@ use crate::measures::claim::Claim;
 use crate::measures::summary::Summary;
 use feeler_record::{Recording, RunFacts, TaskKind};
 
-/// Origin of the claims that apply to any hand.
+/// Origin of the claims that apply to any hand, as it is printed after the word "claims".
 const ANY_HANDS: &str = "of any hand";
 
 /// Claims shown in a report, and their origin.

@@ -12,7 +12,8 @@ pub const PAPERS_STROKES: u32 = 4;
 const PAPERS_FINGERS: usize = 2;
 const PAPERS_ELEMENTS: usize = 41;
 
-/// `true` if the hand is like the paper's as far as is known; the bounds of the paper's claims were chosen for it.
+/// `true` if the known facts of the hand agree with the paper's hand, for which the bounds of the paper's claims were
+/// chosen.
 pub fn is_papers_hand(facts: &RunFacts) -> bool {
     let mut elements = facts.hand.iter().map(|finger| finger.element_tips.len());
     facts.fingers == PAPERS_FINGERS && elements.all(|count| count == PAPERS_ELEMENTS)

@@ -12,7 +12,7 @@ use maud::{Markup, html};
 
 /// Task-specific part of a report.
 pub trait TaskReport: Sync {
-    /// Origin of the claims, as it follows the word "claims".
+    /// Phrase that follows the word "claims" and names their origin, such as "of this task".
     fn whose(&self) -> &'static str {
         "of this task"
     }

@@ -35,7 +35,7 @@ pub enum CalibrationBenchError {
     Negative {
         /// Name of the field.
         name: &'static str,
-        /// Its value.
+        /// Value of the field.
         value: f64,
     },
     /// A parameter of the loads is not positive or not finite.
@@ -43,7 +43,7 @@ pub enum CalibrationBenchError {
     NotPositive {
         /// Name of the field.
         name: &'static str,
-        /// Its value.
+        /// Value of the field.
         value: f64,
     },
 }

@@ -31,8 +31,8 @@ pub struct CalibrationBenchConfig {
     /// Number of load cycles of each element at the end, for repeatability and hysteresis: in steps up to half the
     /// maximum compression and half of its maximum shear force.
     pub cycles: usize,
-    /// Approximate radius of the patches to which loads are applied (m), as objects press on several elements of a
-    /// skin. With 0, elements are loaded independently.
+    /// Approximate radius of the patches to which loads are applied (m), because an object presses on several elements
+    /// of a skin. With 0, elements are loaded independently.
     pub contact_radius: f64,
     /// Model to fit.
     pub model: ModelChoice,

@@ -85,9 +85,8 @@ fn load_in_friction_cone(bench: &CalibrationBenchConfig, rng: &mut Pcg64) -> DVe
     (shear * direction).extend(normal)
 }
 
-/// Applies loads to patches of about `radius` (m): an element takes the load of `own` of its patch's central element.
-/// Patches are adjacent, so most elements take a neighbour's load. The direction of shear is constant in a patch.
-/// Returns `own` if `radius` is 0.
+/// Divides the elements into patches of about `radius` (m) and loads each element of a patch like its central element
+/// in `own`. The direction of shear is constant in a patch. Returns `own` if `radius` is 0.
 pub(crate) fn in_patches(
     layout: &ElementLayout,
     radius: f64,

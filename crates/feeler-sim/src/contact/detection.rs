@@ -78,8 +78,9 @@ pub(crate) fn moves(objects: &[ObjectState]) -> u64 {
 }
 
 impl FingerState {
-    /// Returns `true` if no feeler can make contact after the links have moved from the joint positions `before` (rad or
-    /// m), and objects `moves` times in total. The fingertip's exact pose is then irrelevant.
+    /// Returns `true` if no feeler can make contact now that the links have moved from the joint positions `before`
+    /// (rad or m). `moves` is the total number of motions of all objects. The fingertip's exact pose is then not
+    /// needed.
     pub(crate) fn stays_free(&mut self, finger: &Finger, before: &JointVector, moves: u64) -> bool {
         let link = &self.joints.link;
         let moved = |joint: usize| finger.reach[joint] * (link[joint] - before[joint]).abs();

@@ -16,7 +16,7 @@ use glam::DVec3;
 pub(crate) enum Freedom {
     /// Translation along a direction.
     Along(DVec3),
-    /// Rotation about its z axis, descending by this distance per angle (m/rad).
+    /// Rotation about the object's z axis, with this descent per angle (m/rad).
     Around(f64),
 }
 
@@ -163,7 +163,7 @@ impl Fingertip<'_> {
     }
 }
 
-/// Displacement (m) and duration (s) of a tip at rest.
+/// Displacement (m) and duration (s) for a tip that does not move.
 const STILL: (DVec3, f64) = (DVec3::ZERO, 1.0);
 
 /// Load of one feeler along a degree of freedom, and `true` if it sticks. If it does not stick, the load is computed

@@ -22,7 +22,8 @@ use feeler::check::Checker;
 use glam::DVec3;
 use serde::{Deserialize, Serialize};
 
-/// Sets below this are zeroed (m): far below the resolution of an image, far above slow subnormal numbers.
+/// Creep displacements below this are set to zero (m): far below the resolution of an image, far above slow subnormal
+/// numbers.
 const FORGOTTEN: f64 = 1e-15;
 
 /// Parameters of the relaxation of a feeler.
@@ -48,13 +49,13 @@ impl RelaxationConfig {
         self.time / (1.0 - self.share)
     }
 
-    /// The set after `duration` (s) at constant `displacement`; both in one frame (m).
+    /// Creep displacement (*set*, m) after `duration` (s) at constant `displacement` (m, in the same frame).
     pub fn held(&self, set: DVec3, displacement: DVec3, duration: f64) -> DVec3 {
         let end = self.share * displacement;
         end + libm::exp(-duration / self.time) * (set - end)
     }
 
-    /// The set of a feeler (m) after `duration` (s) without contact.
+    /// Creep displacement (*set*, m) of a feeler after `duration` (s) without contact.
     pub fn recovered(&self, set: DVec3, duration: f64) -> DVec3 {
         let left = set * libm::exp(-duration / self.creep_time());
         if left.length_squared() < FORGOTTEN * FORGOTTEN {

@@ -26,7 +26,7 @@ struct FingerContacts<'a> {
     state: &'a ObjectState,
     /// Pose of the fingertip in the object's frame.
     seen: Pose,
-    /// Rotation of the fingertip since tips last rolled, in the object's frame (rad).
+    /// Rotation of the fingertip since the anchors were last updated for rolling, in the object's frame (rad).
     turned: DVec3,
     overload: Overload,
     /// Time since [`remember_tips`] (s).
@@ -182,7 +182,7 @@ impl FingerContacts<'_> {
         Some(slip_together(alike, share.lanes, &held.slips, start))
     }
 
-    /// Applies the slip of a contact that [`slip_together`] has resolved; returns the same as [`Self::settle`].
+    /// Applies the slip of a contact that [`slip_together`] has resolved. Same result as [`Self::settle`].
     fn slipped(&self, block: &mut Block, lane: usize, slips: &Slips) -> Option<Settled> {
         let slip = slips.get(lane);
         if slip.normal_force <= 0.0 {

@@ -34,7 +34,7 @@ pub(crate) struct Slips {
     shear: Column,
     bend: Column,
     rebuilt: Column,
-    /// Distance (m) and dissipation (J).
+    /// Slip distance (m), and energy dissipated by friction (J).
     way: Column,
     work: Column,
 }

@@ -191,8 +191,8 @@ impl FreeBodies {
         body.add_torque(torque + lever.cross(force), true);
     }
 
-    /// Sets the motion relative to the arm for the next [`advance`](Self::advance): fixed objects move to their poses in
-    /// `objects`, and free bodies feel the acceleration `gravity` (m/s², in W).
+    /// Sets the motion relative to the arm for the next [`advance`](Self::advance): fixed objects move to their poses
+    /// in `objects`, and the acceleration `gravity` (m/s², in W) acts on free bodies.
     pub fn carry(&mut self, objects: &[ObjectState], gravity: DVec3) {
         self.world.gravity = gravity;
         for &(index, handle) in &self.passing {

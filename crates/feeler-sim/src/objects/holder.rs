@@ -86,7 +86,7 @@ impl PlaySpring {
         load * self.compliance
     }
 
-    /// Absolute change of the load over a deflection of `way` beyond the play.
+    /// Magnitude of the change of load due to a deflection of `way` beyond the play.
     pub fn load_over(&self, way: f64) -> f64 {
         self.stiffness * way.abs()
     }

@@ -23,7 +23,7 @@ pub(crate) struct Screw {
 }
 
 impl Screw {
-    /// Pose relative to the moved frame, for the pose `seen` relative to the frame before.
+    /// Converts the pose `seen` relative to the frame before the motion to the pose relative to the frame after it.
     #[inline(always)]
     pub fn seen_after(&self, seen: &Pose) -> Pose {
         let back = |v: DVec3| {

@@ -12,7 +12,7 @@ pub enum OpticsError {
         low: f64,
         /// Upper limit.
         high: f64,
-        /// Its value.
+        /// Value of the field.
         value: f64,
     },
     /// A cone of an unloaded element does not touch the visible part of the dome.
@@ -29,7 +29,7 @@ pub enum OpticsError {
         /// Number of forces.
         actual: usize,
     },
-    /// The image has another size than the camera.
+    /// The size of the image differs from the resolution of the camera.
     #[error(
         "expected an image of {expected_width}x{expected_height} px, got {width}x{height} px in {pixels} values"
     )]

@@ -27,9 +27,9 @@ const DEEP: f64 = 300.0;
 /// Displacement of the surface at some distance from a force of 1 N (m).
 #[derive(Debug, Clone, Copy, Default)]
 struct Compliance {
-    /// Tangential displacement in the direction of a tangential force, at a point ahead of it.
+    /// Tangential displacement parallel to a tangential force, at a point in the direction of the force.
     along: f64,
-    /// Tangential displacement in the direction of a tangential force, at a point to its side.
+    /// Tangential displacement parallel to a tangential force, at a point beside it.
     across: f64,
     /// Tangential displacement away from a normal force.
     outward: f64,

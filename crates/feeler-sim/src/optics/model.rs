@@ -184,7 +184,7 @@ fn pixel_scales(
     Some((largest, area.sqrt().recip()))
 }
 
-/// Points of the dome at all pixels.
+/// Coordinates x, y and z in `T` of the dome's point at each pixel (m); far away for pixels without a point.
 fn dome_points(projection: &DomeProjection) -> [Vec<f32>; 3] {
     let (width, height) = (projection.width(), projection.height());
     let mut points = [(); 3].map(|()| Vec::with_capacity(width * height));

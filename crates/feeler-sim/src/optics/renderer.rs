@@ -50,7 +50,7 @@ impl OpticsScratch {
         }
     }
 
-    /// Determines the light sources of an image with `forces`, and their bands.
+    /// Determines the light sources of an image with `forces`, and sorts them into bands.
     fn see(&mut self, model: &OpticsModel, forces: &[DVec3]) {
         // Has no effect unless the buffers were created for another model.
         self.lit.resize(BAND * model.padded_width(), 0.0);

@@ -1,7 +1,7 @@
 //! The arm that carries the hand: prescribed translations of the hand through its surroundings.
 //!
-//! W is fixed to the base of the hand. While the arm moves the hand by p(t), fixed objects therefore move by -p(t) in W, and
-//! the inertial force -m p''(t) acts on free bodies. The hand does not know the motion.
+//! W is fixed to the base of the hand. While the arm moves the hand by p(t), fixed objects therefore move by -p(t) in
+//! W, and the inertial force -m p''(t) acts on free bodies. The motion is not an input of the hand's controller.
 
 use feeler::check::Checker;
 use glam::DVec3;
@@ -29,14 +29,14 @@ pub struct ArmMotion {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case", deny_unknown_fields)]
 pub enum ArmMotionKind {
-    /// Translation from rest to rest with the least jerk: `s³ (10 - 15 s + 6 s²)` of the way after the share `s` of the
-    /// duration.
+    /// Translation from rest to rest with minimum jerk: `s³ (10 - 15 s + 6 s²)` of the displacement after the fraction
+    /// `s` of the duration.
     Travel {
         /// Displacement of the hand (m).
         by: [f64; 3],
     },
-    /// Harmonic oscillation that rises from and returns to rest: `sin(2π f t) sin²(π s)` of the amplitude at the time `t`
-    /// since the start, after the share `s` of the duration.
+    /// Harmonic oscillation that starts and ends at rest: `sin(2π f t) sin²(π s)` of the amplitude at the time `t`
+    /// since the start, after the fraction `s` of the duration.
     Shake {
         /// Maximum displacement of the hand (m).
         amplitude: [f64; 3],
@@ -46,7 +46,7 @@ pub enum ArmMotionKind {
 }
 
 impl ArmMotion {
-    /// Displacement of the hand by this motion at `time` (s), m.
+    /// Displacement (m) of the hand by this motion at `time` (s).
     fn position(&self, time: f64) -> DVec3 {
         let share = ((time - self.from) / (self.until - self.from)).clamp(0.0, 1.0);
         match self.kind {
@@ -87,12 +87,12 @@ impl ArmMotion {
     }
 }
 
-/// Displacement of the hand by all `motions` at `time` (s), m.
+/// Displacement (m) of the hand by all `motions` at `time` (s).
 pub fn displacement(motions: &[ArmMotion], time: f64) -> DVec3 {
     motions.iter().map(|motion| motion.position(time)).sum()
 }
 
-/// Acceleration of the hand by all `motions` at `time` (s), m/s². Zero at the start and end of each motion.
+/// Acceleration (m/s²) of the hand by all `motions` at `time` (s). Zero at the start and end of each motion.
 pub fn acceleration(motions: &[ArmMotion], time: f64) -> DVec3 {
     let at = |time| displacement(motions, time);
     let change = at(time + INTERVAL) - 2.0 * at(time) + at(time - INTERVAL);

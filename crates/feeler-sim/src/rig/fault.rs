@@ -118,7 +118,7 @@ pub enum FaultKind {
         /// Offset of the measured angle (rad).
         angle: f64,
     },
-    /// A tactile sensor with a wrong gain: all its forces are scaled. 0 for a numb sensor.
+    /// A tactile sensor with a wrong gain, by which all its forces are scaled; with gain 0 it measures no force.
     SensorGain {
         /// Index of the finger.
         finger: usize,

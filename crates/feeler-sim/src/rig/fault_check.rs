@@ -6,11 +6,11 @@ use feeler::check::Checker;
 use feeler::sensor::fingertip::FingertipConfig;
 use std::collections::BTreeMap;
 
-/// Maximum latency in control periods, as exposures in flight are stored.
+/// Maximum latency in control periods, because all delayed exposures are stored.
 const MAX_LATE_PERIODS: f64 = 1000.0;
 /// Maximum gain of a faulty encoder.
 const MAX_GAIN: f64 = 1e3;
-/// Number of joints that a fault on a missing finger may name.
+/// Number of joints assumed for a finger that does not exist.
 const USUAL_JOINTS: usize = 3;
 
 /// Parts of an experiment that faults can affect.

@@ -23,7 +23,7 @@ enum Part {
     Jump(usize, usize, f64),
     Friction(Vec<usize>, f64),
     Mass(usize, MassChange),
-    /// External force on an object at its maximum (N, in W), and its rise from 0 to 1.
+    /// External force on an object: its maximum (N, in W), and the ramp by which it rises.
     Pull(usize, DVec3, Ramp),
 }
 

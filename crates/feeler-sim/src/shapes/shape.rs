@@ -20,13 +20,13 @@ pub enum ShapeError {
     Mesh {
         /// Path of the file.
         file: PathBuf,
-        /// Cause.
+        /// Error of the mesh.
         source: Box<MeshError>,
     },
     /// A section has zero area.
     #[error("the section has zero area")]
     NoArea,
-    /// The mesh is rejected by parry, or its corners have no convex hull.
+    /// The mesh is rejected by the library parry, or its corners have no convex hull.
     #[error("{}: expected {expected}", file.display())]
     Unfit {
         /// Path of the file.
@@ -100,9 +100,10 @@ pub struct Shape {
 
 #[derive(Clone)]
 enum Form {
-    /// A separate variant for speed: the most frequent shape, touched mostly on its side.
+    /// Plain cylinder; a separate variant for speed, because it is the most frequent shape and touched mostly on its
+    /// side.
     Cylinder(Cylinder),
-    /// With the circumscribed plain cylinder.
+    /// Knurled cylinder, and its circumscribed plain cylinder.
     Knurled(Box<KnurledCylinder>, Cylinder),
     Other(SharedShape),
 }

@@ -22,7 +22,7 @@ use std::f64::consts::PI;
 const MAX_OBJECTS: usize = 64;
 /// Maximum number of faults; each is checked in every step.
 const MAX_FAULTS: usize = 256;
-/// Maximum number of physics steps per control period; with more, a run would seem to hang.
+/// Maximum number of physics steps per control period; with more, a run would be too slow to be useful.
 const MAX_STEPS_PER_PERIOD: f64 = 1000.0;
 
 /// Variation between runs of different seeds. Each quantity is drawn once per run from a uniform distribution.

@@ -50,7 +50,7 @@ pub struct WorldModel {
 
 /// A finger and its fingertip.
 pub struct Finger {
-    /// Its links and joints.
+    /// Links and joints of the finger.
     pub geometry: FingerGeometry,
     /// Radius of the dome at the centres of the undeformed tips (m).
     pub dome_radius: f64,

@@ -83,8 +83,8 @@ impl World {
         self.state.check_finite(&self.model)
     }
 
-    /// Calls `observer` after every step, also after those within [`advance`](Self::advance), with ground truth that is finer
-    /// than the control period. Replaces an earlier observer.
+    /// Calls `observer` with the ground truth after every step, also within [`advance`](Self::advance). Replaces an
+    /// earlier observer.
     pub fn observe(&mut self, observer: impl FnMut(&WorldModel, &State) + Send + 'static) {
         self.observer = Some(Box::new(observer));
     }

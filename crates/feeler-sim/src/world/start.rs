@@ -102,7 +102,7 @@ impl State {
         Err(self.not_finite(model))
     }
 
-    /// Error for the first quantity that is not finite.
+    /// Returns the error about the first quantity that is not finite.
     #[cold]
     fn not_finite(&self, model: &WorldModel) -> SimError {
         for (number, finger) in self.fingers.iter().enumerate() {

@@ -56,7 +56,7 @@ pub struct ObjectState {
 /// Ground truth of one finger.
 #[derive(Debug, Clone, PartialEq)]
 pub struct FingerState {
-    /// Its joints.
+    /// State of the finger's joints.
     pub joints: Joints,
     /// Pose of the fingertip in W: the dome's centre and the fingertip frame `T`.
     pub tip: Pose,

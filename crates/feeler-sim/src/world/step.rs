@@ -117,7 +117,7 @@ fn move_bodies(model: &WorldModel, state: &mut State, bodies: &mut FreeBodies) {
     }
 }
 
-/// Moves the fixed objects to where they are relative to the hand at `time` (s), which its arm moves.
+/// Moves the fixed objects to their poses relative to the hand at `time` (s), as the arm moves the hand.
 fn pass(model: &WorldModel, state: &mut State, time: f64) {
     let passed = displacement(&model.arm, time);
     for (object, own) in model.objects.iter().zip(&mut state.objects) {

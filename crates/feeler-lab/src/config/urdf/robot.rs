@@ -4,9 +4,9 @@ use feeler::hand::chain::{FrameRow, JointConfig, MimicConfig, RowType};
 use roxmltree::{Document, Node};
 use std::collections::BTreeSet;
 
-/// Limits of a continuous joint: plus and minus this (rad).
+/// Magnitude of both limits of a continuous joint (rad).
 const UNLIMITED: f64 = std::f64::consts::TAU;
-/// Speed of a joint without a maximum (rad/s or m/s).
+/// Maximum speed of a joint if the URDF gives none (rad/s or m/s).
 const UNKNOWN_SPEED: f64 = 1.0;
 
 /// Independent joints and frames of a finger.
@@ -78,7 +78,7 @@ pub(super) fn chain(text: &str, base: Option<&str>, tip: &str) -> Result<Finger,
     Ok(finger)
 }
 
-/// Checks that no two joints have the same value.
+/// Checks that `value`, called `what` in the error, differs between all joints.
 fn unique<'a, 'i>(
     joints: &'a [Node<'a, 'i>],
     what: &str,
@@ -106,7 +106,7 @@ fn child<'a, 'i>(node: &Node<'a, 'i>, name: &str) -> Option<Node<'a, 'i>> {
     node.children().find(|child| child.has_tag_name(name))
 }
 
-/// Names a joint in messages.
+/// Returns the name of a joint for messages.
 fn name_of<'a>(joint: &Node<'a, '_>) -> &'a str {
     joint.attribute("name").unwrap_or("without a name")
 }
@@ -115,7 +115,7 @@ fn required<T>(value: Option<T>, joint: &Node, what: &str) -> Result<T, String> 
     value.ok_or_else(|| format!("joint {:?}: expected a {what}", name_of(joint)))
 }
 
-/// Converts a joint. An independent one is added to `known`.
+/// Converts a joint to a row of the chain. Adds the independent joint that moves it to `known`.
 fn row(joint: &Node, all: &[Node], known: &mut Vec<JointConfig>) -> Result<FrameRow, String> {
     let name = name_of(joint);
     let origin = child(joint, "origin");
@@ -155,7 +155,8 @@ fn row(joint: &Node, all: &[Node], known: &mut Vec<JointConfig>) -> Result<Frame
     Ok(row)
 }
 
-/// The independent joint that a joint follows, directly or through other joints, with the ratio of both and the offset.
+/// Resolves a mimic joint: returns the independent joint that it follows, directly or through other mimic joints, with
+/// the total multiplier and offset.
 fn followed<'a, 'i>(
     joint: &Node,
     mimic: &Node,
@@ -191,7 +192,7 @@ fn followed<'a, 'i>(
     ))
 }
 
-/// Adds an independent joint unless it is known. Returns its name.
+/// Adds an independent joint to `known` unless it is already there. Returns its name.
 fn add(joint: &Node, known: &mut Vec<JointConfig>) -> Result<String, String> {
     let name = required(joint.attribute("name"), joint, "name")?.to_string();
     if known.iter().any(|other| other.name == name) {
@@ -220,7 +221,7 @@ fn add(joint: &Node, known: &mut Vec<JointConfig>) -> Result<String, String> {
     Ok(name)
 }
 
-/// Returns a limit of a joint, if it is given.
+/// Returns the attribute `key` of a joint's `<limit>`, or `None` if it is missing.
 fn limit(joint: &Node, key: &str) -> Result<Option<f64>, String> {
     match child(joint, "limit") {
         Some(limit) => number(limit, key, joint),
@@ -228,7 +229,7 @@ fn limit(joint: &Node, key: &str) -> Result<Option<f64>, String> {
     }
 }
 
-/// Returns three numbers of an attribute, or `None` without it.
+/// Parses three numbers from the attribute `key`, or returns `None` if it is missing.
 fn vector(node: Option<Node>, key: &str, joint: &Node) -> Result<Option<[f64; 3]>, String> {
     let Some(text) = node.and_then(|node| node.attribute(key)) else {
         return Ok(None);
@@ -245,7 +246,7 @@ fn vector(node: Option<Node>, key: &str, joint: &Node) -> Result<Option<[f64; 3]
     .map(Some)
 }
 
-/// Returns the number of an attribute, or `None` without it.
+/// Parses a number from the attribute `key`, or returns `None` if it is missing.
 fn number(node: Node, key: &str, joint: &Node) -> Result<Option<f64>, String> {
     let Some(text) = node.attribute(key) else {
         return Ok(None);

@@ -21,7 +21,7 @@ use feeler_sim::objects::Motion;
 
 /// Reward per radian towards the seat (mN·m).
 const TURN: f64 = 1.0;
-/// Cost per newton above the limit and second (mN·m).
+/// Cost per newton above the limit and per second (mN·m).
 const OVERLOAD: f64 = 10.0;
 /// Cost per joule of slip work (mN·m).
 const SLIP: f64 = 50.0;

@@ -20,7 +20,7 @@ use glam::DVec3;
 
 /// Maximum distance from a waypoint at which it is reached (m).
 const REACHED: f64 = 0.002;
-/// Cost per newton above the crushing force and second (mm).
+/// Cost per newton above the crushing force and per second (mm).
 const CRUSH: f64 = 10.0;
 /// Cost of losing the object (mm).
 const LOST: f64 = 20.0;
@@ -46,7 +46,7 @@ pub(super) struct CarryGoal {
     /// Displacement of the object in W (m), and remaining length of the path (m).
     moved: DVec3,
     left: f64,
-    /// Force of the finger that presses hardest (N).
+    /// Largest force of any finger on the object (N).
     pressing: f64,
 }
 
@@ -55,7 +55,7 @@ struct Waypoint {
     to: DVec3,
     /// Duration for which the object must stay at the waypoint (s).
     hold: f64,
-    /// Length of the path from this waypoint to its end (m).
+    /// Length of the path from this waypoint to the end of the path (m).
     rest: f64,
 }
 

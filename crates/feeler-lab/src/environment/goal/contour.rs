@@ -2,9 +2,9 @@
 //!
 //! A part of the outline counts when the finger passes it for the first time in the episode while the force on the
 //! object is between 0.5 and 1.5 times the task's `contact_force`. Below this band contact is not reliable; above it
-//! the finger pushes instead of feeling its way. The potential is the fraction of the outline that has been traced.
-//! Force above the band costs 10 % per newton and second. The episode ends when 99 % are traced, because the dome may
-//! not fit into a corner.
+//! the finger presses instead of following the outline. The potential is the fraction of the outline that has been
+//! traced. Force above the band costs 10 % per newton and second. The episode ends when 99 % are traced, because the
+//! dome may not fit into a corner.
 
 use super::{Goal, Seen, Verdict, no_goal};
 use crate::config::Experiment;
@@ -18,7 +18,7 @@ use std::f64::consts::TAU;
 
 /// Minimum and maximum force that counts, relative to the contact force.
 const BAND: (f64, f64) = (0.5, 1.5);
-/// Cost per newton above the band and second (%).
+/// Cost per newton above the band and per second (%).
 const OVERLOAD: f64 = 10.0;
 /// Fraction of the outline at which the goal is reached.
 const WHOLE: f64 = 0.99;

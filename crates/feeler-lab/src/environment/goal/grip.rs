@@ -14,13 +14,13 @@ use feeler_sim::objects::Motion;
 use feeler_sim::world::World;
 use glam::DVec3;
 
-/// Cost per newton second of the fingers' forces (N·s).
+/// Cost per newton and second of the fingers' forces (N·s).
 const PRESSING: f64 = 0.1;
 /// Cost of dropping the object (N·s).
 const DROPPED: f64 = 20.0;
-/// Height above its start on the table from which the object is in the air (m).
+/// Height above its initial position from which the object counts as in the air (m).
 const IN_AIR: f64 = 3e-4;
-/// Height from which losing the object is dropping it (m), and to which it must be lifted.
+/// Height from which losing the object counts as dropping it (m), and height to which it must be lifted (m).
 const DROP: f64 = 4e-3;
 const LIFTED: f64 = 0.02;
 

@@ -89,7 +89,7 @@ impl LiveRows {
         })
     }
 
-    /// The rig as a live page describes it.
+    /// Returns the description of the rig for a live page.
     pub fn rig(&self) -> LiveRig<'_> {
         LiveRig {
             facts: &self.facts,
@@ -105,8 +105,8 @@ impl LiveRows {
         columns.iter().map(|(_, width)| width).sum::<usize>() - 1
     }
 
-    /// Estimates the contact in the next frame of `finger` from the forces on its elements (N, in their frames), or returns
-    /// `None` without contact. Updates the friction estimate. Does not allocate.
+    /// Estimates the contact in the next frame of `finger` from the forces on its elements (N, in their frames), or
+    /// returns `None` if no element touches. Updates the friction estimate. Does not allocate.
     pub fn contact(&mut self, finger: usize, forces: &[DVec3]) -> Option<Contact> {
         self.estimators.get_mut(finger)?.estimate(forces)
     }
@@ -116,8 +116,8 @@ impl LiveRows {
         &self.geometries[finger]
     }
 
-    /// Writes the row of the latest step of `control_loop`, with the readings `at` its beginning, into `numbers`. What
-    /// exceeds the capacity is omitted.
+    /// Writes the row of the latest step of `control_loop`, with the instrument readings `at` its beginning, to
+    /// `numbers`. Numbers beyond the capacity of `numbers` are omitted.
     pub fn write(
         &mut self,
         numbers: &mut Vec<f32>,

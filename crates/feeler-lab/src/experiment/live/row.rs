@@ -8,7 +8,7 @@ use feeler_report::page_data::{contact_values, flag_bits};
 use glam::{DQuat, DVec3};
 use std::iter;
 
-/// Writer of a row's numbers into preallocated memory; what does not fit is omitted.
+/// Writes the numbers of a row into preallocated memory. Numbers beyond its capacity are omitted.
 pub struct Row<'a>(&'a mut Vec<f32>);
 
 /// Values of one finger in a row.
@@ -27,7 +27,7 @@ pub struct FingerRow<'a, F> {
     pub slips: bool,
     /// Rate of change of each element's tangential force (N/s).
     pub shear_rates: &'a [f64],
-    /// Contact with an object, or `None` without one.
+    /// Contact with an object, or `None` if no element touches.
     pub contact: Option<Contact>,
 }
 

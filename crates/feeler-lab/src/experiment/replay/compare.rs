@@ -111,7 +111,7 @@ impl Comparison {
 /// Compares the messages of a replay with the recording and forwards them to a copy.
 pub(super) struct Comparer<'a> {
     recording: &'a Recording,
-    /// `true` if to compare forces. `false` if the replay uses the recorded forces.
+    /// `true` if forces are compared, `false` if the replay uses the recorded forces.
     forces: bool,
     step: usize,
     time: f64,

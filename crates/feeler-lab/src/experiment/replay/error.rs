@@ -26,7 +26,7 @@ pub enum ReplayError {
         /// Index of the finger.
         finger: usize,
     },
-    /// The settings describe another rig than the recording.
+    /// The experiment describes a rig that differs from the recorded one.
     #[error(
         "{what}: {expected} in the recording, {actual} in the experiment; a replay cannot change this value"
     )]

@@ -59,7 +59,7 @@ pub fn recorded_experiment(
 }
 
 impl<'a> Replay<'a> {
-    /// Prepares a replay of `recording` with `experiment`, which may have other settings than the recorded one.
+    /// Prepares a replay of `recording` with `experiment`, whose settings may differ from the recorded ones.
     ///
     /// # Errors
     /// If the recording is empty, or the experiment describes another rig.

@@ -20,7 +20,7 @@ const EMULATED_REPLY_TIMEOUT: f64 = 0.1;
 /// Tolerance of a time step of the world, relative to the step: timestamps are not exact multiples.
 const EARLY: f64 = 1e-6;
 
-/// Error in the setup of such a run.
+/// Error in the setup of a run on an emulated bus.
 #[derive(Debug, thiserror::Error)]
 pub enum DrivenError {
     /// The experiment cannot be set up.

@@ -1,4 +1,4 @@
-//! Rigs of several programs: simulated, on a servo bus, or over the link.
+//! Rigs whose parts run in several programs: simulated, on a servo bus, or connected by the link.
 
 #[cfg(target_os = "linux")]
 pub(crate) mod bus_rig;

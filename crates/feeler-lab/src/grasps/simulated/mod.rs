@@ -1,8 +1,9 @@
 //! Simulated grasps, successful or failed, measured by a gel with markers, with ground truth.
 //!
-//! Two fingers close on a free object, lift it, shake it, are tugged at and open, at random. Object, grip and gel are
-//! drawn from ranges that are wider than those of any particular sensor (listed in `docs/slip.md`). The ground truth
-//! of slip is the displacement of the object relative to its initial position between the fingertips.
+//! Two fingers close on a free object and lift it. In some grasps, chosen at random, the hand shakes, a force tugs at
+//! the object, or the fingers open. Object, grip and gel are drawn from ranges that are wider than those of any
+//! particular sensor (listed in `docs/slip.md`). The ground truth of slip is the displacement of the object relative to
+//! its initial position between the fingertips.
 
 mod markers;
 mod motion;
@@ -30,7 +31,7 @@ const HAND: &str = "lift";
 const DURATION: f64 = 9.0;
 /// Time between two frames (s).
 pub const INTERVAL: f64 = 0.1;
-/// Radius of the contact for which the gel has the stiffness of its layer (m); assumed.
+/// Assumed radius of the contact for which the stiffness of the gel is computed (m).
 const CONTACT: f64 = 0.004;
 /// Ratio of damping to stiffness of the gel (s); assumed.
 const DAMPING: f64 = 0.003;

@@ -31,7 +31,7 @@ pub struct Gel {
     pub irregularity: f64,
     /// Standard deviation of the noise of a located centre, per axis (px).
     pub noise: f64,
-    /// Distance of the camera (m).
+    /// Distance of the camera from the gel (m).
     pub camera: f64,
     /// Relative radial distortion at half an image width from the centre.
     pub distortion: f64,

@@ -186,7 +186,7 @@ fn ends(estimate: Estimate) -> [f64; 3] {
     [estimate.low, estimate.mean, estimate.high]
 }
 
-/// Pairs each other law with the first one, trial by trial, for the deciding measures.
+/// Pairs the trials of each other law with those of the first law, for the measures that decide which law is better.
 fn pairs(candidates: &[Candidate<'_>], trials: &[u64], results: &[Vec<Result>]) -> Vec<Pairs> {
     const JUDGED: usize = 2;
     let laws = candidates.iter().zip(results).skip(1);

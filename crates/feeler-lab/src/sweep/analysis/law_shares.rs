@@ -1,4 +1,4 @@
-//! Fraction of the same hands on which each control law passes the claims of any hand.
+//! Fraction of the same hands on which each control law passes the claims about any hand.
 
 use super::robustness::{is_hand, ranges, share};
 use crate::sweep::results::claim_columns::ClaimColumns;
@@ -50,8 +50,8 @@ pub fn law_shares(laws: &[LawTrials<'_>]) -> LawSharesPage {
 }
 
 impl LawTrials<'_> {
-    /// Returns the fraction of the trials `hands` that pass each claim of any hand, followed by the fraction that pass
-    /// all of these claims and finish the task.
+    /// Returns the fraction of the trials `hands` that pass each claim about any hand, followed by the fraction that
+    /// pass all of these claims and finish the task.
     fn shares(&self, hands: &[u64]) -> Vec<Share> {
         let claims: Vec<_> = self.trials.hand_claims().collect();
         let columns = claims.iter().map(|c| self.table.column(&c.holds()));
@@ -74,7 +74,7 @@ impl LawTrials<'_> {
     }
 }
 
-/// Short name of a claim of any hand.
+/// Short name of a claim about any hand.
 fn short(claim: &ClaimColumns) -> String {
     let id = claim.id.strip_prefix("hand-").unwrap_or(claim.id);
     id.replace('-', " ")

@@ -27,7 +27,7 @@ const TRACES: usize = 3;
 struct Judged {
     name: String,
     decided_by: Option<DecidedBy>,
-    /// Columns that must be 1.
+    /// Columns of the claims' results, which must all be 1 (pass).
     holds: Vec<usize>,
     /// Columns of margins. The smallest margin is that of the criterion.
     margins: Vec<usize>,

@@ -45,16 +45,16 @@ pub const RUN_SEED: &str = "the run's own seed";
 /// Kind of a trial.
 #[derive(Debug, Clone, Copy, PartialEq, Eq)]
 pub enum Kind {
-    /// All parameters and the seed from one row.
+    /// All parameters and the seed are those of a row.
     Row(u64),
-    /// The parameters of one group from a row; the others nominal.
+    /// The parameters of one group are those of a row; the others are nominal.
     Only {
         /// Index of the group.
         group: usize,
         /// Index of the row.
         row: u64,
     },
-    /// All parameters nominal; the seed from this row.
+    /// All parameters are nominal; the seed is that of a row.
     Nominal(u64),
     /// Row A of a pair with one factor taken from row B.
     Swapped {

@@ -7,7 +7,7 @@ use toml::Value;
 /// A factor given by the value of a key, raised to a power.
 #[derive(Debug, Clone, PartialEq)]
 pub struct Multiplier {
-    /// The key.
+    /// Key whose value is the base of the power.
     pub key: String,
     power: f64,
     /// Value of the key in the experiment.
@@ -15,8 +15,8 @@ pub struct Multiplier {
 }
 
 impl Multiplier {
-    /// Returns the multiplier of `entry`, whose key is looked up in the experiment's `leaves`, or `None` if it has no
-    /// `of`.
+    /// Returns the multiplier of `entry`, whose key is looked up in the experiment's `leaves`. `None` if the entry does
+    /// not contain `of`.
     ///
     /// # Errors
     /// If the key is unknown, its value is 0 or not a number, a power is given without a key, the power is 0 or not

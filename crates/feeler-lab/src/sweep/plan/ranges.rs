@@ -47,7 +47,7 @@ pub struct Entry {
 #[derive(Debug, Clone, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Link {
-    /// The key.
+    /// Key in the experiment file.
     pub key: String,
     /// Factor of the drawn value.
     #[serde(default = "one")]

@@ -112,8 +112,8 @@ fn answering((plots, layout): &grid::Panel, legend: &[(&str, Pen)], of_time: boo
     }
 }
 
-/// Adds a line to the series. Pieces of the same line are joined to one series. Over time, an earlier piece of the same
-/// name starts a new series, because lines do not run backwards.
+/// Adds a line to the series. Pieces of the same line are joined to one series. On a time axis, a piece that is earlier
+/// than the existing ones starts a new series, because lines do not run backwards.
 fn add_line(series: &mut Vec<Series>, line: &LinePlot, legend: &[(&str, Pen)], of_time: bool) {
     let name = name_of(line, legend);
     let mut points: Vec<_> = line.data.iter().map(|point| (point.x, point.y)).collect();
