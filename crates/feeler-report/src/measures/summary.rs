@@ -52,9 +52,9 @@ pub struct Summary {
     /// cap's motion is unknown.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub success: Option<Success>,
-    /// Final rotation of the cap (rad), positive = closing.
+    /// Final rotation of the cap (rad), positive = closing; `None` for tasks that do not screw.
     pub cap_angle: Option<f64>,
-    /// Peak torque of the last stroke (N·m), for screwing tasks.
+    /// Peak torque of the last stroke (N·m); `None` for tasks that do not screw.
     pub final_torque: Option<f64>,
     /// Largest normal force on an element over all strokes (N).
     pub peak_element_force: Option<f64>,

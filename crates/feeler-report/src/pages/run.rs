@@ -13,7 +13,7 @@ use crate::run::data::RunData;
 use crate::run::thinned::DecimatedRun;
 use crate::tasks;
 use crate::tasks::TaskReport;
-use feeler_record::{Phase, Recording, RunFacts, RunState, TaskKind};
+use feeler_record::{Phase, Recording, RunFacts, RunState};
 use maud::{Markup, html};
 
 /// Report page as HTML. `link` is the relative path to the recording; `table` contains the rows of `data`.
@@ -114,12 +114,9 @@ fn tiles_of(summary: &Summary, claims: &[Claim]) -> Vec<Tile> {
     let measure = |value: Option<f64>, factor: f64, unit, label| {
         value.map(|value| Tile::new(significant(factor * value), unit, label))
     };
-    let screws = summary.task == TaskKind::Screw;
-    let torque = summary.final_torque.filter(|_| screws);
-    let turn = summary.cap_angle.filter(|_| screws);
     let measured = [
-        measure(torque, 1e3, "mN·m", "peak torque, last stroke"),
-        measure(turn, 1f64.to_degrees(), "°", "cap rotation"),
+        measure(summary.final_torque, 1e3, "mN·m", "peak torque, last stroke"),
+        measure(summary.cap_angle, 1f64.to_degrees(), "°", "cap rotation"),
         measure(
             summary.peak_element_force,
             1.0,
