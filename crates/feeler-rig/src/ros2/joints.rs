@@ -1,4 +1,4 @@
-//! A ROS 2 robot's joints as those of a rig.
+//! Serves a ROS 2 robot's joints as a rig.
 
 use feeler::hand::{Hand, HandCommand, HandError, HandState};
 use feeler_console::Warnings;
@@ -10,16 +10,16 @@ use std::time::{Duration, Instant};
 /// Time to wait for the first joint states before a message is printed, and between two reports of failed commands.
 const PATIENCE: Duration = Duration::from_secs(2);
 
-/// A robot's joints. The rig's time is the graph's time since the first joint states. The age of a command follows
-/// from the stamps of the joint states that it is based on.
+/// A robot's joints. The rig's time is the ROS time since the first joint states. The age of a command follows from the
+/// stamps of the joint states that it is based on.
 pub struct RobotRig {
     hand: RosHand,
-    /// Time of the ROS graph (s) at which the rig's time was 0.
+    /// ROS time (s) at which the rig's time was 0.
     began: Option<f64>,
     warnings: Warnings,
     /// Start of the current gap in the joint states, and `true` if it was reported. `None` while joint states arrive.
     lost: Option<(Instant, bool)>,
-    /// Time at which a failed command was last reported.
+    /// Time of the latest report of a failed command.
     refused: Option<Instant>,
 }
 
