@@ -1,4 +1,4 @@
-//! Output files: they never replace an input, replace an existing file only if forced, and bear their final name only
+//! Output files: they never replace an input, replace an existing file only if forced, and get their final name only
 //! when complete.
 
 use std::fs::{self, File};

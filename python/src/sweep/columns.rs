@@ -52,7 +52,7 @@ pub fn read_table(py: Python<'_>, path: PathBuf) -> PyResult<Bound<'_, PyDict>> 
     Ok(table)
 }
 
-/// Reads the columns. Reads the file twice, because the type of a column is only known at the end, and text needs far
+/// Reads the columns. The file is read twice, because the type of a column is only known at the end, and text needs far
 /// more memory than numbers.
 fn read(path: &Path) -> csv::Result<Vec<(String, Column)>> {
     let mut reader = csv::Reader::from_path(path)?;

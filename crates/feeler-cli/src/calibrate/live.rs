@@ -91,7 +91,7 @@ fn goal(arguments: &Arguments) -> Goal {
     Goal { normal, shear }
 }
 
-/// Guides through loading the fingertip, with images and loads kept in `folder`.
+/// Guides the operator through loading the fingertip. Images and loads are saved in `folder`.
 pub fn guide(
     arguments: &Arguments,
     folder: &Path,

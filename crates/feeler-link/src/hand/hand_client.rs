@@ -17,7 +17,7 @@ use std::time::{Duration, Instant};
 /// Interval at which an order is repeated until the hand obeys.
 pub const INTERVAL: Duration = Duration::from_millis(200);
 
-/// Time for which the ordered state must last before it is reported as stable.
+/// Time for which the requested state must last before it is reported as stable.
 pub const STEADY: Duration = Duration::from_millis(300);
 
 /// Client that sends orders to the hand of a rig and observes its mode.

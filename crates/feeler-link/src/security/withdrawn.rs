@@ -5,7 +5,7 @@ use super::right::{CertificateName, RightError};
 use std::collections::BTreeSet;
 use std::path::{Path, PathBuf};
 
-/// File name of the list, in the lab's folder and in each certificate folder.
+/// Name of the file that lists withdrawn certificates, in the lab's folder and in each certificate folder.
 pub const WITHDRAWN: &str = "withdrawn.txt";
 
 /// Error of reading the list of withdrawn certificates.

@@ -23,7 +23,7 @@ const PATIENCE: Duration = Duration::from_millis(50);
 /// Interval between diagnostics, in the recording's time (s).
 const DIAGNOSTICS_INTERVAL: f64 = 1.0;
 
-/// Publishes the recording at `path`, at `speed` times its real time, until it ends or until Ctrl-C.
+/// Publishes the recording at `path`, at `speed` times real time, until it ends or until Ctrl-C.
 ///
 /// # Errors
 /// If the recording cannot be read, the speed is not positive, or the node cannot be opened.
